@@ -1,0 +1,74 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/common/geometry/angle.hpp"
+#include "services/common/geometry/pose2.hpp"
+
+namespace luminav {
+
+enum class FixtureShape { kRectangle, kSquare, kRound };
+
+/// Angle after which a shape looks the same [rad]; 0 = it has no orientation.
+inline double symmetry_period(FixtureShape shape) {
+  switch (shape) {
+    case FixtureShape::kRectangle: return kPi;
+    case FixtureShape::kSquare: return 0.5 * kPi;
+    case FixtureShape::kRound: return 0.0;
+  }
+  return 0.0;
+}
+
+/// A light fixture on the ceiling, as the building's file has it.
+struct Fixture {
+  int id = 0;
+  FixtureShape shape = FixtureShape::kRectangle;
+  Pose2 world_from_fixture;  // centre; x along the long side
+  double length = 1.2;       // [m] long side; of a round one the diameter
+  double width = 0.3;        // [m] short side; of a round one the diameter
+  double height = 2.8;       // [m] above the floor
+  int lamps = 2;
+};
+
+enum class ElementKind { kVent, kDetector, kSpeaker, kSign };
+
+/// Something on the ceiling that a camera sees and that is no fixture.
+struct CeilingElement {
+  ElementKind kind = ElementKind::kVent;
+  Pose2 world_from_element;
+  double length = 0.6;  // [m] of a detector: its diameter
+  double width = 0.6;   // [m]
+};
+
+struct Window {
+  Pose2 world_from_window;  // theta: inward normal
+  double width = 1.5;       // [m]
+};
+
+struct Door {
+  int id = 0;
+  Pose2 world_from_door;  // centre of the opening; theta: along the opening
+  double width = 0.9;     // [m]
+};
+
+struct Place {
+  std::string name;
+  Pose2 pose;
+  bool has_theta = false;
+};
+
+/// What is known of a building. Poses in the world frame.
+struct Building {
+  std::string name;
+  double ceiling_height = 2.8;  // [m]
+  std::string map_file;         // absolute path of the map's YAML; "" = none
+  std::vector<Fixture> fixtures;
+  std::vector<CeilingElement> elements;
+  std::vector<Window> windows;
+  std::vector<Door> doors;
+  std::vector<Place> places;
+};
+
+}  // namespace luminav

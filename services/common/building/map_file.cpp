@@ -1,0 +1,159 @@
+#include "services/common/building/map_file.hpp"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cctype>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace luminav {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct GreyImage {
+  int width = 0;
+  int height = 0;
+  int maximum = 255;
+  std::vector<std::uint8_t> pixels;  // row-major from the top left
+};
+
+/// Next number of a PGM header; comments run from # to the end of the line.
+int read_header_number(std::istream& in, const fs::path& file) {
+  while (true) {
+    const int next = in.peek();
+    if (next == '#') {
+      std::string comment;
+      std::getline(in, comment);
+    } else if (std::isspace(next) != 0) {
+      in.get();
+    } else {
+      break;
+    }
+  }
+  int number = 0;
+  if (!(in >> number) || number <= 0) {
+    throw std::runtime_error(fmt::format("{}: not a binary PGM picture (P5)", file.string()));
+  }
+  return number;
+}
+
+GreyImage read_pgm(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) {
+    throw std::runtime_error(fmt::format("{}: cannot be read", file.string()));
+  }
+  char magic[2] = {};
+  in.read(magic, 2);
+  if (magic[0] != 'P' || magic[1] != '5') {
+    throw std::runtime_error(fmt::format("{}: not a binary PGM picture (P5)", file.string()));
+  }
+  GreyImage image;
+  image.width = read_header_number(in, file);
+  image.height = read_header_number(in, file);
+  image.maximum = read_header_number(in, file);
+  if (image.maximum > 255) {
+    throw std::runtime_error(fmt::format("{}: 16-bit PGM, must be 8-bit", file.string()));
+  }
+  if (image.width > 20000 || image.height > 20000) {
+    throw std::runtime_error(fmt::format("{}: {} x {} px, must be at most 20000 x 20000", file.string(), image.width, image.height));
+  }
+  in.get();
+  const auto expected = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  image.pixels.resize(expected);
+  in.read(reinterpret_cast<char*>(image.pixels.data()), static_cast<std::streamsize>(expected));
+  if (static_cast<std::size_t>(in.gcount()) != expected) {
+    throw std::runtime_error(fmt::format("{}: cut off, {} of {} pixels", file.string(), in.gcount(), expected));
+  }
+  return image;
+}
+
+template <typename Write>
+void write_renamed(const fs::path& file, Write write) {
+  const fs::path temporary = file.string() + ".tmp";
+  {
+    std::ofstream out(temporary, std::ios::binary);
+    write(out);
+    out.flush();
+    if (!out) {
+      throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
+    }
+  }
+  fs::rename(temporary, file);
+}
+
+}  // namespace
+
+PriorMap read_map(const fs::path& yaml_file) {
+  YAML::Node yaml;
+  try {
+    yaml = YAML::LoadFile(yaml_file.string());
+  } catch (const YAML::BadFile&) {
+    throw std::runtime_error(fmt::format("{}: cannot be read", yaml_file.string()));
+  } catch (const YAML::Exception& error) {
+    throw std::runtime_error(fmt::format("{}:{}: {}", yaml_file.string(), error.mark.line + 1, error.msg));
+  }
+  if (!yaml.IsMap() || !yaml["image"] || !yaml["resolution"] || !yaml["origin"]) {
+    throw std::runtime_error(fmt::format("{}: must have image, resolution and origin", yaml_file.string()));
+  }
+  PriorMap map;
+  double free_threshold = 0.196;
+  double occupied_threshold = 0.65;
+  bool negate = false;
+  fs::path image_file;
+  try {
+    image_file = yaml["image"].as<std::string>();
+    map.geometry.resolution = yaml["resolution"].as<double>();
+    const auto origin = yaml["origin"].as<std::vector<double>>();
+    if (origin.size() < 2 || (origin.size() > 2 && origin[2] != 0.0)) {
+      throw std::runtime_error(fmt::format("{}: origin must be [x, y, 0]; turned maps are not read", yaml_file.string()));
+    }
+    map.geometry.origin = {origin[0], origin[1]};
+    free_threshold = yaml["free_thresh"] ? yaml["free_thresh"].as<double>() : free_threshold;
+    occupied_threshold = yaml["occupied_thresh"] ? yaml["occupied_thresh"].as<double>() : occupied_threshold;
+    negate = yaml["negate"] && yaml["negate"].as<int>() != 0;
+  } catch (const YAML::Exception& error) {
+    throw std::runtime_error(fmt::format("{}:{}: {}", yaml_file.string(), error.mark.line + 1, error.msg));
+  }
+  if (!(map.geometry.resolution > 0.0 && map.geometry.resolution <= 10.0)) {
+    throw std::runtime_error(fmt::format("{}: resolution = {}, must be in (0, 10] m", yaml_file.string(), map.geometry.resolution));
+  }
+  const GreyImage image = read_pgm(image_file.is_absolute() ? image_file : yaml_file.parent_path() / image_file);
+  map.geometry.columns = image.width;
+  map.geometry.rows = image.height;
+  map.cells.resize(map.geometry.size());
+  for (int row = 0; row < image.height; ++row) {
+    for (int column = 0; column < image.width; ++column) {
+      const auto source = static_cast<std::size_t>(image.height - 1 - row) * static_cast<std::size_t>(image.width) +
+                          static_cast<std::size_t>(column);
+      const double brightness = static_cast<double>(image.pixels[source]) / image.maximum;
+      const double occupancy = negate ? brightness : 1.0 - brightness;
+      map.cells[map.geometry.index({column, row})] = occupancy > occupied_threshold ? Prior::kOccupied
+                                                     : occupancy < free_threshold   ? Prior::kFree
+                                                                                    : Prior::kUnknown;
+    }
+  }
+  return map;
+}
+
+void write_map(const fs::path& yaml_file, const PriorMap& map) {
+  const fs::path image_file = fs::path(yaml_file).replace_extension(".pgm");
+  write_renamed(image_file, [&](std::ostream& out) {
+    out << "P5\n" << map.geometry.columns << " " << map.geometry.rows << "\n255\n";
+    for (int row = map.geometry.rows - 1; row >= 0; --row) {
+      for (int column = 0; column < map.geometry.columns; ++column) {
+        const Prior cell = map.cells[map.geometry.index({column, row})];
+        out.put(static_cast<char>(cell == Prior::kFree ? 254 : cell == Prior::kUnknown ? 205 : 0));
+      }
+    }
+  });
+  write_renamed(yaml_file, [&](std::ostream& out) {
+    out << fmt::format("image: {}\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+                       image_file.filename().string(), map.geometry.resolution, map.geometry.origin.x(), map.geometry.origin.y());
+  });
+}
+
+}  // namespace luminav

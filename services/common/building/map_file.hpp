@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "services/common/building/occupancy_grid.hpp"
+
+namespace luminav {
+
+/// Reads a map in the ROS map_server format (YAML beside a binary PGM; modes trinary and scale). Throws
+/// std::runtime_error naming the file and what is wrong (missing, cut, another format, turned origin).
+PriorMap read_map(const std::filesystem::path& yaml_file);
+
+/// Writes YAML and PGM beside it, each to a temporary file that is then renamed. Occupied 0, free 254, unknown 205;
+/// a disputed cell is written as occupied. Throws std::runtime_error when the folder cannot be written.
+void write_map(const std::filesystem::path& yaml_file, const PriorMap& map);
+
+}  // namespace luminav

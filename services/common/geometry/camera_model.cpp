@@ -1,0 +1,144 @@
+#include "services/common/geometry/camera_model.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "services/common/geometry/angle.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+Vector2d distort_pinhole(const Vector2d& undistorted, const std::array<double, 5>& k) {
+  const double x = undistorted.x();
+  const double y = undistorted.y();
+  const double r2 = x * x + y * y;
+  const double radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+  return {x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x),
+          y * radial + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y};
+}
+
+/// Inverse of distort_pinhole by fixed-point iteration, as OpenCV does; converges to 1e-9 for webcam lenses.
+Vector2d undistort_pinhole(const Vector2d& distorted, const std::array<double, 5>& k) {
+  Vector2d estimate = distorted;
+  for (int i = 0; i < 20; ++i) {
+    const Vector2d error = distort_pinhole(estimate, k) - distorted;
+    estimate -= error;
+    if (error.squaredNorm() < 1e-20) {
+      break;
+    }
+  }
+  return estimate;
+}
+
+double fisheye_radius(double angle, const std::array<double, 5>& k) {
+  const double a2 = angle * angle;
+  return angle * (1.0 + a2 * (k[0] + a2 * (k[1] + a2 * (k[2] + a2 * k[3]))));
+}
+
+double fisheye_angle(double radius, const std::array<double, 5>& k) {
+  double angle = std::min(radius, 0.5 * kPi);
+  for (int i = 0; i < 20; ++i) {
+    const double a2 = angle * angle;
+    const double slope = 1.0 + a2 * (3.0 * k[0] + a2 * (5.0 * k[1] + a2 * (7.0 * k[2] + a2 * 9.0 * k[3])));
+    const double step = (fisheye_radius(angle, k) - radius) / (std::abs(slope) < 1e-6 ? 1e-6 : slope);
+    angle -= step;
+    if (std::abs(step) < 1e-12) {
+      break;
+    }
+  }
+  return angle;
+}
+
+/// Radius at which r * (1 + k1 r^2 + k2 r^4 + k3 r^6) stops growing: points beyond would fold back into the image.
+double radius_of_monotony(const std::array<double, 5>& k) {
+  for (double r = 0.01; r < 5.0; r += 0.01) {
+    const double r2 = r * r;
+    if (1.0 + r2 * (3.0 * k[0] + r2 * (5.0 * k[1] + r2 * 7.0 * k[4])) <= 0.0) {
+      return r;
+    }
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+Matrix3d CameraMounting::rotation() const {
+  const double cr = std::cos(roll);
+  const double sr = std::sin(roll);
+  const double cp = std::cos(pitch);
+  const double sp = std::sin(pitch);
+  const double cy = std::cos(yaw);
+  const double sy = std::sin(yaw);
+  Matrix3d yaw_pitch_roll;
+  yaw_pitch_roll << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
+      sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,                //
+      -sp, cp * sr, cp * cr;
+  Matrix3d looking_up;
+  looking_up << 0.0, -1.0, 0.0,  //
+      1.0, 0.0, 0.0,             //
+      0.0, 0.0, 1.0;
+  return yaw_pitch_roll * looking_up;
+}
+
+CeilingCamera::CeilingCamera(const CameraIntrinsics& intrinsics, const CameraMounting& mounting)
+    : intrinsics_(intrinsics),
+      mounting_(mounting),
+      robot_from_camera_(mounting.rotation()),
+      largest_radius_(radius_of_monotony(intrinsics.distortion)) {}
+
+Vector3d CeilingCamera::ray_in_camera(const Vector2d& pixel) const {
+  const Vector2d distorted((pixel.x() - intrinsics_.cx) / intrinsics_.fx, (pixel.y() - intrinsics_.cy) / intrinsics_.fy);
+  if (intrinsics_.model == LensModel::kPinhole) {
+    const Vector2d undistorted = undistort_pinhole(distorted, intrinsics_.distortion);
+    return Vector3d(undistorted.x(), undistorted.y(), 1.0).normalized();
+  }
+  const double radius = distorted.norm();
+  if (radius < 1e-12) {
+    return {0.0, 0.0, 1.0};
+  }
+  const double angle = fisheye_angle(radius, intrinsics_.distortion);
+  const Vector2d direction = distorted / radius * std::sin(angle);
+  return {direction.x(), direction.y(), std::cos(angle)};
+}
+
+std::optional<Vector2d> CeilingCamera::pixel_of(const Vector3d& point_in_camera) const {
+  const double planar = std::hypot(point_in_camera.x(), point_in_camera.y());
+  Vector2d distorted;
+  if (intrinsics_.model == LensModel::kPinhole) {
+    if (point_in_camera.z() <= 1e-6 || planar / point_in_camera.z() > largest_radius_) {
+      return std::nullopt;
+    }
+    distorted = distort_pinhole({point_in_camera.x() / point_in_camera.z(), point_in_camera.y() / point_in_camera.z()},
+                                intrinsics_.distortion);
+  } else {
+    const double angle = std::atan2(planar, point_in_camera.z());
+    const double scale = planar < 1e-12 ? 0.0 : fisheye_radius(angle, intrinsics_.distortion) / planar;
+    distorted = {point_in_camera.x() * scale, point_in_camera.y() * scale};
+  }
+  return Vector2d(intrinsics_.fx * distorted.x() + intrinsics_.cx, intrinsics_.fy * distorted.y() + intrinsics_.cy);
+}
+
+std::optional<Vector2d> CeilingCamera::point_on_ceiling(const Vector2d& pixel, double height) const {
+  const Vector3d ray = robot_from_camera_ * ray_in_camera(pixel);
+  if (ray.z() <= 1e-3) {
+    return std::nullopt;
+  }
+  const double length = (height - mounting_.z) / ray.z();
+  return Vector2d(mounting_.x + length * ray.x(), mounting_.y + length * ray.y());
+}
+
+std::optional<Vector2d> CeilingCamera::pixel_of_ceiling_point(const Vector2d& point_in_robot, double height) const {
+  const Vector3d offset(point_in_robot.x() - mounting_.x, point_in_robot.y() - mounting_.y, height - mounting_.z);
+  return pixel_of(robot_from_camera_.transpose() * offset);
+}
+
+bool CeilingCamera::is_in_image(const Vector2d& pixel, double margin) const {
+  return pixel.x() >= margin && pixel.y() >= margin && pixel.x() <= intrinsics_.width - 1 - margin &&
+         pixel.y() <= intrinsics_.height - 1 - margin;
+}
+
+}  // namespace luminav

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "services/common/geometry/angle.hpp"
+
+namespace luminav {
+
+/// A planar pose `parent_from_child`: maps points of the child frame to the parent frame.
+struct Pose2 {
+  double x = 0.0;      // [m]
+  double y = 0.0;      // [m]
+  double theta = 0.0;  // [rad] (-pi, pi]
+
+  [[nodiscard]] Eigen::Vector2d position() const { return {x, y}; }
+
+  /// child_from_parent.
+  [[nodiscard]] Pose2 inverse() const {
+    const double c = std::cos(theta);
+    const double s = std::sin(theta);
+    return {-(c * x + s * y), -(-s * x + c * y), wrap_angle(-theta)};
+  }
+};
+
+/// a_from_c = a_from_b * b_from_c.
+inline Pose2 operator*(const Pose2& a_from_b, const Pose2& b_from_c) {
+  const double c = std::cos(a_from_b.theta);
+  const double s = std::sin(a_from_b.theta);
+  return {a_from_b.x + c * b_from_c.x - s * b_from_c.y, a_from_b.y + s * b_from_c.x + c * b_from_c.y,
+          wrap_angle(a_from_b.theta + b_from_c.theta)};
+}
+
+/// p_in_a = a_from_b * p_in_b.
+inline Eigen::Vector2d operator*(const Pose2& a_from_b, const Eigen::Vector2d& p_in_b) {
+  const double c = std::cos(a_from_b.theta);
+  const double s = std::sin(a_from_b.theta);
+  return {a_from_b.x + c * p_in_b.x() - s * p_in_b.y(), a_from_b.y + s * p_in_b.x() + c * p_in_b.y()};
+}
+
+/// The pose a fraction of the way from one pose to another (fractions outside 0..1 extrapolate); the heading takes the
+/// shorter way round.
+inline Pose2 interpolate(const Pose2& from, const Pose2& to, double fraction) {
+  return {from.x + fraction * (to.x - from.x), from.y + fraction * (to.y - from.y),
+          wrap_angle(from.theta + fraction * wrap_angle(to.theta - from.theta))};
+}
+
+inline double distance(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+}  // namespace luminav

@@ -1,0 +1,104 @@
+#include "services/common/process/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+
+#include "services/common/configuration/toml_table.hpp"
+
+namespace luminav {
+
+struct CommandLine::Parser {
+  CLI::App app;
+};
+
+CommandLine::CommandLine(std::string_view process, std::string_view description) : parser_(std::make_unique<Parser>()) {
+  parser_->app.name(std::string(process));
+  parser_->app.description(std::string(description));
+  parser_->app.set_version_flag("--version", fmt::format("{} (luminav) {}", process, kVersion));
+}
+
+CommandLine::~CommandLine() = default;
+
+CommandLine& CommandLine::text(std::string_view flag, std::string& target, std::string_view help, bool required) {
+  parser_->app.add_option(std::string(flag), target, std::string(help))->capture_default_str()->required(required);
+  return *this;
+}
+
+CommandLine& CommandLine::number(std::string_view flag, double& target, std::string_view help) {
+  parser_->app.add_option(std::string(flag), target, std::string(help))->capture_default_str();
+  return *this;
+}
+
+CommandLine& CommandLine::integer(std::string_view flag, std::int64_t& target, std::string_view help) {
+  parser_->app.add_option(std::string(flag), target, std::string(help))->capture_default_str();
+  return *this;
+}
+
+CommandLine& CommandLine::flag(std::string_view flag, bool& target, std::string_view help) {
+  parser_->app.add_flag(std::string(flag), target, std::string(help));
+  return *this;
+}
+
+CommandLine& CommandLine::list(std::string_view flag, std::vector<std::string>& target, std::string_view help) {
+  parser_->app.add_option(std::string(flag), target, std::string(help));
+  return *this;
+}
+
+CommandLine& CommandLine::positional(std::string_view name, std::vector<std::string>& target, std::string_view help,
+                                     bool required) {
+  // "4.2 -1.5" are numbers, not options
+  parser_->app.allow_extras(false);
+  parser_->app.add_option(std::string(name), target, std::string(help))->required(required);
+  return *this;
+}
+
+CommandLine& CommandLine::robot_file(std::string& target) {
+  return text("--robot", target, "robot file (TOML)", true);
+}
+
+CommandLine& CommandLine::building_file(std::string& target) {
+  return text("--building", target, "building file (TOML)", true);
+}
+
+CommandLine& CommandLine::lcm_url(std::string& target) {
+  if (target.empty()) {
+    const char* from_environment = std::getenv("LCM_DEFAULT_URL");
+    target = from_environment != nullptr && *from_environment != '\0' ? from_environment : "udpm://239.255.76.67:7667?ttl=0";
+  }
+  return text("--lcm-url", target, "LCM network; default $LCM_DEFAULT_URL");
+}
+
+CommandLine& CommandLine::state_folder(std::string& target) {
+  if (target.empty()) {
+    const char* home = std::getenv("HOME");
+    target = fmt::format("{}/.local/state/luminav", home != nullptr ? home : "/tmp");
+  }
+  return text("--state", target, "folder for what must survive a restart");
+}
+
+std::optional<int> CommandLine::parse(int argc, char** argv) {
+  try {
+    parser_->app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int status = parser_->app.exit(error);
+    return status == 0 ? 0 : 2;
+  }
+  return std::nullopt;
+}
+
+int run_guarded(std::string_view process, const std::function<int()>& body) {
+  try {
+    return body();
+  } catch (const ConfigurationError& error) {
+    fmt::print(stderr, "{}: {}\n", process, error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", process, error.what());
+    return 1;
+  }
+}
+
+}  // namespace luminav

@@ -1,0 +1,191 @@
+#include "services/common/process/event_loop.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <ctime>
+#include <fstream>
+#include <luminav/node_status_t.hpp>
+#include <stdexcept>
+
+#include "services/common/process/channels.hpp"
+#include "services/common/process/command_line.hpp"
+
+namespace luminav {
+namespace {
+
+int g_signal_pipe[2] = {-1, -1};
+
+void on_signal(int) {
+  const char byte = 1;
+  [[maybe_unused]] const ssize_t written = write(g_signal_pipe[1], &byte, 1);
+}
+
+std::int64_t now_monotonic() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
+}
+
+std::int64_t now_wall() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
+}
+
+std::int64_t cpu_used() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return (usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) * 1'000'000 + usage.ru_utime.tv_usec + usage.ru_stime.tv_usec;
+}
+
+std::int64_t memory_resident() {
+  std::int64_t total = 0;
+  std::int64_t resident = 0;
+  std::ifstream("/proc/self/statm") >> total >> resident;
+  return resident * sysconf(_SC_PAGESIZE);
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+}  // namespace
+
+std::unique_ptr<lcm::LCM> open_lcm(const std::string& url) {
+  std::string full = url;
+  if (full.starts_with("udpm://") && full.find("recv_buf_size") == std::string::npos) {
+    // Stock Debian caps this at 212,992 (425,984 effective), which holds seven of the largest messages.
+    full += (full.find('?') == std::string::npos ? "?" : "&") + std::string("recv_buf_size=2097152");
+  }
+  auto lcm = std::make_unique<lcm::LCM>(full);
+  if (!lcm->good()) {
+    throw std::runtime_error(fmt::format(
+        "cannot open the LCM network {}: most often there is no route for multicast; "
+        "`sudo ip link set lo multicast on; sudo ip route add 224.0.0.0/4 dev lo` makes one on this machine",
+        url));
+  }
+  return lcm;
+}
+
+EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot)
+    : lcm_(lcm), process_(std::move(process)), robot_(std::move(robot)), host_(host_name()) {
+  if (g_signal_pipe[0] < 0 && pipe2(g_signal_pipe, O_CLOEXEC | O_NONBLOCK) != 0) {
+    throw std::runtime_error("cannot make a pipe for signals");
+  }
+  struct sigaction action{};
+  action.sa_handler = on_signal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+  every(1'000'000, [this] { publish_status(); });
+}
+
+EventLoop::~EventLoop() = default;
+
+void EventLoop::watch(std::function<int()> descriptor, std::function<void()> on_readable) {
+  watches_.push_back({std::move(descriptor), std::move(on_readable)});
+}
+
+void EventLoop::every(std::int64_t period, std::function<void()> callback) {
+  timers_.push_back({period, now_monotonic(), std::move(callback)});
+}
+
+void EventLoop::measure(const std::function<void()>& step) {
+  const std::int64_t start = now_monotonic();
+  step();
+  worst_step_ = std::max(worst_step_, now_monotonic() - start);
+}
+
+void EventLoop::run_due_timers() {
+  for (std::size_t i = 0; i < timers_.size(); ++i) {
+    const std::int64_t now = now_monotonic();
+    if (now < timers_[i].due) {
+      continue;
+    }
+    const std::int64_t missed = (now - timers_[i].due) / timers_[i].period;
+    timers_[i].due += (missed + 1) * timers_[i].period;
+    measure(timers_[i].callback);
+  }
+}
+
+int EventLoop::milliseconds_to_next_timer() const {
+  std::int64_t due = now_monotonic() + 1'000'000;
+  for (const Timer& timer : timers_) {
+    due = std::min(due, timer.due);
+  }
+  return static_cast<int>(std::max<std::int64_t>(0, (due - now_monotonic() + 999) / 1000));
+}
+
+int EventLoop::run() {
+  while (!stopping_) {
+    run_due_timers();
+    std::vector<pollfd> descriptors{{lcm_.getFileno(), POLLIN, 0}, {g_signal_pipe[0], POLLIN, 0}};
+    for (const Watch& watch : watches_) {
+      descriptors.push_back({watch.descriptor(), POLLIN, 0});
+    }
+    if (poll(descriptors.data(), descriptors.size(), milliseconds_to_next_timer()) < 0 && errno != EINTR) {
+      throw std::runtime_error("poll failed");
+    }
+    if (descriptors[1].revents != 0) {
+      std::array<char, 64> bytes{};
+      [[maybe_unused]] const ssize_t count = read(g_signal_pipe[0], bytes.data(), bytes.size());
+      break;
+    }
+    if (descriptors[0].revents != 0) {
+      // Bounded, so that a flood of messages cannot starve the device and the timers.
+      for (int i = 0; i < 200 && !stopping_; ++i) {
+        int handled = 0;
+        measure([&] { handled = lcm_.handleTimeout(0); });
+        if (handled < 0 && errno != EINTR) {
+          return 1;
+        }
+        if (handled <= 0) {
+          break;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < watches_.size(); ++i) {
+      if (descriptors[i + 2].revents != 0) {
+        measure(watches_[i].on_readable);
+      }
+    }
+  }
+  return 0;
+}
+
+void EventLoop::publish_status() {
+  const std::int64_t now = now_monotonic();
+  const std::int64_t cpu = cpu_used();
+  const Health health = health_ ? health_() : Health{};
+  node_status_t status{};
+  status.utime = now_wall();
+  status.process = process_;
+  status.host = host_;
+  status.robot = robot_;
+  status.version = kVersion;
+  status.state = health.fault      ? node_status_t::STATE_FAULT
+                 : health.degraded ? node_status_t::STATE_DEGRADED
+                                   : node_status_t::STATE_READY;
+  status.reason = health.reason;
+  status.dropped_inputs = health.dropped_inputs;
+  status.worst_step_us = static_cast<std::int32_t>(std::min<std::int64_t>(worst_step_, 2'000'000'000));
+  status.memory_bytes = memory_resident();
+  status.cpu_fraction =
+      last_status_ == 0 ? 0.0 : static_cast<double>(cpu - last_cpu_) / static_cast<double>(std::max<std::int64_t>(1, now - last_status_));
+  lcm_.publish(channels::kNodeStatus, &status);
+  last_cpu_ = cpu;
+  last_status_ = now;
+  worst_step_ = 0;
+}
+
+}  // namespace luminav

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace luminav {
+
+/// Opens an LCM network with a receive buffer large enough for images, and makes sure it works. Throws
+/// std::runtime_error with one sentence that says what to do, for instance when no route for multicast exists.
+std::unique_ptr<lcm::LCM> open_lcm(const std::string& url);
+
+/// What a process says of itself in NODE_STATUS.
+struct Health {
+  bool degraded = false;
+  bool fault = false;
+  std::string reason;
+  std::int64_t dropped_inputs = 0;
+};
+
+/// Runs a process: one poll waits on LCM, on devices and on timers; handlers run one after another on this thread.
+/// Publishes NODE_STATUS when it starts to run and at 1 Hz. SIGINT and SIGTERM end it.
+class EventLoop {
+ public:
+  EventLoop(lcm::LCM& lcm, std::string process, std::string robot);
+  ~EventLoop();
+  EventLoop(const EventLoop&) = delete;
+  EventLoop& operator=(const EventLoop&) = delete;
+
+  /// Calls back when a descriptor can be read or has an error; the descriptor may change between calls (-1 = none).
+  void watch(std::function<int()> descriptor, std::function<void()> on_readable);
+  /// Calls back with a period [us]; periods that were missed are skipped.
+  void every(std::int64_t period, std::function<void()> callback);
+  void report_health(std::function<Health()> health) { health_ = std::move(health); }
+
+  /// Runs until SIGINT, SIGTERM or stop(); returns 0, or 1 when LCM failed.
+  int run();
+  void stop() { stopping_ = true; }
+
+ private:
+  struct Watch {
+    std::function<int()> descriptor;
+    std::function<void()> on_readable;
+  };
+  struct Timer {
+    std::int64_t period;  // [us]
+    std::int64_t due;     // [us] monotonic
+    std::function<void()> callback;
+  };
+  void run_due_timers();
+  [[nodiscard]] int milliseconds_to_next_timer() const;
+  void measure(const std::function<void()>& step);
+  void publish_status();
+
+  lcm::LCM& lcm_;
+  std::string process_;
+  std::string robot_;
+  std::string host_;
+  std::vector<Watch> watches_;
+  std::vector<Timer> timers_;
+  std::function<Health()> health_;
+  std::int64_t worst_step_ = 0;       // [us] since the last status
+  std::int64_t last_cpu_ = 0;         // [us]
+  std::int64_t last_status_ = 0;      // [us] monotonic
+  bool stopping_ = false;
+};
+
+}  // namespace luminav

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <luminav/grid_tile_t.hpp>
+#include <luminav/odometry_t.hpp>
+#include <luminav/pose_t.hpp>
+
+#include "services/common/building/occupancy_grid.hpp"
+#include "services/common/geometry/pose2.hpp"
+
+namespace luminav {
+
+inline Pose2 odom_from_robot(const odometry_t& message) { return {message.x, message.y, message.theta}; }
+inline Pose2 world_from_robot(const pose_t& message) { return {message.x, message.y, message.theta}; }
+
+/// One tile of a grid with geometry and data filled in; stamps, sessions and revision are the sender's.
+grid_tile_t encode_tile(const OccupancyGrid& grid, int tile_column, int tile_row);
+
+/// Writes a tile into a grid of the same geometry. False, and nothing written, when it does not fit or does not
+/// decompress to what it should.
+[[nodiscard]] bool apply_tile(const grid_tile_t& tile, OccupancyGrid& grid);
+
+/// Geometry of the whole grid that a tile belongs to; nothing when it is impossible (more than 4096 x 4096 cells, no
+/// finite origin, resolution outside 0.01..1 m).
+[[nodiscard]] bool is_possible(const grid_tile_t& tile);
+GridGeometry geometry_of(const grid_tile_t& tile);
+
+}  // namespace luminav

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <initializer_list>
+#include <lcm/lcm-cpp.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace luminav {
+
+/// Subscribes a node's handlers so that nothing a peer sends can get through LCM as an exception (which would leave
+/// the handle unusable, LCM 1.3.1): a message that does not decode, or whose handler throws, is dropped and counted.
+class Subscriber {
+ public:
+  explicit Subscriber(lcm::LCM& lcm) : lcm_(lcm) {}
+  Subscriber(const Subscriber&) = delete;
+  Subscriber& operator=(const Subscriber&) = delete;
+  ~Subscriber() {
+    for (const auto& entry : entries_) {
+      lcm_.unsubscribe(entry->subscription);
+    }
+  }
+
+  template <typename Message, typename Node>
+  void on(const std::string& channel, void (Node::*handler)(const Message&), Node* node) {
+    auto entry = std::make_unique<TypedEntry<Message, Node>>();
+    entry->owner = this;
+    entry->node = node;
+    entry->handler = handler;
+    entry->subscription = lcm_.subscribe(channel, &Entry::on_bytes, static_cast<Entry*>(entry.get()));
+    if (entry->subscription != nullptr) {
+      // the default of 30 drops the newest of a burst of tiles
+      entry->subscription->setQueueCapacity(kQueueCapacity);
+      entries_.push_back(std::move(entry));
+    }
+  }
+
+  /// For messages that decode but make no sense to the node (stale, not a number, out of range).
+  void drop(std::string reason) {
+    ++dropped_;
+    last_reason_ = std::move(reason);
+  }
+  [[nodiscard]] std::int64_t dropped() const { return dropped_; }
+  /// Why the last one was dropped, for NODE_STATUS.
+  [[nodiscard]] const std::string& last_reason() const { return last_reason_; }
+
+ private:
+  static constexpr int kQueueCapacity = 500;
+
+  struct Entry {
+    virtual ~Entry() = default;
+    virtual void deliver(const lcm::ReceiveBuffer& buffer) = 0;
+    void on_bytes(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+      try {
+        deliver(*buffer);
+      } catch (const std::exception& error) {
+        owner->drop(channel + ": " + error.what());
+      }
+    }
+    Subscriber* owner = nullptr;
+    lcm::Subscription* subscription = nullptr;
+  };
+
+  template <typename Message, typename Node>
+  struct TypedEntry final : Entry {
+    void deliver(const lcm::ReceiveBuffer& buffer) override {
+      Message message{};  // fresh: decoding does not clear vectors whose count is 0
+      if (message.decode(buffer.data, 0, static_cast<int>(buffer.data_size)) < 0) {
+        owner->drop(std::string(Message::getTypeName()) + " does not decode: another version of the type, or damaged");
+        return;
+      }
+      (node->*handler)(message);
+    }
+    Node* node = nullptr;
+    void (Node::*handler)(const Message&) = nullptr;
+    using Entry::owner;
+  };
+
+  lcm::LCM& lcm_;
+  std::vector<std::unique_ptr<Entry>> entries_;
+  std::int64_t dropped_ = 0;
+  std::string last_reason_;
+};
+
+inline bool all_finite(std::initializer_list<double> values) {
+  for (const double value : values) {
+    if (!std::isfinite(value)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace luminav
