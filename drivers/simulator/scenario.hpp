@@ -58,41 +58,41 @@ enum class EventKind { kCarry, kSlip, kBump, kLight, kDoor, kUnplug, kLamp, kKil
 struct ScenarioEvent {
   double at = 0.0;  // [s] since the start
   EventKind kind = EventKind::kCarry;
-  Pose2 pose;                       // carry: where to, world; bump and lamp: displacement, world
-  double duration = 0.0;            // [s] carry, slip, unplug
-  double factor = 1.0;              // slip: ground covered per wheel travel
-  std::optional<double> daylight;   // light: 0..1
-  std::vector<int> on;              // light: fixture ids
-  std::vector<int> off;             // light: fixture ids
-  int id = 0;                       // door or lamp
-  bool open = true;                 // door
-  std::string device;               // unplug: "camera" | "serial"
-  std::string process;              // kill; executed by the program that runs the scenario
-  std::string host;                 // clock
-  double step = 0.0;                // [s] clock
+  Pose2 pose;                      // carry: where to, world; bump and lamp: displacement, world
+  double duration = 0.0;           // [s] carry, slip, unplug
+  double factor = 1.0;             // slip: ground covered per wheel travel
+  std::optional<double> daylight;  // light: 0..1
+  std::vector<int> on;             // light: fixture ids
+  std::vector<int> off;            // light: fixture ids
+  int id = 0;                      // door or lamp
+  bool open = true;                // door
+  std::string device;              // unplug: "camera" | "serial"
+  std::string process;             // kill; executed by the program that runs the scenario
+  std::string host;                // clock
+  double step = 0.0;               // [s] clock
 };
 
 /// 1-sigma of the truth around the belief; the defaults are the contract of all reports.
 struct WorldSpread {
-  bool calibrated = false;            // robot's and camera's constant errors a tenth; fixtures 3 mm and 0.2 degrees
-  double wheel_scale = 0.01;          // fraction
-  double wheel_ratio = 0.005;         // fraction
-  double wheel_base = 0.01;           // fraction
-  double odometry_position = 0.01;    // [m per sqrt m]
+  bool calibrated = false;          // robot's and camera's constant errors a tenth; fixtures 3 mm and 0.2 degrees
+  double wheel_scale = 0.01;        // fraction
+  double wheel_ratio = 0.005;       // fraction
+  double wheel_base = 0.01;         // fraction
+  double odometry_position = 0.01;  // [m per sqrt m]
   double odometry_heading = radians(0.5);  // [rad per sqrt m]
-  double camera_tilt = radians(0.5);  // [rad] per axis
-  double camera_yaw = radians(0.5);   // [rad]
-  double camera_height = 0.01;        // fraction
-  double time_offset = 0.020;         // [s]
-  double row_time = 0.025;            // [s] a frame; not drawn: the truth's value
+  double camera_tilt = radians(0.5);       // [rad] per axis
+  double camera_yaw = radians(0.5);        // [rad]
+  double camera_height = 0.01;             // fraction
+  double time_offset = 0.020;              // [s]
+  double row_time = 0.025;                 // [s] a frame; not drawn: the truth's value
   double residual_k1 = 0.01;
-  double fixture_position = 0.010;    // [m] per axis
+  double fixture_position = 0.010;        // [m] per axis
   double fixture_heading = radians(0.5);  // [rad]
-  double ceiling_height = 0.005;      // fraction
-  double floor_tilt = radians(0.1);   // [rad] per axis, drawn anew every metre
-  double unlit_darker_least = 10.0;   // [grey levels] an unlit fixture is darker than its tile
-  double unlit_darker_most = 40.0;    // [grey levels]
-  double grey_noise = 4.0;            // [grey levels]
+  double ceiling_height = 0.005;          // fraction
+  double floor_tilt = radians(0.1);       // [rad] per axis, drawn anew every metre
+  double unlit_darker_least = 10.0;       // [grey levels] an unlit fixture is darker than its tile
+  double unlit_darker_most = 40.0;        // [grey levels]
+  double grey_noise = 4.0;                // [grey levels]
 };
 
 /// One run: what the simulator, the simulated frame source, the demo and the evaluation do.
@@ -102,9 +102,9 @@ struct Scenario {
   std::filesystem::path robot_file;
   std::string name;  // the file's stem
   std::uint64_t seed = 1;
-  double duration = 600.0;      // [s] simulated; then the run has failed
-  std::optional<Pose2> start;   // nothing: drawn from the free space by seed
-  bool start_known = false;     // the demo tells the localizer
+  double duration = 600.0;     // [s] simulated; then the run has failed
+  std::optional<Pose2> start;  // nothing: drawn from the free space by seed
+  bool start_known = false;    // the demo tells the localizer
   LightingPlan lighting;
   WorldSpread world;
   std::vector<Obstacle> obstacles;
