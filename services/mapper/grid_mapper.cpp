@@ -1,0 +1,256 @@
+#include "services/mapper/grid_mapper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace luminav {
+namespace {
+
+constexpr double kSelfEcho = 0.3;      // [m] around the reading that may belong to the wall itself
+constexpr double kRobotLogOdds = 1.0;  // the robot's own place is certain
+
+std::vector<std::uint8_t> cells_near_walls(const OccupancyGrid& grid, double distance) {
+  const int reach = static_cast<int>(std::floor(distance / grid.geometry.resolution + 1e-9));
+  std::vector<std::uint8_t> near(grid.geometry.size(), 0);
+  for (int row = 0; row < grid.geometry.rows; ++row) {
+    for (int column = 0; column < grid.geometry.columns; ++column) {
+      if (grid.prior[grid.geometry.index({column, row})] != Prior::kOccupied) {
+        continue;
+      }
+      for (int dr = -reach; dr <= reach; ++dr) {
+        for (int dc = -reach; dc <= reach; ++dc) {
+          const Cell cell{column + dc, row + dr};
+          if (std::hypot(dc, dr) * grid.geometry.resolution <= distance + 1e-9 && grid.geometry.contains(cell)) {
+            near[grid.geometry.index(cell)] = 1;
+          }
+        }
+      }
+    }
+  }
+  return near;
+}
+
+}  // namespace
+
+GridMapper::GridMapper(const GridMapperParams& params, const PriorMap& prior, int discs)
+    : params_(params), grid_(prior.geometry), free_space_(params.sonar), filter_(params.filter, discs) {
+  if (prior.cells.size() != prior.geometry.size() || prior.geometry.size() == 0) {
+    throw std::invalid_argument("grid mapper: the prior map is empty");
+  }
+  if (params.dispute_poses < 1 || params.dispute_poses > 3) {
+    throw std::invalid_argument("grid mapper: dispute_poses must be 1, 2 or 3");
+  }
+  grid_.prior = prior.cells;
+  near_wall_ = cells_near_walls(grid_, params_.prior_tolerance);
+  const auto tiles = static_cast<std::size_t>(grid_.tile_columns()) * static_cast<std::size_t>(grid_.tile_rows());
+  touched_.assign(tiles, 0);
+  has_evidence_.assign(tiles, 0);
+}
+
+void GridMapper::integrate(const DiscReading& reading) {
+  const SonarModelParams& sonar = params_.sonar;
+  if (!(reading.range >= sonar.minimum_range) || !std::isfinite(reading.range)) {
+    return;
+  }
+  const bool has_echo = reading.has_echo && reading.range < sonar.maximum_range - 0.01;
+  const SonarReading beam{reading.world_from_sonar, reading.range, has_echo};
+  free_space_.apply(beam, sonar.maximum_range, grid_);
+  if (has_echo) {
+    const Eigen::Vector2d end = reading.world_from_sonar * Eigen::Vector2d(reading.range, 0.0);
+    if (filter_.confirm(reading.disc, reading.utime, end, reading.range)) {
+      dispute_walls(reading);
+      if (reading.range <= sonar.occupied_range) {
+        vote_occupied(reading);
+      }
+    }
+  }
+  const double reach =
+      std::min({has_echo ? reading.range : sonar.free_range, std::max(sonar.free_range, sonar.occupied_range)});
+  touch(reading.world_from_sonar * Eigen::Vector2d(0.5 * reach, 0.0), 0.5 * reach + 2.0 * grid_.geometry.resolution);
+}
+
+void GridMapper::vote_occupied(const DiscReading& reading) {
+  const SonarReading beam{reading.world_from_sonar, reading.range, true};
+  cells_of_echo(params_.sonar, grid_.geometry, beam, params_.prior_widening, arc_);
+  bool wall_explains = false;
+  bool known_explains = false;
+  for (const ArcCell& candidate : arc_) {
+    const std::size_t i = grid_.geometry.index(candidate.cell);
+    wall_explains = wall_explains || near_wall_[i] != 0;
+    known_explains = known_explains || is_occupied(candidate.cell);
+  }
+  for (const ArcCell& candidate : arc_) {
+    const std::size_t i = grid_.geometry.index(candidate.cell);
+    if (wall_explains) {
+      if (grid_.prior[i] == Prior::kOccupied || grid_.prior[i] == Prior::kDisputed) {
+        add(candidate.cell, params_.sonar.occupied_log_odds * candidate.weight);
+        disputes_.erase(i);
+      }
+      continue;
+    }
+    const double share = known_explains && !is_occupied(candidate.cell) ? params_.explained_share : 1.0;
+    add(candidate.cell, params_.sonar.occupied_log_odds * candidate.weight * share);
+    if (grid_.prior[i] == Prior::kDisputed && is_occupied(candidate.cell)) {
+      grid_.prior[i] = Prior::kOccupied;
+      disputes_.erase(i);
+    }
+  }
+}
+
+void GridMapper::dispute_walls(const DiscReading& reading) {
+  const double end = std::min(reading.range - kSelfEcho, params_.dispute_range);
+  const double step = 0.5 * grid_.geometry.resolution;
+  for (double range = 0.0; range < end; range += step) {
+    const Cell cell = grid_.geometry.cell_at(reading.world_from_sonar * Eigen::Vector2d(range, 0.0));
+    if (!grid_.geometry.contains(cell)) {
+      return;
+    }
+    const std::size_t i = grid_.geometry.index(cell);
+    if (grid_.prior[i] != Prior::kOccupied) {
+      continue;
+    }
+    Dispute& dispute = disputes_[i];
+    const Eigen::Vector2d position = reading.world_from_robot.position();
+    bool is_new = true;
+    for (int k = 0; k < dispute.poses; ++k) {
+      is_new = is_new && (dispute.position[k] - position).norm() >= params_.dispute_spacing;
+    }
+    if (!is_new) {
+      continue;
+    }
+    if (dispute.poses + 1 >= params_.dispute_poses) {
+      grid_.prior[i] = Prior::kDisputed;
+      disputes_.erase(i);
+    } else {
+      dispute.position[dispute.poses++] = position;
+    }
+  }
+}
+
+void GridMapper::mark_robot(const Pose2& world_from_robot) {
+  const Cell centre = grid_.geometry.cell_at(world_from_robot.position());
+  const int reach = static_cast<int>(std::ceil(params_.robot_radius / grid_.geometry.resolution));
+  for (int row = centre.row - reach; row <= centre.row + reach; ++row) {
+    for (int column = centre.column - reach; column <= centre.column + reach; ++column) {
+      const Cell cell{column, row};
+      if (grid_.geometry.contains(cell) &&
+          (grid_.geometry.centre_of(cell) - world_from_robot.position()).norm() <= params_.robot_radius) {
+        add(cell, -kRobotLogOdds);
+      }
+    }
+  }
+  touch(world_from_robot.position(), params_.robot_radius);
+}
+
+void GridMapper::decay(std::int64_t utime) {
+  if (params_.decay_time <= 0.0) {
+    return;
+  }
+  const int levels = std::max(1, to_evidence(params_.sonar.most_log_odds) - to_evidence(params_.occupied_log_odds));
+  const auto step = static_cast<std::int64_t>(params_.decay_time * 1e6 / levels);
+  if (decayed_until_ == 0 || utime < decayed_until_ || utime - decayed_until_ > 10 * step) {
+    decayed_until_ = utime;  // a new session, or a long silence in which nothing could be seen
+    return;
+  }
+  if (utime - decayed_until_ < step) {
+    return;
+  }
+  decayed_until_ += step;
+  const std::int8_t threshold = to_evidence(params_.occupied_log_odds);
+  for (std::size_t tile = 0; tile < has_evidence_.size(); ++tile) {
+    if (has_evidence_[tile] == 0) {
+      continue;
+    }
+    const int first_column = static_cast<int>(tile) % grid_.tile_columns() * kTileSide;
+    const int first_row = static_cast<int>(tile) / grid_.tile_columns() * kTileSide;
+    for (int row = first_row; row < std::min(first_row + kTileSide, grid_.geometry.rows); ++row) {
+      for (int column = first_column; column < std::min(first_column + kTileSide, grid_.geometry.columns); ++column) {
+        const std::size_t i = grid_.geometry.index({column, row});
+        if (grid_.evidence[i] > 0 && grid_.prior[i] == Prior::kFree) {
+          --grid_.evidence[i];
+          if (grid_.evidence[i] == threshold) {
+            touched_[tile] = 1;
+          }
+        }
+      }
+    }
+  }
+}
+
+void GridMapper::clear_evidence() {
+  std::fill(grid_.evidence.begin(), grid_.evidence.end(), std::int8_t{0});
+  std::replace(grid_.prior.begin(), grid_.prior.end(), Prior::kDisputed, Prior::kOccupied);
+  std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
+  std::fill(has_evidence_.begin(), has_evidence_.end(), std::uint8_t{0});
+  disputes_.clear();
+  filter_.clear();
+}
+
+bool GridMapper::is_occupied(const Cell& cell) const {
+  return grid_.evidence[grid_.geometry.index(cell)] > to_evidence(params_.occupied_log_odds);
+}
+
+PriorMap GridMapper::combined() const {
+  const std::int8_t occupied = to_evidence(params_.occupied_log_odds);
+  const auto free = static_cast<std::int8_t>(-occupied);
+  PriorMap map{grid_.geometry, std::vector<Prior>(grid_.geometry.size(), Prior::kUnknown)};
+  for (std::size_t i = 0; i < map.cells.size(); ++i) {
+    if (grid_.prior[i] == Prior::kOccupied || grid_.prior[i] == Prior::kDisputed || grid_.evidence[i] > occupied) {
+      map.cells[i] = Prior::kOccupied;
+    } else if (grid_.prior[i] == Prior::kFree || grid_.evidence[i] < free) {
+      map.cells[i] = Prior::kFree;
+    }
+  }
+  return map;
+}
+
+std::vector<int> GridMapper::take_touched_tiles() {
+  std::vector<int> tiles;
+  for (std::size_t tile = 0; tile < touched_.size(); ++tile) {
+    if (touched_[tile] != 0) {
+      tiles.push_back(static_cast<int>(tile));
+      touched_[tile] = 0;
+    }
+  }
+  return tiles;
+}
+
+bool GridMapper::restore_evidence(const OccupancyGrid& kept) {
+  if (!(kept.geometry == grid_.geometry) || kept.evidence.size() != grid_.evidence.size()) {
+    return false;
+  }
+  grid_.evidence = kept.evidence;
+  std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
+  std::fill(has_evidence_.begin(), has_evidence_.end(), std::uint8_t{1});
+  return true;
+}
+
+void GridMapper::touch(const Eigen::Vector2d& centre, double radius) {
+  const Cell low = grid_.geometry.cell_at(centre - Eigen::Vector2d(radius, radius));
+  const Cell high = grid_.geometry.cell_at(centre + Eigen::Vector2d(radius, radius));
+  const int first_row = std::max(0, low.row) / kTileSide;
+  const int last_row = std::min(grid_.geometry.rows - 1, high.row) / kTileSide;
+  const int first_column = std::max(0, low.column) / kTileSide;
+  const int last_column = std::min(grid_.geometry.columns - 1, high.column) / kTileSide;
+  if (high.row < 0 || high.column < 0 || low.row >= grid_.geometry.rows || low.column >= grid_.geometry.columns) {
+    return;
+  }
+  for (int row = first_row; row <= last_row; ++row) {
+    for (int column = first_column; column <= last_column; ++column) {
+      const std::size_t tile = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.tile_columns()) +
+                               static_cast<std::size_t>(column);
+      touched_[tile] = 1;
+      has_evidence_[tile] = 1;
+    }
+  }
+}
+
+void GridMapper::add(const Cell& cell, double log_odds) {
+  std::int8_t& value = grid_.evidence[grid_.geometry.index(cell)];
+  const int sum = value + to_evidence(log_odds);
+  value = static_cast<std::int8_t>(
+      std::clamp<int>(sum, to_evidence(params_.sonar.least_log_odds), to_evidence(params_.sonar.most_log_odds)));
+}
+
+}  // namespace luminav

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "services/common/building/occupancy_grid.hpp"
+#include "services/mapper/echo_filter.hpp"
+#include "services/mapper/sonar_model.hpp"
+
+namespace luminav {
+
+struct GridMapperParams {
+  SonarModelParams sonar;
+  EchoFilterParams filter;
+  double occupied_log_odds = 0.8;  ///< a cell above is occupied
+  double prior_tolerance = 0.15;   ///< [m] an echo this close to a wall of the building's map comes from that wall
+  double prior_widening = radians(2.0);  ///< [rad] added to the cone for that: error of the believed heading
+  double explained_share = 0.25;         ///< vote of a cell where another on the same arc is already occupied
+  double decay_time = 120.0;     ///< [s] until occupied evidence that contradicts the building's map fades; 0 = never
+  double dispute_range = 2.0;    ///< [m] walls seen through from farther away are not disputed
+  double dispute_spacing = 0.5;  ///< [m] between poses that dispute a wall
+  int dispute_poses = 3;
+  double robot_radius = 0.20;  ///< [m] around the robot nothing can stand
+};
+
+/// A reading of one disc of the ring.
+struct DiscReading {
+  int disc = 0;
+  std::int64_t utime = 0;  // [us]
+  Pose2 world_from_robot;  // at that instant
+  Pose2 world_from_sonar;
+  double range = 0.0;  // [m]
+  bool has_echo = false;
+};
+
+/// Occupancy from sonar beside the building's map. An echo needs only one thing to come from: if a wall of the map, or
+/// a cell already known as occupied, explains it, the other cells of its arc get little or nothing. That keeps corners
+/// sharp and doors open. Assumes that the poses are right: the caller decides when to trust them.
+class GridMapper {
+ public:
+  /// The prior is taken at its own resolution; its geometry is the grid's.
+  GridMapper(const GridMapperParams& params, const PriorMap& prior, int discs);
+
+  void integrate(const DiscReading& reading);
+  /// Nothing can stand where the robot stands.
+  void mark_robot(const Pose2& world_from_robot);
+  /// Lets evidence fade that contradicts the building's map; call as often as you like with a growing time [us].
+  void decay(std::int64_t utime);
+  void clear_evidence();
+
+  [[nodiscard]] const OccupancyGrid& grid() const { return grid_; }
+  [[nodiscard]] bool is_occupied(const Cell& cell) const;
+  /// What a person would call the map: occupied, free or unknown, both layers together.
+  [[nodiscard]] PriorMap combined() const;
+  /// Indices (tile_row * tile_columns + tile_column) of tiles touched since the last call, ascending.
+  std::vector<int> take_touched_tiles();
+  /// Evidence kept from an earlier run; false when the geometry differs.
+  [[nodiscard]] bool restore_evidence(const OccupancyGrid& kept);
+
+ private:
+  struct Dispute {
+    int poses = 0;
+    Eigen::Vector2d position[2];
+  };
+  void vote_occupied(const DiscReading& reading);
+  void dispute_walls(const DiscReading& reading);
+  void touch(const Eigen::Vector2d& centre, double radius);
+  void add(const Cell& cell, double log_odds);
+
+  GridMapperParams params_;
+  OccupancyGrid grid_;
+  FreeSpaceModel free_space_;
+  EchoFilter filter_;
+  std::vector<std::uint8_t> near_wall_;                // within prior_tolerance of an occupied prior cell
+  std::vector<std::uint8_t> touched_;                  // per tile, since take_touched_tiles
+  std::vector<std::uint8_t> has_evidence_;             // per tile
+  std::unordered_map<std::size_t, Dispute> disputes_;  // by cell; never iterated
+  std::vector<ArcCell> arc_;
+  std::int64_t decayed_until_ = 0;  // [us]
+};
+
+}  // namespace luminav

@@ -1,0 +1,22 @@
+#include "services/common/process/command_line.hpp"
+#include "services/common/process/event_loop.hpp"
+#include "services/mapper/mapper_config.hpp"
+#include "services/mapper/mapper_node.hpp"
+
+int main(int argc, char** argv) {
+  return luminav::run_guarded("mapper", [&] {
+    std::string robot_file, building_file, url, state;
+    luminav::CommandLine options("mapper", "Draws what the sonars see beside the building's map.");
+    options.robot_file(robot_file).building_file(building_file).lcm_url(url).state_folder(state);
+    if (const auto status = options.parse(argc, argv)) {
+      return *status;
+    }
+    luminav::MapperConfig config = luminav::read_mapper_config(robot_file, building_file);
+    config.state_folder = std::filesystem::path(state) / config.robot.name;
+    const auto lcm = luminav::open_lcm(url);
+    luminav::MapperNode node(*lcm, config);
+    luminav::EventLoop loop(*lcm, "mapper", config.robot.name);
+    loop.report_health([&] { return node.health(); });
+    return loop.run();
+  });
+}

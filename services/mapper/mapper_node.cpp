@@ -1,0 +1,269 @@
+#include "services/mapper/mapper_node.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/common/building/map_file.hpp"
+#include "services/common/process/channels.hpp"
+#include "services/common/process/lcm_conversions.hpp"
+#include "services/mapper/evidence_file.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr const char* kEvidenceFile = "evidence.bin";
+constexpr const char* kMapFile = "map.yaml";
+constexpr std::size_t kMostPending = 256;  // 16 discs x 16: half a second without POSE is not worth keeping
+
+std::uint64_t hash_of(const grid_tile_t& tile) {  // FNV-1a over the compressed cells
+  std::uint64_t hash = 1469598103934665603ULL;
+  for (std::int32_t i = 0; i < tile.size; ++i) {
+    hash = (hash ^ tile.data[static_cast<std::size_t>(i)]) * 1099511628211ULL;
+  }
+  return hash;
+}
+
+}  // namespace
+
+MapperNode::MapperNode(lcm::LCM& lcm, const MapperConfig& config)
+    : lcm_(lcm), config_(config), drawn_until_(config.robot.sonar.robot_from_sonar.size(), 0), subscriber_(lcm) {
+  start_map(config.prior, 0);
+  if (!config_.state_folder.empty()) {
+    OccupancyGrid kept = mapper_->grid();
+    if (read_evidence(config_.state_folder / kEvidenceFile, kept)) {
+      (void)mapper_->restore_evidence(kept);
+    }
+  }
+  subscriber_.on(channels::kPose, &MapperNode::on_pose, this);
+  subscriber_.on(channels::kSonar, &MapperNode::on_sonar, this);
+  subscriber_.on(channels::kMapCommand, &MapperNode::on_map_command, this);
+  subscriber_.on(channels::kTileRequest, &MapperNode::on_tile_request, this);
+}
+
+Health MapperNode::health() const {
+  Health health;
+  health.dropped_inputs = subscriber_.dropped();
+  health.degraded = !keep_error_.empty();
+  health.reason = keep_error_;
+  return health;
+}
+
+void MapperNode::start_map(const PriorMap& prior, std::int64_t session) {
+  const int discs = std::max(1, static_cast<int>(config_.robot.sonar.robot_from_sonar.size()));
+  mapper_ = std::make_unique<GridMapper>(config_.grid, prior, discs);
+  const int tiles = mapper_->grid().tile_columns() * mapper_->grid().tile_rows();
+  schedule_ = std::make_unique<TileSchedule>(config_.tiles, tiles);
+  revisions_.assign(static_cast<std::size_t>(tiles), 0);
+  sent_hash_.assign(static_cast<std::size_t>(tiles), 0);
+  map_session_ = session;
+}
+
+bool MapperNode::is_trusted(const pose_t& pose) const {
+  const double position_variance = std::max(pose.covariance[0], pose.covariance[4]);
+  return pose.state == pose_t::STATE_TRACKING && position_variance <= config_.position_limit * config_.position_limit &&
+         pose.covariance[8] <= config_.heading_limit * config_.heading_limit &&
+         std::abs(pose.angular) <= config_.turn_limit;
+}
+
+void MapperNode::on_pose(const pose_t& pose) {
+  if (!all_finite({pose.x, pose.y, pose.theta, pose.covariance[0], pose.covariance[4], pose.covariance[8], pose.linear,
+                   pose.angular}) ||
+      pose.utime <= 0) {
+    subscriber_.drop("POSE with a number that is none");
+    return;
+  }
+  if (!config_.floor.empty() && pose.floor != config_.floor) {
+    return;
+  }
+  const StampGuard::Verdict verdict = pose_stamps_.check(pose.utime);
+  if (verdict == StampGuard::Verdict::kOld) {
+    subscriber_.drop("POSE older than the last");
+    return;
+  }
+  if (verdict == StampGuard::Verdict::kNewSession || pose.session != pose_session_) {
+    poses_.clear();
+    pending_.clear();
+    pose_session_ = pose.session;
+  }
+  poses_.add({pose.utime, world_from_robot(pose), std::abs(pose.linear), is_trusted(pose)});
+  draw_pending();
+  mapper_->decay(pose.utime);
+  send_tiles(pose.utime);
+  keep_evidence(pose.utime);
+}
+
+void MapperNode::on_sonar(const sonar_t& sonar) {
+  const std::size_t discs = config_.robot.sonar.robot_from_sonar.size();
+  if (sonar.utime <= 0 || static_cast<std::size_t>(std::max(0, sonar.count)) != discs) {
+    subscriber_.drop(fmt::format("SONAR with {} readings, the robot's file has {} discs", sonar.count, discs));
+    return;
+  }
+  const StampGuard::Verdict verdict = sonar_stamps_.check(sonar.utime);
+  if (verdict == StampGuard::Verdict::kOld) {
+    subscriber_.drop("SONAR older than the last");
+    return;
+  }
+  if (verdict == StampGuard::Verdict::kNewSession) {
+    std::fill(drawn_until_.begin(), drawn_until_.end(), 0);
+    pending_.clear();
+  }
+  for (std::size_t i = 0; i < discs; ++i) {
+    if (!sonar.fresh[i] || sonar.range_utime[i] <= drawn_until_[i] || sonar.range_utime[i] > sonar.utime) {
+      continue;
+    }
+    if (!std::isfinite(sonar.range[i]) || sonar.range[i] < 0.0F) {
+      subscriber_.drop(fmt::format("SONAR reading {} is no number", i));
+      continue;
+    }
+    drawn_until_[i] = sonar.range_utime[i];
+    if (sonar.session == pose_session_ || pose_session_ == 0) {
+      pending_.push_back({static_cast<int>(i), sonar.range_utime[i], sonar.range[i], sonar.has_echo[i] != 0});
+    }
+  }
+  while (pending_.size() > kMostPending) {
+    pending_.pop_front();
+  }
+  draw_pending();
+  send_tiles(sonar.utime);
+}
+
+void MapperNode::draw_pending() {
+  // readings wait for the first pose after them
+  std::stable_sort(pending_.begin(), pending_.end(),
+                   [](const PendingReading& a, const PendingReading& b) { return a.utime < b.utime; });
+  while (!pending_.empty() && pending_.front().utime <= poses_.newest()) {
+    const PendingReading reading = pending_.front();
+    pending_.pop_front();
+    const std::optional<Pose2> pose = poses_.trusted_at(reading.utime);
+    if (!pose) {
+      continue;
+    }
+    const Pose2& robot_from_sonar = config_.robot.sonar.robot_from_sonar[static_cast<std::size_t>(reading.disc)];
+    mapper_->integrate({reading.disc, reading.utime, *pose, *pose * robot_from_sonar, reading.range, reading.has_echo});
+    if (reading.disc == 0) {
+      mapper_->mark_robot(*pose);
+    }
+    ++integrated_;
+  }
+}
+
+void MapperNode::send_tiles(std::int64_t utime) {
+  if (map_session_ == 0) {
+    map_session_ = utime;
+  }
+  for (const int tile : mapper_->take_touched_tiles()) {
+    schedule_->mark_changed(tile);
+  }
+  for (const int tile : schedule_->due(utime)) {
+    send_tile(tile, utime);
+  }
+}
+
+void MapperNode::send_tile(int tile, std::int64_t utime) {
+  const OccupancyGrid& grid = mapper_->grid();
+  grid_tile_t message = encode_tile(grid, tile % grid.tile_columns(), tile / grid.tile_columns());
+  const auto i = static_cast<std::size_t>(tile);
+  const std::uint64_t hash = hash_of(message);
+  if (hash != sent_hash_[i]) {
+    sent_hash_[i] = hash;
+    ++revisions_[i];
+  }
+  message.utime = utime;
+  message.floor = config_.floor;
+  message.map_session = map_session_;
+  message.revision = revisions_[i];
+  message.map_command_id = map_command_id_;
+  message.map_command_result = map_command_result_;
+  lcm_.publish(channels::kGridTile, &message);
+}
+
+void MapperNode::on_tile_request(const tile_request_t& request) {
+  if (request.count < 0 || static_cast<std::size_t>(request.count) > request.tile_column.size() ||
+      request.tile_row.size() != request.tile_column.size()) {
+    subscriber_.drop("TILE_REQUEST of an impossible size");
+    return;
+  }
+  const OccupancyGrid& grid = mapper_->grid();
+  if (request.count == 0) {
+    schedule_->request_all();
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(request.count); ++i) {
+    const int column = request.tile_column[i];
+    const int row = request.tile_row[i];
+    if (column >= 0 && row >= 0 && column < grid.tile_columns() && row < grid.tile_rows()) {
+      schedule_->request(row * grid.tile_columns() + column);
+    }
+  }
+  // sent with the next POSE or SONAR; without either, at once
+  if (poses_.newest() == 0 && request.utime > 0) {
+    send_tiles(request.utime);
+  }
+}
+
+void MapperNode::on_map_command(const map_command_t& command) {
+  if (command.id == map_command_id_) {
+    return;  // repeated until the echo arrives
+  }
+  map_command_result_ = carry_out(command);
+  map_command_id_ = command.id;
+  const std::int64_t utime = std::max(poses_.newest(), map_session_ != 0 ? map_session_ : command.utime);
+  send_tile(0, utime > 0 ? utime : command.utime);
+}
+
+std::string MapperNode::carry_out(const map_command_t& command) {
+  const std::filesystem::path file =
+      command.path.empty() ? config_.state_folder / kMapFile : std::filesystem::path(command.path);
+  if (command.action != map_command_t::ACTION_CLEAR_EVIDENCE && command.path.empty() && config_.state_folder.empty()) {
+    return "no path given, and the mapper runs without a state folder";
+  }
+  try {
+    switch (command.action) {
+      case map_command_t::ACTION_SAVE:
+        if (file.has_parent_path()) {
+          std::filesystem::create_directories(file.parent_path());
+        }
+        write_map(file, mapper_->combined());
+        return "";
+      case map_command_t::ACTION_LOAD: {
+        const PriorMap map = resample(read_map(file), config_.resolution);
+        if (map.geometry.columns > 4096 || map.geometry.rows > 4096) {
+          return fmt::format("{}: {} x {} cells, must be at most 4096 x 4096", file.string(), map.geometry.columns,
+                             map.geometry.rows);
+        }
+        start_map(map, std::max({poses_.newest(), map_session_, command.utime}) + 1);
+        return "";
+      }
+      case map_command_t::ACTION_CLEAR_EVIDENCE:
+        mapper_->clear_evidence();
+        return "";
+      default:
+        return fmt::format("unknown action {}", static_cast<int>(command.action));
+    }
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+void MapperNode::keep_evidence(std::int64_t utime) {
+  if (config_.state_folder.empty() || integrated_ == kept_integrated_) {
+    return;
+  }
+  if (kept_at_ == 0 || utime < kept_at_) {
+    kept_at_ = utime;
+  }
+  if (utime - kept_at_ < static_cast<std::int64_t>(config_.keep_period * 1e6)) {
+    return;
+  }
+  kept_at_ = utime;
+  kept_integrated_ = integrated_;
+  try {
+    write_evidence(config_.state_folder / kEvidenceFile, mapper_->grid());
+    keep_error_.clear();
+  } catch (const std::exception& error) {
+    keep_error_ = error.what();
+  }
+}
+
+}  // namespace luminav

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "services/common/building/occupancy_grid.hpp"
+#include "services/common/geometry/pose2.hpp"
+
+namespace luminav {
+
+/// How one reading becomes votes of cells: the paper's line segment, or a cone with weights by range and angle.
+enum class SonarModelKind { kLine, kCone };
+
+struct SonarModelParams {
+  SonarModelKind kind = SonarModelKind::kCone;
+  double half_angle = radians(15.0);  ///< [rad] of the cone
+  double minimum_range = 0.10;        ///< [m] nearer readings say nothing
+  double maximum_range = 5.0;         ///< [m] readings from here on are no echo
+  double free_log_odds = 0.20;        ///< taken from every cell inside the cone
+  double core_log_odds = 0.20;        ///< taken beside that in the inner half of the cone, where a miss is rare
+  double core_range = 2.0;            ///< [m] up to here
+  double occupied_log_odds = 0.60;    ///< given to the cell on the axis at the reading
+  double edge_weight = 0.30;          ///< of that at the border of the cone; a parabola between
+  double occupied_range = 3.0;   ///< [m] echoes from farther away are too wide to place (1.6 m there): free votes only
+  double free_range = 3.0;       ///< [m] nothing is called free beyond
+  double no_echo_share = 0.5;    ///< weight of a reading without an echo: a slanted wall may have thrown it away
+  double free_margin = 0.15;     ///< [m] before the reading where nothing is voted
+  double least_log_odds = -2.0;  ///< clamp of free evidence; low, so that what stands there anew shows soon
+  double most_log_odds = 2.5;    ///< clamp of occupied evidence; low, so that what has gone vanishes soon
+};
+
+/// One reading where it was taken.
+struct SonarReading {
+  Pose2 world_from_sonar;  // x along the axis
+  double range = 0.0;      // [m]
+  bool has_echo = false;
+};
+
+/// Rows of a filled convex region: for each row the first and last column, both included; empty where last < first.
+struct CellSpans {
+  int first_row = 0;
+  std::vector<int> first;
+  std::vector<int> last;
+};
+
+/// Cells whose centre lies in the sector of a circle round `apex`, x of the pose being its axis; clipped to the grid.
+/// The spans are overwritten.
+void fill_sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, double radius, CellSpans& spans);
+
+/// Votes of free space. They need no second look: an echo that came too early leaves only too little of it.
+class FreeSpaceModel {
+ public:
+  explicit FreeSpaceModel(const SonarModelParams& params);
+  /// Takes evidence from the cells that the reading saw empty, out to `limit` [m] at most.
+  void apply(const SonarReading& reading, double limit, OccupancyGrid& grid);
+
+ private:
+  void sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, double radius, std::int8_t vote,
+              std::vector<std::int8_t>& evidence);
+  void line(const GridGeometry& geometry, const Pose2& apex, double length, std::int8_t vote,
+            std::vector<std::int8_t>& evidence);
+  SonarModelParams params_;
+  CellSpans spans_;
+};
+
+/// A cell that an echo may come from.
+struct ArcCell {
+  Cell cell;
+  double weight = 1.0;  // 1 on the axis
+};
+
+/// Cells on the arc of an echo, from one border of the cone to the other, each once; of the line model only the one on
+/// the axis. `widening` [rad] is added at both borders, with the border's weight.
+void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry, const SonarReading& reading,
+                   double widening, std::vector<ArcCell>& cells);
+
+/// Log-odds as the grid stores them.
+std::int8_t to_evidence(double log_odds);
+
+}  // namespace luminav
