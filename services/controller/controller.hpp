@@ -1,0 +1,94 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/controller/controller_config.hpp"
+#include "services/controller/escape.hpp"
+#include "services/controller/local_map.hpp"
+#include "services/controller/path_follower.hpp"
+#include "services/controller/progress_monitor.hpp"
+#include "services/controller/stop_logic.hpp"
+#include "services/controller/wander.hpp"
+
+namespace luminav {
+
+/// Who wishes to move the robot.
+enum class ControlTask { kNone, kWander, kFollow, kTeleop };
+
+/// The numbers are those of CONTROL_STATUS.
+enum class ControlState : std::int8_t {
+  kIdle = 0,
+  kWandering = 1,
+  kFollowing = 2,
+  kTurning = 3,
+  kAtGoal = 4,
+  kYielding = 5,
+  kEscaping = 6,
+  kStuck = 7,
+  kStopped = 8,
+  kTeleop = 9
+};
+
+struct ControlInput {
+  std::int64_t now = 0;    // [us]
+  double duration = 0.05;  // [s] since the last step
+  ControlTask task = ControlTask::kNone;
+  std::string task_reason;          // why there is nothing to do, plain sentence
+  std::optional<std::string> halt;  // stands still at once, and why
+  Pose2 odom_from_robot;
+  std::optional<Pose2> world_from_robot;  // only while TRACKING
+  const OccupancyGrid* grid = nullptr;    // nothing received yet: nullptr
+  DriveTwist teleoperation;
+  std::vector<ObstaclePoint> echoes;  // robot frame
+  SenseAges ages;
+};
+
+struct ControlOutput {
+  DriveTwist twist;
+  ControlState state = ControlState::kIdle;
+  std::string reason;
+  FollowStep follow;
+  double clearance = 10.0;                // [m]
+  double seconds_without_progress = 0.0;  // [s]
+};
+
+/// One step of control: a wish from wandering, path or person, smoothed, and cut by the stop logic; with patience for
+/// people, and escapes where there is no progress.
+class Controller {
+ public:
+  explicit Controller(const ControllerConfig& config);
+
+  void set_path(const PlannedPath& path) { follower_.set_path(path); }
+  ControlOutput step(const ControlInput& input);
+  /// The odometry jumped.
+  void forget_odometry();
+
+  [[nodiscard]] const PlannedPath& path() const { return follower_.path(); }
+
+ private:
+  struct Escape {
+    EscapeMove move;
+    std::int64_t until = 0;  // [us]
+  };
+  void enter(ControlTask task, const ControlInput& input);
+  DriveTwist wish(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
+  void follow(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
+  void wait_or_escape(const ControlInput& input, const StopVerdict& verdict,
+                      const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
+
+  ControllerConfig config_;
+  StopLogic stop_logic_;
+  PathFollower follower_;
+  Wander wander_;
+  ProgressMonitor progress_;
+  CommandRamp ramp_;
+  ControlTask task_ = ControlTask::kNone;
+  std::optional<Escape> escape_;
+  int escapes_ = 0;                  // since the last progress
+  std::int64_t standing_since_ = 0;  // [us] it wants to move and may not; 0 = it moves
+  std::int64_t next_escape_ = 0;     // [us] not before
+};
+
+}  // namespace luminav

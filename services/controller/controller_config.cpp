@@ -1,0 +1,58 @@
+#include "services/controller/controller_config.hpp"
+
+#include <algorithm>
+
+#include "services/common/configuration/toml_table.hpp"
+#include "services/controller/footprint.hpp"
+
+namespace luminav {
+
+ControllerConfig ControllerConfig::for_robot(const RobotDescription& robot) {
+  ControllerConfig config;
+  config.robot = robot;
+  config.follower.speed.linear = robot.limits.linear;
+  config.follower.speed.angular = robot.limits.angular;
+  config.wander.speed = std::min(config.wander.speed, robot.limits.linear);
+  config.wander.angular = std::min(config.wander.angular, robot.limits.angular);
+  double nose = 0.0;
+  double half_width = 0.0;
+  for (const Eigen::Vector2d& corner : robot.footprint) {
+    nose = std::max(nose, corner.x());
+    half_width = std::max(half_width, std::abs(corner.y()));
+  }
+  for (FreeHeadingParams* strip : {&config.follower.free_heading, &config.wander.free_heading}) {
+    strip->nose = nose;
+    strip->half_width = half_width + config.stop_logic.margin;
+  }
+  config.local_map.half_width = half_width + 0.01;
+  return config;
+}
+
+ControllerConfig read_controller_config(const std::filesystem::path& robot_file) {
+  const TomlTable root = TomlTable::load(robot_file);
+  ControllerConfig config = ControllerConfig::for_robot(read_robot(root));
+  const TomlTable table = root.table("controller");
+  const MotionLimits& limits = config.robot.limits;
+  SpeedLawParams& speed = config.follower.speed;
+  speed.linear = table.number("maximum_linear", speed.linear, {0.02, limits.linear});
+  speed.angular = table.number("maximum_angular", speed.angular, {0.02, limits.angular});
+  speed.turn_gain = table.number("turn_gain", speed.turn_gain, {0.2, 5.0});
+  config.wander.speed = table.number("wander_speed", config.wander.speed, {0.02, limits.linear});
+  config.follower.look_ahead.distance = table.number("look_ahead", config.follower.look_ahead.distance, {0.3, 3.0});
+  config.follower.arrival_radius = table.number("arrival_radius", config.follower.arrival_radius, {0.005, 1.0});
+  config.follower.arrival_heading = table.number("arrival_heading", config.follower.arrival_heading, {0.005, 1.0});
+  config.follower.forces.influence = table.number("force_influence", config.follower.forces.influence, {0.05, 2.0});
+  config.follower.forces.strength = table.number("force_strength", config.follower.forces.strength, {0.0, 10.0});
+  config.stop_logic.margin = table.number("margin", config.stop_logic.margin, {0.0, 0.5});
+  config.stop_logic.known_margin = table.number("known_margin", config.stop_logic.known_margin, {0.0, 0.5});
+  config.stop_logic.time_to_contact = table.number("time_to_contact", config.stop_logic.time_to_contact, {0.3, 5.0});
+  config.echo_memory.keep = table.number("echo_memory", config.echo_memory.keep, {0.4, 10.0});
+  config.jerk = table.number("jerk", config.jerk, {0.1, 20.0});
+  config.period = table.number("period", config.period, {0.02, 0.2});
+  config.patience = table.number("patience", config.patience, {0.5, 60.0});
+  config.stuck_after = table.number("stuck_after", config.stuck_after, {1.0, 60.0});
+  table.reject_unknown();
+  return config;
+}
+
+}  // namespace luminav

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/controller/echo_memory.hpp"
+#include "services/controller/local_map.hpp"
+#include "services/controller/path_follower.hpp"
+#include "services/controller/progress_monitor.hpp"
+#include "services/controller/stop_logic.hpp"
+#include "services/controller/wander.hpp"
+
+namespace luminav {
+
+/// Everything the controller is told: the robot, and table [controller] of its file.
+struct ControllerConfig {
+  RobotDescription robot;
+  EchoMemoryParams echo_memory;
+  StopLogicParams stop_logic;
+  LocalMapParams local_map;
+  PathFollowerParams follower;
+  WanderParams wander;
+  ProgressParams progress;
+  double jerk = 1.0;                  // [m/s^3] of speeding up
+  double period = 0.04;               // [s] of control; commands are re-sent with every tick between
+  double pose_stale_after = 0.5;      // [s] against the newest odometry
+  double planner_silent_after = 3.0;  // [s] without NAVIGATION_STATUS
+  double teleop_silent_after = 0.3;   // [s] dead man
+  double teleop_pause = 1.0;          // [s] after a person let go, before it drives by itself again
+  double patience = 4.0;              // [s] it waits for something unknown to go away
+  double patience_with_walls = 1.0;   // [s] the same for walls
+  double settle_after = 1.5;          // [s] blocked within the tolerance counts as arrived
+  double stuck_after = 5.0;           // [s] without progress
+  double escape_pause = 3.0;          // [s] between two escapes
+
+  /// A configuration whose speeds follow the robot's limits.
+  static ControllerConfig for_robot(const RobotDescription& robot);
+};
+
+/// Reads the robot's file with its table [controller] strictly. Throws ConfigurationError.
+ControllerConfig read_controller_config(const std::filesystem::path& robot_file);
+
+}  // namespace luminav

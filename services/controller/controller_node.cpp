@@ -1,0 +1,406 @@
+#include "services/controller/controller_node.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <luminav/control_status_t.hpp>
+#include <luminav/velocity_command_t.hpp>
+
+#include "services/common/process/channels.hpp"
+#include "services/common/process/lcm_conversions.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr std::int64_t kOdometryKept = 1'500'000;  // [us]
+constexpr std::int64_t kStatusPeriod = 100'000;    // [us] of CONTROL_STATUS
+constexpr std::int64_t kStatusMissing = 150'000;   // [us] without ROBOT_STATUS: ODOMETRY becomes the tick
+constexpr std::int64_t kTooFarAhead = 200'000;     // [us] motion is not extrapolated further
+constexpr std::size_t kMostPathPoints = 20'000;
+
+double seconds_between(std::int64_t from, std::int64_t to) {
+  return 1e-6 * static_cast<double>(to - from);
+}
+
+std::string say_age(const char* what, double seconds) {
+  std::array<char, 100> text{};
+  std::snprintf(text.data(), text.size(), "%s is %.1f s old", what, seconds);
+  return text.data();
+}
+
+}  // namespace
+
+ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config)
+    : lcm_(lcm),
+      config_(config),
+      subscriber_(lcm),
+      controller_(config),
+      echoes_(config.robot.sonar, config.echo_memory) {
+  subscriber_.on(channels::kPath, &ControllerNode::on_path, this);
+  subscriber_.on(channels::kNavigationStatus, &ControllerNode::on_navigation_status, this);
+  subscriber_.on(channels::kGridTile, &ControllerNode::on_grid_tile, this);
+  subscriber_.on(channels::kPose, &ControllerNode::on_pose, this);
+  subscriber_.on(channels::kOdometry, &ControllerNode::on_odometry, this);
+  subscriber_.on(channels::kSonar, &ControllerNode::on_sonar, this);
+  subscriber_.on(channels::kRobotStatus, &ControllerNode::on_robot_status, this);
+  subscriber_.on(channels::kStop, &ControllerNode::on_stop, this);
+  subscriber_.on(channels::kTeleopCommand, &ControllerNode::on_teleop_command, this);
+}
+
+Health ControllerNode::health() const {
+  Health health;
+  health.dropped_inputs = subscriber_.dropped();
+  health.reason = subscriber_.last_reason();
+  return health;
+}
+
+void ControllerNode::on_path(const path_t& message) {
+  const auto count = static_cast<std::size_t>(std::max(0, message.count));
+  if (count > kMostPathPoints || message.x.size() < count || message.y.size() < count ||
+      !all_finite({message.tolerance, message.theta, message.heading_tolerance})) {
+    subscriber_.drop("PATH: impossible size or number");
+    return;
+  }
+  PlannedPath path;
+  path.goal_id = message.goal_id;
+  path.pose_index = message.pose_index;
+  path.sequence = message.sequence;
+  path.tolerance = std::max(0.0, message.tolerance);
+  path.has_theta = message.has_theta != 0;
+  path.theta = wrap_angle(message.theta);
+  path.heading_tolerance = std::max(0.0, message.heading_tolerance);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!all_finite({message.x[i], message.y[i]})) {
+      subscriber_.drop("PATH: a point is not a number");
+      return;
+    }
+    path.points.emplace_back(message.x[i], message.y[i]);
+  }
+  const PlannedPath& now = controller_.path();
+  if (now.goal_id == path.goal_id && now.sequence == path.sequence && !now.points.empty() &&
+      now.points.size() == path.points.size()) {
+    return;  // a repetition
+  }
+  controller_.set_path(path);
+}
+
+void ControllerNode::on_navigation_status(const navigation_status_t& message) {
+  navigation_ = message;
+  navigation_heard_ = newest_tick_;
+}
+
+void ControllerNode::on_grid_tile(const grid_tile_t& message) {
+  if (!is_possible(message)) {
+    subscriber_.drop("GRID_TILE: impossible size or place");
+    return;
+  }
+  if (pose_ && pose_->state == pose_t::STATE_TRACKING && pose_->floor != message.floor) {
+    return;  // another floor's
+  }
+  if (!has_grid_ || message.map_session != map_session_ || !(geometry_of(message) == grid_.geometry)) {
+    grid_ = OccupancyGrid(geometry_of(message));
+    map_session_ = message.map_session;
+    has_grid_ = true;
+  }
+  if (!apply_tile(message, grid_)) {
+    subscriber_.drop("GRID_TILE: does not decompress to a tile");
+  }
+}
+
+void ControllerNode::on_pose(const pose_t& message) {
+  if (!all_finite({message.x, message.y, message.theta})) {
+    subscriber_.drop("POSE: not a number");
+    return;
+  }
+  pose_ = message;
+}
+
+void ControllerNode::restart_odometry(std::int64_t session) {
+  odometry_.clear();
+  echoes_.clear();
+  controller_.forget_odometry();
+  if (pose_ && pose_->session != session) {
+    pose_.reset();
+  }
+}
+
+void ControllerNode::on_odometry(const odometry_t& message) {
+  if (!all_finite({message.x, message.y, message.theta, message.linear, message.angular})) {
+    subscriber_.drop("ODOMETRY: not a number");
+    return;
+  }
+  const StampGuard::Verdict verdict = odometry_guard_.check(message.utime);
+  if (verdict == StampGuard::Verdict::kOld) {
+    subscriber_.drop("ODOMETRY: older than the last");
+    return;
+  }
+  if (verdict == StampGuard::Verdict::kNewSession ||
+      (!odometry_.empty() && odometry_.back().session != message.session)) {
+    restart_odometry(message.session);
+  }
+  odometry_.push_back(message);
+  while (odometry_.front().utime < message.utime - kOdometryKept) {
+    odometry_.pop_front();
+  }
+  if (!status_ || message.utime - newest_tick_ > kStatusMissing) {
+    tick(message.utime);
+  }
+}
+
+void ControllerNode::on_sonar(const sonar_t& message) {
+  const auto count = static_cast<std::size_t>(std::max(0, message.count));
+  if (count != config_.robot.sonar.robot_from_sonar.size() || message.range.size() != count ||
+      message.has_echo.size() != count || message.range_utime.size() != count) {
+    subscriber_.drop("SONAR: not the number of discs of the robot's file");
+    return;
+  }
+  if (odometry_.empty() || odometry_.back().session != message.session) {
+    return;  // the place of these readings is unknown
+  }
+  WallTest is_wall;
+  if (const std::optional<Pose2> world = world_from_odom(); world && has_grid_) {
+    is_wall = [this, world_from_odom = *world](const Eigen::Vector2d& point, double distance) {
+      return has_wall_near(grid_, world_from_odom * point, distance);
+    };
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double range = message.range[i];
+    if (message.range_utime[i] <= echoes_.newest()[i].utime) {
+      continue;  // told already
+    }
+    const std::optional<Pose2> place = odom_from_robot_at(message.range_utime[i]);
+    if (!std::isfinite(range) || range < 0.0 || range > 50.0 || !place) {
+      subscriber_.drop("SONAR: impossible range or stamp");
+      continue;
+    }
+    const bool has_echo = message.has_echo[i] != 0 && range < config_.robot.sonar.maximum_range - 0.01;
+    echoes_.add({i, message.range_utime[i], range, has_echo, *place}, is_wall);
+  }
+}
+
+void ControllerNode::on_robot_status(const robot_status_t& message) {
+  const StampGuard::Verdict verdict = status_guard_.check(message.utime);
+  if (verdict == StampGuard::Verdict::kOld) {
+    subscriber_.drop("ROBOT_STATUS: older than the last");
+    return;
+  }
+  if (verdict == StampGuard::Verdict::kNewSession) {
+    newest_tick_ = last_control_ = last_published_ = navigation_heard_ = 0;
+    teleop_until_ = 0;
+    teleop_.reset();
+  }
+  status_ = message;
+  tick(message.utime);
+}
+
+void ControllerNode::on_stop(const stop_t& message) {
+  // a stop is always obeyed; a release only if it is newer than what it releases
+  if (message.engaged == 0 && message.id < stop_id_) {
+    subscriber_.drop("STOP: a release older than the stop");
+    return;
+  }
+  stop_engaged_ = message.engaged != 0;
+  stop_id_ = message.id;
+}
+
+void ControllerNode::on_teleop_command(const teleop_command_t& message) {
+  const bool is_repeated = teleop_ && teleop_->session == message.session && message.sequence <= teleop_->sequence;
+  if (!all_finite({message.linear, message.angular}) || is_repeated) {
+    subscriber_.drop("TELEOP_COMMAND: repeated or not a number");
+    return;
+  }
+  teleop_ = message;
+  if (std::abs(seconds_between(message.utime, newest_tick_)) <= config_.teleop_silent_after) {
+    teleop_until_ = message.utime + static_cast<std::int64_t>(1e6 * config_.teleop_silent_after);
+  }
+}
+
+std::optional<Pose2> ControllerNode::odom_from_robot_at(std::int64_t utime) const {
+  if (odometry_.empty() || utime < odometry_.front().utime - kTooFarAhead) {
+    return std::nullopt;
+  }
+  const odometry_t& newest = odometry_.back();
+  if (utime >= newest.utime) {
+    const double ahead = seconds_between(newest.utime, std::min(utime, newest.utime + kTooFarAhead));
+    return odom_from_robot(newest) * drive_arc({newest.linear, newest.angular}, ahead);
+  }
+  const auto after =
+      std::find_if(odometry_.begin(), odometry_.end(), [utime](const odometry_t& o) { return o.utime >= utime; });
+  if (after == odometry_.begin()) {
+    return odom_from_robot(*after);
+  }
+  const auto before = std::prev(after);
+  const double fraction =
+      static_cast<double>(utime - before->utime) / static_cast<double>(after->utime - before->utime);
+  return interpolate(odom_from_robot(*before), odom_from_robot(*after), fraction);
+}
+
+std::optional<std::string> ControllerNode::reason_not_to_trust_pose() const {
+  if (!pose_ || odometry_.empty() || pose_->session != odometry_.back().session) {
+    return "the localizer has not spoken yet";
+  }
+  if (pose_->state != pose_t::STATE_TRACKING) {
+    return "the pose is not known: " + pose_->reason;
+  }
+  const double age = seconds_between(pose_->utime, odometry_.back().utime);
+  if (age > config_.pose_stale_after) {
+    return say_age("the pose", age);
+  }
+  return std::nullopt;
+}
+
+std::optional<Pose2> ControllerNode::world_from_odom() const {
+  if (reason_not_to_trust_pose()) {
+    return std::nullopt;
+  }
+  const std::optional<Pose2> then = odom_from_robot_at(pose_->utime);
+  if (!then) {
+    return std::nullopt;
+  }
+  return world_from_robot(*pose_) * then->inverse();
+}
+
+std::optional<std::string> ControllerNode::reason_to_halt(std::int64_t utime) const {
+  if (stop_engaged_) {
+    return "a stop is engaged";
+  }
+  if (!status_ || seconds_between(status_->utime, utime) > config_.stop_logic.silent_after) {
+    return "the robot's driver is silent";
+  }
+  if (!status_->connected) {
+    return status_->reason.empty() ? "the robot is not connected" : "the robot is not connected: " + status_->reason;
+  }
+  if (status_->stop_engaged || status_->stop_button) {
+    return status_->stop_button ? "the robot's stop button is pressed" : "a stop is engaged at the robot";
+  }
+  if (!status_->motors_enabled) {
+    return "the motors are disabled";
+  }
+  if (status_->stall_left || status_->stall_right) {
+    return status_->stall_left ? "the left wheel is blocked" : "the right wheel is blocked";
+  }
+  if (odometry_.empty() || seconds_between(odometry_.back().utime, utime) > config_.stop_logic.silent_after) {
+    return "no odometry for half a second";
+  }
+  return std::nullopt;
+}
+
+void ControllerNode::choose_task(std::int64_t utime, ControlInput& input) const {
+  input.halt = reason_to_halt(utime);
+  const auto pause = static_cast<std::int64_t>(1e6 * config_.teleop_pause);
+  if (utime <= teleop_until_ + pause) {
+    input.task = ControlTask::kTeleop;
+    if (teleop_ && utime <= teleop_until_) {
+      input.teleoperation = {teleop_->linear, teleop_->angular};
+    } else {
+      input.task_reason = "the person let go";
+    }
+    return;
+  }
+  if (!navigation_) {
+    input.task_reason = "no goal yet";
+    return;
+  }
+  if (seconds_between(navigation_heard_, utime) > config_.planner_silent_after) {
+    input.task_reason = "the planner is silent";
+    return;
+  }
+  if (navigation_->state == navigation_status_t::STATE_LOCALIZING) {
+    input.task = ControlTask::kWander;
+    input.task_reason = "looking for ceiling lights that tell where it is";
+    return;
+  }
+  if (navigation_->state != navigation_status_t::STATE_FOLLOWING) {
+    return;
+  }
+  if (controller_.path().goal_id != navigation_->goal_id || controller_.path().pose_index != navigation_->pose_index) {
+    input.task_reason = "waiting for the path";
+    return;
+  }
+  input.task = ControlTask::kFollow;
+  if (const std::optional<std::string> reason = reason_not_to_trust_pose()) {
+    input.task_reason = *reason;
+  }
+}
+
+ControlInput ControllerNode::input_at(std::int64_t utime) {
+  ControlInput input;
+  input.now = utime;
+  input.duration = last_control_ == 0 ? config_.period : std::clamp(seconds_between(last_control_, utime), 0.001, 0.2);
+  choose_task(utime, input);
+  if (const std::optional<Pose2> place = odom_from_robot_at(utime)) {
+    input.odom_from_robot = *place;
+    if (const std::optional<Pose2> world = world_from_odom()) {
+      input.world_from_robot = *world * *place;
+      input.grid = has_grid_ ? &grid_ : nullptr;
+    }
+    input.echoes = echoes_.obstacles(utime, *place);
+    input.ages.odometry = std::max(0.0, seconds_between(odometry_.back().utime, utime));
+  }
+  judge_disc_ages(echoes_, utime, input.ages);
+  input.ages.front_bumper = status_ && status_->bumpers_front != 0;
+  input.ages.rear_bumper = status_ && status_->bumpers_rear != 0;
+  return input;
+}
+
+void ControllerNode::control(std::int64_t utime) {
+  output_ = controller_.step(input_at(utime));
+  last_control_ = utime;
+}
+
+void ControllerNode::tick(std::int64_t utime) {
+  newest_tick_ = utime;
+  if (session_ == 0) {
+    session_ = utime;
+  }
+  const bool must_halt = reason_to_halt(utime).has_value() && output_.state != ControlState::kStopped;
+  if (must_halt || utime < last_control_ || seconds_between(last_control_, utime) > config_.period - 1e-3) {
+    control(utime);
+  }
+  publish_command(utime);
+  if (utime < last_published_ || utime - last_published_ >= kStatusPeriod - 1000) {
+    publish_status(utime);
+  }
+}
+
+void ControllerNode::publish_command(std::int64_t utime) {
+  velocity_command_t command{};
+  command.utime = utime;
+  command.session = session_;
+  command.sequence = command_sequence_++;
+  command.linear_x = output_.twist.linear;
+  command.linear_y = 0.0;
+  command.angular_z = output_.twist.angular;
+  lcm_.publish(channels::kVelocityCommand, &command);
+}
+
+void ControllerNode::publish_status(std::int64_t utime) {
+  last_published_ = utime;
+  control_status_t status{};
+  status.utime = utime;
+  status.sequence = status_sequence_++;
+  status.state = static_cast<std::int8_t>(output_.state);
+  status.reason = output_.reason;
+  status.goal_id = controller_.path().goal_id;
+  status.path_sequence = controller_.path().sequence;
+  if (output_.follow.look_ahead) {
+    status.has_look_ahead = true;
+    status.look_ahead_x = output_.follow.look_ahead->point.x();
+    status.look_ahead_y = output_.follow.look_ahead->point.y();
+    status.distance_left = output_.follow.look_ahead->distance_left;
+  }
+  status.attractive_x = output_.follow.force.attractive.x();
+  status.attractive_y = output_.follow.force.attractive.y();
+  status.repulsive_x = output_.follow.force.repulsive.x();
+  status.repulsive_y = output_.follow.force.repulsive.y();
+  status.clearance = output_.clearance;
+  status.linear = output_.twist.linear;
+  status.angular = output_.twist.angular;
+  status.seconds_without_progress = output_.seconds_without_progress;
+  status.stop_engaged = stop_engaged_;
+  status.stop_id = stop_id_;
+  lcm_.publish(channels::kControlStatus, &status);
+}
+
+}  // namespace luminav

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <lcm/lcm-cpp.hpp>
+#include <luminav/grid_tile_t.hpp>
+#include <luminav/navigation_status_t.hpp>
+#include <luminav/odometry_t.hpp>
+#include <luminav/path_t.hpp>
+#include <luminav/pose_t.hpp>
+#include <luminav/robot_status_t.hpp>
+#include <luminav/sonar_t.hpp>
+#include <luminav/stop_t.hpp>
+#include <luminav/teleop_command_t.hpp>
+#include <optional>
+
+#include "services/common/process/event_loop.hpp"
+#include "services/common/process/stamp_guard.hpp"
+#include "services/common/process/subscriber.hpp"
+#include "services/controller/controller.hpp"
+#include "services/controller/controller_config.hpp"
+
+namespace luminav {
+
+/// The controller on the bus. The tick is ROBOT_STATUS (or ODOMETRY where that does not come): each is answered with a
+/// VELOCITY_COMMAND, every second or third one with a fresh control step.
+class ControllerNode {
+ public:
+  ControllerNode(lcm::LCM& lcm, const ControllerConfig& config);
+
+  [[nodiscard]] Health health() const;
+
+ private:
+  void on_path(const path_t& message);
+  void on_navigation_status(const navigation_status_t& message);
+  void on_grid_tile(const grid_tile_t& message);
+  void on_pose(const pose_t& message);
+  void on_odometry(const odometry_t& message);
+  void on_sonar(const sonar_t& message);
+  void on_robot_status(const robot_status_t& message);
+  void on_stop(const stop_t& message);
+  void on_teleop_command(const teleop_command_t& message);
+
+  void tick(std::int64_t utime);
+  void control(std::int64_t utime);
+  void publish_command(std::int64_t utime);
+  void publish_status(std::int64_t utime);
+  void restart_odometry(std::int64_t session);
+
+  [[nodiscard]] ControlInput input_at(std::int64_t utime);
+  void choose_task(std::int64_t utime, ControlInput& input) const;
+  [[nodiscard]] std::optional<std::string> reason_to_halt(std::int64_t utime) const;
+  [[nodiscard]] std::optional<std::string> reason_not_to_trust_pose() const;
+  [[nodiscard]] std::optional<Pose2> odom_from_robot_at(std::int64_t utime) const;
+  [[nodiscard]] std::optional<Pose2> world_from_odom() const;
+
+  lcm::LCM& lcm_;
+  ControllerConfig config_;
+  Subscriber subscriber_;
+  Controller controller_;
+  EchoMemory echoes_;
+  OccupancyGrid grid_;
+  std::int64_t map_session_ = 0;
+  bool has_grid_ = false;
+
+  StampGuard odometry_guard_;
+  StampGuard status_guard_;
+  std::deque<odometry_t> odometry_;  // the last second, oldest first
+  std::optional<pose_t> pose_;
+  std::optional<navigation_status_t> navigation_;
+  std::int64_t navigation_heard_ = 0;  // [us] newest tick when it came
+  std::optional<robot_status_t> status_;
+  std::optional<teleop_command_t> teleop_;
+  std::int64_t teleop_until_ = 0;  // [us] a person drove until then
+  bool stop_engaged_ = false;
+  std::int64_t stop_id_ = 0;
+
+  std::int64_t session_ = 0;  // [us] of the first message answered
+  std::int32_t command_sequence_ = 0;
+  std::int32_t status_sequence_ = 0;
+  std::int64_t newest_tick_ = 0;     // [us]
+  std::int64_t last_control_ = 0;    // [us]
+  std::int64_t last_published_ = 0;  // [us] CONTROL_STATUS
+  ControlOutput output_;
+};
+
+}  // namespace luminav

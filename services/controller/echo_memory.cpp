@@ -1,0 +1,129 @@
+#include "services/controller/echo_memory.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+double seconds_between(std::int64_t from, std::int64_t to) {
+  return 1e-6 * static_cast<double>(to - from);
+}
+
+}  // namespace
+
+EchoMemory::EchoMemory(const SonarRing& ring, const EchoMemoryParams& params) : ring_(ring), params_(params) {
+  for (const Pose2& disc : ring_.robot_from_sonar) {
+    Sector sector{-ring_.half_angle, ring_.half_angle};
+    for (const Pose2& other : ring_.robot_from_sonar) {
+      const double apart = wrap_angle(other.theta - disc.theta);
+      if (std::abs(apart) < radians(2.0)) {
+        continue;  // the same direction from another place
+      }
+      (apart > 0.0 ? sector.left : sector.right) =
+          apart > 0.0 ? std::min(sector.left, 0.5 * apart) : std::max(sector.right, 0.5 * apart);
+    }
+    sectors_.push_back(sector);
+  }
+  newest_.resize(ring_.robot_from_sonar.size());
+}
+
+void EchoMemory::clear() {
+  echoes_.clear();
+  std::fill(newest_.begin(), newest_.end(), SonarFiring{});
+}
+
+// How fast the thing ahead of the disc comes nearer beyond the robot's own motion. Only between two echoes of one disc
+// while the robot hardly turned: a turning cone slides along a wall.
+double EchoMemory::approach_speed(const SonarFiring& firing) const {
+  const SonarFiring& last = newest_[firing.disc];
+  const double passed = seconds_between(last.utime, firing.utime);
+  const Pose2 last_from_now = last.odom_from_robot.inverse() * firing.odom_from_robot;
+  if (last.utime == 0 || passed <= 0.0 || passed > 0.8 || std::abs(last_from_now.theta) > radians(4.0)) {
+    return 0.0;
+  }
+  const double axis = ring_.robot_from_sonar[firing.disc].theta;
+  const double own = last_from_now.x * std::cos(axis) + last_from_now.y * std::sin(axis);
+  const double nearer = last.range - firing.range - std::max(0.0, own);
+  const double speed = nearer / passed;
+  if (speed < params_.approach_least) {
+    return 0.0;
+  }
+  return std::min(speed, params_.approach_most);
+}
+
+// A farther echo through the same directions takes back what was thought to stand nearer. Silence refutes nothing: a
+// smooth wall seen at a slant is silent too.
+void EchoMemory::refute(const SonarFiring& firing) {
+  const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
+  const Pose2 sonar_from_odom = odom_from_sonar.inverse();
+  const double cone = 0.8 * ring_.half_angle;
+  for (Echo& echo : echoes_) {
+    std::erase_if(echo.points_in_odom, [&](const Eigen::Vector2d& point) {
+      const Eigen::Vector2d seen = sonar_from_odom * point;
+      const double range = seen.norm();
+      return range > ring_.minimum_range && range < firing.range - params_.refute_margin &&
+             std::abs(std::atan2(seen.y(), seen.x())) < cone;
+    });
+  }
+}
+
+void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
+  if (firing.disc >= newest_.size() || firing.utime <= newest_[firing.disc].utime) {
+    return;
+  }
+  const double oldest = std::max(params_.keep, params_.keep_near);
+  std::erase_if(echoes_, [&](const Echo& echo) {
+    return echo.points_in_odom.empty() || seconds_between(echo.utime, firing.utime) > oldest;
+  });
+  if (firing.has_echo) {
+    refute(firing);
+    Echo echo;
+    echo.utime = firing.utime;
+    echo.approach = approach_speed(firing);
+    echo.keep = firing.range < params_.near ? params_.keep_near : params_.keep;
+    const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
+    const double range = std::max(firing.range, 0.02);
+    const auto point_at = [&](double angle) {
+      return Eigen::Vector2d(odom_from_sonar * Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle)));
+    };
+    const int steps = std::clamp(static_cast<int>(std::ceil(2.0 * ring_.half_angle * range / params_.spacing)), 2, 12);
+    if (is_wall && echo.approach == 0.0) {
+      // The whole cone counts here: a door post at its edge explains the echo and leaves the doorway open.
+      for (int i = 0; i <= steps; ++i) {
+        const Eigen::Vector2d point = point_at(ring_.half_angle * (2.0 * i / steps - 1.0));
+        if (is_wall(point, params_.wall_tolerance)) {
+          echo.points_in_odom.push_back(point);
+        }
+      }
+      echo.is_known = !echo.points_in_odom.empty();
+    }
+    if (!echo.is_known) {
+      const Sector& sector = sectors_[firing.disc];
+      for (int i = 0; i <= steps; ++i) {
+        echo.points_in_odom.push_back(point_at(sector.right + (sector.left - sector.right) * i / steps));
+      }
+    }
+    echoes_.push_back(std::move(echo));
+  }
+  newest_[firing.disc] = firing;
+}
+
+std::vector<ObstaclePoint> EchoMemory::obstacles(std::int64_t now, const Pose2& odom_from_robot) const {
+  std::vector<ObstaclePoint> result;
+  const Pose2 robot_from_odom = odom_from_robot.inverse();
+  for (const Echo& echo : echoes_) {
+    const double age = std::max(0.0, seconds_between(echo.utime, now));
+    if (age > echo.keep) {
+      continue;
+    }
+    // after half a second a newer firing has the say about who approaches
+    const double approach = age < 0.5 ? echo.approach : 0.0;
+    for (const Eigen::Vector2d& point : echo.points_in_odom) {
+      result.push_back({robot_from_odom * point, approach, age, echo.is_known});
+    }
+  }
+  return result;
+}
+
+}  // namespace luminav

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/common/geometry/pose2.hpp"
+
+namespace luminav {
+
+/// Something the robot must not touch, in the robot frame.
+struct ObstaclePoint {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // [m] robot frame
+  double approach = 0.0;                               // [m/s] how fast it may come nearer by itself
+  double age = 0.0;                                    // [s] since it was measured
+  bool is_known = false;                               // the building's map has it
+};
+
+/// One firing of one disc.
+struct SonarFiring {
+  std::size_t disc = 0;
+  std::int64_t utime = 0;  // [us]
+  double range = 0.0;      // [m]
+  bool has_echo = false;
+  Pose2 odom_from_robot;  // when it fired
+};
+
+struct EchoMemoryParams {
+  double keep = 1.2;             // [s] an echo that nothing refutes
+  double keep_near = 2.5;        // [s] the same within `near`, where sonar may be blind to it
+  double near = 0.45;            // [m] from the disc
+  double spacing = 0.06;         // [m] between the points that stand for an arc
+  double refute_margin = 0.12;   // [m] an echo this much farther clears what was nearer in its cone
+  double wall_tolerance = 0.15;  // [m] an arc with a mapped wall this near is that wall
+  double approach_least = 0.25;  // [m/s] slower than this is noise
+  double approach_most = 0.9;    // [m/s] a brisk walk
+};
+
+/// Is there a mapped wall within a distance [m] of a point? Arguments: point in odom, distance.
+using WallTest = std::function<bool(const Eigen::Vector2d&, double)>;
+
+/// What the sonars heard lately, in the odometry frame. A disc fires every 0.32 s only, so a reading has to live on
+/// while the robot moves. One echo says: something at this range, anywhere on the arc. Of the arc only the part that no
+/// neighbour's axis is nearer to is kept: together these parts cover all directions, and a doorway stays open.
+class EchoMemory {
+ public:
+  EchoMemory(const SonarRing& ring, const EchoMemoryParams& params);
+
+  /// Takes up a firing; `is_wall` may be empty (pose or map unknown).
+  void add(const SonarFiring& firing, const WallTest& is_wall);
+  /// Obstacles as they are seen from the robot now.
+  [[nodiscard]] std::vector<ObstaclePoint> obstacles(std::int64_t now, const Pose2& odom_from_robot) const;
+  /// Newest firing of each disc; utime 0 = never.
+  [[nodiscard]] const std::vector<SonarFiring>& newest() const { return newest_; }
+  [[nodiscard]] const SonarRing& ring() const { return ring_; }
+  /// The odometry jumped: nothing remembered has a place any more.
+  void clear();
+
+ private:
+  struct Sector {
+    double right = 0.0;  // [rad] from the axis, not positive
+    double left = 0.0;   // [rad]
+  };
+  struct Echo {
+    std::int64_t utime = 0;
+    double keep = 0.0;      // [s]
+    double approach = 0.0;  // [m/s]
+    bool is_known = false;
+    std::vector<Eigen::Vector2d> points_in_odom;
+  };
+  [[nodiscard]] double approach_speed(const SonarFiring& firing) const;
+  void refute(const SonarFiring& firing);
+
+  SonarRing ring_;
+  EchoMemoryParams params_;
+  std::vector<Sector> sectors_;
+  std::vector<SonarFiring> newest_;
+  std::vector<Echo> echoes_;
+};
+
+}  // namespace luminav

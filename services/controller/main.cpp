@@ -1,0 +1,22 @@
+#include "services/common/process/command_line.hpp"
+#include "services/common/process/event_loop.hpp"
+#include "services/controller/controller_node.hpp"
+
+int main(int argc, char** argv) {
+  return luminav::run_guarded("controller", [&] {
+    std::string robot_file;
+    std::string url;
+    std::string state;
+    luminav::CommandLine command_line("controller", "Drives the robot along a path and never into anything.");
+    command_line.robot_file(robot_file).lcm_url(url).state_folder(state);
+    if (const auto status = command_line.parse(argc, argv)) {
+      return *status;
+    }
+    const luminav::ControllerConfig config = luminav::read_controller_config(robot_file);
+    const auto lcm = luminav::open_lcm(url);
+    luminav::ControllerNode node(*lcm, config);
+    luminav::EventLoop loop(*lcm, "controller", config.robot.name);
+    loop.report_health([&node] { return node.health(); });
+    return loop.run();
+  });
+}

@@ -1,0 +1,151 @@
+#include "services/controller/stop_logic.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace luminav {
+namespace {
+
+constexpr double kStep = 0.03;     // [m] the fastest corner moves between two checks; half the margin
+constexpr double kCloser = 0.004;  // [m] less than this is standing still, not approaching
+constexpr std::array kShares{1.0, 0.85, 0.7, 0.55, 0.4, 0.3, 0.2, 0.12, 0.06};
+
+std::string describe(const ObstaclePoint& obstacle) {
+  std::array<char, 120> text{};
+  const double side = std::atan2(obstacle.position.y(), obstacle.position.x());
+  const char* where = std::abs(side) < radians(35.0)    ? "ahead"
+                      : std::abs(side) > radians(145.0) ? "behind"
+                      : side > 0.0                      ? "on the left"
+                                                        : "on the right";
+  std::snprintf(text.data(), text.size(), "%s %s, %.2f m from the wheel axis", obstacle.is_known ? "wall" : "something",
+                where, obstacle.position.norm());
+  return text.data();
+}
+
+}  // namespace
+
+void judge_disc_ages(const EchoMemory& echoes, std::int64_t now, SenseAges& ages) {
+  double front = -1.0;
+  double rear = -1.0;
+  for (std::size_t i = 0; i < echoes.newest().size(); ++i) {
+    const SonarFiring& firing = echoes.newest()[i];
+    const double age = firing.utime == 0 ? 1e9 : std::max(0.0, 1e-6 * static_cast<double>(now - firing.utime));
+    const double axis = std::abs(echoes.ring().robot_from_sonar[i].theta);
+    ages.sonar = std::min(ages.sonar, age);
+    if (axis < radians(45.0)) {
+      front = std::max(front, age);
+    } else if (axis > radians(135.0)) {
+      rear = std::max(rear, age);
+    }
+  }
+  ages.front_sonar = front < 0.0 ? 1e9 : front;
+  ages.rear_sonar = rear < 0.0 ? 1e9 : rear;
+}
+
+StopLogic::StopLogic(const RobotDescription& robot, const StopLogicParams& params)
+    : footprint_(robot.footprint), limits_(robot.limits), params_(params) {}
+
+double StopLogic::look_ahead_time(const DriveTwist& twist) const {
+  const double braking = params_.reaction_time + 0.5 * std::abs(twist.linear) / limits_.linear_deceleration;
+  return std::max(params_.time_to_contact, braking);
+}
+
+const ObstaclePoint* StopLogic::first_in_the_way(const DriveTwist& twist, double duration,
+                                                 std::span<const ObstaclePoint> obstacles) const {
+  const double corner_speed = std::abs(twist.linear) + footprint_.swept_radius() * std::abs(twist.angular);
+  if (corner_speed <= 0.0) {
+    return nullptr;
+  }
+  const int steps = std::max(1, static_cast<int>(std::ceil(corner_speed * duration / kStep)));
+  std::vector<Pose2> end_from_start;
+  for (int i = 1; i <= steps; ++i) {
+    end_from_start.push_back(drive_arc(twist, duration * i / steps).inverse());
+  }
+  const ObstaclePoint* first = nullptr;
+  int first_step = steps + 1;
+  for (const ObstaclePoint& obstacle : obstacles) {
+    const double margin = obstacle.is_known ? params_.known_margin : params_.margin;
+    const double sweep =
+        footprint_.swept_radius() + corner_speed * duration + margin + obstacle.approach * (obstacle.age + duration);
+    if (obstacle.position.squaredNorm() > sweep * sweep) {
+      continue;
+    }
+    const double now = footprint_.distance(obstacle.position);
+    for (int i = 0; i < std::min(steps, first_step); ++i) {
+      const double later = footprint_.distance(end_from_start[static_cast<std::size_t>(i)] * obstacle.position);
+      const double time = duration * (i + 1) / steps;
+      const double left = later - obstacle.approach * (obstacle.age + time);
+      if (left < margin && later < now - kCloser) {
+        first = &obstacle;
+        first_step = i;
+        break;
+      }
+    }
+  }
+  return first;
+}
+
+bool StopLogic::is_free(const DriveTwist& twist, double duration, std::span<const ObstaclePoint> obstacles) const {
+  return first_in_the_way(twist, duration, obstacles) == nullptr;
+}
+
+double StopLogic::clearance(std::span<const ObstaclePoint> obstacles) const {
+  double nearest = 10.0;
+  for (const ObstaclePoint& obstacle : obstacles) {
+    nearest = std::min(nearest, footprint_.distance(obstacle.position));
+  }
+  return std::max(0.0, nearest);
+}
+
+StopVerdict StopLogic::judge(const DriveTwist& wanted, std::span<const ObstaclePoint> obstacles,
+                             const SenseAges& ages) const {
+  StopVerdict verdict;
+  if (ages.odometry > params_.silent_after || ages.sonar > params_.silent_after) {
+    verdict.limited = verdict.blocked = true;
+    verdict.reason =
+        ages.odometry > params_.silent_after ? "no odometry for half a second" : "no sonar for half a second";
+    return verdict;
+  }
+  DriveTwist possible{std::clamp(wanted.linear, -limits_.linear, limits_.linear),
+                      std::clamp(wanted.angular, -limits_.angular, limits_.angular)};
+  const bool ahead = possible.linear > 0.0;
+  if (possible.linear != 0.0 && (ahead ? ages.front_sonar : ages.rear_sonar) > params_.disc_silent_after) {
+    verdict.reason = ahead ? "the front sonars are silent" : "no sonar sees what is behind";
+    possible.linear = 0.0;
+  }
+  if (possible.linear != 0.0 && (ahead ? ages.front_bumper : ages.rear_bumper)) {
+    verdict.reason = ahead ? "a front bumper is pressed" : "a rear bumper is pressed";
+    possible.linear = 0.0;
+  }
+  verdict.limited = !verdict.reason.empty();
+  const double duration = look_ahead_time(possible);
+  const ObstaclePoint* in_the_way = first_in_the_way(possible, duration, obstacles);
+  if (in_the_way == nullptr) {
+    verdict.twist = possible;
+    verdict.blocked = verdict.limited;
+    return verdict;
+  }
+  verdict.limited = true;
+  verdict.by_unknown = !in_the_way->is_known;
+  verdict.reason = describe(*in_the_way);
+  for (const double share : kShares) {
+    const DriveTwist slower{share * possible.linear, share * possible.angular};
+    if (share < 1.0 && is_free(slower, duration, obstacles)) {
+      verdict.twist = slower;
+      return verdict;
+    }
+  }
+  verdict.blocked = true;
+  for (const double share : kShares) {
+    const DriveTwist turn{0.0, share * possible.angular};
+    if (possible.linear != 0.0 && possible.angular != 0.0 && is_free(turn, duration, obstacles)) {
+      verdict.twist = turn;
+      break;
+    }
+  }
+  return verdict;
+}
+
+}  // namespace luminav

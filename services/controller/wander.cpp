@@ -1,0 +1,127 @@
+#include "services/controller/wander.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+double seconds_between(std::int64_t from, std::int64_t to) {
+  return 1e-6 * static_cast<double>(to - from);
+}
+
+}  // namespace
+
+void Wander::clear() {
+  visits_.clear();
+  failures_.clear();
+  last_step_ = last_decision_ = 0;
+  is_turning_ = false;
+  repulsive_.setZero();
+}
+
+Wander::Square Wander::square_at(const Eigen::Vector2d& place) const {
+  return {static_cast<int>(std::floor(place.x() / params_.place_side)),
+          static_cast<int>(std::floor(place.y() / params_.place_side))};
+}
+
+// Free way counts by how little it was visited: a square never seen 1, one where it spent 4 s a half.
+double Wander::worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
+                     std::span<const ObstaclePoint> obstacles) const {
+  const double way = free_way(direction, params_.reach, obstacles, params_.free_heading);
+  if (way < params_.blocked_below) {
+    return -10.0 + way;
+  }
+  double sum = 0.0;
+  for (double ahead = params_.place_side; ahead <= way + 0.1; ahead += params_.place_side) {
+    const Eigen::Vector2d place =
+        odom_from_robot * Eigen::Vector2d(ahead * std::cos(direction), ahead * std::sin(direction));
+    const auto visit = visits_.find(square_at(place));
+    sum += visit == visits_.end() ? 1.0 : 1.0 / (1.0 + 0.25 * visit->second);
+  }
+  for (const Failure& failure : failures_) {
+    const bool is_here = (failure.place - odom_from_robot.position()).norm() < params_.failure_radius;
+    const double apart = std::abs(wrap_angle(odom_from_robot.theta + direction - failure.heading));
+    if (is_here && apart < radians(35.0) && seconds_between(failure.utime, now) < params_.failure_memory) {
+      sum -= 2.0;
+    }
+  }
+  return sum - 0.5 * std::abs(direction);
+}
+
+void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
+  failures_.push_back({now, odom_from_robot.position(), is_turning_ ? target_ : odom_from_robot.theta});
+  if (failures_.size() > 30) {
+    failures_.pop_front();
+  }
+  is_turning_ = false;
+  last_decision_ = 0;
+}
+
+void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
+                    std::span<const ObstaclePoint> obstacles) {
+  last_decision_ = now;
+  double best = 0.0;
+  double best_worth = is_blocked ? -100.0 : worth(0.0, now, odom_from_robot, obstacles) + params_.better_by;
+  for (int i = -17; i <= 18; ++i) {
+    const double direction = radians(10.0 * i);
+    const double value = worth(direction, now, odom_from_robot, obstacles);
+    if (std::abs(direction) > radians(25.0) && value > best_worth) {
+      best_worth = value;
+      best = direction;
+    }
+  }
+  if (best == 0.0) {
+    return;
+  }
+  is_turning_ = true;
+  target_ = wrap_angle(odom_from_robot.theta + best);
+  turn_sign_ = best > 0.0 ? 1.0 : -1.0;
+  // the short way unless only the long one is free
+  const auto is_turn_free = [&](double angle) {
+    return stop_logic_.is_free({0.0, std::copysign(params_.angular, angle)}, std::abs(angle) / params_.angular,
+                               obstacles);
+  };
+  if (!is_turn_free(best) && is_turn_free(best - turn_sign_ * 2.0 * kPi)) {
+    turn_sign_ = -turn_sign_;
+  }
+}
+
+DriveTwist Wander::step(std::int64_t now, const Pose2& odom_from_robot, std::span<const ObstaclePoint> obstacles) {
+  const double duration = last_step_ == 0 ? 0.0 : std::clamp(seconds_between(last_step_, now), 0.0, 0.5);
+  last_step_ = now;
+  visits_[square_at(odom_from_robot.position())] += duration;
+  if (is_turning_) {
+    const double error = wrap_angle(target_ - odom_from_robot.theta);
+    if (std::abs(error) < radians(8.0)) {
+      is_turning_ = false;
+      last_decision_ = now;
+    } else {
+      const double rate = std::clamp(1.6 * std::abs(error), 0.15, params_.angular);
+      // near the end the sign is the error's own, before it the way round that was chosen
+      return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_sign_ * params_.angular};
+    }
+  }
+  const double ahead = free_way(0.0, params_.reach, obstacles, params_.free_heading);
+  const bool is_blocked = ahead < params_.blocked_below;
+  if (is_blocked) {
+    failures_.push_back({now, odom_from_robot.position(), odom_from_robot.theta});
+    if (failures_.size() > 30) {
+      failures_.pop_front();
+    }
+  }
+  if (is_blocked || seconds_between(last_decision_, now) > params_.decide_every) {
+    decide(is_blocked, now, odom_from_robot, obstacles);
+    if (is_turning_) {
+      return {};
+    }
+  }
+  const VirtualForce force = virtual_force({1.0, 0.0}, obstacles, stop_logic_.footprint(), params_.forces);
+  repulsive_ += std::min(1.0, duration / 0.3) * (force.repulsive - repulsive_);
+  const double wish = std::atan2(repulsive_.y(), 1.0 + repulsive_.x());
+  const double heading = choose_free_heading(wish, 0.9, 0.0, obstacles, params_.free_heading);
+  const double slowing = std::clamp((radians(50.0) - std::abs(heading)) / radians(40.0), 0.0, 1.0);
+  return {params_.speed * slowing, std::clamp(1.2 * heading, -params_.angular, params_.angular)};
+}
+
+}  // namespace luminav

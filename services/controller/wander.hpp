@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "services/controller/free_heading.hpp"
+#include "services/controller/stop_logic.hpp"
+#include "services/controller/virtual_forces.hpp"
+
+namespace luminav {
+
+struct WanderParams {
+  double speed = 0.25;             // [m/s]
+  double angular = radians(45.0);  // [rad/s]
+  double place_side = 0.5;         // [m] of the squares in which it counts where it has been
+  double reach = 3.0;              // [m] a direction is worth at most so much free way
+  double blocked_below = 0.40;     // [m] free way ahead that makes it look for another direction
+  double decide_every = 1.5;       // [s] while the way is free
+  double better_by = 1.2;          // squares' worth that another direction must offer to leave a free way
+  double failure_memory = 30.0;    // [s] a direction that ended at an obstacle is avoided near that place
+  double failure_radius = 0.7;     // [m]
+  FreeHeadingParams free_heading{.half_width = 0.28};
+  VirtualForceParams forces;
+};
+
+/// Covers ground by sonar alone, until the localizer knows where it is: drives towards the direction with the most
+/// unvisited free way, keeps to the middle by virtual forces, remembers in the odometry frame where it has been and
+/// which directions led nowhere. Deterministic.
+class Wander {
+ public:
+  Wander(const WanderParams& params, const StopLogic& stop_logic) : params_(params), stop_logic_(stop_logic) {}
+
+  /// `now` [us]. Only a wish; the stop logic has the last word.
+  DriveTwist step(std::int64_t now, const Pose2& odom_from_robot, std::span<const ObstaclePoint> obstacles);
+  /// The odometry jumped, or wandering is over.
+  void clear();
+  /// The current direction did not work: the stop logic refused it.
+  void give_up(std::int64_t now, const Pose2& odom_from_robot);
+
+ private:
+  struct Failure {
+    std::int64_t utime = 0;
+    Eigen::Vector2d place;  // [m] odom
+    double heading = 0.0;   // [rad] odom
+  };
+  using Square = std::pair<int, int>;
+  [[nodiscard]] Square square_at(const Eigen::Vector2d& place) const;
+  [[nodiscard]] double worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
+                             std::span<const ObstaclePoint> obstacles) const;
+  void decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
+              std::span<const ObstaclePoint> obstacles);
+
+  WanderParams params_;
+  const StopLogic& stop_logic_;
+  std::map<Square, double> visits_;  // [s] spent there
+  std::deque<Failure> failures_;
+  std::int64_t last_step_ = 0;      // [us]
+  std::int64_t last_decision_ = 0;  // [us]
+  bool is_turning_ = false;
+  double target_ = 0.0;  // [rad] odom, of the turn
+  double turn_sign_ = 1.0;
+  Eigen::Vector2d repulsive_ = Eigen::Vector2d::Zero();
+};
+
+}  // namespace luminav
