@@ -1,0 +1,163 @@
+#include "drivers/camera/camera_node.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "services/common/process/channels.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr std::int64_t kOdometryAge = 500'000;  // [us] older than the frame by this: the driver is gone, not turning
+
+static_assert(static_cast<int>(simulated::LampState::kOff) == sim_truth_t::LAMP_OFF &&
+              static_cast<int>(simulated::LampState::kOn) == sim_truth_t::LAMP_ON &&
+              static_cast<int>(simulated::LampState::kHalf) == sim_truth_t::LAMP_HALF &&
+              static_cast<int>(simulated::LampState::kFlicker) == sim_truth_t::LAMP_FLICKER);
+
+simulated::TruthSample sample_of(const sim_truth_t& message) {
+  simulated::TruthSample sample;
+  sample.utime = message.utime;
+  sample.session = message.session;
+  sample.world_from_robot = {message.x, message.y, message.theta};
+  sample.roll = message.roll;
+  sample.pitch = message.pitch;
+  sample.camera_unplugged = message.camera_unplugged != 0;
+  sample.daylight = message.daylight;
+  for (const std::int8_t state : message.lamp_state) {
+    sample.lamps.push_back(static_cast<simulated::LampState>(state));
+  }
+  for (std::size_t i = 0; i < message.moved_index.size(); ++i) {
+    sample.moved.push_back({message.moved_index[i], message.moved_dx[i], message.moved_dy[i], message.moved_dtheta[i]});
+  }
+  return sample;
+}
+
+}  // namespace
+
+CameraNode::CameraNode(lcm::LCM& lcm, const CameraConfig& config, const Clock& clock, FrameSource& source)
+    : lcm_(lcm),
+      config_(config),
+      clock_(clock),
+      source_(source),
+      exposure_(config.exposure),
+      quality_(config.quality),
+      subscriber_(lcm) {
+  message_.camera = static_cast<std::int8_t>(config.camera_index);
+  has_control_ = source_.set_exposure(exposure_.setting().exposure_us, exposure_.setting().gain);
+  subscriber_.on(channels::kOdometry, &CameraNode::on_odometry, this);
+}
+
+CameraNode::CameraNode(lcm::LCM& lcm, const CameraConfig& config, const Clock& clock, SimulatedCeiling& source)
+    : CameraNode(lcm, config, clock, static_cast<FrameSource&>(source)) {
+  ceiling_ = &source;
+  subscriber_.on(channels::kSimTruth, &CameraNode::on_truth, this);
+}
+
+void CameraNode::on_odometry(const odometry_t& message) {
+  if (!all_finite({message.angular})) {
+    subscriber_.drop("ODOMETRY: not a number");
+    return;
+  }
+  if (odometry_stamps_.check(message.utime) == StampGuard::Verdict::kOld) {
+    subscriber_.drop("ODOMETRY: old stamp");
+    return;
+  }
+  angular_ = message.angular;
+}
+
+void CameraNode::on_truth(const sim_truth_t& message) {
+  if (!all_finite({message.x, message.y, message.theta, message.roll, message.pitch, message.daylight})) {
+    subscriber_.drop("SIM_TRUTH: not a number");
+    return;
+  }
+  const bool states_known = std::all_of(message.lamp_state.begin(), message.lamp_state.end(), [](std::int8_t state) {
+    return state >= sim_truth_t::LAMP_OFF && state <= sim_truth_t::LAMP_FLICKER;
+  });
+  if (!states_known) {
+    subscriber_.drop("SIM_TRUTH: unknown state of a lamp");
+    return;
+  }
+  if (!ceiling_->on_truth(sample_of(message))) {
+    subscriber_.drop("SIM_TRUTH: old stamp");
+    return;
+  }
+  poll();
+}
+
+void CameraNode::poll() {
+  if (source_.take(clock_.utime(), frame_)) {
+    control_exposure(frame_);
+    publish(frame_);
+  }
+}
+
+void CameraNode::control_exposure(const Frame& frame) {
+  if (!has_control_) {
+    return;
+  }
+  const bool odometry_is_fresh = odometry_stamps_.newest() > frame.utime - kOdometryAge;
+  const ExposureSetting before = exposure_.setting();
+  const ExposureSetting wanted =
+      exposure_.update(frame.image.view(), frame.exposure_us, frame.gain, odometry_is_fresh ? angular_ : 0.0);
+  if (wanted != before) {
+    source_.set_exposure(wanted.exposure_us, wanted.gain);
+  }
+}
+
+bool CameraNode::fill_jpeg(const GreyView& image, camera_image_t& message) {
+  // From a little better than what the last one needed: noise, and with it the size, changes slowly.
+  constexpr int kStep = 5;
+  quality_ = std::min(config_.quality, quality_ + kStep);
+  auto bytes = encoder_.encode(image, quality_);
+  while (static_cast<int>(bytes.size()) > config_.size_most && quality_ > kStep) {
+    quality_ -= kStep;
+    bytes = encoder_.encode(image, quality_);
+  }
+  if (bytes.empty() || static_cast<int>(bytes.size()) > config_.size_most) {
+    return false;
+  }
+  message.format = camera_image_t::FORMAT_JPEG;
+  message.quality = static_cast<std::int8_t>(quality_);
+  message.data.assign(bytes.begin(), bytes.end());
+  return true;
+}
+
+void CameraNode::publish(const Frame& frame) {
+  message_.utime = frame.utime;
+  message_.width = frame.image.width;
+  message_.height = frame.image.height;
+  message_.exposure_us = frame.exposure_us;
+  message_.gain = frame.gain;
+  message_.row_time_us = frame.row_time_us;
+  message_.health = exposure_.complaint();
+  if (config_.encoding == ImageEncoding::kMono8) {
+    message_.format = camera_image_t::FORMAT_MONO8;
+    message_.quality = 0;
+    message_.data.assign(frame.image.pixels.begin(), frame.image.pixels.end());
+  } else if (!fill_jpeg(frame.image.view(), message_)) {
+    ++lost_frames_;
+    return;
+  }
+  message_.size = static_cast<std::int32_t>(message_.data.size());
+  lcm_.publish(channels::kCameraImage, &message_);
+  ++message_.sequence;
+}
+
+Health CameraNode::health() const {
+  Health health;
+  health.dropped_inputs = subscriber_.dropped();
+  if (const std::string fault = source_.fault(); !fault.empty()) {
+    health.fault = true;
+    health.reason = fault;
+  } else if (!exposure_.complaint().empty()) {
+    health.degraded = true;
+    health.reason = exposure_.complaint();
+  } else if (lost_frames_ > 0) {
+    health.degraded = true;
+    health.reason = std::to_string(lost_frames_) + " pictures did not fit into a message";
+  }
+  return health;
+}
+
+}  // namespace luminav

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <lcm/lcm-cpp.hpp>
+#include <luminav/camera_image_t.hpp>
+#include <luminav/odometry_t.hpp>
+#include <luminav/sim_truth_t.hpp>
+
+#include "drivers/camera/camera_config.hpp"
+#include "drivers/camera/exposure_control.hpp"
+#include "drivers/camera/frame_source.hpp"
+#include "drivers/camera/simulated_ceiling.hpp"
+#include "services/common/image/jpeg_codec.hpp"
+#include "services/common/process/clock.hpp"
+#include "services/common/process/event_loop.hpp"
+#include "services/common/process/stamp_guard.hpp"
+#include "services/common/process/subscriber.hpp"
+
+namespace luminav {
+
+/// Takes frames from a source, controls its exposure and publishes CAMERA_IMAGE. Stamps and rate are the source's.
+class CameraNode {
+ public:
+  CameraNode(lcm::LCM& lcm, const CameraConfig& config, const Clock& clock, FrameSource& source);
+  /// Feeds the simulated ceiling with SIM_TRUTH too; frames go out as soon as the truth they need is there, so nobody
+  /// has to call `poll`.
+  CameraNode(lcm::LCM& lcm, const CameraConfig& config, const Clock& clock, SimulatedCeiling& source);
+
+  /// Publishes the newest frame, if there is one. Call it when `descriptor` is readable and when the source is due.
+  void poll();
+  [[nodiscard]] int descriptor() const { return source_.descriptor(); }
+  [[nodiscard]] Health health() const;
+
+ private:
+  void on_odometry(const odometry_t& message);
+  void on_truth(const sim_truth_t& message);
+  void control_exposure(const Frame& frame);
+  void publish(const Frame& frame);
+  [[nodiscard]] bool fill_jpeg(const GreyView& image, camera_image_t& message);
+
+  lcm::LCM& lcm_;
+  CameraConfig config_;
+  const Clock& clock_;
+  FrameSource& source_;
+  SimulatedCeiling* ceiling_ = nullptr;
+  ExposureControl exposure_;
+  bool has_control_ = true;
+  StampGuard odometry_stamps_;
+  double angular_ = 0.0;  // [rad/s] newest known
+  JpegEncoder encoder_;
+  int quality_;  // that the last JPEG needed
+  Frame frame_;
+  camera_image_t message_;
+  std::int64_t lost_frames_ = 0;
+  Subscriber subscriber_;
+};
+
+}  // namespace luminav

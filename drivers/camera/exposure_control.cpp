@@ -1,0 +1,120 @@
+#include "drivers/camera/exposure_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+namespace luminav {
+namespace {
+
+constexpr double kWhiteShare = 0.6;     // more saturated pixels than this are no lamps
+constexpr double kBlindFactor = 2.5;    // so far out of the range nothing is seen, and turning is no excuse
+constexpr int kLongestWait = 10;        // [frames] a camera that rounds its settings never reports what was asked
+constexpr double kSameExposure = 0.05;  // relative difference between asked and reported that counts as in effect
+constexpr int kFramesToComplain = 15;   // a second
+
+}  // namespace
+
+CeilingBrightness measure_brightness(const GreyView& image, double lamp_grey) {
+  constexpr int kStep = 4;
+  std::int64_t sum = 0;
+  std::int64_t dark = 0;
+  std::int64_t all = 0;
+  for (int row = kStep / 2; row < image.height; row += kStep) {
+    const auto* pixels = image.pixels.data() + static_cast<std::ptrdiff_t>(row) * image.width;
+    for (int column = kStep / 2; column < image.width; column += kStep) {
+      const int grey = pixels[column];
+      const bool lamp = grey >= lamp_grey;
+      sum += lamp ? 0 : grey;
+      dark += lamp ? 0 : 1;
+      ++all;
+    }
+  }
+  if (all == 0) {
+    return {};
+  }
+  const double lamp_share = 1.0 - static_cast<double>(dark) / static_cast<double>(all);
+  if (lamp_share > kWhiteShare) {
+    return {255.0, lamp_share};
+  }
+  return {static_cast<double>(sum) / static_cast<double>(dark), lamp_share};
+}
+
+ExposureControl::ExposureControl(const ExposureParams& params)
+    : params_(params), setting_{params.initial_exposure_us, 1.0} {
+  if (!(params.target_least > 0.0 && params.target_least < params.target_most &&
+        params.target_most < params.lamp_grey && params.lamp_grey <= 255.0)) {
+    throw std::invalid_argument("exposure: must be 0 < target_least < target_most < lamp_grey <= 255");
+  }
+  if (!(params.exposure_least_us > 0.0 && params.exposure_least_us <= params.exposure_most_us &&
+        params.gain_most >= 1.0 && params.step_most > 1.0 && params.patience >= 1)) {
+    throw std::invalid_argument(
+        "exposure: must be 0 < exposure_least_us <= exposure_most_us, gain_most >= 1, step_most > 1, patience >= 1");
+  }
+  // A step that jumps across the dead band would swing for ever.
+  if (params.step_most > 20.0) {
+    throw std::invalid_argument("exposure: step_most must be at most 20");
+  }
+  setting_.exposure_us = std::clamp(setting_.exposure_us, params.exposure_least_us, params.exposure_most_us);
+}
+
+ExposureSetting ExposureControl::split(double product) const {
+  const double exposure = std::clamp(product, params_.exposure_least_us, params_.exposure_most_us);
+  return {exposure, std::clamp(product / exposure, 1.0, params_.gain_most)};
+}
+
+ExposureSetting ExposureControl::update(const GreyView& image, double exposure_us, double gain, double angular) {
+  brightness_ = measure_brightness(image, params_.lamp_grey);
+  const double mean = brightness_.mean;
+  const double product = exposure_us * gain;
+  const double asked = setting_.exposure_us * setting_.gain;
+  if (!settled_) {  // frames on their way were still taken with the setting before
+    settled_ = std::abs(product - asked) <= kSameExposure * asked || ++waiting_ >= kLongestWait;
+    if (!settled_) {
+      return setting_;
+    }
+  }
+  if (mean >= params_.target_least && mean <= params_.target_most) {
+    out_of_range_ = 0;
+    at_limit_ = 0;
+    complaint_.clear();
+    return setting_;
+  }
+  const bool blind = mean < params_.target_least / kBlindFactor || mean > 0.5 * (params_.target_most + 255.0);
+  if (std::abs(angular) > params_.turning_rate && !blind) {
+    out_of_range_ = 0;
+    return setting_;
+  }
+  if (++out_of_range_ < params_.patience) {
+    return setting_;
+  }
+  out_of_range_ = 0;
+  const double middle = 0.5 * (params_.target_least + params_.target_most);
+  const double factor = std::clamp(middle / std::max(mean, 1.0), 1.0 / params_.step_most, params_.step_most);
+  const ExposureSetting wanted = split((product > 0.0 ? product : asked) * factor);
+  const double change = wanted.exposure_us * wanted.gain / asked;
+  if (std::abs(change - 1.0) < 1e-3) {
+    at_limit_ += params_.patience;
+    if (at_limit_ >= kFramesToComplain) {
+      complain(mean);
+    }
+    return setting_;
+  }
+  setting_ = wanted;
+  settled_ = false;
+  waiting_ = 0;
+  return setting_;
+}
+
+void ExposureControl::complain(double mean) {
+  char text[160];
+  const bool dark = mean < params_.target_least;
+  std::snprintf(
+      text, sizeof text,
+      "too %s: ceiling at grey level %.0f, wanted %.0f to %.0f, with exposure %.0f us and gain %.1f at their limit",
+      dark ? "dark" : "bright", mean, params_.target_least, params_.target_most, setting_.exposure_us, setting_.gain);
+  complaint_ = text;
+}
+
+}  // namespace luminav

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <string>
+
+#include "services/common/image/grey_image.hpp"
+
+namespace luminav {
+
+/// How bright the ceiling shall be and what the camera can do about it.
+struct ExposureParams {
+  double target_least = 80.0;           // [grey levels] mean of the pixels that are not lamps; within the range nothing
+  double target_most = 120.0;           // changes (dead band)
+  double lamp_grey = 225.0;             // [grey levels] pixels at or above are lamps
+  double exposure_least_us = 300.0;     // [us]
+  double exposure_most_us = 20000.0;    // [us] longer ones blur: 10 mm at 0.5 m/s
+  double gain_most = 8.0;               // 1 = none
+  double step_most = 1.5;               // factor by which one step changes the exposure at most
+  int patience = 3;                     // [frames] out of the range in a row before a step
+  double turning_rate = 0.15;           // [rad/s] faster than this the exposure is held
+  double initial_exposure_us = 8000.0;  // [us] at gain 1
+};
+
+/// What to ask of the camera.
+struct ExposureSetting {
+  double exposure_us = 8000.0;  // [us]
+  double gain = 1.0;
+  friend bool operator==(const ExposureSetting&, const ExposureSetting&) = default;
+};
+
+/// Brightness of the ceiling in a picture.
+struct CeilingBrightness {
+  double mean = 0.0;        // [grey levels] of the pixels that are not lamps; 255 when there is next to none of them
+  double lamp_share = 0.0;  // 0..1 of all pixels that are lamps
+};
+
+/// Mean over every fourth pixel of every fourth row that is below `lamp_grey`. A picture that is white for more than
+/// 60 % is overexposed, not full of lamps.
+CeilingBrightness measure_brightness(const GreyView& image, double lamp_grey);
+
+/// Holds the mean of the pixels that are not lamps in a range by exposure first and gain then. Dead band, patience and
+/// a limited step keep it calm; while the robot turns nothing changes, so that a turn does not look like a change of
+/// light, unless the picture is so dark or bright that nothing can be seen in it.
+class ExposureControl {
+ public:
+  /// Throws std::invalid_argument for parameters that contradict each other.
+  explicit ExposureControl(const ExposureParams& params);
+
+  /// Setting for the frames to come, given one frame, the exposure and gain it was taken with, and how fast the robot
+  /// turns [rad/s].
+  ExposureSetting update(const GreyView& image, double exposure_us, double gain, double angular);
+
+  [[nodiscard]] const ExposureSetting& setting() const { return setting_; }
+  [[nodiscard]] const CeilingBrightness& brightness() const { return brightness_; }
+  /// "" or why the range cannot be met, in one plain sentence.
+  [[nodiscard]] const std::string& complaint() const { return complaint_; }
+
+ private:
+  [[nodiscard]] ExposureSetting split(double product) const;
+  void complain(double mean);
+
+  ExposureParams params_;
+  ExposureSetting setting_;
+  CeilingBrightness brightness_;
+  int out_of_range_ = 0;  // [frames] in a row
+  int waiting_ = 0;       // [frames] since the last change of the setting
+  bool settled_ = true;   // the last setting was seen in effect, or waited for long enough
+  int at_limit_ = 0;      // [frames] in a row
+  std::string complaint_;
+};
+
+}  // namespace luminav

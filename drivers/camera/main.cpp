@@ -1,0 +1,100 @@
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "drivers/camera/camera_node.hpp"
+#include "drivers/camera/simulated_ceiling.hpp"
+#include "services/common/configuration/building_file.hpp"
+#include "services/common/process/command_line.hpp"
+
+namespace luminav {
+namespace {
+
+struct Arguments {
+  std::string robot_file;
+  std::string source = "sim";
+  std::string scenario_file;
+  std::int64_t seed = -1;
+  std::string lcm_url;
+  std::string state_folder;
+  std::string still;
+  std::string out = "still.pgm";
+};
+
+SimulatedCeiling open_simulated(const Arguments& arguments, const CameraConfig& config) {
+  if (arguments.scenario_file.empty()) {
+    throw ConfigurationError("--source sim needs --scenario FILE");
+  }
+  Scenario scenario = read_scenario(arguments.scenario_file);
+  if (arguments.seed >= 0) {
+    scenario.seed = static_cast<std::uint64_t>(arguments.seed);
+  }
+  const Building building = read_building(scenario.building_file);
+  const WorldTruth truth = draw_world(scenario, building, read_robot(arguments.robot_file));
+  SimulatedCeilingParams params;
+  params.rate = config.rate;
+  return {truth, scenario.seed, params};
+}
+
+void write_still(SimulatedCeiling& ceiling, const Arguments& arguments) {
+  Pose2 pose;
+  if (std::sscanf(arguments.still.c_str(), "%lf,%lf,%lf", &pose.x, &pose.y, &pose.theta) != 3) {
+    throw ConfigurationError("--render must be X,Y,THETA in metres and radians");
+  }
+  GreyImage image;
+  ceiling.render_still(pose, 8000.0, 1.0, image);
+  std::ofstream file(arguments.out, std::ios::binary);
+  file << fmt::format("P5\n{} {}\n255\n", image.width, image.height);
+  file.write(reinterpret_cast<const char*>(image.pixels.data()), static_cast<std::streamsize>(image.pixels.size()));
+  if (!file.flush()) {
+    throw std::runtime_error(fmt::format("cannot write {}", arguments.out));
+  }
+}
+
+template <typename Source>
+int run(const Arguments& arguments, const CameraConfig& config, Source& source, std::int64_t period) {
+  const auto lcm = open_lcm(arguments.lcm_url);
+  const HostClock clock;
+  CameraNode node(*lcm, config, clock, source);
+  fmt::print("camera: {}\n", source.description());
+  std::fflush(stdout);
+  EventLoop loop(*lcm, "camera", config.robot);
+  loop.watch([&] { return node.descriptor(); }, [&] { node.poll(); });
+  loop.every(period, [&] { node.poll(); });
+  loop.report_health([&] { return node.health(); });
+  return loop.run();
+}
+
+int camera(const Arguments& arguments) {
+  const CameraConfig config = read_camera_config(arguments.robot_file);
+  if (arguments.source == "sim") {
+    SimulatedCeiling ceiling = open_simulated(arguments, config);
+    if (!arguments.still.empty()) {
+      write_still(ceiling, arguments);
+      return 0;
+    }
+    return run(arguments, config, ceiling, 100'000);
+  }
+  throw ConfigurationError(
+      fmt::format("--source {}: must be sim, v4l2:DEVICE, file:PATH or dir:PATH", arguments.source));
+}
+
+}  // namespace
+}  // namespace luminav
+
+int main(int argc, char** argv) {
+  luminav::Arguments arguments;
+  luminav::CommandLine line("camera", "Publishes pictures of the ceiling from a webcam, files or a simulated ceiling.");
+  line.robot_file(arguments.robot_file)
+      .text("--source", arguments.source, "sim | v4l2:DEVICE | file:PATH | dir:PATH")
+      .text("--scenario", arguments.scenario_file, "of the simulated ceiling")
+      .integer("--seed", arguments.seed, "instead of the scenario's")
+      .lcm_url(arguments.lcm_url)
+      .state_folder(arguments.state_folder)
+      .text("--render", arguments.still, "X,Y,THETA: write what the simulated camera sees from there, and end")
+      .text("--out", arguments.out, "PGM file for --render");
+  if (const auto status = line.parse(argc, argv)) {
+    return *status;
+  }
+  return luminav::run_guarded("camera", [&] { return luminav::camera(arguments); });
+}
