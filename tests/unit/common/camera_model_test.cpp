@@ -1,0 +1,76 @@
+#include "services/common/geometry/camera_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include "services/common/geometry/angle.hpp"
+
+namespace luminav {
+namespace {
+
+CameraIntrinsics webcam() {
+  CameraIntrinsics lens;
+  lens.distortion = {-0.1, 0.02, 0.001, -0.0005, 0.0};
+  return lens;
+}
+
+TEST(CeilingCamera, LooksStraightUpWithItsTopToTheFront) {
+  const CeilingCamera camera(CameraIntrinsics{}, CameraMounting{0.1, 0.0, 0.3, 0.0, 0.0, 0.0});
+  const auto centre = camera.pixel_of_ceiling_point({0.1, 0.0}, 2.8);
+  ASSERT_TRUE(centre);
+  EXPECT_NEAR(centre->x(), 319.5, 1e-9);
+  EXPECT_NEAR(centre->y(), 239.5, 1e-9);
+  // 2.5 m above the camera a metre is 554 / 2.5 px: forward is up in the image, left is right
+  const auto ahead = camera.pixel_of_ceiling_point({1.1, 0.0}, 2.8);
+  EXPECT_NEAR(ahead->y(), 239.5 - 221.6, 1e-9);
+  const auto left = camera.pixel_of_ceiling_point({0.1, 1.0}, 2.8);
+  EXPECT_NEAR(left->x(), 319.5 + 221.6, 1e-9);
+}
+
+TEST(CeilingCamera, PitchedForwardSeesFartherAhead) {
+  // a positive pitch about y (left) turns the view axis from up towards the front
+  const CeilingCamera camera(CameraIntrinsics{}, CameraMounting{0.0, 0.0, 0.3, 0.0, radians(10.0), 0.0});
+  const auto seen = camera.point_on_ceiling({319.5, 239.5}, 2.8);
+  ASSERT_TRUE(seen);
+  EXPECT_NEAR(seen->x(), 2.5 * std::tan(radians(10.0)), 1e-9);
+  EXPECT_NEAR(seen->y(), 0.0, 1e-9);
+}
+
+TEST(CeilingCamera, ProjectsBackToTheSamePixel) {
+  CameraIntrinsics fisheye;
+  fisheye.model = LensModel::kFisheye;
+  fisheye.fx = fisheye.fy = 250.0;
+  fisheye.distortion = {0.05, -0.01, 0.002, 0.0, 0.0};
+  const CameraMounting mounting{0.05, -0.02, 0.35, 0.02, -0.03, 0.4};
+  for (const CameraIntrinsics& lens : {CameraIntrinsics{}, webcam(), fisheye}) {
+    const CeilingCamera camera(lens, mounting);
+    for (double x = 5.0; x < 640.0; x += 45.0) {
+      for (double y = 5.0; y < 480.0; y += 45.0) {
+        const auto point = camera.point_on_ceiling({x, y}, 2.8);
+        ASSERT_TRUE(point);
+        const auto pixel = camera.pixel_of_ceiling_point(*point, 2.8);
+        ASSERT_TRUE(pixel);
+        EXPECT_NEAR(pixel->x(), x, 1e-5);
+        EXPECT_NEAR(pixel->y(), y, 1e-5);
+      }
+    }
+  }
+}
+
+TEST(CeilingCamera, DoesNotFoldFarPointsBackIntoTheImage) {
+  CameraIntrinsics barrel;
+  barrel.distortion = {-0.3, 0.0, 0.0, 0.0, 0.0};
+  const CeilingCamera camera(barrel, CameraMounting{});
+  EXPECT_FALSE(camera.pixel_of({3.0, 0.0, 1.0}));
+  EXPECT_FALSE(camera.pixel_of({0.0, 0.0, -1.0}));
+}
+
+TEST(CeilingCamera, KnowsItsBorder) {
+  const CeilingCamera camera(CameraIntrinsics{}, CameraMounting{});
+  EXPECT_TRUE(camera.is_in_image({0.0, 0.0}));
+  EXPECT_TRUE(camera.is_in_image({639.0, 479.0}));
+  EXPECT_FALSE(camera.is_in_image({639.5, 10.0}));
+  EXPECT_FALSE(camera.is_in_image({1.0, 100.0}, 2.0));
+}
+
+}  // namespace
+}  // namespace luminav
