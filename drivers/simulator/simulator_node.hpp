@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <lcm/lcm-cpp.hpp>
+
+#include "drivers/simulator/arcos_controller.hpp"
+#include "drivers/simulator/scenario.hpp"
+#include "drivers/simulator/world.hpp"
+#include "drivers/simulator/world_truth.hpp"
+
+namespace luminav {
+
+/// Lets a simulated world and the simulated microcontroller in it go on, and publishes the truth at 100 Hz. Bytes to
+/// and from the controller are moved by the caller.
+class SimulatorNode {
+ public:
+  static constexpr std::int64_t kTick = 10'000;  // [us]
+
+  SimulatorNode(lcm::LCM& lcm, const Scenario& scenario, const WorldTruth& truth, ArcosController& controller);
+
+  /// Ticks of exactly 10 ms up to a time [us]; the first call only sets where time begins.
+  void advance_to(std::int64_t utime);
+  /// The serial line is out of its socket; the caller moves no bytes then.
+  [[nodiscard]] bool serial_unplugged() const { return world_.state().serial_unplugged; }
+  [[nodiscard]] const World& world() const { return world_; }
+  /// [us] of the last tick.
+  [[nodiscard]] std::int64_t utime() const { return now_; }
+
+ private:
+  void tick();
+  void publish_truth();
+
+  lcm::LCM& lcm_;
+  ArcosController& controller_;
+  World world_;
+  WheelReport wheels_;
+  std::int64_t session_ = 0;  // [us] when time began; 0 = not yet
+  std::int64_t now_ = 0;      // [us]
+  std::int32_t sequence_ = 0;
+};
+
+}  // namespace luminav
