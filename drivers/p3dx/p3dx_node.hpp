@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+#include <luminav/motors_command_t.hpp>
+#include <luminav/stop_t.hpp>
+#include <luminav/velocity_command_t.hpp>
+#include <string>
+
+#include "drivers/p3dx/arcos_link.hpp"
+#include "drivers/p3dx/byte_stream.hpp"
+#include "drivers/p3dx/dead_reckoning.hpp"
+#include "drivers/p3dx/motors_supervisor.hpp"
+#include "drivers/p3dx/p3dx_config.hpp"
+#include "drivers/p3dx/sonar_collector.hpp"
+#include "drivers/p3dx/stop_latch.hpp"
+#include "drivers/p3dx/velocity_gate.hpp"
+#include "drivers/p3dx/velocity_writer.hpp"
+#include "services/common/process/clock.hpp"
+#include "services/common/process/event_loop.hpp"
+#include "services/common/process/subscriber.hpp"
+
+namespace luminav {
+
+/// The robot's base on the network: ODOMETRY and SONAR with each information packet (10 Hz), ROBOT_STATUS at 50 Hz;
+/// obeys VELOCITY_COMMAND, STOP and MOTORS_COMMAND. Runs by the clock it is given and never waits.
+class P3dxNode {
+ public:
+  P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, OpenStream open_stream);
+
+  /// Reads and writes the line and runs what is due. To be called at least every 10 ms, and when descriptor() can be
+  /// read.
+  void poll();
+  /// Of the line; -1 while there is none.
+  [[nodiscard]] int descriptor() const { return link_.descriptor(); }
+  [[nodiscard]] Health health() const;
+  /// Stop, motors off, CLOSE; to be called before the end. Bytes that the line does not take at once are lost.
+  void shut_down();
+  /// The robot answers and its information packets arrive.
+  [[nodiscard]] bool connected() const { return link_.connected(); }
+  [[nodiscard]] const ArcosLink& link() const { return link_; }
+
+ private:
+  void on_velocity_command(const velocity_command_t& message);
+  void on_stop(const stop_t& message);
+  void on_motors_command(const motors_command_t& message);
+
+  void on_connected();
+  void on_information(const ReceivedInformation& received);
+  void command_motion(std::int64_t now);
+  void publish_odometry(std::int64_t utime);
+  void publish_sonar();
+  void publish_status(std::int64_t now);
+  [[nodiscard]] std::string reason(std::int64_t now) const;
+
+  lcm::LCM& lcm_;
+  P3dxConfig config_;
+  const Clock& clock_;
+  ArcosLink link_;
+  DeadReckoning reckoning_;
+  SonarCollector sonar_;
+  VelocityGate gate_;
+  VelocityWriter writer_;
+  StopLatch stop_;
+  MotorsSupervisor motors_;
+  InformationPacket last_;    // the last that was believed
+  std::int64_t session_ = 0;  // [us] 0 = not connected
+  std::int32_t odometry_sequence_ = 0;
+  std::int32_t sonar_sequence_ = 0;
+  std::int32_t status_sequence_ = 0;
+  std::int64_t next_status_ = 0;  // [us]
+  std::int64_t last_poll_ = 0;    // [us]
+  std::int64_t impossible_packets_ = 0;
+  std::int64_t last_motors_command_ = 0;  // id
+  Subscriber subscriber_;
+};
+
+}  // namespace luminav

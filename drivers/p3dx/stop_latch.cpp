@@ -1,0 +1,70 @@
+#include "drivers/p3dx/stop_latch.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+namespace luminav {
+namespace {
+
+constexpr std::size_t kRemembered = 128;  // requests; each is repeated for a second at most
+
+}  // namespace
+
+StopLatch::StopLatch(std::filesystem::path folder) {
+  if (folder.empty()) {
+    return;
+  }
+  file_ = folder / "stop";
+  std::ifstream in(file_);
+  int engaged = 0;
+  if (in >> engaged >> id_) {
+    engaged_ = engaged != 0;
+    in.ignore();
+    std::getline(in, sender_);
+    seen_.emplace_back(sender_, id_);
+  }
+}
+
+bool StopLatch::request(std::int64_t id, bool engaged, const std::string& sender) {
+  const std::pair<std::string, std::int64_t> key{sender, id};
+  if (std::find(seen_.begin(), seen_.end(), key) != seen_.end()) {
+    return false;
+  }
+  // Ids are compared within one sender only, since hosts' clocks differ. A stop is obeyed whatever its id.
+  const bool outdated = sender == sender_ && id < id_;
+  if (!engaged && engaged_ && outdated) {
+    return false;
+  }
+  seen_.push_back(key);
+  if (seen_.size() > kRemembered) {
+    seen_.pop_front();
+  }
+  const bool changed = engaged != engaged_;
+  engaged_ = engaged;
+  id_ = id;
+  sender_ = sender;
+  save();
+  return changed;
+}
+
+void StopLatch::save() const {
+  if (file_.empty()) {
+    return;
+  }
+  std::error_code error;
+  std::filesystem::create_directories(file_.parent_path(), error);
+  const std::filesystem::path temporary = file_.string() + ".new";
+  {
+    std::ofstream out(temporary);
+    std::string line = sender_;
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    out << (engaged_ ? 1 : 0) << ' ' << id_ << ' ' << line << '\n';
+    if (!out.flush()) {
+      return;  // a full disk must not keep the robot from stopping
+    }
+  }
+  std::filesystem::rename(temporary, file_, error);
+}
+
+}  // namespace luminav

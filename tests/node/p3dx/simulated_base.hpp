@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "drivers/p3dx/byte_stream.hpp"
+#include "drivers/simulator/arcos_controller.hpp"
+
+namespace luminav {
+
+/// A simulated controller on wheels that do exactly as they are told, in an empty world. Time in steps of 10 ms.
+class SimulatedBase {
+ public:
+  explicit SimulatedBase(const ArcosConfig& config = {}) : controller_(config), wheel_base_(config.wheel_base) {}
+
+  void step(ByteStream* line) {
+    std::array<std::uint8_t, 4096> bytes;
+    if (line != nullptr) {
+      controller_.receive(std::span(bytes).first(line->read(bytes)));
+    }
+    constexpr double kStep = 0.01;
+    ArcosInputs now = inputs;
+    if (!blocked) {
+      now.left_travel = kStep * (outputs.linear - 0.5 * wheel_base_ * outputs.angular);
+      now.right_travel = kStep * (outputs.linear + 0.5 * wheel_base_ * outputs.angular);
+    }
+    travel += 0.5 * std::abs(now.left_travel + now.right_travel);
+    turned += (now.right_travel - now.left_travel) / wheel_base_;
+    outputs = controller_.step(kStep, now);
+    for (const int disc : outputs.sonar_discs) {
+      controller_.set_sonar_reading(disc, 1.0 + 0.1 * disc);
+    }
+    const std::vector<std::uint8_t> output = controller_.take_output();
+    if (line != nullptr) {
+      line->write(output);
+    }
+  }
+
+  ArcosController& controller() { return controller_; }
+
+  ArcosInputs inputs;
+  ArcosOutputs outputs;
+  bool blocked = false;
+  double travel = 0.0;  // [m]
+  double turned = 0.0;  // [rad]
+
+ private:
+  ArcosController controller_;
+  double wheel_base_;
+};
+
+}  // namespace luminav
