@@ -1,0 +1,108 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <procman/procman_deputy_info_t.hpp>
+#include <procman/procman_discovery_t.hpp>
+#include <procman/procman_orders_t.hpp>
+#include <string>
+#include <vector>
+
+#include "services/common/process/subscriber.hpp"
+#include "services/launcher/deputy/managed_command.hpp"
+#include "services/launcher/deputy/output_pacer.hpp"
+#include "services/launcher/deputy/process_runner.hpp"
+#include "services/launcher/deputy/sheriff_lease.hpp"
+#include "services/launcher/instant.hpp"
+#include "services/launcher/pmd_file.hpp"
+
+namespace luminav::launcher {
+
+struct DeputyConfig {
+  std::string id = "localhost";
+  std::vector<Command> allowed;      // of the deputy's own configuration; those of other deputies are skipped
+  bool allow_any = false;            // run whatever anybody on the network orders
+  std::filesystem::path log_folder;  // "" = no log files
+  RespawnParams respawn;
+  RotatingLogParams log;
+  OutputPacerParams output;
+  std::int64_t nonce = 1;  // tells two deputies of one name apart
+  Environment environment = [](const std::string&) { return std::nullopt; };
+};
+
+/// Starts, stops and watches the processes of one host by order of a sheriff, in procman's protocol: the orders hold
+/// all that should run and the answers all that does, both once a second and at every change, so nothing lost matters
+/// for long. Only commands of its own configuration are run (unless told otherwise), whoever orders.
+class Deputy {
+ public:
+  Deputy(lcm::LCM& lcm, const DeputyConfig& config, ProcessRunner& runner);
+
+  /// To be called about twenty times a second, and after every message and event of a child.
+  void tick(const Instant& now);
+
+  /// Says what is wrong when another deputy of this name is on the network (found in the first half second).
+  [[nodiscard]] const std::optional<std::string>& conflict() const { return conflict_; }
+
+  /// Stops all children and obeys no more orders.
+  void begin_shutdown();
+  [[nodiscard]] bool all_stopped() const;
+
+  /// What a person at the terminal should see; also sent on PM_OUTPUT and written to deputy.log.
+  void report_notices(std::function<void(const std::string&)> notice) { notice_ = std::move(notice); }
+  [[nodiscard]] std::int64_t dropped() const { return subscriber_.dropped(); }
+
+ private:
+  void on_orders(const procman::procman_orders_t& orders);
+  void on_discovery(const procman::procman_discovery_t& discovery);
+  void on_info(const procman::procman_deputy_info_t& info);
+
+  void introduce();
+  [[nodiscard]] bool is_allowed(const procman::procman_command_t& command) const;
+  void refuse(const procman::procman_command_desired_t& ordered, const std::string& sheriff_id);
+  void obey(const procman::procman_command_desired_t& ordered);
+  void drop_missing(const procman::procman_orders_t& orders);
+
+  void start(ManagedCommand& command);
+  void stop_step(ManagedCommand& command);
+  void collect_children();
+  void on_exit(ManagedCommand& command, int status);
+  void run_timers();
+  void measure();
+  void publish_info();
+  void publish_output();
+  void say(const std::string& sentence);
+  void say_seldom(const std::string& sentence);
+
+  lcm::LCM& lcm_;
+  DeputyConfig config_;
+  ProcessRunner& runner_;
+  Subscriber subscriber_;
+  std::unique_ptr<Subscriber> info_subscriber_;  // only while looking for another deputy of this name
+  std::function<void(const std::string&)> notice_ = [](const std::string&) {};
+
+  Instant now_;
+  std::optional<std::int64_t> begun_;   // [us] steady
+  std::int64_t last_introduction_ = 0;  // [us] steady
+  std::int64_t last_info_ = 0;          // [us] steady
+  std::int64_t last_measurement_ = 0;   // [us] steady
+  std::int64_t last_output_ = 0;        // [us] steady
+  bool introduced_ = false;
+  bool changed_ = false;  // PM_INFO is due
+  bool shutting_down_ = false;
+  std::optional<std::string> conflict_;
+
+  std::map<std::string, ManagedCommand> commands_;
+  SheriffLease lease_;
+  OutputPacer output_;
+  std::unique_ptr<RotatingLog> log_;
+  bool log_failed_ = false;
+  MachineUsage machine_;
+  float cpu_load_ = 0.0F;
+  std::int64_t last_seldom_at_ = 0;  // [us] steady
+};
+
+}  // namespace luminav::launcher

@@ -1,0 +1,111 @@
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/common/configuration/toml_table.hpp"
+#include "services/common/process/command_line.hpp"
+#include "services/common/process/event_loop.hpp"
+#include "services/launcher/deputy/deputy.hpp"
+#include "services/launcher/deputy/posix_runner.hpp"
+#include "services/launcher/network.hpp"
+
+namespace {
+
+using namespace luminav;
+
+std::optional<std::string> from_environment(const std::string& name) {
+  const char* value = std::getenv(name.c_str());
+  return value != nullptr ? std::optional<std::string>(value) : std::nullopt;
+}
+
+std::int64_t make_nonce() {
+  const launcher::Instant now = launcher::Instant::read();
+  return (now.utime << 16) | (getpid() & 0xffff);
+}
+
+void end_like_sigterm(int) {
+  kill(getpid(), SIGTERM);
+}
+
+int run(int argc, char** argv) {
+  launcher::DeputyConfig config;
+  std::vector<std::string> files;
+  std::string url = launcher::default_procman_url();
+  std::string logs;
+  std::string state;
+  std::int64_t respawn_limit = config.respawn.limit;
+  CommandLine line("deputy", "Starts, stops and watches the processes of this machine by order of a sheriff.");
+  line.list("--config", files, "process configuration (.pmd); its commands for this deputy are the ones it may run");
+  line.flag("--allow-any", config.allow_any,
+            "run whatever anybody on the network orders: only on a network of your own");
+  line.text("--id", config.id, "name of this deputy, as in the configuration");
+  line.text("--lcm-url", url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL");
+  line.text("--log-dir", logs, "folder for the log files; default STATE/log/ID");
+  line.integer("--respawn-limit", respawn_limit, "deaths in a row after which a process stays stopped");
+  line.state_folder(state);
+  if (const std::optional<int> status = line.parse(argc, argv)) {
+    return *status;
+  }
+  if (files.empty() && !config.allow_any) {
+    throw ConfigurationError("no commands to run: give --config FILE (or --allow-any)");
+  }
+  for (const std::string& file : files) {
+    const launcher::PmdFile pmd = launcher::read_pmd(file);
+    config.allowed.insert(config.allowed.end(), pmd.commands.begin(), pmd.commands.end());
+  }
+  if (respawn_limit < 0 || respawn_limit > 1'000'000) {
+    throw ConfigurationError(fmt::format("--respawn-limit is {}, expected 0 to 1000000", respawn_limit));
+  }
+  config.respawn.limit = static_cast<int>(respawn_limit);
+  config.log_folder = logs.empty() ? std::filesystem::path(state) / "log" / config.id : std::filesystem::path(logs);
+  config.nonce = make_nonce();
+  config.environment = from_environment;
+
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  setenv("LUMINAV_BIN", folder.c_str(), 0);
+  launcher::PosixRunner runner(folder);  // before LCM makes its thread
+  const auto lcm = open_lcm(url);
+  launcher::limit_memory();
+  EventLoop loop(*lcm, "deputy", "");
+  signal(SIGHUP, end_like_sigterm);
+  signal(SIGQUIT, end_like_sigterm);
+  launcher::Deputy deputy(*lcm, config, runner);
+  deputy.report_notices([](const std::string& notice) { fmt::print(stderr, "deputy: {}\n", notice); });
+
+  bool ending = false;
+  const auto tick = [&] {
+    deputy.tick(launcher::Instant::read());
+    if (deputy.conflict() || (ending && deputy.all_stopped())) {
+      loop.stop();
+    }
+  };
+  loop.every(50'000, tick);
+  loop.watch([&] { return runner.event_descriptor(); }, tick);
+  loop.watch([&] { return lcm->getFileno(); }, tick);  // answers at once, not with the next period
+  loop.report_health(
+      [&] { return Health{.degraded = false, .fault = false, .reason = "", .dropped_inputs = deputy.dropped()}; });
+  int status = loop.run();
+  if (deputy.conflict()) {
+    throw ConfigurationError(*deputy.conflict());
+  }
+  ending = true;
+  deputy.begin_shutdown();
+  while (status == 0 && !deputy.all_stopped()) {
+    status = loop.run();
+  }
+  deputy.tick(launcher::Instant::read());  // the last PM_INFO and output
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return luminav::run_guarded("deputy", [&] { return run(argc, argv); });
+}
