@@ -1,0 +1,88 @@
+#include "services/localizer/error_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+double squared(double value) {
+  return value * value;
+}
+
+}  // namespace
+
+double noise_distance(const Pose2& delta, double wheel_base) {
+  return std::hypot(delta.x, delta.y) + 0.5 * wheel_base * std::abs(delta.theta);
+}
+
+Eigen::Matrix3d odometry_noise(const Pose2& delta, double wheel_base, const ErrorParams& params) {
+  const double way = noise_distance(delta, wheel_base);
+  const double position = squared(params.odometry_position) * way;
+  const double heading = squared(params.odometry_heading) * way;
+  // the heading's error grows along the step, so half of it acts on the position across
+  Eigen::Matrix3d noise = Eigen::Vector3d(position, position, heading).asDiagonal();
+  const Eigen::Vector2d across(-0.5 * delta.y, 0.5 * delta.x);
+  noise.topLeftCorner<2, 2>() += heading * across * across.transpose();
+  noise.block<2, 1>(0, 2) += heading * across;
+  noise.block<1, 2>(2, 0) += heading * across.transpose();
+  return noise;
+}
+
+Eigen::Matrix3d odometry_noise_with_systematics(const Pose2& delta, double wheel_base, const ErrorParams& params) {
+  // A constant error e per metre gives e * d after d metres; as white noise e^2 * kGap * d it is right at d = kGap.
+  constexpr double kGap = 3.0;            // [m] between fixtures
+  constexpr double kTurnGap = 0.5 * kPi;  // [rad]
+  const double way = std::hypot(delta.x, delta.y);
+  const double turn = std::abs(delta.theta);
+  const double scale = squared(params.wheel_scale) * kGap * way;
+  const double drift = squared(params.wheel_ratio / wheel_base) * kGap * way +
+                       (squared(params.wheel_base) + squared(params.wheel_scale)) * kTurnGap * turn;
+  Eigen::Matrix3d noise = odometry_noise(delta, wheel_base, params);
+  noise(0, 0) += scale;
+  noise(1, 1) += 0.25 * scale;
+  noise(2, 2) += drift;
+  return noise;
+}
+
+Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const Fixture& fixture,
+                                          double height_above_camera, const ErrorParams& params) {
+  Eigen::Matrix3d covariance = sighting.covariance;
+  covariance(0, 0) += squared(params.sighting_position);
+  covariance(1, 1) += squared(params.sighting_position);
+  covariance(2, 2) += squared(params.sighting_heading);
+  const Eigen::Vector2d place = sighting.robot_from_fixture.position();
+  const double radius = place.norm() / height_above_camera;
+  const double radial = params.lens_residual * radius * radius * place.norm();
+  if (place.norm() > 1e-3) {
+    const Eigen::Vector2d direction = place.normalized();
+    covariance.topLeftCorner<2, 2>() += squared(radial) * direction * direction.transpose();
+    covariance(2, 2) += squared(params.lens_residual * radius * radius);
+  }
+  if (sighting.state == SightingState::kHalf) {
+    const Eigen::Vector2d across(-std::sin(sighting.robot_from_fixture.theta),
+                                 std::cos(sighting.robot_from_fixture.theta));
+    covariance.topLeftCorner<2, 2>() += squared(0.25 * fixture.width) * across * across.transpose();
+  }
+  return covariance;
+}
+
+Eigen::Matrix3d systematic_sighting_covariance(const FixtureSighting& sighting, double height_above_camera,
+                                               double linear, double angular, const ErrorParams& params) {
+  const Eigen::Vector2d place = sighting.robot_from_fixture.position();
+  const double isotropic = squared(height_above_camera * params.camera_tilt) +
+                           squared(height_above_camera * params.floor_tilt) + squared(params.fixture_position);
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  covariance(0, 0) = covariance(1, 1) = isotropic;
+  covariance(2, 2) = squared(params.fixture_heading);
+  const Eigen::Vector3d by_yaw(-place.y(), place.x(), 1.0);
+  covariance += squared(params.camera_yaw) * by_yaw * by_yaw.transpose();
+  const Eigen::Vector3d by_scale(place.x(), place.y(), 0.0);
+  covariance += squared(params.camera_scale) * by_scale * by_scale.transpose();
+  // what stands still in the world moves so in the robot frame
+  const Eigen::Vector3d by_time(-linear + angular * place.y(), -angular * place.x(), -angular);
+  covariance += squared(params.camera_time_offset) * by_time * by_time.transpose();
+  return covariance;
+}
+
+}  // namespace luminav

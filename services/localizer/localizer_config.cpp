@@ -1,0 +1,75 @@
+#include "services/localizer/localizer_config.hpp"
+
+#include "services/common/building/map_file.hpp"
+#include "services/common/configuration/building_file.hpp"
+
+namespace luminav {
+namespace {
+
+void read_errors(const TomlTable& table, ErrorParams& errors) {
+  errors.odometry_position = table.number("odometry_position", errors.odometry_position, {1e-4, 1.0});
+  errors.odometry_heading = table.number("odometry_heading", errors.odometry_heading, {1e-5, 1.0});
+  errors.wheel_scale = table.number("wheel_scale", errors.wheel_scale, {1e-6, 0.2});
+  errors.wheel_ratio = table.number("wheel_ratio", errors.wheel_ratio, {1e-6, 0.2});
+  errors.wheel_base = table.number("wheel_base", errors.wheel_base, {1e-6, 0.2});
+  errors.camera_tilt = table.number("camera_tilt", errors.camera_tilt, {1e-6, 0.2});
+  errors.camera_yaw = table.number("camera_yaw", errors.camera_yaw, {1e-6, 0.2});
+  errors.camera_scale = table.number("camera_scale", errors.camera_scale, {1e-6, 0.2});
+  errors.camera_time_offset = table.number("camera_time_offset", errors.camera_time_offset, {1e-6, 0.5});
+  errors.lens_residual = table.number("lens_residual", errors.lens_residual, {0.0, 0.5});
+  errors.fixture_position = table.number("fixture_position", errors.fixture_position, {1e-4, 0.5});
+  errors.fixture_heading = table.number("fixture_heading", errors.fixture_heading, {1e-5, 0.5});
+  errors.floor_tilt = table.number("floor_tilt", errors.floor_tilt, {0.0, 0.1});
+  errors.sighting_position = table.number("sighting_position", errors.sighting_position, {1e-5, 0.5});
+  errors.sighting_heading = table.number("sighting_heading", errors.sighting_heading, {1e-6, 0.5});
+  table.reject_unknown();
+}
+
+void read_hypotheses(const TomlTable& table, HypothesisParams& params) {
+  params.gate = table.number("gate", params.gate, {1.0, 1000.0});
+  params.misfit = table.number("misfit", params.misfit, {-50.0, -0.1});
+  params.miss_probability = table.number("miss_probability", params.miss_probability, {0.001, 0.999});
+  params.miss_margin = table.number("miss_margin", params.miss_margin, {0.0, 2.0});
+  params.sonar_weight = table.number("sonar_weight", params.sonar_weight, {0.0, 1.0});
+  params.sonar_cap = table.number("sonar_cap", params.sonar_cap, {0.0, 1000.0});
+  params.prune = table.number("prune", params.prune, {1.0, 1000.0});
+  params.most = table.count("most", params.most, {1, 1e6});
+  table.reject_unknown();
+}
+
+void read_rules(const TomlTable& table, TrackingRules& rules) {
+  rules.enter_margin = table.number("enter_margin", rules.enter_margin, {0.0, 100.0});
+  rules.leave_margin = table.number("leave_margin", rules.leave_margin, {0.0, 100.0});
+  rules.enter_fixtures = table.count("enter_fixtures", rules.enter_fixtures, {1, 16});
+  rules.enter_position_sigma = table.number("enter_position_sigma", rules.enter_position_sigma, {0.01, 5.0});
+  rules.leave_position_sigma = table.number("leave_position_sigma", rules.leave_position_sigma, {0.01, 5.0});
+  rules.leave_heading_sigma = table.number("leave_heading_sigma", rules.leave_heading_sigma, {0.01, 3.0});
+  rules.misfit_frames = table.count("misfit_frames", rules.misfit_frames, {1, 1000});
+  rules.vanish_frames = table.count("vanish_frames", rules.vanish_frames, {1, 1000});
+  rules.miss_frames = table.count("miss_frames", rules.miss_frames, {1, 1000});
+  table.reject_unknown();
+}
+
+}  // namespace
+
+LocalizerConfig read_localizer_config(const std::filesystem::path& robot_file,
+                                      const std::filesystem::path& building_file) {
+  LocalizerConfig config;
+  const TomlTable root = TomlTable::load(robot_file);
+  config.robot = read_robot(root);
+  config.building = read_building(building_file);
+  if (!config.building.map_file.empty()) {
+    config.walls = read_map(config.building.map_file);
+  }
+  const TomlTable table = root.table("localizer");
+  config.mode =
+      table.choice("mode", "modern", {"paper", "modern"}) == "paper" ? LocalizerMode::kPaper : LocalizerMode::kModern;
+  config.seed = static_cast<std::uint64_t>(table.integer("seed", 1, {0.0, 1e15}));
+  read_errors(table.table("errors"), config.errors);
+  read_hypotheses(table.table("hypotheses"), config.modern.hypotheses);
+  read_rules(table.table("rules"), config.modern.rules);
+  table.reject_unknown();
+  return config;
+}
+
+}  // namespace luminav

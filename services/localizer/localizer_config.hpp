@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "services/common/building/building.hpp"
+#include "services/common/building/occupancy_grid.hpp"
+#include "services/common/configuration/robot_file.hpp"
+#include "services/localizer/error_model.hpp"
+#include "services/localizer/modern_localizer.hpp"
+
+namespace luminav {
+
+enum class LocalizerMode { kPaper, kModern };
+
+/// All that the localizer needs to know before it starts.
+struct LocalizerConfig {
+  LocalizerMode mode = LocalizerMode::kModern;
+  std::uint64_t seed = 1;
+  std::string state_dir;  // pose memory; "" = off
+  RobotDescription robot;
+  Building building;
+  PriorMap walls;  // the building's map; empty when it has none
+  ErrorParams errors;
+  ModernParams modern;
+};
+
+/// Reads the robot's file with its table [localizer] and the building with its map. Throws ConfigurationError.
+LocalizerConfig read_localizer_config(const std::filesystem::path& robot_file,
+                                      const std::filesystem::path& building_file);
+
+}  // namespace luminav

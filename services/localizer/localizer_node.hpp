@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <lcm/lcm-cpp.hpp>
+#include <luminav/fixture_detections_t.hpp>
+#include <luminav/initial_pose_t.hpp>
+#include <luminav/odometry_t.hpp>
+#include <luminav/robot_status_t.hpp>
+#include <luminav/sonar_t.hpp>
+#include <memory>
+
+#include "services/common/process/event_loop.hpp"
+#include "services/common/process/stamp_guard.hpp"
+#include "services/common/process/subscriber.hpp"
+#include "services/localizer/localizer.hpp"
+#include "services/localizer/localizer_config.hpp"
+
+namespace luminav {
+
+/// ODOMETRY, FIXTURE_DETECTIONS, SONAR, ROBOT_STATUS and INITIAL_POSE in; POSE with each ODOMETRY and HYPOTHESES at
+/// most five times a second out.
+class LocalizerNode {
+ public:
+  LocalizerNode(lcm::LCM& lcm, const LocalizerConfig& config);
+
+  [[nodiscard]] Health health() const;
+  [[nodiscard]] const Localizer& localizer() const { return *localizer_; }
+
+ private:
+  void on_odometry(const odometry_t& message);
+  void on_fixture_detections(const fixture_detections_t& message);
+  void on_sonar(const sonar_t& message);
+  void on_robot_status(const robot_status_t& message);
+  void on_initial_pose(const initial_pose_t& message);
+  void publish_pose(const odometry_t& odometry);
+  void publish_hypotheses(std::int64_t utime);
+
+  lcm::LCM& lcm_;
+  LocalizerConfig config_;
+  std::unique_ptr<Localizer> localizer_;
+  StampGuard odometry_stamps_;
+  StampGuard detection_stamps_;
+  StampGuard sonar_stamps_;
+  std::int64_t odometry_session_ = 0;
+  std::int32_t pose_sequence_ = 0;
+  std::int64_t hypotheses_utime_ = 0;  // [us] of the last HYPOTHESES
+  std::int64_t last_frame_ = 0;        // [us] of the newest image heard of
+  std::int64_t last_odometry_ = 0;     // [us]
+  Subscriber subscriber_;              // last: handlers may run as soon as it exists
+};
+
+}  // namespace luminav

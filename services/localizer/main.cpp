@@ -1,0 +1,27 @@
+#include <string>
+
+#include "services/common/process/command_line.hpp"
+#include "services/common/process/event_loop.hpp"
+#include "services/localizer/localizer_config.hpp"
+#include "services/localizer/localizer_node.hpp"
+
+int main(int argc, char** argv) {
+  return luminav::run_guarded("localizer", [&] {
+    std::string robot;
+    std::string building;
+    std::string url;
+    std::string state;
+    luminav::CommandLine line("localizer", "Finds and follows the robot's pose by the ceiling's fixtures.");
+    line.robot_file(robot).building_file(building).lcm_url(url).state_folder(state);
+    if (const auto status = line.parse(argc, argv)) {
+      return *status;
+    }
+    luminav::LocalizerConfig config = luminav::read_localizer_config(robot, building);
+    config.state_dir = state + "/" + config.robot.name;
+    const auto lcm = luminav::open_lcm(url);
+    luminav::LocalizerNode node(*lcm, config);
+    luminav::EventLoop loop(*lcm, "localizer", config.robot.name);
+    loop.report_health([&] { return node.health(); });
+    return loop.run();
+  });
+}

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "services/common/geometry/pose2.hpp"
+
+namespace luminav {
+
+/// A pose and how well it is known.
+struct PoseBelief {
+  Pose2 pose;                                                // world_from_robot
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  // [m^2, m rad, rad^2] of (x, y, theta), world frame
+};
+
+/// One of the poses still held for possible.
+struct WeightedPose {
+  Pose2 pose;
+  double weight = 0.0;          // share of the whole, 0..1
+  double position_sigma = 0.0;  // [m]
+};
+
+enum class LocalizerState { kLost, kAmbiguous, kTracking };
+enum class EstimatorKind { kNone, kParticleFilter, kKalmanFilter, kHypotheses };
+
+/// What the localizer believes and why.
+struct LocalizerEstimate {
+  LocalizerState state = LocalizerState::kLost;
+  EstimatorKind estimator = EstimatorKind::kNone;
+  std::string reason;
+  PoseBelief belief;                    // best guess unless TRACKING
+  std::int64_t fixture_utime = 0;       // [us] of the last image whose sightings were used
+  double distance_since_fixture = 0.0;  // [m]
+  bool has_nis = false;
+  double nis = 0.0;                  // normalised innovation squared per degree of freedom, running mean
+  std::int64_t initial_pose_id = 0;  // of the last guess taken up
+};
+
+/// Square root of the mean position variance [m].
+inline double position_sigma(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(std::max(0.0, 0.5 * (covariance(0, 0) + covariance(1, 1))));
+}
+
+/// A covariance that says "anywhere".
+inline Eigen::Matrix3d unknown_pose_covariance() {
+  return Eigen::Vector3d(1e6, 1e6, 1e2).asDiagonal();
+}
+
+}  // namespace luminav
