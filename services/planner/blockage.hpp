@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "services/common/building/building.hpp"
+#include "services/planner/configuration_space.hpp"
+#include "services/planner/path_shaping.hpp"
+
+namespace luminav {
+
+/// What stands in the way, in numbers.
+struct Blockage {
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();  // [m] world
+  bool is_door = false;
+  double free_width = 0.0;  // [m] the widest gap across the way
+  double need = 0.6;        // [m] that the robot needs
+
+  /// "door at (4.2, 3.1) is blocked, 0.4 m free, need 0.6 m"
+  [[nodiscard]] std::string sentence() const;
+};
+
+/// Measures the gap across a path where it is blocked first (at `index`); along the opening where a door is near.
+Blockage measure_blockage(const ConfigurationSpace& space, const std::vector<Door>& doors, const Polyline& path,
+                          std::size_t index, double need);
+
+}  // namespace luminav

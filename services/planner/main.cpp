@@ -1,0 +1,22 @@
+#include "services/common/process/command_line.hpp"
+#include "services/common/process/event_loop.hpp"
+#include "services/planner/planner_config.hpp"
+#include "services/planner/planner_node.hpp"
+
+int main(int argc, char** argv) {
+  return luminav::run_guarded("planner", [&] {
+    std::string robot_file, building_file, url, state;
+    luminav::CommandLine options("planner", "Plans the way to a goal and says how it is going.");
+    options.robot_file(robot_file).building_file(building_file).lcm_url(url).state_folder(state);
+    if (const auto status = options.parse(argc, argv)) {
+      return *status;
+    }
+    luminav::PlannerConfig config = luminav::read_planner_config(robot_file, building_file);
+    config.state_folder = std::filesystem::path(state) / config.robot.name;
+    const auto lcm = luminav::open_lcm(url);
+    luminav::PlannerNode node(*lcm, config);
+    luminav::EventLoop loop(*lcm, "planner", config.robot.name);
+    loop.report_health([&] { return node.health(); });
+    return loop.run();
+  });
+}

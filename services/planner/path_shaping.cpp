@@ -1,0 +1,129 @@
+#include "services/planner/path_shaping.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+int samples_of(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  return std::max(1, static_cast<int>(std::ceil((to - from).norm() / (0.5 * space.geometry().resolution))));
+}
+
+/// Replaces pieces of the chain by straight lines, farthest first, while they cost no more.
+Polyline shortened(const ConfigurationSpace& space, const PathShapingParams& params, const Polyline& chain) {
+  std::vector<double> cost(chain.size(), 0.0);  // from the first point
+  for (std::size_t i = 1; i < chain.size(); ++i) {
+    cost[i] = cost[i - 1] + cost_of(space, chain[i - 1], chain[i]);
+  }
+  Polyline result = {chain.front()};
+  std::size_t at = 0;
+  while (at + 1 < chain.size()) {
+    std::size_t next = at + 1;
+    // doubling finds the far end of long straight pieces with few tries; then one by one from there
+    for (std::size_t stride = 64; stride >= 1; stride /= 2) {
+      while (next + stride < chain.size()) {
+        const std::size_t candidate = next + stride;
+        const bool short_enough = (chain[candidate] - chain[at]).norm() <= params.shortcut_length;
+        if (!short_enough || !is_clear(space, chain[at], chain[candidate]) ||
+            cost_of(space, chain[at], chain[candidate]) > params.shortcut_slack * (cost[candidate] - cost[at])) {
+          break;
+        }
+        next = candidate;
+      }
+    }
+    result.push_back(chain[next]);
+    at = next;
+  }
+  return result;
+}
+
+Eigen::Vector2d clearance_gradient(const ConfigurationSpace& space, const Eigen::Vector2d& p) {
+  const double h = space.geometry().resolution;
+  const Eigen::Vector2d gradient(
+      space.clearance_at(p + Eigen::Vector2d(h, 0.0)) - space.clearance_at(p - Eigen::Vector2d(h, 0.0)),
+      space.clearance_at(p + Eigen::Vector2d(0.0, h)) - space.clearance_at(p - Eigen::Vector2d(0.0, h)));
+  return gradient / (2.0 * h);  // of length 1 where one obstacle is nearest, 0 in the middle between two
+}
+
+void relax(const ConfigurationSpace& space, const PathShapingParams& params, Polyline& band) {
+  const double range = 1.2;  // [m] obstacles farther away do not push
+  for (int round = 0; round < params.smoothing_rounds; ++round) {
+    for (std::size_t i = 1; i + 1 < band.size(); ++i) {
+      const Eigen::Vector2d pull = params.tension * (0.5 * (band[i - 1] + band[i + 1]) - band[i]);
+      const double depth = std::max(0.0, 1.0 - space.clearance_at(band[i]) / range);
+      const Eigen::Vector2d moved = band[i] + pull + params.push * depth * clearance_gradient(space, band[i]);
+      if (is_clear(space, band[i - 1], moved) && is_clear(space, moved, band[i + 1])) {
+        band[i] = moved;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+double cost_of(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const int samples = samples_of(space, from, to);
+  double price = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    price += space.price_at(from + (to - from) * ((i + 0.5) / samples));
+  }
+  return (to - from).norm() * price / samples;
+}
+
+double cost_of(const ConfigurationSpace& space, const Polyline& points) {
+  double cost = 0.0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    cost += cost_of(space, points[i - 1], points[i]);
+  }
+  return cost;
+}
+
+bool is_clear(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const int samples = samples_of(space, from, to);
+  for (int i = 0; i <= samples; ++i) {
+    if (space.is_blocked(space.geometry().cell_at(from + (to - from) * (static_cast<double>(i) / samples)))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+double length_of(const Polyline& points) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    length += (points[i] - points[i - 1]).norm();
+  }
+  return length;
+}
+
+Polyline resampled(const Polyline& points, double spacing) {
+  const double length = length_of(points);
+  const int pieces = std::max(1, static_cast<int>(std::ceil(length / spacing)));
+  Polyline result = {points.front()};
+  std::size_t segment = 1;
+  double before = 0.0;  // length up to the segment
+  for (int k = 1; k < pieces; ++k) {
+    const double wanted = length * k / pieces;
+    while (segment + 1 < points.size() && before + (points[segment] - points[segment - 1]).norm() < wanted) {
+      before += (points[segment] - points[segment - 1]).norm();
+      ++segment;
+    }
+    const double size = (points[segment] - points[segment - 1]).norm();
+    const double fraction = size > 0.0 ? std::min(1.0, (wanted - before) / size) : 0.0;
+    result.push_back(points[segment - 1] + fraction * (points[segment] - points[segment - 1]));
+  }
+  result.push_back(points.back());
+  return result;
+}
+
+Polyline shape_path(const ConfigurationSpace& space, const PathShapingParams& params, const Polyline& chain) {
+  if (chain.size() < 2) {
+    return resampled(chain, params.spacing);
+  }
+  Polyline band = resampled(shortened(space, params, chain), params.spacing);
+  relax(space, params, band);
+  return resampled(band, params.spacing);
+}
+
+}  // namespace luminav

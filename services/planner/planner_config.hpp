@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "services/common/building/building.hpp"
+#include "services/common/configuration/robot_file.hpp"
+#include "services/planner/goal_cycle.hpp"
+#include "services/planner/route_planner.hpp"
+
+namespace luminav {
+
+/// Everything the planner is told at start.
+struct PlannerConfig {
+  RobotDescription robot;
+  RoutePlannerParams route;
+  GoalCycleParams cycle;
+  std::vector<Door> doors;             ///< for sentences: a blocked door is called one
+  std::string floor;                   ///< "" = the only one
+  std::filesystem::path state_folder;  ///< where the goal list survives a restart; "" = nowhere
+};
+
+/// Reads table [planner] of the robot's file and the doors of the building. Throws ConfigurationError.
+PlannerConfig read_planner_config(const std::filesystem::path& robot_file, const std::filesystem::path& building_file);
+
+}  // namespace luminav

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "services/planner/configuration_space.hpp"
+#include "services/planner/path_shaping.hpp"
+#include "services/planner/wavefront.hpp"
+
+namespace luminav {
+
+enum class PlannerMode { kPaper, kModern };
+
+struct RoutePlannerParams {
+  PlannerMode mode = PlannerMode::kModern;
+  ConfigurationSpaceParams space;
+  PathShapingParams shaping;
+  double escape_radius = 1.0;  ///< [m] how far a start beside an obstacle may lead through blocked cells
+  double body_radius = 0.22;   ///< [m] what seems to stand this close to the robot's middle cannot be there
+};
+
+enum class RouteOutcome { kFound, kGoalOutside, kGoalBlocked, kStartOutside, kStartEnclosed, kUnreachable };
+
+struct RouteRequest {
+  Eigen::Vector2d start = Eigen::Vector2d::Zero();  // [m] world
+  Eigen::Vector2d goal = Eigen::Vector2d::Zero();   // [m] world
+  double tolerance = 0.0;                           // [m] a goal in an obstacle may be replaced by a point this near
+};
+
+struct Route {
+  RouteOutcome outcome = RouteOutcome::kUnreachable;
+  Polyline points;        // from the start to the goal; empty unless kFound
+  double cost = 0.0;      // [m of free way], comparable with cost_of
+  double goal_gap = 0.0;  // [m] from the last point to the goal that was asked for
+  /// Without a route: the reachable point nearest to the goal.
+  std::optional<Eigen::Vector2d> nearest_reachable;
+};
+
+/// Plans ways over an occupancy grid: configuration space, a wave from the goal, and a path shaped from it. Assumes
+/// that the grid changes seldom compared with the plans made on it: `set_grid` costs a pass over all cells.
+class RoutePlanner {
+ public:
+  explicit RoutePlanner(const RoutePlannerParams& params);
+
+  /// Takes over a new state of the grid and of suspected obstacles.
+  void set_grid(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected, bool use_evidence = true);
+  [[nodiscard]] const ConfigurationSpace& space() const { return space_; }
+
+  [[nodiscard]] Route plan(const RouteRequest& request);
+
+  /// Index of the first point from `from` on that cannot be passed any more: a cell of margin less than for planning,
+  /// so that a path along the limit does not flicker. Nothing when all of it is passable.
+  [[nodiscard]] std::optional<std::size_t> first_blocked(const Polyline& points, std::size_t from) const;
+
+ private:
+  [[nodiscard]] std::vector<WaveSeed> seeds_for(const RouteRequest& request) const;
+  /// Cells from the start through blocked ones to where the wave was; empty when enclosed.
+  [[nodiscard]] std::vector<std::size_t> escape(const Cell& start, const Eigen::Vector2d& robot) const;
+  [[nodiscard]] std::optional<Eigen::Vector2d> nearest_reachable(const RouteRequest& request);
+  [[nodiscard]] Polyline chain_of(const std::vector<std::size_t>& cells, const RouteRequest& request) const;
+  [[nodiscard]] Route plan_paper(const RouteRequest& request, const std::vector<WaveSeed>& seeds);
+
+  RoutePlannerParams params_;
+  ConfigurationSpace space_;
+  WaveField field_;
+};
+
+}  // namespace luminav

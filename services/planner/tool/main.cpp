@@ -1,0 +1,146 @@
+// Plans on a foreign map: what scripts/plan runs.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "services/common/building/map_file.hpp"
+#include "services/common/process/command_line.hpp"
+#include "services/planner/route_planner.hpp"
+
+namespace {
+
+using namespace luminav;
+
+constexpr int kPixelsPerCell = 3;
+
+void draw(const std::string& file, const RoutePlanner& planner, const Route& route, const RouteRequest& request) {
+  const ConfigurationSpace& space = planner.space();
+  const GridGeometry& geometry = space.geometry();
+  cv::Mat picture(geometry.rows, geometry.columns, CV_8UC3);
+  for (int row = 0; row < geometry.rows; ++row) {
+    for (int column = 0; column < geometry.columns; ++column) {
+      const Cell cell{column, row};
+      const auto dearness = static_cast<int>(6.0 * (space.price_at(geometry.centre_of(cell)) - 1.0));
+      const auto shade = static_cast<std::uint8_t>(255 - std::min(80, dearness));
+      picture.at<cv::Vec3b>(geometry.rows - 1 - row, column) = space.is_solid(cell)     ? cv::Vec3b(40, 40, 40)
+                                                               : space.is_blocked(cell) ? cv::Vec3b(170, 170, 190)
+                                                                                        : cv::Vec3b(255, shade, shade);
+    }
+  }
+  cv::resize(picture, picture, {}, kPixelsPerCell, kPixelsPerCell, cv::INTER_NEAREST);
+  const auto pixel = [&](const Eigen::Vector2d& p) {
+    const Eigen::Vector2d cells = (p - geometry.origin) / geometry.resolution;
+    return cv::Point(static_cast<int>(cells.x() * kPixelsPerCell),
+                     static_cast<int>((geometry.rows - cells.y()) * kPixelsPerCell));
+  };
+  for (std::size_t i = 1; i < route.points.size(); ++i) {
+    cv::line(picture, pixel(route.points[i - 1]), pixel(route.points[i]), {0, 0, 220}, 2, cv::LINE_AA);
+  }
+  cv::circle(picture, pixel(request.start), 5, {0, 160, 0}, cv::FILLED, cv::LINE_AA);
+  cv::circle(picture, pixel(request.goal), 5, {220, 0, 0}, cv::FILLED, cv::LINE_AA);
+  if (!cv::imwrite(file, picture)) {
+    throw std::runtime_error(file + ": cannot be written");
+  }
+}
+
+const char* name_of(RouteOutcome outcome) {
+  switch (outcome) {
+    case RouteOutcome::kFound:
+      return "found";
+    case RouteOutcome::kGoalOutside:
+      return "goal outside the map";
+    case RouteOutcome::kGoalBlocked:
+      return "goal in or beside an obstacle";
+    case RouteOutcome::kStartOutside:
+      return "start outside the map";
+    case RouteOutcome::kStartEnclosed:
+      return "start enclosed by obstacles, or the goal's room is closed";
+    case RouteOutcome::kUnreachable:
+      return "no way leads there";
+  }
+  return "";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run_guarded("plan", [&] {
+    std::vector<std::string> arguments;
+    std::string json_file, png_file, mode = "modern";
+    double resolution = 0.1, tolerance = 0.15, radius = 0.30;
+    bool unknown_free = false;
+    CommandLine options("plan", "Plans a way on a map of the ROS map_server format.");
+    options.positional("MAP.yaml X Y X Y", arguments, "map, start and goal [m]", true)
+        .text("--json", json_file, "where the way is written")
+        .text("--png", png_file, "where a picture is written")
+        .text("--mode", mode, "paper or modern")
+        .number("--resolution", resolution, "cell [m] that the map is brought to")
+        .number("--tolerance", tolerance, "[m] a blocked goal may be missed by")
+        .number("--radius", radius, "[m] to keep from obstacles at least")
+        .flag("--unknown-free", unknown_free, "plan through what the map does not know");
+    if (const auto status = options.parse(argc, argv)) {
+      return *status;
+    }
+    if (arguments.size() != 5) {
+      throw std::runtime_error("needs MAP.yaml X Y X Y; see --help");
+    }
+    double numbers[4];
+    for (std::size_t i = 0; i < 4; ++i) {
+      try {
+        numbers[i] = std::stod(arguments[i + 1]);
+      } catch (const std::exception&) {
+        throw std::runtime_error(arguments[i + 1] + " is not a number");
+      }
+    }
+    const PriorMap map = resample(read_map(arguments[0]), resolution);
+    OccupancyGrid grid(map.geometry);
+    grid.prior = map.cells;
+    RoutePlannerParams params;
+    params.mode = mode == "paper" ? PlannerMode::kPaper : PlannerMode::kModern;
+    params.space.hard_radius = radius;
+    params.space.unknown_is_free = unknown_free;
+    RoutePlanner planner(params);
+    const RouteRequest request{{numbers[0], numbers[1]}, {numbers[2], numbers[3]}, tolerance};
+    const auto begin = std::chrono::steady_clock::now();
+    planner.set_grid(grid, {});
+    const Route route = planner.plan(request);
+    const double milliseconds =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    double least = 1e9;
+    for (const Eigen::Vector2d& point : route.points) {
+      least = std::min(least, planner.space().clearance_at(point));
+    }
+    nlohmann::json report = {{"outcome", name_of(route.outcome)},
+                             {"found", route.outcome == RouteOutcome::kFound},
+                             {"milliseconds", milliseconds},
+                             {"columns", map.geometry.columns},
+                             {"rows", map.geometry.rows}};
+    if (route.outcome == RouteOutcome::kFound) {
+      report["length_m"] = length_of(route.points);
+      report["least_clearance_m"] = least;
+      report["goal_gap_m"] = route.goal_gap;
+      for (const Eigen::Vector2d& point : route.points) {
+        report["points"].push_back({point.x(), point.y()});
+      }
+    } else if (route.nearest_reachable) {
+      report["nearest_reachable"] = {route.nearest_reachable->x(), route.nearest_reachable->y()};
+    }
+    if (!json_file.empty()) {
+      std::ofstream out(json_file);
+      out << report.dump(1) << "\n";
+      if (!out.flush()) {
+        throw std::runtime_error(json_file + ": cannot be written");
+      }
+    }
+    if (!png_file.empty()) {
+      draw(png_file, planner, route, request);
+    }
+    report.erase("points");
+    fmt::print("{}\n", report.dump());
+    return route.outcome == RouteOutcome::kFound ? 0 : 1;
+  });
+}
