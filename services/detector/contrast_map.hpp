@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+
+#include "services/detector/reduced_image.hpp"
+
+namespace luminav {
+
+/// How far each cell of a reduced image rises above, and sinks below, its surroundings. The surroundings are what is
+/// left when everything narrower than a window is taken away (top hat and its dual, Serra 1982), so shading, pools of
+/// light and daylight from a window drop out. The dark side is measured after the lamps were cut off, or every strip
+/// between a lamp and the image border would look dark.
+class ContrastMap {
+ public:
+  /// `radius` [cells of `image`]: half the window; things wider than 2 radius + 1 cells have no contrast.
+  void compute(const Raster& image, int radius);
+
+  [[nodiscard]] const Raster& bright() const { return bright_; }
+  [[nodiscard]] const Raster& dark() const { return dark_; }
+  /// Largest bright() within the window round each cell.
+  [[nodiscard]] const Raster& bright_peak() const { return bright_peak_; }
+  /// Noise of one cell of the reduced image [grey], from the median difference of neighbours.
+  [[nodiscard]] double noise() const { return noise_; }
+
+ private:
+  Raster half_;  // half the size again: surroundings are smooth, so they may be computed coarsely
+  Raster wide_;  // continued beyond the borders
+  Raster eroded_;
+  Raster wide_opened_;
+  Raster opened_;
+  Raster capped_;
+  Raster closed_;
+  Raster peak_;
+  Raster scratch_;
+  Raster opened_full_;
+  Raster closed_full_;
+  Raster bright_;
+  Raster bright_peak_;
+  Raster dark_;
+  double noise_ = 1.0;
+};
+
+}  // namespace luminav

@@ -1,0 +1,121 @@
+#include "services/detector/detector.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "services/detector/modern_detector.hpp"
+#include "services/detector/paper_detector.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr int kLeastSide = 64;  // [px]
+constexpr double kAspectTolerance = 0.01;
+
+/// Over every third pixel of every fourth row: 25,600 of a webcam's image.
+double median_of(const GreyView& image) {
+  std::array<int, 256> histogram{};
+  int count = 0;
+  for (int y = 1; y < image.height; y += 4) {
+    const std::uint8_t* row = image.pixels.data() + static_cast<std::ptrdiff_t>(y) * image.width;
+    for (int x = 1; x < image.width; x += 3) {
+      ++histogram[row[x]];
+      ++count;
+    }
+  }
+  int below = 0;
+  for (std::size_t level = 0; level < histogram.size(); ++level) {
+    below += histogram[level];
+    if (2 * below >= count) {
+      return static_cast<double>(level);
+    }
+  }
+  return 255.0;
+}
+
+void check(bool holds, const std::string& what) {
+  if (!holds) {
+    throw std::invalid_argument("detector: " + what);
+  }
+}
+
+CameraIntrinsics scaled(const CameraIntrinsics& lens, int width, int height) {
+  CameraIntrinsics result = lens;
+  const double sx = static_cast<double>(width) / lens.width;
+  const double sy = static_cast<double>(height) / lens.height;
+  result.width = width;
+  result.height = height;
+  result.fx *= sx;
+  result.fy *= sy;
+  // the corner of the image, half a pixel beyond the centre of the first one, stays where it is
+  result.cx = (lens.cx + 0.5) * sx - 0.5;
+  result.cy = (lens.cy + 0.5) * sy - 0.5;
+  return result;
+}
+
+}  // namespace
+
+Detector::Detector(const DetectorParams& params, const CameraDescription& camera, const CeilingCatalogue& catalogue)
+    : params_(params), camera_(camera), catalogue_(catalogue) {
+  check(catalogue.ceiling_height > camera.mounting.z + 0.2, "the ceiling must be at least 0.2 m above the camera");
+  for (const auto* kinds : {&catalogue.fixtures, &catalogue.elements}) {
+    for (const CeilingKind& kind : *kinds) {
+      check(kind.length >= kind.width && kind.width > 0.01, "a kind's width must be 0.01 m .. its length");
+      check(kind.height > camera.mounting.z + 0.2, "a fixture must hang at least 0.2 m above the camera");
+    }
+  }
+  check(params.paper.opening_size >= 1 && params.paper.opening_size <= 31, "opening_size must be 1..31 px");
+  check(params.modern.lit_level_share >= 0.1 && params.modern.lit_level_share <= 0.9,
+        "lit_level_share must be 0.1..0.9");
+  check(params.modern.edge_sigma_px > 0.0, "edge_sigma_px must be above 0");
+}
+
+Detector::~Detector() = default;
+Detector::Detector(Detector&&) noexcept = default;
+Detector& Detector::operator=(Detector&&) noexcept = default;
+
+bool Detector::accepts(const GreyView& image) const {
+  if (image.width < kLeastSide || image.height < kLeastSide || image.width > 8192 || image.height > 8192 ||
+      image.pixels.size() != static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
+    return false;
+  }
+  const double sx = static_cast<double>(image.width) / camera_.intrinsics.width;
+  const double sy = static_cast<double>(image.height) / camera_.intrinsics.height;
+  return std::abs(sx / sy - 1.0) <= kAspectTolerance;
+}
+
+void Detector::prepare_for(int width, int height) {
+  if (width == width_ && height == height_) {
+    return;
+  }
+  width_ = width;
+  height_ = height;
+  const CeilingCamera camera(scaled(camera_.intrinsics, width, height), camera_.mounting);
+  paper_.reset();
+  modern_.reset();
+  if (params_.mode == DetectorMode::kPaper) {
+    paper_ = std::make_unique<PaperDetector>(params_.paper, camera, catalogue_);
+  } else {
+    modern_ = std::make_unique<ModernDetector>(params_.modern, camera, catalogue_);
+  }
+}
+
+std::vector<Detection> Detector::detect(const GreyView& image, DetectorTrace* trace) {
+  std::vector<Detection> detections;
+  if (!accepts(image)) {
+    return detections;
+  }
+  prepare_for(image.width, image.height);
+  median_grey_ = median_of(image);
+  if (paper_) {
+    paper_->detect(image, median_grey_, detections, trace);
+  } else {
+    modern_->detect(image, detections, trace);
+  }
+  return detections;
+}
+
+}  // namespace luminav

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/common/image/grey_image.hpp"
+#include "services/detector/ceiling_catalogue.hpp"
+#include "services/detector/detection.hpp"
+#include "services/detector/detector_params.hpp"
+#include "services/detector/detector_trace.hpp"
+
+namespace luminav {
+
+class PaperDetector;
+class ModernDetector;
+
+/// Finds the ceiling's light fixtures in grey images. Images of another size than the calibration's are taken when the
+/// aspect is the same: the camera model is scaled.
+class Detector {
+ public:
+  /// Throws std::invalid_argument for parameters that make no sense and for a ceiling below the camera.
+  Detector(const DetectorParams& params, const CameraDescription& camera, const CeilingCatalogue& catalogue);
+  ~Detector();
+  Detector(Detector&&) noexcept;
+  Detector& operator=(Detector&&) noexcept;
+
+  /// Everything seen in an image; empty also for an image that `accepts` refuses.
+  /// `trace`, when given, collects what was looked at on the way.
+  [[nodiscard]] std::vector<Detection> detect(const GreyView& image, DetectorTrace* trace = nullptr);
+  /// True when the image is whole and its aspect fits the calibration within 1 %.
+  [[nodiscard]] bool accepts(const GreyView& image) const;
+  /// Median grey level of the last image.
+  [[nodiscard]] double median_grey() const { return median_grey_; }
+  [[nodiscard]] const DetectorParams& params() const { return params_; }
+
+ private:
+  void prepare_for(int width, int height);
+
+  DetectorParams params_;
+  CameraDescription camera_;
+  CeilingCatalogue catalogue_;
+  int width_ = 0;   // [px] of the images that the detectors below are prepared for
+  int height_ = 0;  // [px]
+  std::unique_ptr<PaperDetector> paper_;
+  std::unique_ptr<ModernDetector> modern_;
+  double median_grey_ = 0.0;
+};
+
+}  // namespace luminav

@@ -1,0 +1,93 @@
+#include "services/detector/detector_config.hpp"
+
+#include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/toml_table.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr Range kGrey{0.0, 255.0};
+constexpr Range kPixelError{0.001, 10.0};
+constexpr Range kSmallLength{0.0, 1.0};
+
+PaperParams read_paper(const TomlTable& table) {
+  PaperParams p;
+  p.high_threshold = table.number("high_threshold", p.high_threshold, kGrey);
+  p.high_above_median = table.number("high_above_median", p.high_above_median, {-255.0, 255.0});
+  p.low_threshold = table.number("low_threshold", p.low_threshold, kGrey);
+  p.low_below_median = table.number("low_below_median", p.low_below_median, {-255.0, 255.0});
+  p.opening_size = table.count("opening_size", p.opening_size, {1, 31});
+  p.opening_iterations = table.count("opening_iterations", p.opening_iterations, {0, 20});
+  p.canny_low = table.number("canny_low", p.canny_low, {0.0, 1000.0});
+  p.canny_high = table.number("canny_high", p.canny_high, {0.0, 1000.0});
+  p.direct_contours = table.boolean("direct_contours", p.direct_contours);
+  p.accept_cut = table.boolean("accept_cut", p.accept_cut);
+  p.area_tolerance = table.number("area_tolerance", p.area_tolerance, kFraction);
+  p.length_tolerance = table.number("length_tolerance", p.length_tolerance, kFraction);
+  p.width_tolerance = table.number("width_tolerance", p.width_tolerance, kFraction);
+  p.one_lamp_width = table.number("one_lamp_width", p.one_lamp_width, {0.01, 5.0});
+  p.two_lamp_width = table.number("two_lamp_width", p.two_lamp_width, {0.01, 5.0});
+  p.minimum_fill = table.number("minimum_fill", p.minimum_fill, kFraction);
+  p.half_lit_share = table.number("half_lit_share", p.half_lit_share, {0.5, 1.0});
+  p.position_sigma = table.number("position_sigma", p.position_sigma, {1e-5, 1.0});
+  p.heading_sigma = table.number("heading_sigma", p.heading_sigma, {1e-5, 1.0});
+  table.reject_unknown();
+  return p;
+}
+
+ModernParams read_modern(const TomlTable& table) {
+  ModernParams p;
+  p.lit_contrast = table.number("lit_contrast", p.lit_contrast, kGrey);
+  p.lit_level_share = table.number("lit_level_share", p.lit_level_share, {0.1, 0.9});
+  p.unlit_contrast = table.number("unlit_contrast", p.unlit_contrast, kGrey);
+  p.noise_factor = table.number("noise_factor", p.noise_factor, {0.0, 50.0});
+  p.lit_edge = table.number("lit_edge", p.lit_edge, kGrey);
+  p.unlit_edge = table.number("unlit_edge", p.unlit_edge, kGrey);
+  p.size_tolerance = table.number("size_tolerance", p.size_tolerance, kSmallLength);
+  p.size_tolerance_share = table.number("size_tolerance_share", p.size_tolerance_share, kFraction);
+  p.largest_bloom = table.number("largest_bloom", p.largest_bloom, {1e-4, 1.0});
+  p.largest_misfit = table.number("largest_misfit", p.largest_misfit, {1e-4, 1.0});
+  p.minimum_visible = table.number("minimum_visible", p.minimum_visible, {0.05, 1.0});
+  p.minimum_long_side_fit = table.number("minimum_long_side_fit", p.minimum_long_side_fit, kFraction);
+  p.minimum_end_fit = table.number("minimum_end_fit", p.minimum_end_fit, kFraction);
+  p.edge_sigma_px = table.number("edge_sigma_px", p.edge_sigma_px, kPixelError);
+  p.outline_sigma_px = table.number("outline_sigma_px", p.outline_sigma_px, kPixelError);
+  p.report_elements = table.boolean("report_elements", p.report_elements);
+  table.reject_unknown();
+  return p;
+}
+
+}  // namespace
+
+DetectorConfig read_detector_config(const std::filesystem::path& robot_file,
+                                    const std::filesystem::path& building_file) {
+  const TomlTable root = TomlTable::load(robot_file);
+  const RobotDescription robot = read_robot(root);
+  DetectorConfig config;
+  config.robot = robot.name;
+  config.camera = robot.camera;
+  config.catalogue = catalogue_of(read_building(building_file));
+
+  const TomlTable table = root.table("detector");
+  const bool paper = table.choice("mode", "modern", {"paper", "modern"}) == "paper";
+  config.params.mode = paper ? DetectorMode::kPaper : DetectorMode::kModern;
+  config.params.paper = read_paper(table.table("paper"));
+  config.params.modern = read_modern(table.table("modern"));
+  table.reject_unknown();
+  for (const CeilingKind& kind : config.catalogue.fixtures) {
+    if (kind.height < config.camera.mounting.z + 0.2) {
+      throw ConfigurationError(building_file.string() + ": fixture height " + std::to_string(kind.height) +
+                               " m: must be at least 0.2 m above the camera, which " + robot_file.string() +
+                               " puts at " + std::to_string(config.camera.mounting.z) + " m");
+    }
+  }
+  if (config.catalogue.ceiling_height < config.camera.mounting.z + 0.2) {
+    throw ConfigurationError(building_file.string() + ": ceiling_height " +
+                             std::to_string(config.catalogue.ceiling_height) +
+                             " m: must be at least 0.2 m above the camera, which " + robot_file.string() + " puts at " +
+                             std::to_string(config.camera.mounting.z) + " m");
+  }
+  return config;
+}
+
+}  // namespace luminav

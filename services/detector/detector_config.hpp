@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/detector/ceiling_catalogue.hpp"
+#include "services/detector/detector_params.hpp"
+
+namespace luminav {
+
+struct DetectorConfig {
+  DetectorParams params;
+  CameraDescription camera;
+  CeilingCatalogue catalogue;
+  std::string robot;  // its name, for NODE_STATUS
+};
+
+/// Reads table [detector] of the robot's file (mode, [detector.paper], [detector.modern]), its camera, and what hangs
+/// on the building's ceiling. Throws ConfigurationError.
+DetectorConfig read_detector_config(const std::filesystem::path& robot_file,
+                                    const std::filesystem::path& building_file);
+
+}  // namespace luminav

@@ -1,0 +1,144 @@
+#include "services/detector/detector_node.hpp"
+
+#include <cmath>
+#include <luminav/fixture_detections_t.hpp>
+
+#include "services/common/process/channels.hpp"
+
+namespace luminav {
+namespace {
+
+std::int8_t code_of(DetectionShape shape) {
+  switch (shape) {
+    case DetectionShape::kRectangle:
+      return fixture_detection_t::SHAPE_RECTANGLE;
+    case DetectionShape::kSquare:
+      return fixture_detection_t::SHAPE_SQUARE;
+    case DetectionShape::kRound:
+      return fixture_detection_t::SHAPE_ROUND;
+    case DetectionShape::kElement:
+      return fixture_detection_t::SHAPE_ELEMENT;
+  }
+  return fixture_detection_t::SHAPE_ELEMENT;
+}
+
+std::int8_t code_of(DetectionState state) {
+  switch (state) {
+    case DetectionState::kUnknown:
+      return fixture_detection_t::STATE_UNKNOWN;
+    case DetectionState::kLit:
+      return fixture_detection_t::STATE_LIT;
+    case DetectionState::kUnlit:
+      return fixture_detection_t::STATE_UNLIT;
+    case DetectionState::kHalf:
+      return fixture_detection_t::STATE_HALF;
+  }
+  return fixture_detection_t::STATE_UNKNOWN;
+}
+
+fixture_detection_t encode(const Detection& detection) {
+  fixture_detection_t message{};
+  message.shape = code_of(detection.shape);
+  message.state = code_of(detection.state);
+  message.has_theta = detection.has_theta ? 1 : 0;
+  message.x = detection.robot_from_fixture.x;
+  message.y = detection.robot_from_fixture.y;
+  message.theta = detection.robot_from_fixture.theta;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      message.covariance[3 * row + column] = detection.covariance(row, column);
+    }
+  }
+  message.length = detection.length;
+  message.width = detection.width;
+  message.clipped = detection.clipped ? 1 : 0;
+  message.near_end_visible = detection.near_end_visible ? 1 : 0;
+  message.far_end_visible = detection.far_end_visible ? 1 : 0;
+  message.fit = detection.fit;
+  for (std::size_t i = 0; i < 4; ++i) {
+    message.corners_px[2 * i] = static_cast<float>(detection.corners_px[i].x());
+    message.corners_px[2 * i + 1] = static_cast<float>(detection.corners_px[i].y());
+  }
+  message.centre_px[0] = static_cast<float>(detection.centre_px.x());
+  message.centre_px[1] = static_cast<float>(detection.centre_px.y());
+  return message;
+}
+
+bool is_finite(const Detection& detection) {
+  return all_finite({detection.robot_from_fixture.x, detection.robot_from_fixture.y, detection.robot_from_fixture.theta,
+                     detection.fit}) &&
+         detection.covariance.allFinite();
+}
+
+}  // namespace
+
+DetectorNode::DetectorNode(lcm::LCM& lcm, const DetectorConfig& config)
+    : lcm_(lcm),
+      detector_(config.params, config.camera, config.catalogue),
+      time_offset_(std::llround(config.camera.time_offset * 1e6)),
+      calibrated_width_(config.camera.intrinsics.width),
+      calibrated_height_(config.camera.intrinsics.height),
+      subscriber_(lcm) {
+  subscriber_.on(channels::kCameraImage, &DetectorNode::on_camera_image, this);
+}
+
+bool DetectorNode::read_image(const camera_image_t& message, GreyView& view) {
+  if (message.format == camera_image_t::FORMAT_JPEG) {
+    if (!decoder_.decode(message.data, decoded_)) {
+      subscriber_.drop("CAMERA_IMAGE: a JPEG that is damaged or not whole");
+      return false;
+    }
+    view = decoded_.view();
+  } else if (message.format == camera_image_t::FORMAT_MONO8) {
+    view = {message.width, message.height, message.data};
+  } else {
+    subscriber_.drop("CAMERA_IMAGE: unknown format " + std::to_string(message.format));
+    return false;
+  }
+  if (view.width != message.width || view.height != message.height || !detector_.accepts(view)) {
+    refusing_ = true;
+    subscriber_.drop("CAMERA_IMAGE: " + std::to_string(view.width) + " x " + std::to_string(view.height) + " px (" +
+                     std::to_string(view.pixels.size()) + " bytes), the camera is calibrated for " +
+                     std::to_string(calibrated_width_) + " x " + std::to_string(calibrated_height_));
+    return false;
+  }
+  refusing_ = false;
+  return true;
+}
+
+void DetectorNode::on_camera_image(const camera_image_t& message) {
+  GreyView view;
+  if (!read_image(message, view)) {
+    return;
+  }
+  camera_health_ = message.health;
+  fixture_detections_t result{};
+  result.utime = message.utime + time_offset_;
+  result.sequence = message.sequence;
+  result.camera = message.camera;
+  result.width = message.width;
+  result.height = message.height;
+  for (const Detection& detection : detector_.detect(view)) {
+    if (is_finite(detection)) {
+      result.detections.push_back(encode(detection));
+    }
+  }
+  result.median_grey = detector_.median_grey();
+  result.count = static_cast<std::int32_t>(result.detections.size());
+  lcm_.publish(channels::kFixtureDetections, &result);
+}
+
+Health DetectorNode::health() const {
+  Health health;
+  health.dropped_inputs = subscriber_.dropped();
+  if (refusing_) {
+    health.degraded = true;
+    health.reason = subscriber_.last_reason();
+  } else if (!camera_health_.empty()) {
+    health.degraded = true;
+    health.reason = "camera: " + camera_health_;
+  }
+  return health;
+}
+
+}  // namespace luminav

@@ -1,0 +1,56 @@
+#pragma once
+
+namespace luminav {
+
+enum class DetectorMode { kPaper, kModern };
+
+/// The paper's chain: two thresholds, opening, contours, validation, moments and minimum-area rectangle.
+struct PaperParams {
+  double high_threshold = 200.0;    // [grey] a lit lamp is brighter than this ...
+  double high_above_median = 60.0;  // [grey] ... and than the image's median plus this
+  double low_threshold = 110.0;     // [grey] an unlit fixture is darker than this ...
+  double low_below_median = 14.0;   // [grey] ... and than the image's median less this
+  int opening_size = 3;             // [px] side of the square kernel
+  int opening_iterations = 2;       // erosions, then as many dilations
+  double canny_low = 50.0;          // [grey] hysteresis of the edge image
+  double canny_high = 150.0;        // [grey]
+  bool direct_contours = true;      // contours of the mask itself: Canny on it shifts centres by 0.15 px
+  bool accept_cut = false;          // also what touches the image border, whose centre is then wrong
+  double area_tolerance = 0.35;     // share that the area may deviate from length x width
+  double length_tolerance = 0.15;   // share that the long side may deviate
+  double width_tolerance = 0.25;    // share by which the width may miss [one lamp, two lamps]
+  double one_lamp_width = 0.15;     // [m] narrowest fixture; the building's kinds replace it when they are known
+  double two_lamp_width = 0.30;     // [m] widest fixture
+  double minimum_fill = 0.80;       // contour area / area of its minimum-area rectangle
+  double half_lit_share = 0.80;     // below this share of lit pixels (and above its complement): half lit
+  double position_sigma = 0.010;    // [m] of each axis: the paper gives no uncertainty
+  double heading_sigma = 0.02;      // [rad]
+};
+
+/// Local contrast on a reduced image, hypotheses in metres, edges to sub-pixel through the lens model.
+struct ModernParams {
+  double lit_contrast = 22.0;           // [grey] least height of a lit region above its surroundings
+  double lit_level_share = 0.5;         // of the local height: where the lit region is cut out of its bloom
+  double unlit_contrast = 5.0;          // [grey] least depth of an unlit region below its surroundings
+  double noise_factor = 4.0;            // both contrasts are at least this many sigmas of the reduced image
+  double lit_edge = 14.0;               // [grey] least step across the outline of a lit fixture
+  double unlit_edge = 3.5;              // [grey] of an unlit one
+  double size_tolerance = 0.05;         // [m] by which a side of a region may miss the kind's before fitting ...
+  double size_tolerance_share = 0.12;   // ... plus this share of the side
+  double largest_bloom = 0.035;         // [m] by which light may widen a lit fixture on each side
+  double largest_misfit = 0.012;        // [m] by which the outline of an unlit one may be wider or narrower
+  double minimum_visible = 0.30;        // share of a cut fixture's length that must be in the image
+  double minimum_long_side_fit = 0.75;  // share of a long side in view that must show its edge
+  double minimum_end_fit = 0.65;        // share of an end in view that must show its edge
+  double edge_sigma_px = 0.15;          // [px] least error of one edge point
+  double outline_sigma_px = 0.06;       // [px] error that all points of a side share
+  bool report_elements = true;          // vents and detectors as detections of shape element
+};
+
+struct DetectorParams {
+  DetectorMode mode = DetectorMode::kModern;
+  PaperParams paper;
+  ModernParams modern;
+};
+
+}  // namespace luminav

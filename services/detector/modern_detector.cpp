@@ -1,0 +1,431 @@
+#include "services/detector/modern_detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+
+double narrowest_side(const CeilingCatalogue& catalogue) {
+  double side = 0.3;
+  for (const CeilingKind& kind : catalogue.fixtures) {
+    side = std::min(side, kind.width);
+  }
+  return side;
+}
+
+double widest_width(const CeilingCatalogue& catalogue) {
+  double side = 0.1;
+  for (const CeilingKind& kind : catalogue.fixtures) {
+    side = std::max(side, kind.width);
+  }
+  return side;
+}
+
+double least_area(const CeilingCatalogue& catalogue, double least_visible) {
+  double area = 1e9;
+  for (const CeilingKind& kind : catalogue.fixtures) {
+    const bool strips = kind.lamps >= 2;  // half of it may burn alone
+    area = std::min(area, kind.length * kind.width * (strips ? 0.5 : 1.0));
+  }
+  return least_visible * area;
+}
+
+double metres_per_pixel(const CeilingCamera& camera, const CeilingCatalogue& catalogue) {
+  return (catalogue.ceiling_height - camera.mounting().z) / camera.intrinsics().fx;
+}
+
+/// Cells must stay clearly smaller than the narrowest fixture.
+int reduction_factor(const CeilingCamera& camera, const CeilingCatalogue& catalogue) {
+  const double narrowest_px = narrowest_side(catalogue) / metres_per_pixel(camera, catalogue);
+  return narrowest_px >= 20.0 ? 4 : narrowest_px >= 10.0 ? 2 : 1;
+}
+
+Matrix3d turned(const Matrix3d& covariance, double theta) {
+  Matrix3d rotation = Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() << std::cos(theta), -std::sin(theta), std::sin(theta), std::cos(theta);
+  return rotation * covariance * rotation.transpose();
+}
+
+DetectionShape shape_of(const OutlineHypothesis& hypothesis) {
+  if (hypothesis.is_element) {
+    return DetectionShape::kElement;
+  }
+  switch (hypothesis.outline.shape) {
+    case FixtureShape::kSquare:
+      return DetectionShape::kSquare;
+    case FixtureShape::kRound:
+      return DetectionShape::kRound;
+    case FixtureShape::kRectangle:
+      break;
+  }
+  return DetectionShape::kRectangle;
+}
+
+}  // namespace
+
+ModernDetector::ModernDetector(const ModernParams& params, const CeilingCamera& camera,
+                               const CeilingCatalogue& catalogue)
+    : params_(params),
+      camera_(camera),
+      catalogue_(catalogue),
+      factor_(reduction_factor(camera, catalogue)),
+      plane_(camera_, factor_, catalogue.ceiling_height),
+      metres_per_px_(metres_per_pixel(camera, catalogue)),
+      proposer_(plane_, catalogue_),
+      fitter_(camera_) {
+  const double cell = factor_ * metres_per_px_;
+  // wider than the widest fixture and its bloom, or its middle would count as surroundings
+  window_radius_ = static_cast<int>(std::ceil(0.5 * (1.25 * widest_width(catalogue_) + 0.08) / cell));
+  least_cells_ = std::max(6, static_cast<int>(0.5 * least_area(catalogue_, params_.minimum_visible) / (cell * cell)));
+  // joints between tiles are thinner than two cells; the narrowest fixture must survive
+  erosion_ = narrowest_side(catalogue_) / cell >= 5.0 ? 1 : 0;
+}
+
+OutlineFitParams ModernDetector::fit_params(bool bright) const {
+  return {.inside_brighter = bright,
+          .least_edge = bright ? params_.lit_edge : params_.unlit_edge,
+          .pixel_noise = std::clamp(contrast_.noise() * factor_, 1.0, 12.0),
+          .swelling_sigma = bright ? 0.4 * params_.largest_bloom : 0.4 * params_.largest_misfit,
+          .edge_sigma_px = params_.edge_sigma_px,
+          .outline_sigma_px = params_.outline_sigma_px,
+          .first_search_px = 11};
+}
+
+void ModernDetector::cut_out_bright() {
+  const Raster& bright = contrast_.bright();
+  const Raster& peak = contrast_.bright_peak();
+  const auto least = static_cast<int>(std::max(params_.lit_contrast, params_.noise_factor * contrast_.noise()) + 0.5);
+  const auto share = static_cast<int>(params_.lit_level_share * 256.0);
+  mask_.resize(bright.width, bright.height);
+  const std::size_t count = mask_.cells.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const int level = std::max(least, (share * peak.cells[i]) >> 8);
+    mask_.cells[i] = bright.cells[i] > level ? 1 : 0;
+  }
+}
+
+void ModernDetector::cut_out_dark() {
+  const Raster& dark = contrast_.dark();
+  const auto least = static_cast<int>(std::max(params_.unlit_contrast, params_.noise_factor * contrast_.noise()) + 0.5);
+  mask_.resize(dark.width, dark.height);
+  const std::size_t count = mask_.cells.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    mask_.cells[i] = dark.cells[i] > least ? 1 : 0;
+  }
+}
+
+void ModernDetector::detect(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace) {
+  detections.clear();
+  if (catalogue_.fixtures.empty()) {
+    return;
+  }
+  reduce(image, factor_, reduced_);
+  contrast_.compute(reduced_, window_radius_);
+  look_for(image, true, detections, trace);
+  look_for(image, false, detections, trace);
+}
+
+void ModernDetector::look_for(const GreyView& image, bool bright, std::vector<Detection>& detections,
+                              DetectorTrace* trace) {
+  int shrunk = 0;
+  if (bright) {
+    cut_out_bright();
+  } else {
+    cut_out_dark();
+    shrunk = erosion_;
+  }
+  if (shrunk > 0) {
+    erode(mask_, shrunk, eroded_, scratch_);
+  }
+  for (const Region& region : finder_.find(shrunk > 0 ? eroded_ : mask_, least_cells_)) {
+    const std::optional<Candidate> candidate = best_candidate(image, region, shrunk, bright, trace);
+    if (!candidate) {
+      continue;
+    }
+    std::optional<Detection> detection;
+    if (bright && !candidate->hypothesis.is_element &&
+        candidate->hypothesis.outline.shape == FixtureShape::kRectangle) {
+      detection = resolve_strip(image, *candidate);
+    } else {
+      detection = detection_of(*candidate, candidate->hypothesis.is_element ? DetectionState::kUnknown
+                                           : bright                         ? DetectionState::kLit
+                                                                            : DetectionState::kUnlit);
+    }
+    if (detection && !overlaps(*detection, detections)) {
+      detections.push_back(*detection);
+    }
+  }
+}
+
+std::optional<ModernDetector::Candidate> ModernDetector::best_candidate(const GreyView& image, const Region& region,
+                                                                        int shrunk, bool bright, DetectorTrace* trace) {
+  const SizeTolerance tolerance{.absolute = params_.size_tolerance,
+                                .share = params_.size_tolerance_share,
+                                .bloom = bright ? 2.0 * params_.largest_bloom : 0.0,
+                                .least_visible = 0.7 * params_.minimum_visible};
+  const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(region, shrunk, bright, tolerance);
+  if (trace != nullptr) {
+    std::vector<Vector2d> contour;
+    for (const Eigen::Vector2i& cell : proposer_.hull_cells()) {
+      contour.emplace_back(factor_ * (cell.x() + 0.5) - 0.5, factor_ * (cell.y() + 0.5) - 0.5);
+    }
+    trace->contours.push_back(std::move(contour));
+  }
+  std::optional<Candidate> best;
+  for (const OutlineHypothesis& hypothesis : hypotheses) {
+    const std::optional<OutlineFit> fit = fitter_.fit(image, hypothesis.outline, fit_params(bright), hypothesis.start);
+    if (!fit) {
+      continue;
+    }
+    Candidate candidate{hypothesis, *fit, 0.0};
+    if (trace != nullptr) {
+      trace->rectangles.push_back(detection_of(candidate, DetectionState::kUnknown).corners_px);
+    }
+    if (!is_sound(candidate, bright) || !is_filled(candidate, bright) || may_be_something_else(candidate, bright)) {
+      continue;
+    }
+    // An end that is seen says more than one that is not; among equals the outline that needs the least swelling.
+    const double ends = (fit->end_visible(kFarEnd) ? 0.1 : 0.0) + (fit->end_visible(kNearEnd) ? 0.1 : 0.0);
+    candidate.score = fit->quality() + ends - 2.0 * std::abs(fit->swelling);
+    if (!best || candidate.score > best->score) {
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+bool ModernDetector::is_sound(const Candidate& candidate, bool bright) const {
+  const OutlineFit& fit = candidate.fit;
+  const Outline& outline = candidate.hypothesis.outline;
+  const double most = bright ? params_.largest_bloom : params_.largest_misfit;
+  const double least = bright ? -0.010 : -params_.largest_misfit;
+  if (fit.swelling > most || fit.swelling < least) {
+    return false;
+  }
+  if (outline.shape == FixtureShape::kRound) {
+    return fit.in_view[kLeftSide] >= 12 && 2 * fit.in_view[kLeftSide] >= fit.expected[kLeftSide] &&
+           fit.share(kLeftSide) >= params_.minimum_long_side_fit;
+  }
+  const double seen = fit.visible_to - fit.visible_from;
+  if (fit.in_view[kLeftSide] < 3 || fit.in_view[kRightSide] < 3 ||
+      fit.in_view[kLeftSide] + fit.in_view[kRightSide] < 10 || seen < params_.minimum_visible * outline.length * 0.8) {
+    return false;
+  }
+  if (fit.share(kLeftSide) < params_.minimum_long_side_fit || fit.share(kRightSide) < params_.minimum_long_side_fit) {
+    return false;
+  }
+  for (const int end : {kFarEnd, kNearEnd}) {
+    if (fit.in_view[static_cast<std::size_t>(end)] >= 3 && fit.share(end) < params_.minimum_end_fit) {
+      return false;
+    }
+  }
+  if (outline.shape == FixtureShape::kSquare) {
+    return fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd);
+  }
+  return fit.end_visible(kFarEnd) || fit.end_visible(kNearEnd) || seen > 0.4 * outline.length;
+}
+
+bool ModernDetector::may_be_something_else(const Candidate& candidate, bool bright) const {
+  const OutlineFit& fit = candidate.fit;
+  if (candidate.hypothesis.is_element || (fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd)) ||
+      candidate.hypothesis.outline.shape == FixtureShape::kRound) {
+    return false;
+  }
+  const double seen = fit.visible_to - fit.visible_from;
+  const double width = candidate.hypothesis.outline.width;
+  for (const CeilingKind& element : catalogue_.elements) {
+    if (bright && !element.luminous) {
+      continue;
+    }
+    const double slack = 0.03 + 0.1 * width;
+    const bool lengthwise = std::abs(element.width - width) < slack && element.length > seen - 0.03;
+    const bool crosswise = std::abs(element.length - width) < slack && element.width > seen - 0.03;
+    if (lengthwise || crosswise) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool ModernDetector::is_filled(const Candidate& candidate, bool bright) const {
+  const Raster& contrast = bright ? contrast_.bright() : contrast_.dark();
+  const Outline& outline = candidate.hypothesis.outline;
+  const Pose2& pose = candidate.fit.robot_from_outline;
+  const double level = bright ? 0.5 * params_.lit_contrast : 0.5 * params_.unlit_contrast;
+  int looked = 0;
+  int filled = 0;
+  for (int i = 0; i < 15; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Vector2d place(outline.length * ((i + 0.5) / 15.0 - 0.5) * 0.9, outline.width * (j - 1) * 0.3);
+      const auto pixel = camera_.pixel_of_ceiling_point(pose * place, outline.height);
+      if (!pixel || !camera_.is_in_image(*pixel, factor_)) {
+        continue;
+      }
+      const int column = std::clamp(static_cast<int>((pixel->x() + 0.5) / factor_), 0, contrast.width - 1);
+      const int row = std::clamp(static_cast<int>((pixel->y() + 0.5) / factor_), 0, contrast.height - 1);
+      ++looked;
+      filled += contrast.row(row)[column] > level ? 1 : 0;
+    }
+  }
+  return looked >= 5 && filled * 100 >= looked * (bright ? 90 : 75);
+}
+
+std::optional<Detection> ModernDetector::resolve_strip(const GreyView& image, const Candidate& strip) {
+  const double width = strip.hypothesis.outline.width;
+  const CeilingKind* pair = nullptr;    // a fixture of two lamps of which this may be one
+  const CeilingKind* single = nullptr;  // a fixture that looks like this when it is whole
+  for (const CeilingKind& kind : catalogue_.fixtures) {
+    if (kind.shape != FixtureShape::kRectangle || std::abs(kind.length - strip.hypothesis.outline.length) > 0.05) {
+      continue;
+    }
+    if (std::abs(kind.width - width) < 0.03) {
+      single = &kind;
+    } else if (kind.lamps >= 2 && std::abs(0.5 * kind.width - width) < 0.03) {
+      pair = &kind;
+    }
+  }
+  if (pair == nullptr) {
+    return single == nullptr ? std::nullopt : std::optional(detection_of(strip, DetectionState::kLit));
+  }
+
+  // The dark half reaches as far again to one side. Its outer edge is faint: darker or brighter than the tile,
+  // depending on how much light leaks into it.
+  OutlineFitParams faint = fit_params(false);
+  faint.least_edge = params_.unlit_edge;
+  const Outline whole{FixtureShape::kRectangle, pair->length, pair->width, pair->height};
+  std::array<double, 2> evidence{};
+  std::array<Pose2, 2> poses;
+  for (const std::size_t which : {std::size_t{0}, std::size_t{1}}) {
+    const double shift = (which == 0 ? 0.5 : -0.5) * width;  // left: the dark half lies to the left
+    poses[which] = strip.fit.robot_from_outline * Pose2{0.0, shift, 0.0};
+    const int side = which == 0 ? kLeftSide : kRightSide;
+    for (const bool brighter : {false, true}) {
+      faint.inside_brighter = brighter;
+      evidence[which] =
+          std::max(evidence[which], fitter_.edge_share(image, whole, faint, poses[which], side, 5).value_or(0.0));
+    }
+  }
+  const std::size_t more = evidence[0] >= evidence[1] ? 0 : 1;
+  const bool clear_pair = evidence[more] > 0.7 && evidence[1 - more] < 0.45;
+  const bool clear_single = evidence[0] < 0.45 && evidence[1] < 0.45;
+  if (clear_pair) {
+    Candidate fixture = strip;
+    fixture.hypothesis.outline = whole;
+    fixture.fit.robot_from_outline = poses[more];
+    fixture.fit.covariance(1, 1) += 0.008 * 0.008;  // where the burning half ends in the middle is soft
+    return detection_of(fixture, DetectionState::kHalf);
+  }
+  if (clear_single && single != nullptr) {
+    return detection_of(strip, DetectionState::kLit);
+  }
+  return std::nullopt;
+}
+
+Detection ModernDetector::detection_of(const Candidate& candidate, DetectionState state) const {
+  const Outline& outline = candidate.hypothesis.outline;
+  const OutlineFit& fit = candidate.fit;
+  Detection detection;
+  detection.shape = shape_of(candidate.hypothesis);
+  detection.state = state;
+  detection.has_theta = outline.shape != FixtureShape::kRound;
+  detection.fit = fit.quality();
+  detection.robot_from_fixture = fit.robot_from_outline;
+  const double period = symmetry_period(outline.shape);
+  Matrix3d covariance = fit.covariance;
+
+  const bool bar = outline.shape == FixtureShape::kRectangle;
+  detection.far_end_visible = !bar || fit.end_visible(kFarEnd);
+  detection.near_end_visible = !bar || fit.end_visible(kNearEnd);
+  double seen_from = -0.5 * outline.length;
+  double seen_to = 0.5 * outline.length;
+  if (!detection.near_end_visible) {
+    seen_from = fit.visible_from;
+  }
+  if (!detection.far_end_visible) {
+    seen_to = fit.visible_to;
+  }
+  if (!detection.far_end_visible && !detection.near_end_visible) {
+    // Only a stretch is seen: the centre lies anywhere within what is left of the length.
+    const double middle = 0.5 * (seen_from + seen_to);
+    detection.robot_from_fixture = fit.robot_from_outline * Pose2{middle, 0.0, 0.0};
+    Matrix3d shift = Matrix3d::Identity();
+    shift(1, 2) = middle;
+    covariance = shift * covariance * shift.transpose();
+    covariance.row(0).setZero();
+    covariance.col(0).setZero();
+    const double free = std::max(0.0, outline.length - (seen_to - seen_from));
+    covariance(0, 0) = free * free / 12.0 + 1e-4;
+    seen_from -= middle;
+    seen_to -= middle;
+  } else if (detection.far_end_visible != detection.near_end_visible) {
+    // One end: its bloom does not cancel, and other kinds of this width may be longer or shorter.
+    covariance(0, 0) += 0.0625 * fit.swelling * fit.swelling;
+    double shortest = outline.length;
+    double longest = outline.length;
+    for (const CeilingKind& kind : catalogue_.fixtures) {
+      if (!candidate.hypothesis.is_element && kind.shape == FixtureShape::kRectangle &&
+          std::abs(kind.width - outline.width) < 0.02 && kind.length > seen_to - seen_from) {
+        shortest = std::min(shortest, kind.length);
+        longest = std::max(longest, kind.length);
+      }
+    }
+    if (longest - shortest > 0.005) {
+      const double inward = detection.far_end_visible ? -1.0 : 1.0;
+      const double shift = 0.5 * inward * (0.5 * (shortest + longest) - outline.length);
+      detection.robot_from_fixture = detection.robot_from_fixture * Pose2{shift, 0.0, 0.0};
+      seen_from -= shift;
+      seen_to -= shift;
+      covariance(0, 0) += std::pow(0.25 * (longest - shortest), 2);
+    }
+  }
+  if (outline.shape == FixtureShape::kRound) {
+    covariance.row(2).setZero();
+    covariance.col(2).setZero();
+    covariance(2, 2) = kPi * kPi / 3.0;
+  }
+  detection.covariance = turned(covariance, detection.robot_from_fixture.theta);
+  detection.robot_from_fixture.theta = wrap_modulo(detection.robot_from_fixture.theta, period);
+
+  detection.length = seen_to - seen_from;
+  detection.width = outline.width + 2.0 * fit.swelling;
+  const Pose2& pose = detection.robot_from_fixture;
+  // after wrapping by a quarter or half turn the ends may have changed places
+  const double turned_by = std::abs(wrap_angle(pose.theta - fit.robot_from_outline.theta));
+  if (turned_by > 0.75 * kPi) {
+    std::swap(detection.far_end_visible, detection.near_end_visible);
+    const double from = seen_from;
+    seen_from = -seen_to;
+    seen_to = -from;
+  }
+  const double half_width = 0.5 * outline.width;
+  const std::array<Vector2d, 4> corners{Vector2d(seen_to, half_width), Vector2d(seen_from, half_width),
+                                        Vector2d(seen_from, -half_width), Vector2d(seen_to, -half_width)};
+  detection.clipped = false;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pixel = camera_.pixel_of_ceiling_point(pose * corners[i], outline.height);
+    detection.corners_px[i] = pixel.value_or(Vector2d(-1.0, -1.0));
+    detection.clipped = detection.clipped || !pixel || !camera_.is_in_image(*pixel);
+  }
+  detection.clipped = detection.clipped || !detection.far_end_visible || !detection.near_end_visible;
+  detection.centre_px = camera_.pixel_of_ceiling_point(pose.position(), outline.height).value_or(Vector2d(-1.0, -1.0));
+  return detection;
+}
+
+bool ModernDetector::overlaps(const Detection& detection, const std::vector<Detection>& others) const {
+  for (const Detection& other : others) {
+    const Vector2d offset = other.robot_from_fixture.inverse() * detection.robot_from_fixture.position();
+    const double reach_along = 0.5 * std::max(other.length, 0.1) + 0.05;
+    // Half of the narrower width apart would be the neighbour half of the same fixture.
+    const double reach_across = 0.5 * (other.width + detection.width) + 0.03;
+    if (std::abs(offset.x()) < reach_along && std::abs(offset.y()) < reach_across) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace luminav

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/common/image/grey_image.hpp"
+#include "services/detector/ceiling_catalogue.hpp"
+#include "services/detector/contrast_map.hpp"
+#include "services/detector/detection.hpp"
+#include "services/detector/detector_params.hpp"
+#include "services/detector/detector_trace.hpp"
+#include "services/detector/outline_fit.hpp"
+#include "services/detector/region_outline.hpp"
+#include "services/detector/regions.hpp"
+
+namespace luminav {
+
+/// Regions that stand out from their surroundings -> guesses of known size -> edges to sub-pixel -> accepted only when
+/// the outline shows its edges nearly all along. Whatever has no known size, or may as well be something else, is left
+/// out: a false fixture costs more than a missed one.
+class ModernDetector {
+ public:
+  ModernDetector(const ModernParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue);
+  ModernDetector(const ModernDetector&) = delete;
+  ModernDetector& operator=(const ModernDetector&) = delete;
+
+  /// The image has the camera model's size. `trace` may be null.
+  void detect(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace);
+
+ private:
+  struct Candidate {
+    OutlineHypothesis hypothesis;
+    OutlineFit fit;
+    double score = 0.0;
+  };
+  void look_for(const GreyView& image, bool bright, std::vector<Detection>& detections, DetectorTrace* trace);
+  void cut_out_bright();
+  void cut_out_dark();
+  [[nodiscard]] OutlineFitParams fit_params(bool bright) const;
+  [[nodiscard]] std::optional<Candidate> best_candidate(const GreyView& image, const Region& region, int shrunk,
+                                                        bool bright, DetectorTrace* trace);
+  [[nodiscard]] bool is_sound(const Candidate& candidate, bool bright) const;
+  [[nodiscard]] bool may_be_something_else(const Candidate& candidate, bool bright) const;
+  [[nodiscard]] bool is_filled(const Candidate& candidate, bool bright) const;
+  /// Decides of which fixture a lit strip is the burning half; nothing when the picture does not say.
+  [[nodiscard]] std::optional<Detection> resolve_strip(const GreyView& image, const Candidate& strip);
+  [[nodiscard]] Detection detection_of(const Candidate& candidate, DetectionState state) const;
+  [[nodiscard]] bool overlaps(const Detection& detection, const std::vector<Detection>& others) const;
+
+  ModernParams params_;
+  CeilingCamera camera_;
+  CeilingCatalogue catalogue_;
+  int factor_;
+  CellPlane plane_;
+  double metres_per_px_;
+  int window_radius_;  // [cells]
+  int least_cells_;    // of a region
+  int erosion_;        // [cells]
+  Raster reduced_;
+  Raster mask_;
+  Raster eroded_;
+  Raster scratch_;
+  ContrastMap contrast_;
+  RegionFinder finder_;
+  OutlineProposer proposer_;
+  OutlineFitter fitter_;
+};
+
+}  // namespace luminav

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "services/common/image/grey_image.hpp"
+
+namespace luminav {
+
+/// Grey image or mask of small size: a working copy of a camera image in which one cell stands for a square of pixels.
+struct Raster {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> cells;
+
+  void resize(int columns, int rows) {
+    width = columns;
+    height = rows;
+    cells.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  }
+  [[nodiscard]] const std::uint8_t* row(int y) const {
+    return cells.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+  }
+  [[nodiscard]] std::uint8_t* row(int y) {
+    return cells.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+  }
+};
+
+/// Means of factor x factor squares, rounded; factor 1, 2 or 4. Rows and columns that fill no square are left out.
+void reduce(const GreyView& image, int factor, Raster& result);
+
+/// Largest (smallest) cell within `radius` cells in x and y; beyond the border there is nothing.
+void dilate(const Raster& image, int radius, Raster& result, Raster& scratch);
+void erode(const Raster& image, int radius, Raster& result, Raster& scratch);
+
+}  // namespace luminav

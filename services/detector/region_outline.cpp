@@ -1,0 +1,240 @@
+#include "services/detector/region_outline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace luminav {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector2i;
+
+std::int64_t cross(const Vector2i& o, const Vector2i& a, const Vector2i& b) {
+  return static_cast<std::int64_t>(a.x() - o.x()) * (b.y() - o.y()) -
+         static_cast<std::int64_t>(a.y() - o.y()) * (b.x() - o.x());
+}
+
+/// Andrew's monotone chain; the points come sorted by row, then column.
+void convex_hull(const std::vector<Vector2i>& points, std::vector<Vector2i>& hull) {
+  hull.clear();
+  const auto extend = [&](const Vector2i& point, std::size_t keep) {
+    while (hull.size() >= keep + 2 && cross(hull[hull.size() - 2], hull.back(), point) <= 0) {
+      hull.pop_back();
+    }
+    hull.push_back(point);
+  };
+  for (const Vector2i& point : points) {
+    extend(point, 0);
+  }
+  const std::size_t lower = hull.size() - 1;
+  for (auto point = points.rbegin() + 1; point != points.rend(); ++point) {
+    extend(*point, lower);
+  }
+  if (hull.size() > 1) {
+    hull.pop_back();
+  }
+}
+
+}  // namespace
+
+CellPlane::CellPlane(const CeilingCamera& camera, int factor, double height)
+    : width_(camera.intrinsics().width / factor),
+      height_(camera.intrinsics().height / factor),
+      ceiling_height_(height),
+      camera_foot_(camera.mounting().x, camera.mounting().y),
+      camera_height_(camera.mounting().z) {
+  points_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  const double farthest = kFarthest * (height - camera_height_);
+  const float nothing = std::numeric_limits<float>::quiet_NaN();
+  for (int row = 0; row < height_; ++row) {
+    for (int column = 0; column < width_; ++column) {
+      const Vector2d pixel(factor * (column + 0.5) - 0.5, factor * (row + 0.5) - 0.5);
+      const auto point = camera.point_on_ceiling(pixel, height);
+      const bool near = point && (*point - camera_foot_).norm() < farthest;
+      points_.emplace_back(near ? point->cast<float>() : Eigen::Vector2f(nothing, nothing));
+    }
+  }
+}
+
+Vector2d CellPlane::at(int column, int row) const {
+  return points_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column)]
+      .cast<double>();
+}
+
+double CellPlane::cell_size(int column, int row) const {
+  const int x = std::clamp(column, 0, width_ - 2);
+  const int y = std::clamp(row, 0, height_ - 2);
+  const Vector2d here = at(x, y);
+  return std::max((at(x + 1, y) - here).norm(), (at(x, y + 1) - here).norm());
+}
+
+bool OutlineProposer::take_hull(const Region& region) {
+  points_.clear();
+  for (const Run& run : region.runs) {
+    points_.emplace_back(run.first, run.row);
+    if (run.last != run.first) {
+      points_.emplace_back(run.last, run.row);
+    }
+  }
+  std::sort(points_.begin(), points_.end(),
+            [](const Vector2i& a, const Vector2i& b) { return a.y() != b.y() ? a.y() < b.y() : a.x() < b.x(); });
+  if (points_.size() < 3) {
+    return false;
+  }
+  convex_hull(points_, hull_);
+  corners_.clear();
+  touches_border_ = false;
+  for (const Vector2i& cell : hull_) {
+    const bool at_border =
+        cell.x() <= 0 || cell.y() <= 0 || cell.x() >= plane_->width() - 1 || cell.y() >= plane_->height() - 1;
+    const Vector2d place = plane_->at(cell.x(), cell.y());
+    if (!place.allFinite()) {
+      return false;
+    }
+    corners_.push_back({place, at_border});
+    touches_border_ = touches_border_ || at_border;
+  }
+  return corners_.size() >= 3;
+}
+
+OutlineProposer::Extents OutlineProposer::extents(double theta) const {
+  const Vector2d along(std::cos(theta), std::sin(theta));
+  const Vector2d across(-along.y(), along.x());
+  Extents e{1e9, -1e9, 1e9, -1e9};
+  for (const Corner& corner : corners_) {
+    const double u = along.dot(corner.place);
+    const double v = across.dot(corner.place);
+    e.least_along = std::min(e.least_along, u);
+    e.most_along = std::max(e.most_along, u);
+    e.least_across = std::min(e.least_across, v);
+    e.most_across = std::max(e.most_across, v);
+  }
+  return {e.least_along - grow_, e.most_along + grow_, e.least_across - grow_, e.most_across + grow_};
+}
+
+/// The direction of the smallest rectangle round the hull, and those of its longest edges that are the region's own.
+void OutlineProposer::choose_directions() {
+  directions_.clear();
+  struct Edge {
+    double length;
+    double theta;
+    bool own;
+  };
+  std::vector<Edge> edges;
+  edges.reserve(corners_.size());
+  double smallest = 1e18;
+  double direction_of_smallest = 0.0;
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    const Corner& a = corners_[i];
+    const Corner& b = corners_[(i + 1) % corners_.size()];
+    const Vector2d edge = b.place - a.place;
+    const double theta = std::atan2(edge.y(), edge.x());
+    edges.push_back({edge.norm(), theta, !(a.at_border && b.at_border)});
+    const Extents e = extents(theta);
+    const double area = (e.most_along - e.least_along) * (e.most_across - e.least_across);
+    if (area < smallest) {
+      smallest = area;
+      direction_of_smallest = theta;
+    }
+  }
+  const auto add = [&](double theta) {
+    constexpr double kDistinct = radians(2.0);
+    for (const double known : directions_) {
+      if (std::abs(wrap_modulo(theta - known, 0.5 * kPi)) < kDistinct) {
+        return;
+      }
+    }
+    directions_.push_back(theta);
+  };
+  add(direction_of_smallest);
+  if (touches_border_) {
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.length > b.length; });
+    for (const Edge& edge : edges) {
+      if (edge.own && directions_.size() < 4) {
+        add(edge.theta);
+      }
+    }
+  }
+}
+
+void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half_width, double theta,
+                                   const SizeTolerance& tolerance) {
+  const double width = half_width ? 0.5 * kind.width : kind.width;
+  const double scale = (kind.height - plane_->camera_height()) / (plane_->ceiling_height() - plane_->camera_height());
+  const Extents e = extents(theta);
+  const double seen_length = scale * (e.most_along - e.least_along);
+  const double seen_width = scale * (e.most_across - e.least_across);
+  const auto fits = [&](double seen, double side) {
+    const double slack = tolerance.absolute + tolerance.share * side;
+    return seen > side - slack && seen < side + slack + tolerance.bloom;
+  };
+  if (!fits(seen_width, width)) {
+    return;
+  }
+  const bool whole = fits(seen_length, kind.length);
+  const bool cut = touches_border_ && kind.is_fixture && kind.shape == FixtureShape::kRectangle &&
+                   seen_length < kind.length + tolerance.absolute + tolerance.bloom &&
+                   seen_length > tolerance.least_visible * kind.length;
+  if (!whole && !cut) {
+    return;
+  }
+  const Vector2d along(std::cos(theta), std::sin(theta));
+  const Vector2d across(-along.y(), along.x());
+  const double middle_across = 0.5 * (e.least_across + e.most_across);
+  const double half_length = 0.5 * kind.length / scale;
+  const auto add = [&](double middle_along) {
+    const Vector2d on_reference = middle_along * along + middle_across * across;
+    const Vector2d centre = plane_->camera_foot() + scale * (on_reference - plane_->camera_foot());
+    hypotheses_.push_back({.kind = index,
+                           .is_element = !kind.is_fixture,
+                           .half_width = half_width,
+                           .outline = {kind.shape, kind.length, width, kind.height},
+                           .start = {centre.x(), centre.y(), wrap_axis(theta)}});
+  };
+  if (whole) {
+    add(0.5 * (e.least_along + e.most_along));
+  }
+  if (cut) {
+    const double half_bloom = 0.25 * tolerance.bloom;
+    add(e.least_along + half_bloom + half_length);
+    add(e.most_along - half_bloom - half_length);
+    if (!whole) {
+      add(0.5 * (e.least_along + e.most_along));
+    }
+  }
+}
+
+const std::vector<OutlineHypothesis>& OutlineProposer::propose(const Region& region, int shrunk, bool bright,
+                                                               const SizeTolerance& tolerance) {
+  hypotheses_.clear();
+  if (!take_hull(region)) {
+    return hypotheses_;
+  }
+  grow_ = (0.5 + shrunk) * plane_->cell_size((region.left + region.right) / 2, (region.top + region.bottom) / 2);
+  choose_directions();
+  for (std::size_t i = 0; i < catalogue_->fixtures.size(); ++i) {
+    const CeilingKind& kind = catalogue_->fixtures[i];
+    for (const double theta : directions_) {
+      for (const double turn : {0.0, 0.5 * kPi}) {
+        if (kind.shape != FixtureShape::kRectangle && turn > 0.0) {
+          continue;
+        }
+        propose_kind(kind, static_cast<int>(i), false, theta + turn, tolerance);
+        if (bright && kind.shape == FixtureShape::kRectangle && kind.lamps >= 2) {
+          propose_kind(kind, static_cast<int>(i), true, theta + turn, tolerance);
+        }
+      }
+    }
+  }
+  if (!bright) {
+    for (std::size_t i = 0; i < catalogue_->elements.size(); ++i) {
+      for (const double turn : {0.0, 0.5 * kPi}) {
+        propose_kind(catalogue_->elements[i], static_cast<int>(i), false, directions_.front() + turn, tolerance);
+      }
+    }
+  }
+  return hypotheses_;
+}
+
+}  // namespace luminav

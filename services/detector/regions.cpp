@@ -1,0 +1,111 @@
+#include "services/detector/regions.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace luminav {
+namespace {
+
+/// First cell at or after `x` that is set (or not set), `width` when there is none. Masks are mostly empty, so empty
+/// stretches are crossed eight cells at a time.
+int next_set(const std::uint8_t* row, int x, int width) {
+  while (x + 8 <= width) {
+    std::uint64_t eight;
+    std::memcpy(&eight, row + x, sizeof eight);
+    if (eight != 0) {
+      break;
+    }
+    x += 8;
+  }
+  while (x < width && row[x] == 0) {
+    ++x;
+  }
+  return x;
+}
+
+int next_clear(const std::uint8_t* row, int x, int width) {
+  while (x < width && row[x] != 0) {
+    ++x;
+  }
+  return x;
+}
+
+}  // namespace
+
+int RegionFinder::root(int run) {
+  while (parent_[static_cast<std::size_t>(run)] != run) {
+    const int above = parent_[static_cast<std::size_t>(run)];
+    parent_[static_cast<std::size_t>(run)] = parent_[static_cast<std::size_t>(above)];
+    run = above;
+  }
+  return run;
+}
+
+const std::vector<Region>& RegionFinder::find(const Raster& mask, int least_cells) {
+  runs_.clear();
+  parent_.clear();
+  int above = 0;  // first run of the row above that may touch
+  int above_end = 0;
+  for (int y = 0; y < mask.height; ++y) {
+    const int row_begin = static_cast<int>(runs_.size());
+    const std::uint8_t* row = mask.row(y);
+    for (int x = next_set(row, 0, mask.width); x < mask.width; x = next_set(row, x, mask.width)) {
+      const int end = next_clear(row, x, mask.width);
+      const int current = static_cast<int>(runs_.size());
+      runs_.push_back({y, x, end - 1});
+      parent_.push_back(current);
+      while (above < above_end && runs_[static_cast<std::size_t>(above)].last < x - 1) {
+        ++above;
+      }
+      for (int other = above; other < above_end && runs_[static_cast<std::size_t>(other)].first <= end; ++other) {
+        const int a = root(other);
+        const int b = root(current);
+        parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+      }
+      x = end;
+    }
+    above = row_begin;
+    above_end = static_cast<int>(runs_.size());
+  }
+
+  const std::size_t count = runs_.size();
+  cells_.assign(count, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    cells_[static_cast<std::size_t>(root(static_cast<int>(i)))] += runs_[i].last - runs_[i].first + 1;
+  }
+  for (Region& region : regions_) {
+    spare_.push_back(std::move(region));
+  }
+  regions_.clear();
+  region_of_root_.assign(count, -1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto top = static_cast<std::size_t>(root(static_cast<int>(i)));
+    if (cells_[top] < least_cells) {
+      continue;
+    }
+    if (region_of_root_[top] < 0) {
+      region_of_root_[top] = static_cast<int>(regions_.size());
+      if (spare_.empty()) {
+        regions_.emplace_back();
+      } else {
+        regions_.push_back(std::move(spare_.back()));
+        spare_.pop_back();
+      }
+      Region& fresh = regions_.back();
+      fresh.runs.clear();
+      fresh.cells = cells_[top];
+      fresh.left = fresh.top = mask.width + mask.height;
+      fresh.right = fresh.bottom = -1;
+    }
+    Region& region = regions_[static_cast<std::size_t>(region_of_root_[top])];
+    const Run& run = runs_[i];
+    region.runs.push_back(run);
+    region.left = std::min(region.left, run.first);
+    region.right = std::max(region.right, run.last);
+    region.top = std::min(region.top, run.row);
+    region.bottom = std::max(region.bottom, run.row);
+  }
+  return regions_;
+}
+
+}  // namespace luminav

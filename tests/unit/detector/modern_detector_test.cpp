@@ -1,0 +1,195 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <random>
+
+#include "services/detector/detector.hpp"
+#include "tests/unit/detector/ceiling_picture.hpp"
+
+namespace luminav {
+namespace {
+
+using test::DrawnCeiling;
+using test::DrawnShape;
+
+std::vector<Detection> detect(const DrawnCeiling& ceiling, const CameraDescription& camera = test::test_camera(),
+                              const CeilingCatalogue& catalogue = test::test_catalogue()) {
+  Detector detector({}, camera, catalogue);
+  return detector.detect(test::draw_ceiling(ceiling, camera, catalogue.ceiling_height).view());
+}
+
+void expect_at(const Detection& detection, const Pose2& truth, double position, double heading) {
+  EXPECT_NEAR(detection.robot_from_fixture.x, truth.x, position);
+  EXPECT_NEAR(detection.robot_from_fixture.y, truth.y, position);
+  EXPECT_NEAR(wrap_axis(detection.robot_from_fixture.theta - truth.theta), 0.0, heading);
+}
+
+struct Look {
+  DetectionState state;
+  double width;
+};
+
+class ModernDetectorLooks : public testing::TestWithParam<Look> {};
+
+TEST_P(ModernDetectorLooks, FindsAWholeFixtureWithItsStateAtAnyPoseBetweenTiles) {
+  std::mt19937 rng(11);
+  std::uniform_real_distribution<double> offset(-0.3, 0.3);
+  std::uniform_real_distribution<double> angle(-kPi, kPi);
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    DrawnCeiling ceiling;
+    ceiling.seed = i;
+    ceiling.joint_depth = i % 2 == 0 ? 0.0 : 20.0;
+    ceiling.slope_x = 8.0;
+    const Pose2 truth{offset(rng), offset(rng), angle(rng)};
+    ceiling.shapes = {{.pose = truth, .width = GetParam().width, .state = GetParam().state, .darker = 22.0}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << "picture " << i;
+    EXPECT_EQ(detections[0].state, GetParam().state);
+    EXPECT_EQ(detections[0].shape, DetectionShape::kRectangle);
+    EXPECT_FALSE(detections[0].clipped);
+    expect_at(detections[0], truth, GetParam().state == DetectionState::kHalf ? 4e-3 : 1.5e-3, radians(0.1));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(States, ModernDetectorLooks,
+                         testing::Values(Look{DetectionState::kLit, 0.30}, Look{DetectionState::kLit, 0.15},
+                                         Look{DetectionState::kUnlit, 0.30}, Look{DetectionState::kUnlit, 0.15},
+                                         Look{DetectionState::kHalf, 0.30}));
+
+TEST(ModernDetector, SaysOfACutFixtureOnlyWhatIsSeen) {
+  DrawnCeiling ceiling;
+  const Pose2 truth{0.9, 0.1, 0.2};  // its far end lies beyond the upper border, 1.08 m ahead
+  ceiling.shapes = {{.pose = truth}};
+  const auto detections = detect(ceiling);
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_TRUE(detections[0].clipped);
+  EXPECT_TRUE(detections[0].near_end_visible);
+  EXPECT_FALSE(detections[0].far_end_visible);
+  expect_at(detections[0], truth, 2e-3, radians(0.2));
+  EXPECT_LT(detections[0].length, 0.9);
+}
+
+TEST(ModernDetector, LeavesTheCentreOpenWhenNoEndIsSeen) {
+  CeilingCatalogue catalogue = test::test_catalogue();
+  catalogue.fixtures = {{.length = 3.0, .width = 0.3, .height = 2.8, .lamps = 2}};
+  DrawnCeiling ceiling;
+  const Pose2 truth{0.3, 0.1, 0.0};
+  ceiling.shapes = {{.pose = truth, .length = 3.0}};
+  const auto detections = detect(ceiling, test::test_camera(), catalogue);
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_FALSE(detections[0].near_end_visible);
+  EXPECT_FALSE(detections[0].far_end_visible);
+  EXPECT_GT(detections[0].covariance(0, 0), 0.05);
+  EXPECT_LT(detections[0].covariance(1, 1), 1e-5);
+  EXPECT_NEAR(detections[0].robot_from_fixture.y, truth.y, 2e-3);
+}
+
+TEST(ModernDetector, TakesAVentForAnElementWholeOrCut) {
+  for (const double x : {0.1, 0.95, 1.05}) {
+    DrawnCeiling ceiling;
+    ceiling.shapes = {
+        {.pose = {x, 0.1, 0.1}, .length = 0.6, .width = 0.3, .state = DetectionState::kUnlit, .darker = 40.0}};
+    for (const Detection& detection : detect(ceiling)) {
+      EXPECT_EQ(detection.shape, DetectionShape::kElement) << "vent at x = " << x;
+    }
+  }
+}
+
+TEST(ModernDetector, SeesNoFixtureInShapesOfOtherSizes) {
+  const std::vector<DrawnShape> strangers{
+      {.pose = {0.1, 0.1, 0.5}, .length = 0.8, .width = 0.3},                                   // a bright window
+      {.pose = {0.1, 0.1, 0.5}, .length = 1.2, .width = 0.6},                                   //
+      {.pose = {0.0, 0.0, 1.0}, .shape = FixtureShape::kRound, .length = 0.4, .width = 0.4},    // a reflection
+      {.pose = {0.0, 0.0, 0.0}, .length = 0.6, .width = 0.6, .state = DetectionState::kUnlit},  // a tile
+      {.pose = {0.9, 0.3, 0.3},
+       .shape = FixtureShape::kRound,
+       .length = 0.5,
+       .width = 0.5,
+       .state = DetectionState::kUnlit,
+       .darker = 60.0}};  // a head leaning in
+  for (std::size_t i = 0; i < strangers.size(); ++i) {
+    DrawnCeiling ceiling;
+    ceiling.joint_depth = 15.0;
+    ceiling.shapes = {strangers[i]};
+    for (const Detection& detection : detect(ceiling)) {
+      EXPECT_EQ(detection.shape, DetectionShape::kElement) << "stranger " << i;
+    }
+  }
+}
+
+TEST(ModernDetector, SeesNothingOnAnEmptyCeilingBlackWhiteOrTiled) {
+  for (const double grey : {0.0, 60.0, 110.0, 255.0}) {
+    DrawnCeiling ceiling;
+    ceiling.grey = grey;
+    ceiling.joint_depth = 26.0;
+    ceiling.slope_y = 25.0;
+    EXPECT_TRUE(detect(ceiling).empty()) << "grey " << grey;
+  }
+}
+
+TEST(ModernDetector, CoversItsErrorsByItsCovariance) {
+  std::mt19937 rng(3);
+  std::uniform_real_distribution<double> offset(-0.9, 0.9);
+  std::uniform_real_distribution<double> angle(-kPi, kPi);
+  double sum = 0.0;
+  int count = 0;
+  for (std::uint32_t i = 0; i < 24; ++i) {
+    DrawnCeiling ceiling;
+    ceiling.seed = i;
+    const Pose2 truth{offset(rng), offset(rng), angle(rng)};
+    ceiling.shapes = {{.pose = truth, .state = i % 2 == 0 ? DetectionState::kLit : DetectionState::kUnlit}};
+    for (const Detection& detection : detect(ceiling)) {
+      if (detection.shape == DetectionShape::kElement) {
+        continue;
+      }
+      const Eigen::Vector3d error(detection.robot_from_fixture.x - truth.x, detection.robot_from_fixture.y - truth.y,
+                                  wrap_axis(detection.robot_from_fixture.theta - truth.theta));
+      const double squared = error.dot(detection.covariance.inverse() * error);
+      EXPECT_LT(squared, 20.0) << "picture " << i;  // chi2(3) at 99.98 %
+      sum += squared;
+      ++count;
+    }
+  }
+  ASSERT_GE(count, 18);
+  EXPECT_LT(sum / (3 * count), 1.5);
+}
+
+TEST(Detector, TakesImagesOfAnotherSizeWhenTheAspectFits) {
+  CameraDescription camera = test::test_camera();
+  const Pose2 truth{0.1, 0.0, 0.7};
+  DrawnCeiling ceiling;
+  ceiling.shapes = {{.pose = truth}};
+  const GreyImage image = test::draw_ceiling(ceiling, camera, 2.8);
+  CameraDescription other = camera;  // the same lens, calibrated at twice the size
+  other.intrinsics.width = 1280;
+  other.intrinsics.height = 960;
+  other.intrinsics.fx *= 2.0;
+  other.intrinsics.fy *= 2.0;
+  other.intrinsics.cx = 2.0 * (camera.intrinsics.cx + 0.5) - 0.5;
+  other.intrinsics.cy = 2.0 * (camera.intrinsics.cy + 0.5) - 0.5;
+  Detector detector({}, other, test::test_catalogue());
+  const auto detections = detector.detect(image.view());
+  ASSERT_EQ(detections.size(), 1U);
+  expect_at(detections[0], truth, 1e-3, radians(0.05));
+}
+
+TEST(Detector, RefusesImagesThatAreNotWholeOrOfAnotherAspect) {
+  Detector detector({}, test::test_camera(), test::test_catalogue());
+  const std::vector<std::uint8_t> pixels(640 * 480, 90);
+  EXPECT_TRUE(detector.accepts({640, 480, pixels}));
+  EXPECT_FALSE(detector.accepts({640, 481, pixels}));
+  EXPECT_FALSE(detector.accepts({480, 640, pixels}));
+  EXPECT_FALSE(detector.accepts({0, 0, {}}));
+  EXPECT_FALSE(detector.accepts({-640, -480, pixels}));
+  EXPECT_TRUE(detector.detect({480, 640, pixels}).empty());
+}
+
+TEST(Detector, RefusesACeilingBelowTheCamera) {
+  CeilingCatalogue catalogue = test::test_catalogue();
+  catalogue.ceiling_height = 0.2;
+  EXPECT_THROW(Detector({}, test::test_camera(), catalogue), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace luminav

@@ -1,0 +1,167 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "services/detector/contrast_map.hpp"
+#include "services/detector/reduced_image.hpp"
+#include "services/detector/regions.hpp"
+
+namespace luminav {
+namespace {
+
+Raster raster_of(const std::vector<std::string>& rows) {
+  Raster raster;
+  raster.resize(static_cast<int>(rows.front().size()), static_cast<int>(rows.size()));
+  for (int y = 0; y < raster.height; ++y) {
+    for (int x = 0; x < raster.width; ++x) {
+      raster.row(y)[x] = rows[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)] == '#' ? 1 : 0;
+    }
+  }
+  return raster;
+}
+
+Raster random_raster(int width, int height, std::uint32_t seed) {
+  std::mt19937 rng(seed);
+  Raster raster;
+  raster.resize(width, height);
+  for (std::uint8_t& cell : raster.cells) {
+    cell = static_cast<std::uint8_t>(rng() % 256);
+  }
+  return raster;
+}
+
+TEST(Reduce, TakesRoundedMeansOfSquares) {
+  const std::vector<std::uint8_t> pixels{0, 2, 10, 10, 9,  //
+                                         4, 7, 10, 11, 9};
+  Raster reduced;
+  reduce({5, 2, pixels}, 2, reduced);
+  ASSERT_EQ(reduced.width, 2);
+  ASSERT_EQ(reduced.height, 1);
+  EXPECT_EQ(reduced.row(0)[0], 3);   // 13 / 4
+  EXPECT_EQ(reduced.row(0)[1], 10);  // 41 / 4
+}
+
+TEST(Reduce, ByFourEqualsTheMeanOfSixteen) {
+  const Raster image = random_raster(36, 12, 3);
+  Raster reduced;
+  reduce({36, 12, image.cells}, 4, reduced);
+  for (int y = 0; y < 3; ++y) {
+    for (int x = 0; x < 9; ++x) {
+      int sum = 0;
+      for (int j = 0; j < 4; ++j) {
+        for (int i = 0; i < 4; ++i) {
+          sum += image.row(4 * y + j)[4 * x + i];
+        }
+      }
+      EXPECT_EQ(reduced.row(y)[x], (sum + 8) / 16);
+    }
+  }
+}
+
+TEST(Morphology, EqualsTheExtremesCountedByHand) {
+  for (const int radius : {1, 2, 3, 7, 11}) {
+    const Raster image = random_raster(37, 29, static_cast<std::uint32_t>(radius));
+    Raster dilated;
+    Raster eroded;
+    Raster scratch;
+    dilate(image, radius, dilated, scratch);
+    erode(image, radius, eroded, scratch);
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        int most = 0;
+        int least = 255;
+        for (int j = std::max(0, y - radius); j <= std::min(image.height - 1, y + radius); ++j) {
+          for (int i = std::max(0, x - radius); i <= std::min(image.width - 1, x + radius); ++i) {
+            most = std::max<int>(most, image.row(j)[i]);
+            least = std::min<int>(least, image.row(j)[i]);
+          }
+        }
+        ASSERT_EQ(dilated.row(y)[x], most) << "radius " << radius << " at " << x << ", " << y;
+        ASSERT_EQ(eroded.row(y)[x], least) << "radius " << radius << " at " << x << ", " << y;
+      }
+    }
+  }
+}
+
+TEST(RegionFinder, JoinsPartsThatMeetFurtherDown) {
+  RegionFinder finder;
+  const auto& regions = finder.find(raster_of({"#...#..#", "#...#...", "##.##...", ".###...."}), 1);
+  ASSERT_EQ(regions.size(), 2U);
+  EXPECT_EQ(regions[0].cells, 11);
+  EXPECT_EQ(regions[0].left, 0);
+  EXPECT_EQ(regions[0].right, 4);
+  EXPECT_EQ(regions[0].bottom, 3);
+  EXPECT_EQ(regions[1].cells, 1);
+}
+
+TEST(RegionFinder, JoinsAcrossCorners) {
+  RegionFinder finder;
+  EXPECT_EQ(finder.find(raster_of({"#.", ".#"}), 1).size(), 1U);
+  EXPECT_EQ(finder.find(raster_of({"#..", "..#"}), 1).size(), 2U);
+}
+
+TEST(RegionFinder, LeavesOutWhatIsTooSmall) {
+  RegionFinder finder;
+  EXPECT_EQ(finder.find(raster_of({"##..#", "##..."}), 2).size(), 1U);
+  EXPECT_TRUE(finder.find(raster_of({".....", "....."}), 1).empty());
+}
+
+TEST(RegionFinder, FindsNothingNewInTheSameMaskTwice) {
+  RegionFinder finder;
+  Raster mask = random_raster(64, 48, 5);
+  for (std::uint8_t& cell : mask.cells) {
+    cell = cell > 170 ? 1 : 0;
+  }
+  const std::size_t first = finder.find(mask, 1).size();
+  EXPECT_EQ(finder.find(mask, 1).size(), first);
+}
+
+TEST(ContrastMap, IsBlindForASlopeAndForUniformGrey) {
+  Raster image;
+  image.resize(80, 60);
+  for (int y = 0; y < 60; ++y) {
+    for (int x = 0; x < 80; ++x) {
+      image.row(y)[x] = static_cast<std::uint8_t>(40 + 2 * x);
+    }
+  }
+  ContrastMap map;
+  map.compute(image, 8);
+  EXPECT_LE(*std::max_element(map.bright().cells.begin(), map.bright().cells.end()), 4);
+  EXPECT_LE(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 4);
+}
+
+TEST(ContrastMap, MeasuresADarkAndABrightPatch) {
+  Raster image;
+  image.resize(80, 60);
+  std::fill(image.cells.begin(), image.cells.end(), std::uint8_t{100});
+  for (int y = 20; y < 40; ++y) {
+    for (int x = 0; x < 8; ++x) {
+      image.row(y)[x + 12] = 80;
+      image.row(y)[x + 50] = 250;
+    }
+  }
+  ContrastMap map;
+  map.compute(image, 8);
+  EXPECT_EQ(map.dark().row(30)[16], 20);
+  EXPECT_EQ(map.bright().row(30)[54], 150);
+  EXPECT_EQ(map.dark().row(30)[35], 0);
+  EXPECT_EQ(map.bright().row(30)[35], 0);
+}
+
+TEST(ContrastMap, SeesNoDarkStripBetweenALampAndTheBorder) {
+  Raster image;
+  image.resize(80, 60);
+  std::fill(image.cells.begin(), image.cells.end(), std::uint8_t{100});
+  for (int y = 20; y < 40; ++y) {
+    for (int x = 4; x < 12; ++x) {
+      image.row(y)[x] = 250;
+    }
+  }
+  ContrastMap map;
+  map.compute(image, 8);
+  EXPECT_LE(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 6);
+}
+
+}  // namespace
+}  // namespace luminav
