@@ -9,6 +9,7 @@ namespace luminav {
 namespace {
 
 constexpr double kDoorReach = 0.5;       // [m] from a door's opening within which a blockage is the door's
+constexpr double kDoorDepth = 0.3;       // [m] before and behind the opening
 constexpr double kCrossSection = 1.5;    // [m] to either side of the path where no door is
 constexpr std::size_t kLookFurther = 5;  // points of the path that may be the narrowest one
 
@@ -53,7 +54,14 @@ Blockage measure_blockage(const ConfigurationSpace& space, const std::vector<Doo
     const double theta = nearest->world_from_door.theta;
     blockage.is_door = true;
     blockage.place = nearest->world_from_door.position();
-    blockage.free_width = widest_gap(space, blockage.place, {std::cos(theta), std::sin(theta)}, 0.5 * nearest->width);
+    // what closes it may stand a little before or behind the opening
+    const Eigen::Vector2d along(std::cos(theta), std::sin(theta));
+    const Eigen::Vector2d through(-along.y(), along.x());
+    blockage.free_width = nearest->width;
+    for (double offset = -kDoorDepth; offset <= kDoorDepth; offset += 0.5 * space.geometry().resolution) {
+      blockage.free_width = std::min(blockage.free_width,
+                                     widest_gap(space, blockage.place + offset * through, along, 0.5 * nearest->width));
+    }
     blockage.free_width = std::min(blockage.free_width, need - 0.1);
     return blockage;
   }

@@ -1,0 +1,359 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <limits>
+
+#include "tests/node/planner/planner_world.hpp"
+
+namespace luminav {
+namespace {
+
+using Status = navigation_status_t;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Eigen::Vector2d end_of(const path_t& path) {
+  return {static_cast<double>(path.x.back()), static_cast<double>(path.y.back())};
+}
+
+TEST(PlannerNode, BringsTheRobotThroughTheDoorAndSaysArrived) {
+  PlannerWorld world;
+  world.run(1.0);
+  world.go(5, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED));
+  EXPECT_EQ(world.status.goal_id, 5);
+  EXPECT_LT(std::hypot(world.robot.x - 9.0, world.robot.y - 4.0), 0.15);
+  EXPECT_EQ(world.path.count, 0);
+  EXPECT_EQ(world.states.front(), Status::STATE_IDLE);
+  EXPECT_EQ(world.states.back(), Status::STATE_ARRIVED);
+}
+
+TEST(PlannerNode, PutsPathPointsAtMostAQuarterMetreApartFromTheRobotToTheGoal) {
+  PlannerWorld world;
+  world.go(5, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  ASSERT_GT(world.path.count, 10);
+  EXPECT_NEAR(static_cast<double>(world.path.x[0]), world.robot.x, 0.06);
+  EXPECT_NEAR(end_of(world.path).x(), 9.0, 1e-5);
+  EXPECT_NEAR(end_of(world.path).y(), 4.0, 1e-5);
+  for (std::size_t i = 1; i < static_cast<std::size_t>(world.path.count); ++i) {
+    EXPECT_LE(std::hypot(world.path.x[i] - world.path.x[i - 1], world.path.y[i] - world.path.y[i - 1]), 0.25);
+  }
+}
+
+TEST(PlannerNode, SearchesForItsPlaceBeforeItPlans) {
+  PlannerWorld world;
+  world.tracking = false;
+  world.go(1, 9.0, 4.0);
+  world.run(20.0);
+  EXPECT_EQ(world.status.state, Status::STATE_LOCALIZING);
+  EXPECT_EQ(world.status.cause, "no fixture seen yet");
+  EXPECT_EQ(world.path.count, 0);
+  world.tracking = true;
+  EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED));
+}
+
+TEST(PlannerNode, KeepsTheGoalWhileItIsLostOnTheWay) {
+  PlannerWorld world;
+  world.go(1, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.run(3.0);
+  world.tracking = false;
+  world.run(0.5);
+  EXPECT_EQ(world.status.state, Status::STATE_FOLLOWING) << "a moment without a pose is no reason to search";
+  world.run(2.0);
+  EXPECT_EQ(world.status.state, Status::STATE_LOCALIZING);
+  EXPECT_EQ(world.path.count, 0);
+  world.robot = {2.0, 1.0, 1.0};
+  world.tracking = true;
+  EXPECT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED));
+}
+
+TEST(PlannerNode, GivesUpSearchingAfterALongTimeAndSaysSo) {
+  PlannerConfig config;
+  config.cycle.lost_timeout = 30.0;
+  PlannerWorld world(config);
+  world.tracking = false;
+  world.go(1, 9.0, 4.0);
+  world.run(29.0);
+  EXPECT_EQ(world.status.state, Status::STATE_LOCALIZING);
+  world.run(3.0);
+  EXPECT_EQ(world.status.state, Status::STATE_LOST);
+  EXPECT_THAT(world.status.cause, HasSubstr("30 s"));
+}
+
+TEST(PlannerNode, TicksOnRobotStatusWhenNoPoseFlows) {
+  PlannerWorld world;
+  world.pose_flows = false;
+  world.go(1, 9.0, 4.0);
+  world.run(5.0);
+  EXPECT_EQ(world.status.state, Status::STATE_LOCALIZING);
+  EXPECT_EQ(world.status.goal_id, 1);
+  EXPECT_THAT(world.status.cause, HasSubstr("no pose"));
+}
+
+TEST(PlannerNode, ActsOnARepeatedGoalOnce) {
+  PlannerWorld world;
+  world.go(3, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.run(1.0);
+  const int sequence = world.path.sequence;
+  for (int i = 0; i < 5; ++i) {
+    world.go(3, 9.0, 4.0);
+    world.run(0.2);
+  }
+  EXPECT_EQ(world.path.sequence, sequence);
+}
+
+TEST(PlannerNode, ReplacesAGoalByAFreshOne) {
+  PlannerWorld world;
+  world.go(3, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.run(2.0);
+  world.go(4, 2.0, 1.5);
+  ASSERT_TRUE(world.run_until_state(30.0, Status::STATE_ARRIVED));
+  EXPECT_EQ(world.status.goal_id, 4);
+  EXPECT_LT(std::hypot(world.robot.x - 2.0, world.robot.y - 1.5), 0.15);
+}
+
+TEST(PlannerNode, CancelsPausesAndResumes) {
+  PlannerWorld world;
+  world.go(1, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.run(2.0);
+  world.act(2, goal_t::ACTION_PAUSE);
+  EXPECT_EQ(world.status.state, Status::STATE_PAUSED);
+  EXPECT_EQ(world.status.goal_id, 2);
+  const Pose2 here = world.robot;
+  world.run(5.0);
+  EXPECT_NEAR(distance(world.robot, here), 0.0, 1e-9);
+  world.act(3, goal_t::ACTION_RESUME);
+  world.run(2.0);
+  EXPECT_EQ(world.status.state, Status::STATE_FOLLOWING);
+  EXPECT_GT(distance(world.robot, here), 0.3);
+  world.act(4, goal_t::ACTION_CANCEL);
+  EXPECT_EQ(world.status.state, Status::STATE_CANCELLED);
+  EXPECT_EQ(world.status.goal_id, 4);
+  EXPECT_EQ(world.path.count, 0);
+}
+
+TEST(PlannerNode, RefusesWhatCannotBeReachedAndSaysWhyWithNumbers) {
+  PlannerWorld world;
+  world.wall(61, 28, 63, 37);  // no door any more
+  world.go(1, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_NO_PATH));
+  EXPECT_THAT(world.status.cause, HasSubstr("nearest reachable point"));
+  world.go(2, 30.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_NO_PATH));
+  EXPECT_EQ(world.status.goal_id, 2);
+  EXPECT_THAT(world.status.cause, HasSubstr("outside the map"));
+  world.go(3, 6.2, 1.0);
+  world.run(3.0);
+  EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
+  EXPECT_EQ(world.status.goal_id, 3);
+  EXPECT_THAT(world.status.cause, HasSubstr("obstacle"));
+}
+
+TEST(PlannerNode, RefusesGoalsThatAreNoGoals) {
+  PlannerWorld world;
+  world.run(1.0);
+  goal_t broken = world.goal(1, {{std::numeric_limits<double>::quiet_NaN(), 1.0}});
+  world.send(broken);
+  EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
+  EXPECT_EQ(world.status.goal_id, 1);
+  world.send(world.goal(2, {}));
+  EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
+  EXPECT_EQ(world.status.goal_id, 2);
+  EXPECT_EQ(world.node.health().dropped_inputs, 2);
+}
+
+TEST(PlannerNode, DrivesToTheNearestPointWithinTheToleranceOfABlockedGoal) {
+  PlannerWorld world;
+  goal_t goal = world.goal(1, {{5.9, 1.5}});  // 0.2 m from the wall: the robot's middle cannot be there
+  goal.tolerance = 0.4;
+  world.send(goal);
+  ASSERT_TRUE(world.run_until_state(30.0, Status::STATE_ARRIVED));
+  EXPECT_LT(std::hypot(world.robot.x - 5.9, world.robot.y - 1.5), 0.4);
+}
+
+TEST(PlannerNode, GoesRoundABoxThatAppearsOnTheWay) {
+  PlannerWorld world;
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.obstacle(3.5, 2.9, 4.0, 3.5);
+  ASSERT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED));
+  EXPECT_GE(world.status.replans, 1);
+  EXPECT_LE(world.status.replans, 3);
+}
+
+TEST(PlannerNode, WaitsBeforeAClosedDoorAndGoesOnWhenItOpens) {
+  PlannerConfig config;
+  config.doors = {{1, {6.2, 3.25, 0.5 * kPi}, 0.9}};
+  PlannerWorld world(config);
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.obstacle(6.1, 2.8, 6.2, 3.7);
+  world.run(6.0);
+  EXPECT_EQ(world.status.state, Status::STATE_WAITING);
+  EXPECT_THAT(world.status.cause, HasSubstr("door at (6.2, 3.2) is blocked, 0.0 m free, need 0.6 m; waiting 10 s"));
+  EXPECT_LT(world.robot.x, 5.8);
+  world.obstacle(6.1, 2.8, 6.2, 3.7, false);
+  ASSERT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED));
+}
+
+TEST(PlannerNode, CallsADoorThatStaysClosedBlockedInBoundedTime) {
+  PlannerConfig config;
+  config.doors = {{1, {6.2, 3.25, 0.5 * kPi}, 0.9}};
+  PlannerWorld world(config);
+  world.obstacle(6.1, 2.8, 6.2, 3.7);
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(60.0, Status::STATE_BLOCKED));
+  EXPECT_THAT(world.status.cause, HasSubstr("door at (6.2, 3.2) is blocked"));
+  EXPECT_GT(world.robot.x, 4.0) << "it waits before the door, not where it was";
+}
+
+TEST(PlannerNode, CallsItselfStuckInBoundedTimeWhenNothingMoves) {
+  PlannerWorld world;
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.wheels_blocked = true;
+  ASSERT_TRUE(world.run_until(
+      150.0, [&] { return world.status.state == Status::STATE_STUCK || world.status.state == Status::STATE_BLOCKED; }));
+  EXPECT_THAT(world.status.cause, HasSubstr("no progress"));
+}
+
+TEST(PlannerNode, NoticesASilentController) {
+  PlannerWorld world;
+  world.controller_runs = false;
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(150.0, Status::STATE_STUCK));
+  EXPECT_THAT(world.status.cause, HasSubstr("controller is silent"));
+}
+
+TEST(PlannerNode, IsPatientWhileTheMotorsAreOff) {
+  PlannerWorld world;
+  world.motors = false;
+  world.go(1, 9.0, 3.2);
+  world.run(300.0);
+  EXPECT_EQ(world.status.state, Status::STATE_FOLLOWING);
+  EXPECT_EQ(world.status.cause, "the motors are off");
+  world.motors = true;
+  EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED));
+}
+
+TEST(PlannerNode, DrivesARoundOfStopsAndStaysAtEach) {
+  PlannerWorld world;
+  goal_t goal = world.goal(1, {{4.0, 1.5}, {9.0, 4.0}});
+  goal.poses[0].wait = 5.0;
+  goal.poses[1].has_theta = 1;
+  goal.poses[1].theta = 2.0;
+  world.send(goal);
+  ASSERT_TRUE(world.run_until_state(30.0, Status::STATE_WAITING));
+  const Pose2 first = world.robot;
+  world.run(4.0);
+  EXPECT_NEAR(distance(world.robot, first), 0.0, 1e-9);
+  ASSERT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED));
+  EXPECT_NEAR(world.robot.theta, 2.0, 0.09);
+  EXPECT_EQ(world.status.pose_index, 1);
+}
+
+TEST(PlannerNode, SkipsAFailedStopWhenToldSo) {
+  PlannerWorld world;
+  goal_t goal = world.goal(1, {{30.0, 1.5}, {4.0, 1.5}});
+  goal.policy = goal_t::POLICY_SKIP;
+  world.send(goal);
+  ASSERT_TRUE(world.run_until_state(30.0, Status::STATE_ARRIVED));
+  EXPECT_THAT(world.status.cause, HasSubstr("1 of 2"));
+}
+
+TEST(PlannerNode, LoopsUntilCancelled) {
+  PlannerWorld world;
+  goal_t goal = world.goal(1, {{4.0, 1.5}, {2.0, 1.5}});
+  goal.loop = 1;
+  world.send(goal);
+  int rounds = 0;
+  int last = 0;
+  (void)world.run_until(120.0, [&] {
+    rounds += world.status.pose_index == 0 && last == 1 ? 1 : 0;
+    last = world.status.pose_index;
+    return false;
+  });
+  EXPECT_GE(rounds, 5);
+  world.act(2, goal_t::ACTION_CANCEL);
+  EXPECT_EQ(world.status.state, Status::STATE_CANCELLED);
+}
+
+TEST(PlannerNode, AsksForTilesUntilItHasThemAll) {
+  PlannerWorld world;
+  world.mapper_runs = false;
+  world.go(1, 9.0, 3.2);
+  world.run(5.0);
+  EXPECT_GE(world.requests, 2);
+  EXPECT_EQ(world.status.state, Status::STATE_PLANNING);
+  world.mapper_runs = true;
+  EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED));
+}
+
+TEST(PlannerNode, SaysNoPathWhenNoMapComes) {
+  PlannerWorld world;
+  world.mapper_runs = false;
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(20.0, Status::STATE_NO_PATH));
+  EXPECT_THAT(world.status.cause, HasSubstr("map"));
+}
+
+TEST(PlannerNode, FindsTheWayOutFromBesideAnObstacle) {
+  PlannerWorld world;
+  world.robot = {0.45, 3.0, 0.0};  // 0.25 m from the wall's face
+  world.go(1, 4.0, 3.2);
+  EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED));
+}
+
+TEST(PlannerNode, KeepsItsPathWhileABitOfNoiseComesAndGoes) {
+  PlannerWorld world;
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  const int sequence = world.path.sequence;
+  for (int i = 0; i < 20; ++i) {
+    world.obstacle(3.0, 4.5, 3.3, 4.8, i % 2 == 0);
+    world.run(0.4);
+  }
+  EXPECT_EQ(world.path.sequence, sequence);
+}
+
+TEST(PlannerNode, TellsItsStateOftenEnough) {
+  PlannerWorld world;
+  world.run(10.0);
+  EXPECT_GE(world.statuses, 9);
+  world.go(1, 9.0, 3.2);
+  world.run(1.0);
+  const int before = world.statuses;
+  world.run(5.0);
+  EXPECT_GE(world.statuses - before, 25);
+}
+
+TEST(PlannerNode, GoesOnWithItsGoalAfterARestart) {
+  const auto folder = std::filesystem::path(LUMINAV_BINARY_DIR) / "node_planner_state";
+  std::filesystem::remove_all(folder);
+  PlannerConfig config;
+  config.state_folder = folder;
+  {
+    PlannerWorld world(config);
+    world.send(world.goal(8, {{3.0, 2.0}, {4.0, 1.5}}));
+    ASSERT_TRUE(world.run_until(30.0, [&] { return world.status.pose_index == 1; }));
+  }
+  {
+    PlannerWorld world(config);
+    world.run(1.0);
+    EXPECT_EQ(world.status.goal_id, 8);
+    EXPECT_EQ(world.status.pose_index, 1);
+    EXPECT_TRUE(world.run_until_state(30.0, Status::STATE_ARRIVED));
+  }
+  PlannerWorld world(config);
+  world.run(1.0);
+  EXPECT_EQ(world.status.state, Status::STATE_IDLE);
+}
+
+}  // namespace
+}  // namespace luminav
