@@ -54,7 +54,7 @@ void GridMapper::integrate(const DiscReading& reading) {
     return;
   }
   const bool has_echo = reading.has_echo && reading.range < sonar.maximum_range - 0.01;
-  const SonarReading beam{reading.world_from_sonar, reading.range, has_echo};
+  const BeamReading beam{reading.world_from_sonar, reading.range, has_echo};
   free_space_.apply(beam, sonar.maximum_range, grid_);
   if (has_echo) {
     const Eigen::Vector2d end = reading.world_from_sonar * Eigen::Vector2d(reading.range, 0.0);
@@ -71,7 +71,7 @@ void GridMapper::integrate(const DiscReading& reading) {
 }
 
 void GridMapper::vote_occupied(const DiscReading& reading) {
-  const SonarReading beam{reading.world_from_sonar, reading.range, true};
+  const BeamReading beam{reading.world_from_sonar, reading.range, true};
   cells_of_echo(params_.sonar, grid_.geometry, beam, params_.prior_widening, arc_);
   bool wall_explains = false;
   bool known_explains = false;

@@ -78,7 +78,7 @@ FreeSpaceModel::FreeSpaceModel(const SonarModelParams& params) : params_(params)
   }
 }
 
-void FreeSpaceModel::apply(const SonarReading& reading, double limit, OccupancyGrid& grid) {
+void FreeSpaceModel::apply(const BeamReading& reading, double limit, OccupancyGrid& grid) {
   const double seen = reading.has_echo ? reading.range - params_.free_margin : params_.free_range;
   const double length = std::min({seen, params_.free_range, limit});
   if (length <= 0.0) {
@@ -126,7 +126,7 @@ void FreeSpaceModel::line(const GridGeometry& geometry, const Pose2& apex, doubl
   }
 }
 
-void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry, const SonarReading& reading,
+void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry, const BeamReading& reading,
                    double widening, std::vector<ArcCell>& cells) {
   cells.clear();
   // a quarter of a cell behind the reading: the surface is its front, not its middle

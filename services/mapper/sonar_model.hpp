@@ -30,7 +30,7 @@ struct SonarModelParams {
 };
 
 /// One reading where it was taken.
-struct SonarReading {
+struct BeamReading {
   Pose2 world_from_sonar;  // x along the axis
   double range = 0.0;      // [m]
   bool has_echo = false;
@@ -52,7 +52,7 @@ class FreeSpaceModel {
  public:
   explicit FreeSpaceModel(const SonarModelParams& params);
   /// Takes evidence from the cells that the reading saw empty, out to `limit` [m] at most.
-  void apply(const SonarReading& reading, double limit, OccupancyGrid& grid);
+  void apply(const BeamReading& reading, double limit, OccupancyGrid& grid);
 
  private:
   void sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, double radius, std::int8_t vote,
@@ -71,7 +71,7 @@ struct ArcCell {
 
 /// Cells on the arc of an echo, from one border of the cone to the other, each once; of the line model only the one on
 /// the axis. `widening` [rad] is added at both borders, with the border's weight.
-void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry, const SonarReading& reading,
+void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry, const BeamReading& reading,
                    double widening, std::vector<ArcCell>& cells);
 
 /// Log-odds as the grid stores them.

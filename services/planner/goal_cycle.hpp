@@ -100,7 +100,7 @@ struct NavigationReport {
 };
 
 /// The way that the controller shall follow.
-struct PlannedPath {
+struct GoalPath {
   int sequence = 0;  // grows with each new path, empty ones included
   std::int64_t goal_id = 0;
   int stop_index = 0;
@@ -132,7 +132,7 @@ class GoalCycle {
 
   [[nodiscard]] bool is_active() const { return phase_ != Phase::kNone; }
   [[nodiscard]] const NavigationReport& report() const { return report_; }
-  [[nodiscard]] const PlannedPath& path() const { return path_; }
+  [[nodiscard]] const GoalPath& path() const { return path_; }
   [[nodiscard]] const GoalRequest& goal() const { return goal_; }
   [[nodiscard]] int stop_index() const { return stop_; }
 
@@ -191,7 +191,7 @@ class GoalCycle {
   Phase phase_ = Phase::kNone;
   Phase paused_phase_ = Phase::kNone;
   NavigationReport report_;
-  PlannedPath path_;
+  GoalPath path_;
   std::size_t at_ = 0;  // index of the path's point nearest to the robot
 
   std::int64_t now_ = 0;             // [us]

@@ -306,7 +306,7 @@ void PlannerNode::request_tiles(std::int64_t now) {
 }
 
 void PlannerNode::publish_path(std::int64_t now) {
-  const PlannedPath& path = cycle_.path();
+  const GoalPath& path = cycle_.path();
   const bool is_new = path.sequence != published_sequence_;
   const bool is_due = cycle_.is_active() && (now < last_path_ || now - last_path_ >= kPathPeriod);
   if (path.sequence == 0 || (!is_new && !is_due)) {
