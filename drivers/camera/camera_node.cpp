@@ -44,7 +44,7 @@ CameraNode::CameraNode(lcm::LCM& lcm, const CameraConfig& config, const Clock& c
       quality_(config.quality),
       subscriber_(lcm) {
   message_.camera = static_cast<std::int8_t>(config.camera_index);
-  has_control_ = source_.set_exposure(exposure_.setting().exposure_us, exposure_.setting().gain);
+  source_.set_exposure(exposure_.setting().exposure_us, exposure_.setting().gain);
   subscriber_.on(channels::kOdometry, &CameraNode::on_odometry, this);
 }
 
@@ -93,7 +93,7 @@ void CameraNode::poll() {
 }
 
 void CameraNode::control_exposure(const Frame& frame) {
-  if (!has_control_) {
+  if (frame.exposure_us <= 0.0) {
     return;
   }
   const bool odometry_is_fresh = odometry_stamps_.newest() > frame.utime - kOdometryAge;
@@ -150,6 +150,9 @@ Health CameraNode::health() const {
   if (const std::string fault = source_.fault(); !fault.empty()) {
     health.fault = true;
     health.reason = fault;
+  } else if (const std::string shortcoming = source_.shortcoming(); !shortcoming.empty()) {
+    health.degraded = true;
+    health.reason = shortcoming;
   } else if (!exposure_.complaint().empty()) {
     health.degraded = true;
     health.reason = exposure_.complaint();

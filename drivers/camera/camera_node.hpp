@@ -44,13 +44,12 @@ class CameraNode {
   FrameSource& source_;
   SimulatedCeiling* ceiling_ = nullptr;
   ExposureControl exposure_;
-  bool has_control_ = true;
   StampGuard odometry_stamps_;
   double angular_ = 0.0;  // [rad/s] newest known
   JpegEncoder encoder_;
   int quality_;  // that the last JPEG needed
   Frame frame_;
-  camera_image_t message_;
+  camera_image_t message_{};
   std::int64_t lost_frames_ = 0;
   Subscriber subscriber_;
 };

@@ -12,7 +12,7 @@ namespace luminav {
 struct Frame {
   GreyImage image;
   std::int64_t utime = 0;    // [us] mid-exposure of the middle row, by the clock of the source
-  double exposure_us = 0.0;  // [us] in effect for this frame; 0 = unknown
+  double exposure_us = 0.0;  // [us] in effect for this frame; 0 = unknown, and then not to be controlled
   double gain = 1.0;         // in effect for this frame; 1 = none
   double row_time_us = 0.0;  // [us] from one row to the next; 0 = global shutter or unknown
 };
@@ -37,6 +37,8 @@ class FrameSource {
 
   /// "" or why no frames come, in one plain sentence.
   [[nodiscard]] virtual std::string fault() const { return {}; }
+  /// "" or what is not as it should be although frames come, in one plain sentence.
+  [[nodiscard]] virtual std::string shortcoming() const { return {}; }
   /// One sentence on what it is, for the start of the log.
   [[nodiscard]] virtual std::string description() const = 0;
 };

@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
-#include <fstream>
+#include <algorithm>
+#include <cstdio>
 
 #include "drivers/camera/camera_node.hpp"
+#include "drivers/camera/pgm_file.hpp"
+#include "drivers/camera/recorded_pictures.hpp"
 #include "drivers/camera/simulated_ceiling.hpp"
+#include "drivers/camera/v4l2_camera.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/process/command_line.hpp"
 
@@ -43,18 +47,14 @@ void write_still(SimulatedCeiling& ceiling, const Arguments& arguments) {
   }
   GreyImage image;
   ceiling.render_still(pose, 8000.0, 1.0, image);
-  std::ofstream file(arguments.out, std::ios::binary);
-  file << fmt::format("P5\n{} {}\n255\n", image.width, image.height);
-  file.write(reinterpret_cast<const char*>(image.pixels.data()), static_cast<std::streamsize>(image.pixels.size()));
-  if (!file.flush()) {
-    throw std::runtime_error(fmt::format("cannot write {}", arguments.out));
-  }
+  write_pgm(arguments.out, image.view());
 }
 
+/// `period` [us]: how often the source is asked for what no descriptor and no message announces.
 template <typename Source>
-int run(const Arguments& arguments, const CameraConfig& config, Source& source, std::int64_t period) {
+int run(const Arguments& arguments, const CameraConfig& config, const Clock& clock, Source& source,
+        std::int64_t period) {
   const auto lcm = open_lcm(arguments.lcm_url);
-  const HostClock clock;
   CameraNode node(*lcm, config, clock, source);
   fmt::print("camera: {}\n", source.description());
   std::fflush(stdout);
@@ -67,16 +67,32 @@ int run(const Arguments& arguments, const CameraConfig& config, Source& source, 
 
 int camera(const Arguments& arguments) {
   const CameraConfig config = read_camera_config(arguments.robot_file);
-  if (arguments.source == "sim") {
+  const std::string& source = arguments.source;
+  const std::string path = source.substr(std::min(source.size(), source.find(':') + 1));
+  const HostClock clock;
+  if (source == "sim") {
     SimulatedCeiling ceiling = open_simulated(arguments, config);
     if (!arguments.still.empty()) {
       write_still(ceiling, arguments);
       return 0;
     }
-    return run(arguments, config, ceiling, 100'000);
+    return run(arguments, config, clock, ceiling, 500'000);
   }
-  throw ConfigurationError(
-      fmt::format("--source {}: must be sim, v4l2:DEVICE, file:PATH or dir:PATH", arguments.source));
+  if (source.starts_with("v4l2:")) {
+    const CameraIntrinsics& lens = config.camera.intrinsics;
+    V4l2Camera device(
+        {path, lens.width, lens.height, config.rate, config.camera.row_time * 1e6, config.exposure.gain_most}, clock);
+    return run(arguments, config, clock, device, 100'000);
+  }
+  if (source.starts_with("file:")) {
+    RecordedPictures pictures = RecordedPictures::in_file(path, config.rate);
+    return run(arguments, config, clock, pictures, 5'000);
+  }
+  if (source.starts_with("dir:")) {
+    RecordedPictures pictures = RecordedPictures::in_folder(path, config.rate);
+    return run(arguments, config, clock, pictures, 5'000);
+  }
+  throw ConfigurationError(fmt::format("--source {}: must be sim, v4l2:DEVICE, file:PATH or dir:PATH", source));
 }
 
 }  // namespace
