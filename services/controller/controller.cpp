@@ -43,6 +43,7 @@ void Controller::enter(ControlTask task, const ControlInput& input) {
   escapes_ = 0;
   standing_since_ = 0;
   next_escape_ = 0;
+  hold_since_ = next_hold_ = 0;
   progress_.restart(input.now, input.odom_from_robot);
 }
 
@@ -64,9 +65,15 @@ ControlOutput Controller::step(const ControlInput& input) {
     output.reason = *input.halt;
     return output;
   }
-  const DriveTwist wanted = wish(input, obstacles, output);
+  look_for_people(input.now, obstacles);
+  const double unknown = nearest_unknown(obstacles);
+  const DriveTwist wanted = with_care(wish(input, obstacles, output), unknown);
   const DriveTwist smooth = ramp_.step(wanted, input.duration);
-  const StopVerdict verdict = stop_logic_.judge(smooth, obstacles, input.ages);
+  StopVerdict verdict = stop_logic_.judge(smooth, obstacles, input.ages);
+  hold_still(input.now, wanted, unknown, verdict);
+  if (verdict.limited && is_still(verdict.twist)) {
+    verdict.twist = {};  // who waits stands still: creeping into people is no waiting
+  }
   ramp_.restart_from(verdict.twist);
   output.twist = verdict.twist;
   if (verdict.limited && (verdict.blocked || is_still(verdict.twist))) {
@@ -74,10 +81,63 @@ ControlOutput Controller::step(const ControlInput& input) {
   }
   if (task == ControlTask::kFollow || task == ControlTask::kWander) {
     StopVerdict of_wish = verdict;
-    of_wish.blocked = !is_still(wanted) && is_still(verdict.twist) && verdict.limited;
+    of_wish.blocked = (!is_still(wanted) || hold_since_ != 0) && is_still(verdict.twist) && verdict.limited;
     wait_or_escape(input, of_wish, obstacles, output);
   }
   return output;
+}
+
+void Controller::look_for_people(std::int64_t now, const std::vector<ObstaclePoint>& obstacles) {
+  for (const ObstaclePoint& obstacle : obstacles) {
+    if (obstacle.approach > 0.0 && obstacle.position.norm() < config_.people_within) {
+      people_seen_ = now;
+    }
+  }
+}
+
+bool Controller::has_met_people(std::int64_t now) const {
+  return people_seen_ != 0 && seconds_between(people_seen_, now) < config_.people_remembered;
+}
+
+double Controller::nearest_unknown(const std::vector<ObstaclePoint>& obstacles) const {
+  double nearest = 10.0;
+  for (const ObstaclePoint& obstacle : obstacles) {
+    if (!obstacle.is_known) {
+      nearest = std::min(nearest, stop_logic_.footprint().distance(obstacle.position));
+    }
+  }
+  return nearest;
+}
+
+// Something near that is on no map may be somebody about to move: slower, so that the next echo comes in time.
+DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const {
+  const double share = std::clamp(nearest / config_.care_within, config_.care_least, 1.0);
+  const double linear = share * config_.robot.limits.linear;
+  const double angular = share * config_.robot.limits.angular;
+  return {std::clamp(wanted.linear, -linear, linear), std::clamp(wanted.angular, -angular, angular)};
+}
+
+// Where something that is on no map stands in the way at arm's length it stands quite still for a while: people pass or
+// turn away from a robot that waits, not from one that fidgets.
+void Controller::hold_still(std::int64_t now, const DriveTwist& wanted, double nearest, StopVerdict& verdict) {
+  const bool drives_itself = task_ == ControlTask::kFollow || task_ == ControlTask::kWander;
+  const bool is_stopped = verdict.by_unknown && has_met_people(now) && !is_still(wanted) && is_still(verdict.twist);
+  if (hold_since_ == 0 && drives_itself && is_stopped && nearest < config_.hold_within && now >= next_hold_) {
+    hold_since_ = now;
+  }
+  if (hold_since_ == 0) {
+    return;
+  }
+  if (!drives_itself || nearest > config_.hold_within || seconds_between(hold_since_, now) > config_.patience) {
+    hold_since_ = 0;
+    next_hold_ = now + microseconds(config_.hold_pause);
+    return;
+  }
+  verdict.twist = {};
+  verdict.limited = verdict.blocked = verdict.by_unknown = true;
+  if (verdict.reason.empty()) {
+    verdict.reason = "somebody or something stands in the way";
+  }
 }
 
 DriveTwist Controller::wish(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles,
@@ -107,7 +167,7 @@ DriveTwist Controller::wish(const ControlInput& input, const std::vector<Obstacl
   if (escape_) {
     output.state = ControlState::kEscaping;
     output.reason = escape_->move.name;
-    return escape_->move.twist;
+    return escape_twist(input.now).value_or(DriveTwist{});
   }
   if (input.task == ControlTask::kWander) {
     return wander_.step(input.now, input.odom_from_robot, obstacles);
@@ -142,6 +202,37 @@ void Controller::follow(const ControlInput& input, const std::vector<ObstaclePoi
   }
 }
 
+// The arc of the escape that is due; nothing when it is over.
+std::optional<DriveTwist> Controller::escape_twist(std::int64_t now) const {
+  double passed = seconds_between(escape_->start, now);
+  for (const EscapeMove::Arc& arc : escape_->move.arcs) {
+    if (passed < arc.duration) {
+      return arc.twist;
+    }
+    passed -= arc.duration;
+  }
+  return std::nullopt;
+}
+
+void Controller::begin_escape(const ControlInput& input, bool by_unknown, const std::vector<ObstaclePoint>& obstacles,
+                              ControlOutput& output) {
+  EscapeSituation situation;
+  situation.attempt = escapes_;
+  situation.wish = output.follow.heading_error;
+  situation.may_back = input.ages.rear_sonar < config_.stop_logic.disc_silent_after;
+  situation.by_unknown = by_unknown;
+  if (const auto move = choose_escape(situation, obstacles, stop_logic_)) {
+    escape_ = Escape{*move, input.now};
+    output.state = ControlState::kEscaping;
+    output.reason = move->name;
+  }
+  if (escapes_++ == 0) {
+    escape_place_ = input.odom_from_robot;
+    escape_since_ = input.now;
+  }
+  next_escape_ = input.now + microseconds(config_.escape_pause);
+}
+
 void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& verdict,
                                 const std::vector<ObstaclePoint>& obstacles, ControlOutput& output) {
   const bool has_work = output.state != ControlState::kAtGoal && output.state != ControlState::kIdle &&
@@ -152,12 +243,16 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
     escapes_ = 0;
     return;
   }
-  const double stuck_for = progress_.update(input.now, input.odom_from_robot);
-  output.seconds_without_progress = stuck_for;
-  if (stuck_for < 0.5 && !escape_) {
+  if (escapes_ > 0 && distance(escape_place_, input.odom_from_robot) > config_.escaped_after) {
     escapes_ = 0;
   }
-  if (escape_ && (verdict.blocked || input.now >= escape_->until)) {
+  // to and fro between escape and obstacle is no progress
+  const bool goes_in_circles = escapes_ >= config_.escapes_most;
+  output.seconds_without_progress = progress_.update(input.now, input.odom_from_robot);
+  if (goes_in_circles) {
+    output.seconds_without_progress = seconds_between(escape_since_, input.now);
+  }
+  if (escape_ && (verdict.blocked || !escape_twist(input.now))) {
     escape_.reset();
     standing_since_ = 0;
     next_escape_ = input.now + microseconds(config_.escape_pause);
@@ -171,34 +266,27 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
     standing_since_ = input.now;
   }
   const double standing = standing_since_ == 0 ? 0.0 : seconds_between(standing_since_, input.now);
-  const bool waits_for_people = verdict.by_unknown && input.task == ControlTask::kFollow;
-  if (verdict.blocked && waits_for_people) {
+  const bool waits_for_people = verdict.by_unknown && has_met_people(input.now);
+  if (verdict.blocked && waits_for_people && input.task == ControlTask::kFollow) {
     output.state = ControlState::kYielding;
   }
   if (standing > config_.settle_after && input.task == ControlTask::kFollow && input.world_from_robot &&
       follower_.is_within_tolerance(*input.world_from_robot)) {
     follower_.settle();
   }
-  const double patience = waits_for_people ? config_.patience : config_.patience_with_walls;
-  const bool is_spinning = stuck_for > config_.stuck_after;
-  if ((standing > patience || is_spinning) && input.now >= next_escape_) {
+  const double patience = waits_for_people ? config_.patience : config_.patience_with_things;
+  const bool is_stuck = output.seconds_without_progress > config_.stuck_after;
+  const bool is_waiting = standing > 0.0 && standing < patience;
+  if ((standing > patience || is_stuck) && !is_waiting && input.now >= next_escape_) {
     if (input.task == ControlTask::kWander) {
       wander_.give_up(input.now, input.odom_from_robot);
     }
-    const bool may_back = input.ages.rear_sonar < config_.stop_logic.disc_silent_after;
-    const double aim = output.follow.heading_error;
-    if (const auto move = choose_escape(escapes_, aim, may_back, obstacles, stop_logic_)) {
-      escape_ = Escape{*move, input.now + microseconds(move->duration)};
-      output.state = ControlState::kEscaping;
-      output.reason = move->name;
-    }
-    ++escapes_;
-    next_escape_ = input.now + microseconds(config_.escape_pause);
+    begin_escape(input, verdict.by_unknown, obstacles, output);
   }
-  if (!escape_ && stuck_for > config_.stuck_after) {
+  if (!escape_ && is_stuck && !is_waiting) {
     output.state = ControlState::kStuck;
     if (output.reason.empty()) {
-      output.reason = "the way ahead leads nowhere";
+      output.reason = goes_in_circles ? "several attempts to get round led back here" : "the way ahead leads nowhere";
     }
   }
 }

@@ -60,21 +60,29 @@ class Controller {
  public:
   explicit Controller(const ControllerConfig& config);
 
-  void set_path(const PlannedPath& path) { follower_.set_path(path); }
+  void set_path(const FollowedPath& path) { follower_.set_path(path); }
   ControlOutput step(const ControlInput& input);
   /// The odometry jumped.
   void forget_odometry();
 
-  [[nodiscard]] const PlannedPath& path() const { return follower_.path(); }
+  [[nodiscard]] const FollowedPath& path() const { return follower_.path(); }
 
  private:
   struct Escape {
     EscapeMove move;
-    std::int64_t until = 0;  // [us]
+    std::int64_t start = 0;  // [us]
   };
   void enter(ControlTask task, const ControlInput& input);
+  void look_for_people(std::int64_t now, const std::vector<ObstaclePoint>& obstacles);
+  [[nodiscard]] bool has_met_people(std::int64_t now) const;
+  [[nodiscard]] double nearest_unknown(const std::vector<ObstaclePoint>& obstacles) const;
+  [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest) const;
+  void hold_still(std::int64_t now, const DriveTwist& wanted, double nearest, StopVerdict& verdict);
   DriveTwist wish(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
   void follow(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
+  [[nodiscard]] std::optional<DriveTwist> escape_twist(std::int64_t now) const;
+  void begin_escape(const ControlInput& input, bool by_unknown, const std::vector<ObstaclePoint>& obstacles,
+                    ControlOutput& output);
   void wait_or_escape(const ControlInput& input, const StopVerdict& verdict,
                       const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
 
@@ -86,9 +94,14 @@ class Controller {
   CommandRamp ramp_;
   ControlTask task_ = ControlTask::kNone;
   std::optional<Escape> escape_;
-  int escapes_ = 0;                  // since the last progress
+  int escapes_ = 0;                  // since it got away from the place of the first
+  Pose2 escape_place_;               // odom, of the first
+  std::int64_t escape_since_ = 0;    // [us] of the first
   std::int64_t standing_since_ = 0;  // [us] it wants to move and may not; 0 = it moves
   std::int64_t next_escape_ = 0;     // [us] not before
+  std::int64_t hold_since_ = 0;      // [us] it stands still for somebody; 0 = it doesn't
+  std::int64_t next_hold_ = 0;       // [us] not before
+  std::int64_t people_seen_ = 0;     // [us] something came towards it
 };
 
 }  // namespace luminav

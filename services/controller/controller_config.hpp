@@ -27,11 +27,19 @@ struct ControllerConfig {
   double planner_silent_after = 3.0;  // [s] without NAVIGATION_STATUS
   double teleop_silent_after = 0.3;   // [s] dead man
   double teleop_pause = 1.0;          // [s] after a person let go, before it drives by itself again
-  double patience = 4.0;              // [s] it waits for something unknown to go away
-  double patience_with_walls = 1.0;   // [s] the same for walls
+  double patience = 6.5;              // [s] it waits for people to go away
+  double patience_with_things = 1.5;  // [s] the same for what never moved
+  double people_within = 2.0;         // [m] something that comes nearer within it is a person
+  double people_remembered = 8.0;     // [s]
   double settle_after = 1.5;          // [s] blocked within the tolerance counts as arrived
   double stuck_after = 5.0;           // [s] without progress
   double escape_pause = 3.0;          // [s] between two escapes
+  double escaped_after = 1.0;         // [m] from the place of the first escape
+  int escapes_most = 3;               // at one place; more is going in circles
+  double care_within = 0.5;           // [m] of something that no map has
+  double care_least = 0.4;            // share of the robot's limits left when it is that near
+  double hold_within = 0.35;          // [m] of something that no map has and that stops it: stands quite still
+  double hold_pause = 4.0;            // [s] after that it tries by itself
 
   /// A configuration whose speeds follow the robot's limits.
   static ControllerConfig for_robot(const RobotDescription& robot);

@@ -62,7 +62,7 @@ void ControllerNode::on_path(const path_t& message) {
     subscriber_.drop("PATH: impossible size or number");
     return;
   }
-  PlannedPath path;
+  FollowedPath path;
   path.goal_id = message.goal_id;
   path.pose_index = message.pose_index;
   path.sequence = message.sequence;
@@ -77,7 +77,7 @@ void ControllerNode::on_path(const path_t& message) {
     }
     path.points.emplace_back(message.x[i], message.y[i]);
   }
-  const PlannedPath& now = controller_.path();
+  const FollowedPath& now = controller_.path();
   if (now.goal_id == path.goal_id && now.sequence == path.sequence && !now.points.empty() &&
       now.points.size() == path.points.size()) {
     return;  // a repetition

@@ -26,11 +26,13 @@ EchoMemory::EchoMemory(const SonarRing& ring, const EchoMemoryParams& params) : 
     sectors_.push_back(sector);
   }
   newest_.resize(ring_.robot_from_sonar.size());
+  approaching_.resize(ring_.robot_from_sonar.size());
 }
 
 void EchoMemory::clear() {
   echoes_.clear();
   std::fill(newest_.begin(), newest_.end(), SonarFiring{});
+  std::fill(approaching_.begin(), approaching_.end(), false);
 }
 
 // How fast the thing ahead of the disc comes nearer beyond the robot's own motion. Only between two echoes of one disc
@@ -46,19 +48,31 @@ double EchoMemory::approach_speed(const SonarFiring& firing) const {
   const double own = last_from_now.x * std::cos(axis) + last_from_now.y * std::sin(axis);
   const double nearer = last.range - firing.range - std::max(0.0, own);
   const double speed = nearer / passed;
-  if (speed < params_.approach_least) {
-    return 0.0;
-  }
-  return std::min(speed, params_.approach_most);
+  // faster than people walk is another thing that came into the cone
+  return speed < params_.approach_least || speed > params_.approach_most ? 0.0 : speed;
 }
 
-// A farther echo through the same directions takes back what was thought to stand nearer. Silence refutes nothing: a
-// smooth wall seen at a slant is silent too.
+// A farther echo through the same directions takes back what was thought to stand nearer. Silence refutes only what the
+// same disc heard from the same place: a smooth wall seen at another slant is silent too.
 void EchoMemory::refute(const SonarFiring& firing) {
   const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
   const Pose2 sonar_from_odom = odom_from_sonar.inverse();
   const double cone = 0.8 * ring_.half_angle;
   for (Echo& echo : echoes_) {
+    const bool is_same_view =
+        echo.disc == firing.disc && distance(echo.odom_from_robot, firing.odom_from_robot) < params_.same_place &&
+        std::abs(wrap_angle(echo.odom_from_robot.theta - firing.odom_from_robot.theta)) < params_.same_heading;
+    if (is_same_view && firing.range > echo.range + params_.refute_margin) {
+      echo.points_in_odom.clear();
+      continue;
+    }
+    if (!firing.has_echo) {
+      continue;
+    }
+    // from another side a smooth wall may be silent while what stands behind it, or in its mirror, is heard
+    if (std::abs(wrap_angle(odom_from_sonar.theta - echo.axis_in_odom)) > params_.refute_angle) {
+      continue;
+    }
     std::erase_if(echo.points_in_odom, [&](const Eigen::Vector2d& point) {
       const Eigen::Vector2d seen = sonar_from_odom * point;
       const double range = seen.norm();
@@ -76,19 +90,27 @@ void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
   std::erase_if(echoes_, [&](const Echo& echo) {
     return echo.points_in_odom.empty() || seconds_between(echo.utime, firing.utime) > oldest;
   });
+  const bool last_had_echo = newest_[firing.disc].has_echo;
+  refute(firing);
   if (firing.has_echo) {
-    refute(firing);
     Echo echo;
+    echo.disc = firing.disc;
+    echo.range = firing.range;
+    echo.odom_from_robot = firing.odom_from_robot;
     echo.utime = firing.utime;
-    echo.approach = approach_speed(firing);
+    const double speed = last_had_echo ? approach_speed(firing) : 0.0;
+    // seen twice running it is believed; seen once only where waiting for the second time would be too long
+    echo.approach = approaching_[firing.disc] || firing.range < params_.approach_at_once ? speed : 0.0;
+    approaching_[firing.disc] = speed > 0.0;
     echo.keep = firing.range < params_.near ? params_.keep_near : params_.keep;
     const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
+    echo.axis_in_odom = odom_from_sonar.theta;
     const double range = std::max(firing.range, 0.02);
     const auto point_at = [&](double angle) {
       return Eigen::Vector2d(odom_from_sonar * Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle)));
     };
     const int steps = std::clamp(static_cast<int>(std::ceil(2.0 * ring_.half_angle * range / params_.spacing)), 2, 12);
-    if (is_wall && echo.approach == 0.0) {
+    if (is_wall) {
       // The whole cone counts here: a door post at its edge explains the echo and leaves the doorway open.
       for (int i = 0; i <= steps; ++i) {
         const Eigen::Vector2d point = point_at(ring_.half_angle * (2.0 * i / steps - 1.0));
@@ -97,6 +119,9 @@ void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
         }
       }
       echo.is_known = !echo.points_in_odom.empty();
+    }
+    if (echo.is_known) {
+      echo.approach = 0.0;
     }
     if (!echo.is_known) {
       const Sector& sector = sectors_[firing.disc];

@@ -28,14 +28,18 @@ struct SonarFiring {
 };
 
 struct EchoMemoryParams {
-  double keep = 1.2;             // [s] an echo that nothing refutes
-  double keep_near = 2.5;        // [s] the same within `near`, where sonar may be blind to it
-  double near = 0.45;            // [m] from the disc
-  double spacing = 0.06;         // [m] between the points that stand for an arc
-  double refute_margin = 0.12;   // [m] an echo this much farther clears what was nearer in its cone
-  double wall_tolerance = 0.15;  // [m] an arc with a mapped wall this near is that wall
-  double approach_least = 0.25;  // [m/s] slower than this is noise
-  double approach_most = 0.9;    // [m/s] a brisk walk
+  double keep = 1.2;                    // [s] an echo that nothing refutes
+  double keep_near = 2.5;               // [s] the same within `near`, where sonar may be blind to it
+  double near = 0.45;                   // [m] from the disc
+  double spacing = 0.06;                // [m] between the points that stand for an arc
+  double refute_margin = 0.12;          // [m] an echo this much farther clears what was nearer in its cone
+  double wall_tolerance = 0.15;         // [m] an arc with a mapped wall this near is that wall
+  double refute_angle = radians(25.0);  // [rad] between the axes of the two, no more
+  double same_place = 0.08;             // [m] between two firings of a disc that see the same
+  double same_heading = radians(6.0);   // [rad]
+  double approach_least = 0.25;         // [m/s] slower than this is noise
+  double approach_most = 1.4;           // [m/s] a brisk walk
+  double approach_at_once = 1.1;        // [m] nearer than this one sign of approach is enough, farther off it takes two
 };
 
 /// Is there a mapped wall within a distance [m] of a point? Arguments: point in odom, distance.
@@ -65,8 +69,12 @@ class EchoMemory {
   };
   struct Echo {
     std::int64_t utime = 0;
-    double keep = 0.0;      // [s]
-    double approach = 0.0;  // [m/s]
+    std::size_t disc = 0;
+    double range = 0.0;         // [m]
+    Pose2 odom_from_robot;      // when it was heard
+    double keep = 0.0;          // [s]
+    double approach = 0.0;      // [m/s]
+    double axis_in_odom = 0.0;  // [rad] of the disc that heard it
     bool is_known = false;
     std::vector<Eigen::Vector2d> points_in_odom;
   };
@@ -77,6 +85,7 @@ class EchoMemory {
   EchoMemoryParams params_;
   std::vector<Sector> sectors_;
   std::vector<SonarFiring> newest_;
+  std::vector<bool> approaching_;  // the last firing of the disc gave a sign of approach
   std::vector<Echo> echoes_;
 };
 

@@ -2,56 +2,99 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "services/controller/free_heading.hpp"
 
 namespace luminav {
+namespace {
 
-std::optional<EscapeMove> choose_escape(int attempt, double wish, bool may_back,
-                                        std::span<const ObstaclePoint> obstacles, const StopLogic& stop_logic) {
+using Moves = std::vector<EscapeMove>;
+
+// Openness of a side [m]; the wish decides between equals.
+double openness(double sign, double wish, std::span<const ObstaclePoint> obstacles) {
   const FreeHeadingParams strip;
-  // openness of each side; the wish decides between equals
-  const double left = free_way(radians(60.0), 2.0, obstacles, strip) + free_way(radians(110.0), 2.0, obstacles, strip) +
-                      (wish > 0.0 ? 0.3 : 0.0);
-  const double right = free_way(radians(-60.0), 2.0, obstacles, strip) +
-                       free_way(radians(-110.0), 2.0, obstacles, strip) + (wish < 0.0 ? 0.3 : 0.0);
-  const double side = left >= right ? 1.0 : -1.0;
-  const auto name = [](double sign, const char* to_left, const char* to_right) {
-    return sign > 0.0 ? to_left : to_right;
-  };
-  const std::vector<EscapeMove> backing{
-      {{-0.15, 0.0}, 2.5, "backing"},
-      {{-0.12, -0.35 * side}, 2.0, "backing in an arc"},
-      {{-0.12, 0.35 * side}, 2.0, "backing in an arc"},
-      {{-0.10, 0.0}, 1.2, "backing a little"},
-  };
-  const std::vector<EscapeMove> turning{
-      {{0.0, 0.7 * side}, 2.0, name(side, "turning left", "turning right")},
-      {{0.0, -0.7 * side}, 2.0, name(-side, "turning left", "turning right")},
-      {{0.0, 0.5 * side}, 0.9, name(side, "turning left", "turning right")},
-      {{0.0, -0.5 * side}, 0.9, name(-side, "turning left", "turning right")},
-  };
-  const std::vector<EscapeMove> inching{
-      {{0.12, 0.4 * side}, 2.0, "inching ahead in an arc"},
-      {{0.12, -0.4 * side}, 2.0, "inching ahead in an arc"},
-      {{0.10, 0.0}, 1.2, "inching ahead"},
-  };
-  std::vector<std::vector<EscapeMove>> order;
-  switch (attempt % 3) {
+  const double beside =
+      free_way(sign * radians(60.0), 2.0, obstacles, strip) + free_way(sign * radians(110.0), 2.0, obstacles, strip);
+  return beside + (sign * wish > 0.0 ? 0.3 : 0.0);
+}
+
+std::string to_side(double sign, const char* what) {
+  return std::string(what) + (sign > 0.0 ? " left" : " right");
+}
+
+// Turning the nose to one side while backing brings the whole robot to the other.
+Moves sidesteps(double side) {
+  Moves moves;
+  for (const double sign : {side, -side}) {
+    for (const double back : {3.5, 2.0}) {
+      moves.push_back({{{{-0.12, -0.40 * sign}, 2.0}, {{-0.16, 0.0}, back}}, to_side(sign, "stepping aside to the")});
+    }
+  }
+  return moves;
+}
+
+Moves backings(double side) {
+  return {{{{{-0.15, 0.0}, 2.5}}, "backing"},
+          {{{{-0.12, -0.35 * side}, 2.0}}, "backing in an arc"},
+          {{{{-0.12, 0.35 * side}, 2.0}}, "backing in an arc"},
+          {{{{-0.10, 0.0}, 1.2}}, "backing a little"}};
+}
+
+Moves turns(double side) {
+  Moves moves;
+  for (const double duration : {2.0, 0.9}) {
+    for (const double sign : {side, -side}) {
+      moves.push_back({{{{0.0, 0.7 * sign}, duration}}, to_side(sign, "turning")});
+    }
+  }
+  return moves;
+}
+
+Moves inchings(double side) {
+  return {{{{{0.12, 0.4 * side}, 2.0}}, "inching ahead in an arc"},
+          {{{{0.12, -0.4 * side}, 2.0}}, "inching ahead in an arc"},
+          {{{{0.10, 0.0}, 1.2}}, "inching ahead"}};
+}
+
+bool is_course_free(const EscapeMove& move, bool may_back, std::span<const ObstaclePoint> obstacles,
+                    const StopLogic& stop_logic) {
+  std::vector<ObstaclePoint> seen(obstacles.begin(), obstacles.end());
+  for (const EscapeMove::Arc& arc : move.arcs) {
+    if ((arc.twist.linear < 0.0 && !may_back) || !stop_logic.is_free(arc.twist, arc.duration + 0.2, seen)) {
+      return false;
+    }
+    const Pose2 end_from_start = drive_arc(arc.twist, arc.duration).inverse();
+    for (ObstaclePoint& obstacle : seen) {
+      obstacle.position = end_from_start * obstacle.position;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<EscapeMove> choose_escape(const EscapeSituation& situation, std::span<const ObstaclePoint> obstacles,
+                                        const StopLogic& stop_logic) {
+  const double side =
+      openness(1.0, situation.wish, obstacles) >= openness(-1.0, situation.wish, obstacles) ? 1.0 : -1.0;
+  std::vector<Moves> order;
+  switch (situation.attempt % 3) {
     case 0:
-      order = {backing, turning, inching};
+      order = {backings(side), turns(side), inchings(side)};
       break;
     case 1:
-      order = {turning, backing, inching};
+      order = {turns(side), backings(side), inchings(side)};
       break;
     default:
-      order = {inching, backing, turning};
+      order = {inchings(side), backings(side), turns(side)};
       break;
   }
-  for (const std::vector<EscapeMove>& moves : order) {
+  if (situation.by_unknown) {
+    order.insert(order.begin(), sidesteps(situation.attempt % 2 == 0 ? side : -side));
+  }
+  for (const Moves& moves : order) {
     for (const EscapeMove& move : moves) {
-      if ((move.twist.linear >= 0.0 || may_back) && stop_logic.is_free(move.twist, move.duration + 0.3, obstacles)) {
+      if (is_course_free(move, situation.may_back, obstacles, stop_logic)) {
         return move;
       }
     }

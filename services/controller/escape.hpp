@@ -3,22 +3,32 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "services/controller/stop_logic.hpp"
 
 namespace luminav {
 
-/// A short manoeuvre out of a place where following the path does not lead on.
+/// A short manoeuvre out of a place where following the path does not lead on: arcs driven one after another.
 struct EscapeMove {
-  DriveTwist twist;
-  double duration = 0.0;  // [s]
-  std::string name;       // for people: "backing", "turning left", ...
+  struct Arc {
+    DriveTwist twist;
+    double duration = 0.0;  // [s]
+  };
+  std::vector<Arc> arcs;
+  std::string name;  // for people: "backing", "turning left", ...
 };
 
-/// The first manoeuvre whose whole arc is free, in an order that changes with the attempt so that the same failure is
-/// not repeated: back the way it came, turn towards the more open side, inch ahead in an arc. `wish` [rad] is where it
-/// wants to go, robot frame. Nothing where nothing is free.
-std::optional<EscapeMove> choose_escape(int attempt, double wish, bool may_back,
-                                        std::span<const ObstaclePoint> obstacles, const StopLogic& stop_logic);
+struct EscapeSituation {
+  int attempt = 0;          // changes the order, so that the same failure is not repeated
+  double wish = 0.0;        // [rad] where it wants to go, robot frame
+  bool may_back = false;    // rear sonars see
+  bool by_unknown = false;  // what is in the way is on no map: somebody who may want to pass
+};
+
+/// The first manoeuvre whose whole course is free: make room sideways for people, back the way it came, turn towards
+/// the more open side, inch ahead in an arc. Nothing where nothing is free.
+std::optional<EscapeMove> choose_escape(const EscapeSituation& situation, std::span<const ObstaclePoint> obstacles,
+                                        const StopLogic& stop_logic);
 
 }  // namespace luminav

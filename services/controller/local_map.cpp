@@ -46,6 +46,7 @@ std::vector<ObstaclePoint> known_walls(const OccupancyGrid& grid, const Pose2& w
   const Cell low = grid.geometry.cell_at(world_from_robot.position() - reach);
   const Cell high = grid.geometry.cell_at(world_from_robot.position() + reach);
   const Pose2 robot_from_world = world_from_robot.inverse();
+  const Eigen::Vector2d half_cell(0.5 * grid.geometry.resolution, 0.5 * grid.geometry.resolution);
   for (int row = std::max(0, low.row); row <= std::min(grid.geometry.rows - 1, high.row); ++row) {
     for (int column = std::max(0, low.column); column <= std::min(grid.geometry.columns - 1, high.column); ++column) {
       if (!is_prior_wall(grid, {column, row})) {
@@ -55,8 +56,11 @@ std::vector<ObstaclePoint> known_walls(const OccupancyGrid& grid, const Pose2& w
       const bool is_inside = is_prior_wall(grid, {column - 1, row}) && is_prior_wall(grid, {column + 1, row}) &&
                              is_prior_wall(grid, {column, row - 1}) && is_prior_wall(grid, {column, row + 1});
       const Eigen::Vector2d centre = grid.geometry.centre_of({column, row});
-      if (!is_inside && (centre - world_from_robot.position()).norm() <= params.radius) {
-        walls.push_back({robot_from_world * centre, 0.0, 0.0, true});
+      // the wall's face may be anywhere in the cell: take the side towards the robot
+      const Eigen::Vector2d face =
+          world_from_robot.position().cwiseMax(centre - half_cell).cwiseMin(centre + half_cell);
+      if (!is_inside && (face - world_from_robot.position()).norm() <= params.radius) {
+        walls.push_back({robot_from_world * face, 0.0, 0.0, true});
       }
     }
   }

@@ -5,7 +5,7 @@
 
 namespace luminav {
 
-void PathFollower::set_path(const PlannedPath& path) {
+void PathFollower::set_path(const FollowedPath& path) {
   const bool same_end = !path.points.empty() && !path_.points.empty() && path.goal_id == path_.goal_id &&
                         path.pose_index == path_.pose_index &&
                         (path.points.back() - path_.points.back()).norm() < 0.05 && path.has_theta == path_.has_theta &&
@@ -21,7 +21,7 @@ void PathFollower::set_path(const PlannedPath& path) {
 }
 
 void PathFollower::clear() {
-  set_path(PlannedPath{});
+  set_path(FollowedPath{});
 }
 
 bool PathFollower::is_within_tolerance(const Pose2& world_from_robot) const {
@@ -128,6 +128,8 @@ void PathFollower::approach(const FollowSituation& situation, FollowStep& step) 
   }
   // clearance does not count here: the planner found room for the goal
   step.wanted = speed_law(course_error, 1.0, distance, params_.speed);
+  // so near the direction to the point is mostly the pose's noise
+  step.wanted.angular *= std::min(1.0, distance / params_.steer_until);
   if (is_backing_) {
     step.wanted.linear = -std::min(step.wanted.linear, 0.15);
   }

@@ -15,7 +15,7 @@
 namespace luminav {
 
 /// A way to a goal, in the world frame.
-struct PlannedPath {
+struct FollowedPath {
   std::int64_t goal_id = 0;
   int pose_index = 0;
   int sequence = 0;
@@ -37,6 +37,7 @@ struct PathFollowerParams {
   double stay_radius = 0.12;              // [m] once there it stays until it is farther off
   double stay_heading = radians(6.0);     // [rad]
   double approach_radius = 0.35;          // [m] within it, it aims at the last point itself
+  double steer_until = 0.25;              // [m] nearer to the last point it steers less and less
   double turn_from = radians(55.0);       // [rad] heading error that starts a turn on the spot
   double turn_until = radians(15.0);      // [rad] and that ends it
   double slowest_turn = 0.07;             // [rad/s] below this wheels stick
@@ -69,9 +70,9 @@ class PathFollower {
       : params_(params), stop_logic_(stop_logic) {}
 
   /// A path that ends where the last one did keeps "arrived".
-  void set_path(const PlannedPath& path);
+  void set_path(const FollowedPath& path);
   void clear();
-  [[nodiscard]] const PlannedPath& path() const { return path_; }
+  [[nodiscard]] const FollowedPath& path() const { return path_; }
 
   FollowStep step(const FollowSituation& situation);
   /// Within the tolerance of the path's end: good enough when there is no getting nearer.
@@ -88,7 +89,7 @@ class PathFollower {
 
   PathFollowerParams params_;
   const StopLogic& stop_logic_;
-  PlannedPath path_;
+  FollowedPath path_;
   double travelled_ = 0.0;  // [m] of the path
   bool is_placed_ = false;  // the last point was reached
   bool is_aligned_ = false;

@@ -63,12 +63,15 @@ const ObstaclePoint* StopLogic::first_in_the_way(const DriveTwist& twist, double
   for (int i = 1; i <= steps; ++i) {
     end_from_start.push_back(drive_arc(twist, duration * i / steps).inverse());
   }
+  // somebody who comes stops before a robot that stands, so his own way counts until it does
+  const double until_still =
+      std::min(duration, params_.reaction_time + std::abs(twist.linear) / limits_.linear_deceleration);
   const ObstaclePoint* first = nullptr;
   int first_step = steps + 1;
   for (const ObstaclePoint& obstacle : obstacles) {
     const double margin = obstacle.is_known ? params_.known_margin : params_.margin;
     const double sweep =
-        footprint_.swept_radius() + corner_speed * duration + margin + obstacle.approach * (obstacle.age + duration);
+        footprint_.swept_radius() + corner_speed * duration + margin + obstacle.approach * (obstacle.age + until_still);
     if (obstacle.position.squaredNorm() > sweep * sweep) {
       continue;
     }
@@ -76,7 +79,7 @@ const ObstaclePoint* StopLogic::first_in_the_way(const DriveTwist& twist, double
     for (int i = 0; i < std::min(steps, first_step); ++i) {
       const double later = footprint_.distance(end_from_start[static_cast<std::size_t>(i)] * obstacle.position);
       const double time = duration * (i + 1) / steps;
-      const double left = later - obstacle.approach * (obstacle.age + time);
+      const double left = later - obstacle.approach * (obstacle.age + std::min(time, until_still));
       if (left < margin && later < now - kCloser) {
         first = &obstacle;
         first_step = i;
