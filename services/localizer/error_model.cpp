@@ -46,19 +46,11 @@ Eigen::Matrix3d odometry_noise_with_systematics(const Pose2& delta, double wheel
 }
 
 Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const Fixture& fixture,
-                                          double height_above_camera, const ErrorParams& params) {
+                                          const ErrorParams& params) {
   Eigen::Matrix3d covariance = sighting.covariance;
   covariance(0, 0) += squared(params.sighting_position);
   covariance(1, 1) += squared(params.sighting_position);
   covariance(2, 2) += squared(params.sighting_heading);
-  const Eigen::Vector2d place = sighting.robot_from_fixture.position();
-  const double radius = place.norm() / height_above_camera;
-  const double radial = params.lens_residual * radius * radius * place.norm();
-  if (place.norm() > 1e-3) {
-    const Eigen::Vector2d direction = place.normalized();
-    covariance.topLeftCorner<2, 2>() += squared(radial) * direction * direction.transpose();
-    covariance(2, 2) += squared(params.lens_residual * radius * radius);
-  }
   if (sighting.state == SightingState::kHalf) {
     const Eigen::Vector2d across(-std::sin(sighting.robot_from_fixture.theta),
                                  std::cos(sighting.robot_from_fixture.theta));
@@ -79,6 +71,9 @@ Eigen::Matrix3d systematic_sighting_covariance(const FixtureSighting& sighting, 
   covariance += squared(params.camera_yaw) * by_yaw * by_yaw.transpose();
   const Eigen::Vector3d by_scale(place.x(), place.y(), 0.0);
   covariance += squared(params.camera_scale) * by_scale * by_scale.transpose();
+  const Eigen::Vector2d ray = place / height_above_camera;
+  const Eigen::Vector3d by_lens(place.x() * ray.squaredNorm(), place.y() * ray.squaredNorm(), ray.squaredNorm());
+  covariance += squared(params.lens_residual) * by_lens * by_lens.transpose();
   // what stands still in the world moves so in the robot frame
   const Eigen::Vector3d by_time(-linear + angular * place.y(), -angular * place.x(), -angular);
   covariance += squared(params.camera_time_offset) * by_time * by_time.transpose();

@@ -38,12 +38,12 @@ Eigen::Matrix3d odometry_noise(const Pose2& delta, double wheel_base, const Erro
 /// step's share in `memory` [m], so that it is right for gaps of about that length.
 Eigen::Matrix3d odometry_noise_with_systematics(const Pose2& delta, double wheel_base, const ErrorParams& params);
 
-/// White part of a sighting's covariance, robot frame: the detector's own, with a floor, the lens's residual and what a
-/// half-lit fixture leaves open.
+/// White part of a sighting's covariance, robot frame: the detector's own, with a floor, and what a half-lit
+/// fixture leaves open.
 Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const Fixture& fixture,
-                                          double height_above_camera, const ErrorParams& params);
+                                          const ErrorParams& params);
 
-/// The constant part, robot frame: tilt, yaw, scale, time offset and the fixture's own error; twist in the robot frame.
+/// The constant part, robot frame: tilt, yaw, scale, lens, time offset and the fixture's own error; twist in the robot frame.
 Eigen::Matrix3d systematic_sighting_covariance(const FixtureSighting& sighting, double height_above_camera,
                                                double linear, double angular, const ErrorParams& params);
 

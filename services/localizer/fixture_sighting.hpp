@@ -42,7 +42,7 @@ struct OdometryReading {
 };
 
 /// One sonar reading; `disc` indexes the robot's ring.
-struct SonarReading {
+struct SonarEcho {
   int disc = 0;
   double range = 0.0;  // [m]
   bool has_echo = false;
@@ -52,7 +52,7 @@ struct SonarReading {
 struct SonarScan {
   std::int64_t utime = 0;  // [us] of the newest reading
   std::int64_t session = 0;
-  std::vector<SonarReading> readings;  // the fresh ones only
+  std::vector<SonarEcho> readings;  // the fresh ones only
 };
 
 }  // namespace luminav

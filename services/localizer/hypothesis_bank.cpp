@@ -83,7 +83,7 @@ FrameComparison HypothesisBank::compare(const PoseBelief& belief, const Sighting
         continue;
       }
       const Eigen::Matrix3d noise =
-          white_sighting_covariance(sighting, fixture, height_above_camera_, errors_) +
+          white_sighting_covariance(sighting, fixture, errors_) +
           systematic_sighting_covariance(sighting, height_above_camera_, linear, angular, errors_);
       const Innovation innovation = innovate(belief, sighting, fixture, noise);
       if (innovation.nis < params_.gate) {
@@ -210,7 +210,7 @@ void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>&
       }
       hypothesis.last_match = frame.utime;
       const Fixture& fixture = map_[comparison.fixture_of_sighting[i]];
-      Eigen::Matrix3d white = white_sighting_covariance(sighting, fixture, height_above_camera_, errors_);
+      Eigen::Matrix3d white = white_sighting_covariance(sighting, fixture, errors_);
       if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
         white(2, 2) += kNoAngle;
       }
@@ -282,7 +282,7 @@ int HypothesisBank::seed(SceneMemory& scene, const Pose2& odom_from_robot) {
         hypothesis.belief.pose = fixture.world_from_fixture *
                                  Pose2{0.0, 0.0, wrap_angle(turn * symmetry_period(fixture.shape))} *
                                  robot_from_object.inverse();
-        const Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, height_above_camera_, errors_) +
+        const Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, errors_) +
                                       systematic_sighting_covariance(sighting, height_above_camera_, 0.3, 0.3, errors_);
         const Eigen::Matrix3d inverse =
             expect_sighting(hypothesis.belief.pose, fixture.world_from_fixture).jacobian.inverse();

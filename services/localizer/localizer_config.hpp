@@ -23,7 +23,7 @@ struct LocalizerConfig {
   Building building;
   PriorMap walls;  // the building's map; empty when it has none
   ErrorParams errors;
-  ModernParams modern;
+  ModernLocalizerParams modern;
 };
 
 /// Reads the robot's file with its table [localizer] and the building with its map. Throws ConfigurationError.

@@ -18,7 +18,7 @@ constexpr std::size_t kMostEchoes = 64;
 }  // namespace
 
 ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
-                                 const ErrorParams& errors, const ModernParams& params)
+                                 const ErrorParams& errors, const ModernLocalizerParams& params)
     : building_(building),
       map_(building.fixtures),
       view_(robot.camera),
@@ -26,7 +26,8 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       robot_(robot),
       params_(params),
       bank_(map_, view_, walls_, building.ceiling_height, robot.wheel_base, robot.sonar, errors, params.hypotheses),
-      filter_(std::max(0.2, building.ceiling_height - robot.camera.mounting.z), robot.wheel_base, errors,
+      filter_(std::max(0.2, building.ceiling_height - robot.camera.mounting.z),
+              {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors,
               params.tracking) {
   if (map_.size() == 0) {
     reason_ = "the building's file names no fixtures";
@@ -85,7 +86,7 @@ void ModernLocalizer::add_frame(const SightingFrame& frame) {
 }
 
 void ModernLocalizer::add_sonar(const SonarScan& scan) {
-  for (const SonarReading& reading : scan.readings) {
+  for (const SonarEcho& reading : scan.readings) {
     if (reading.has_echo && reading.disc >= 0 &&
         reading.disc < static_cast<int>(robot_.sonar.robot_from_sonar.size()) &&
         reading.range >= robot_.sonar.minimum_range && reading.range < 0.9 * robot_.sonar.maximum_range) {
@@ -151,7 +152,7 @@ void ModernLocalizer::listen(std::int64_t until_utime) {
   if (echoes.size() < 3) {
     return;
   }
-  std::erase_if(echoes_, [&](const SonarReading& r) { return r.utime <= until_utime; });
+  std::erase_if(echoes_, [&](const SonarEcho& r) { return r.utime <= until_utime; });
   way_since_sonar_ = 0.0;
   turn_since_sonar_ = 0.0;
   bank_.listen(echoes);
@@ -220,6 +221,10 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
                             const OdometryReading& odometry) {
   const std::vector<Match> matches = match(frame, odometry);
   watch(frame, objects, matches);
+  correct_filter(frame, matches, odometry);
+}
+
+void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<Match>& matches, const OdometryReading& odometry) {
   for (const Match& match : matches) {
     const double nis = filter_.correct(frame.sightings[match.sighting], match.fixture, map_[match.fixture],
                                        odometry.linear, odometry.angular, odometer_);
@@ -393,10 +398,11 @@ void ModernLocalizer::decide(const SightingFrame& frame) {
   if (margin >= rules.enter_margin && is_confirmed && !frame.sightings.empty() && best.last_match == frame.utime &&
       largest_position_sigma(best.belief.covariance) < rules.enter_position_sigma) {
     if (best.id != leader_id_) {
-      filter_.start(best.belief);
+      PoseBelief start = best.belief;
+      start.covariance += Eigen::Vector3d(0.01, 0.01, 0.003).asDiagonal();
+      filter_.start(start);
       leader_id_ = best.id;
-      fixture_utime_ = frame.utime;
-      odometer_at_fixture_ = odometer_;
+      correct_filter(frame, match(frame, *filter_odometry_), *filter_odometry_);
     }
     wide_ = false;
     doubt_.clear();

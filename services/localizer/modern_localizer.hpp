@@ -31,7 +31,7 @@ struct TrackingRules {
   int restart_frames = 12;          // images with sightings that no hypothesis explains: begin anew
 };
 
-struct ModernParams {
+struct ModernLocalizerParams {
   HypothesisParams hypotheses;
   TrackingParams tracking;
   TrackingRules rules;
@@ -42,7 +42,7 @@ struct ModernParams {
 class ModernLocalizer final : public Localizer {
  public:
   ModernLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
-                  const ErrorParams& errors, const ModernParams& params);
+                  const ErrorParams& errors, const ModernLocalizerParams& params);
 
   void add_odometry(const OdometryReading& reading) override;
   void add_frame(const SightingFrame& frame) override;
@@ -69,6 +69,7 @@ class ModernLocalizer final : public Localizer {
   [[nodiscard]] SightingFrame usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const;
   [[nodiscard]] std::vector<Match> match(const SightingFrame& frame, const OdometryReading& odometry) const;
   void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
+  void correct_filter(const SightingFrame& frame, const std::vector<Match>& matches, const OdometryReading& odometry);
   void watch(const SightingFrame& frame, const std::vector<int>& objects, const std::vector<Match>& matches);
   [[nodiscard]] bool is_known_element(const Eigen::Vector2d& point_in_world) const;
   void doubt(const std::string& why, double bonus);
@@ -81,14 +82,14 @@ class ModernLocalizer final : public Localizer {
   CeilingView view_;
   WallField walls_;
   RobotDescription robot_;
-  ModernParams params_;
+  ModernLocalizerParams params_;
   FrameQueue queue_;
   SceneMemory scene_;
   HypothesisBank bank_;
   TrackingFilter filter_;
   std::optional<OdometryReading> filter_odometry_;  // where bank and filter stand
   double odometer_ = 0.0;                           // [m]
-  std::vector<SonarReading> echoes_;
+  std::vector<SonarEcho> echoes_;
   double way_since_sonar_ = 1e9;   // [m]
   double turn_since_sonar_ = 0.0;  // [rad]
 

@@ -13,9 +13,13 @@ double squared(double value) {
 
 }  // namespace
 
-TrackingFilter::TrackingFilter(double height_above_camera, double wheel_base, const ErrorParams& errors,
-                               const TrackingParams& params)
-    : height_above_camera_(height_above_camera), wheel_base_(wheel_base), errors_(errors), params_(params) {
+TrackingFilter::TrackingFilter(double height_above_camera, const Eigen::Vector2d& robot_from_camera, double wheel_base,
+                               const ErrorParams& errors, const TrackingParams& params)
+    : height_above_camera_(height_above_camera),
+      robot_from_camera_(robot_from_camera),
+      wheel_base_(wheel_base),
+      errors_(errors),
+      params_(params) {
   // What was learnt of the robot outlives a new start of the pose.
   covariance_.setZero();
   covariance_(kScale, kScale) = squared(errors.wheel_scale);
@@ -27,6 +31,7 @@ TrackingFilter::TrackingFilter(double height_above_camera, double wheel_base, co
   covariance_(kCameraScale, kCameraScale) = squared(errors.camera_scale);
   covariance_(kTime, kTime) = squared(errors.camera_time_offset);
   covariance_(kFloor, kFloor) = covariance_(kFloor + 1, kFloor + 1) = squared(errors.floor_tilt);
+  covariance_(kLens, kLens) = squared(errors.lens_residual);
 }
 
 void TrackingFilter::start(const PoseBelief& belief) {
@@ -151,17 +156,23 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
   const ExpectedSighting ideal = expect_sighting(pose, world_from_fixture);
   const double x = ideal.robot_from_fixture.x;
   const double y = ideal.robot_from_fixture.y;
-  const Eigen::Vector3d by_yaw(-y, x, 1.0);
-  const Eigen::Vector3d by_scale(x, y, 0.0);
-  const Eigen::Vector3d by_time(-linear + angular * y, -angular * x, -angular);
-  // a tilt shifts the ceiling's picture, more so away from the zenith
+  // Each error shifts the ceiling's picture by a field over the ceiling; what the field does to the fixture's heading is
+  // its derivative along the long side, seen across it.
   const double h = height_above_camera_;
-  const Eigen::Vector3d by_tilt_x(h + x * x / h, x * y / h, 0.0);
-  const Eigen::Vector3d by_tilt_y(x * y / h, h + y * y / h, 0.0);
+  const Eigen::Vector2d p = (ideal.robot_from_fixture.position() - robot_from_camera_) / h;
+  const Eigen::Vector2d axis(std::cos(ideal.robot_from_fixture.theta), std::sin(ideal.robot_from_fixture.theta));
+  const double along = p.dot(axis);
+  const double across = -p.x() * axis.y() + p.y() * axis.x();
+  const Eigen::Vector3d by_yaw(-h * p.y(), h * p.x(), 1.0);
+  const Eigen::Vector3d by_scale(h * p.x(), h * p.y(), 0.0);
+  const Eigen::Vector3d by_time(-linear + angular * y, -angular * x, -angular);
+  const Eigen::Vector3d by_tilt_x(h * (1.0 + p.x() * p.x()), h * p.x() * p.y(), across * axis.x());
+  const Eigen::Vector3d by_tilt_y(h * p.x() * p.y(), h * (1.0 + p.y() * p.y()), across * axis.y());
+  const Eigen::Vector3d by_lens(h * p.squaredNorm() * p.x(), h * p.squaredNorm() * p.y(), 2.0 * along * across);
   const double tilt_x = state_(kTilt) + state_(kFloor);
   const double tilt_y = state_(kTilt + 1) + state_(kFloor + 1);
   const Eigen::Vector3d shift = tilt_x * by_tilt_x + tilt_y * by_tilt_y + state_(kYaw) * by_yaw +
-                                state_(kCameraScale) * by_scale + state_(kTime) * by_time;
+                                state_(kCameraScale) * by_scale + state_(kTime) * by_time + state_(kLens) * by_lens;
   const Pose2 expected{x + shift.x(), y + shift.y(), wrap_angle(ideal.robot_from_fixture.theta + shift.z())};
 
   Expectation expectation;
@@ -173,7 +184,8 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
   expectation.jacobian.col(kYaw) = by_yaw;
   expectation.jacobian.col(kCameraScale) = by_scale;
   expectation.jacobian.col(kTime) = by_time;
-  expectation.noise = white_sighting_covariance(sighting, fixture, h, errors_);
+  expectation.jacobian.col(kLens) = by_lens;
+  expectation.noise = white_sighting_covariance(sighting, fixture, errors_);
   if (slot >= 0) {
     expectation.jacobian.middleCols<3>(kFixtures + 3 * slot) = -ideal.jacobian;
   } else {

@@ -25,10 +25,11 @@ struct TrackingParams {
 /// Schmidt 1966 (consider states); Martinelli et al. 2007 for the wheels' part.
 class TrackingFilter {
  public:
-  TrackingFilter(double height_above_camera, double wheel_base, const ErrorParams& errors,
-                 const TrackingParams& params);
+  TrackingFilter(double height_above_camera, const Eigen::Vector2d& robot_from_camera, double wheel_base,
+                 const ErrorParams& errors, const TrackingParams& params);
 
-  /// Starts at a pose whose covariance already contains the constant errors of camera and fixture.
+  /// Starts at a pose. Its covariance must be wide enough for the constant errors of camera and fixtures; the first
+  /// corrections then tie the pose to them.
   void start(const PoseBelief& belief);
   /// Moves on by an odometry step.
   void predict(const Pose2& delta);
@@ -45,10 +46,10 @@ class TrackingFilter {
 
   // Layout of the state. Wheels: ground covered per odometry metre - 1, drift of the heading [rad/m], turn per odometry
   // turn - 1. Camera: tilt as shift of the ceiling along x and y [rad], yaw [rad], scale - 1, time offset [s]. Floor:
-  // tilt likewise. Then x, y, theta [m, rad] of each fixture in its slot, world axes.
-  static constexpr int kScale = 3, kDrift = 4, kTurn = 5, kTilt = 6, kYaw = 8, kCameraScale = 9, kTime = 10,
-                       kFloor = 11;
-  static constexpr int kFixtures = 13;
+  // tilt likewise. Lens: k1 left over. Lens: k1 left over. Then x, y, theta [m, rad] of each fixture in its slot, world axes.
+  static constexpr int kScale = 3, kDrift = 4, kTurn = 5, kTilt = 6, kYaw = 8, kCameraScale = 9, kTime = 10, kFloor = 11,
+                       kLens = 13;
+  static constexpr int kFixtures = 14;
   static constexpr int kSlots = 5;
   static constexpr int kSize = kFixtures + 3 * kSlots;
   using State = Eigen::Matrix<double, kSize, 1>;
@@ -73,7 +74,8 @@ class TrackingFilter {
   int take_slot(int fixture, double odometer);
   [[nodiscard]] Pose2 corrected(const Pose2& delta) const;
 
-  double height_above_camera_;  // [m]
+  double height_above_camera_;         // [m]
+  Eigen::Vector2d robot_from_camera_;  // [m]
   double wheel_base_;           // [m]
   ErrorParams errors_;
   TrackingParams params_;

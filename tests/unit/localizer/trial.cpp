@@ -1,0 +1,104 @@
+#include "tests/unit/localizer/trial.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace luminav::testing {
+
+TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPlan& plan) {
+  TrialResult result;
+  const std::int64_t start = world.utime();
+  std::size_t next_carry = 0;
+  bool recovering = false;
+  double carried_at = 0.0;       // [m] of the odometer
+  double contradicted_at = -1e9; // [s]; before a carry nothing is forgiven
+  bool awaiting_contradiction = false;
+  LocalizerState last_state = LocalizerState::kLost;
+  std::string last_reason;
+  while (true) {
+    const double now = 1e-6 * static_cast<double>(world.utime() - start);
+    if (now >= plan.duration) {
+      break;
+    }
+    if (next_carry < plan.carries.size() && now >= plan.carries[next_carry]) {
+      ++next_carry;
+      const Pose2 place = world.draw_free_pose();
+      if (plan.trace) {
+        std::printf("%7.2f carried to %.2f %.2f %.0f\n", now, place.x, place.y, degrees(place.theta));
+      }
+      world.carry(place);
+      recovering = result.localized;
+      awaiting_contradiction = true;
+      carried_at = world.driven();
+    }
+    const SyntheticWorld::Output output = world.step();
+    if (output.sonar) {
+      localizer.add_sonar(*output.sonar);
+    }
+    if (output.frame) {
+      localizer.add_frame(*output.frame);
+    }
+    if (!output.odometry) {
+      continue;
+    }
+    localizer.add_odometry(*output.odometry);
+    const LocalizerEstimate estimate = localizer.estimate();
+    const Pose2& truth = world.truth();
+    const double position_error = distance(estimate.belief.pose, truth);
+    const double heading_error = std::abs(wrap_angle(estimate.belief.pose.theta - truth.theta));
+    const bool is_tracking = estimate.state == LocalizerState::kTracking;
+    const bool is_wrong = position_error > 0.5 || heading_error > radians(20.0);
+    if (awaiting_contradiction && (world.fixtures_in_view(truth, 0.3) > 0 || world.fixtures_in_view(estimate.belief.pose, 0.8) > 0)) {
+      awaiting_contradiction = false;
+      contradicted_at = now;
+    }
+    if (plan.trace && (estimate.state != last_state || (!is_tracking && estimate.reason != last_reason))) {
+      std::printf("%7.2f s %6.2f m  state %d  error %.2f m %.1f deg  %s\n", now, world.driven(), static_cast<int>(estimate.state),
+                  position_error, degrees(heading_error), estimate.reason.c_str());
+    }
+    last_state = estimate.state;
+    last_reason = estimate.reason;
+    if (is_tracking && !result.localized) {
+      result.localized = true;
+      result.correct_first = position_error < 0.25 && heading_error < radians(10.0);
+      result.localized_after = world.driven();
+      result.localized_time = now;
+    }
+    if (!result.localized) {
+      continue;
+    }
+    const bool forgiven = awaiting_contradiction || now - contradicted_at < plan.grace;
+    if (is_tracking && is_wrong && !forgiven) {
+      result.confident_wrong += 0.1;
+    }
+    if (recovering && is_tracking && !is_wrong && now - contradicted_at > 0.0 && !awaiting_contradiction) {
+      recovering = false;
+      ++result.recovered;
+      result.recovery_way.push_back(world.driven() - carried_at);
+    }
+    if (recovering) {
+      continue;
+    }
+    result.after_first += 0.1;
+    result.tracking_at_end = is_tracking;
+    if (!is_tracking || is_wrong) {
+      continue;
+    }
+    result.tracking += 0.1;
+    result.position_errors.push_back(position_error);
+    result.heading_errors.push_back(heading_error);
+    const Eigen::Vector3d error(estimate.belief.pose.x - truth.x, estimate.belief.pose.y - truth.y,
+                                wrap_angle(estimate.belief.pose.theta - truth.theta));
+    result.nees += error.dot(estimate.belief.covariance.inverse() * error) / 3.0;
+    if (world.fixtures_in_view(truth, 0.3) > 0) {
+      ++result.in_view;
+      result.position_square += position_error * position_error;
+      result.heading_square += heading_error * heading_error;
+    }
+  }
+  return result;
+}
+
+}  // namespace luminav::testing

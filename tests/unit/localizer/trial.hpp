@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "services/localizer/localizer.hpp"
+#include "tests/unit/localizer/synthetic_world.hpp"
+
+namespace luminav::testing {
+
+struct TrialPlan {
+  double duration = 120.0;           // [s]
+  std::vector<double> carries;       // [s] when the robot is put somewhere else
+  double grace = 1.0;                // [s] after the first image that contradicts, during which an error is forgiven
+  bool trace = false;                // print changes of state
+};
+
+/// What became of one drive.
+struct TrialResult {
+  bool localized = false;            // TRACKING at least once
+  bool correct_first = false;        // error below 0.25 m and 10 degrees when first declared
+  bool tracking_at_end = false;
+  double localized_after = 0.0;      // [m]
+  double localized_time = 0.0;       // [s]
+  double confident_wrong = 0.0;      // [s] TRACKING with more than 0.5 m or 20 degrees of error
+  double tracking = 0.0;             // [s]
+  double after_first = 0.0;          // [s] since first localized, the time after carries left out
+  double recovered = 0;              // carries after which it was TRACKING correctly again
+  std::vector<double> recovery_way;  // [m] driven until then
+  double position_square = 0.0;      // sums over TRACKING with a fixture in view
+  double heading_square = 0.0;
+  long in_view = 0;
+  double nees = 0.0;                 // sum over TRACKING
+  std::vector<double> position_errors;
+  std::vector<double> heading_errors;
+};
+
+TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPlan& plan);
+
+}  // namespace luminav::testing
