@@ -18,39 +18,33 @@ constexpr int kTries = 5000;
 constexpr double kFromPoints = 1.0;                  // [m] to the start and to goals
 constexpr double kFromLines = 0.35;                  // [m] to the line that a person's centre walks along
 constexpr double kGap = 0.9;                         // [m] beside an obstacle that stands free
+constexpr double kTouch = 1e-6;                      // [m]
 constexpr double kAgainstWall = 0.10;                // [m] at most, of an obstacle that stands against a wall
 constexpr double kWindow = 1.5;                      // [m] round an inflated obstacle in which passages are checked
 constexpr double kSliver = 0.2;                      // [m^2] of configuration space that may be cut off in a corner
 constexpr double kRadii[] = {kPassage, 0.40, 0.45};  // [m] of robots that must still get through
 
-/// Points of a polygon's border and inside, at most a cell apart.
-template <typename Visit>
-void visit_points(const Polygon& outline, double spacing, Visit visit) {
-  // from each corner's edge to the centre: covers a convex outline
+/// True when all of a convex polygon, border and inside, is at least `gap` [m] from what is not free, within a cell.
+bool keeps_distance(const DistanceField& walls, const Polygon& outline, double gap) {
   Vector2d centre = Vector2d::Zero();
   for (const Vector2d& corner : outline) {
     centre += corner / static_cast<double>(outline.size());
   }
+  const double spacing = walls.geometry().resolution;
   for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Vector2d& a = outline[i];
-    const Vector2d& b = outline[(i + 1) % outline.size()];
-    const int along = 1 + static_cast<int>((b - a).norm() / spacing);
+    const Vector2d edge = outline[(i + 1) % outline.size()] - outline[i];
+    const int along = 1 + static_cast<int>(edge.norm() / spacing);
     for (int j = 0; j < along; ++j) {
-      const Vector2d border = a + (b - a) * (static_cast<double>(j) / along);
+      const Vector2d border = outline[i] + edge * (static_cast<double>(j) / along);
       const int inward = 1 + static_cast<int>((centre - border).norm() / spacing);
       for (int k = 0; k < inward; ++k) {
-        visit(border + (centre - border) * (static_cast<double>(k) / inward));
+        if (walls.at(Vector2d(border + (centre - border) * (static_cast<double>(k) / inward))) < gap) {
+          return false;
+        }
       }
     }
   }
-}
-
-/// [m] from a polygon to what is not free, within a cell.
-double wall_distance(const DistanceField& walls, const Polygon& outline) {
-  double least = DistanceField::kFar;
-  visit_points(outline, walls.geometry().resolution,
-               [&](const Vector2d& point) { least = std::min(least, walls.at(point)); });
-  return least;
+  return true;
 }
 
 /// Direction away from the nearest wall; nothing in the open or on a ridge.
@@ -78,7 +72,7 @@ std::optional<Pose2> against_wall(const DistanceField& walls, const Vector2d& po
   for (double moved = 0.0; moved < 3.0; moved += step) {
     const Vector2d centre = point - moved * Vector2d(std::cos(*away), std::sin(*away));
     const Pose2 pose{centre.x(), centre.y(), theta};
-    if (wall_distance(walls, rectangle(pose, obstacle.length, obstacle.width)) <= 0.0) {
+    if (!keeps_distance(walls, rectangle(pose, obstacle.length, obstacle.width), kTouch)) {
       break;
     }
     last = pose;
@@ -208,8 +202,7 @@ Pose2 ObstaclePlacement::draw(const Obstacle& obstacle, RandomStream& random) {
     std::optional<Pose2> pose;
     if (random.happens(0.5)) {
       pose = against_wall(walls, point, obstacle, turned);
-    } else if (wall_distance(walls, rectangle({point.x(), point.y(), theta}, obstacle.length, obstacle.width)) >=
-               kGap) {
+    } else if (keeps_distance(walls, rectangle({point.x(), point.y(), theta}, obstacle.length, obstacle.width), kGap)) {
       pose = Pose2{point.x(), point.y(), theta};
     }
     if (!pose) {
