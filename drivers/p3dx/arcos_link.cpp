@@ -135,6 +135,10 @@ void ArcosLink::on_packet(const PacketView& packet, std::int64_t now, LinkEvents
     lose(now, "the robot's controller was reset");
     return;
   }
+  if (packet.type == packet_type::kSync0 && state_ == State::kConnected) {
+    lose(now, "the robot has closed the session");  // it took a keep-alive for the beginning of a handshake
+    return;
+  }
   if (packet.type == packet_type::kConfiguration) {
     if (const auto configuration = decode_configuration(packet.payload)) {
       configuration_ = *configuration;

@@ -44,30 +44,36 @@ void read_tail(WordReader& reader, InformationPacket& packet) {
   packet.analog = reader.u8();
   packet.digital_in = reader.u8();
   packet.digital_out = reader.u8();
-  if (reader.left() >= 2) {
-    const int tenths = reader.u16();
-    const int coarse = static_cast<int>(std::lround(packet.battery_voltage * 10.0));
-    if (tenths != 0 && (coarse == 0 || coarse == kSaturatedBattery)) {
-      packet.battery_voltage = tenths / 10.0;
-    }
+  // From here on each field ends the packet of some firmware; half a field is none.
+  if (reader.left() < 2) {
+    return;
   }
-  if (reader.left() >= 1) {
-    packet.charge_state = reader.u8();
+  const int tenths = reader.u16();
+  const int coarse = static_cast<int>(std::lround(packet.battery_voltage * 10.0));
+  if (tenths != 0 && (coarse == 0 || coarse == kSaturatedBattery)) {
+    packet.battery_voltage = tenths / 10.0;
   }
-  if (reader.left() >= 2) {
-    packet.turn_rate = reader.s16();
+  if (reader.left() < 1) {
+    return;
   }
-  if (reader.left() >= 2) {
-    packet.fault_flags = reader.u16();
+  packet.charge_state = reader.u8();
+  if (reader.left() < 2) {
+    return;
   }
-  if (reader.left() >= 4) {
-    reader.u16();  // sideways velocity
-    const int temperature = reader.s8();
-    if (temperature > -127) {
-      packet.temperature = temperature;
-    }
-    packet.state_of_charge = reader.u8();
+  packet.turn_rate = reader.s16();
+  if (reader.left() < 2) {
+    return;
   }
+  packet.fault_flags = reader.u16();
+  if (reader.left() < 4) {
+    return;
+  }
+  reader.u16();  // sideways velocity
+  const int temperature = reader.s8();
+  if (temperature > -127) {
+    packet.temperature = temperature;
+  }
+  packet.state_of_charge = reader.u8();
 }
 
 }  // namespace

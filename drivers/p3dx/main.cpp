@@ -1,9 +1,63 @@
+#include <fmt/format.h>
+#include <poll.h>
+
 #include <string>
 
+#include "drivers/p3dx/guardian.hpp"
 #include "drivers/p3dx/p3dx_node.hpp"
 #include "services/common/process/command_line.hpp"
 
 using namespace luminav;
+
+namespace {
+
+/// Tells the guardian which line to hold and that the driver lives, and the user what happens to the line.
+class Watch {
+ public:
+  Watch(P3dxNode& node, Guardian& guardian) : node_(node), guardian_(guardian) {}
+
+  void poll() {
+    node_.poll();
+    const int openings = node_.descriptor() >= 0 ? node_.link().openings() : 0;
+    if (openings != guarded_) {
+      guarded_ = openings;
+      guardian_.watch_line(node_.descriptor());
+    }
+    guardian_.beat();
+    const std::string line = node_.describe_line();
+    if (line != said_) {
+      said_ = line;
+      fmt::print(stderr, "p3dx: {}\n", line);
+    }
+  }
+
+  Health health() const {
+    Health health = node_.health();
+    if (!guardian_.alive() && !health.fault) {
+      health.degraded = true;
+      health.reason = "the guardian process has died: only the robot's watchdog would stop it";
+    }
+    return health;
+  }
+
+ private:
+  P3dxNode& node_;
+  Guardian& guardian_;
+  int guarded_ = 0;  // which opening of the line
+  std::string said_;
+};
+
+/// The robot brakes before its motors are switched off.
+void bring_to_rest(P3dxNode& node, Watch& watch) {
+  constexpr int kSteps = 150;  // of 10 ms
+  for (int i = 0; i < kSteps && !node.stand_still(); ++i) {
+    poll(nullptr, 0, 10);
+    watch.poll();
+  }
+  node.shut_down();
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   return run_guarded("p3dx", [&] {
@@ -21,15 +75,18 @@ int main(int argc, char** argv) {
     config.device = device.empty() ? config.device : device;
     config.state_folder = std::filesystem::path(state) / config.robot.name;
     const OpenStream opener = stream_opener(config.device, config.baud);
+    const MotionLimits& limits = config.robot.limits;
+    Guardian guardian({.brake_time = limits.linear / limits.linear_deceleration + 0.3});
     const auto lcm = open_lcm(url);
     const HostClock clock;
     P3dxNode node(*lcm, config, clock, opener);
+    Watch watch(node, guardian);
     EventLoop loop(*lcm, "p3dx", config.robot.name);
-    loop.watch([&] { return node.descriptor(); }, [&] { node.poll(); });
-    loop.every(10'000, [&] { node.poll(); });
-    loop.report_health([&] { return node.health(); });
+    loop.watch([&] { return node.descriptor(); }, [&] { watch.poll(); });
+    loop.every(10'000, [&] { watch.poll(); });
+    loop.report_health([&] { return watch.health(); });
     const int status = loop.run();
-    node.shut_down();
+    bring_to_rest(node, watch);
     return status;
   });
 }

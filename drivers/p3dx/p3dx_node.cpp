@@ -1,5 +1,7 @@
 #include "drivers/p3dx/p3dx_node.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <luminav/odometry_t.hpp>
@@ -197,7 +199,8 @@ void P3dxNode::command_motion(std::int64_t now) {
   if (!link_.connected() || link_.waiting_frames() >= kMotionQueue || !last_.motors_enabled) {
     return;
   }
-  const DriveVelocity wanted = stop_.engaged() ? DriveVelocity{} : gate_.velocity(now);
+  const bool stands = stop_.engaged() || standing_still_;
+  const DriveVelocity wanted = stands ? DriveVelocity{} : gate_.velocity(now);
   for (std::vector<std::uint8_t>& frame : writer_.poll(wanted, now)) {
     link_.send(std::move(frame));
   }
@@ -296,6 +299,32 @@ Health P3dxNode::health() const {
     health.reason = "the battery is low";
   }
   return health;
+}
+
+bool P3dxNode::stand_still() {
+  standing_still_ = true;
+  constexpr double kStanding = 0.02;  // [m/s] and [rad/s]
+  return !connected() || (std::abs(reckoning_.linear()) < kStanding && std::abs(reckoning_.angular()) < kStanding);
+}
+
+std::string P3dxNode::describe_line() const {
+  if (!connected() || session_ == 0) {
+    return link_.trouble().empty() ? "the robot does not answer" : link_.trouble();
+  }
+  const RobotIdentity& robot = link_.identity();
+  const ConfigurationPacket& stored = link_.configuration();
+  const std::string who = fmt::format("connected with \"{}\" ({})", robot.name, robot.subclass);
+  if (!link_.has_configuration()) {
+    return who + "; it does not tell its configuration, that of a p3dx-sh is assumed";
+  }
+  if (stored.watchdog == 0) {
+    return who + "; its watchdog is OFF: without driver and guardian it would not stop";
+  }
+  const double speed = gate_.params().maximum_linear;
+  const double way = speed * 1e-3 * stored.watchdog + 0.5 * speed * speed / config_.robot.limits.linear_deceleration;
+  return fmt::format(
+      "{}; should driver and guardian both die at {:.1f} m/s, its watchdog of {} ms stops it after {:.1f} m", who,
+      speed, stored.watchdog, way);
 }
 
 void P3dxNode::shut_down() {

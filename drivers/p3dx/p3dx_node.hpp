@@ -35,11 +35,15 @@ class P3dxNode {
   /// Of the line; -1 while there is none.
   [[nodiscard]] int descriptor() const { return link_.descriptor(); }
   [[nodiscard]] Health health() const;
+  /// From now on the robot is told to stand, whatever is commanded; true once it does, or does not answer.
+  bool stand_still();
   /// Stop, motors off, CLOSE; to be called before the end. Bytes that the line does not take at once are lost.
   void shut_down();
   /// The robot answers and its information packets arrive.
   [[nodiscard]] bool connected() const { return link_.connected(); }
   [[nodiscard]] const ArcosLink& link() const { return link_; }
+  /// The state of the line in one sentence, for people; says what the robot's watchdog costs.
+  [[nodiscard]] std::string describe_line() const;
 
  private:
   void on_velocity_command(const velocity_command_t& message);
@@ -73,6 +77,7 @@ class P3dxNode {
   std::int64_t last_poll_ = 0;    // [us]
   std::int64_t impossible_packets_ = 0;
   std::int64_t last_motors_command_ = 0;  // id
+  bool standing_still_ = false;           // for good
   Subscriber subscriber_;
 };
 

@@ -130,13 +130,11 @@ void ArcosMotion::step(double dt, double theta, double distance) {
   const double linear = wanted_linear(dt, distance);
   const double angular = wanted_angular(dt, theta);
   last_distance_ = distance;
+  emergency_ = emergency_ && (linear_ != 0.0 || angular_ != 0.0);
   const double fall = emergency_ ? kHardestDeceleration : deceleration_;
   const double turn_fall = emergency_ ? kHardestTurnDeceleration : turn_deceleration_;
   linear_ = approach(linear_, halted_ ? 0.0 : linear, acceleration_ * dt, fall * dt);
   angular_ = approach(angular_, halted_ ? 0.0 : angular, turn_acceleration_ * dt, turn_fall * dt);
-  if (linear_ == 0.0 && angular_ == 0.0) {
-    emergency_ = false;
-  }
 }
 
 void ArcosMotion::write_limits(ConfigurationPacket& packet) const {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+
+namespace luminav {
+
+struct GuardianParams {
+  double silence = 0.3;     // [s] without a beat: the driver hangs
+  double brake_time = 1.0;  // [s] from the first STOP to motors off: speed over deceleration, and a margin
+};
+
+/// A child process that holds a copy of the line to the robot. When the driver dies, or beats no longer, it sends STOP,
+/// lets the robot brake, and ends the session. It ignores what ends a driver politely and goes with it.
+class Guardian {
+ public:
+  /// Forks: to be built before there are threads. Throws std::runtime_error when it cannot.
+  explicit Guardian(const GuardianParams& params);
+  Guardian(const Guardian&) = delete;
+  Guardian& operator=(const Guardian&) = delete;
+  /// Releases the line and waits for the child.
+  ~Guardian();
+
+  /// From now on it guards this line; -1 = none. The copy is its own: the descriptor may be closed here.
+  void watch_line(int descriptor);
+  /// The driver lives. To be called at least every 0.1 s.
+  void beat();
+  [[nodiscard]] bool alive() const { return socket_ >= 0; }
+
+ private:
+  void send(char message, int descriptor);
+
+  int socket_ = -1;
+  pid_t child_ = -1;
+};
+
+}  // namespace luminav

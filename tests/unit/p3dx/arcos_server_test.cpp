@@ -1,0 +1,182 @@
+#include "drivers/simulator/arcos_server.hpp"
+
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <array>
+#include <stdexcept>
+
+#include "tests/unit/p3dx/hex.hpp"
+
+namespace luminav {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+int port_of(const ArcosServer& server) {
+  return std::stoi(server.address().substr(server.address().rfind(':') + 1));
+}
+
+/// Lets the server work until the stream has `count` bytes, or is closed, or 5 s have passed.
+Bytes exchange(ArcosServer& server, ByteStream& stream, std::size_t count) {
+  Bytes received;
+  for (int i = 0; i < 500 && received.size() < count && stream.is_open(); ++i) {
+    server.poll();
+    std::array<std::uint8_t, 256> bytes;
+    const std::size_t some = stream.read(bytes);
+    received.insert(received.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(some));
+    if (some == 0 && stream.is_open()) {
+      pollfd readable{stream.descriptor(), POLLIN, 0};
+      poll(&readable, 1, 10);
+    }
+  }
+  return received;
+}
+
+void write_all(ArcosServer& server, ByteStream& stream, const Bytes& bytes) {
+  for (int i = 0; i < 500; ++i) {
+    if (stream.write(bytes) == bytes.size()) {
+      return;
+    }
+    server.poll();
+    poll(nullptr, 0, 1);
+  }
+  FAIL() << "the connection does not take bytes";
+}
+
+const Bytes kSync0 = encode_packet(0);
+
+TEST(TcpArcosServer, AnswersAClient) {
+  ArcosController controller({});
+  const auto server = ArcosServer::on_tcp(controller, 0);
+  TcpStream client("127.0.0.1", port_of(*server));
+  write_all(*server, client, kSync0);
+  EXPECT_EQ(exchange(*server, client, kSync0.size()), kSync0);
+  EXPECT_TRUE(server->has_client());
+}
+
+TEST(TcpArcosServer, RefusesASecondClient) {
+  ArcosController controller({});
+  const auto server = ArcosServer::on_tcp(controller, 0);
+  TcpStream first("127.0.0.1", port_of(*server));
+  write_all(*server, first, kSync0);
+  exchange(*server, first, kSync0.size());
+  TcpStream second("127.0.0.1", port_of(*server));
+  exchange(*server, second, 1);
+  EXPECT_FALSE(second.is_open());
+  write_all(*server, first, kSync0);
+  EXPECT_EQ(exchange(*server, first, kSync0.size()), kSync0);  // and the first is not disturbed
+}
+
+TEST(TcpArcosServer, TakesTheNextClientOnTheSamePort) {
+  ArcosController controller({});
+  const auto server = ArcosServer::on_tcp(controller, 0);
+  for (int i = 0; i < 5; ++i) {
+    TcpStream client("127.0.0.1", port_of(*server));
+    write_all(*server, client, kSync0);
+    EXPECT_EQ(exchange(*server, client, kSync0.size()), kSync0);
+    client.close();
+    for (int j = 0; j < 500 && server->has_client(); ++j) {
+      server->poll();
+      poll(nullptr, 0, 1);
+    }
+    EXPECT_FALSE(server->has_client());
+  }
+}
+
+TEST(TcpArcosServer, ComesBackOnItsPortAtOnce) {
+  ArcosController controller({});
+  auto server = ArcosServer::on_tcp(controller, 0);
+  const int port = port_of(*server);
+  TcpStream client("127.0.0.1", port);
+  write_all(*server, client, kSync0);
+  exchange(*server, client, kSync0.size());
+  server.reset();
+  EXPECT_NO_THROW(ArcosServer::on_tcp(controller, port));
+}
+
+TEST(TcpArcosServer, SaysThatThePortIsTaken) {
+  ArcosController controller({});
+  const auto server = ArcosServer::on_tcp(controller, 0);
+  EXPECT_THROW(ArcosServer::on_tcp(controller, port_of(*server)), std::runtime_error);
+}
+
+TEST(TcpArcosServer, LetsNobodyInWhileUnplugged) {
+  ArcosController controller({});
+  const auto server = ArcosServer::on_tcp(controller, 0);
+  TcpStream client("127.0.0.1", port_of(*server));
+  write_all(*server, client, kSync0);
+  exchange(*server, client, kSync0.size());
+  server->set_unplugged(true);
+  exchange(*server, client, 1);
+  EXPECT_FALSE(client.is_open());
+  TcpStream again("127.0.0.1", port_of(*server));
+  exchange(*server, again, 1);
+  EXPECT_FALSE(again.is_open());
+  server->set_unplugged(false);
+  TcpStream third("127.0.0.1", port_of(*server));
+  write_all(*server, third, kSync0);
+  EXPECT_EQ(exchange(*server, third, kSync0.size()), kSync0);
+}
+
+TEST(PtyArcosServer, AnswersAtItsRateOnly) {
+  ArcosController controller({});
+  const auto server = ArcosServer::on_pty(controller);
+  EXPECT_FALSE(server->has_client());
+  SerialStream client(server->address(), 38400);
+  EXPECT_TRUE(server->has_client());
+  client.write(kSync0);
+  for (int i = 0; i < 20; ++i) {
+    server->poll();
+    poll(nullptr, 0, 1);
+  }
+  EXPECT_EQ(controller.baud(), 9600);
+  std::array<std::uint8_t, 64> bytes;
+  EXPECT_EQ(client.read(bytes), 0U);  // it could not understand
+  client.set_baud(9600);
+  client.write(kSync0);
+  EXPECT_EQ(exchange(*server, client, kSync0.size()), kSync0);
+}
+
+TEST(PtyArcosServer, FollowsHostBaud) {
+  ArcosController controller({});
+  const auto server = ArcosServer::on_pty(controller);
+  SerialStream client(server->address(), 9600);
+  for (const std::uint8_t sync : {packet_type::kSync0, packet_type::kSync1, packet_type::kSync2}) {
+    client.write(encode_packet(sync));
+  }
+  client.write(encode_command(ArcosCommand::kOpen));
+  const ConfigurationPacket flash;
+  const std::size_t answers =
+      2 * kSync0.size() + encode_identity({flash.name, flash.robot_class, flash.subclass}).size();
+  EXPECT_EQ(exchange(*server, client, answers).size(), answers);
+  client.write(encode_command(ArcosCommand::kHostBaud, 4));
+  for (int i = 0; i < 20 && controller.baud() != 115200; ++i) {
+    server->poll();
+    poll(nullptr, 0, 1);
+  }
+  EXPECT_EQ(controller.baud(), 115200);
+  client.set_baud(115200);
+  const Bytes question = encode_command(ArcosCommand::kConfiguration);
+  client.write(question);
+  const Bytes answer = exchange(*server, client, 100);
+  ASSERT_GE(answer.size(), 4U);
+  EXPECT_EQ(answer[0], 0xFA);
+  EXPECT_EQ(answer[3], packet_type::kConfiguration);
+}
+
+TEST(PtyArcosServer, TakesTheNextClient) {
+  ArcosController controller({});
+  const auto server = ArcosServer::on_pty(controller, testing::TempDir() + "arcos_server_test_line");
+  for (int i = 0; i < 3; ++i) {
+    SerialStream client(server->address(), 9600);
+    client.write(kSync0);
+    EXPECT_EQ(exchange(*server, client, kSync0.size()), kSync0);
+    client.close();
+    EXPECT_FALSE(server->has_client());
+    server->poll();
+  }
+}
+
+}  // namespace
+}  // namespace luminav

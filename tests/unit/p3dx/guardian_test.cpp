@@ -1,0 +1,122 @@
+#include "drivers/p3dx/guardian.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <vector>
+
+#include "drivers/p3dx/arcos_commands.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr GuardianParams kParams{.silence = 0.3, .brake_time = 0.1};
+
+/// The robot's side of a line.
+struct Line {
+  Line() { socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()); }
+  ~Line() {
+    close(ends[0]);
+    hang_up();
+  }
+  void hang_up() {
+    if (ends[1] >= 0) {
+      close(ends[1]);
+      ends[1] = -1;
+    }
+  }
+  /// Commands heard until everybody has let go of the other end.
+  std::vector<ArcosCommand> hear_all() {
+    hang_up();
+    PacketParser parser;
+    std::vector<ArcosCommand> heard;
+    std::array<std::uint8_t, 256> bytes;
+    while (true) {
+      pollfd readable{ends[0], POLLIN, 0};
+      if (poll(&readable, 1, 10'000) <= 0) {
+        ADD_FAILURE() << "nobody speaks and nobody lets go";
+        return heard;
+      }
+      const ssize_t count = read(ends[0], bytes.data(), bytes.size());
+      if (count <= 0) {
+        return heard;
+      }
+      parser.push(std::span(bytes).first(static_cast<std::size_t>(count)));
+      while (const auto packet = parser.next()) {
+        heard.push_back(static_cast<ArcosCommand>(packet->type));
+      }
+    }
+  }
+  std::array<int, 2> ends{-1, -1};
+};
+
+void expect_farewell(const std::vector<ArcosCommand>& heard) {
+  ASSERT_GE(heard.size(), 6U);
+  EXPECT_THAT(heard, testing::Contains(ArcosCommand::kStop));
+  EXPECT_THAT(heard, testing::Contains(ArcosCommand::kVelocity));
+  EXPECT_THAT(heard, testing::Contains(ArcosCommand::kTurnRate));
+  EXPECT_THAT(heard, testing::Contains(ArcosCommand::kEnable));
+  EXPECT_EQ(heard.back(), ArcosCommand::kClose);
+  // brakes first, and only then takes the power away
+  const auto stop = std::find(heard.begin(), heard.end(), ArcosCommand::kStop);
+  const auto enable = std::find(heard.begin(), heard.end(), ArcosCommand::kEnable);
+  EXPECT_LT(stop, enable);
+}
+
+TEST(Guardian, StopsTheRobotWhenTheDriverFallsSilent) {
+  Line line;
+  Guardian guardian(kParams);
+  guardian.watch_line(line.ends[1]);
+  expect_farewell(line.hear_all());
+}
+
+TEST(Guardian, StopsTheRobotWhenTheDriverDies) {
+  Line line;
+  const pid_t driver = fork();
+  if (driver == 0) {
+    auto* guardian = new Guardian(kParams);  // dies without a farewell
+    guardian->watch_line(line.ends[1]);
+    _exit(0);
+  }
+  expect_farewell(line.hear_all());
+  waitpid(driver, nullptr, 0);
+}
+
+TEST(Guardian, GetsThroughAFrameThatWasCutInTheMiddle) {
+  Line line;
+  const std::array<std::uint8_t, 5> cut = {0xFA, 0xFB, 0x06, 0x0B, 0x3B};
+  ASSERT_EQ(write(line.ends[1], cut.data(), cut.size()), 5);
+  Guardian guardian(kParams);
+  guardian.watch_line(line.ends[1]);
+  expect_farewell(line.hear_all());
+}
+
+TEST(Guardian, SaysNothingWhileTheDriverBeats) {
+  Line line;
+  Guardian guardian(kParams);
+  guardian.watch_line(line.ends[1]);
+  for (int i = 0; i < 10; ++i) {
+    pollfd readable{line.ends[0], POLLIN, 0};
+    EXPECT_EQ(poll(&readable, 1, 50), 0);  // half a second in all
+    guardian.beat();
+  }
+  guardian.watch_line(-1);
+  EXPECT_TRUE(line.hear_all().empty());  // released in peace
+}
+
+TEST(Guardian, LeavesALineThatWasReleasedAlone) {
+  Line line;
+  {
+    Guardian guardian(kParams);
+    guardian.watch_line(line.ends[1]);
+  }
+  EXPECT_TRUE(line.hear_all().empty());
+}
+
+}  // namespace
+}  // namespace luminav
