@@ -283,7 +283,11 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
     }
     begin_escape(input, verdict.by_unknown, obstacles, output);
   }
-  if (!escape_ && is_stuck && !is_waiting) {
+  // somebody who stands about is no reason to give up a goal, for a while
+  const bool is_patient = has_met_people(input.now) && output.seconds_without_progress < config_.stuck_after_people;
+  if (!escape_ && is_stuck && is_patient && input.task == ControlTask::kFollow && is_still(output.twist)) {
+    output.state = ControlState::kYielding;
+  } else if (!escape_ && is_stuck && !is_waiting) {
     output.state = ControlState::kStuck;
     if (output.reason.empty()) {
       output.reason = goes_in_circles ? "several attempts to get round led back here" : "the way ahead leads nowhere";

@@ -33,6 +33,7 @@ struct ControllerConfig {
   double people_remembered = 8.0;     // [s]
   double settle_after = 1.5;          // [s] blocked within the tolerance counts as arrived
   double stuck_after = 5.0;           // [s] without progress
+  double stuck_after_people = 30.0;   // [s] the same while people come towards it
   double escape_pause = 3.0;          // [s] between two escapes
   double escaped_after = 1.0;         // [m] from the place of the first escape
   int escapes_most = 3;               // at one place; more is going in circles

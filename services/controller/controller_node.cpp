@@ -311,11 +311,19 @@ void ControllerNode::choose_task(std::int64_t utime, ControlInput& input) const 
     input.task_reason = "looking for ceiling lights that tell where it is";
     return;
   }
-  if (navigation_->state != navigation_status_t::STATE_FOLLOWING) {
+  // WAITING may come with a path to the place of waiting, and is also what the planner makes of our own yielding
+  const bool may_drive = navigation_->state == navigation_status_t::STATE_FOLLOWING ||
+                         navigation_->state == navigation_status_t::STATE_WAITING ||
+                         navigation_->state == navigation_status_t::STATE_PLANNING;
+  if (!may_drive) {
     return;
   }
   if (controller_.path().goal_id != navigation_->goal_id || controller_.path().pose_index != navigation_->pose_index) {
     input.task_reason = "waiting for the path";
+    return;
+  }
+  if (controller_.path().points.empty()) {
+    input.task_reason = "there is no path to follow";
     return;
   }
   input.task = ControlTask::kFollow;

@@ -11,7 +11,7 @@ namespace luminav {
 
 struct LocalMapParams {
   double radius = 1.5;       // [m] around the robot within which cells count
-  double occupied = 0.85;    // log-odds above which evidence counts as an obstacle (p = 0.7)
+  double occupied = 0.8;     // log-odds above which evidence counts as an obstacle, the planner's threshold
   double half_width = 0.22;  // [m] of the strip that must be free for a line of sight
 };
 

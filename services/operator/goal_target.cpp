@@ -1,0 +1,79 @@
+#include "services/operator/goal_target.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "services/common/configuration/toml_table.hpp"
+#include "services/common/geometry/angle.hpp"
+
+namespace luminav {
+
+std::optional<std::vector<double>> read_numbers(const std::vector<std::string>& words) {
+  std::vector<double> numbers;
+  for (const std::string& word : words) {
+    char* end = nullptr;
+    const double number = std::strtod(word.c_str(), &end);
+    if (word.empty() || *end != '\0' || !std::isfinite(number)) {
+      return std::nullopt;
+    }
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+goal_t make_goal(const std::vector<std::string>& words, const Building& building) {
+  goal_pose_t stop{};
+  if (const auto numbers = read_numbers(words)) {
+    if (numbers->size() != 2 && numbers->size() != 3) {
+      throw ConfigurationError("a point has two numbers, X and Y, and perhaps a heading THETA");
+    }
+    stop.x = (*numbers)[0];
+    stop.y = (*numbers)[1];
+    stop.has_theta = numbers->size() == 3;
+    stop.theta = stop.has_theta ? wrap_angle((*numbers)[2]) : 0.0;
+  } else {
+    const std::string name = fmt::format("{}", fmt::join(words, " "));
+    const auto place =
+        std::find_if(building.places.begin(), building.places.end(), [&](const Place& p) { return p.name == name; });
+    if (place == building.places.end()) {
+      std::vector<std::string> names;
+      for (const Place& known : building.places) {
+        names.push_back(known.name);
+      }
+      throw ConfigurationError(
+          fmt::format("no place \"{}\" in {}; known: {}", name, building.name, fmt::join(names, ", ")));
+    }
+    stop.place = place->name;
+    stop.x = place->pose.x;
+    stop.y = place->pose.y;
+    stop.has_theta = place->has_theta;
+    stop.theta = place->pose.theta;
+  }
+  goal_t goal{};
+  goal.action = goal_t::ACTION_GO;
+  goal.policy = goal_t::POLICY_STOP;
+  goal.count = 1;
+  goal.poses.push_back(stop);
+  return goal;
+}
+
+std::string default_building_file() {
+  std::error_code error;
+  std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  const std::filesystem::path building = "launch/buildings/laboratory/building.toml";
+  for (int level = 0; level < 5 && !folder.empty(); ++level, folder = folder.parent_path()) {
+    for (const std::filesystem::path& root : {folder, folder / "share" / "luminav"}) {
+      if (std::filesystem::exists(root / building, error)) {
+        return (root / building).string();
+      }
+    }
+  }
+  return "";
+}
+
+}  // namespace luminav

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <luminav/goal_t.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/common/building/building.hpp"
+
+namespace luminav {
+
+/// The words as numbers; nothing unless all of them are finite numbers.
+std::optional<std::vector<double>> read_numbers(const std::vector<std::string>& words);
+
+/// A goal from what a person typed: X Y, X Y THETA, or the name of a place. Throws ConfigurationError naming the known
+/// places.
+goal_t make_goal(const std::vector<std::string>& words, const Building& building);
+
+/// The laboratory that comes with the project, found from the program's own place; "" when it is not there.
+std::string default_building_file();
+
+}  // namespace luminav

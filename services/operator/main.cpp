@@ -1,0 +1,197 @@
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/toml_table.hpp"
+#include "services/common/process/command_line.hpp"
+#include "services/common/process/event_loop.hpp"
+#include "services/operator/goal_request.hpp"
+#include "services/operator/goal_target.hpp"
+#include "services/operator/system_snapshot.hpp"
+
+namespace luminav {
+namespace {
+
+volatile sig_atomic_t g_interrupted = 0;
+
+void on_interrupt(int) {
+  g_interrupted = 1;
+}
+
+std::int64_t clock_us(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
+}
+
+// Ids of requests must grow from one call to the next, also after a reboot: the wall clock.
+std::int64_t new_id() {
+  return clock_us(CLOCK_REALTIME);
+}
+
+// Hands over messages until `end` [us, monotonic] or an interruption.
+void listen_until(lcm::LCM& lcm, std::int64_t end) {
+  while (g_interrupted == 0) {
+    const std::int64_t left = end - clock_us(CLOCK_MONOTONIC);
+    if (left <= 0) {
+      return;
+    }
+    pollfd descriptor{lcm.getFileno(), POLLIN, 0};
+    if (poll(&descriptor, 1, static_cast<int>(left / 1000 + 1)) > 0 && lcm.handleTimeout(0) < 0) {
+      throw std::runtime_error("the LCM network failed");
+    }
+  }
+}
+
+// Rewrites one line on a terminal; elsewhere a line only when it says something new.
+class ProgressLine {
+ public:
+  void show(const std::string& text) {
+    if (isatty(STDOUT_FILENO) != 0) {
+      fmt::print("\r\033[K{}", text);
+      std::fflush(stdout);
+    } else if (clock_us(CLOCK_MONOTONIC) - shown_ > 2'000'000 && text != last_) {
+      fmt::print("{}\n", text);
+      std::fflush(stdout);
+      shown_ = clock_us(CLOCK_MONOTONIC);
+    }
+    last_ = text;
+  }
+  void end() const {
+    if (isatty(STDOUT_FILENO) != 0 && !last_.empty()) {
+      fmt::print("\n");
+    }
+  }
+
+ private:
+  std::string last_;
+  std::int64_t shown_ = 0;  // [us]
+};
+
+int watch(lcm::LCM& lcm, GoalRequest& request) {
+  constexpr std::int64_t kTick = 200'000;  // [us]
+  ProgressLine line;
+  bool was_interrupted = false;
+  while (!request.outcome()) {
+    request.tick();
+    listen_until(lcm, clock_us(CLOCK_MONOTONIC) + kTick);
+    if (g_interrupted != 0) {
+      g_interrupted = 0;
+      if (was_interrupted) {
+        break;  // asked twice: do not wait for the planner
+      }
+      was_interrupted = true;
+      request.cancel(new_id());
+    }
+    line.show(was_interrupted ? "cancelling" : request.progress());
+  }
+  line.end();
+  const Outcome outcome = was_interrupted ? Outcome::kInterrupted : request.outcome().value_or(Outcome::kInterrupted);
+  fmt::print("{}{}{}\n", to_string(outcome), request.cause().empty() ? "" : ": ", request.cause());
+  return static_cast<int>(outcome);
+}
+
+int run_goto(int argc, char** argv) {
+  std::string url;
+  std::string building_file = default_building_file();
+  std::vector<std::string> words;
+  double tolerance = 0.0;
+  CommandLine command_line("goto",
+                           "Sends the robot to a place of the building or to a point, and waits until it is there.");
+  command_line.text("--building", building_file, "building file (TOML) that knows the places");
+  command_line.number("--tolerance", tolerance, "metres within which it counts as reached; 0 = the planner's");
+  command_line.lcm_url(url).positional("target", words, "PLACE, or X Y [THETA] in metres and radians, world frame",
+                                       true);
+  if (const auto status = command_line.parse(argc, argv)) {
+    return *status;
+  }
+  const std::optional<std::vector<double>> numbers = read_numbers(words);
+  // a building is needed for places only
+  if (!numbers && building_file.empty()) {
+    throw ConfigurationError("a place is known by its building only: give --building FILE");
+  }
+  const Building building = numbers ? Building{} : read_building(building_file);
+  goal_t goal = make_goal(words, building);
+  goal.id = goal.utime = new_id();
+  goal.tolerance = tolerance;
+  const auto lcm = open_lcm(url);
+  GoalRequest request(*lcm, goal);
+  return watch(*lcm, request);
+}
+
+int run_cancel(int argc, char** argv) {
+  std::string url;
+  CommandLine command_line("cancel", "Makes the robot give up its goal and stand still.");
+  if (const auto status = command_line.lcm_url(url).parse(argc, argv)) {
+    return *status;
+  }
+  goal_t goal{};
+  goal.id = goal.utime = new_id();
+  goal.action = goal_t::ACTION_CANCEL;
+  const auto lcm = open_lcm(url);
+  GoalRequest request(*lcm, goal);
+  const int status = watch(*lcm, request);
+  return status == static_cast<int>(Outcome::kCancelled) ? 0 : status;
+}
+
+int run_status(int argc, char** argv) {
+  std::string url;
+  CommandLine command_line("status", "Prints what the robot and its processes say of themselves.");
+  if (const auto status = command_line.lcm_url(url).parse(argc, argv)) {
+    return *status;
+  }
+  const auto lcm = open_lcm(url);
+  const SystemSnapshot snapshot(*lcm);
+  // each process reports once a second
+  listen_until(*lcm, clock_us(CLOCK_MONOTONIC) + 1'300'000);
+  if (snapshot.is_empty()) {
+    fmt::print("nothing is running on {}\n", url);
+    return 1;
+  }
+  fmt::print("{}", snapshot.page());
+  return 0;
+}
+
+int run(int argc, char** argv) {
+  const std::string command = argc > 1 ? argv[1] : "";
+  if (command == "goto") {
+    return run_goto(argc - 1, argv + 1);
+  }
+  if (command == "cancel") {
+    return run_cancel(argc - 1, argv + 1);
+  }
+  if (command == "status") {
+    return run_status(argc - 1, argv + 1);
+  }
+  if (command == "--version") {
+    fmt::print("operator (luminav) {}\n", kVersion);
+    return 0;
+  }
+  const bool asks_help = command == "-h" || command == "--help";
+  fmt::print(
+      asks_help ? stdout : stderr,
+      "operator goto (PLACE | X Y [THETA]) | status | cancel; each has --help\n"
+      "goto exits 0 when arrived, 1 nobody answers, 2 wrong usage, 3 no path, 4 blocked, 5 stuck, 6 cancelled,\n"
+      "7 lost, 8 replaced by another goal, 9 the planner fell silent, 130 interrupted (the goal is cancelled)\n");
+  return asks_help ? 0 : 2;
+}
+
+}  // namespace
+}  // namespace luminav
+
+int main(int argc, char** argv) {
+  struct sigaction action {};
+  action.sa_handler = luminav::on_interrupt;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  return luminav::run_guarded(argc > 1 ? argv[1] : "operator", [&] { return luminav::run(argc, argv); });
+}

@@ -1,0 +1,92 @@
+#include "services/operator/system_snapshot.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "services/common/geometry/angle.hpp"
+#include "services/common/process/channels.hpp"
+#include "services/operator/goal_request.hpp"
+
+namespace luminav {
+namespace {
+
+std::string with_reason(const std::string& line, const std::string& reason) {
+  return reason.empty() ? line : line + ": " + reason;
+}
+
+std::string robot_line(const robot_status_t& robot) {
+  if (!robot.connected) {
+    return with_reason(fmt::format("{}, not connected", robot.robot), robot.reason);
+  }
+  std::string line =
+      fmt::format("{}, {:.1f} V, motors {}", robot.robot, robot.battery_voltage, robot.motors_enabled ? "on" : "off");
+  line += robot.stop_engaged ? ", stop engaged" : "";
+  line += robot.stop_button ? ", stop button pressed" : "";
+  line += robot.stall_left || robot.stall_right ? ", wheel blocked" : "";
+  return with_reason(line, robot.reason);
+}
+
+std::string pose_line(const pose_t& pose) {
+  std::string line = pose_state_name(pose.state);
+  if (pose.state == pose_t::STATE_TRACKING) {
+    const double sigma = std::sqrt(std::max(0.0, 0.5 * (pose.covariance[0] + pose.covariance[4])));
+    line += fmt::format(" at ({:.2f}, {:.2f}) {:.0f} deg, +-{:.2f} m", pose.x, pose.y, degrees(pose.theta), sigma);
+  }
+  return with_reason(line, pose.reason);
+}
+
+std::string navigation_line(const navigation_status_t& navigation) {
+  std::string line = navigation_state_name(navigation.state);
+  if (navigation.has_target) {
+    line += fmt::format(" to ({:.2f}, {:.2f}), {:.1f} m left", navigation.x, navigation.y, navigation.distance_left);
+  }
+  if (navigation.pose_count > 1) {
+    line += fmt::format(", stop {} of {}", navigation.pose_index + 1, navigation.pose_count);
+  }
+  return with_reason(line, navigation.cause);
+}
+
+std::string control_line(const control_status_t& control) {
+  return with_reason(fmt::format("{}, {:.2f} m/s, {:.0f} deg/s, {:.2f} m clear", control_state_name(control.state),
+                                 control.linear, degrees(control.angular), control.clearance),
+                     control.reason);
+}
+
+std::string node_line(const node_status_t& node) {
+  static constexpr const char* kNames[] = {"starting", "ready", "degraded", "fault"};
+  const char* state = node.state >= 0 && node.state <= 3 ? kNames[node.state] : "unknown";
+  const std::string line = fmt::format("{:<12} {:<9} {:>4.1f} % cpu {:>5.0f} MB", node.process, state,
+                                       100.0 * node.cpu_fraction, static_cast<double>(node.memory_bytes) / 1e6);
+  return with_reason(node.host.empty() ? line : line + "  on " + node.host,
+                     node.state == node_status_t::STATE_READY ? "" : node.reason);
+}
+
+}  // namespace
+
+SystemSnapshot::SystemSnapshot(lcm::LCM& lcm) : subscriber_(lcm) {
+  subscriber_.on(channels::kRobotStatus, &SystemSnapshot::on_robot_status, this);
+  subscriber_.on(channels::kPose, &SystemSnapshot::on_pose, this);
+  subscriber_.on(channels::kNavigationStatus, &SystemSnapshot::on_navigation_status, this);
+  subscriber_.on(channels::kControlStatus, &SystemSnapshot::on_control_status, this);
+  subscriber_.on(channels::kNodeStatus, &SystemSnapshot::on_node_status, this);
+}
+
+bool SystemSnapshot::is_empty() const {
+  return !robot_ && !pose_ && !navigation_ && !control_ && nodes_.empty();
+}
+
+std::string SystemSnapshot::page() const {
+  const auto line = [](const char* title, const std::string& text) { return fmt::format("{:<10} {}\n", title, text); };
+  std::string page = line("robot", robot_ ? robot_line(*robot_) : "no word from the driver");
+  page += line("pose", pose_ ? pose_line(*pose_) : "no word from the localizer");
+  page += line("goal", navigation_ ? navigation_line(*navigation_) : "no word from the planner");
+  page += line("control", control_ ? control_line(*control_) : "no word from the controller");
+  page += nodes_.empty() ? line("processes", "none has reported") : "processes\n";
+  for (const auto& [name, node] : nodes_) {
+    page += "  " + node_line(node) + "\n";
+  }
+  return page;
+}
+
+}  // namespace luminav

@@ -1,0 +1,151 @@
+#include "services/operator/goal_request.hpp"
+
+#include <gtest/gtest.h>
+
+#include <luminav/goal_t.hpp>
+
+#include "services/common/process/channels.hpp"
+
+namespace luminav {
+namespace {
+
+/// The planner's side of the bus.
+class GoalRequestTest : public ::testing::Test {
+ protected:
+  GoalRequestTest() { lcm_.subscribe(channels::kGoal, &GoalRequestTest::on_goal, this); }
+
+  static goal_t goal(std::int64_t id) {
+    goal_t message{};
+    message.id = id;
+    message.action = goal_t::ACTION_GO;
+    message.count = 1;
+    message.poses.resize(1);
+    return message;
+  }
+  void say(std::int64_t goal_id, int state, const std::string& cause = "") {
+    navigation_status_t status{};
+    status.goal_id = goal_id;
+    status.state = static_cast<std::int8_t>(state);
+    status.cause = cause;
+    status.distance_left = 3.25;
+    lcm_.publish(channels::kNavigationStatus, &status);
+    drain();
+  }
+  void drain() {
+    while (lcm_.handleTimeout(0) > 0) {
+    }
+  }
+  void on_goal(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    goal_t message{};
+    ASSERT_GT(message.decode(buffer->data, 0, static_cast<int>(buffer->data_size)), 0);
+    received_.push_back(message);
+  }
+
+  lcm::LCM lcm_{"memq://"};
+  std::vector<goal_t> received_;
+};
+
+TEST_F(GoalRequestTest, RepeatsTheGoalUntilItIsEchoed) {
+  GoalRequest request(lcm_, goal(7));
+  for (int i = 0; i < 3; ++i) {
+    request.tick();
+  }
+  drain();
+  EXPECT_EQ(received_.size(), 3U);
+  say(7, navigation_status_t::STATE_PLANNING);
+  request.tick();
+  drain();
+  EXPECT_EQ(received_.size(), 3U);
+  EXPECT_FALSE(request.outcome());
+}
+
+TEST_F(GoalRequestTest, TellsEveryEndWithItsCause) {
+  const std::pair<int, Outcome> ends[] = {{navigation_status_t::STATE_ARRIVED, Outcome::kArrived},
+                                          {navigation_status_t::STATE_NO_PATH, Outcome::kNoPath},
+                                          {navigation_status_t::STATE_BLOCKED, Outcome::kBlocked},
+                                          {navigation_status_t::STATE_STUCK, Outcome::kStuck},
+                                          {navigation_status_t::STATE_CANCELLED, Outcome::kCancelled},
+                                          {navigation_status_t::STATE_LOST, Outcome::kLost}};
+  for (const auto& [state, outcome] : ends) {
+    GoalRequest request(lcm_, goal(9));
+    request.tick();
+    say(9, navigation_status_t::STATE_FOLLOWING);
+    EXPECT_FALSE(request.outcome());
+    say(9, state, "door is shut");
+    ASSERT_TRUE(request.outcome());
+    EXPECT_EQ(*request.outcome(), outcome);
+    EXPECT_EQ(request.cause(), "door is shut");
+  }
+}
+
+TEST_F(GoalRequestTest, IsNotFooledByTheEndOfAnEarlierGoal) {
+  GoalRequest request(lcm_, goal(9));
+  request.tick();
+  say(8, navigation_status_t::STATE_ARRIVED);
+  EXPECT_FALSE(request.outcome());
+}
+
+TEST_F(GoalRequestTest, NoticesThatAnotherGoalTookItsPlace) {
+  GoalRequest request(lcm_, goal(9));
+  request.tick();
+  say(9, navigation_status_t::STATE_FOLLOWING);
+  say(10, navigation_status_t::STATE_PLANNING);
+  EXPECT_EQ(request.outcome(), Outcome::kReplaced);
+}
+
+TEST_F(GoalRequestTest, GivesUpAfterFiveSecondsOfSilence) {
+  GoalRequest unheard(lcm_, goal(9));
+  for (int i = 0; i < 25; ++i) {
+    unheard.tick();
+    EXPECT_FALSE(unheard.outcome());
+  }
+  unheard.tick();
+  EXPECT_EQ(unheard.outcome(), Outcome::kNobodyAnswers);
+
+  GoalRequest heard(lcm_, goal(9));
+  say(9, navigation_status_t::STATE_FOLLOWING);
+  for (int i = 0; i < 26; ++i) {
+    heard.tick();
+  }
+  EXPECT_EQ(heard.outcome(), Outcome::kPlannerSilent);
+}
+
+TEST_F(GoalRequestTest, CancelsUnderANewIdAndWaitsForItsEcho) {
+  GoalRequest request(lcm_, goal(9));
+  request.tick();
+  say(9, navigation_status_t::STATE_FOLLOWING);
+  request.cancel(11);
+  drain();
+  EXPECT_EQ(received_.back().id, 11);
+  EXPECT_EQ(received_.back().action, goal_t::ACTION_CANCEL);
+  say(9, navigation_status_t::STATE_FOLLOWING);
+  EXPECT_FALSE(request.outcome());
+  say(11, navigation_status_t::STATE_CANCELLED);
+  EXPECT_EQ(request.outcome(), Outcome::kCancelled);
+}
+
+TEST_F(GoalRequestTest, ShowsStatePoseDistanceAndSentence) {
+  GoalRequest request(lcm_, goal(9));
+  request.tick();
+  EXPECT_EQ(request.progress(), "asking the planner");
+  pose_t pose{};
+  pose.state = pose_t::STATE_TRACKING;
+  pose.x = 1.5;
+  pose.y = -2.0;
+  pose.theta = 1.5707963;
+  lcm_.publish(channels::kPose, &pose);
+  say(9, navigation_status_t::STATE_WAITING, "somebody stands in the way");
+  EXPECT_EQ(request.progress(), "waiting | at (1.50, -2.00) 90 deg | 3.2 m left | somebody stands in the way");
+}
+
+TEST_F(GoalRequestTest, SurvivesBytesThatAreNoStatus) {
+  GoalRequest request(lcm_, goal(9));
+  request.tick();
+  const std::uint8_t bytes[] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+  lcm_.publish(channels::kNavigationStatus, bytes, sizeof(bytes));
+  drain();
+  EXPECT_FALSE(request.outcome());
+}
+
+}  // namespace
+}  // namespace luminav
