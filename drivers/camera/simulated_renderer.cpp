@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/camera/simulated_random.hpp"
-
 namespace luminav::simulated {
 namespace {
 
@@ -12,43 +10,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::uint64_t kHalfPurpose = 5;
 constexpr int kNodePitch = 40;         // [px] between nodes of the light
-constexpr double kEdgePixels = 4.0;    // width of a sharp edge: lens and pixel, 0.9 px 1-sigma
 constexpr double kTextureSigma = 0.7;  // [px]
-constexpr double kBloomPixels = 12.0;
-constexpr double kHaloPixels = 50.0;
-constexpr float kWall = 0.35F;  // of the ceiling's light, where a pixel sees no ceiling
-
-/// Width of a smooth edge after a motion by `travel`: variances add; a smooth step's is width^2 / 20, a box's 1/12.
-double widened(double width, double travel) {
-  return std::sqrt(width * width + 20.0 / 12.0 * travel * travel);
-}
-
-std::vector<Vector2d> positions(const std::vector<Pose2>& poses) {
-  std::vector<Vector2d> points;
-  points.reserve(poses.size());
-  for (const Pose2& pose : poses) {
-    points.push_back(pose.position());
-  }
-  return points;
-}
-
-std::vector<Pose2> poses_of(const std::vector<Fixture>& fixtures) {
-  std::vector<Pose2> poses;
-  for (const Fixture& fixture : fixtures) {
-    poses.push_back(fixture.world_from_fixture);
-  }
-  return poses;
-}
-
-std::vector<Pose2> poses_of(const std::vector<CeilingElement>& elements) {
-  std::vector<Pose2> poses;
-  for (const CeilingElement& element : elements) {
-    poses.push_back(element.world_from_element);
-  }
-  return poses;
-}
+constexpr float kWall = 0.35F;         // of the ceiling's light, where a pixel sees no ceiling
 
 /// Fixtures lie in the tiles' grid, so a corner of the first straight one is a crossing of it.
 Vector2d grid_origin(const std::vector<Fixture>& fixtures) {
@@ -83,9 +47,7 @@ CeilingRenderer::CeilingRenderer(const CeilingModel& model)
       texture_(model.seed, blur_of_texture(model)),
       response_(rays_.width(), rays_.height(), model.grey_noise, model.seed),
       light_(model_.building, model.seed),
-      fixture_index_(positions(poses_of(model_.building.fixtures))),
-      element_index_(positions(poses_of(model_.building.elements))),
-      world_from_fixture_(poses_of(model_.building.fixtures)),
+      layout_(model_),
       grid_origin_(grid_origin(model_.building.fixtures)),
       node_columns_((rays_.width() + kNodePitch - 1) / kNodePitch + 1),
       node_rows_((rays_.height() + kNodePitch - 1) / kNodePitch + 1) {
@@ -102,251 +64,48 @@ CeilingRenderer::CeilingRenderer(const CeilingModel& model)
 void CeilingRenderer::set_world(double daylight, const std::vector<LampState>& lamps,
                                 const std::vector<MovedLamp>& moved) {
   light_.set(daylight, lamps);
-  if (moved == moved_) {
-    return;
-  }
-  moved_ = moved;
-  world_from_fixture_ = poses_of(model_.building.fixtures);
-  farthest_moved_ = 0.0;
-  for (const MovedLamp& lamp : moved_) {
-    if (lamp.index >= 0 && static_cast<std::size_t>(lamp.index) < world_from_fixture_.size()) {
-      Pose2& pose = world_from_fixture_[static_cast<std::size_t>(lamp.index)];
-      pose = {pose.x + lamp.dx, pose.y + lamp.dy, wrap_angle(pose.theta + lamp.theta)};
-      farthest_moved_ = std::max(farthest_moved_, std::hypot(lamp.dx, lamp.dy));
-    }
-  }
+  layout_.set_moved(moved);
 }
 
-CeilingRenderer::View CeilingRenderer::view_from(const TruePose& pose) const {
-  // The same convention as the mounting: yaw after pitch after roll.
-  const double cr = std::cos(pose.roll);
-  const double sr = std::sin(pose.roll);
-  const double cp = std::cos(pose.pitch);
-  const double sp = std::sin(pose.pitch);
-  const double c = std::cos(pose.world_from_robot.theta);
-  const double s = std::sin(pose.world_from_robot.theta);
-  View view;
-  view.world_from_robot << c * cp, c * sp * sr - s * cr, c * sp * cr + s * sr,  //
-      s * cp, s * sp * sr + c * cr, s * sp * cr - c * sr,                       //
-      -sp, cp * sr, cp * cr;
-  view.lens = view.world_from_robot * Vector3d(model_.mounting.x, model_.mounting.y, model_.mounting.z);
-  view.lens.x() += pose.world_from_robot.x;
-  view.lens.y() += pose.world_from_robot.y;
-  return view;
-}
-
-double CeilingRenderer::metres_per_pixel(const View& view, const Vector2d& point, double height) const {
-  const double rise = std::max(0.05, height - view.lens.z());
-  const double reach = std::min((point - view.lens.head<2>()).norm() / rise, rays_.reach());
-  // Between the footprint's two axes, rise / (f cos) and rise / (f cos^2).
-  return rise / model_.intrinsics.fx * std::pow(1.0 + reach * reach, 0.75);
-}
-
-void CeilingRenderer::light_nodes(const View& view) {
-  const double rise = model_.building.ceiling_height - view.lens.z();
+void CeilingRenderer::light_nodes(const FrameGeometry& frame) {
+  const View& view = frame.view;
   std::size_t node = 0;
   for (int i = 0; i < node_rows_; ++i) {
     const int row = std::min(i * kNodePitch, rays_.height() - 1);
     for (int j = 0; j < node_columns_; ++j) {
       const auto column = static_cast<std::size_t>(std::min(j * kNodePitch, rays_.width() - 1));
       const Vector3d ray = view.world_from_robot * Vector3d(rays_.x(row)[column], rays_.y(row)[column], 1.0);
-      const Vector2d point = view.lens.head<2>() + rise / std::max(ray.z(), 0.05) * ray.head<2>();
+      const Vector2d point = frame.origin + frame.rise / std::max(ray.z(), 0.05) * ray.head<2>();
       nodes_[node++] = static_cast<float>(light_.at(point));
     }
   }
 }
 
-void CeilingRenderer::set_outline(const Pose2& world_from_shape, double length, double width, VisibleShape& visible,
-                                  const View& view) const {
-  const Vector2d centre = world_from_shape.position();
-  Shape& shape = visible.shape;
-  shape.x = static_cast<float>(centre.x() - origin_.x());
-  shape.y = static_cast<float>(centre.y() - origin_.y());
-  const Vector2d axis(std::cos(world_from_shape.theta), std::sin(world_from_shape.theta));
-  shape.cosine = static_cast<float>(axis.x());
-  shape.sine = static_cast<float>(axis.y());
-  shape.half_length = static_cast<float>(0.5 * length);
-  shape.half_width = static_cast<float>(0.5 * width);
-  const double pixel = metres_per_pixel(view, centre, visible.height);
-  const Vector2d offset = centre - origin_;
-  const Vector2d travel = motion_ + turn_ * Vector2d(-offset.y(), offset.x());
-  const double along = travel.dot(axis);
-  const double across = axis.x() * travel.y() - axis.y() * travel.x();
-  shape.edge_along = static_cast<float>(widened(kEdgePixels * pixel, along));
-  shape.edge_across = static_cast<float>(widened(kEdgePixels * pixel, across));
-  shape.bloom_reach = static_cast<float>(kBloomPixels * pixel);
-  shape.halo_reach = static_cast<float>(kHaloPixels * pixel);
-}
-
-void CeilingRenderer::find_spans(double reach, const Pose2& world_from_shape, const View& view, VisibleShape& visible) {
-  constexpr int kPointsPerSide = 4;
-  const double half_length = visible.shape.half_length + reach;
-  const double half_width = visible.shape.half_width + reach;
-  const Matrix3d camera_from_world = (view.world_from_robot * camera_.rotation()).transpose();
-  const std::array<Vector2d, 4> corners{Vector2d(-half_length, -half_width), Vector2d(half_length, -half_width),
-                                        Vector2d(half_length, half_width), Vector2d(-half_length, half_width)};
-  std::array<Vector2d, 4 * kPointsPerSide> outline;
-  double top = 1e9;
-  double bottom = -1e9;
-  bool whole_image = false;
-  for (std::size_t i = 0; i < outline.size() && !whole_image; ++i) {
-    const Vector2d& a = corners[i / kPointsPerSide];
-    const Vector2d& b = corners[(i / kPointsPerSide + 1) % 4];
-    const Vector2d local = a + (b - a) * static_cast<double>(i % kPointsPerSide) / kPointsPerSide;
-    const Vector2d point = world_from_shape * local;
-    const Vector3d offset(point.x() - view.lens.x(), point.y() - view.lens.y(), visible.height - view.lens.z());
-    const auto pixel = camera_.pixel_of(camera_from_world * offset);
-    whole_image = !pixel;  // it reaches beyond what the lens can show
-    if (pixel) {
-      outline[i] = *pixel;
-      top = std::min(top, pixel->y());
-      bottom = std::max(bottom, pixel->y());
-    }
-  }
-  visible.spans.clear();
-  visible.first_row = whole_image ? 0 : static_cast<int>(std::clamp(std::floor(top) - 2.0, 0.0, 1.0 * rays_.height()));
-  const int end_row =
-      whole_image ? rays_.height() : static_cast<int>(std::clamp(std::ceil(bottom) + 3.0, 0.0, 1.0 * rays_.height()));
-  for (int row = visible.first_row; row < end_row; ++row) {
-    double left = whole_image ? 0.0 : 1e9;
-    double right = whole_image ? rays_.width() : -1e9;
-    for (std::size_t i = 0; i < outline.size() && !whole_image; ++i) {
-      const Vector2d& a = outline[i];
-      const Vector2d& b = outline[(i + 1) % outline.size()];
-      if (std::max(a.y(), b.y()) < row - 2.0 || std::min(a.y(), b.y()) > row + 2.0) {
-        continue;
-      }
-      const double rise = b.y() - a.y();
-      for (const double y : {row - 2.0, row + 2.0}) {
-        const double share = std::abs(rise) < 1e-6 ? 0.0 : std::clamp((y - a.y()) / rise, 0.0, 1.0);
-        const double x = a.x() + share * (b.x() - a.x());
-        left = std::min({left, x, std::abs(rise) < 1e-6 ? b.x() : x});
-        right = std::max({right, x, std::abs(rise) < 1e-6 ? b.x() : x});
-      }
-    }
-    const double width = rays_.width();
-    visible.spans.push_back({static_cast<int>(std::clamp(std::floor(left) - 2.0, 0.0, width)),
-                             static_cast<int>(std::clamp(std::ceil(right) + 3.0, 0.0, width))});
-  }
-}
-
-void CeilingRenderer::add_fixture(int index, const Exposure& exposure, const View& view) {
-  const auto i = static_cast<std::size_t>(index);
-  const Fixture& fixture = model_.building.fixtures[i];
-  if (static_cast<std::size_t>(visible_count_) == visible_.size()) {
-    visible_.emplace_back();
-  }
-  VisibleShape& visible = visible_[static_cast<std::size_t>(visible_count_)];
-  visible.fixture = index;
-  visible.height = fixture.height;
-  visible.shape = Shape{};
-  set_outline(world_from_fixture_[i], fixture.length, fixture.width, visible, view);
-  Shape& shape = visible.shape;
-  const LampState state = light_.lamp(index);
-  const bool burns = state == LampState::kOn || state == LampState::kFlicker;
-  if (fixture.shape == FixtureShape::kRound) {
-    shape.look = state == LampState::kOff ? Look::kUnlitRound : Look::kLitRound;
-  } else {
-    shape.look = burns ? Look::kLitPanel : state == LampState::kHalf ? Look::kHalfPanel : Look::kUnlitPanel;
-    const int lamps = std::max(1, fixture.lamps);
-    shape.tube_pitch = static_cast<float>(fixture.width / lamps);
-    shape.tube_phase = lamps % 2 == 0 ? 0.0F : 0.5F;
-  }
-  shape.emission = static_cast<float>(light_.emission(index, exposure.utime));
-  shape.darker = static_cast<float>(model_.unlit_darker[i] / SensorResponse::kNominalGrey);
-  RandomStream random = random_stream(model_.seed, kHalfPurpose, static_cast<std::uint64_t>(index));
-  shape.half_side = random.uniform() < 0.5 ? -1.0F : 1.0F;
-  const bool glows = state != LampState::kOff;
-  const double reach = (glows ? shape.halo_reach : std::max(shape.edge_along, shape.edge_across)) + slack_;
-  find_spans(reach, world_from_fixture_[i], view, visible);
-  visible_count_ += visible.spans.empty() ? 0 : 1;
-}
-
-void CeilingRenderer::add_element(const CeilingElement& element, const View& view) {
-  if (static_cast<std::size_t>(visible_count_) == visible_.size()) {
-    visible_.emplace_back();
-  }
-  VisibleShape& visible = visible_[static_cast<std::size_t>(visible_count_)];
-  visible.fixture = -1;
-  visible.height = model_.building.ceiling_height;
-  visible.shape = Shape{};
-  set_outline(element.world_from_element, element.length, element.width, visible, view);
-  Shape& shape = visible.shape;
-  switch (element.kind) {
-    case ElementKind::kVent:
-      shape.look = Look::kVent;
-      break;
-    case ElementKind::kSign:
-      shape.look = Look::kSign;
-      break;
-    case ElementKind::kSpeaker:
-      shape.look = Look::kDisc;
-      shape.darker = 0.02F;
-      break;
-    case ElementKind::kDetector:
-      shape.look = Look::kDisc;
-      shape.darker = 0.35F;
-      break;
-  }
-  if (shape.look == Look::kDisc) {
-    shape.half_width = shape.half_length;
-  }
-  find_spans(std::max(shape.edge_along, shape.edge_across) + slack_, element.world_from_element, view, visible);
-  visible_count_ += visible.spans.empty() ? 0 : 1;
-}
-
-void CeilingRenderer::find_shapes(const Exposure& exposure, const View& view, const Vector2d& robot) {
-  const double seconds = exposure.exposure_us * 1e-6;
-  const Vector2d lever = origin_ - robot;
-  turn_ = exposure.angular * seconds;
-  motion_ = exposure.velocity * seconds + turn_ * Vector2d(-lever.y(), lever.x());
-  const double rise = std::max(0.1, model_.building.ceiling_height - view.lens.z());
-  const double reach = rays_.reach() * rise;
-  const double half_readout = 0.5e-6 * exposure.row_time_us * rays_.height() + 0.5 * seconds;
-  slack_ = 0.01 + half_readout * (exposure.velocity.norm() + std::abs(exposure.angular) * (reach + lever.norm()));
-
-  visible_count_ = 0;
-  constexpr double kLargestThing = 3.0;  // [m] half the diagonal, halo included
-  element_index_.near(origin_, reach + kLargestThing, found_);
-  for (const int index : found_) {
-    add_element(model_.building.elements[static_cast<std::size_t>(index)], view);
-  }
-  // Lit ones last: their halo lies over all the rest.
-  fixture_index_.near(origin_, reach + kLargestThing + farthest_moved_, found_);
-  for (const bool lit : {false, true}) {
-    for (const int index : found_) {
-      if ((light_.lamp(index) != LampState::kOff) == lit) {
-        add_fixture(index, exposure, view);
-      }
-    }
-  }
-}
-
-CeilingRenderer::TextureMap CeilingRenderer::texture_map(const Exposure& exposure, const View& view) const {
+CeilingRenderer::TextureMap CeilingRenderer::texture_map(const FrameGeometry& frame) const {
   constexpr double kPeriod = TileTexture::kPeriod;
   constexpr double kTexelsPerMetre = TileTexture::kSide / kPeriod;
   TextureMap map;
   // 64 periods more than needed keep the coordinates positive for 76 m to each side of the lens.
-  const Vector2d phase = origin_ - grid_origin_;
+  const Vector2d phase = frame.origin - grid_origin_;
   map.phase_x = static_cast<float>((positive_modulo(phase.x(), kPeriod) + 64 * kPeriod) * kTexelsPerMetre);
   map.phase_y = static_cast<float>((positive_modulo(phase.y(), kPeriod) + 64 * kPeriod) * kTexelsPerMetre);
-  map.shift_x = static_cast<float>(motion_.x());
-  map.shift_y = static_cast<float>(motion_.y());
-  map.turn = static_cast<float>(turn_);
-  const double pixel = metres_per_pixel(view, view.lens.head<2>(), model_.building.ceiling_height);
-  const double blur = (motion_.norm() + std::abs(turn_) * 0.25 * rays_.width() * pixel) / pixel;
-  map.taps = exposure.exposure_us <= 0.0 ? 1 : std::clamp(static_cast<int>(0.5 * blur) + 1, 1, 4);
+  map.shift_x = static_cast<float>(frame.motion.x());
+  map.shift_y = static_cast<float>(frame.motion.y());
+  map.turn = static_cast<float>(frame.turn);
+  const double pixel = metres_per_pixel(model_, frame, frame.origin, model_.building.ceiling_height);
+  const double blur = (frame.motion.norm() + std::abs(frame.turn) * 0.25 * rays_.width() * pixel) / pixel;
+  map.taps = std::clamp(static_cast<int>(0.5 * blur) + 1, 1, 4);
   return map;
 }
 
-void CeilingRenderer::ceiling_points(int row, const View& view) {
+void CeilingRenderer::find_points(int row, const View& view, const FrameGeometry& frame) {
   const Matrix3d& r = view.world_from_robot;
-  const auto rise = static_cast<float>(model_.building.ceiling_height - view.lens.z());
+  const auto rise = static_cast<float>(std::max(0.1, model_.building.ceiling_height - view.lens.z()));
   const float r00 = static_cast<float>(r(0, 0)), r01 = static_cast<float>(r(0, 1)), r02 = static_cast<float>(r(0, 2));
   const float r10 = static_cast<float>(r(1, 0)), r11 = static_cast<float>(r(1, 1)), r12 = static_cast<float>(r(1, 2));
   const float r20 = static_cast<float>(r(2, 0)), r21 = static_cast<float>(r(2, 1)), r22 = static_cast<float>(r(2, 2));
-  const auto lens_x = static_cast<float>(view.lens.x() - origin_.x());
-  const auto lens_y = static_cast<float>(view.lens.y() - origin_.y());
+  const auto lens_x = static_cast<float>(view.lens.x() - frame.origin.x());
+  const auto lens_y = static_cast<float>(view.lens.y() - frame.origin.y());
   const float* __restrict ray_x = rays_.x(row).data();
   const float* __restrict ray_y = rays_.y(row).data();
   float* __restrict x = x_.data();
@@ -411,15 +170,15 @@ void CeilingRenderer::texture_row(const TextureMap& map) {
   }
 }
 
-void CeilingRenderer::shapes_row(int row, const Exposure& exposure, const View& view) {
+void CeilingRenderer::draw_shapes(int row, const Exposure& exposure, const View& view, const FrameGeometry& frame) {
   const double ceiling = model_.building.ceiling_height;
-  for (int k = 0; k < visible_count_; ++k) {
-    VisibleShape& visible = visible_[static_cast<std::size_t>(k)];
+  for (std::size_t k = 0; k < layout_.size(); ++k) {
+    VisibleShape& visible = layout_[k];
     const int line = row - visible.first_row;
     if (line < 0 || line >= static_cast<int>(visible.spans.size())) {
       continue;
     }
-    const Span span = visible.spans[static_cast<std::size_t>(line)];
+    const ColumnSpan span = visible.spans[static_cast<std::size_t>(line)];
     if (span.begin >= span.end) {
       continue;
     }
@@ -427,8 +186,8 @@ void CeilingRenderer::shapes_row(int row, const Exposure& exposure, const View& 
                  brightness_.data() + span.begin, span.end - span.begin};
     if (std::abs(visible.height - ceiling) > 1e-4) {  // it hangs lower: the same rays meet its plane earlier
       const auto share = static_cast<float>((visible.height - view.lens.z()) / (ceiling - view.lens.z()));
-      const auto lens_x = static_cast<float>(view.lens.x() - origin_.x());
-      const auto lens_y = static_cast<float>(view.lens.y() - origin_.y());
+      const auto lens_x = static_cast<float>(view.lens.x() - frame.origin.x());
+      const auto lens_y = static_cast<float>(view.lens.y() - frame.origin.y());
       for (int i = 0; i < part.count; ++i) {
         plane_x_[static_cast<std::size_t>(i)] = lens_x + share * (part.x[i] - lens_x);
         plane_y_[static_cast<std::size_t>(i)] = lens_y + share * (part.y[i] - lens_y);
@@ -444,31 +203,33 @@ void CeilingRenderer::shapes_row(int row, const Exposure& exposure, const View& 
   }
 }
 
+void CeilingRenderer::darken_walls(int row) {
+  const auto below = rays_.below(row);
+  for (std::size_t i = 0; i < below.size(); ++i) {
+    brightness_[i] += below[i] * (kWall * light_row_[i] - brightness_[i]);
+  }
+}
+
 void CeilingRenderer::render(const Exposure& exposure, std::span<const TruePose> rows, GreyImage& image) {
   const int width = rays_.width();
   const int height = rays_.height();
   image.width = width;
   image.height = height;
   image.pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  const TruePose& middle = rows[rows.size() / 2];
-  const View view = view_from(middle);
-  origin_ = view.lens.head<2>();
-  light_.gather(origin_, rays_.reach() * std::max(0.1, model_.building.ceiling_height - view.lens.z()), exposure.utime);
-  light_nodes(view);
-  find_shapes(exposure, view, middle.world_from_robot.position());
-  const TextureMap map = texture_map(exposure, view);
+  const FrameGeometry frame = geometry_of(model_, exposure, rows[rows.size() / 2], rays_.reach());
+  light_.gather(frame.origin, frame.reach * frame.rise, exposure.utime);
+  light_nodes(frame);
+  layout_.find(frame, light_, exposure.utime);
+  const TextureMap map = texture_map(frame);
   response_.begin_frame(exposure.number, exposure.exposure_us, exposure.gain);
+  const bool rolling = rows.size() == static_cast<std::size_t>(height);
   for (int row = 0; row < height; ++row) {
-    const View row_view =
-        rows.size() == static_cast<std::size_t>(height) ? view_from(rows[static_cast<std::size_t>(row)]) : view;
-    ceiling_points(row, row_view);
+    const View view = rolling ? view_from(model_.mounting, rows[static_cast<std::size_t>(row)]) : frame.view;
+    find_points(row, view, frame);
     light_row(row);
     texture_row(map);
-    shapes_row(row, exposure, row_view);
-    const auto below = rays_.below(row);
-    for (std::size_t i = 0; i < below.size(); ++i) {
-      brightness_[i] += below[i] * (kWall * light_row_[i] - brightness_[i]);
-    }
+    draw_shapes(row, exposure, view, frame);
+    darken_walls(row);
     response_.develop(row, brightness_.data(), image.pixels.data() + static_cast<std::ptrdiff_t>(row) * width);
   }
 }

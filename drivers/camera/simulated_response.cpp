@@ -47,8 +47,12 @@ void SensorResponse::develop(int row, const float* brightness, std::uint8_t* gre
   const double corner = 0.25 * (double{1} * width_ * width_ + double{1} * height_ * height_);
   const double y = row - 0.5 * (height_ - 1);
   const float middle = static_cast<float>(1.0 - kVignetteLoss * y * y / corner);
-  for (int i = 0; i < width_; ++i) {
-    const float value = in[i] * scale_ * (middle - loss[i]) + sigma_ * noise[i] + 0.5F;
+  // Copies, because bytes may alias the members and then nothing is vectorised.
+  const int width = width_;
+  const float scale = scale_;
+  const float sigma = sigma_;
+  for (int i = 0; i < width; ++i) {
+    const float value = in[i] * scale * (middle - loss[i]) + sigma * noise[i] + 0.5F;
     out[i] = static_cast<std::uint8_t>(static_cast<int>(std::min(std::max(value, 0.0F), 255.0F)));
   }
 }
