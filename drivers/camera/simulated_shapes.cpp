@@ -52,9 +52,16 @@ inline Local local_of(const Shape& shape, float x, float y) {
   return {shape.cosine * dx + shape.sine * dy, shape.cosine * dy - shape.sine * dx};
 }
 
+/// Part of a panel that shines: a strip along its long side.
+struct Shining {
+  float strength = 0.0F;    // of its bloom and halo; 0 = none
+  float middle = 0.0F;      // [m] across
+  float half_width = 0.0F;  // [m]
+};
+
 /// Panels share the outline; `inside(light, local)` gives the brightness within it.
 template <typename Inside>
-void draw_panel(const Shape& shape, const RowSpan& row, float glow_strength, Inside inside) {
+void draw_panel(const Shape& shape, const RowSpan& row, const Shining& shining, Inside inside) {
   const float inverse_along = 1.0F / shape.edge_along;
   const float inverse_across = 1.0F / shape.edge_across;
   const float inverse_bloom = 1.0F / shape.bloom_reach;
@@ -69,10 +76,9 @@ void draw_panel(const Shape& shape, const RowSpan& row, float glow_strength, Ins
     const float beyond_side = std::abs(local.across) - shape.half_width;
     const float covered = coverage(beyond_end, inverse_along) * coverage(beyond_side, inverse_across);
     const float end = std::max(beyond_end, 0.0F);
-    const float side = std::max(beyond_side, 0.0F);
-    const float outside = std::sqrt(end * end + side * side);
-    const float behind = brightness[i] + glow_strength * glow(outside, inverse_bloom, inverse_halo);
-    brightness[i] = behind + covered * (inside(light[i], local) - behind);
+    const float side = std::max(std::abs(local.across - shining.middle) - shining.half_width, 0.0F);
+    const float halo = shining.strength * glow(std::sqrt(end * end + side * side), inverse_bloom, inverse_halo);
+    brightness[i] += halo + covered * (inside(light[i], local) - brightness[i]);
   }
 }
 
@@ -105,25 +111,26 @@ void draw_fixture_panel(const Shape& shape, const RowSpan& row) {
   const auto tube_at = [&](float across) { return contrast * tube(across, inverse_pitch, shape.tube_phase, pitch); };
   switch (shape.look) {
     case Look::kLitPanel:
-      draw_panel(shape, row, shape.emission, [&](float light, const Local& local) {
+      draw_panel(shape, row, {shape.emission, 0.0F, shape.half_width}, [&](float light, const Local& local) {
         return reflectance * light + lamp * (1.0F - kTubeContrast * (1.0F - tube_at(local.across)));
       });
       return;
     case Look::kHalfPanel:
-      if (shape.tube_phase > 0.25F) {  // a single tube
-        draw_panel(shape, row, 0.2F, [&](float light, const Local& local) {
+      if (shape.tube_pitch > 1.5F * shape.half_width) {  // a single tube
+        draw_panel(shape, row, {0.2F, 0.0F, shape.half_width}, [&](float light, const Local& local) {
           return reflectance * light + kWornTube * (0.6F + 0.4F * tube_at(local.across));
         });
         return;
       }
-      draw_panel(shape, row, 0.3F, [&](float light, const Local& local) {
-        const float burning = clamped(0.5F + 50.0F * shape.half_side * local.across);  // fades over 20 mm
-        return reflectance * light + kLeakedLight +
-               burning * kLamp * (1.0F - kTubeContrast * (1.0F - tube_at(local.across)));
-      });
+      draw_panel(shape, row, {1.0F, 0.5F * shape.half_side * shape.half_width, 0.5F * shape.half_width},
+                 [&](float light, const Local& local) {
+                   const float burning = clamped(0.5F + 50.0F * shape.half_side * local.across);  // fades over 20 mm
+                   return reflectance * light + kLeakedLight +
+                          burning * kLamp * (1.0F - kTubeContrast * (1.0F - tube_at(local.across)));
+                 });
       return;
     default:
-      draw_panel(shape, row, 0.0F, [&](float light, const Local& local) {
+      draw_panel(shape, row, {}, [&](float light, const Local& local) {
         return light * (reflectance + kUnlitTube * tube_at(local.across));
       });
       return;
@@ -133,7 +140,7 @@ void draw_fixture_panel(const Shape& shape, const RowSpan& row) {
 void draw_vent(const Shape& shape, const RowSpan& row) {
   constexpr float kSlatPitch = 0.05F;  // [m]
   const float frame = 0.03F;           // [m] of plain metal around the slats
-  draw_panel(shape, row, 0.0F, [&](float light, const Local& local) {
+  draw_panel(shape, row, {}, [&](float light, const Local& local) {
     const float slats = std::min(shape.half_length - std::abs(local.along), shape.half_width - std::abs(local.across));
     const float position = local.across * (1.0F / kSlatPitch) + 1024.0F;
     const float fraction = position - static_cast<float>(static_cast<int>(position)) - 0.5F;
@@ -155,7 +162,7 @@ void draw_disc(const Shape& shape, const RowSpan& row) {
 
 /// An emergency exit sign shines by itself, day and night, and carries dark symbols.
 void draw_sign(const Shape& shape, const RowSpan& row) {
-  draw_panel(shape, row, 0.0F, [&](float light, const Local& local) {
+  draw_panel(shape, row, {}, [&](float light, const Local& local) {
     const float along = local.along / shape.half_length;
     const float across = local.across / shape.half_width;
     const bool symbol = std::abs(across) < 0.55F && (std::abs(along + 0.5F) < 0.18F || std::abs(along - 0.3F) < 0.4F);
