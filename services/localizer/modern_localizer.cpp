@@ -12,6 +12,7 @@ namespace {
 constexpr double kLeastFit = 0.35;                  // outlines that fit worse are not used
 constexpr double kFastest = 3.0;                    // [m/s] beyond it odometry has jumped, no robot of ours drives so
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
+const Eigen::Vector3d kSurprise(0.0036, 0.0036, 0.0007);  // [m^2, m^2, rad^2] 60 mm and 1.5 degrees
 constexpr std::size_t kMostSightings = 12;          // of one image
 constexpr std::size_t kMostEchoes = 64;
 
@@ -200,8 +201,11 @@ std::vector<ModernLocalizer::Match> ModernLocalizer::match(const SightingFrame& 
         continue;
       }
       const Innovation innovation = filter_.innovate(sighting, index, map_[index], odometry.linear, odometry.angular);
-      if (innovation.nis < params_.tracking.gate) {
-        candidates.push_back({i, index, innovation.nis});
+      // fixtures stand metres apart: one that is a little beside its place is still that fixture
+      const Eigen::Matrix3d generous = innovation.covariance + kSurprise.asDiagonal().toDenseMatrix();
+      const double nis = innovation.residual.dot(generous.inverse() * innovation.residual);
+      if (nis < params_.tracking.gate) {
+        candidates.push_back({i, index, nis});
       }
     }
   }
@@ -226,6 +230,11 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
 
 void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<Match>& matches, const OdometryReading& odometry) {
   for (const Match& match : matches) {
+    const Innovation innovation = filter_.innovate(frame.sightings[match.sighting], match.fixture, map_[match.fixture],
+                                                   odometry.linear, odometry.angular);
+    if (innovation.nis > params_.tracking.gate) {
+      filter_.widen(kSurprise);
+    }
     const double nis = filter_.correct(frame.sightings[match.sighting], match.fixture, map_[match.fixture],
                                        odometry.linear, odometry.angular, odometer_);
     nis_ = has_nis_ ? nis_ + 0.02 * (nis / 3.0 - nis_) : nis / 3.0;

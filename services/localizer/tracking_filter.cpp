@@ -187,7 +187,9 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
   expectation.jacobian.col(kLens) = by_lens;
   expectation.noise = white_sighting_covariance(sighting, fixture, errors_);
   if (slot >= 0) {
-    expectation.jacobian.middleCols<3>(kFixtures + 3 * slot) = -ideal.jacobian;
+    // the fixture's place moves the picture as the robot's moves it back; its heading turns it about its own centre
+    expectation.jacobian.middleCols<2>(kFixtures + 3 * slot) = -ideal.jacobian.leftCols<2>();
+    expectation.jacobian(2, kFixtures + 3 * slot + 2) = 1.0;
   } else {
     expectation.noise.diagonal() += Eigen::Vector3d(
         squared(errors_.fixture_position), squared(errors_.fixture_position), squared(errors_.fixture_heading));

@@ -40,6 +40,9 @@ class TrackingFilter {
   double correct(const FixtureSighting& sighting, int index, const Fixture& fixture, double linear, double angular,
                  double odometer);
 
+  /// Admits that the pose is less sure than thought.
+  void widen(const Eigen::Vector3d& variances) { covariance_.topLeftCorner<3, 3>().diagonal() += variances; }
+
   [[nodiscard]] PoseBelief belief() const;
   /// Where an odometry step would lead, this filter left as it is.
   [[nodiscard]] PoseBelief belief_after(const Pose2& delta) const;

@@ -70,21 +70,23 @@ SyntheticWorld::SyntheticWorld(const Building& believed, const PriorMap& walls, 
                                const SyntheticOptions& options)
     : believed_(believed), robot_(robot), options_(options), generator_(options.seed * 7919 + 17), true_building_(believed), map_walls_(walls), true_robot_(robot) {
   const double k = options.perfect ? 0.0 : (options.calibrated ? 0.1 : 1.0);
-  const double fixture_position = options.perfect ? 0.0 : (options.calibrated ? 0.003 : 0.010);
-  const double fixture_heading = options.perfect ? 0.0 : radians(options.calibrated ? 0.2 : 0.5);
-  const double scale = 1.0 + gauss(0.01 * k);
-  const double ratio = gauss(0.005 * k);
+  const double wheels = options.wheel_errors ? k : 0.0;
+  const double optics = options.camera_errors ? k : 0.0;
+  const double fixture_position = options.perfect || !options.fixture_errors ? 0.0 : (options.calibrated ? 0.003 : 0.010);
+  const double fixture_heading = options.perfect || !options.fixture_errors ? 0.0 : radians(options.calibrated ? 0.2 : 0.5);
+  const double scale = 1.0 + gauss(0.01 * wheels);
+  const double ratio = gauss(0.005 * wheels);
   scale_left_ = scale * (1.0 - 0.5 * ratio);
   scale_right_ = scale * (1.0 + 0.5 * ratio);
-  true_base_ = robot.wheel_base * (1.0 + gauss(0.01 * k));
+  true_base_ = robot.wheel_base * (1.0 + gauss(0.01 * wheels));
   CameraDescription& camera = true_robot_.camera;
-  camera.mounting.roll += gauss(radians(0.5) * k);
-  camera.mounting.pitch += gauss(radians(0.5) * k);
-  camera.mounting.yaw += gauss(radians(0.5) * k);
-  camera.mounting.z *= 1.0 + gauss(0.01 * k);
-  camera.time_offset += gauss(0.020 * k);
-  camera.intrinsics.distortion[0] += gauss(0.01 * k);
-  const double ceiling = 1.0 + gauss(0.005 * k);
+  camera.mounting.roll += gauss(radians(0.5) * optics);
+  camera.mounting.pitch += gauss(radians(0.5) * optics);
+  camera.mounting.yaw += gauss(radians(0.5) * optics);
+  camera.mounting.z *= 1.0 + gauss(0.01 * optics);
+  camera.time_offset += gauss(options.time_errors ? 0.020 * k : 0.0);
+  camera.intrinsics.distortion[0] += gauss(0.01 * optics);
+  const double ceiling = 1.0 + gauss(0.005 * optics);
   true_building_.ceiling_height *= ceiling;
   for (Fixture& fixture : true_building_.fixtures) {
     fixture.world_from_fixture.x += gauss(fixture_position);
@@ -182,7 +184,7 @@ SyntheticWorld::Output SyntheticWorld::step() {
   wanted_turn_ -= std::abs(wanted_turn_) > 0.02 ? turn : wanted_turn_;
   truth_ = truth_later(kStep);
   driven_ += std::abs(way);
-  const double k = options_.perfect ? 0.0 : 1.0;
+  const double k = options_.perfect || !options_.odometry_noise ? 0.0 : 1.0;
   const double noise_way = std::abs(way) + 0.5 * true_base_ * std::abs(turn);
   // what the encoders make of it
   const double left = (way - 0.5 * true_base_ * turn) / scale_left_;
@@ -193,7 +195,7 @@ SyntheticWorld::Output SyntheticWorld::step() {
   since_floor_ += std::abs(way);
   if (since_floor_ > 1.0) {
     since_floor_ = 0.0;
-    const double tilt = options_.perfect ? 0.0 : radians(0.1);
+    const double tilt = options_.perfect || !options_.floor_errors ? 0.0 : radians(0.1);
     floor_roll_ = gauss(tilt);
     floor_pitch_ = gauss(tilt);
   }

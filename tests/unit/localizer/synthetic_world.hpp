@@ -20,6 +20,13 @@ struct SyntheticOptions {
   std::uint64_t seed = 1;
   bool calibrated = false;       // constant errors a tenth
   bool perfect = false;          // no errors at all
+  // which errors there are: each can be switched off to find out what it costs
+  bool wheel_errors = true;
+  bool camera_errors = true;
+  bool time_errors = true;
+  bool fixture_errors = true;
+  bool floor_errors = true;
+  bool odometry_noise = true;
   double off_ratio = 0.0;        // of the fixtures
   double overlooked = 0.15;      // share of the unlit fixtures that are never detected
   double miss_lit = 0.02;        // per image

@@ -92,6 +92,12 @@ TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPl
     const Eigen::Vector3d error(estimate.belief.pose.x - truth.x, estimate.belief.pose.y - truth.y,
                                 wrap_angle(estimate.belief.pose.theta - truth.theta));
     result.nees += error.dot(estimate.belief.covariance.inverse() * error) / 3.0;
+    const Eigen::Vector2d forward(std::cos(truth.theta), std::sin(truth.theta));
+    const Eigen::Vector2d left(-forward.y(), forward.x());
+    const Eigen::Matrix2d place = estimate.belief.covariance.topLeftCorner<2, 2>();
+    result.nees_forward += std::pow(error.head<2>().dot(forward), 2) / forward.dot(place * forward);
+    result.nees_left += std::pow(error.head<2>().dot(left), 2) / left.dot(place * left);
+    result.nees_heading += error.z() * error.z() / estimate.belief.covariance(2, 2);
     if (world.fixtures_in_view(truth, 0.3) > 0) {
       ++result.in_view;
       result.position_square += position_error * position_error;

@@ -31,6 +31,9 @@ struct TrialResult {
   double heading_square = 0.0;
   long in_view = 0;
   double nees = 0.0;                 // sum over TRACKING
+  double nees_forward = 0.0;         // likewise, per axis of the robot
+  double nees_left = 0.0;
+  double nees_heading = 0.0;
   std::vector<double> position_errors;
   std::vector<double> heading_errors;
 };

@@ -37,12 +37,14 @@ int run(int argc, char** argv) {
   double off = 0.0;
   bool calibrated = false;
   bool trace = false;
+  std::string without;
   CommandLine line("localizer_trials", "Drives a synthetic robot many times and reports how well it finds and keeps its pose.");
   line.text("--robot", robot, "robot file").text("--building", building, "building file");
   line.integer("--runs", runs, "drives").integer("--seed", seed, "first seed").integer("--carries", carries, "per drive");
   line.integer("--corridor", corridor, "fixtures of a symmetric corridor to drive in instead").integer("--clutter", clutter, "false fixtures");
   line.number("--duration", duration, "[s] of a drive").number("--off", off, "share of the fixtures that are off");
   line.flag("--calibrated", calibrated, "constant errors a tenth").flag("--trace", trace, "print changes of state");
+  line.text("--without", without, "letters of errors to leave out: w(heels) c(amera) t(ime) f(ixtures) l (floor) o(dometry noise)");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
@@ -67,6 +69,13 @@ int run(int argc, char** argv) {
     options.calibrated = calibrated;
     options.off_ratio = off;
     options.clutter = static_cast<int>(clutter);
+    const auto has = [&](char letter) { return without.find(letter) == std::string::npos; };
+    options.wheel_errors = has('w');
+    options.camera_errors = has('c');
+    options.time_errors = has('t');
+    options.fixture_errors = has('f');
+    options.floor_errors = has('l');
+    options.odometry_noise = has('o');
     SyntheticWorld world(config.building, config.walls, config.robot, options);
     ModernLocalizer localizer(config.building, config.walls, config.robot, config.errors, config.modern);
     TrialPlan plan;
@@ -96,6 +105,9 @@ int run(int argc, char** argv) {
     sum.heading_square += r.heading_square;
     sum.in_view += r.in_view;
     sum.nees += r.nees;
+    sum.nees_forward += r.nees_forward;
+    sum.nees_left += r.nees_left;
+    sum.nees_heading += r.nees_heading;
     if (r.confident_wrong > 0.0 || !r.localized || (r.localized && !r.correct_first) || r.recovered < static_cast<double>(r.localized ? carries : 0)) {
       ++wrong_runs;
       std::printf("seed %ld: localized %d correct %d after %.1f m, confident wrong %.1f s, recovered %.0f of %ld\n", static_cast<long>(i),
@@ -108,6 +120,8 @@ int run(int argc, char** argv) {
   std::printf("tracking ratio %.4f  in view rms %.1f mm %.2f deg  p95 %.1f mm %.2f deg  max %.0f mm  nees/dof %.2f\n", sum.tracking / std::max(0.1, sum.after_first),
               1e3 * std::sqrt(sum.position_square / in_view), degrees(std::sqrt(sum.heading_square / in_view)), 1e3 * quantile(positions, 0.95), degrees(quantile(headings, 0.95)),
               1e3 * quantile(positions, 1.0), sum.nees / std::max<double>(1.0, static_cast<double>(positions.size())));
+  const double samples = std::max<double>(1.0, static_cast<double>(positions.size()));
+  std::printf("squared error / variance: forward %.2f left %.2f heading %.2f\n", sum.nees_forward / samples, sum.nees_left / samples, sum.nees_heading / samples);
   if (carries > 0) {
     std::printf("carries recovered %.0f of %ld, after m: median %.2f p95 %.2f\n", recovered, static_cast<long>(carries * localized), quantile(recovery, 0.5), quantile(recovery, 0.95));
   }
