@@ -11,7 +11,6 @@
 namespace luminav {
 namespace {
 
-constexpr std::array<int, 5> kRates = {9600, 38400, 19200, 115200, 57600};
 constexpr std::int64_t kFirstRetry = 200'000;              // [us]
 constexpr std::int64_t kLongestRetry = 5'000'000;          // [us]
 constexpr std::int64_t kPastWatchdog = 2'200'000;          // [us] a controller at another rate has calmed down by then
@@ -22,16 +21,23 @@ constexpr std::int64_t kConfigurationRetry = 500'000;      // [us]
 constexpr std::int64_t kConfigurationTime = 1'000'000;     // [us] ARIA waits as long
 constexpr std::int64_t kFirstInformationTime = 2'000'000;  // [us]
 constexpr std::int64_t kAnswerTime = 500'000;              // [us] five packets missing: not answering
-constexpr std::int64_t kLostTime = 2'000'000;              // [us] then the session is begun anew
+constexpr std::int64_t kLostTime = 2'500'000;              // [us] then the session is begun anew
 constexpr std::int64_t kRateSwitchPause = 50'000;  // [us] HOSTBAUD takes 9 ms at 9600; R2's driver needs a pause
 constexpr std::int64_t kRateSwitchTime = 900'000;  // [us] ARIA waits as long for a packet at the new rate
-constexpr std::int64_t kPartialPause = 60'000;     // [us] beyond the time that the longest frame takes
+constexpr std::int64_t kPacketPause = 40'000;      // [us] robots send a packet in one go
 constexpr std::size_t kLongestQueue = 64;
 
 }  // namespace
 
 ArcosLink::ArcosLink(OpenStream open_stream, const LinkParams& params)
-    : open_stream_(std::move(open_stream)), params_(params) {}
+    : open_stream_(std::move(open_stream)), params_(params), rates_{params.baud} {
+  // A robot keeps the rate that an earlier session has set.
+  for (const int rate : {params.fast_baud, 9600, 38400, 19200, 115200, 57600}) {
+    if (rate != 0 && std::find(rates_.begin(), rates_.end(), rate) == rates_.end()) {
+      rates_.push_back(rate);
+    }
+  }
+}
 
 LinkEvents ArcosLink::poll(std::int64_t now) {
   LinkEvents events;
@@ -104,6 +110,7 @@ void ArcosLink::read(std::int64_t now, LinkEvents& events) {
   for (int i = 0; i < kMostReads && stream_; ++i) {
     const std::size_t count = stream_->read(bytes);
     parser_.push(std::span(bytes).first(count), now, byte_time());
+    last_byte_ = count > 0 ? now : last_byte_;
     while (const auto packet = parser_.next()) {
       on_packet(*packet, now, events);
       if (!stream_) {
@@ -118,9 +125,7 @@ void ArcosLink::read(std::int64_t now, LinkEvents& events) {
     lose(now, stream_->failure());
     return;
   }
-  const auto since = parser_.partial_since();
-  const auto longest = static_cast<std::int64_t>(byte_time() * static_cast<double>(kLargestFrame)) + kPartialPause;
-  if (since && now - *since > longest) {
+  if (parser_.has_partial() && now - last_byte_ > kPacketPause) {
     parser_.give_up_partial();
   }
 }
@@ -174,15 +179,12 @@ void ArcosLink::try_next_rate(std::int64_t now) {
     lose(now, handshake_.heard() ? "the robot does not complete the handshake" : "the robot does not answer");
     return;
   }
-  while (rate_index_ < kRates.size() && kRates[rate_index_] == params_.baud) {
-    ++rate_index_;
-  }
-  if (rate_index_ == kRates.size()) {
+  if (++rate_index_ >= rates_.size()) {
     lose(now, "the robot does not answer at any rate from 9600 to 115200 baud");
     retry_at_ = std::max(retry_at_, now + kPastWatchdog);
     return;
   }
-  stream_->set_baud(kRates[rate_index_++]);
+  stream_->set_baud(rates_[rate_index_]);
   parser_.clear();
   drop_waiting();
   handshake_.start(now);
@@ -262,7 +264,7 @@ void ArcosLink::run_rate_switch(std::int64_t now) {
     last_information_ = 0;
   } else if (elapsed > kRateSwitchTime) {
     // Nobody there: the robot did not follow. Back to the rate that worked.
-    stream_->set_baud(rate_index_ == 0 ? params_.baud : kRates[rate_index_ - 1]);
+    stream_->set_baud(rates_[rate_index_]);
     parser_.clear();
     state_ = State::kConfiguring;
     state_since_ = now;

@@ -54,7 +54,10 @@ class ArcosLink {
   [[nodiscard]] int descriptor() const { return stream_ ? stream_->descriptor() : -1; }
   /// Grows each time the line is opened.
   [[nodiscard]] int openings() const { return openings_; }
+  /// The robot has a session with us, and its packets arrive.
   [[nodiscard]] bool connected() const { return state_ == State::kConnected && answering_; }
+  /// The same session as before, though its packets may not arrive for a moment.
+  [[nodiscard]] bool in_session() const { return state_ == State::kConnected; }
   [[nodiscard]] std::size_t waiting_frames() const { return waiting_.size(); }
   [[nodiscard]] const RobotIdentity& identity() const { return identity_; }
   /// As the robot says, else those of a p3dx-sh.
@@ -88,9 +91,10 @@ class ArcosLink {
   State state_ = State::kClosed;
   std::string trouble_ = "not connected yet";
   int openings_ = 0;
-  int failures_ = 0;            // in a row
-  std::int64_t retry_at_ = 0;   // [us]
-  std::size_t rate_index_ = 0;  // in the list of rates that is tried
+  int failures_ = 0;           // in a row
+  std::int64_t retry_at_ = 0;  // [us]
+  std::vector<int> rates_;     // [bit/s] in the order they are tried
+  std::size_t rate_index_ = 0;
   RobotIdentity identity_;
   ConfigurationPacket configuration_;
   bool has_configuration_ = false;
@@ -100,6 +104,7 @@ class ArcosLink {
   std::int64_t last_request_ = 0;      // [us] of the configuration
   std::int64_t last_information_ = 0;  // [us]
   std::int64_t last_packet_ = 0;       // [us]
+  std::int64_t last_byte_ = 0;         // [us]
   std::int64_t last_sent_ = 0;         // [us]
   std::deque<std::vector<std::uint8_t>> waiting_;
   std::size_t written_ = 0;        // of the first waiting frame

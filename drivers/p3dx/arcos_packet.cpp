@@ -119,15 +119,8 @@ std::optional<PacketView> PacketParser::next() {
   return std::nullopt;
 }
 
-std::optional<std::int64_t> PacketParser::partial_since() const {
-  if (begin_ >= buffer_.size()) {
-    return std::nullopt;
-  }
-  return arrival(base_ + begin_);
-}
-
 void PacketParser::give_up_partial() {
-  if (begin_ < buffer_.size()) {
+  if (has_partial()) {
     ++bad_packets_;
     skip(1);
   }

@@ -39,9 +39,9 @@ class PacketParser {
   /// The next whole packet, or nothing until more bytes arrive.
   std::optional<PacketView> next();
 
-  /// [us] arrival of the header of a packet that is not complete, or nothing. A false header may claim 255 bytes and
-  /// would hold back what follows it: a caller that has waited too long gives it up.
-  [[nodiscard]] std::optional<std::int64_t> partial_since() const;
+  /// A packet has begun and is not complete. A false header may claim 255 bytes and would hold back what follows it: a
+  /// caller on whose line nothing comes any more gives it up.
+  [[nodiscard]] bool has_partial() const { return begin_ < buffer_.size(); }
   void give_up_partial();
   /// Forgets all bytes; the counters stay.
   void clear();

@@ -117,10 +117,11 @@ void P3dxNode::poll() {
   for (const ReceivedInformation& received : events.information) {
     on_information(received);
   }
-  if (!link_.connected() && session_ != 0) {
+  if (!link_.connected()) {
+    gate_.clear(now);  // nobody sees what the robot does
+  }
+  if (!link_.in_session()) {
     session_ = 0;
-    gate_.clear(now);
-    writer_.restart();
   }
   command_motion(now);
   link_.flush(now);
@@ -135,6 +136,7 @@ void P3dxNode::on_connected() {
   const MotionLimits& limits = config_.robot.limits;
   const ConfigurationPacket& robot = link_.configuration();
   reckoning_ = DeadReckoning(reckoning_params(config_, link_.identity().subclass));
+  last_ = InformationPacket();
   sonar_.clear();
   motors_.on_connected();
   gate_.clear(now);
@@ -196,7 +198,7 @@ void P3dxNode::on_information(const ReceivedInformation& received) {
 }
 
 void P3dxNode::command_motion(std::int64_t now) {
-  if (!link_.connected() || link_.waiting_frames() >= kMotionQueue || !last_.motors_enabled) {
+  if (!link_.in_session() || link_.waiting_frames() >= kMotionQueue || !last_.motors_enabled) {
     return;
   }
   const bool stands = stop_.engaged() || standing_still_;

@@ -9,6 +9,7 @@
 
 #include "drivers/p3dx/p3dx_node.hpp"
 #include "services/common/process/channels.hpp"
+#include "tests/node/p3dx/noisy_stream.hpp"
 #include "tests/node/p3dx/simulated_base.hpp"
 
 namespace luminav {
@@ -20,7 +21,7 @@ class P3dxBench {
       : base(arcos),
         lcm("memq://"),
         line_(pipe.open_robot_end()),
-        node(lcm, config, clock, pipe.driver_opener()),
+        node(lcm, config, clock, [this] { return std::make_unique<NoisyStream>(pipe.open_driver_end(), noise); }),
         inbox_(lcm) {
     inbox_.on(channels::kOdometry, &P3dxBench::on_odometry, this);
     inbox_.on(channels::kSonar, &P3dxBench::on_sonar, this);
@@ -34,7 +35,7 @@ class P3dxBench {
     return config;
   }
 
-  /// Lets time go on; with `command` a controller answers each ROBOT_STATUS with it.
+  /// Lets time go on in steps of 10 ms.
   void run(double seconds) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds * 100.0)); ++i) {
       clock.advance(10'000);
@@ -62,6 +63,7 @@ class P3dxBench {
     pipe.plug_in();
   }
 
+  /// From now on a controller answers each ROBOT_STATUS with this.
   void drive(double linear, double angular) {
     driving = true;
     linear_ = linear;
@@ -97,6 +99,7 @@ class P3dxBench {
   SimulatedBase base;
   MemoryPipe pipe;
   VirtualClock clock;
+  LineNoise noise;
   lcm::LCM lcm;
 
  private:

@@ -1,4 +1,8 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
 
 #include "tests/node/p3dx/p3dx_bench.hpp"
 
@@ -38,6 +42,369 @@ TEST(P3dxNode, DrivesAsCommandedAndMeasuresIt) {
   EXPECT_NEAR(bench.odometry.back().x, bench.base.travel, 0.04);  // one cycle behind
   EXPECT_TRUE(bench.status.back().command_fresh);
   EXPECT_EQ(bench.status.back().reason, "");
+}
+
+using testing::HasSubstr;
+
+TEST(P3dxNode, SaysWhyThereIsNoRobot) {
+  P3dxBench bench;
+  bench.unplug();
+  bench.run(3.0);
+  ASSERT_FALSE(bench.status.empty());
+  EXPECT_FALSE(bench.status.back().connected);
+  EXPECT_EQ(bench.status.back().session, 0);
+  EXPECT_THAT(bench.status.back().reason, HasSubstr("unplugged"));
+  EXPECT_TRUE(bench.node.health().fault);
+  EXPECT_TRUE(bench.odometry.empty());
+}
+
+TEST(P3dxNode, RefusesARobotOfUnknownSubclassUnlessAsked) {
+  ArcosConfig arcos;
+  arcos.flash.subclass = "peoplebot-sh";
+  P3dxBench bench(arcos);
+  bench.run(3.0);
+  EXPECT_FALSE(bench.status.back().connected);
+  EXPECT_THAT(bench.status.back().reason, HasSubstr("peoplebot-sh"));
+  P3dxConfig config = P3dxBench::robot_config();
+  config.assume_p3dx_sh = true;
+  P3dxBench assumed(arcos, config);
+  assumed.run(3.0);
+  EXPECT_TRUE(assumed.status.back().connected);
+}
+
+TEST(P3dxNode, TakesOverASessionThatSomebodyLeftOpen) {
+  P3dxBench bench;
+  for (const std::uint8_t sync : {packet_type::kSync0, packet_type::kSync1, packet_type::kSync2}) {
+    bench.base.controller().receive(encode_packet(sync));
+  }
+  bench.base.controller().receive(encode_command(ArcosCommand::kOpen));
+  ASSERT_TRUE(bench.base.controller().session_open());
+  bench.run(3.0);
+  EXPECT_TRUE(bench.status.back().connected);
+  EXPECT_TRUE(bench.status.back().motors_enabled);
+}
+
+TEST(P3dxNode, StopsWhenCommandsEnd) {
+  P3dxBench bench;
+  bench.run(2.0);
+  bench.drive(0.4, 0.3);
+  bench.run(3.0);
+  EXPECT_NEAR(bench.base.outputs.linear, 0.4, 1e-9);
+  bench.driving = false;
+  bench.run(0.3 + 0.4 / 1.0 + 0.15);  // timeout, deceleration and a margin
+  EXPECT_TRUE(bench.standing());
+  EXPECT_FALSE(bench.status.back().command_fresh);
+  EXPECT_EQ(bench.status.back().reason, "no fresh command");
+}
+
+TEST(P3dxNode, NeverMovesOnABacklog) {
+  P3dxBench bench;
+  bench.run(2.0);
+  for (int i = 0; i < 200; ++i) {
+    bench.send_command(bench.clock.utime() - 2'000'000 + 1'000 * i, 1, i, 0.5);
+  }
+  bench.run(2.0);
+  EXPECT_EQ(bench.base.travel, 0.0);
+  EXPECT_EQ(bench.status.back().commands_refused, 200);
+}
+
+TEST(P3dxNode, RefusesCommandsThatMakeNoSense) {
+  P3dxBench bench;
+  bench.run(2.0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  bench.send_command(bench.clock.utime(), 1, 1, nan);
+  bench.send_command(bench.clock.utime(), 1, 2, 0.1, std::numeric_limits<double>::infinity());
+  bench.send_command(bench.clock.utime() + 10'000'000, 1, 3, 0.1);
+  bench.lcm.publish(channels::kVelocityCommand, "rubbish", 7);
+  bench.run(1.0);
+  EXPECT_EQ(bench.base.travel, 0.0);
+  EXPECT_EQ(bench.status.back().commands_refused, 3);
+  EXPECT_EQ(bench.node.health().dropped_inputs, 4);
+}
+
+TEST(P3dxNode, StandsStillWhileAStopIsInForce) {
+  P3dxBench bench;
+  bench.run(2.0);
+  bench.drive(0.4, 0.0);
+  bench.run(2.0);
+  bench.send_stop(10, true, "viewer");
+  bench.run(0.6);
+  EXPECT_TRUE(bench.standing());
+  EXPECT_TRUE(bench.status.back().stop_engaged);
+  EXPECT_EQ(bench.status.back().stop_id, 10);
+  EXPECT_THAT(bench.status.back().reason, HasSubstr("viewer"));
+  const double travel = bench.base.travel;
+  bench.send_stop(9, false, "viewer");  // an older one
+  bench.run(2.0);
+  EXPECT_EQ(bench.base.travel, travel);
+  EXPECT_TRUE(bench.status.back().motors_enabled);
+  bench.send_stop(11, false, "viewer");
+  bench.run(2.0);
+  EXPECT_EQ(bench.status.back().stop_id, 11);
+  EXPECT_NEAR(bench.base.outputs.linear, 0.4, 1e-9);
+}
+
+TEST(P3dxNode, LeavesTheMotorsOffUntilRequestedAndSwitchesThemOffAgain) {
+  P3dxConfig config = P3dxBench::robot_config();
+  config.enable_motors_at_start = false;
+  P3dxBench bench({}, config);
+  bench.drive(0.3, 0.0);
+  bench.run(3.0);
+  EXPECT_FALSE(bench.status.back().motors_enabled);
+  EXPECT_NE(bench.status.back().reason, "");
+  bench.send_motors(5, true);
+  bench.run(2.0);
+  EXPECT_TRUE(bench.status.back().motors_enabled);
+  EXPECT_EQ(bench.status.back().motors_command_id, 5);
+  EXPECT_GT(bench.base.travel, 0.1);
+  bench.send_motors(6, false);
+  bench.run(1.0);
+  EXPECT_FALSE(bench.base.outputs.motors_enabled);
+}
+
+TEST(P3dxNode, WaitsForANewRequestAfterTheStopButton) {
+  P3dxBench bench;
+  bench.drive(0.3, 0.0);
+  bench.run(3.0);
+  bench.base.inputs.stop_button = true;
+  bench.run(1.0);
+  EXPECT_TRUE(bench.status.back().stop_button);
+  EXPECT_THAT(bench.status.back().reason, HasSubstr("stop button"));
+  bench.base.inputs.stop_button = false;
+  const double travel = bench.base.travel;
+  bench.run(3.0);
+  EXPECT_EQ(bench.base.travel, travel);
+  bench.send_motors(1, true);
+  bench.run(2.0);
+  EXPECT_GT(bench.base.travel, travel);
+}
+
+TEST(P3dxNode, ReportsAStallAndTheBumpers) {
+  P3dxBench bench;
+  bench.drive(0.3, 0.0);
+  bench.run(3.0);
+  bench.base.inputs.stall_left = true;
+  bench.base.inputs.bumpers_front = 2;
+  bench.run(0.3);
+  EXPECT_TRUE(bench.status.back().stall_left);
+  EXPECT_EQ(bench.status.back().bumpers_front, 2);
+  EXPECT_THAT(bench.status.back().reason, HasSubstr("left wheel"));
+}
+
+TEST(P3dxNode, TurnsFinerThanTheProtocolKnows) {
+  P3dxBench bench;
+  bench.run(2.0);
+  constexpr double kRate = radians(3.3);
+  bench.drive(0.0, kRate);
+  bench.run(2.0);
+  const double begin = bench.base.turned;
+  bench.run(20.0);
+  EXPECT_NEAR(bench.base.turned - begin, 20.0 * kRate, radians(0.2));
+}
+
+TEST(P3dxNode, MeasuresExactlyOverManyWrapsOfTheRegisters) {
+  ArcosConfig arcos;
+  arcos.flash.velocity_top = 1500;
+  P3dxConfig config = P3dxBench::robot_config();
+  config.robot.limits.linear = 1.2;
+  for (const double speed : {1.2, -1.2}) {
+    P3dxBench bench(arcos, config);
+    bench.run(2.0);
+    bench.drive(speed, 0.0);
+    bench.run(50.0 * 32.768 / 1.2);
+    bench.driving = false;
+    bench.run(3.0);
+    EXPECT_GT(bench.base.travel, 50.0 * 32.768 - 2.0);
+    EXPECT_NEAR(std::abs(bench.odometry.back().x), bench.base.travel, 0.001);
+    EXPECT_EQ(bench.odometry.back().session, bench.odometry.front().session);
+  }
+}
+
+TEST(P3dxNode, CountsEachSensorMessageWithinItsSession) {
+  P3dxBench bench;
+  bench.run(20.0);
+  for (std::size_t i = 1; i < bench.odometry.size(); ++i) {
+    EXPECT_EQ(bench.odometry[i].sequence, bench.odometry[i - 1].sequence + 1);
+    EXPECT_EQ(bench.odometry[i].utime - bench.odometry[i - 1].utime, 100'000);
+    EXPECT_EQ(bench.odometry[i].session, bench.sonar[i].session);
+  }
+  std::array<int, 16> fresh{};
+  for (const sonar_t& message : bench.sonar) {
+    for (std::size_t i = 0; i < fresh.size(); ++i) {
+      fresh[i] += message.fresh[i];
+      if (message.fresh[i] != 0) {
+        EXPECT_NEAR(message.range[i], 1.0 + 0.1 * static_cast<double>(i), 1e-3);
+        EXPECT_TRUE(message.has_echo[i]);
+        EXPECT_GT(message.range_utime[i], message.utime - 200'000);
+      }
+    }
+  }
+  for (const int count : fresh) {
+    EXPECT_GT(count, 50);  // each disc three times a second
+    EXPECT_LT(count, 70);
+  }
+}
+
+TEST(P3dxNode, StandsStillBetweenFiftyCutsOfTheLineAndResumesOnFreshCommands) {
+  P3dxBench bench;
+  bench.drive(0.3, 0.0);
+  std::int64_t last_session = 0;
+  for (int i = 0; i < 50; ++i) {
+    bench.run(4.0);
+    ASSERT_TRUE(bench.status.back().connected) << i;
+    ASSERT_NEAR(bench.base.outputs.linear, 0.3, 1e-9) << i;
+    EXPECT_NE(bench.status.back().session, last_session);
+    last_session = bench.status.back().session;
+    bench.unplug();
+    bench.run(2.0 + 0.3 / 1.0 + 0.1);  // the robot's watchdog: nobody else can reach it
+    ASSERT_TRUE(bench.standing()) << i;
+    ASSERT_FALSE(bench.status.back().connected) << i;
+    bench.driving = false;
+    bench.plug_in();
+    bench.run(3.0);
+    ASSERT_TRUE(bench.status.back().connected) << i;
+    ASSERT_TRUE(bench.standing()) << i;  // nothing of the old motion is resumed
+    bench.driving = true;
+  }
+}
+
+TEST(P3dxNode, StandsStillAfterItsProcessHasSlept) {
+  P3dxBench bench;
+  bench.drive(0.3, 0.0);
+  bench.run(4.0);
+  for (const double seconds : {0.5, 1.9, 3.0, 10.0}) {
+    bench.asleep = true;
+    bench.driving = false;
+    bench.run(seconds);
+    bench.asleep = false;
+    const double before = bench.base.travel;
+    bench.run(3.0);
+    EXPECT_TRUE(bench.standing()) << seconds;
+    EXPECT_LT(bench.base.travel - before, 0.15) << seconds;  // at most the way of braking
+    bench.driving = true;
+    bench.run(4.0);
+    EXPECT_NEAR(bench.base.outputs.linear, 0.3, 1e-9) << seconds;
+  }
+}
+
+TEST(P3dxNode, MeasuresThroughALineThatDamagesOneByteInAHundred) {
+  P3dxBench bench;
+  bench.run(2.0);
+  bench.noise.byte_errors = 0.01;
+  bench.drive(0.3, 0.1);
+  double fastest = 0.0;
+  double fastest_turn = 0.0;
+  for (int i = 0; i < 6000; ++i) {  // ten minutes
+    bench.run(0.1);
+    fastest = std::max(fastest, std::abs(bench.base.outputs.linear));
+    fastest_turn = std::max(fastest_turn, std::abs(bench.base.outputs.angular));
+  }
+  bench.noise.byte_errors = 0.0;
+  bench.driving = false;
+  bench.run(3.0);
+  EXPECT_LE(fastest, 0.3 + 1e-9);  // never a command that was not sent
+  EXPECT_LE(fastest_turn, radians(6.0) + 1e-9);
+  EXPECT_GT(bench.base.travel, 150.0);
+  EXPECT_GT(bench.status.back().bad_packets, 1000);
+  // The robot drives circles: the sum of the steps is compared, and the heading.
+  EXPECT_EQ(bench.odometry.front().session, bench.odometry.back().session);
+  EXPECT_NEAR(wrap_angle(bench.odometry.back().theta - bench.base.turned), 0.0, 2.0 * kPi / 4096.0);
+  double way = 0.0;
+  for (std::size_t i = 1; i < bench.odometry.size(); ++i) {
+    way += std::hypot(bench.odometry[i].x - bench.odometry[i - 1].x, bench.odometry[i].y - bench.odometry[i - 1].y);
+  }
+  EXPECT_NEAR(way, bench.base.travel, 0.01 * bench.base.travel);
+}
+
+TEST(P3dxNode, WorksOverALineThatTakesAndGivesAFewBytesAtATime) {
+  P3dxBench bench;
+  bench.noise.most_written = 4;  // less than the shortest frame
+  bench.noise.most_read = 9;     // just more than the robot sends
+  bench.drive(0.3, 0.0);
+  bench.run(10.0);
+  EXPECT_TRUE(bench.status.back().connected);
+  EXPECT_EQ(bench.status.back().bad_packets, 0);
+  EXPECT_EQ(bench.base.controller().bad_packets(), 0);
+  EXPECT_NEAR(bench.base.outputs.linear, 0.3, 1e-9);
+}
+
+TEST(P3dxNode, StartsANewSessionWhenTheRegistersAreReset) {
+  P3dxBench bench;
+  bench.drive(0.5, 0.0);
+  bench.run(8.0);
+  const std::int64_t session = bench.odometry.back().session;
+  bench.base.controller().receive(encode_command(ArcosCommand::kSetOrigin));
+  bench.run(2.0);
+  EXPECT_NE(bench.odometry.back().session, session);
+  EXPECT_GT(bench.status.back().impossible_packets, 0);
+  for (std::size_t i = 1; i < bench.odometry.size(); ++i) {
+    if (bench.odometry[i].session == bench.odometry[i - 1].session) {
+      EXPECT_LT(std::abs(bench.odometry[i].x - bench.odometry[i - 1].x), 0.21);
+    }
+  }
+}
+
+TEST(P3dxNode, ConnectsAgainWhenTheRobotIsReset) {
+  P3dxBench bench;
+  bench.drive(0.3, 0.0);
+  bench.run(4.0);
+  bench.base.controller().receive(encode_command(ArcosCommand::kReset));
+  bench.run(5.0);
+  EXPECT_TRUE(bench.status.back().connected);
+  EXPECT_NEAR(bench.base.outputs.linear, 0.3, 1e-9);
+}
+
+TEST(P3dxNode, DrivesARobotWithTheHabitsOfMobileSim) {
+  ArcosConfig arcos;
+  arcos.mobilesim = true;
+  P3dxBench bench(arcos);
+  bench.drive(0.3, 0.1);
+  bench.run(12.0);
+  EXPECT_NEAR(bench.base.outputs.linear, 0.3, 1e-9);
+  EXPECT_EQ(std::count(bench.sonar.back().fresh.begin(), bench.sonar.back().fresh.end(), 1), 16);
+  EXPECT_NEAR(bench.odometry.back().theta, wrap_angle(bench.base.turned), radians(1.5));
+}
+
+TEST(P3dxNode, SwitchesOffMotorsThatAreOnUnasked) {
+  ArcosConfig arcos;
+  arcos.mobilesim = true;
+  P3dxConfig config = P3dxBench::robot_config();
+  config.enable_motors_at_start = false;
+  P3dxBench bench(arcos, config);
+  bench.run(3.0);
+  EXPECT_FALSE(bench.base.outputs.motors_enabled);
+}
+
+TEST(P3dxNode, LeavesTheRobotAtRestAndTheSessionClosed) {
+  P3dxBench bench;
+  bench.drive(0.4, 0.0);
+  bench.run(4.0);
+  int steps = 0;
+  while (!bench.node.stand_still() && steps < 200) {
+    bench.run(0.01);
+    ++steps;
+  }
+  EXPECT_LT(steps, 100);
+  bench.node.shut_down();
+  bench.run(1.0);
+  EXPECT_TRUE(bench.standing());
+  EXPECT_FALSE(bench.base.outputs.motors_enabled);
+  EXPECT_FALSE(bench.base.controller().session_open());
+}
+
+TEST(P3dxNode, DoesTheSameEachTime) {
+  const auto record = [] {
+    P3dxBench bench;
+    bench.noise.byte_errors = 0.005;
+    bench.drive(0.3, 0.2);
+    bench.run(20.0);
+    std::vector<double> values;
+    for (const odometry_t& message : bench.odometry) {
+      values.insert(values.end(), {message.x, message.y, message.theta, static_cast<double>(message.utime)});
+    }
+    return values;
+  };
+  EXPECT_EQ(record(), record());
 }
 
 }  // namespace

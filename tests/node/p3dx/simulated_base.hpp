@@ -14,7 +14,8 @@ class SimulatedBase {
  public:
   explicit SimulatedBase(const ArcosConfig& config = {}) : controller_(config), wheel_base_(config.wheel_base) {}
 
-  void step(ByteStream* line) {
+  /// `takes_output` false leaves the controller's output to a server.
+  void step(ByteStream* line, bool takes_output = true) {
     std::array<std::uint8_t, 4096> bytes;
     if (line != nullptr) {
       controller_.receive(std::span(bytes).first(line->read(bytes)));
@@ -31,9 +32,11 @@ class SimulatedBase {
     for (const int disc : outputs.sonar_discs) {
       controller_.set_sonar_reading(disc, 1.0 + 0.1 * disc);
     }
-    const std::vector<std::uint8_t> output = controller_.take_output();
-    if (line != nullptr) {
-      line->write(output);
+    if (takes_output) {
+      const std::vector<std::uint8_t> output = controller_.take_output();
+      if (line != nullptr) {
+        line->write(output);
+      }
     }
   }
 
