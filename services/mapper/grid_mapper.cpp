@@ -7,8 +7,12 @@
 namespace luminav {
 namespace {
 
-constexpr double kSelfEcho = 0.3;      // [m] around the reading that may belong to the wall itself
-constexpr double kRobotLogOdds = 1.0;  // the robot's own place is certain
+constexpr double kBesideDisc = 0.1;       // [m] nearer to a disc nothing can hide anything
+constexpr int kSurfaceReach = 3;          // [cells] round a cell that show how its surface lies
+constexpr int kSurfaceCells = 4;          // fewer are no surface
+constexpr double kSurfaceThinness = 0.2;  // ratio of variances across and along; a straight wall of one cell has 0.02
+constexpr double kSelfEcho = 0.3;         // [m] around the reading that may belong to the wall itself
+constexpr double kRobotLogOdds = 1.0;     // the robot's own place is certain
 
 std::vector<std::uint8_t> cells_near_walls(const OccupancyGrid& grid, double distance) {
   const int reach = static_cast<int>(std::floor(distance / grid.geometry.resolution + 1e-9));
@@ -55,13 +59,14 @@ void GridMapper::integrate(const DiscReading& reading) {
   }
   const bool has_echo = reading.has_echo && reading.range < sonar.maximum_range - 0.01;
   const BeamReading beam{reading.world_from_sonar, reading.range, has_echo};
-  free_space_.apply(beam, sonar.maximum_range, grid_);
+  const SliceRanges visible = visible_ranges(beam);
+  free_space_.apply(beam, visible, grid_);
   if (has_echo) {
     const Eigen::Vector2d end = reading.world_from_sonar * Eigen::Vector2d(reading.range, 0.0);
     if (filter_.confirm(reading.disc, reading.utime, end, reading.range)) {
       dispute_walls(reading);
       if (reading.range <= sonar.occupied_range) {
-        vote_occupied(reading);
+        vote_occupied(reading, visible);
       }
     }
   }
@@ -70,9 +75,87 @@ void GridMapper::integrate(const DiscReading& reading) {
   touch(reading.world_from_sonar * Eigen::Vector2d(0.5 * reach, 0.0), 0.5 * reach + 2.0 * grid_.geometry.resolution);
 }
 
-void GridMapper::vote_occupied(const DiscReading& reading) {
+SliceRanges GridMapper::visible_ranges(const BeamReading& beam) {
+  const GridGeometry& geometry = grid_.geometry;
+  const double most = beam.has_echo ? beam.range : params_.sonar.no_echo_range;
+  const double step = 0.7 * geometry.resolution;
+  SliceRanges ranges;
+  for (int slice = 0; slice < kSlices; ++slice) {
+    double& range = ranges[static_cast<std::size_t>(slice)];
+    range = params_.sonar.maximum_range;
+    const double off_axis = ((slice + 0.5) / kSlices * 2.0 - 1.0) * params_.sonar.half_angle;
+    const double angle = beam.world_from_sonar.theta + off_axis;
+    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+    Cell last{-1, -1};
+    for (double r = kBesideDisc; r < most; r += step) {
+      const Cell cell = geometry.cell_at(beam.world_from_sonar.position() + r * direction);
+      if (!geometry.contains(cell)) {
+        break;
+      }
+      const bool is_wall = grid_.prior[geometry.index(cell)] == Prior::kOccupied;
+      if (cell == last || (!is_wall && !is_occupied(cell))) {
+        continue;
+      }
+      last = cell;
+      if (!is_wall) {
+        const std::optional<double> incidence = incidence_at(cell, direction);
+        if (!incidence || *incidence <= params_.specular_incidence) {
+          continue;  // it would have answered: it may have gone
+        }
+        const bool is_core = std::abs(2 * slice + 1 - kSlices) <= kSlices / 3;
+        if (is_core && grid_.prior[geometry.index(cell)] == Prior::kFree && r < most - params_.sonar.free_margin) {
+          add(cell, -params_.oblique_log_odds);
+        }
+      }
+      range = r;
+      break;
+    }
+  }
+  return ranges;
+}
+
+std::optional<double> GridMapper::incidence_at(const Cell& cell, const Eigen::Vector2d& direction) const {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Vector2d squares = Eigen::Vector2d::Zero();
+  double product = 0.0;
+  int count = 0;
+  for (int dr = -kSurfaceReach; dr <= kSurfaceReach; ++dr) {
+    for (int dc = -kSurfaceReach; dc <= kSurfaceReach; ++dc) {
+      const Cell near{cell.column + dc, cell.row + dr};
+      if (grid_.geometry.contains(near) &&
+          (is_occupied(near) || grid_.prior[grid_.geometry.index(near)] == Prior::kOccupied)) {
+        mean += Eigen::Vector2d(dc, dr);
+        squares += Eigen::Vector2d(dc * dc, dr * dr);
+        product += dc * dr;
+        ++count;
+      }
+    }
+  }
+  if (count < kSurfaceCells) {
+    return std::nullopt;
+  }
+  mean /= count;
+  const double xx = squares.x() / count - mean.x() * mean.x();
+  const double yy = squares.y() / count - mean.y() * mean.y();
+  const double xy = product / count - mean.x() * mean.y();
+  const double spread = std::hypot(0.5 * (xx - yy), xy);
+  const double thin = 0.5 * (xx + yy) - spread;
+  const double wide = 0.5 * (xx + yy) + spread;
+  if (thin > kSurfaceThinness * wide) {
+    return std::nullopt;
+  }
+  const double along = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  const double across = std::abs(-std::sin(along) * direction.x() + std::cos(along) * direction.y());
+  return std::acos(std::min(1.0, across));
+}
+
+void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& visible) {
   const BeamReading beam{reading.world_from_sonar, reading.range, true};
   cells_of_echo(params_.sonar, grid_.geometry, beam, params_.prior_widening, arc_);
+  // what lies behind something opaque cannot have answered
+  std::erase_if(arc_, [&](const ArcCell& candidate) {
+    return visible[static_cast<std::size_t>(candidate.slice)] < reading.range - params_.sonar.free_margin;
+  });
   bool wall_explains = false;
   bool known_explains = false;
   for (const ArcCell& candidate : arc_) {
@@ -109,6 +192,11 @@ void GridMapper::dispute_walls(const DiscReading& reading) {
     const std::size_t i = grid_.geometry.index(cell);
     if (grid_.prior[i] != Prior::kOccupied) {
       continue;
+    }
+    const double theta = reading.world_from_sonar.theta;
+    const std::optional<double> incidence = incidence_at(cell, {std::cos(theta), std::sin(theta)});
+    if (incidence && *incidence > params_.specular_incidence) {
+      return;  // a mirror: what seems to lie behind it lies elsewhere
     }
     Dispute& dispute = disputes_[i];
     const Eigen::Vector2d position = reading.world_from_robot.position();

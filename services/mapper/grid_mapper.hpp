@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -14,12 +15,15 @@ struct GridMapperParams {
   SonarModelParams sonar;
   EchoFilterParams filter;
   double occupied_log_odds = 0.8;  ///< a cell above is occupied
-  double prior_tolerance = 0.15;   ///< [m] an echo this close to a wall of the building's map comes from that wall
+  double prior_tolerance = 0.20;   ///< [m] an echo this close to a wall of the building's map comes from that wall
   double prior_widening = radians(2.0);  ///< [rad] added to the cone for that: error of the believed heading
   double explained_share = 0.25;         ///< vote of a cell where another on the same arc is already occupied
-  double decay_time = 120.0;     ///< [s] until occupied evidence that contradicts the building's map fades; 0 = never
-  double dispute_range = 2.0;    ///< [m] walls seen through from farther away are not disputed
-  double dispute_spacing = 0.5;  ///< [m] between poses that dispute a wall
+  double specular_incidence =
+      radians(20.0);  ///< [rad] a wall seen more obliquely throws the sound away: silence says nothing about it
+  double oblique_log_odds = 0.05;  ///< taken nevertheless where the building's map knows of no wall
+  double decay_time = 120.0;       ///< [s] until occupied evidence that contradicts the building's map fades; 0 = never
+  double dispute_range = 2.0;      ///< [m] walls seen through from farther away are not disputed
+  double dispute_spacing = 0.5;    ///< [m] between poses that dispute a wall
   int dispute_poses = 3;
   double robot_radius = 0.20;  ///< [m] around the robot nothing can stand
 };
@@ -63,7 +67,12 @@ class GridMapper {
     int poses = 0;
     Eigen::Vector2d position[2];
   };
-  void vote_occupied(const DiscReading& reading);
+  /// How far each slice of the cone reaches before something hides what is behind it.
+  [[nodiscard]] SliceRanges visible_ranges(const BeamReading& beam);
+  /// Angle [rad] between a beam and the normal of the surface that the occupied cells round a cell form; nothing where
+  /// they form none.
+  [[nodiscard]] std::optional<double> incidence_at(const Cell& cell, const Eigen::Vector2d& direction) const;
+  void vote_occupied(const DiscReading& reading, const SliceRanges& visible);
   void dispute_walls(const DiscReading& reading);
   void touch(const Eigen::Vector2d& centre, double radius);
   void add(const Cell& cell, double log_odds);

@@ -28,6 +28,7 @@ void read_sonar_model(const TomlTable& table, const SonarRing& ring, SonarModelP
   sonar.occupied_range = table.number("occupied_range", sonar.occupied_range, {0.1, 20.0});
   sonar.free_range = table.number("free_range", sonar.free_range, {0.1, 20.0});
   sonar.no_echo_share = table.number("no_echo_share", sonar.no_echo_share, kFraction);
+  sonar.no_echo_range = table.number("no_echo_range", sonar.no_echo_range, {0.0, 20.0});
   sonar.free_margin = table.number("free_margin", sonar.free_margin, {0.0, 1.0});
   sonar.least_log_odds = table.number("least_log_odds", sonar.least_log_odds, {-6.0, -0.1});
   sonar.most_log_odds = table.number("most_log_odds", sonar.most_log_odds, {0.1, 6.0});

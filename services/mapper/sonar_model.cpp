@@ -24,17 +24,18 @@ std::int8_t to_evidence(double log_odds) {
   return static_cast<std::int8_t>(std::clamp(std::lround(log_odds * kEvidencePerLogOdds), -127L, 127L));
 }
 
-void fill_sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, double radius, CellSpans& spans) {
+void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, double from_angle, double to_angle,
+                 double radius, CellSpans& spans) {
   // corners in cells, so that the centre of cell (c, r) is (c, r)
   std::array<Eigen::Vector2d, kArcCorners + 1> corners;
   const auto to_cells = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
     return (p - geometry.origin) / geometry.resolution - Eigen::Vector2d(0.5, 0.5);
   };
-  corners[0] = to_cells(apex.position());
+  corners[0] = to_cells(apex);
   for (int i = 0; i < kArcCorners; ++i) {
-    const double angle = apex.theta + half_angle * (2.0 * i / (kArcCorners - 1) - 1.0);
+    const double angle = from_angle + (to_angle - from_angle) * i / (kArcCorners - 1);
     corners[static_cast<std::size_t>(i) + 1] =
-        to_cells(apex.position() + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+        to_cells(apex + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
   }
   double bottom = corners[0].y();
   double top = corners[0].y();
@@ -78,33 +79,55 @@ FreeSpaceModel::FreeSpaceModel(const SonarModelParams& params) : params_(params)
   }
 }
 
-void FreeSpaceModel::apply(const BeamReading& reading, double limit, OccupancyGrid& grid) {
-  const double seen = reading.has_echo ? reading.range - params_.free_margin : params_.free_range;
-  const double length = std::min({seen, params_.free_range, limit});
+void FreeSpaceModel::apply(const BeamReading& reading, const SliceRanges& limits, OccupancyGrid& grid) {
+  const double seen = reading.has_echo ? reading.range - params_.free_margin : params_.no_echo_range;
+  const double length = std::min(seen, params_.free_range);
   if (length <= 0.0) {
     return;
   }
   const double share = reading.has_echo ? 1.0 : params_.no_echo_share;
+  // silence takes away what is believed to stand there; it does not prove that nothing does
+  least_ = reading.has_echo ? to_evidence(params_.least_log_odds) : std::int8_t{0};
   const auto vote = static_cast<std::int8_t>(-to_evidence(share * params_.free_log_odds));
   const auto core = static_cast<std::int8_t>(-to_evidence(share * params_.core_log_odds));
   if (params_.kind == SonarModelKind::kLine) {
-    line(grid.geometry, reading.world_from_sonar, length, static_cast<std::int8_t>(vote + core), grid.evidence);
+    const double limit = std::min(length, limits[kSlices / 2]);
+    line(grid.geometry, reading.world_from_sonar, limit, static_cast<std::int8_t>(vote + core), grid.evidence);
     return;
   }
-  sector(grid.geometry, reading.world_from_sonar, params_.half_angle, length, vote, grid.evidence);
-  sector(grid.geometry, reading.world_from_sonar, 0.5 * params_.half_angle, std::min(length, params_.core_range), core,
-         grid.evidence);
+  sector(grid.geometry, reading.world_from_sonar, params_.half_angle, limits, length, vote, grid.evidence);
+  sector(grid.geometry, reading.world_from_sonar, 0.5 * params_.half_angle, limits,
+         std::min(length, params_.core_range), core, grid.evidence);
 }
 
-void FreeSpaceModel::sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, double radius,
-                            std::int8_t vote, std::vector<std::int8_t>& evidence) {
-  fill_sector(geometry, apex, half_angle, radius, spans_);
-  const std::int8_t least = to_evidence(params_.least_log_odds);
-  for (std::size_t k = 0; k < spans_.first.size(); ++k) {
-    const int count = spans_.last[k] - spans_.first[k] + 1;
-    if (count > 0) {
-      const std::size_t start = geometry.index({spans_.first[k], spans_.first_row + static_cast<int>(k)});
-      add_clamped(evidence.data() + start, count, vote, least);
+void FreeSpaceModel::sector(const GridGeometry& geometry, const Pose2& apex, double half_angle,
+                            const SliceRanges& ranges, double most, std::int8_t vote,
+                            std::vector<std::int8_t>& evidence) {
+  if (vote == 0) {
+    return;
+  }
+  const double slice = 2.0 * params_.half_angle / kSlices;
+  const auto range_of = [&](int k) { return std::min(ranges[static_cast<std::size_t>(k)], most); };
+  // neighbouring slices of one range are drawn as one: mostly that is all of them
+  for (int first = 0; first < kSlices;) {
+    int last = first + 1;
+    while (last < kSlices && range_of(last) == range_of(first)) {
+      ++last;
+    }
+    const double from = std::max(-half_angle, -params_.half_angle + first * slice);
+    const double to = std::min(half_angle, -params_.half_angle + last * slice);
+    const double range = range_of(first);
+    first = last;
+    if (to <= from || range <= 0.0) {
+      continue;
+    }
+    fill_sector(geometry, apex.position(), apex.theta + from, apex.theta + to, range, spans_);
+    for (std::size_t k = 0; k < spans_.first.size(); ++k) {
+      const int count = spans_.last[k] - spans_.first[k] + 1;
+      if (count > 0) {
+        const std::size_t start = geometry.index({spans_.first[k], spans_.first_row + static_cast<int>(k)});
+        add_clamped(evidence.data() + start, count, vote, least_);
+      }
     }
   }
 }
@@ -116,12 +139,11 @@ void FreeSpaceModel::line(const GridGeometry& geometry, const Pose2& apex, doubl
   const Eigen::Vector2d way =
       length / geometry.resolution * Eigen::Vector2d(std::cos(apex.theta), std::sin(apex.theta));
   const int steps = std::max(1, static_cast<int>(std::ceil(way.cwiseAbs().maxCoeff())));
-  const std::int8_t least = to_evidence(params_.least_log_odds);
   for (int i = 0; i < steps; ++i) {
     const Eigen::Vector2d p = start + way * (static_cast<double>(i) / steps);
     const Cell cell{static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y()))};
     if (geometry.contains(cell)) {
-      add_clamped(evidence.data() + geometry.index(cell), 1, vote, least);
+      add_clamped(evidence.data() + geometry.index(cell), 1, vote, least_);
     }
   }
 }
@@ -141,13 +163,15 @@ void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry,
                                        range * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
     const double share = std::min(1.0, std::abs(offset) / params.half_angle);
     const double weight = 1.0 - (1.0 - params.edge_weight) * share * share;
+    const double in_slices = (offset + params.half_angle) / (2.0 * params.half_angle) * kSlices;
+    const int slice = std::clamp(static_cast<int>(std::floor(in_slices)), 0, kSlices - 1);
     if (!geometry.contains(cell)) {
       continue;
     }
     if (!cells.empty() && cells.back().cell == cell) {
       cells.back().weight = std::max(cells.back().weight, weight);
     } else {
-      cells.push_back({cell, weight});
+      cells.push_back({cell, slice, weight});
     }
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -16,16 +17,17 @@ struct SonarModelParams {
   double half_angle = radians(15.0);  ///< [rad] of the cone
   double minimum_range = 0.10;        ///< [m] nearer readings say nothing
   double maximum_range = 5.0;         ///< [m] readings from here on are no echo
-  double free_log_odds = 0.20;        ///< taken from every cell inside the cone
-  double core_log_odds = 0.20;        ///< taken beside that in the inner half of the cone, where a miss is rare
+  double free_log_odds = 0.10;        ///< taken from every cell inside the cone
+  double core_log_odds = 0.10;        ///< taken beside that in the inner half of the cone, where a miss is rare
   double core_range = 2.0;            ///< [m] up to here
-  double occupied_log_odds = 0.60;    ///< given to the cell on the axis at the reading
+  double occupied_log_odds = 1.20;    ///< given to the cell on the axis at the reading
   double edge_weight = 0.30;          ///< of that at the border of the cone; a parabola between
   double occupied_range = 3.0;   ///< [m] echoes from farther away are too wide to place (1.6 m there): free votes only
   double free_range = 3.0;       ///< [m] nothing is called free beyond
-  double no_echo_share = 0.5;    ///< weight of a reading without an echo: a slanted wall may have thrown it away
+  double no_echo_range = 3.0;    ///< [m] how far a reading without an echo takes occupied evidence away
+  double no_echo_share = 0.5;    ///< with this share of the weight: a slanted wall may have thrown it away
   double free_margin = 0.15;     ///< [m] before the reading where nothing is voted
-  double least_log_odds = -2.0;  ///< clamp of free evidence; low, so that what stands there anew shows soon
+  double least_log_odds = -1.0;  ///< clamp of free evidence; low, so that what stands there anew shows soon
   double most_log_odds = 2.5;    ///< clamp of occupied evidence; low, so that what has gone vanishes soon
 };
 
@@ -43,29 +45,38 @@ struct CellSpans {
   std::vector<int> last;
 };
 
-/// Cells whose centre lies in the sector of a circle round `apex`, x of the pose being its axis; clipped to the grid.
-/// The spans are overwritten.
-void fill_sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, double radius, CellSpans& spans);
+/// Cells whose centre lies in the piece of a circle round `apex` between two angles [rad, world], less than half a turn
+/// apart; clipped to the grid. Pieces that touch share no cell but those exactly on the line between them. The spans
+/// are overwritten.
+void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, double from_angle, double to_angle,
+                 double radius, CellSpans& spans);
+
+/// The cone is looked at in this many slices: at 3 m one is a cell wide.
+inline constexpr int kSlices = 15;
+/// How far each slice of the cone can be seen into [m], from the right border to the left one.
+using SliceRanges = std::array<double, kSlices>;
 
 /// Votes of free space. They need no second look: an echo that came too early leaves only too little of it.
 class FreeSpaceModel {
  public:
   explicit FreeSpaceModel(const SonarModelParams& params);
-  /// Takes evidence from the cells that the reading saw empty, out to `limit` [m] at most.
-  void apply(const BeamReading& reading, double limit, OccupancyGrid& grid);
+  /// Takes evidence from the cells that the reading saw empty, in each slice out to its limit [m] at most.
+  void apply(const BeamReading& reading, const SliceRanges& limits, OccupancyGrid& grid);
 
  private:
-  void sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, double radius, std::int8_t vote,
-              std::vector<std::int8_t>& evidence);
+  void sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, const SliceRanges& ranges,
+              double most, std::int8_t vote, std::vector<std::int8_t>& evidence);
   void line(const GridGeometry& geometry, const Pose2& apex, double length, std::int8_t vote,
             std::vector<std::int8_t>& evidence);
   SonarModelParams params_;
   CellSpans spans_;
+  std::int8_t least_ = 0;  // evidence is not taken below
 };
 
 /// A cell that an echo may come from.
 struct ArcCell {
   Cell cell;
+  int slice = 0;        // of the cone, 0 at its right border
   double weight = 1.0;  // 1 on the axis
 };
 

@@ -1,0 +1,208 @@
+#include "services/mapper/grid_mapper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+constexpr std::int64_t kRound = 320'000;  // [us] from one reading of a disc to its next
+
+PriorMap room(Prior inside = Prior::kFree) {
+  // 10 x 10 m, walls 0.2 m thick all round
+  PriorMap map{{0.1, {0.0, 0.0}, 100, 100}, std::vector<Prior>(10000, inside)};
+  if (inside == Prior::kFree) {
+    for (int i = 0; i < 100; ++i) {
+      for (int k = 0; k < 2; ++k) {
+        for (const Cell cell : {Cell{i, k}, {i, 99 - k}, {k, i}, {99 - k, i}}) {
+          map.cells[map.geometry.index(cell)] = Prior::kOccupied;
+        }
+      }
+    }
+  }
+  return map;
+}
+
+/// A sonar in the robot's middle; readings come one round apart.
+class Beam {
+ public:
+  explicit Beam(GridMapper& mapper) : mapper_(mapper) {}
+  void look(const Pose2& pose, double range, int times, bool has_echo = true) {
+    for (int i = 0; i < times; ++i) {
+      utime_ += kRound;
+      mapper_.integrate({0, utime_, pose, pose, range, has_echo});
+      mapper_.decay(utime_);
+    }
+  }
+  std::int64_t utime() const { return utime_; }
+
+ private:
+  GridMapper& mapper_;
+  std::int64_t utime_ = 1'000'000;
+};
+
+bool occupied(const GridMapper& mapper, double x, double y) {
+  return mapper.is_occupied(mapper.grid().geometry.cell_at({x, y}));
+}
+Prior prior(const GridMapper& mapper, double x, double y) {
+  return mapper.grid().prior[mapper.grid().geometry.index(mapper.grid().geometry.cell_at({x, y}))];
+}
+
+TEST(GridMapper, DrawsABoxAfterAFewEchoes) {
+  GridMapper mapper({}, room(), 16);
+  Beam(mapper).look({4.0, 5.0, 0.0}, 1.5, 4);
+  EXPECT_TRUE(occupied(mapper, 5.53, 5.05));
+  EXPECT_FALSE(occupied(mapper, 4.75, 5.05));
+}
+
+TEST(GridMapper, DoesNotBelieveASingleEcho) {
+  GridMapper mapper({}, room(), 16);
+  Beam beam(mapper);
+  beam.look({4.0, 5.0, 0.0}, 1.5, 1);
+  beam.look({4.0, 5.0, 0.0}, 3.5, 3);
+  EXPECT_FALSE(occupied(mapper, 5.53, 5.05));
+}
+
+TEST(GridMapper, TakesAnEchoFromAWallOfTheMapForThatWall) {
+  GridMapper mapper({}, room(), 16);
+  Beam beam(mapper);
+  // the pose is 8 cm wrong: the echo seems to come from before the wall
+  for (double y = 3.0; y < 7.0; y += 0.1) {
+    beam.look({8.0, y, 0.0}, 1.72, 2);
+  }
+  for (int row = 0; row < 100; ++row) {
+    for (int column = 0; column < 100; ++column) {
+      const std::size_t i = mapper.grid().geometry.index({column, row});
+      EXPECT_FALSE(mapper.is_occupied({column, row}) && mapper.grid().prior[i] == Prior::kFree);
+    }
+  }
+}
+
+TEST(GridMapper, SeesWhatStandsClearlyBeforeAWall) {
+  GridMapper mapper({}, room(), 16);
+  Beam(mapper).look({7.5, 5.0, 0.0}, 1.7, 4);  // 0.6 m before the wall
+  EXPECT_TRUE(occupied(mapper, 9.23, 5.05));
+}
+
+TEST(GridMapper, ForgetsAPersonWithinTenSecondsOfSeeingThePlaceFree) {
+  GridMapper mapper({}, room(), 16);
+  Beam beam(mapper);
+  beam.look({4.0, 5.0, 0.0}, 1.5, 12);
+  ASSERT_TRUE(occupied(mapper, 5.53, 5.05));
+  const std::int64_t left = beam.utime();
+  while (occupied(mapper, 5.53, 5.05) && beam.utime() - left < 20'000'000) {
+    beam.look({4.0, 5.0, 0.0}, 4.0, 1);
+  }
+  EXPECT_LE(beam.utime() - left, 10'000'000);
+}
+
+TEST(GridMapper, ForgetsAPhantomAlsoWhenNothingAnswersThereAnyMore) {
+  GridMapper mapper({}, room(), 16);
+  Beam beam(mapper);
+  beam.look({4.0, 5.0, 0.0}, 1.0, 12);
+  ASSERT_TRUE(occupied(mapper, 5.03, 5.05));
+  beam.look({4.0, 5.0, 0.0}, 5.0, 60, false);
+  EXPECT_FALSE(occupied(mapper, 5.03, 5.05));
+}
+
+TEST(GridMapper, LetsOccupiedEvidenceFadeThatContradictsTheMap) {
+  GridMapperParams params;
+  params.decay_time = 60.0;
+  GridMapper known(params, room(), 16);
+  GridMapper unknown(params, room(Prior::kUnknown), 16);
+  for (GridMapper* mapper : {&known, &unknown}) {
+    Beam beam(*mapper);
+    beam.look({4.0, 5.0, 0.0}, 1.5, 12);
+    for (std::int64_t utime = beam.utime(); utime < beam.utime() + 70'000'000; utime += 100'000) {
+      mapper->decay(utime);
+    }
+  }
+  EXPECT_FALSE(occupied(known, 5.53, 5.05));
+  EXPECT_TRUE(occupied(unknown, 5.53, 5.05)) << "where the building's map says nothing, the sonars' word stays";
+}
+
+TEST(GridMapper, IgnoresReadingsBelowTheMinimum) {
+  GridMapper mapper({}, room(), 16);
+  Beam(mapper).look({4.0, 5.0, 0.0}, 0.05, 10);
+  EXPECT_TRUE(mapper.take_touched_tiles().empty());
+}
+
+TEST(GridMapper, TakesAReadingAtTheMaximumForNoEcho) {
+  GridMapper mapper({}, room(), 16);
+  Beam(mapper).look({3.0, 5.0, 0.0}, 5.0, 20, true);
+  EXPECT_FALSE(occupied(mapper, 8.03, 5.05));
+}
+
+TEST(GridMapper, DoesNotDrawFreeSpaceThroughAWallOfTheMap) {
+  GridMapper mapper({}, room(), 16);
+  Beam(mapper).look({8.5, 5.0, 0.9}, 5.0, 50, false);
+  EXPECT_EQ(mapper.grid().evidence[mapper.grid().geometry.index({99, 68})], 0);
+}
+
+TEST(GridMapper, DisputesAWallThatIsSeenThroughFromThreePlaces) {
+  GridMapper mapper({}, room(), 16);
+  Beam beam(mapper);
+  beam.look({8.6, 5.05, 0.0}, 3.0, 5);
+  EXPECT_EQ(prior(mapper, 9.85, 5.05), Prior::kOccupied) << "one place";
+  beam.look({8.1, 5.05, 0.0}, 3.5, 5);
+  EXPECT_EQ(prior(mapper, 9.85, 5.05), Prior::kOccupied) << "two places";
+  beam.look({8.05, 5.05, 0.0}, 3.5, 5);
+  EXPECT_EQ(prior(mapper, 9.85, 5.05), Prior::kOccupied) << "too near the second";
+}
+
+TEST(GridMapper, CountsPlacesForADisputeOnlyHalfAMetreApart) {
+  PriorMap map = room();
+  for (int row = 30; row < 70; ++row) {
+    map.cells[map.geometry.index({50, row})] = Prior::kOccupied;  // a wall in the middle that is no longer there
+  }
+  GridMapper mapper({}, map, 16);
+  Beam beam(mapper);
+  for (const double x : {4.6, 4.05, 3.5}) {
+    EXPECT_EQ(prior(mapper, 5.05, 5.05), Prior::kOccupied);
+    beam.look({x, 5.05, 0.0}, 4.0, 3);
+  }
+  EXPECT_EQ(prior(mapper, 5.05, 5.05), Prior::kDisputed);
+  EXPECT_EQ(prior(mapper, 5.05, 6.5), Prior::kOccupied);
+}
+
+TEST(GridMapper, KnowsThatNothingStandsWhereTheRobotStands) {
+  GridMapper mapper({}, room(), 16);
+  Beam(mapper).look({4.0, 5.0, 0.0}, 1.5, 12);
+  ASSERT_TRUE(occupied(mapper, 5.53, 5.05));
+  for (int i = 0; i < 5; ++i) {
+    mapper.mark_robot({5.5, 5.0, 0.0});
+  }
+  EXPECT_FALSE(occupied(mapper, 5.53, 5.05));
+}
+
+TEST(GridMapper, TellsWhichTilesItTouched) {
+  GridMapper mapper({}, room(), 16);
+  Beam(mapper).look({2.0, 2.0, 0.0}, 1.5, 1);
+  EXPECT_EQ(mapper.take_touched_tiles(), std::vector<int>({0}));
+  EXPECT_TRUE(mapper.take_touched_tiles().empty());
+  Beam(mapper).look({6.4, 6.4, 0.0}, 1.5, 1);
+  EXPECT_EQ(mapper.take_touched_tiles().size(), 4U);
+}
+
+TEST(GridMapper, ClearsAllEvidence) {
+  GridMapper mapper({}, room(), 16);
+  Beam(mapper).look({4.0, 5.0, 0.0}, 1.5, 4);
+  mapper.clear_evidence();
+  for (const std::int8_t evidence : mapper.grid().evidence) {
+    ASSERT_EQ(evidence, 0);
+  }
+}
+
+TEST(GridMapper, SurvivesPosesFarOutsideTheMap) {
+  GridMapper mapper({}, room(), 16);
+  Beam beam(mapper);
+  beam.look({-500.0, 3.0, 1.0}, 1.5, 3);
+  beam.look({9.9, 9.9, 0.7}, 4.5, 3);
+  beam.look({1e9, -1e9, 0.7}, 4.5, 3);
+  mapper.mark_robot({1e9, 0.0, 0.0});
+  SUCCEED();
+}
+
+}  // namespace
+}  // namespace luminav
