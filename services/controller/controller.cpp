@@ -68,7 +68,11 @@ ControlOutput Controller::step(const ControlInput& input) {
   look_for_people(input.now, obstacles);
   const double unknown = nearest_unknown(obstacles);
   const DriveTwist wanted = with_care(wish(input, obstacles, output), unknown);
-  const DriveTwist smooth = ramp_.step(wanted, input.duration);
+  DriveTwist smooth = ramp_.step(wanted, input.duration);
+  if (escape_ && wanted.linear != 0.0) {
+    // the arc that was found free, from the first step on: turning speeds up faster than driving
+    smooth.angular = wanted.angular * smooth.linear / wanted.linear;
+  }
   StopVerdict verdict = stop_logic_.judge(smooth, obstacles, input.ages);
   hold_still(input.now, wanted, unknown, verdict);
   if (verdict.limited && is_still(verdict.twist)) {
@@ -120,7 +124,7 @@ DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const
 // Where something that is on no map stands in the way at arm's length it stands quite still for a while: people pass or
 // turn away from a robot that waits, not from one that fidgets.
 void Controller::hold_still(std::int64_t now, const DriveTwist& wanted, double nearest, StopVerdict& verdict) {
-  const bool drives_itself = task_ == ControlTask::kFollow || task_ == ControlTask::kWander;
+  const bool drives_itself = task_ == ControlTask::kFollow && !escape_;
   const bool is_stopped = verdict.by_unknown && has_met_people(now) && !is_still(wanted) && is_still(verdict.twist);
   if (hold_since_ == 0 && drives_itself && is_stopped && nearest < config_.hold_within && now >= next_hold_) {
     hold_since_ = now;
@@ -170,7 +174,7 @@ DriveTwist Controller::wish(const ControlInput& input, const std::vector<Obstacl
     return escape_twist(input.now).value_or(DriveTwist{});
   }
   if (input.task == ControlTask::kWander) {
-    return wander_.step(input.now, input.odom_from_robot, obstacles);
+    return wander_.step(input.now, input.odom_from_robot, obstacles, input.remembered);
   }
   return output.follow.wanted;
 }

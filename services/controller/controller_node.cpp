@@ -344,6 +344,9 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
       input.grid = has_grid_ ? &grid_ : nullptr;
     }
     input.echoes = echoes_.obstacles(utime, *place);
+    if (input.task == ControlTask::kWander) {
+      input.remembered = echoes_.remembered(utime, *place);
+    }
     input.ages.odometry = std::max(0.0, seconds_between(odometry_.back().utime, utime));
   }
   judge_disc_ages(echoes_, utime, input.ages);

@@ -86,7 +86,7 @@ void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
   if (firing.disc >= newest_.size() || firing.utime <= newest_[firing.disc].utime) {
     return;
   }
-  const double oldest = std::max(params_.keep, params_.keep_near);
+  const double oldest = std::max({params_.keep, params_.keep_near, params_.remember});
   std::erase_if(echoes_, [&](const Echo& echo) {
     return echo.points_in_odom.empty() || seconds_between(echo.utime, firing.utime) > oldest;
   });
@@ -134,12 +134,12 @@ void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
   newest_[firing.disc] = firing;
 }
 
-std::vector<ObstaclePoint> EchoMemory::obstacles(std::int64_t now, const Pose2& odom_from_robot) const {
+std::vector<ObstaclePoint> EchoMemory::points_of(std::int64_t now, const Pose2& odom_from_robot, double longest) const {
   std::vector<ObstaclePoint> result;
   const Pose2 robot_from_odom = odom_from_robot.inverse();
   for (const Echo& echo : echoes_) {
     const double age = std::max(0.0, seconds_between(echo.utime, now));
-    if (age > echo.keep) {
+    if (age > std::max(echo.keep, longest)) {
       continue;
     }
     // after half a second a newer firing has the say about who approaches
@@ -149,6 +149,14 @@ std::vector<ObstaclePoint> EchoMemory::obstacles(std::int64_t now, const Pose2& 
     }
   }
   return result;
+}
+
+std::vector<ObstaclePoint> EchoMemory::obstacles(std::int64_t now, const Pose2& odom_from_robot) const {
+  return points_of(now, odom_from_robot, 0.0);
+}
+
+std::vector<ObstaclePoint> EchoMemory::remembered(std::int64_t now, const Pose2& odom_from_robot) const {
+  return points_of(now, odom_from_robot, params_.remember);
 }
 
 }  // namespace luminav

@@ -31,6 +31,7 @@ struct EchoMemoryParams {
   double keep = 1.2;                    // [s] an echo that nothing refutes
   double keep_near = 2.5;               // [s] the same within `near`, where sonar may be blind to it
   double near = 0.45;                   // [m] from the disc
+  double remember = 8.0;                // [s] an echo counts for choosing a direction, though not for stopping
   double spacing = 0.06;                // [m] between the points that stand for an arc
   double refute_margin = 0.12;          // [m] an echo this much farther clears what was nearer in its cone
   double wall_tolerance = 0.15;         // [m] an arc with a mapped wall this near is that wall
@@ -56,6 +57,8 @@ class EchoMemory {
   void add(const SonarFiring& firing, const WallTest& is_wall);
   /// Obstacles as they are seen from the robot now.
   [[nodiscard]] std::vector<ObstaclePoint> obstacles(std::int64_t now, const Pose2& odom_from_robot) const;
+  /// The same with a longer memory, for whoever looks for a way: standing things stay where they are.
+  [[nodiscard]] std::vector<ObstaclePoint> remembered(std::int64_t now, const Pose2& odom_from_robot) const;
   /// Newest firing of each disc; utime 0 = never.
   [[nodiscard]] const std::vector<SonarFiring>& newest() const { return newest_; }
   [[nodiscard]] const SonarRing& ring() const { return ring_; }
@@ -78,6 +81,8 @@ class EchoMemory {
     bool is_known = false;
     std::vector<Eigen::Vector2d> points_in_odom;
   };
+  [[nodiscard]] std::vector<ObstaclePoint> points_of(std::int64_t now, const Pose2& odom_from_robot,
+                                                     double longest) const;
   [[nodiscard]] double approach_speed(const SonarFiring& firing) const;
   void refute(const SonarFiring& firing);
 

@@ -15,7 +15,8 @@ double seconds_between(std::int64_t from, std::int64_t to) {
 void Wander::clear() {
   visits_.clear();
   failures_.clear();
-  last_step_ = last_decision_ = 0;
+  last_step_ = 0;
+  decided_at_.reset();
   is_turning_ = false;
   repulsive_.setZero();
 }
@@ -49,23 +50,28 @@ double Wander::worth(double direction, std::int64_t now, const Pose2& odom_from_
   return sum - 0.5 * std::abs(direction);
 }
 
-void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
-  failures_.push_back({now, odom_from_robot.position(), is_turning_ ? target_ : odom_from_robot.theta});
-  if (failures_.size() > 30) {
+void Wander::note_failure(std::int64_t now, const Pose2& odom_from_robot, double heading) {
+  constexpr std::size_t kMostFailures = 30;
+  failures_.push_back({now, odom_from_robot.position(), heading});
+  if (failures_.size() > kMostFailures) {
     failures_.pop_front();
   }
+}
+
+void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
+  note_failure(now, odom_from_robot, is_turning_ ? target_ : odom_from_robot.theta);
   is_turning_ = false;
-  last_decision_ = 0;
+  decided_at_.reset();
 }
 
 void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
-                    std::span<const ObstaclePoint> obstacles) {
-  last_decision_ = now;
+                    std::span<const ObstaclePoint> remembered) {
+  decided_at_ = odom_from_robot.position();
   double best = 0.0;
-  double best_worth = is_blocked ? -100.0 : worth(0.0, now, odom_from_robot, obstacles) + params_.better_by;
+  double best_worth = is_blocked ? -100.0 : worth(0.0, now, odom_from_robot, remembered) + params_.better_by;
   for (int i = -17; i <= 18; ++i) {
     const double direction = radians(10.0 * i);
-    const double value = worth(direction, now, odom_from_robot, obstacles);
+    const double value = worth(direction, now, odom_from_robot, remembered);
     if (std::abs(direction) > radians(25.0) && value > best_worth) {
       best_worth = value;
       best = direction;
@@ -80,14 +86,15 @@ void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_ro
   // the short way unless only the long one is free
   const auto is_turn_free = [&](double angle) {
     return stop_logic_.is_free({0.0, std::copysign(params_.angular, angle)}, std::abs(angle) / params_.angular,
-                               obstacles);
+                               remembered);
   };
   if (!is_turn_free(best) && is_turn_free(best - turn_sign_ * 2.0 * kPi)) {
     turn_sign_ = -turn_sign_;
   }
 }
 
-DriveTwist Wander::step(std::int64_t now, const Pose2& odom_from_robot, std::span<const ObstaclePoint> obstacles) {
+DriveTwist Wander::step(std::int64_t now, const Pose2& odom_from_robot, std::span<const ObstaclePoint> obstacles,
+                        std::span<const ObstaclePoint> remembered) {
   const double duration = last_step_ == 0 ? 0.0 : std::clamp(seconds_between(last_step_, now), 0.0, 0.5);
   last_step_ = now;
   visits_[square_at(odom_from_robot.position())] += duration;
@@ -95,7 +102,7 @@ DriveTwist Wander::step(std::int64_t now, const Pose2& odom_from_robot, std::spa
     const double error = wrap_angle(target_ - odom_from_robot.theta);
     if (std::abs(error) < radians(8.0)) {
       is_turning_ = false;
-      last_decision_ = now;
+      decided_at_ = odom_from_robot.position();
     } else {
       const double rate = std::clamp(1.6 * std::abs(error), 0.15, params_.angular);
       // near the end the sign is the error's own, before it the way round that was chosen
@@ -105,13 +112,11 @@ DriveTwist Wander::step(std::int64_t now, const Pose2& odom_from_robot, std::spa
   const double ahead = free_way(0.0, params_.reach, obstacles, params_.free_heading);
   const bool is_blocked = ahead < params_.blocked_below;
   if (is_blocked) {
-    failures_.push_back({now, odom_from_robot.position(), odom_from_robot.theta});
-    if (failures_.size() > 30) {
-      failures_.pop_front();
-    }
+    note_failure(now, odom_from_robot, odom_from_robot.theta);
   }
-  if (is_blocked || seconds_between(last_decision_, now) > params_.decide_every) {
-    decide(is_blocked, now, odom_from_robot, obstacles);
+  const bool has_gone_far = !decided_at_ || (*decided_at_ - odom_from_robot.position()).norm() > params_.decide_every;
+  if (is_blocked || has_gone_far) {
+    decide(is_blocked, now, odom_from_robot, remembered);
     if (is_turning_) {
       return {};
     }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -19,10 +20,10 @@ struct WanderParams {
   double place_side = 0.5;         // [m] of the squares in which it counts where it has been
   double reach = 3.0;              // [m] a direction is worth at most so much free way
   double blocked_below = 0.40;     // [m] free way ahead that makes it look for another direction
-  double decide_every = 1.5;       // [s] while the way is free
-  double better_by = 1.2;          // squares' worth that another direction must offer to leave a free way
+  double decide_every = 1.2;       // [m] driven on a free way before it looks for a better direction
+  double better_by = 1.5;          // squares' worth that another direction must offer to leave a free way
   double failure_memory = 30.0;    // [s] a direction that ended at an obstacle is avoided near that place
-  double failure_radius = 0.7;     // [m]
+  double failure_radius = 1.0;     // [m]
   FreeHeadingParams free_heading{.half_width = 0.28};
   VirtualForceParams forces;
 };
@@ -34,8 +35,10 @@ class Wander {
  public:
   Wander(const WanderParams& params, const StopLogic& stop_logic) : params_(params), stop_logic_(stop_logic) {}
 
-  /// `now` [us]. Only a wish; the stop logic has the last word.
-  DriveTwist step(std::int64_t now, const Pose2& odom_from_robot, std::span<const ObstaclePoint> obstacles);
+  /// `now` [us]; directions are chosen by what is remembered, steering goes by what is fresh. Only a wish; the stop
+  /// logic has the last word.
+  DriveTwist step(std::int64_t now, const Pose2& odom_from_robot, std::span<const ObstaclePoint> obstacles,
+                  std::span<const ObstaclePoint> remembered);
   /// The odometry jumped, or wandering is over.
   void clear();
   /// The current direction did not work: the stop logic refused it.
@@ -52,14 +55,15 @@ class Wander {
   [[nodiscard]] double worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
                              std::span<const ObstaclePoint> obstacles) const;
   void decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
-              std::span<const ObstaclePoint> obstacles);
+              std::span<const ObstaclePoint> remembered);
+  void note_failure(std::int64_t now, const Pose2& odom_from_robot, double heading);
 
   WanderParams params_;
   const StopLogic& stop_logic_;
   std::map<Square, double> visits_;  // [s] spent there
   std::deque<Failure> failures_;
-  std::int64_t last_step_ = 0;      // [us]
-  std::int64_t last_decision_ = 0;  // [us]
+  std::int64_t last_step_ = 0;                 // [us]
+  std::optional<Eigen::Vector2d> decided_at_;  // [m] odom, place of the last decision
   bool is_turning_ = false;
   double target_ = 0.0;  // [rad] odom, of the turn
   double turn_sign_ = 1.0;
