@@ -28,7 +28,7 @@ void end_groups(const std::set<int>& groups) {
   for (const int group : groups) {
     kill(-group, SIGTERM);
   }
-  constexpr int kPatience = 20;  // x 50 ms
+  constexpr int kPatience = 60;  // x 50 ms: a driver brings its robot to a stop first
   for (int i = 0; i < kPatience; ++i) {
     bool any_left = false;
     for (const int group : groups) {

@@ -1,6 +1,7 @@
 #include "services/launcher/deputy/posix_runner.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/epoll.h>
 #include <sys/prctl.h>
@@ -14,8 +15,21 @@
 
 #include "services/launcher/deputy/child_start.hpp"
 #include "services/launcher/deputy/proc_files.hpp"
+#include "services/launcher/instant.hpp"
 
 namespace luminav::launcher {
+namespace {
+
+/// A descendant that made a session of its own did so to outlive its parent for a moment, as the guardian of a robot's
+/// driver does, which has to bring the robot to a stop.
+constexpr std::int64_t kLingering = 5 * kSecond;
+
+bool is_in_session(int pid, int session) {
+  const std::optional<ProcessStat> stat = read_process_stat(pid);
+  return stat.has_value() && stat->session == session;
+}
+
+}  // namespace
 
 PosixRunner::PosixRunner(std::filesystem::path program_folder)
     : program_folder_(std::move(program_folder)), epoll_(epoll_create1(EPOLL_CLOEXEC)) {
@@ -34,8 +48,15 @@ PosixRunner::~PosixRunner() {
   for (auto& [pid, child] : children_) {
     while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
     }
-    kill_left_behind(pid, child);
+    end_left_behind(pid, child);
     close_child(child);
+  }
+  while (!lingering_.empty()) {
+    constexpr int kPause = 20;  // [ms]
+    poll(nullptr, 0, kPause);
+    while (waitpid(-1, nullptr, WNOHANG) > 0) {
+    }
+    kill_lingering();
   }
   close(epoll_);
 }
@@ -63,7 +84,9 @@ void PosixRunner::signal(int pid, int signal) {
   }
   for (const int descendant : descendants_of(pid)) {
     found->second.descendants.insert(descendant);
-    kill(descendant, signal);
+    if (signal != SIGKILL || is_in_session(descendant, pid)) {
+      kill(descendant, signal);
+    }
   }
   kill(pid, signal);
 }
@@ -102,27 +125,53 @@ std::vector<ProcessExit> PosixRunner::take_exits() {
     if (found == children_.end()) {
       continue;  // somebody's orphan
     }
-    kill_left_behind(pid, found->second);
+    end_left_behind(pid, found->second);
     read_terminal(pid, found->second, last_words_);
     close_child(found->second);
     children_.erase(found);
     guard_.forget(pid);
     exits.push_back({pid, status});
   }
+  kill_lingering();
   return exits;
 }
 
-void PosixRunner::kill_left_behind(int pid, const Child& child) {
+bool PosixRunner::is_orphan_of_ours(int pid) const {
+  const std::optional<ProcessStat> stat = read_process_stat(pid);
+  return stat && stat->parent == getpid() && stat->state != 'Z' && !children_.contains(pid) && pid != guard_.pid();
+}
+
+void PosixRunner::end_left_behind(int pid, const Child& child) {
   kill(-pid, SIGKILL);
+  std::set<int> left = child.descendants;
   for (const int orphan : children_of(getpid())) {
-    const std::optional<ProcessStat> stat = read_process_stat(orphan);
-    const bool was_below = child.descendants.contains(orphan) || (stat && stat->session == pid);
-    if (was_below && !children_.contains(orphan) && orphan != guard_.pid()) {
+    if (is_in_session(orphan, pid)) {
+      left.insert(orphan);
+    }
+  }
+  for (const int orphan : left) {
+    if (!is_orphan_of_ours(orphan)) {
+      continue;
+    }
+    if (is_in_session(orphan, pid)) {
       kill(orphan, SIGKILL);
-      for (const int descendant : descendants_of(orphan)) {
+    } else {
+      kill(orphan, SIGTERM);
+      lingering_.emplace(orphan, Instant::read().steady + kLingering);
+    }
+  }
+}
+
+void PosixRunner::kill_lingering() {
+  for (auto entry = lingering_.begin(); entry != lingering_.end();) {
+    const bool gone = !is_orphan_of_ours(entry->first);
+    if (!gone && Instant::read().steady >= entry->second) {
+      for (const int descendant : descendants_of(entry->first)) {
         kill(descendant, SIGKILL);
       }
+      kill(entry->first, SIGKILL);
     }
+    entry = gone ? lingering_.erase(entry) : std::next(entry);
   }
 }
 
@@ -138,6 +187,9 @@ void PosixRunner::close_child(Child& child) {
 ProcessUsage PosixRunner::usage(int pid) {
   ProcessUsage total;
   std::vector<int> all = descendants_of(pid);
+  if (const auto found = children_.find(pid); found != children_.end()) {
+    found->second.descendants = std::set<int>(all.begin(), all.end());
+  }
   all.push_back(pid);
   for (const int one : all) {
     if (const std::optional<ProcessStat> stat = read_process_stat(one)) {

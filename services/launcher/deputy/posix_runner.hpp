@@ -33,16 +33,19 @@ class PosixRunner final : public ProcessRunner {
   struct Child {
     int terminal = -1;  // our end
     int pidfd = -1;
-    std::set<int> descendants;  // seen when it was signalled last
+    std::set<int> descendants;  // seen so far
   };
   void read_terminal(int pid, Child& child, std::vector<ProcessOutput>& outputs);
-  void kill_left_behind(int pid, const Child& child);
+  void end_left_behind(int pid, const Child& child);
+  void kill_lingering();
+  [[nodiscard]] bool is_orphan_of_ours(int pid) const;
   void close_child(Child& child);
 
   OrphanGuard guard_;
   std::filesystem::path program_folder_;
   int epoll_ = -1;
   std::map<int, Child> children_;          // by pid
+  std::map<int, std::int64_t> lingering_;  // descendants in a session of their own -> when they are killed, [us] steady
   std::vector<ProcessOutput> last_words_;  // read when a child ended
 };
 

@@ -12,6 +12,7 @@
 #include "services/launcher/deputy/proc_files.hpp"
 #include "services/launcher/exit_status.hpp"
 #include "tests/node/launcher/launcher_world.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 // Real children. Nothing here depends on how long anything takes: the tests wait for events, and ctest's own limit ends
 // a test whose event never comes.
@@ -32,7 +33,7 @@ class PosixRunnerTest : public ::testing::Test {
   }
   void await_event() {
     pollfd descriptor{runner.event_descriptor(), POLLIN, 0};
-    poll(&descriptor, 1, 1000);
+    poll(&descriptor, 1, 20);
     for (const ProcessOutput& output : runner.take_output()) {
       printed[output.pid] += output.text;
     }
@@ -55,6 +56,7 @@ class PosixRunnerTest : public ::testing::Test {
     }
     return ends[pid];
   }
+  TemporaryFolder folder;
   PosixRunner runner{"/nowhere"};
   std::map<int, std::string> printed;
   std::map<int, int> ends;
@@ -125,7 +127,7 @@ TEST_F(PosixRunnerTest, LeavesNoGrandchildBehindNotEvenOneInASessionOfItsOwn) {
   const std::vector<int> descendants = descendants_of(pid);
   EXPECT_EQ(descendants.size(), 2U);
   runner.signal(pid, SIGKILL);
-  await_end(pid);
+  EXPECT_EQ(await_end(pid), SIGKILL);
   for (const int descendant : descendants) {
     while (is_alive(descendant)) {
       await_event();
@@ -133,13 +135,28 @@ TEST_F(PosixRunnerTest, LeavesNoGrandchildBehindNotEvenOneInASessionOfItsOwn) {
   }
 }
 
+TEST_F(PosixRunnerTest, LetsADescendantInASessionOfItsOwnFinishWhatItHasToDo) {
+  // as the guardian of a robot's driver does: it sees its parent die, ignores SIGTERM and works on
+  const int pid = start(
+      "sh -c 'mkfifo $0/pipe; exec 3<>$0/pipe; "
+      "setsid sh -c \"trap \\\"\\\" INT TERM HUP; echo guards; cat; touch $0/done\" <$0/pipe 3>&- & wait' " +
+      folder.path().string());
+  await_text(pid, "guards");
+  runner.signal(pid, SIGKILL);
+  EXPECT_EQ(await_end(pid), SIGKILL);
+  while (!std::filesystem::exists(folder.path() / "done")) {
+    await_event();
+  }
+}
+
 TEST_F(PosixRunnerTest, MeasuresAChildWithItsDescendants) {
   const int pid = start("sh -c 'sh -c \"while :; do :; done\" & wait'");
-  // the child itself does next to nothing: a tenth of a second can only be the grandchild's
-  while (runner.usage(pid).cpu < 100'000) {
-    sched_yield();
+  // the child itself does next to nothing: this much can only be the grandchild's
+  constexpr std::int64_t kMuch = 50'000;  // [us]
+  while (runner.usage(pid).cpu < kMuch) {
+    await_event();
   }
-  EXPECT_LT(read_process_stat(pid)->cpu, 100'000);
+  EXPECT_LT(read_process_stat(pid)->cpu, kMuch);
   EXPECT_GT(runner.usage(pid).resident_bytes, read_process_stat(pid)->resident_bytes);
 }
 
