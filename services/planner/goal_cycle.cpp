@@ -333,7 +333,7 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
   }
   const auto beside = static_cast<std::size_t>(kSkipBesideRobot / planner_params_.shaping.spacing) + 1;
   const std::size_t blocked = planner_.first_blocked(way.points, beside).value_or(way.points.size() - 1);
-  hold(situation, way.points, blocked, length_of(way.points));
+  hold(situation, way.points, blocked, polyline_length(way.points));
   if (route.outcome == RouteOutcome::kGoalBlocked) {
     hold_reason_ = no_path_sentence(route);
     report_.cause = fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait);
@@ -343,7 +343,7 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
 void GoalCycle::follow(const Route& route) {
   set_path(route.points);
   progress_since_ = now_;
-  progress_left_ = length_of(route.points);
+  progress_left_ = polyline_length(route.points);
   report_.distance_left = progress_left_;
   if (attempts_ == 0) {
     attempt_left_ = progress_left_;
@@ -365,7 +365,7 @@ void GoalCycle::hold(const Situation& situation, const Polyline& way, std::size_
   Polyline approach(way.begin(), way.begin() + static_cast<std::ptrdiff_t>(blocked_at) + 1);
   const auto back = static_cast<std::size_t>(params_.hold_distance / planner_params_.shaping.spacing);
   approach.resize(approach.size() > back ? approach.size() - back : 0);
-  const bool worth_driving = approach.size() >= 2 && length_of(approach) > kShortestHold;
+  const bool worth_driving = approach.size() >= 2 && polyline_length(approach) > kShortestHold;
   set_path(worth_driving ? approach : Polyline{});
   // no final heading, no tight tolerance: it only waits there
   path_.has_theta = false;
@@ -384,7 +384,7 @@ void GoalCycle::update_hold(const Situation& situation) {
   const bool there =
       path_.points.empty() || (path_.points.back() - situation.world_from_robot.position()).norm() < kHoldReached ||
       (situation.control && situation.control->at_goal && situation.control->path_sequence == path_.sequence);
-  const double drive_time = params_.blocked_wait + length_of(path_.points) / kSlowestSpeed;
+  const double drive_time = params_.blocked_wait + polyline_length(path_.points) / kSlowestSpeed;
   if (hold_since_ == 0 && (there || seconds_since(phase_since_) > drive_time)) {
     hold_since_ = now_;
   }
@@ -403,7 +403,7 @@ void GoalCycle::update_hold(const Situation& situation) {
     return;
   }
   const double limit = params_.detour_ratio * reference_length_ + params_.detour_length;
-  if (waited || length_of(route.points) <= limit) {
+  if (waited || polyline_length(route.points) <= limit) {
     ++report_.replans;
     follow(route);
   }
@@ -413,7 +413,7 @@ void GoalCycle::update_hold(const Situation& situation) {
 
 void GoalCycle::update_following(const Situation& situation) {
   advance_along(situation.world_from_robot);
-  report_.distance_left = length_of(remaining(situation.world_from_robot));
+  report_.distance_left = polyline_length(remaining(situation.world_from_robot));
   const bool yielding = situation.control && situation.control->yielding;
   report_.state = yielding ? NavigationState::kWaiting : NavigationState::kFollowing;
   report_.cause = !situation.can_move ? situation.cannot_move : yielding ? situation.control->reason : "";
@@ -482,7 +482,7 @@ void GoalCycle::check_path(const Situation& situation) {
     return;
   }
   const double limit = params_.detour_ratio * report_.distance_left + params_.detour_length;
-  if (blocked && length_of(route.points) > limit) {
+  if (blocked && polyline_length(route.points) > limit) {
     hold(situation, left, *blocked, report_.distance_left);
     return;
   }

@@ -89,7 +89,7 @@ bool is_clear(const ConfigurationSpace& space, const Eigen::Vector2d& from, cons
   return true;
 }
 
-double length_of(const Polyline& points) {
+double polyline_length(const Polyline& points) {
   double length = 0.0;
   for (std::size_t i = 1; i < points.size(); ++i) {
     length += (points[i] - points[i - 1]).norm();
@@ -98,7 +98,7 @@ double length_of(const Polyline& points) {
 }
 
 Polyline resampled(const Polyline& points, double spacing) {
-  const double length = length_of(points);
+  const double length = polyline_length(points);
   const int pieces = std::max(1, static_cast<int>(std::ceil(length / spacing)));
   Polyline result = {points.front()};
   std::size_t segment = 1;

@@ -120,7 +120,7 @@ int main(int argc, char** argv) {
                              {"columns", map.geometry.columns},
                              {"rows", map.geometry.rows}};
     if (route.outcome == RouteOutcome::kFound) {
-      report["length_m"] = length_of(route.points);
+      report["length_m"] = polyline_length(route.points);
       report["least_clearance_m"] = least;
       report["goal_gap_m"] = route.goal_gap;
       for (const Eigen::Vector2d& point : route.points) {
