@@ -335,7 +335,7 @@ void HypothesisBank::add_guess(const PoseBelief& belief, double bonus) {
 }
 
 void HypothesisBank::listen(const std::vector<Echo>& echoes) {
-  if (!walls_.has_walls() || echoes.empty()) {
+  if (!walls_.has_walls() || echoes.empty() || hypotheses_.empty()) {
     return;
   }
   constexpr double kFromWall = 0.6;  // share of echoes that come from the building's walls

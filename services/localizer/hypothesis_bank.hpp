@@ -25,8 +25,8 @@ struct HypothesisParams {
   double wall_way = 0.3;               // [m] after which a pose in a wall counts again
   double sonar_way = 0.3;              // [m] after which the sonars count again
   double sonar_turn = radians(30.0);   // [rad] likewise
-  double sonar_weight = 0.5;           // of one echo: neighbouring echoes tell the same
-  double sonar_cap = 6.0;              // most that sonar alone can hold against a hypothesis
+  double sonar_weight = 0.3;           // of one echo: neighbouring echoes tell the same
+  double sonar_cap = 14.0;             // most that sonar alone can hold against a hypothesis
   double prune = 20.0;                 // log-score behind the best at which a hypothesis is given up
   double merge_distance = 0.3;         // [m] two hypotheses nearer than this and
   double merge_angle = radians(12.0);  // [rad] this are one
