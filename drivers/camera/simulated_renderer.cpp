@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/camera/simulated_vectors.hpp"
+
 namespace luminav::simulated {
 namespace {
 
@@ -98,7 +100,7 @@ CeilingRenderer::TextureMap CeilingRenderer::texture_map(const FrameGeometry& fr
   return map;
 }
 
-void CeilingRenderer::find_points(int row, const View& view, const FrameGeometry& frame) {
+LUMINAV_WIDE_VECTORS void CeilingRenderer::find_points(int row, const View& view, const FrameGeometry& frame) {
   const Matrix3d& r = view.world_from_robot;
   const auto rise = static_cast<float>(std::max(0.1, model_.building.ceiling_height - view.lens.z()));
   const float r00 = static_cast<float>(r(0, 0)), r01 = static_cast<float>(r(0, 1)), r02 = static_cast<float>(r(0, 2));
@@ -118,7 +120,7 @@ void CeilingRenderer::find_points(int row, const View& view, const FrameGeometry
   }
 }
 
-void CeilingRenderer::light_row(int row) {
+LUMINAV_WIDE_VECTORS void CeilingRenderer::light_row(int row) {
   const int above = row / kNodePitch;
   const float share = static_cast<float>(row - above * kNodePitch) / kNodePitch;
   const float* upper = nodes_.data() + static_cast<std::ptrdiff_t>(above) * node_columns_;
@@ -134,7 +136,7 @@ void CeilingRenderer::light_row(int row) {
   }
 }
 
-void CeilingRenderer::texture_row(const TextureMap& map) {
+LUMINAV_WIDE_VECTORS void CeilingRenderer::texture_row(const TextureMap& map) {
   constexpr float kTexelsPerMetre = static_cast<float>(TileTexture::kSide / TileTexture::kPeriod);
   constexpr int kMask = TileTexture::kSide - 1;
   const int width = rays_.width();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "drivers/camera/simulated_random.hpp"
+#include "drivers/camera/simulated_vectors.hpp"
 
 namespace luminav::simulated {
 namespace {
@@ -38,7 +39,7 @@ void SensorResponse::begin_frame(std::uint64_t frame, double exposure_us, double
   sigma_ = static_cast<float>(grey_noise_ * std::sqrt(gain));
 }
 
-void SensorResponse::develop(int row, const float* brightness, std::uint8_t* grey) const {
+LUMINAV_WIDE_VECTORS void SensorResponse::develop(int row, const float* brightness, std::uint8_t* grey) const {
   RandomStream random = random_stream(seed_, kRowPurpose, frame_ * 8192 + static_cast<std::uint64_t>(row));
   const float* __restrict noise = noise_.data() + random.next() % kNoiseTile;
   const float* __restrict loss = vignette_.data();
