@@ -74,7 +74,7 @@ ControlOutput Controller::step(const ControlInput& input) {
     smooth.angular = wanted.angular * smooth.linear / wanted.linear;
   }
   StopVerdict verdict = stop_logic_.judge(smooth, obstacles, input.ages);
-  hold_still(input.now, wanted, unknown, verdict);
+  hold_still(input.now, input.odom_from_robot, wanted, unknown, verdict);
   if (verdict.limited && is_still(verdict.twist)) {
     verdict.twist = {};  // who waits stands still: creeping into people is no waiting
   }
@@ -123,7 +123,8 @@ DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const
 
 // Where something that is on no map stands in the way at arm's length it stands quite still for a while: people pass or
 // turn away from a robot that waits, not from one that fidgets.
-void Controller::hold_still(std::int64_t now, const DriveTwist& wanted, double nearest, StopVerdict& verdict) {
+void Controller::hold_still(std::int64_t now, const Pose2& odom_from_robot, const DriveTwist& wanted, double nearest,
+                            StopVerdict& verdict) {
   const bool drives_itself = task_ == ControlTask::kFollow && !escape_;
   const bool is_stopped = verdict.by_unknown && has_met_people(now) && !is_still(wanted) && is_still(verdict.twist);
   if (hold_since_ == 0 && drives_itself && is_stopped && nearest < config_.hold_within && now >= next_hold_) {
@@ -132,7 +133,14 @@ void Controller::hold_still(std::int64_t now, const DriveTwist& wanted, double n
   if (hold_since_ == 0) {
     return;
   }
-  if (!drives_itself || nearest > config_.hold_within || seconds_between(hold_since_, now) > config_.patience) {
+  const bool is_gone = nearest > config_.hold_within;
+  if (!drives_itself || is_gone || seconds_between(hold_since_, now) > config_.patience) {
+    if (is_gone) {
+      // the way is free again: what happened before counts no more
+      progress_.restart(now, odom_from_robot);
+      escapes_ = 0;
+      standing_since_ = 0;
+    }
     hold_since_ = 0;
     next_hold_ = now + microseconds(config_.hold_pause);
     return;

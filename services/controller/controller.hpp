@@ -78,7 +78,8 @@ class Controller {
   [[nodiscard]] bool has_met_people(std::int64_t now) const;
   [[nodiscard]] double nearest_unknown(const std::vector<ObstaclePoint>& obstacles) const;
   [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest) const;
-  void hold_still(std::int64_t now, const DriveTwist& wanted, double nearest, StopVerdict& verdict);
+  void hold_still(std::int64_t now, const Pose2& odom_from_robot, const DriveTwist& wanted, double nearest,
+                  StopVerdict& verdict);
   DriveTwist wish(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
   void follow(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
   [[nodiscard]] std::optional<DriveTwist> escape_twist(std::int64_t now) const;

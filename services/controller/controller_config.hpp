@@ -40,7 +40,7 @@ struct ControllerConfig {
   double care_within = 0.5;           // [m] of something that no map has
   double care_least = 0.4;            // share of the robot's limits left when it is that near
   double hold_within = 0.35;          // [m] of something that no map has and that stops it: stands quite still
-  double hold_pause = 4.0;            // [s] after that it tries by itself
+  double hold_pause = 1.0;            // [s] after that it tries by itself
 
   /// A configuration whose speeds follow the robot's limits.
   static ControllerConfig for_robot(const RobotDescription& robot);
