@@ -10,7 +10,7 @@ namespace luminav {
 namespace {
 
 constexpr std::int64_t kCycle = 50'000;       // [us] 18 bytes, which a line of 9600 baud moves in 19 ms
-constexpr std::int64_t kLeastCycle = 20'000;  // [us]
+constexpr std::int64_t kLeastCycle = 15'000;  // [us] a controller at 50 Hz is never kept waiting
 constexpr std::int64_t kRepeat = 100'000;     // [us] nothing is acknowledged, so all is said again
 
 }  // namespace

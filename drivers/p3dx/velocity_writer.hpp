@@ -11,7 +11,7 @@ namespace luminav {
 /// alternates between its neighbours so that the angle turned is right (error diffusion over time), 20 times a second.
 class VelocityWriter {
  public:
-  /// Frames due now; `now` [us]. A change leaves at once, but no sooner than 20 ms after the last one.
+  /// Frames due now; `now` [us]. A change leaves at once, but no sooner than 15 ms after the last one.
   std::vector<std::vector<std::uint8_t>> poll(const DriveVelocity& wanted, std::int64_t now);
   /// The robot may have forgotten or missed everything: both frames are due at the next poll.
   void restart();
