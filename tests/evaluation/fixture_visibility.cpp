@@ -1,0 +1,72 @@
+#include "tests/evaluation/fixture_visibility.hpp"
+
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+constexpr double kFarthest = 6.0;         // [m] no camera here sees farther along the ceiling
+constexpr double kSamePlace = 0.5;        // [m] two views of a fixture agree within this, the bound of "confidently wrong"
+constexpr double kSameDirection = radians(20.0);
+
+}  // namespace
+
+double visible_share(const Fixture& fixture, const Pose2& world_from_robot, const CeilingCamera& camera) {
+  constexpr int kAlong = 13;
+  constexpr int kAcross = 3;
+  const Pose2 robot_from_fixture = world_from_robot.inverse() * fixture.world_from_fixture;
+  int seen = 0;
+  for (int i = 0; i < kAlong; ++i) {
+    for (int j = 0; j < kAcross; ++j) {
+      const Eigen::Vector2d point = robot_from_fixture * Eigen::Vector2d(((i + 0.5) / kAlong - 0.5) * fixture.length,
+                                                                         ((j + 0.5) / kAcross - 0.5) * fixture.width);
+      const auto pixel = camera.pixel_of_ceiling_point(point, fixture.height);
+      seen += pixel && camera.is_in_image(*pixel) ? 1 : 0;
+    }
+  }
+  return static_cast<double>(seen) / (kAlong * kAcross);
+}
+
+FixtureVisibility::FixtureVisibility(std::vector<Fixture> fixtures, const CeilingCamera& camera)
+    : fixtures_(std::move(fixtures)), camera_(camera) {}
+
+std::vector<std::size_t> FixtureVisibility::visible_from(const Pose2& world_from_robot, double share) const {
+  std::vector<std::size_t> visible;
+  for (std::size_t i = 0; i < fixtures_.size(); ++i) {
+    if (distance(fixtures_[i].world_from_fixture, world_from_robot) < kFarthest &&
+        visible_share(fixtures_[i], world_from_robot, camera_) >= share) {
+      visible.push_back(i);
+    }
+  }
+  return visible;
+}
+
+bool FixtureVisibility::predicts(const Pose2& in_robot, const Fixture& seen, const Pose2& world_from_robot) const {
+  for (const Fixture& fixture : fixtures_) {
+    if (distance(fixture.world_from_fixture, world_from_robot) > kFarthest) {
+      continue;
+    }
+    const Pose2 predicted = world_from_robot.inverse() * fixture.world_from_fixture;
+    const double turn = wrap_modulo(predicted.theta - in_robot.theta, symmetry_period(seen.shape));
+    if (fixture.shape == seen.shape && distance(predicted, in_robot) < kSamePlace && std::abs(turn) < kSameDirection) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool FixtureVisibility::contradicts(const Pose2& truth, const Pose2& belief) const {
+  for (const std::size_t i : visible_from(truth, 0.3)) {
+    if (!predicts(truth.inverse() * fixtures_[i].world_from_fixture, fixtures_[i], belief)) {
+      return true;
+    }
+  }
+  for (const std::size_t i : visible_from(belief, 0.8)) {
+    if (!predicts(belief.inverse() * fixtures_[i].world_from_fixture, fixtures_[i], truth)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace luminav

@@ -1,0 +1,184 @@
+#include "tests/evaluation/map_score.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <queue>
+
+#include "tests/evaluation/run_judge.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr int kOccupiedEvidence = 17;  // log-odds 0.85, probability 0.7
+constexpr double kNear = 3.0;          // [m]
+constexpr int kLeastCells = 50;
+
+/// 255 where nothing is, 0 on true surfaces: walls of the map and the obstacles the map doesn't know.
+cv::Mat free_image(const WorldTruth& world) {
+  const GridGeometry& g = world.walls.geometry;
+  cv::Mat image(g.rows, g.columns, CV_8U, cv::Scalar(255));
+  for (int row = 0; row < g.rows; ++row) {
+    for (int column = 0; column < g.columns; ++column) {
+      if (world.walls.cells[g.index({column, row})] == Prior::kOccupied) {
+        image.at<std::uint8_t>(row, column) = 0;
+      }
+    }
+  }
+  for (const Obstacle& obstacle : world.obstacles) {
+    if (!obstacle.world_from_obstacle) {
+      continue;
+    }
+    std::vector<cv::Point> corners;
+    for (const auto& [a, b] : {std::pair{0.5, 0.5}, {-0.5, 0.5}, {-0.5, -0.5}, {0.5, -0.5}}) {
+      const Cell cell = g.cell_at(*obstacle.world_from_obstacle * Eigen::Vector2d(a * obstacle.length, b * obstacle.width));
+      corners.emplace_back(cell.column, cell.row);
+    }
+    cv::fillConvexPoly(image, corners, cv::Scalar(0));
+  }
+  return image;
+}
+
+bool in_sight(const cv::Mat& free, const Cell& from, const Cell& to) {
+  const int steps = std::max(std::abs(to.column - from.column), std::abs(to.row - from.row));
+  for (int i = 1; i < steps; ++i) {
+    const double f = static_cast<double>(i) / steps;
+    const int column = static_cast<int>(std::lround(from.column + f * (to.column - from.column)));
+    const int row = static_cast<int>(std::lround(from.row + f * (to.row - from.row)));
+    if (free.at<std::uint8_t>(row, column) == 0 && std::max(std::abs(column - to.column), std::abs(row - to.row)) > 1) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Marks surface cells that some point of the trail had within 3 m in line of sight.
+cv::Mat faces_passed(const cv::Mat& free, const GridGeometry& g, const std::vector<TrailPoint>& trail) {
+  cv::Mat passed(free.size(), CV_8U, cv::Scalar(0));
+  const int reach = static_cast<int>(kNear / g.resolution);
+  Pose2 last{1e9, 1e9, 0.0};
+  for (const TrailPoint& point : trail) {
+    if (distance(point.truth, last) < 0.5) {
+      continue;
+    }
+    last = point.truth;
+    const Cell here = g.cell_at(point.truth.position());
+    for (int row = std::max(1, here.row - reach); row <= std::min(g.rows - 2, here.row + reach); ++row) {
+      for (int column = std::max(1, here.column - reach); column <= std::min(g.columns - 2, here.column + reach); ++column) {
+        const bool is_face = free.at<std::uint8_t>(row, column) == 0 && passed.at<std::uint8_t>(row, column) == 0 &&
+                             (free.at<std::uint8_t>(row - 1, column) != 0 || free.at<std::uint8_t>(row + 1, column) != 0 ||
+                              free.at<std::uint8_t>(row, column - 1) != 0 || free.at<std::uint8_t>(row, column + 1) != 0);
+        if (is_face && std::hypot(row - here.row, column - here.column) <= reach && in_sight(free, here, {column, row})) {
+          passed.at<std::uint8_t>(row, column) = 255;
+        }
+      }
+    }
+  }
+  return passed;
+}
+
+}  // namespace
+
+MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const std::vector<TrailPoint>& trail) {
+  const GridGeometry& fine = world.walls.geometry;
+  const cv::Mat free = free_image(world);
+  cv::Mat to_surface;
+  cv::distanceTransform(free, to_surface, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  std::vector<double> distances;
+  std::int64_t free_cells = 0;
+  std::int64_t free_right = 0;
+  cv::Mat evidence(fine.rows, fine.columns, CV_8U, cv::Scalar(255));  // 0 on occupied evidence
+  for (int row = 0; row < grid.geometry.rows; ++row) {
+    for (int column = 0; column < grid.geometry.columns; ++column) {
+      const int value = grid.evidence[grid.geometry.index({column, row})];
+      const Cell cell = fine.cell_at(grid.geometry.centre_of({column, row}));
+      if (std::abs(value) < kOccupiedEvidence || !fine.contains(cell)) {
+        continue;
+      }
+      const double away = static_cast<double>(to_surface.at<float>(cell.row, cell.column)) * fine.resolution;
+      if (value > 0) {
+        distances.push_back(away);
+        evidence.at<std::uint8_t>(cell.row, cell.column) = 0;
+      } else {
+        ++free_cells;
+        free_right += away > 0.0 ? 1 : 0;
+      }
+    }
+  }
+  MapResult result;
+  if (static_cast<int>(distances.size()) < kLeastCells || free_cells < kLeastCells) {
+    return result;
+  }
+  result.measured = true;
+  std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2), distances.end());
+  result.wall_median_m = distances[distances.size() / 2];
+  result.free_precision = static_cast<double>(free_right) / static_cast<double>(free_cells);
+  cv::Mat to_evidence;
+  cv::distanceTransform(evidence, to_evidence, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  const cv::Mat passed = faces_passed(free, fine, trail);
+  std::int64_t faces = 0;
+  std::int64_t found = 0;
+  for (int row = 0; row < fine.rows; ++row) {
+    for (int column = 0; column < fine.columns; ++column) {
+      if (passed.at<std::uint8_t>(row, column) != 0) {
+        ++faces;
+        // within one cell of the live grid, measured between centres
+        found += static_cast<double>(to_evidence.at<float>(row, column)) * fine.resolution <= 1.5 * grid.geometry.resolution ? 1 : 0;
+      }
+    }
+  }
+  result.wall_recall = faces > 0 ? static_cast<double>(found) / static_cast<double>(faces) : 0.0;
+  return result;
+}
+
+double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double radius) {
+  const GridGeometry& g = walls.geometry;
+  const Cell start = g.cell_at(from);
+  const Cell goal = g.cell_at(to);
+  if (!g.contains(start) || !g.contains(goal)) {
+    return -1.0;
+  }
+  cv::Mat blocked(g.rows, g.columns, CV_8U);
+  for (int row = 0; row < g.rows; ++row) {
+    for (int column = 0; column < g.columns; ++column) {
+      blocked.at<std::uint8_t>(row, column) = walls.cells[g.index({column, row})] == Prior::kFree ? 255 : 0;
+    }
+  }
+  cv::Mat clearance;
+  cv::distanceTransform(blocked, clearance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  const float least = static_cast<float>(radius / g.resolution);
+  std::vector<float> cost(g.size(), std::numeric_limits<float>::infinity());
+  using Entry = std::pair<float, std::size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  cost[g.index(start)] = 0.0F;
+  queue.emplace(0.0F, g.index(start));
+  while (!queue.empty()) {
+    const auto [reached, index] = queue.top();
+    queue.pop();
+    const Cell here{static_cast<int>(index % static_cast<std::size_t>(g.columns)), static_cast<int>(index / static_cast<std::size_t>(g.columns))};
+    if (here == goal) {
+      return static_cast<double>(reached) * g.resolution;
+    }
+    if (reached > cost[index]) {
+      continue;
+    }
+    for (int dr = -1; dr <= 1; ++dr) {
+      for (int dc = -1; dc <= 1; ++dc) {
+        const Cell next{here.column + dc, here.row + dr};
+        if (!g.contains(next) || (clearance.at<float>(next.row, next.column) < least && !(next == goal))) {
+          continue;
+        }
+        const float step = reached + (dr != 0 && dc != 0 ? std::sqrt(2.0F) : 1.0F);
+        if (step < cost[g.index(next)]) {
+          cost[g.index(next)] = step;
+          queue.emplace(step, g.index(next));
+        }
+      }
+    }
+  }
+  return -1.0;
+}
+
+}  // namespace luminav

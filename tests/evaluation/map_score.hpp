@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "drivers/simulator/world_truth.hpp"
+#include "services/common/building/occupancy_grid.hpp"
+#include "tests/evaluation/run_report.hpp"
+
+namespace luminav {
+
+struct TrailPoint;
+
+/// Compares the sonars' evidence with the true walls and boxes: median distance of occupied cells to the nearest true
+/// surface, share of wall faces that the robot passed within 3 m in line of sight and that have evidence within one cell,
+/// share of free evidence that is truly free. Not measured when there is hardly any evidence.
+MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const std::vector<TrailPoint>& trail);
+
+/// Length [m] of the shortest 8-connected way between two points for a disc of the given radius, octile metric; a
+/// negative number when there is none.
+double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double radius);
+
+}  // namespace luminav

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace luminav {
+
+struct GoalResult {
+  double x = 0.0;                    // [m] world
+  double y = 0.0;                    // [m]
+  bool reached = false;              // arrived by its own word and within the tolerance by the truth
+  bool refused = false;              // ended by its own word without arriving
+  double error_m = 0.0;              // true distance when it ended
+  double heading_error_deg = 0.0;    // 0 when no heading was asked for
+  double time_s = 0.0;               // from the request
+  std::string cause;                 // its last sentence
+};
+
+struct ProcessResult {
+  std::string name;
+  double cpu_percent = 0.0;  // of one core, mean
+  double rss_mb = 0.0;       // largest
+  int restarts = 0;
+};
+
+struct MapResult {
+  bool measured = false;
+  double wall_median_m = 0.0;     // distance of occupied evidence to the nearest true surface
+  double wall_recall = 0.0;       // share of wall faces that were near the robot and have evidence within a cell
+  double free_precision = 0.0;    // share of free evidence that is truly free
+};
+
+/// What one run came to; the JSON keys are the field names.
+struct RunReport {
+  std::string scenario;
+  std::uint64_t seed = 0;
+  bool passed = false;
+  std::string failure;  // first reason, "" when passed
+  double simulated_s = 0.0;
+  double wall_s = 0.0;
+  std::string world_table;
+  std::string world_hash;
+  bool localized = false;
+  double localized_s = 0.0;
+  double localized_after_m = 0.0;
+  double tracking_ratio = 0.0;
+  double confident_wrong_s = 0.0;
+  double in_view_position_rms_m = 0.0;
+  double in_view_heading_rms_deg = 0.0;
+  double mission_position_p95_m = 0.0;
+  double mission_heading_p95_deg = 0.0;
+  double nees = 0.0;  // mean normalised error squared per degree of freedom while TRACKING
+  double mean_speed_m_s = 0.0;
+  double path_efficiency = 0.0;
+  double driven_m = 0.0;
+  std::vector<GoalResult> goals;
+  int contacts = 0;
+  int hard_contacts = 0;
+  double min_clearance_m = 0.0;
+  int carries = 0;
+  int carries_noticed = 0;    // out of TRACKING within 1 s of the first contradicting image
+  int carries_recovered = 0;  // TRACKING rightly again
+  MapResult map;
+  std::vector<ProcessResult> processes;
+};
+
+/// One JSON object; `indent` spaces per level, -1 = on one line.
+std::string to_json(const RunReport& report, int indent = 2);
+/// The lines a person reads at the end of a run.
+std::string to_text(const RunReport& report);
+/// `{"suite", "mode", "sensing", "summary", "runs"}` over many runs.
+std::string to_json(const std::string& suite, const std::string& mode, const std::string& sensing,
+                    const std::vector<RunReport>& runs);
+/// The summary of such a text as lines for people.
+std::string summary_text(const std::string& json);
+/// Writes to a temporary file and renames it; throws std::runtime_error when that fails.
+void write_text_file(const std::string& path, const std::string& text);
+
+}  // namespace luminav
