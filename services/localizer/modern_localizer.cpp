@@ -251,16 +251,6 @@ void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vect
   }
 }
 
-bool ModernLocalizer::is_known_element(const Eigen::Vector2d& point_in_world) const {
-  const auto is_near = [&](const Pose2& pose, double extent) {
-    return (pose.position() - point_in_world).norm() < 0.5 * extent + 0.3;
-  };
-  return std::any_of(building_.elements.begin(), building_.elements.end(),
-                     [&](const CeilingElement& e) { return is_near(e.world_from_element, e.length); }) ||
-         std::any_of(building_.windows.begin(), building_.windows.end(),
-                     [&](const Window& w) { return is_near(w.world_from_window, w.width); });
-}
-
 void ModernLocalizer::watch(const SightingFrame& frame, const std::vector<int>& objects,
                             const std::vector<Match>& matches) {
   const PoseBelief belief = filter_.belief();
@@ -270,7 +260,7 @@ void ModernLocalizer::watch(const SightingFrame& frame, const std::vector<int>& 
     const bool is_matched =
         std::any_of(matches.begin(), matches.end(), [&](const Match& m) { return m.sighting == i; });
     const Eigen::Vector2d place = belief.pose * frame.sightings[i].robot_from_fixture.position();
-    if (!is_matched && scene_.objects()[static_cast<std::size_t>(objects[i])].frames >= 2 && !is_known_element(place)) {
+    if (!is_matched && scene_.objects()[static_cast<std::size_t>(objects[i])].frames >= 2) {
       unexplained =
           fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none", place.x(), place.y());
     }

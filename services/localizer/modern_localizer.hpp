@@ -18,8 +18,8 @@ struct TrackingRules {
   double enter_margin = 9.0;                  // log-score ahead of every other pose, listed or not
   double leave_margin = 3.0;                  // below this another pose is possible again
   int enter_fixtures = 2;                     // different fixtures that must have fitted
-  double enter_position_sigma = 0.20;         // [m] largest axis
-  double leave_position_sigma = 0.22;         // [m] largest axis: beyond, 0.5 m are no longer two deviations away
+  double enter_position_sigma = 0.14;         // [m] largest axis
+  double leave_position_sigma = 0.16;         // [m] largest axis: beyond, 0.5 m are no longer two deviations away
   double leave_heading_sigma = radians(9.0);  // [rad]
   int misfit_frames = 5;                      // images in a row in which what is seen fits nothing
   int vanish_frames = 7;                      // images in a row without a fixture that was there just before
@@ -71,7 +71,6 @@ class ModernLocalizer final : public Localizer {
   void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
   void correct_filter(const SightingFrame& frame, const std::vector<Match>& matches, const OdometryReading& odometry);
   void watch(const SightingFrame& frame, const std::vector<int>& objects, const std::vector<Match>& matches);
-  [[nodiscard]] bool is_known_element(const Eigen::Vector2d& point_in_world) const;
   void doubt(const std::string& why, double bonus);
   void decide(const SightingFrame& frame);
   void relative_motion_lost(const std::string& why);
