@@ -27,6 +27,13 @@ int in_degrees(double angle) {
   return static_cast<int>(std::lround(degrees(angle)));
 }
 
+/// Packets that were held back arrive together; each was taken at least a cycle [us] before the next.
+void spread_stamps(std::vector<ReceivedInformation>& packets, std::int64_t cycle) {
+  for (std::size_t i = packets.size(); i-- > 1;) {
+    packets[i - 1].utime = std::min(packets[i - 1].utime, packets[i].utime - cycle);
+  }
+}
+
 DeadReckoningParams reckoning_params(const P3dxConfig& config, const std::string& subclass) {
   DeadReckoningParams params;
   params.maximum_speed = kFastestRobot;
@@ -82,8 +89,15 @@ void P3dxNode::on_stop(const stop_t& message) {
 }
 
 void P3dxNode::on_motors_command(const motors_command_t& message) {
-  if (message.id == last_motors_command_) {
+  // Each request is repeated by its sender; a late copy of an older one must not undo the newest.
+  constexpr std::size_t kRemembered = 64;
+  if (std::find(motors_commands_seen_.begin(), motors_commands_seen_.end(), message.id) !=
+      motors_commands_seen_.end()) {
     return;
+  }
+  motors_commands_seen_.push_back(message.id);
+  if (motors_commands_seen_.size() > kRemembered) {
+    motors_commands_seen_.pop_front();
   }
   last_motors_command_ = message.id;
   const std::int64_t now = clock_.utime();
@@ -109,7 +123,8 @@ void P3dxNode::poll() {
     writer_.restart();
   }
   last_poll_ = now;
-  const LinkEvents events = link_.poll(now);
+  LinkEvents events = link_.poll(now);
+  spread_stamps(events.information, std::int64_t{1000} * link_.configuration().information_cycle);
   impossible_packets_ += events.undecodable;
   if (events.connected) {
     on_connected();
@@ -167,7 +182,7 @@ void P3dxNode::on_information(const ReceivedInformation& received) {
   if (begins) {
     reckoning_.restart();
   }
-  // Packets that were held back arrive together: their order is kept and no stamp comes twice.
+  // The order of stamps is kept, and none comes twice.
   const std::int64_t measured = received.utime - std::int64_t{1000} * link_.configuration().kinematics_delay;
   const std::int64_t utime = std::max(measured, reckoning_.utime() + 1);
   const DeadReckoning::Verdict verdict = reckoning_.update(received.packet, utime);
@@ -299,8 +314,29 @@ Health P3dxNode::health() const {
              last_.battery_voltage > 0.0) {
     health.degraded = true;
     health.reason = "the battery is low";
+  } else if (link_.has_configuration()) {
+    health.reason = compare_with_robot_file();
+    health.degraded = !health.reason.empty();
   }
   return health;
+}
+
+std::string P3dxNode::compare_with_robot_file() const {
+  const ConfigurationPacket& robot = link_.configuration();
+  const MotionLimits& limits = config_.robot.limits;
+  if (1e-3 * robot.velocity_top < limits.linear) {
+    return fmt::format("the robot's file allows {:.2f} m/s, the robot itself {:.2f} m/s", limits.linear,
+                       1e-3 * robot.velocity_top);
+  }
+  if (std::abs(robot.deceleration - in_mm(limits.linear_deceleration)) > 1 && session_ != 0) {
+    return fmt::format("the robot brakes with {:.2f} m/s^2, its file says {:.2f} m/s^2", 1e-3 * robot.deceleration,
+                       limits.linear_deceleration);
+  }
+  constexpr std::size_t kDiscsPerArray = 8;
+  if (robot.has_rear_sonar == 0 && config_.robot.sonar.robot_from_sonar.size() > kDiscsPerArray) {
+    return "the robot has no rear sonars, its file has some: they never echo";
+  }
+  return {};
 }
 
 bool P3dxNode::stand_still() {
@@ -310,7 +346,7 @@ bool P3dxNode::stand_still() {
 }
 
 std::string P3dxNode::describe_line() const {
-  if (!connected() || session_ == 0) {
+  if (!connected()) {
     return link_.trouble().empty() ? "the robot does not answer" : link_.trouble();
   }
   const RobotIdentity& robot = link_.identity();

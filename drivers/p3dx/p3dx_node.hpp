@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/motors_command_t.hpp>
@@ -57,6 +58,7 @@ class P3dxNode {
   void publish_sonar();
   void publish_status(std::int64_t now);
   [[nodiscard]] std::string reason(std::int64_t now) const;
+  [[nodiscard]] std::string compare_with_robot_file() const;
 
   lcm::LCM& lcm_;
   P3dxConfig config_;
@@ -76,8 +78,9 @@ class P3dxNode {
   std::int64_t next_status_ = 0;  // [us]
   std::int64_t last_poll_ = 0;    // [us]
   std::int64_t impossible_packets_ = 0;
-  std::int64_t last_motors_command_ = 0;  // id
-  bool standing_still_ = false;           // for good
+  std::int64_t last_motors_command_ = 0;           // id
+  std::deque<std::int64_t> motors_commands_seen_;  // ids, newest last
+  bool standing_still_ = false;                    // for good
   Subscriber subscriber_;
 };
 

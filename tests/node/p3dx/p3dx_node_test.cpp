@@ -328,6 +328,54 @@ TEST(P3dxNode, WorksOverALineThatTakesAndGivesAFewBytesAtATime) {
   EXPECT_NEAR(bench.base.outputs.linear, 0.3, 1e-9);
 }
 
+TEST(P3dxNode, SpreadsTheStampsOfPacketsThatWereHeldBack) {
+  P3dxBench bench;
+  bench.drive(0.3, 0.0);
+  bench.run(4.0);
+  bench.asleep = true;
+  bench.run(0.75);
+  bench.asleep = false;
+  bench.run(1.0);
+  for (std::size_t i = 1; i < bench.odometry.size(); ++i) {
+    EXPECT_GE(bench.odometry[i].utime - bench.odometry[i - 1].utime, 50'000);
+  }
+}
+
+TEST(P3dxNode, IsNotSwitchedByLateCopiesOfAnOlderRequest) {
+  P3dxBench bench;
+  bench.run(2.0);
+  bench.send_motors(5, true);
+  bench.send_motors(6, false);
+  bench.send_motors(5, true);
+  bench.run(2.0);
+  EXPECT_FALSE(bench.base.outputs.motors_enabled);
+  EXPECT_EQ(bench.status.back().motors_command_id, 6);
+}
+
+TEST(P3dxNode, SaysWhenTheRobotIsNotWhatItsFileSays) {
+  ArcosConfig arcos;
+  arcos.flash.velocity_top = 400;
+  P3dxBench slow(arcos);
+  slow.drive(0.5, 0.0);
+  slow.run(4.0);
+  EXPECT_THAT(slow.node.health().reason, HasSubstr("allows 0.50 m/s, the robot itself 0.40 m/s"));
+  EXPECT_NEAR(slow.status.back().maximum_linear, 0.4, 1e-9);
+  EXPECT_NEAR(slow.base.outputs.linear, 0.4, 1e-9);
+  arcos = ArcosConfig();
+  arcos.flash.has_rear_sonar = 0;
+  P3dxBench half(arcos);
+  half.run(4.0);
+  EXPECT_THAT(half.node.health().reason, HasSubstr("no rear sonars"));
+  for (std::size_t i = 8; i < 16; ++i) {
+    EXPECT_EQ(half.sonar.back().range_utime[i], 0);
+    EXPECT_FALSE(half.sonar.back().has_echo[i]);
+  }
+  P3dxBench good;
+  good.run(4.0);
+  EXPECT_EQ(good.node.health().reason, "");
+  EXPECT_FALSE(good.node.health().degraded);
+}
+
 TEST(P3dxNode, StartsANewSessionWhenTheRegistersAreReset) {
   P3dxBench bench;
   bench.drive(0.5, 0.0);
