@@ -13,12 +13,14 @@
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kStatusPeriod = 20'000;  // [us] 50 Hz
-constexpr std::int64_t kLongestGap = 250'000;   // [us] the process slept: what waits is outdated
-constexpr double kAerosDistanceFactor = 0.485;  // [mm] p3dx on its older controller board
-constexpr double kArcosDistanceFactor = 1.0;    // [mm] p3dx-sh
-constexpr double kFastestRobot = 1.5;           // [m/s] whatever a controller claims
-constexpr std::size_t kMotionQueue = 4;         // frames waiting on a line that is stuck
+constexpr std::int64_t kStatusPeriod = 20'000;       // [us] 50 Hz
+constexpr std::int64_t kLongestGap = 250'000;        // [us] the process slept: what waits is outdated
+constexpr double kAerosDistanceFactor = 0.485;       // [mm] p3dx on its older controller board
+constexpr double kArcosDistanceFactor = 1.0;         // [mm] p3dx-sh
+constexpr double kFastestRobot = 1.5;                // [m/s] whatever a controller claims
+constexpr std::int64_t kSettingsPeriod = 1'000'000;  // [us]
+constexpr int kMostSettings = 20;                    // then the robot does not want to
+constexpr std::size_t kMotionQueue = 4;              // frames waiting on a line that is stuck
 
 int in_mm(double metres) {
   return static_cast<int>(std::lround(1000.0 * metres));
@@ -137,6 +139,9 @@ void P3dxNode::poll() {
   }
   if (!link_.in_session()) {
     session_ = 0;
+  } else if (link_.has_configuration() && !settings_in_force() && settings_sent_ < kMostSettings &&
+             now - settings_sent_at_ > kSettingsPeriod) {
+    send_settings(now);  // nothing is acknowledged, and some of it was lost
   }
   command_motion(now);
   link_.flush(now);
@@ -158,22 +163,38 @@ void P3dxNode::on_connected() {
   gate_.set_limits(std::min(limits.linear, 1e-3 * robot.velocity_top),
                    std::min(limits.angular, radians(robot.turn_rate_top)));
   writer_.restart();
+  link_.send(encode_command(ArcosCommand::kVelocity, 0));
+  link_.send(encode_command(ArcosCommand::kTurnRate, 0));
+  link_.send(encode_command(ArcosCommand::kSonar, 1));
+  settings_sent_ = 0;
+  send_settings(now);
+}
+
+void P3dxNode::send_settings(std::int64_t now) {
+  const MotionLimits& limits = config_.robot.limits;
+  // One degree/s is the step of turn rates: rounded up, so that the limit itself can be reached.
+  const int turn_rate = static_cast<int>(std::ceil(degrees(gate_.params().maximum_angular)));
   for (const auto& [command, value] : {
-           std::pair{ArcosCommand::kVelocity, 0},
-           std::pair{ArcosCommand::kTurnRate, 0},
            std::pair{ArcosCommand::kSetMaximumVelocity, in_mm(gate_.params().maximum_linear)},
            std::pair{ArcosCommand::kSetAcceleration, in_mm(limits.linear_acceleration)},
            std::pair{ArcosCommand::kSetAcceleration, -in_mm(limits.linear_deceleration)},
-           // one more than asked for, since the turn rate alternates between neighbours
-           std::pair{ArcosCommand::kSetMaximumTurnRate,
-                     static_cast<int>(std::ceil(degrees(gate_.params().maximum_angular)))},
+           std::pair{ArcosCommand::kSetMaximumTurnRate, turn_rate},
            std::pair{ArcosCommand::kSetTurnAcceleration, in_degrees(limits.angular_acceleration)},
            std::pair{ArcosCommand::kSetTurnAcceleration, -in_degrees(config_.angular_deceleration)},
-           std::pair{ArcosCommand::kSonar, 1},
        }) {
     link_.send(encode_command(command, value));
   }
-  link_.send(encode_command(ArcosCommand::kConfiguration));  // reads the limits back
+  link_.send(encode_command(ArcosCommand::kConfiguration));  // reads them back
+  ++settings_sent_;
+  settings_sent_at_ = now;
+}
+
+bool P3dxNode::settings_in_force() const {
+  const ConfigurationPacket& robot = link_.configuration();
+  const MotionLimits& limits = config_.robot.limits;
+  return robot.velocity_maximum == in_mm(gate_.params().maximum_linear) &&
+         robot.acceleration == std::min(in_mm(limits.linear_acceleration), robot.acceleration_top) &&
+         robot.deceleration == std::min(in_mm(limits.linear_deceleration), robot.acceleration_top);
 }
 
 void P3dxNode::on_information(const ReceivedInformation& received) {

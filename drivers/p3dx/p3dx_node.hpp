@@ -52,6 +52,8 @@ class P3dxNode {
   void on_motors_command(const motors_command_t& message);
 
   void on_connected();
+  void send_settings(std::int64_t now);
+  [[nodiscard]] bool settings_in_force() const;
   void on_information(const ReceivedInformation& received);
   void command_motion(std::int64_t now);
   void publish_odometry(std::int64_t utime);
@@ -80,6 +82,8 @@ class P3dxNode {
   std::int64_t impossible_packets_ = 0;
   std::int64_t last_motors_command_ = 0;           // id
   std::deque<std::int64_t> motors_commands_seen_;  // ids, newest last
+  int settings_sent_ = 0;                          // how often in this session
+  std::int64_t settings_sent_at_ = 0;              // [us]
   bool standing_still_ = false;                    // for good
   Subscriber subscriber_;
 };

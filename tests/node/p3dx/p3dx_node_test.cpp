@@ -376,6 +376,17 @@ TEST(P3dxNode, SaysWhenTheRobotIsNotWhatItsFileSays) {
   EXPECT_FALSE(good.node.health().degraded);
 }
 
+TEST(P3dxNode, SendsItsLimitsAgainUntilTheRobotHasThem) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    P3dxBench bench;
+    bench.noise.rng.seed(seed);
+    bench.noise.byte_errors = 0.01;  // of the commands one in eleven is lost, of the answers three in four
+    bench.run(25.0);
+    ASSERT_NE(bench.status.back().session, 0) << seed << ": " << bench.status.back().reason;
+    EXPECT_NEAR(bench.status.back().deceleration, 1.0, 1e-9) << seed;
+  }
+}
+
 TEST(P3dxNode, StartsANewSessionWhenTheRegistersAreReset) {
   P3dxBench bench;
   bench.drive(0.5, 0.0);
