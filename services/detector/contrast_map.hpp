@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "services/detector/reduced_image.hpp"
 
@@ -13,22 +14,29 @@ namespace luminav {
 class ContrastMap {
  public:
   /// `radius` [cells of `image`]: half the window; things wider than 2 radius + 1 cells have no contrast.
-  void compute(const Raster& image, int radius);
+  /// `ignore_lines`: dark lines thinner than 4 cells (joints between tiles) do not count as surroundings.
+  void compute(const Raster& image, int radius, bool ignore_lines);
 
   [[nodiscard]] const Raster& bright() const { return bright_; }
   [[nodiscard]] const Raster& dark() const { return dark_; }
   /// Largest bright() within the window round each cell.
   [[nodiscard]] const Raster& bright_peak() const { return bright_peak_; }
+  /// Largest dark() of something broad within the window round each cell.
+  [[nodiscard]] const Raster& dark_peak() const { return dark_peak_; }
   /// Noise of one cell of the reduced image [grey], from the median difference of neighbours.
   [[nodiscard]] double noise() const { return noise_; }
 
  private:
+  Raster clean_;  // without lines
+  Raster smooth_;
   Raster half_;  // half the size again: surroundings are smooth, so they may be computed coarsely
   Raster wide_;  // continued beyond the borders
   Raster eroded_;
   Raster wide_opened_;
   Raster opened_;
   Raster capped_;
+  Raster mean_;
+  std::vector<std::uint32_t> sums_;
   Raster closed_;
   Raster peak_;
   Raster scratch_;
@@ -37,6 +45,7 @@ class ContrastMap {
   Raster bright_;
   Raster bright_peak_;
   Raster dark_;
+  Raster dark_peak_;
   double noise_ = 1.0;
 };
 

@@ -35,11 +35,12 @@ PaperParams read_paper(const TomlTable& table) {
   return p;
 }
 
-ModernParams read_modern(const TomlTable& table) {
-  ModernParams p;
+ModernDetectorParams read_modern(const TomlTable& table) {
+  ModernDetectorParams p;
   p.lit_contrast = table.number("lit_contrast", p.lit_contrast, kGrey);
   p.lit_level_share = table.number("lit_level_share", p.lit_level_share, {0.1, 0.9});
   p.unlit_contrast = table.number("unlit_contrast", p.unlit_contrast, kGrey);
+  p.unlit_level_share = table.number("unlit_level_share", p.unlit_level_share, {0.1, 0.9});
   p.noise_factor = table.number("noise_factor", p.noise_factor, {0.0, 50.0});
   p.lit_edge = table.number("lit_edge", p.lit_edge, kGrey);
   p.unlit_edge = table.number("unlit_edge", p.unlit_edge, kGrey);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/detector/strip_surroundings.hpp"
+
 namespace luminav {
 namespace {
 
@@ -50,6 +52,13 @@ Matrix3d turned(const Matrix3d& covariance, double theta) {
   return rotation * covariance * rotation.transpose();
 }
 
+/// The fit takes both to the same place.
+bool is_nearly_same(const OutlineHypothesis& a, const OutlineHypothesis& b) {
+  return std::abs(a.outline.length - b.outline.length) < 1e-3 && std::abs(a.outline.width - b.outline.width) < 1e-3 &&
+         std::abs(a.outline.height - b.outline.height) < 1e-3 && a.is_element == b.is_element &&
+         distance(a.start, b.start) < 0.02 && std::abs(wrap_axis(a.start.theta - b.start.theta)) < radians(2.0);
+}
+
 DetectionShape shape_of(const OutlineHypothesis& hypothesis) {
   if (hypothesis.is_element) {
     return DetectionShape::kElement;
@@ -67,7 +76,7 @@ DetectionShape shape_of(const OutlineHypothesis& hypothesis) {
 
 }  // namespace
 
-ModernDetector::ModernDetector(const ModernParams& params, const CeilingCamera& camera,
+ModernDetector::ModernDetector(const ModernDetectorParams& params, const CeilingCamera& camera,
                                const CeilingCatalogue& catalogue)
     : params_(params),
       camera_(camera),
@@ -83,13 +92,23 @@ ModernDetector::ModernDetector(const ModernParams& params, const CeilingCamera& 
   least_cells_ = std::max(6, static_cast<int>(0.5 * least_area(catalogue_, params_.minimum_visible) / (cell * cell)));
   // joints between tiles are thinner than two cells; the narrowest fixture must survive
   erosion_ = narrowest_side(catalogue_) / cell >= 5.0 ? 1 : 0;
+  ignore_lines_ = narrowest_side(catalogue_) / cell >= 7.5;
 }
 
-OutlineFitParams ModernDetector::fit_params(bool bright) const {
+OutlineFitParams ModernDetector::fit_params(const Region& region, bool bright) const {
+  const Raster& contrast = bright ? contrast_.bright() : contrast_.dark();
+  double sum = 0.0;
+  for (const Run& run : region.runs) {
+    for (int x = run.first; x <= run.last; ++x) {
+      sum += contrast.row(run.row)[x];
+    }
+  }
   return {.inside_brighter = bright,
           .least_edge = bright ? params_.lit_edge : params_.unlit_edge,
-          .pixel_noise = std::clamp(contrast_.noise() * factor_, 1.0, 12.0),
+          .expected_step = sum / std::max(region.cells, 1),
+          .pixel_noise = std::clamp(contrast_.noise() * factor_, 1.0, 14.0),
           .swelling_sigma = bright ? 0.4 * params_.largest_bloom : 0.4 * params_.largest_misfit,
+          .taper_sigma = bright ? 0.5 * params_.largest_bloom : 1e-4,
           .edge_sigma_px = params_.edge_sigma_px,
           .outline_sigma_px = params_.outline_sigma_px,
           .first_search_px = 11};
@@ -111,10 +130,12 @@ void ModernDetector::cut_out_bright() {
 void ModernDetector::cut_out_dark() {
   const Raster& dark = contrast_.dark();
   const auto least = static_cast<int>(std::max(params_.unlit_contrast, params_.noise_factor * contrast_.noise()) + 0.5);
+  const Raster& peak = contrast_.dark_peak();
+  const auto share = static_cast<int>(params_.unlit_level_share * 256.0);
   mask_.resize(dark.width, dark.height);
   const std::size_t count = mask_.cells.size();
   for (std::size_t i = 0; i < count; ++i) {
-    mask_.cells[i] = dark.cells[i] > least ? 1 : 0;
+    mask_.cells[i] = dark.cells[i] > std::max(least, (share * peak.cells[i]) >> 8) ? 1 : 0;
   }
 }
 
@@ -124,7 +145,7 @@ void ModernDetector::detect(const GreyView& image, std::vector<Detection>& detec
     return;
   }
   reduce(image, factor_, reduced_);
-  contrast_.compute(reduced_, window_radius_);
+  contrast_.compute(reduced_, window_radius_, ignore_lines_);
   look_for(image, true, detections, trace);
   look_for(image, false, detections, trace);
 }
@@ -175,17 +196,25 @@ std::optional<ModernDetector::Candidate> ModernDetector::best_candidate(const Gr
     }
     trace->contours.push_back(std::move(contour));
   }
+  const OutlineFitParams search = fit_params(region, bright);
   std::optional<Candidate> best;
-  for (const OutlineHypothesis& hypothesis : hypotheses) {
-    const std::optional<OutlineFit> fit = fitter_.fit(image, hypothesis.outline, fit_params(bright), hypothesis.start);
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    const OutlineHypothesis& hypothesis = hypotheses[i];
+    if (std::any_of(hypotheses.begin(), hypotheses.begin() + static_cast<std::ptrdiff_t>(i),
+                    [&](const OutlineHypothesis& other) { return is_nearly_same(hypothesis, other); })) {
+      continue;
+    }
+    const std::optional<OutlineFit> fit = fitter_.fit(image, hypothesis.outline, search, hypothesis.start);
     if (!fit) {
       continue;
     }
     Candidate candidate{hypothesis, *fit, 0.0};
+    const char* verdict = objection(candidate, bright);
     if (trace != nullptr) {
       trace->rectangles.push_back(detection_of(candidate, DetectionState::kUnknown).corners_px);
+      trace->verdicts.emplace_back(verdict == nullptr ? "accepted" : verdict);
     }
-    if (!is_sound(candidate, bright) || !is_filled(candidate, bright) || may_be_something_else(candidate, bright)) {
+    if (verdict != nullptr) {
       continue;
     }
     // An end that is seen says more than one that is not; among equals the outline that needs the least swelling.
@@ -198,35 +227,45 @@ std::optional<ModernDetector::Candidate> ModernDetector::best_candidate(const Gr
   return best;
 }
 
-bool ModernDetector::is_sound(const Candidate& candidate, bool bright) const {
+const char* ModernDetector::objection(const Candidate& candidate, bool bright) const {
   const OutlineFit& fit = candidate.fit;
   const Outline& outline = candidate.hypothesis.outline;
   const double most = bright ? params_.largest_bloom : params_.largest_misfit;
   const double least = bright ? -0.010 : -params_.largest_misfit;
   if (fit.swelling > most || fit.swelling < least) {
-    return false;
+    return "too wide or too narrow";
   }
   if (outline.shape == FixtureShape::kRound) {
-    return fit.in_view[kLeftSide] >= 12 && 2 * fit.in_view[kLeftSide] >= fit.expected[kLeftSide] &&
-           fit.share(kLeftSide) >= params_.minimum_long_side_fit;
+    const bool sound = fit.in_view[kLeftSide] >= 12 && 2 * fit.in_view[kLeftSide] >= fit.expected[kLeftSide] &&
+                       fit.share(kLeftSide) >= params_.minimum_long_side_fit;
+    return !sound ? "no edge all round" : !is_filled(candidate, bright) ? "not filled" : nullptr;
   }
   const double seen = fit.visible_to - fit.visible_from;
   if (fit.in_view[kLeftSide] < 3 || fit.in_view[kRightSide] < 3 ||
       fit.in_view[kLeftSide] + fit.in_view[kRightSide] < 10 || seen < params_.minimum_visible * outline.length * 0.8) {
-    return false;
+    return "too little in view";
   }
   if (fit.share(kLeftSide) < params_.minimum_long_side_fit || fit.share(kRightSide) < params_.minimum_long_side_fit) {
-    return false;
+    return "no edge along a long side";
   }
   for (const int end : {kFarEnd, kNearEnd}) {
     if (fit.in_view[static_cast<std::size_t>(end)] >= 3 && fit.share(end) < params_.minimum_end_fit) {
-      return false;
+      return "no edge at an end";
+    }
+    // A joint between tiles may look like an end; then the long sides don't reach it.
+    const std::size_t corner = end == kFarEnd ? 0 : 1;
+    if (fit.end_visible(end) && fit.corner_on_edge[corner] < 0.6 * fit.corner_in_view[corner]) {
+      return "long sides end early";
     }
   }
-  if (outline.shape == FixtureShape::kSquare) {
-    return fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd);
+  const int ends = (fit.end_visible(kFarEnd) ? 1 : 0) + (fit.end_visible(kNearEnd) ? 1 : 0);
+  if (outline.shape == FixtureShape::kSquare ? ends < 2 : ends < 1 && seen < 0.4 * outline.length) {
+    return "too few ends";
   }
-  return fit.end_visible(kFarEnd) || fit.end_visible(kNearEnd) || seen > 0.4 * outline.length;
+  if (!is_filled(candidate, bright)) {
+    return "not filled";
+  }
+  return may_be_something_else(candidate, bright) ? "may be another element" : nullptr;
 }
 
 bool ModernDetector::may_be_something_else(const Candidate& candidate, bool bright) const {
@@ -274,7 +313,7 @@ bool ModernDetector::is_filled(const Candidate& candidate, bool bright) const {
   return looked >= 5 && filled * 100 >= looked * (bright ? 90 : 75);
 }
 
-std::optional<Detection> ModernDetector::resolve_strip(const GreyView& image, const Candidate& strip) {
+std::optional<Detection> ModernDetector::resolve_strip(const GreyView& image, const Candidate& strip) const {
   const double width = strip.hypothesis.outline.width;
   const CeilingKind* pair = nullptr;    // a fixture of two lamps of which this may be one
   const CeilingKind* single = nullptr;  // a fixture that looks like this when it is whole
@@ -291,35 +330,17 @@ std::optional<Detection> ModernDetector::resolve_strip(const GreyView& image, co
   if (pair == nullptr) {
     return single == nullptr ? std::nullopt : std::optional(detection_of(strip, DetectionState::kLit));
   }
-
-  // The dark half reaches as far again to one side. Its outer edge is faint: darker or brighter than the tile,
-  // depending on how much light leaks into it.
-  OutlineFitParams faint = fit_params(false);
-  faint.least_edge = params_.unlit_edge;
-  const Outline whole{FixtureShape::kRectangle, pair->length, pair->width, pair->height};
-  std::array<double, 2> evidence{};
-  std::array<Pose2, 2> poses;
-  for (const std::size_t which : {std::size_t{0}, std::size_t{1}}) {
-    const double shift = (which == 0 ? 0.5 : -0.5) * width;  // left: the dark half lies to the left
-    poses[which] = strip.fit.robot_from_outline * Pose2{0.0, shift, 0.0};
-    const int side = which == 0 ? kLeftSide : kRightSide;
-    for (const bool brighter : {false, true}) {
-      faint.inside_brighter = brighter;
-      evidence[which] =
-          std::max(evidence[which], fitter_.edge_share(image, whole, faint, poses[which], side, 5).value_or(0.0));
-    }
-  }
-  const std::size_t more = evidence[0] >= evidence[1] ? 0 : 1;
-  const bool clear_pair = evidence[more] > 0.7 && evidence[1 - more] < 0.45;
-  const bool clear_single = evidence[0] < 0.45 && evidence[1] < 0.45;
-  if (clear_pair) {
+  const StripSurroundings around =
+      compare_strip_sides(image, camera_, strip.hypothesis.outline, strip.fit, contrast_.noise() * factor_);
+  const bool one_sided = around.valid && around.asymmetry > 0.45;
+  if (one_sided && around.side != 0) {
     Candidate fixture = strip;
-    fixture.hypothesis.outline = whole;
-    fixture.fit.robot_from_outline = poses[more];
-    fixture.fit.covariance(1, 1) += 0.008 * 0.008;  // where the burning half ends in the middle is soft
+    fixture.hypothesis.outline = {FixtureShape::kRectangle, pair->length, pair->width, pair->height};
+    fixture.fit.robot_from_outline = strip.fit.robot_from_outline * Pose2{0.0, 0.5 * around.side * width, 0.0};
+    fixture.fit.covariance(1, 1) += 0.003 * 0.003;  // where the burning half ends in the middle is soft
     return detection_of(fixture, DetectionState::kHalf);
   }
-  if (clear_single && single != nullptr) {
+  if (single != nullptr && around.valid && around.asymmetry < 0.25) {
     return detection_of(strip, DetectionState::kLit);
   }
   return std::nullopt;

@@ -21,7 +21,7 @@ namespace luminav {
 /// out: a false fixture costs more than a missed one.
 class ModernDetector {
  public:
-  ModernDetector(const ModernParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue);
+  ModernDetector(const ModernDetectorParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue);
   ModernDetector(const ModernDetector&) = delete;
   ModernDetector& operator=(const ModernDetector&) = delete;
 
@@ -37,18 +37,20 @@ class ModernDetector {
   void look_for(const GreyView& image, bool bright, std::vector<Detection>& detections, DetectorTrace* trace);
   void cut_out_bright();
   void cut_out_dark();
-  [[nodiscard]] OutlineFitParams fit_params(bool bright) const;
+  [[nodiscard]] OutlineFitParams fit_params(const Region& region, bool bright) const;
   [[nodiscard]] std::optional<Candidate> best_candidate(const GreyView& image, const Region& region, int shrunk,
                                                         bool bright, DetectorTrace* trace);
-  [[nodiscard]] bool is_sound(const Candidate& candidate, bool bright) const;
+  /// Why a candidate cannot be what it was guessed to be; null when nothing speaks against it.
+  [[nodiscard]] const char* objection(const Candidate& candidate, bool bright) const;
   [[nodiscard]] bool may_be_something_else(const Candidate& candidate, bool bright) const;
   [[nodiscard]] bool is_filled(const Candidate& candidate, bool bright) const;
-  /// Decides of which fixture a lit strip is the burning half; nothing when the picture does not say.
-  [[nodiscard]] std::optional<Detection> resolve_strip(const GreyView& image, const Candidate& strip);
+  /// Decides whether a lit strip is a fixture of one lamp or the burning half of one of two; nothing when the picture
+  /// does not say.
+  [[nodiscard]] std::optional<Detection> resolve_strip(const GreyView& image, const Candidate& strip) const;
   [[nodiscard]] Detection detection_of(const Candidate& candidate, DetectionState state) const;
   [[nodiscard]] bool overlaps(const Detection& detection, const std::vector<Detection>& others) const;
 
-  ModernParams params_;
+  ModernDetectorParams params_;
   CeilingCamera camera_;
   CeilingCatalogue catalogue_;
   int factor_;
@@ -56,7 +58,8 @@ class ModernDetector {
   double metres_per_px_;
   int window_radius_;  // [cells]
   int least_cells_;    // of a region
-  int erosion_;        // [cells]
+  int erosion_;        // [cells] of dark regions
+  bool ignore_lines_;  // between tiles
   Raster reduced_;
   Raster mask_;
   Raster eroded_;

@@ -126,7 +126,7 @@ TEST(ContrastMap, IsBlindForASlopeAndForUniformGrey) {
     }
   }
   ContrastMap map;
-  map.compute(image, 8);
+  map.compute(image, 8, true);
   EXPECT_LE(*std::max_element(map.bright().cells.begin(), map.bright().cells.end()), 4);
   EXPECT_LE(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 4);
 }
@@ -142,10 +142,10 @@ TEST(ContrastMap, MeasuresADarkAndABrightPatch) {
     }
   }
   ContrastMap map;
-  map.compute(image, 8);
-  EXPECT_EQ(map.dark().row(30)[16], 20);
+  map.compute(image, 8, true);
+  EXPECT_NEAR(map.dark().row(30)[16], 20, 4);
   EXPECT_EQ(map.bright().row(30)[54], 150);
-  EXPECT_EQ(map.dark().row(30)[35], 0);
+  EXPECT_LE(map.dark().row(30)[35], 4);
   EXPECT_EQ(map.bright().row(30)[35], 0);
 }
 
@@ -159,7 +159,7 @@ TEST(ContrastMap, SeesNoDarkStripBetweenALampAndTheBorder) {
     }
   }
   ContrastMap map;
-  map.compute(image, 8);
+  map.compute(image, 8, true);
   EXPECT_LE(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 6);
 }
 
