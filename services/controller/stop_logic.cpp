@@ -66,10 +66,12 @@ const ObstaclePoint* StopLogic::first_in_the_way(const DriveTwist& twist, double
   // somebody who comes stops before a robot that stands, so his own way counts until it does
   const double until_still =
       std::min(duration, params_.reaction_time + std::abs(twist.linear) / limits_.linear_deceleration);
+  // A robot that stands nearer than the margin may go along the obstacle, not only away from it.
+  const double room = clearance(obstacles);
   const ObstaclePoint* first = nullptr;
   int first_step = steps + 1;
   for (const ObstaclePoint& obstacle : obstacles) {
-    const double margin = obstacle.is_known ? params_.known_margin : params_.margin;
+    const double margin = std::min(room, obstacle.is_known ? params_.known_margin : params_.margin);
     const double sweep =
         footprint_.swept_radius() + corner_speed * duration + margin + obstacle.approach * (obstacle.age + until_still);
     if (obstacle.position.squaredNorm() > sweep * sweep) {

@@ -1,0 +1,200 @@
+#include "services/controller/controller_node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/node/controller/closed_loop.hpp"
+
+namespace luminav::testing {
+namespace {
+
+const std::vector<std::string> kHall{"####################", "#..................#", "#..................#",
+                                     "#..................#", "#..................#", "#..................#",
+                                     "#..................#", "#..................#", "#..................#",
+                                     "####################"};
+
+class ControllerNodeTest : public ::testing::Test {
+ protected:
+  ControllerNodeTest() { world_.place_robot({1.0, 1.5, 0.0}); }
+
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(50.0 * seconds); ++i) {
+      loop_.tick();
+    }
+  }
+  void drive_off() {
+    loop_.start({.goal = {5.0, 1.5}});
+    run(2.0);
+    ASSERT_GT(loop_.command_message().linear_x, 0.2);
+  }
+  void expect_standing(const std::string& reason) {
+    EXPECT_DOUBLE_EQ(loop_.command_message().linear_x, 0.0);
+    EXPECT_DOUBLE_EQ(loop_.command_message().angular_z, 0.0);
+    EXPECT_NE(loop_.status().reason.find(reason), std::string::npos) << loop_.status().reason;
+  }
+  void stop(std::int64_t id, bool engaged) {
+    stop_t message{};
+    message.id = id;
+    message.engaged = engaged;
+    loop_.lcm().publish(channels::kStop, &message);
+  }
+  void teleoperate(int sequence, double linear, double angular) {
+    teleop_command_t message{};
+    message.utime = loop_.utime();
+    message.session = 5;
+    message.sequence = sequence;
+    message.linear = linear;
+    message.angular = angular;
+    loop_.lcm().publish(channels::kTeleopCommand, &message);
+  }
+
+  ControllerConfig config_ = read_controller_config(std::string(LUMINAV_SOURCE_DIR) + "/launch/robots/p3dx.toml");
+  KinematicWorld world_{config_.robot, kHall};
+  ClosedLoop loop_{world_, config_};
+};
+
+TEST_F(ControllerNodeTest, AnswersEachTickWithItsStampAndAGrowingSequence) {
+  loop_.tick();
+  const velocity_command_t first = loop_.command_message();
+  EXPECT_EQ(first.utime, loop_.utime());
+  EXPECT_EQ(first.session, first.utime);
+  loop_.tick();
+  EXPECT_EQ(loop_.command_message().utime, loop_.utime());
+  EXPECT_EQ(loop_.command_message().session, first.session);
+  EXPECT_EQ(loop_.command_message().sequence, first.sequence + 1);
+}
+
+TEST_F(ControllerNodeTest, StandsStillWithoutAGoal) {
+  run(1.0);
+  expect_standing("no goal yet");
+}
+
+TEST_F(ControllerNodeTest, FollowsAndArrivesOnce) {
+  loop_.start({.goal = {4.0, 1.5}});
+  ASSERT_TRUE(loop_.run(30.0));
+  run(3.0);
+  EXPECT_EQ(loop_.status().state, control_status_t::STATE_AT_GOAL);
+  EXPECT_DOUBLE_EQ(loop_.command_message().linear_x, 0.0);
+}
+
+TEST_F(ControllerNodeTest, ObeysStopAndEchoesIt) {
+  drive_off();
+  stop(17, true);
+  run(0.2);
+  expect_standing("stop");
+  EXPECT_TRUE(loop_.status().stop_engaged);
+  EXPECT_EQ(loop_.status().stop_id, 17);
+  stop(16, false);  // an old release
+  run(0.5);
+  expect_standing("stop");
+  stop(18, false);
+  run(2.0);
+  EXPECT_GT(loop_.command_message().linear_x, 0.2);
+  EXPECT_EQ(loop_.status().stop_id, 18);
+}
+
+TEST_F(ControllerNodeTest, StopsWhenThePoseIsLostOrOld) {
+  drive_off();
+  loop_.is_tracking = false;
+  run(0.6);
+  EXPECT_LT(loop_.command_message().linear_x, 0.2);
+  run(1.0);
+  expect_standing("pose is not known");
+  loop_.is_tracking = true;
+  run(2.0);
+  EXPECT_GT(loop_.command_message().linear_x, 0.2);
+  loop_.drops_pose = true;
+  run(2.0);
+  expect_standing("pose is");
+}
+
+TEST_F(ControllerNodeTest, StopsWhenTheSonarsFallSilent) {
+  drive_off();
+  loop_.drops_sonar = true;
+  run(1.5);
+  EXPECT_DOUBLE_EQ(loop_.command_message().linear_x, 0.0);
+  EXPECT_DOUBLE_EQ(loop_.command_message().angular_z, 0.0);
+}
+
+TEST_F(ControllerNodeTest, CommandsNothingWhileTheMotorsAreOff) {
+  drive_off();
+  loop_.motors = false;
+  run(0.2);
+  expect_standing("motors");
+}
+
+TEST_F(ControllerNodeTest, LetsAPersonDriveWhileTheCommandsComeAndStopsAfterThem) {
+  run(1.0);
+  for (int i = 0; i < 50; ++i) {
+    teleoperate(i, 0.3, 0.0);
+    loop_.tick();
+  }
+  EXPECT_NEAR(loop_.command_message().linear_x, 0.3, 0.02);
+  EXPECT_EQ(loop_.status().state, control_status_t::STATE_TELEOP);
+  run(1.0);
+  EXPECT_DOUBLE_EQ(loop_.command_message().linear_x, 0.0);
+}
+
+TEST_F(ControllerNodeTest, TeleoperationCannotDriveIntoAWall) {
+  world_.place_robot({5.0, 1.5, 0.0});
+  run(1.0);
+  for (int i = 0; i < 500; ++i) {
+    teleoperate(i, 0.5, 0.0);
+    loop_.tick();
+  }
+  EXPECT_EQ(world_.contacts(), 0);
+  EXPECT_LT(world_.clearance(), 0.3);
+  EXPECT_GT(world_.clearance(), 0.03);
+  EXPECT_LT(loop_.command_message().linear_x, 0.03);
+  // and may be led away backwards
+  for (int i = 500; i < 600; ++i) {
+    teleoperate(i, -0.3, 0.0);
+    loop_.tick();
+  }
+  EXPECT_LT(loop_.command_message().linear_x, -0.2);
+}
+
+TEST_F(ControllerNodeTest, DropsAndCountsWhatMakesNoSense) {
+  drive_off();
+  const std::int64_t before = loop_.node().health().dropped_inputs;
+  const std::uint8_t bytes[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+  for (const char* channel :
+       {channels::kPath, channels::kPose, channels::kOdometry, channels::kSonar, channels::kRobotStatus,
+        channels::kStop, channels::kTeleopCommand, channels::kGridTile, channels::kNavigationStatus}) {
+    loop_.lcm().publish(channel, bytes, sizeof(bytes));
+  }
+  pose_t pose{};
+  pose.x = std::numeric_limits<double>::quiet_NaN();
+  loop_.lcm().publish(channels::kPose, &pose);
+  path_t path{};
+  path.count = 1;
+  path.x = {std::numeric_limits<float>::infinity()};
+  path.y = {0.0F};
+  loop_.lcm().publish(channels::kPath, &path);
+  sonar_t sonar{};
+  sonar.session = 7;
+  loop_.lcm().publish(channels::kSonar, &sonar);
+  odometry_t odometry{};
+  odometry.utime = 5;
+  loop_.lcm().publish(channels::kOdometry, &odometry);
+  run(0.1);
+  EXPECT_EQ(loop_.node().health().dropped_inputs - before, 9 + 4);
+  run(1.0);
+  EXPECT_GT(loop_.command_message().linear_x, 0.2);
+}
+
+TEST_F(ControllerNodeTest, StandsStillWhenThePathIsTakenAway) {
+  loop_.start({.goal = {5.0, 1.5}, .replan_every = 0.0});
+  run(2.0);
+  ASSERT_GT(loop_.command_message().linear_x, 0.2);
+  path_t path{};
+  path.goal_id = 1;
+  path.sequence = 1000;
+  loop_.lcm().publish(channels::kPath, &path);
+  run(1.5);
+  expect_standing("no path");
+}
+
+}  // namespace
+}  // namespace luminav::testing
