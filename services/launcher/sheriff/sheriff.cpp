@@ -224,7 +224,7 @@ void Sheriff::forget_removed() {
 }
 
 bool Sheriff::yielding() const {
-  return other_sheriff_heard_ != 0 && now_.steady - other_sheriff_heard_ < kYieldTime;
+  return !config_.observe && other_sheriff_heard_ != 0 && now_.steady - other_sheriff_heard_ < kYieldTime;
 }
 
 bool Sheriff::is_heard(const std::string& id) const {
