@@ -276,8 +276,9 @@ void ModernLocalizer::watch(const SightingFrame& frame, const std::vector<int>& 
     const bool is_there = std::any_of(frame.sightings.begin(), frame.sightings.end(), [&](const FixtureSighting& s) {
       return distance(s.robot_from_fixture, robot_from_fixture) < 0.5 * map_[index].length + 0.2;
     });
-    if (!is_there && view_.visible_share(robot_from_fixture, map_[index], margin) > 0.999) {
-      const bool seen = std::find(seen_lately_.begin(), seen_lately_.end(), index) != seen_lately_.end();
+    const bool seen = std::find(seen_lately_.begin(), seen_lately_.end(), index) != seen_lately_.end();
+    const double least = seen ? params_.rules.vanish_share : params_.rules.miss_share;
+    if (!is_there && view_.visible_share(robot_from_fixture, map_[index], margin) >= least) {
       if (missing < 0 || seen) {
         missing = index;
         was_seen = seen;
