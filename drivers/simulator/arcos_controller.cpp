@@ -13,6 +13,7 @@ constexpr double kSpeedTime = 0.03;                     // [s] over which the wh
 constexpr double kMovingSpeed = 0.005;                  // [m/s] of a wheel: the packet says "moving"
 constexpr double kEmptyVoltage = 11.0;                  // [V] two lead-acid batteries, empty and full
 constexpr double kFullVoltage = 12.9;
+constexpr std::int64_t kPacketPause = 50'000;  // [us] a client sends a packet in one go
 constexpr std::size_t kLongestOutput = 65536;  // [bytes] nobody reads: the oldest are lost
 
 std::int16_t wrapped(double value) {
@@ -29,6 +30,11 @@ ArcosController::ArcosController(const ArcosConfig& config)
 
 void ArcosController::receive(std::span<const std::uint8_t> bytes) {
   parser_.push(bytes);
+  line_pause_ = bytes.empty() ? line_pause_ : 0;
+  obey_packets();
+}
+
+void ArcosController::obey_packets() {
   while (const auto packet = parser_.next()) {
     silence_ = 0;
     if (session_open_) {
@@ -248,6 +254,11 @@ ArcosOutputs ArcosController::step(double dt, const ArcosInputs& inputs) {
   const auto microseconds = static_cast<std::int64_t>(std::llround(dt * 1e6));
   sense(dt, inputs);
   silence_ += microseconds;
+  line_pause_ += microseconds;
+  if (parser_.has_partial() && line_pause_ > kPacketPause) {
+    parser_.give_up_partial();  // a damaged count would swallow all that a hesitant client says next
+    obey_packets();
+  }
   const std::int64_t watchdog = config_.mobilesim ? 0 : 1000LL * config_.flash.watchdog;
   motion_.set_halted(!motors_enabled_ || stall_rest_ > 0 || (watchdog > 0 && silence_ > watchdog));
   if (stall_rest_ > 0) {

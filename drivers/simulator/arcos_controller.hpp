@@ -69,6 +69,7 @@ class ArcosController {
   [[nodiscard]] std::int64_t bad_packets() const { return parser_.bad_packets(); }
 
  private:
+  void obey_packets();
   void on_sync(std::uint8_t command);
   void open_session();
   void close_session();
@@ -106,6 +107,7 @@ class ArcosController {
   double left_speed_ = 0.0;  // [m/s] measured
   double right_speed_ = 0.0;
   std::int64_t silence_ = 0;            // [us] since the last valid packet
+  std::int64_t line_pause_ = 0;         // [us] since the last byte
   std::int64_t stall_rest_ = 0;         // [us] that the motors still rest after a stall
   std::int64_t until_information_ = 0;  // [us]
 };

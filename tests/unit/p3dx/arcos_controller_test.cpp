@@ -103,6 +103,14 @@ TEST(ArcosController, WaitsForTheFirstSyncWhenTheyComeOutOfOrder) {
   EXPECT_EQ(client.types.size(), 3U);
 }
 
+TEST(ArcosController, IsNotHeldUpByADamagedCount) {
+  Client client;
+  client.send(hex("FA FB F3 00 00 00"));
+  client.run(0.2, false);
+  client.connect();
+  EXPECT_THAT(client.types, testing::ElementsAre(0, 1, 2));
+}
+
 TEST(ArcosController, SendsItsInformationEveryTenthOfASecondWithoutDrift) {
   Client client;
   client.connect();
@@ -367,6 +375,39 @@ TEST(ArcosController, CountsEncoderTicks) {
   const std::size_t count = client.encoders.size();
   client.run(1.0);
   EXPECT_EQ(client.encoders.size(), count);
+}
+
+TEST(ArcosController, ServesAClientOfTheAriaKindForAnHour) {
+  Client client;
+  client.connect();  // OPEN with an argument that it does not take
+  client.send(ArcosCommand::kConfiguration, 1);
+  client.send(ArcosCommand::kBatteryInformation, 1);
+  client.send(encode_packet(31, hex("3B 01 00")));
+  client.send(ArcosCommand::kSound, 1);
+  client.send(ArcosCommand::kEnable, 1);
+  for (const int value : {500, -500}) {
+    client.send(ArcosCommand::kSetAcceleration, value);
+    client.send(ArcosCommand::kSetTurnAcceleration, value / 5);
+  }
+  std::size_t wrong_headings = 0;
+  for (int leg = 0; leg < 360; ++leg) {
+    const int heading = (leg * 50) % 360 - 180;  // negative degrees too
+    for (int i = 0; i < 18; ++i) {               // VEL and HEAD again every half second
+      client.send(ArcosCommand::kVelocity, 250);
+      client.send(ArcosCommand::kHeading, heading);
+      client.run(0.5, false);
+    }
+    wrong_headings += std::abs(wrap_angle(client.base.turned - radians(heading))) > radians(1.0) ? 1 : 0;
+    client.run(1.0);  // idle, with PULSE
+  }
+  EXPECT_EQ(wrong_headings, 0U);
+  EXPECT_EQ(client.information.size(), 36'000U);
+  EXPECT_EQ(client.parser.bad_packets(), 0);
+  EXPECT_EQ(client.base.controller().bad_packets(), 0);
+  EXPECT_NEAR(client.base.travel, 900.0, 1.0);
+  client.send(ArcosCommand::kEnable, 0);
+  client.send(ArcosCommand::kClose, 1);
+  EXPECT_FALSE(client.base.controller().session_open());
 }
 
 TEST(ArcosController, ForgivesWhatNormalClientsSend) {
