@@ -223,6 +223,10 @@ std::optional<ModernDetector::Candidate> ModernDetector::best_candidate(const Gr
     if (!best || candidate.score > best->score) {
       best = candidate;
     }
+    const bool certain = fit->end_visible(kFarEnd) && fit->end_visible(kNearEnd) && fit->quality() > 0.9;
+    if (certain) {
+      break;
+    }
   }
   return best;
 }
@@ -247,6 +251,11 @@ const char* ModernDetector::objection(const Candidate& candidate, bool bright) c
   }
   if (fit.share(kLeftSide) < params_.minimum_long_side_fit || fit.share(kRightSide) < params_.minimum_long_side_fit) {
     return "no edge along a long side";
+  }
+  // The burning half of a fixture next to its dark half looks like a whole one with one faint side.
+  if (bright && std::min(fit.side_step[kLeftSide], fit.side_step[kRightSide]) <
+                    0.5 * std::max(fit.side_step[kLeftSide], fit.side_step[kRightSide])) {
+    return "sides of different brightness";
   }
   for (const int end : {kFarEnd, kNearEnd}) {
     if (fit.in_view[static_cast<std::size_t>(end)] >= 3 && fit.share(end) < params_.minimum_end_fit) {
@@ -337,7 +346,7 @@ std::optional<Detection> ModernDetector::resolve_strip(const GreyView& image, co
     Candidate fixture = strip;
     fixture.hypothesis.outline = {FixtureShape::kRectangle, pair->length, pair->width, pair->height};
     fixture.fit.robot_from_outline = strip.fit.robot_from_outline * Pose2{0.0, 0.5 * around.side * width, 0.0};
-    fixture.fit.covariance(1, 1) += 0.003 * 0.003;  // where the burning half ends in the middle is soft
+    fixture.fit.covariance(1, 1) += 0.007 * 0.007;  // where the burning half ends in the middle is soft
     return detection_of(fixture, DetectionState::kHalf);
   }
   if (single != nullptr && around.valid && around.asymmetry < 0.25) {

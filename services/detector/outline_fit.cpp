@@ -26,6 +26,17 @@ double tukey_weight(double residual, double cutoff) {
   return rest <= 0.0 ? 0.0 : rest * rest;
 }
 
+/// True when a side in view shows so few edges that the outline cannot be there: most guesses end here, early.
+bool is_hopeless(const OutlineFit& fit) {
+  constexpr double kLeastShare = 0.45;
+  for (const int side : {kLeftSide, kRightSide}) {
+    if (fit.in_view[static_cast<std::size_t>(side)] >= 5 && fit.share(side) < kLeastShare) {
+      return true;
+    }
+  }
+  return false;
+}
+
 struct Pass {
   int search_px;
   double cutoff_px;
@@ -299,6 +310,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     fit.on_edge.fill(0);
     fit.expected.fill(0);
     fit.corner_in_view.fill(0);
+    fit.side_step.fill(0.0);
     fit.corner_on_edge.fill(0);
     fit.visible_from = 0.5 * outline.length;
     fit.visible_to = -0.5 * outline.length;
@@ -338,9 +350,10 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
       fit.corner_on_edge[corner] += at_corner ? 1 : 0;
       squares += point.offset_px * point.offset_px;
       steps += point.step;
+      fit.side_step[side] += point.step;
       ++used;
     }
-    if (used < kLeastPoints) {
+    if (used < kLeastPoints || is_hopeless(fit)) {
       return std::nullopt;
     }
     const Vector5d step = information.ldlt().solve(right_side);
@@ -355,6 +368,9 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
 
     fit.residual_px = std::sqrt(squares / used);
     fit.step = steps / used;
+    for (std::size_t side = 0; side < kSides; ++side) {
+      fit.side_step[side] /= std::max(fit.on_edge[side], 1);
+    }
     if (pass + 1 == passes.size()) {
       const double edge_sigma = std::max(params.edge_sigma_px, fit.residual_px) * metres_per_px;
       const Matrix5d inverse = information.inverse();
@@ -368,7 +384,14 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
         const double ends = 0.6 * std::max(std::abs(centre_px[kFarEnd]), std::abs(centre_px[kNearEnd]));
         const double sides = 0.6 * std::max(std::abs(centre_px[kLeftSide]), std::abs(centre_px[kRightSide]));
         fit.covariance(0, 0) += std::pow(ends * metres_per_px, 2);
-        fit.covariance(1, 1) += std::pow(sides * metres_per_px, 2);
+        // a joint along one side only widens the outline and shifts it by as much
+        fit.covariance(1, 1) += std::pow(sides * metres_per_px, 2) + swelling * swelling;
+      } else {
+        // bloom is not quite the same on all sides
+        const double bloom = 0.1 * swelling;
+        fit.covariance(0, 0) += bloom * bloom;
+        fit.covariance(1, 1) += bloom * bloom;
+        fit.covariance(2, 2) += 0.25 * bloom * bloom / (lever * lever);
       }
     }
   }

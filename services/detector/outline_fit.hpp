@@ -44,10 +44,11 @@ struct OutlineFit {
   std::array<int, kSides> expected{};   // of the whole outline
   std::array<int, 2> corner_in_view{};  // points of both long sides next to the far, the near end
   std::array<int, 2> corner_on_edge{};
-  double visible_from = 0.0;  // [m] x along the outline: what of the long sides is in the image
-  double visible_to = 0.0;    // [m]
-  double step = 0.0;          // [grey] mean height of the edges found
-  double residual_px = 0.0;   // [px] RMS distance of the edges found
+  double visible_from = 0.0;               // [m] x along the outline: what of the long sides is in the image
+  double visible_to = 0.0;                 // [m]
+  double step = 0.0;                       // [grey] mean height of the edges found
+  std::array<double, kSides> side_step{};  // [grey] mean of each side's
+  double residual_px = 0.0;                // [px] RMS distance of the edges found
 
   [[nodiscard]] double share(int side) const;
   [[nodiscard]] bool end_visible(int side) const;
