@@ -43,7 +43,8 @@ Eigen::Matrix3d odometry_noise_with_systematics(const Pose2& delta, double wheel
 Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const Fixture& fixture,
                                           const ErrorParams& params);
 
-/// The constant part, robot frame: tilt, yaw, scale, lens, time offset and the fixture's own error; twist in the robot frame.
+/// The constant part, robot frame: tilt, yaw, scale, lens, time offset and the fixture's own error; twist in the robot
+/// frame.
 Eigen::Matrix3d systematic_sighting_covariance(const FixtureSighting& sighting, double height_above_camera,
                                                double linear, double angular, const ErrorParams& params);
 

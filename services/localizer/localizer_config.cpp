@@ -50,7 +50,56 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
   table.reject_unknown();
 }
 
+void read_particles(const TomlTable& table, ParticleParams& params) {
+  params.count = table.count("count", params.count, {10.0, 1e6});
+  params.distance_gain = table.number("distance_gain", params.distance_gain, {0.01, 1000.0});
+  params.angle_gain = table.number("angle_gain", params.angle_gain, {0.0, 1000.0});
+  params.weight_jitter = table.number("weight_jitter", params.weight_jitter, kFraction);
+  params.unknown_free = table.number("unknown_free", params.unknown_free, kFraction);
+  params.least_free = table.number("least_free", params.least_free, kFraction);
+  params.turn_by_turn = table.number("turn_by_turn", params.turn_by_turn, {0.0, 10.0});
+  params.turn_by_way = table.number("turn_by_way", params.turn_by_way, {0.0, 10.0});
+  params.way_by_way = table.number("way_by_way", params.way_by_way, {0.0, 10.0});
+  params.way_by_turn = table.number("way_by_turn", params.way_by_turn, {0.0, 10.0});
+  params.redraws = table.count("redraws", params.redraws, {0.0, 100.0});
+  params.copied_share = table.number("copied_share", params.copied_share, {0.0, 0.45});
+  params.random_share = table.number("random_share", params.random_share, {0.0, 0.5});
+  table.reject_unknown();
+}
+
+void read_clusters(const TomlTable& table, ClusterParams& params) {
+  params.radius_factor = table.number("radius_factor", params.radius_factor, {0.01, 1.0});
+  params.heading_gate = table.number("heading_gate", params.heading_gate, {0.01, 3.2});
+  params.most = table.count("most", params.most, {1.0, 1000.0});
+  table.reject_unknown();
+}
+
+void read_handover(const TomlTable& table, HandoverParams& params) {
+  params.share = table.number("share", params.share, kFraction);
+  params.runner_up = table.number("runner_up", params.runner_up, kFraction);
+  params.spread = table.number("spread", params.spread, {0.001, 100.0});
+  params.heading_spread = table.number("heading_spread", params.heading_spread, {0.001, 4.0});
+  params.fixtures = table.count("fixtures", params.fixtures, {0.0, 1000.0});
+  params.way = table.number("way", params.way, kNotNegative);
+  params.held = table.count("held", params.held, {1.0, 10000.0});
+  params.gate = table.number("gate", params.gate, {0.1, 1000.0});
+  params.gate_misses = table.count("gate_misses", params.gate_misses, {1.0, 10000.0});
+  params.nis_limit = table.number("nis_limit", params.nis_limit, {0.1, 1000.0});
+  params.blind_way = table.number("blind_way", params.blind_way, {0.1, 10000.0});
+  params.absent_frames = table.count("absent_frames", params.absent_frames, {1.0, 10000.0});
+  params.gathered_share = table.number("gathered_share", params.gathered_share, kFraction);
+  table.reject_unknown();
+}
+
 }  // namespace
+
+std::unique_ptr<Localizer> make_localizer(const LocalizerConfig& config) {
+  if (config.mode == LocalizerMode::kPaper) {
+    return std::make_unique<PaperLocalizer>(config.building, config.walls, config.robot, config.errors, config.paper,
+                                            config.seed);
+  }
+  return std::make_unique<ModernLocalizer>(config.building, config.walls, config.robot, config.errors, config.modern);
+}
 
 LocalizerConfig read_localizer_config(const std::filesystem::path& robot_file,
                                       const std::filesystem::path& building_file) {
@@ -68,6 +117,9 @@ LocalizerConfig read_localizer_config(const std::filesystem::path& robot_file,
   read_errors(table.table("errors"), config.errors);
   read_hypotheses(table.table("hypotheses"), config.modern.hypotheses);
   read_rules(table.table("rules"), config.modern.rules);
+  read_particles(table.table("particles"), config.paper.particles);
+  read_clusters(table.table("clusters"), config.paper.clusters);
+  read_handover(table.table("handover"), config.paper.handover);
   table.reject_unknown();
   return config;
 }

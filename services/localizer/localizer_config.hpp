@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "services/common/building/building.hpp"
@@ -9,6 +10,7 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/error_model.hpp"
 #include "services/localizer/modern_localizer.hpp"
+#include "services/localizer/paper_localizer.hpp"
 
 namespace luminav {
 
@@ -24,10 +26,14 @@ struct LocalizerConfig {
   PriorMap walls;  // the building's map; empty when it has none
   ErrorParams errors;
   ModernLocalizerParams modern;
+  PaperLocalizerParams paper;
 };
 
 /// Reads the robot's file with its table [localizer] and the building with its map. Throws ConfigurationError.
 LocalizerConfig read_localizer_config(const std::filesystem::path& robot_file,
                                       const std::filesystem::path& building_file);
+
+/// The localizer of the mode that the configuration asks for.
+std::unique_ptr<Localizer> make_localizer(const LocalizerConfig& config);
 
 }  // namespace luminav

@@ -7,7 +7,6 @@
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
-#include "services/localizer/modern_localizer.hpp"
 
 namespace luminav {
 namespace {
@@ -18,10 +17,6 @@ constexpr std::size_t kMostHypotheses = 500;         // listed in one message
 constexpr std::size_t kMostParticles = 2000;
 constexpr int kMostDetections = 200;  // beyond it the detector has gone mad
 constexpr double kFarthest = 50.0;    // [m] of a sighting from the robot
-
-std::unique_ptr<Localizer> make_localizer(const LocalizerConfig& config) {
-  return std::make_unique<ModernLocalizer>(config.building, config.walls, config.robot, config.errors, config.modern);
-}
 
 bool is_covariance(const double (&values)[9]) {
   return std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }) &&

@@ -13,7 +13,7 @@ constexpr double kLeastFit = 0.35;                  // outlines that fit worse a
 constexpr double kFastest = 3.0;                    // [m/s] beyond it odometry has jumped, no robot of ours drives so
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
 const Eigen::Vector3d kSurprise(0.0036, 0.0036, 0.0007);  // [m^2, m^2, rad^2] 60 mm and 1.5 degrees
-constexpr std::size_t kMostSightings = 12;          // of one image
+constexpr std::size_t kMostSightings = 12;                // of one image
 constexpr std::size_t kMostEchoes = 64;
 
 }  // namespace
@@ -28,8 +28,7 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       params_(params),
       bank_(map_, view_, walls_, building.ceiling_height, robot.wheel_base, robot.sonar, errors, params.hypotheses),
       filter_(std::max(0.2, building.ceiling_height - robot.camera.mounting.z),
-              {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors,
-              params.tracking) {
+              {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors, params.tracking) {
   if (map_.size() == 0) {
     reason_ = "the building's file names no fixtures";
   }
@@ -228,7 +227,8 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
   correct_filter(frame, matches, odometry);
 }
 
-void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<Match>& matches, const OdometryReading& odometry) {
+void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<Match>& matches,
+                                     const OdometryReading& odometry) {
   for (const Match& match : matches) {
     const Innovation innovation = filter_.innovate(frame.sightings[match.sighting], match.fixture, map_[match.fixture],
                                                    odometry.linear, odometry.angular);

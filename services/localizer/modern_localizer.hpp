@@ -24,13 +24,13 @@ struct TrackingRules {
   int misfit_frames = 5;                      // images in a row in which what is seen fits nothing
   int vanish_frames = 7;                      // images in a row without a fixture that was there just before
   int miss_frames = 10;                       // images in a row without a fixture that ought to be there
-  double visible_margin = 0.03;         // [m] from the image border, beside twice the pose's own error
-  double vanish_share = 0.5;            // of a fixture seen just before that must be in view to miss it
-  double miss_share = 0.8;              // likewise of any other fixture
-  double bonus_after_misfit = 6.0;  // prior of the old pose when what was seen did not fit it
-  double bonus_after_miss = 10.0;   // prior of the old pose when only something was missing
-  double guess_bonus = 6.0;         // prior of a user's guess
-  int restart_frames = 12;          // images with sightings that no hypothesis explains: begin anew
+  double visible_margin = 0.03;               // [m] from the image border, beside twice the pose's own error
+  double vanish_share = 0.5;                  // of a fixture seen just before that must be in view to miss it
+  double miss_share = 0.8;                    // likewise of any other fixture
+  double bonus_after_misfit = 6.0;            // prior of the old pose when what was seen did not fit it
+  double bonus_after_miss = 10.0;             // prior of the old pose when only something was missing
+  double guess_bonus = 6.0;                   // prior of a user's guess
+  int restart_frames = 12;                    // images with sightings that no hypothesis explains: begin anew
 };
 
 struct ModernLocalizerParams {

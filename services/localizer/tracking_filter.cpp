@@ -156,8 +156,8 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
   const ExpectedSighting ideal = expect_sighting(pose, world_from_fixture);
   const double x = ideal.robot_from_fixture.x;
   const double y = ideal.robot_from_fixture.y;
-  // Each error shifts the ceiling's picture by a field over the ceiling; what the field does to the fixture's heading is
-  // its derivative along the long side, seen across it.
+  // Each error shifts the ceiling's picture by a field over the ceiling; what the field does to the fixture's heading
+  // is its derivative along the long side, seen across it.
   const double h = height_above_camera_;
   const Eigen::Vector2d p = (ideal.robot_from_fixture.position() - robot_from_camera_) / h;
   const Eigen::Vector2d axis(std::cos(ideal.robot_from_fixture.theta), std::sin(ideal.robot_from_fixture.theta));

@@ -49,9 +49,10 @@ class TrackingFilter {
 
   // Layout of the state. Wheels: ground covered per odometry metre - 1, drift of the heading [rad/m], turn per odometry
   // turn - 1. Camera: tilt as shift of the ceiling along x and y [rad], yaw [rad], scale - 1, time offset [s]. Floor:
-  // tilt likewise. Lens: k1 left over. Lens: k1 left over. Then x, y, theta [m, rad] of each fixture in its slot, world axes.
-  static constexpr int kScale = 3, kDrift = 4, kTurn = 5, kTilt = 6, kYaw = 8, kCameraScale = 9, kTime = 10, kFloor = 11,
-                       kLens = 13;
+  // tilt likewise. Lens: k1 left over. Lens: k1 left over. Then x, y, theta [m, rad] of each fixture in its slot, world
+  // axes.
+  static constexpr int kScale = 3, kDrift = 4, kTurn = 5, kTilt = 6, kYaw = 8, kCameraScale = 9, kTime = 10,
+                       kFloor = 11, kLens = 13;
   static constexpr int kFixtures = 14;
   static constexpr int kSlots = 5;
   static constexpr int kSize = kFixtures + 3 * kSlots;
@@ -79,7 +80,7 @@ class TrackingFilter {
 
   double height_above_camera_;         // [m]
   Eigen::Vector2d robot_from_camera_;  // [m]
-  double wheel_base_;           // [m]
+  double wheel_base_;                  // [m]
   ErrorParams errors_;
   TrackingParams params_;
   State state_ = State::Zero();

@@ -22,7 +22,8 @@ void fill(PriorMap& map, double x0, double y0, double x1, double y1, Prior value
 
 PriorMap walled(double width, double height) {
   PriorMap map;
-  map.geometry = {0.1, {0.0, 0.0}, static_cast<int>(std::lround(width * 10)), static_cast<int>(std::lround(height * 10))};
+  map.geometry = {
+      0.1, {0.0, 0.0}, static_cast<int>(std::lround(width * 10)), static_cast<int>(std::lround(height * 10))};
   map.cells.assign(map.geometry.size(), Prior::kOccupied);
   fill(map, 0.2, 0.2, width - 0.2, height - 0.2, Prior::kFree);
   return map;
@@ -68,12 +69,20 @@ TestBuilding two_rooms() {
 
 SyntheticWorld::SyntheticWorld(const Building& believed, const PriorMap& walls, const RobotDescription& robot,
                                const SyntheticOptions& options)
-    : believed_(believed), robot_(robot), options_(options), generator_(options.seed * 7919 + 17), true_building_(believed), map_walls_(walls), true_robot_(robot) {
+    : believed_(believed),
+      robot_(robot),
+      options_(options),
+      generator_(options.seed * 7919 + 17),
+      true_building_(believed),
+      map_walls_(walls),
+      true_robot_(robot) {
   const double k = options.perfect ? 0.0 : (options.calibrated ? 0.1 : 1.0);
   const double wheels = options.wheel_errors ? k : 0.0;
   const double optics = options.camera_errors ? k : 0.0;
-  const double fixture_position = options.perfect || !options.fixture_errors ? 0.0 : (options.calibrated ? 0.003 : 0.010);
-  const double fixture_heading = options.perfect || !options.fixture_errors ? 0.0 : radians(options.calibrated ? 0.2 : 0.5);
+  const double fixture_position =
+      options.perfect || !options.fixture_errors ? 0.0 : (options.calibrated ? 0.003 : 0.010);
+  const double fixture_heading =
+      options.perfect || !options.fixture_errors ? 0.0 : radians(options.calibrated ? 0.2 : 0.5);
   const double scale = 1.0 + gauss(0.01 * wheels);
   const double ratio = gauss(0.005 * wheels);
   scale_left_ = scale * (1.0 - 0.5 * ratio);
@@ -103,7 +112,9 @@ SyntheticWorld::SyntheticWorld(const Building& believed, const PriorMap& walls, 
   }
   walls_ = WallField(with_boxes);
   for (int i = 0; i < options.clutter && !believed.fixtures.empty(); ++i) {
-    Fixture thing = believed.fixtures[static_cast<std::size_t>(uniform(0.0, 0.999) * static_cast<double>(believed.fixtures.size()))];
+    Fixture thing =
+        believed
+            .fixtures[static_cast<std::size_t>(uniform(0.0, 0.999) * static_cast<double>(believed.fixtures.size()))];
     thing.world_from_fixture = draw_free_pose();
     clutter_.push_back(thing);
   }
@@ -127,7 +138,8 @@ Pose2 SyntheticWorld::draw_free_pose() {
   const GridGeometry& geometry = map_walls_.map().geometry;
   for (int i = 0; i < 100000; ++i) {
     const Pose2 pose{geometry.origin.x() + uniform(0.0, geometry.columns * geometry.resolution),
-                     geometry.origin.y() + uniform(0.0, geometry.rows * geometry.resolution), wrap_angle(uniform(-kPi, kPi))};
+                     geometry.origin.y() + uniform(0.0, geometry.rows * geometry.resolution),
+                     wrap_angle(uniform(-kPi, kPi))};
     if (map_walls_.is_free(pose.position()) && map_walls_.distance_to_wall(pose.position()) > kRadius + 0.1) {
       return pose;
     }
@@ -153,7 +165,8 @@ void SyntheticWorld::steer() {
   if (std::abs(wanted_turn_) > 0.02) {
     speed = 0.0;
     turn = std::clamp(3.0 * wanted_turn_, -1.0, 1.0);
-  } else if (std::min({room(0.0), room(0.4), room(-0.4)}) < 0.55 || walls_.distance_to_wall((truth_ * Eigen::Vector2d(0.25, 0.0)).eval()) < 0.25) {
+  } else if (std::min({room(0.0), room(0.4), room(-0.4)}) < 0.55 ||
+             walls_.distance_to_wall((truth_ * Eigen::Vector2d(0.25, 0.0)).eval()) < 0.25) {
     double best = 0.0;
     for (int i = 0; i < 8; ++i) {
       const double candidate = uniform(-kPi, kPi);
@@ -284,7 +297,8 @@ std::optional<FixtureSighting> SyntheticWorld::see(const Fixture& fixture, const
   }
   sighting.robot_from_fixture = {centre.x(), centre.y(), wrap_angle(theta)};
   sighting.covariance.setZero();
-  sighting.covariance.topLeftCorner<2, 2>() = along_sigma * along_sigma * axis * axis.transpose() + across_sigma * across_sigma * across * across.transpose();
+  sighting.covariance.topLeftCorner<2, 2>() =
+      along_sigma * along_sigma * axis * axis.transpose() + across_sigma * across_sigma * across * across.transpose();
   sighting.covariance(2, 2) = heading_sigma * heading_sigma;
   sighting.shape = fixture.shape;
   sighting.length = near_end && far_end ? fixture.length : visible;
@@ -298,7 +312,8 @@ std::optional<FixtureSighting> SyntheticWorld::see(const Fixture& fixture, const
 SightingFrame SyntheticWorld::look(const Pose2& pose, double, double) {
   SightingFrame frame;
   // the stamp is wrong by the camera's true time offset
-  frame.utime = utime_ - static_cast<std::int64_t>(std::lround(1e6 * (true_robot_.camera.time_offset - robot_.camera.time_offset)));
+  frame.utime = utime_ - static_cast<std::int64_t>(
+                             std::lround(1e6 * (true_robot_.camera.time_offset - robot_.camera.time_offset)));
   for (std::size_t i = 0; i < true_building_.fixtures.size(); ++i) {
     const Fixture& fixture = true_building_.fixtures[i];
     if (distance(fixture.world_from_fixture, pose) > 3.0 || never_seen_[i]) {
@@ -338,7 +353,8 @@ int SyntheticWorld::fixtures_in_view(const Pose2& pose, double share) const {
     }
     int inside = 0;
     for (int j = 0; j < 20; ++j) {
-      const Eigen::Vector2d point = fixture.world_from_fixture * Eigen::Vector2d((j / 19.0 - 0.5) * fixture.length, 0.0);
+      const Eigen::Vector2d point =
+          fixture.world_from_fixture * Eigen::Vector2d((j / 19.0 - 0.5) * fixture.length, 0.0);
       const auto pixel = camera.pixel_of_ceiling_point(pose.inverse() * point, fixture.height);
       inside += pixel && camera.is_in_image(*pixel) ? 1 : 0;
     }
@@ -360,13 +376,15 @@ SonarScan SyntheticWorld::hear() {
     double range = robot_.sonar.maximum_range;
     for (const double across : {-0.9, -0.45, 0.0, 0.45, 0.9}) {
       const double heading = world_from_sonar.theta + across * robot_.sonar.half_angle;
-      range = std::min(range, walls_.range_to_wall(world_from_sonar.position(), {std::cos(heading), std::sin(heading)}, range));
+      range = std::min(
+          range, walls_.range_to_wall(world_from_sonar.position(), {std::cos(heading), std::sin(heading)}, range));
     }
     const double chance = uniform(0.0, 1.0);
     if (chance < 0.03) {
       range = uniform(0.3, range);  // somebody walks by
     } else if (chance < 0.03 + options_.sonar_dropout) {
-      range = std::min(robot_.sonar.maximum_range, range + uniform(0.0, 4.0));  // reflected away, heard over a detour or not
+      range = std::min(robot_.sonar.maximum_range,
+                       range + uniform(0.0, 4.0));  // reflected away, heard over a detour or not
     }
     if (range < robot_.sonar.maximum_range - 0.05) {
       reading.range = std::max(robot_.sonar.minimum_range, range + gauss(0.01));

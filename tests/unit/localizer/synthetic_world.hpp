@@ -18,8 +18,8 @@ namespace luminav::testing {
 /// What the synthetic world does to its robot. 1-sigma values are those of the project's truth around belief.
 struct SyntheticOptions {
   std::uint64_t seed = 1;
-  bool calibrated = false;       // constant errors a tenth
-  bool perfect = false;          // no errors at all
+  bool calibrated = false;  // constant errors a tenth
+  bool perfect = false;     // no errors at all
   // which errors there are: each can be switched off to find out what it costs
   bool wheel_errors = true;
   bool camera_errors = true;
@@ -27,16 +27,16 @@ struct SyntheticOptions {
   bool fixture_errors = true;
   bool floor_errors = true;
   bool odometry_noise = true;
-  double off_ratio = 0.0;        // of the fixtures
-  double overlooked = 0.15;      // share of the unlit fixtures that are never detected
-  double miss_lit = 0.02;        // per image
-  double miss_unlit = 0.20;      // per image
-  double false_alarm = 0.002;    // per image, anywhere
-  int clutter = 1;               // things on the ceiling that pass for fixtures in every other image
-  int unknown_boxes = 4;         // in the way of sonar and robot, not in the map
+  double off_ratio = 0.0;      // of the fixtures
+  double overlooked = 0.15;    // share of the unlit fixtures that are never detected
+  double miss_lit = 0.02;      // per image
+  double miss_unlit = 0.20;    // per image
+  double false_alarm = 0.002;  // per image, anywhere
+  int clutter = 1;             // things on the ceiling that pass for fixtures in every other image
+  int unknown_boxes = 4;       // in the way of sonar and robot, not in the map
   double sonar_dropout = 0.2;
-  double speed = 0.4;            // [m/s]
-  double image_latency = 0.06;   // [s]
+  double speed = 0.4;           // [m/s]
+  double image_latency = 0.06;  // [s]
   std::optional<Pose2> start;
 };
 
@@ -44,7 +44,8 @@ struct SyntheticOptions {
 /// thousands of drives. True camera, lens, fixtures, wheels and floor differ from what is believed.
 class SyntheticWorld {
  public:
-  SyntheticWorld(const Building& believed, const PriorMap& walls, const RobotDescription& robot, const SyntheticOptions& options);
+  SyntheticWorld(const Building& believed, const PriorMap& walls, const RobotDescription& robot,
+                 const SyntheticOptions& options);
 
   /// Messages that became known in the last step.
   struct Output {
@@ -79,7 +80,7 @@ class SyntheticWorld {
   SyntheticOptions options_;
   std::mt19937_64 generator_;
   Building true_building_;
-  WallField walls_;        // with the unknown boxes
+  WallField walls_;  // with the unknown boxes
   WallField map_walls_;
   RobotDescription true_robot_;
   std::vector<bool> lit_;

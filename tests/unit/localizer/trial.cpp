@@ -12,8 +12,8 @@ TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPl
   const std::int64_t start = world.utime();
   std::size_t next_carry = 0;
   bool recovering = false;
-  double carried_at = 0.0;       // [m] of the odometer
-  double contradicted_at = -1e9; // [s]; before a carry nothing is forgiven
+  double carried_at = 0.0;        // [m] of the odometer
+  double contradicted_at = -1e9;  // [s]; before a carry nothing is forgiven
   bool awaiting_contradiction = false;
   LocalizerState last_state = LocalizerState::kLost;
   std::string last_reason;
@@ -50,13 +50,14 @@ TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPl
     const double heading_error = std::abs(wrap_angle(estimate.belief.pose.theta - truth.theta));
     const bool is_tracking = estimate.state == LocalizerState::kTracking;
     const bool is_wrong = position_error > 0.5 || heading_error > radians(20.0);
-    if (awaiting_contradiction && (world.fixtures_in_view(truth, 0.3) > 0 || world.fixtures_in_view(estimate.belief.pose, 0.8) > 0)) {
+    if (awaiting_contradiction &&
+        (world.fixtures_in_view(truth, 0.3) > 0 || world.fixtures_in_view(estimate.belief.pose, 0.8) > 0)) {
       awaiting_contradiction = false;
       contradicted_at = now;
     }
     if (plan.trace && (estimate.state != last_state || (!is_tracking && estimate.reason != last_reason))) {
-      std::printf("%7.2f s %6.2f m  state %d  error %.2f m %.1f deg  %s\n", now, world.driven(), static_cast<int>(estimate.state),
-                  position_error, degrees(heading_error), estimate.reason.c_str());
+      std::printf("%7.2f s %6.2f m  state %d  error %.2f m %.1f deg  %s\n", now, world.driven(),
+                  static_cast<int>(estimate.state), position_error, degrees(heading_error), estimate.reason.c_str());
     }
     last_state = estimate.state;
     last_reason = estimate.reason;

@@ -9,16 +9,16 @@
 namespace luminav::testing {
 
 struct TrialPlan {
-  double duration = 120.0;           // [s]
-  std::vector<double> carries;       // [s] when the robot is put somewhere else
-  double grace = 1.0;                // [s] after the first image that contradicts, during which an error is forgiven
-  bool trace = false;                // print changes of state
+  double duration = 120.0;      // [s]
+  std::vector<double> carries;  // [s] when the robot is put somewhere else
+  double grace = 1.0;           // [s] after the first image that contradicts, during which an error is forgiven
+  bool trace = false;           // print changes of state
 };
 
 /// What became of one drive.
 struct TrialResult {
-  bool localized = false;            // TRACKING at least once
-  bool correct_first = false;        // error below 0.25 m and 10 degrees when first declared
+  bool localized = false;      // TRACKING at least once
+  bool correct_first = false;  // error below 0.25 m and 10 degrees when first declared
   bool tracking_at_end = false;
   double localized_after = 0.0;      // [m]
   double localized_time = 0.0;       // [s]
@@ -30,8 +30,8 @@ struct TrialResult {
   double position_square = 0.0;      // sums over TRACKING with a fixture in view
   double heading_square = 0.0;
   long in_view = 0;
-  double nees = 0.0;                 // sum over TRACKING
-  double nees_forward = 0.0;         // likewise, per axis of the robot
+  double nees = 0.0;          // sum over TRACKING
+  double nees_forward = 0.0;  // likewise, per axis of the robot
   double nees_left = 0.0;
   double nees_heading = 0.0;
   std::vector<double> position_errors;

@@ -11,7 +11,6 @@
 
 #include "services/common/process/command_line.hpp"
 #include "services/localizer/localizer_config.hpp"
-#include "services/localizer/modern_localizer.hpp"
 #include "tests/unit/localizer/trial.hpp"
 
 namespace luminav::testing {
@@ -37,18 +36,26 @@ int run(int argc, char** argv) {
   double off = 0.0;
   bool calibrated = false;
   bool trace = false;
+  bool paper = false;
   std::string without;
-  CommandLine line("localizer_trials", "Drives a synthetic robot many times and reports how well it finds and keeps its pose.");
+  CommandLine line("localizer_trials",
+                   "Drives a synthetic robot many times and reports how well it finds and keeps its pose.");
   line.text("--robot", robot, "robot file").text("--building", building, "building file");
-  line.integer("--runs", runs, "drives").integer("--seed", seed, "first seed").integer("--carries", carries, "per drive");
-  line.integer("--corridor", corridor, "fixtures of a symmetric corridor to drive in instead").integer("--clutter", clutter, "false fixtures");
+  line.integer("--runs", runs, "drives")
+      .integer("--seed", seed, "first seed")
+      .integer("--carries", carries, "per drive");
+  line.integer("--corridor", corridor, "fixtures of a symmetric corridor to drive in instead")
+      .integer("--clutter", clutter, "false fixtures");
   line.number("--duration", duration, "[s] of a drive").number("--off", off, "share of the fixtures that are off");
   line.flag("--calibrated", calibrated, "constant errors a tenth").flag("--trace", trace, "print changes of state");
-  line.text("--without", without, "letters of errors to leave out: w(heels) c(amera) t(ime) f(ixtures) l (floor) o(dometry noise)");
+  line.flag("--paper", paper, "the paper's localizer");
+  line.text("--without", without,
+            "letters of errors to leave out: w(heels) c(amera) t(ime) f(ixtures) l (floor) o(dometry noise)");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
   LocalizerConfig config = read_localizer_config(robot, building);
+  config.mode = paper ? LocalizerMode::kPaper : config.mode;
   if (corridor > 0) {
     const TestBuilding test = symmetric_corridor(static_cast<int>(corridor), 3.0);
     config.building = test.building;
@@ -77,7 +84,8 @@ int run(int argc, char** argv) {
     options.floor_errors = has('l');
     options.odometry_noise = has('o');
     SyntheticWorld world(config.building, config.walls, config.robot, options);
-    ModernLocalizer localizer(config.building, config.walls, config.robot, config.errors, config.modern);
+    config.seed = static_cast<std::uint64_t>(i);
+    const std::unique_ptr<Localizer> localizer = make_localizer(config);
     TrialPlan plan;
     plan.duration = duration;
     plan.trace = trace;
@@ -85,7 +93,7 @@ int run(int argc, char** argv) {
       plan.carries.push_back(duration * static_cast<double>(c) / static_cast<double>(carries + 1));
     }
     const auto begin = std::chrono::steady_clock::now();
-    const TrialResult r = run_trial(world, localizer, plan);
+    const TrialResult r = run_trial(world, *localizer, plan);
     seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (r.localized) {
       ++localized;
@@ -108,22 +116,30 @@ int run(int argc, char** argv) {
     sum.nees_forward += r.nees_forward;
     sum.nees_left += r.nees_left;
     sum.nees_heading += r.nees_heading;
-    if (r.confident_wrong > 0.0 || !r.localized || (r.localized && !r.correct_first) || r.recovered < static_cast<double>(r.localized ? carries : 0)) {
+    if (r.confident_wrong > 0.0 || !r.localized || (r.localized && !r.correct_first) ||
+        r.recovered < static_cast<double>(r.localized ? carries : 0)) {
       ++wrong_runs;
-      std::printf("seed %ld: localized %d correct %d after %.1f m, confident wrong %.1f s, recovered %.0f of %ld\n", static_cast<long>(i),
-                  r.localized, r.correct_first, r.localized_after, r.confident_wrong, r.recovered, static_cast<long>(carries));
+      std::printf("seed %ld: localized %d correct %d after %.1f m, confident wrong %.1f s, recovered %.0f of %ld\n",
+                  static_cast<long>(i), r.localized, r.correct_first, r.localized_after, r.confident_wrong, r.recovered,
+                  static_cast<long>(carries));
     }
   }
   const double in_view = std::max<double>(1.0, static_cast<double>(sum.in_view));
-  std::printf("runs %ld  localized %ld  correct %ld  tracking at end %ld  confident wrong %.1f s in all\n", static_cast<long>(runs), localized, correct, at_end, sum.confident_wrong);
-  std::printf("localized after m: median %.2f p95 %.2f max %.2f; s: median %.1f p95 %.1f\n", quantile(ways, 0.5), quantile(ways, 0.95), quantile(ways, 1.0), quantile(times, 0.5), quantile(times, 0.95));
-  std::printf("tracking ratio %.4f  in view rms %.1f mm %.2f deg  p95 %.1f mm %.2f deg  max %.0f mm  nees/dof %.2f\n", sum.tracking / std::max(0.1, sum.after_first),
-              1e3 * std::sqrt(sum.position_square / in_view), degrees(std::sqrt(sum.heading_square / in_view)), 1e3 * quantile(positions, 0.95), degrees(quantile(headings, 0.95)),
-              1e3 * quantile(positions, 1.0), sum.nees / std::max<double>(1.0, static_cast<double>(positions.size())));
+  std::printf("runs %ld  localized %ld  correct %ld  tracking at end %ld  confident wrong %.1f s in all\n",
+              static_cast<long>(runs), localized, correct, at_end, sum.confident_wrong);
+  std::printf("localized after m: median %.2f p95 %.2f max %.2f; s: median %.1f p95 %.1f\n", quantile(ways, 0.5),
+              quantile(ways, 0.95), quantile(ways, 1.0), quantile(times, 0.5), quantile(times, 0.95));
+  std::printf("tracking ratio %.4f  in view rms %.1f mm %.2f deg  p95 %.1f mm %.2f deg  max %.0f mm  nees/dof %.2f\n",
+              sum.tracking / std::max(0.1, sum.after_first), 1e3 * std::sqrt(sum.position_square / in_view),
+              degrees(std::sqrt(sum.heading_square / in_view)), 1e3 * quantile(positions, 0.95),
+              degrees(quantile(headings, 0.95)), 1e3 * quantile(positions, 1.0),
+              sum.nees / std::max<double>(1.0, static_cast<double>(positions.size())));
   const double samples = std::max<double>(1.0, static_cast<double>(positions.size()));
-  std::printf("squared error / variance: forward %.2f left %.2f heading %.2f\n", sum.nees_forward / samples, sum.nees_left / samples, sum.nees_heading / samples);
+  std::printf("squared error / variance: forward %.2f left %.2f heading %.2f\n", sum.nees_forward / samples,
+              sum.nees_left / samples, sum.nees_heading / samples);
   if (carries > 0) {
-    std::printf("carries recovered %.0f of %ld, after m: median %.2f p95 %.2f\n", recovered, static_cast<long>(carries * localized), quantile(recovery, 0.5), quantile(recovery, 0.95));
+    std::printf("carries recovered %.0f of %ld, after m: median %.2f p95 %.2f\n", recovered,
+                static_cast<long>(carries * localized), quantile(recovery, 0.5), quantile(recovery, 0.95));
   }
   std::printf("%.2f s of computing for %.0f s of driving\n", seconds, duration * static_cast<double>(runs));
   return wrong_runs > 0 ? 1 : 0;
