@@ -99,6 +99,7 @@ void PlannerNode::on_goal(const goal_t& goal) {
     return;
   }
   act_on(goal, now_);
+  cycle_.update(situation(now_));  // a robot that knows where it is does not search first
   publish_path(now_);
   publish_status(now_);
 }

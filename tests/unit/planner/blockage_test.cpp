@@ -1,0 +1,41 @@
+#include "services/planner/blockage.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/planner/floor_plan.hpp"
+
+namespace luminav {
+namespace {
+
+TEST(Blockage, MeasuresWhatADoorLeavesFree) {
+  OccupancyGrid grid = empty_room(6.0, 4.0);
+  build_wall(grid, 3.0, 0.0, 3.2, 4.4);
+  build_wall(grid, 3.0, 1.8, 3.2, 2.7, Prior::kFree);
+  for (int row = 18; row < 23; ++row) {  // 0.5 of 0.9 m
+    grid.evidence[grid.geometry.index({30, row})] = 50;
+  }
+  const ConfigurationSpace space({}, grid, {});
+  const Polyline path = {{2.0, 2.25}, {2.5, 2.25}, {3.0, 2.25}, {3.5, 2.25}};
+  const Blockage blockage = measure_blockage(space, {{4, {3.1, 2.25, 0.5 * kPi}, 0.9}}, path, 2, 0.6);
+  EXPECT_TRUE(blockage.is_door);
+  EXPECT_NEAR(blockage.free_width, 0.4, 0.05);
+  EXPECT_EQ(blockage.sentence(), "door at (3.1, 2.2) is blocked, 0.4 m free, need 0.6 m");
+}
+
+TEST(Blockage, MeasuresAcrossTheWayWhereNoDoorIs) {
+  OccupancyGrid grid = empty_room(8.0, 1.4);
+  for (int row = 2; row < 13; ++row) {  // 1.1 of 1.4 m
+    grid.evidence[grid.geometry.index({40, row})] = 50;
+  }
+  const ConfigurationSpace space({}, grid, {});
+  Polyline path;
+  for (int i = 0; i < 30; ++i) {
+    path.emplace_back(1.0 + 0.2 * i, 0.9);
+  }
+  const Blockage blockage = measure_blockage(space, {}, path, 14, 0.6);
+  EXPECT_FALSE(blockage.is_door);
+  EXPECT_NEAR(blockage.free_width, 0.3, 0.05);
+}
+
+}  // namespace
+}  // namespace luminav

@@ -1,0 +1,99 @@
+#include "services/planner/configuration_space.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/unit/planner/floor_plan.hpp"
+
+namespace luminav {
+namespace {
+
+TEST(ConfigurationSpace, BlocksWithinTheRadiusOfAnOccupiedCell) {
+  OccupancyGrid grid = empty_room(4.0, 4.0);
+  grid.prior[grid.geometry.index({20, 20})] = Prior::kOccupied;
+  const ConfigurationSpace space({}, grid, {});
+  EXPECT_TRUE(space.is_blocked({23, 20}));   // 0.30 m
+  EXPECT_FALSE(space.is_blocked({24, 20}));  // 0.40 m
+  EXPECT_TRUE(space.is_blocked({22, 22}));   // 0.28 m
+  EXPECT_FALSE(space.is_blocked({22, 23}));  // 0.36 m
+  EXPECT_TRUE(space.is_solid({20, 20}));
+  EXPECT_FALSE(space.is_solid({21, 20}));
+}
+
+TEST(ConfigurationSpace, CostsLessTheFartherFromWalls) {
+  const ConfigurationSpace space({}, empty_room(6.0, 6.0), {});
+  int last = std::numeric_limits<int>::max();
+  for (int column = 5; column < 20; ++column) {
+    const int price = space.prices()[space.geometry().index({column, 32})];
+    EXPECT_LE(price, last);
+    EXPECT_GE(price, ConfigurationSpace::kFreePrice);
+    last = price;
+  }
+  EXPECT_EQ(last, ConfigurationSpace::kFreePrice);
+}
+
+TEST(ConfigurationSpace, LetsADoorOfNinetyCentimetresPass) {
+  OccupancyGrid grid = empty_room(6.0, 4.0);
+  build_wall(grid, 3.0, 0.0, 3.2, 4.4);
+  build_wall(grid, 3.0, 1.8, 3.2, 2.7, Prior::kFree);
+  const ConfigurationSpace space({}, grid, {});
+  EXPECT_FALSE(space.is_blocked(space.geometry().cell_at({3.05, 2.25})));
+  EXPECT_FALSE(space.is_blocked(space.geometry().cell_at({3.15, 2.25})));
+}
+
+TEST(ConfigurationSpace, BlocksWhatIsUnknownUnlessToldOtherwise) {
+  OccupancyGrid grid = empty_room(4.0, 4.0);
+  build_wall(grid, 1.0, 1.0, 2.0, 2.0, Prior::kUnknown);
+  const Cell cell = grid.geometry.cell_at({1.5, 1.5});
+  EXPECT_TRUE(ConfigurationSpace({}, grid, {}).is_blocked(cell));
+  EXPECT_FALSE(ConfigurationSpace({.unknown_is_free = true}, grid, {}).is_blocked(cell));
+  grid.evidence[grid.geometry.index(cell)] = -20;
+  EXPECT_FALSE(ConfigurationSpace({}, grid, {}).is_blocked(cell)) << "the sonars saw it free";
+}
+
+TEST(ConfigurationSpace, BlocksDisputedWallsUnlessToldOtherwise) {
+  OccupancyGrid grid = empty_room(4.0, 4.0);
+  const Cell cell{20, 20};
+  grid.prior[grid.geometry.index(cell)] = Prior::kDisputed;
+  EXPECT_TRUE(ConfigurationSpace({}, grid, {}).is_blocked(cell));
+  EXPECT_FALSE(ConfigurationSpace({.disputed_is_free = true}, grid, {}).is_blocked(cell));
+}
+
+TEST(ConfigurationSpace, TakesEvidenceAboveTheThresholdForAnObstacle) {
+  OccupancyGrid grid = empty_room(4.0, 4.0);
+  const Cell cell{20, 20};
+  grid.evidence[grid.geometry.index(cell)] = 16;
+  EXPECT_FALSE(ConfigurationSpace({}, grid, {}).is_solid(cell));
+  grid.evidence[grid.geometry.index(cell)] = 17;
+  EXPECT_TRUE(ConfigurationSpace({}, grid, {}).is_solid(cell));
+  EXPECT_FALSE(ConfigurationSpace({}, grid, {}, false).is_solid(cell)) << "by the building's map alone";
+}
+
+TEST(ConfigurationSpace, TreatsASuspectedObstacleAsOne) {
+  const OccupancyGrid grid = empty_room(4.0, 4.0);
+  const ConfigurationSpace space({}, grid, {{{2.0, 2.0}, 0.15}});
+  EXPECT_TRUE(space.is_solid(grid.geometry.cell_at({2.05, 2.05})));
+  EXPECT_TRUE(space.is_blocked(grid.geometry.cell_at({2.3, 2.05})));
+}
+
+TEST(ConfigurationSpace, BlocksTheBorderOfTheGrid) {
+  OccupancyGrid grid({0.1, {0.0, 0.0}, 20, 20});
+  std::fill(grid.prior.begin(), grid.prior.end(), Prior::kFree);
+  const ConfigurationSpace space({}, grid, {});
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(space.is_blocked({i, 0}) && space.is_blocked({i, 19}) && space.is_blocked({0, i}) &&
+                space.is_blocked({19, i}));
+  }
+  EXPECT_TRUE(space.is_blocked({-1, 5}));
+  EXPECT_FALSE(space.is_blocked({1, 1}));
+}
+
+TEST(ConfigurationSpace, RefusesImpossibleParameters) {
+  const OccupancyGrid grid = empty_room(2.0, 2.0);
+  EXPECT_THROW(ConfigurationSpace({.hard_radius = -0.1}, grid, {}), std::invalid_argument);
+  EXPECT_THROW(ConfigurationSpace({.hard_radius = 0.5, .clearance_range = 0.4}, grid, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace luminav

@@ -1,0 +1,78 @@
+#include "tests/unit/planner/office_grid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "services/planner/configuration_space.hpp"
+#include "services/planner/wavefront.hpp"
+
+namespace luminav {
+namespace {
+
+/// What five planners agree on for this floor: see the performance page.
+struct Agreed {
+  int side;
+  double resolution;
+  long occupied;
+  std::uint64_t hash;
+  long free;           // after expansion by 0.25 m
+  long reached;        // 8-connected from the goal
+  std::uint32_t cost;  // octile, 5 and 7 a step
+  std::size_t path;    // cells, both ends included
+};
+
+class OfficeGrid : public ::testing::TestWithParam<Agreed> {
+ protected:
+  static ConfigurationSpace space_of(const std::vector<std::uint8_t>& cells, const Agreed& agreed) {
+    OccupancyGrid grid({agreed.resolution, {0.0, 0.0}, agreed.side, agreed.side});
+    std::transform(cells.begin(), cells.end(), grid.prior.begin(),
+                   [](std::uint8_t cell) { return cell != 0 ? Prior::kOccupied : Prior::kFree; });
+    ConfigurationSpaceParams params;
+    params.hard_radius = 0.25;
+    params.clearance_weight = 0.0;  // every free cell costs the same
+    return {params, grid, {}};
+  }
+};
+
+TEST_P(OfficeGrid, IsTheOneThatOthersMeasuredOn) {
+  const Agreed& agreed = GetParam();
+  const std::vector<std::uint8_t> cells = office_grid(agreed.side, agreed.resolution);
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), 1), agreed.occupied);
+  EXPECT_EQ(fnv1a(cells), agreed.hash);
+}
+
+TEST_P(OfficeGrid, IsExpandedReachedAndCrossedAsOthersDo) {
+  const Agreed& agreed = GetParam();
+  const ConfigurationSpace space = space_of(office_grid(agreed.side, agreed.resolution), agreed);
+  const auto& prices = space.prices();
+  EXPECT_EQ(static_cast<long>(prices.size()) - std::count(prices.begin(), prices.end(), 0), agreed.free);
+  const int start = static_cast<int>(std::lround(1.0 / agreed.resolution));
+  const int goal = agreed.side - 1 - start;
+  WaveField field;
+  grow_wave(prices, agreed.side, {{{goal, goal}, 0}}, -1, field);
+  EXPECT_EQ(
+      static_cast<long>(field.cost.size()) - std::count(field.cost.begin(), field.cost.end(), WaveField::kUnreached),
+      agreed.reached);
+  const std::size_t start_index = space.geometry().index({start, start});
+  EXPECT_EQ(field.cost[start_index], agreed.cost * ConfigurationSpace::kFreePrice);
+  EXPECT_EQ(descend(prices, field, start_index).size(), agreed.path);
+}
+
+INSTANTIATE_TEST_SUITE_P(Floors, OfficeGrid,
+                         ::testing::Values(Agreed{200, 0.1, 4884, 0x6516450895bfb1d3ULL, 29273, 29273, 1562, 283},
+                                           Agreed{1000, 0.1, 155476, 0xc471d0532145fd35ULL, 646113, 646112, 9274, 1787},
+                                           Agreed{4000, 0.1, 2522417, 0xb2e2347e21cfa48eULL, 10265046, 10264399, 37897,
+                                                  7328}));
+
+TEST(OfficeGridFine, IsExpandedAsOthersDo) {
+  const std::vector<std::uint8_t> cells = office_grid(4000, 0.025);
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), 1), 2487660);
+  EXPECT_EQ(fnv1a(cells), 0xa9b7f255cff90485ULL);
+  std::vector<std::uint8_t> squares;
+  squared_distances(cells, 4000, 4000, squares);
+  EXPECT_EQ(std::count_if(squares.begin(), squares.end(), [](std::uint8_t square) { return square > 100; }), 9567875);
+}
+
+}  // namespace
+}  // namespace luminav
