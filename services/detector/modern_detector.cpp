@@ -322,6 +322,26 @@ bool ModernDetector::is_filled(const Candidate& candidate, bool bright) const {
   return looked >= 5 && filled * 100 >= looked * (bright ? 90 : 75);
 }
 
+bool ModernDetector::burns_on_one_side(const Candidate& candidate) const {
+  constexpr double kDifference = 25.0;  // [grey] between the halves; two burning tubes both saturate
+  const Outline& outline = candidate.hypothesis.outline;
+  std::array<double, 2> sum{};
+  std::array<int, 2> count{};
+  for (int i = 0; i < 24; ++i) {
+    for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) {
+      const Vector2d place(0.9 * outline.length * ((i + 0.5) / 24.0 - 0.5), outline.width * (half == 0 ? 0.28 : -0.28));
+      const auto pixel = camera_.pixel_of_ceiling_point(candidate.fit.robot_from_outline * place, outline.height);
+      if (pixel && camera_.is_in_image(*pixel, factor_)) {
+        const int column = std::clamp(static_cast<int>((pixel->x() + 0.5) / factor_), 0, reduced_.width - 1);
+        const int row = std::clamp(static_cast<int>((pixel->y() + 0.5) / factor_), 0, reduced_.height - 1);
+        sum[half] += reduced_.row(row)[column];
+        ++count[half];
+      }
+    }
+  }
+  return count[0] >= 3 && count[1] >= 3 && std::abs(sum[0] / count[0] - sum[1] / count[1]) > kDifference;
+}
+
 std::optional<Detection> ModernDetector::resolve_strip(const GreyView& image, const Candidate& strip) const {
   const double width = strip.hypothesis.outline.width;
   const CeilingKind* pair = nullptr;    // a fixture of two lamps of which this may be one
@@ -335,6 +355,12 @@ std::optional<Detection> ModernDetector::resolve_strip(const GreyView& image, co
     } else if (kind.lamps >= 2 && std::abs(0.5 * kind.width - width) < 0.03) {
       pair = &kind;
     }
+  }
+  if (single != nullptr && single->lamps >= 2 && burns_on_one_side(strip)) {
+    Candidate fixture = strip;
+    // one side shows bloom and the other none, so the outline is off by up to the swelling
+    fixture.fit.covariance(1, 1) += std::pow(std::max(strip.fit.swelling, 0.005), 2);
+    return detection_of(fixture, DetectionState::kHalf);
   }
   if (pair == nullptr) {
     return single == nullptr ? std::nullopt : std::optional(detection_of(strip, DetectionState::kLit));

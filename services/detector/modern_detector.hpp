@@ -44,6 +44,8 @@ class ModernDetector {
   [[nodiscard]] const char* objection(const Candidate& candidate, bool bright) const;
   [[nodiscard]] bool may_be_something_else(const Candidate& candidate, bool bright) const;
   [[nodiscard]] bool is_filled(const Candidate& candidate, bool bright) const;
+  /// True when one half along the outline is clearly brighter than the other.
+  [[nodiscard]] bool burns_on_one_side(const Candidate& candidate) const;
   /// Decides whether a lit strip is a fixture of one lamp or the burning half of one of two; nothing when the picture
   /// does not say.
   [[nodiscard]] std::optional<Detection> resolve_strip(const GreyView& image, const Candidate& strip) const;
