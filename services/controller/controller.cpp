@@ -126,7 +126,10 @@ DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const
 void Controller::hold_still(std::int64_t now, const Pose2& odom_from_robot, const DriveTwist& wanted, double nearest,
                             StopVerdict& verdict) {
   const bool drives_itself = task_ == ControlTask::kFollow && !escape_;
-  const bool is_stopped = verdict.by_unknown && has_met_people(now) && !is_still(wanted) && is_still(verdict.twist);
+  // inching counts as stopped: somebody who may still step nearer never turns away
+  const bool is_inching = std::abs(verdict.twist.linear) < 0.04 && std::abs(verdict.twist.angular) < 0.25;
+  const bool is_stopped =
+      verdict.limited && verdict.by_unknown && has_met_people(now) && !is_still(wanted) && is_inching;
   if (hold_since_ == 0 && drives_itself && is_stopped && nearest < config_.hold_within && now >= next_hold_) {
     hold_since_ = now;
   }
