@@ -1,0 +1,171 @@
+// The detector on pictures from files: scripts/detect.
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+#include "services/common/process/command_line.hpp"
+#include "services/detector/debug_picture.hpp"
+#include "services/detector/detector.hpp"
+#include "services/detector/detector_config.hpp"
+
+namespace luminav {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const char* name_of(DetectionShape shape) {
+  switch (shape) {
+    case DetectionShape::kRectangle:
+      return "rectangle";
+    case DetectionShape::kSquare:
+      return "square";
+    case DetectionShape::kRound:
+      return "round";
+    case DetectionShape::kElement:
+      break;
+  }
+  return "element";
+}
+
+const char* name_of(DetectionState state) {
+  switch (state) {
+    case DetectionState::kLit:
+      return "lit";
+    case DetectionState::kUnlit:
+      return "unlit";
+    case DetectionState::kHalf:
+      return "half";
+    case DetectionState::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+json to_json(const Detection& detection) {
+  json corners = json::array();
+  for (const Eigen::Vector2d& corner : detection.corners_px) {
+    corners.push_back({corner.x(), corner.y()});
+  }
+  json covariance = json::array();
+  for (int i = 0; i < 9; ++i) {
+    covariance.push_back(detection.covariance(i / 3, i % 3));
+  }
+  const Pose2& pose = detection.robot_from_fixture;
+  return {{"shape", name_of(detection.shape)},
+          {"state", name_of(detection.state)},
+          {"corners_px", corners},
+          {"centre_px", {detection.centre_px.x(), detection.centre_px.y()}},
+          {"robot_from_fixture", {pose.x, pose.y, pose.theta}},
+          {"has_theta", detection.has_theta},
+          {"covariance", covariance},
+          {"clipped", detection.clipped},
+          {"near_end_visible", detection.near_end_visible},
+          {"far_end_visible", detection.far_end_visible},
+          {"length", detection.length},
+          {"width", detection.width},
+          {"fit", detection.fit}};
+}
+
+GreyImage read_picture(const std::string& file) {
+  const cv::Mat picture = cv::imread(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  if (picture.empty()) {
+    throw std::runtime_error(file + ": cannot be read as a picture");
+  }
+  GreyImage image{picture.cols, picture.rows, {}};
+  for (int row = 0; row < picture.rows; ++row) {
+    image.pixels.insert(image.pixels.end(), picture.ptr(row), picture.ptr(row) + picture.cols);
+  }
+  return image;
+}
+
+void write_whole(const fs::path& file, const std::string& text) {
+  const fs::path temporary = file.string() + ".part";
+  {
+    std::ofstream out(temporary, std::ios::binary);
+    out << text;
+    if (!out.flush()) {
+      throw std::runtime_error(file.string() + ": cannot be written");
+    }
+  }
+  fs::rename(temporary, file);
+}
+
+int detect_all(const DetectorConfig& config, const std::vector<std::string>& files, const std::string& json_file,
+               const std::string& debug_folder) {
+  Detector detector(config.params, config.camera, config.catalogue);
+  if (!debug_folder.empty()) {
+    fs::create_directories(debug_folder);
+  }
+  json result = json::array();
+  int failed = 0;
+  for (const std::string& file : files) {
+    json entry{{"image", file}, {"detections", json::array()}};
+    try {
+      const GreyImage image = read_picture(file);
+      if (!detector.accepts(image.view())) {
+        throw std::runtime_error(file + ": " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                                 " px, the camera is calibrated for " + std::to_string(config.camera.intrinsics.width) +
+                                 " x " + std::to_string(config.camera.intrinsics.height));
+      }
+      DetectorTrace trace;
+      const std::vector<Detection> detections = detector.detect(image.view(), &trace);
+      for (const Detection& detection : detections) {
+        entry["detections"].push_back(to_json(detection));
+      }
+      entry["width"] = image.width;
+      entry["height"] = image.height;
+      entry["median_grey"] = detector.median_grey();
+      if (!debug_folder.empty()) {
+        const fs::path name = fs::path(file).stem().string() + ".png";
+        cv::imwrite((fs::path(debug_folder) / name).string(), draw_debug_picture(image.view(), trace, detections));
+      }
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "detect: %s\n", error.what());
+      entry["error"] = error.what();
+      ++failed;
+    }
+    result.push_back(std::move(entry));
+  }
+  const std::string text = result.dump(1) + "\n";
+  if (json_file.empty() || json_file == "-") {
+    std::fputs(text.c_str(), stdout);
+  } else {
+    write_whole(json_file, text);
+  }
+  return failed == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace luminav
+
+int main(int argc, char** argv) {
+  return luminav::run_guarded("detect", [&] {
+    std::string robot_file;
+    std::string building_file;
+    std::string mode;
+    std::string json_file;
+    std::string debug_folder;
+    std::vector<std::string> files;
+    luminav::CommandLine command_line("detect", "Finds light fixtures in pictures of ceilings.");
+    command_line.robot_file(robot_file).building_file(building_file);
+    command_line.text("--mode", mode, "paper or modern instead of the robot file's")
+        .text("--json", json_file, "where to write the detections (- or left out: standard output)")
+        .text("--debug", debug_folder, "folder for pictures of what was tried (green) and found (blue)")
+        .positional("images", files, "PNG, JPEG, PGM, ...", true);
+    if (const auto status = command_line.parse(argc, argv)) {
+      return *status;
+    }
+    luminav::DetectorConfig config = luminav::read_detector_config(robot_file, building_file);
+    if (mode == "paper" || mode == "modern") {
+      config.params.mode = mode == "paper" ? luminav::DetectorMode::kPaper : luminav::DetectorMode::kModern;
+    } else if (!mode.empty()) {
+      throw luminav::ConfigurationError("--mode = " + mode + ": must be paper or modern");
+    }
+    return luminav::detect_all(config, files, json_file, debug_folder);
+  });
+}
