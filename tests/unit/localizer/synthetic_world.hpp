@@ -37,7 +37,7 @@ struct SyntheticOptions {
   double sonar_dropout = 0.2;
   double speed = 0.4;           // [m/s]
   double image_latency = 0.06;  // [s]
-  std::optional<Pose2> start;
+  std::optional<Pose2> start{};
 };
 
 /// A robot wandering about in a building, with sightings made from geometry instead of pictures: quick enough for

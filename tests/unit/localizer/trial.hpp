@@ -9,10 +9,10 @@
 namespace luminav::testing {
 
 struct TrialPlan {
-  double duration = 120.0;      // [s]
-  std::vector<double> carries;  // [s] when the robot is put somewhere else
-  double grace = 1.0;           // [s] after the first image that contradicts, during which an error is forgiven
-  bool trace = false;           // print changes of state
+  double duration = 120.0;        // [s]
+  std::vector<double> carries{};  // [s] when the robot is put somewhere else
+  double grace = 1.0;             // [s] after the first image that contradicts, during which an error is forgiven
+  bool trace = false;             // print changes of state
 };
 
 /// What became of one drive.

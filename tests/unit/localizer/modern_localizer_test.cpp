@@ -1,0 +1,118 @@
+#include "services/localizer/modern_localizer.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/localizer/trial.hpp"
+
+namespace luminav {
+namespace {
+
+using testing::run_trial;
+using testing::SyntheticOptions;
+using testing::SyntheticWorld;
+using testing::TestBuilding;
+using testing::TrialPlan;
+using testing::TrialResult;
+
+RobotDescription robot() {
+  RobotDescription robot;
+  robot.camera.mounting.z = 0.3;
+  for (int i = 0; i < 16; ++i) {
+    const double angle = wrap_angle(2.0 * kPi * i / 16.0);
+    robot.sonar.robot_from_sonar.push_back({0.2 * std::cos(angle), 0.2 * std::sin(angle), angle});
+  }
+  return robot;
+}
+
+TrialResult drive(const TestBuilding& building, const SyntheticOptions& options, const TrialPlan& plan) {
+  SyntheticWorld world(building.building, building.walls, robot(), options);
+  ModernLocalizer localizer(building.building, building.walls, robot(), ErrorParams{}, ModernLocalizerParams{});
+  return run_trial(world, localizer, plan);
+}
+
+TEST(ModernLocalizer, FindsItselfFromUnknownStartsAndIsNeverConfidentlyWrong) {
+  const TestBuilding building = testing::two_rooms();
+  int localized = 0;
+  double tracking = 0.0;
+  double after = 0.0;
+  for (std::uint64_t seed = 1000; seed < 1012; ++seed) {
+    const TrialResult result = drive(building, {.seed = seed, .clutter = 0}, {.duration = 120.0});
+    EXPECT_EQ(result.confident_wrong, 0.0) << "seed " << seed;
+    EXPECT_EQ(result.localized, result.correct_first) << "seed " << seed;
+    localized += result.localized ? 1 : 0;
+    tracking += result.tracking;
+    after += result.after_first;
+  }
+  EXPECT_GE(localized, 11);
+  EXPECT_GT(tracking / after, 0.97);
+}
+
+TEST(ModernLocalizer, NoticesThatItWasCarriedAndRecovers) {
+  const TestBuilding building = testing::two_rooms();
+  double recovered = 0.0;
+  for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
+    const TrialResult result = drive(building, {.seed = seed, .clutter = 0}, {.duration = 240.0, .carries = {120.0}});
+    EXPECT_EQ(result.confident_wrong, 0.0) << "seed " << seed;
+    recovered += result.recovered;
+  }
+  EXPECT_GE(recovered, 5.0);
+}
+
+TEST(ModernLocalizer, StaysAmbiguousWhereBothEndsLookAlike) {
+  const TestBuilding building = testing::symmetric_corridor(4, 3.0);
+  for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
+    const TrialResult result = drive(building, {.seed = seed, .clutter = 0, .unknown_boxes = 0}, {.duration = 120.0});
+    EXPECT_FALSE(result.localized) << "seed " << seed;
+  }
+}
+
+TEST(ModernLocalizer, ListsBothTrueAlternativesOfASymmetricCorridor) {
+  const TestBuilding building = testing::symmetric_corridor(3, 3.0);
+  SyntheticWorld world(building.building, building.walls, robot(), {.seed = 1001, .clutter = 0, .unknown_boxes = 0});
+  ModernLocalizer localizer(building.building, building.walls, robot(), ErrorParams{}, ModernLocalizerParams{});
+  run_trial(world, localizer, {.duration = 120.0});
+  const auto poses = localizer.hypotheses(2);
+  ASSERT_EQ(poses.size(), 2U);
+  const Pose2 centre{4.5, 1.2, kPi};
+  const Pose2 twin = centre * Pose2{-4.5, -1.2, 0.0} * world.truth();
+  for (const Pose2& alternative : {world.truth(), twin}) {
+    EXPECT_LT(std::min(distance(poses[0].pose, alternative), distance(poses[1].pose, alternative)), 0.25);
+  }
+}
+
+TEST(ModernLocalizer, SaysThatABuildingWithoutFixturesCannotBeUsed) {
+  ModernLocalizer localizer({}, {}, robot(), ErrorParams{}, ModernLocalizerParams{});
+  localizer.add_odometry({1'000'000, 1, {}, 0.0, 0.0});
+  localizer.add_frame({1'050'000, {}});
+  localizer.add_odometry({1'100'000, 1, {}, 0.0, 0.0});
+  EXPECT_EQ(localizer.estimate().state, LocalizerState::kLost);
+  EXPECT_NE(localizer.estimate().reason.find("no fixtures"), std::string::npos);
+}
+
+TEST(ModernLocalizer, LeavesTrackingWhenOdometryJumps) {
+  const TestBuilding building = testing::two_rooms();
+  SyntheticWorld world(building.building, building.walls, robot(), {.seed = 1002, .clutter = 0});
+  ModernLocalizer localizer(building.building, building.walls, robot(), ErrorParams{}, ModernLocalizerParams{});
+  run_trial(world, localizer, {.duration = 120.0});
+  ASSERT_EQ(localizer.estimate().state, LocalizerState::kTracking);
+  localizer.add_odometry({world.utime() + 100'000, 1, {1000.0, 10.0, 0.0}, 0.0, 0.0});
+  EXPECT_EQ(localizer.estimate().state, LocalizerState::kAmbiguous);
+}
+
+TEST(ModernLocalizer, GivesTheSameAnswersTwice) {
+  const TestBuilding building = testing::two_rooms();
+  const auto run = [&] {
+    SyntheticWorld world(building.building, building.walls, robot(), {.seed = 1003});
+    ModernLocalizer localizer(building.building, building.walls, robot(), ErrorParams{}, ModernLocalizerParams{});
+    run_trial(world, localizer, {.duration = 20.0});
+    return localizer.estimate().belief;
+  };
+  const PoseBelief one = run();
+  const PoseBelief other = run();
+  EXPECT_EQ(one.pose.x, other.pose.x);
+  EXPECT_EQ(one.pose.theta, other.pose.theta);
+  EXPECT_EQ(one.covariance, other.covariance);
+}
+
+}  // namespace
+}  // namespace luminav
