@@ -267,6 +267,9 @@ const char* ModernDetector::objection(const Candidate& candidate, bool bright) c
       return "long sides end early";
     }
   }
+  if (!bright && !(ends_where_it_says(candidate, kFarEnd) && ends_where_it_says(candidate, kNearEnd))) {
+    return "goes on beyond its end";
+  }
   const int ends = (fit.end_visible(kFarEnd) ? 1 : 0) + (fit.end_visible(kNearEnd) ? 1 : 0);
   if (outline.shape == FixtureShape::kSquare ? ends < 2 : ends < 1 && seen < 0.4 * outline.length) {
     return "too few ends";
@@ -297,6 +300,39 @@ bool ModernDetector::may_be_something_else(const Candidate& candidate, bool brig
     }
   }
   return false;
+}
+
+bool ModernDetector::ends_where_it_says(const Candidate& candidate, int end) const {
+  if (!candidate.fit.end_visible(end)) {
+    return true;
+  }
+  // Between 30 and 75 mm from the end: beyond blur and joints, nearer than anything else.
+  constexpr std::array<double, 3> kDistances{0.030, 0.050, 0.075};  // [m]
+  const Raster& contrast = contrast_.dark();
+  const Outline& outline = candidate.hypothesis.outline;
+  const double direction = end == kFarEnd ? 1.0 : -1.0;
+  std::array<double, 2> sum{};  // inside, outside
+  std::array<int, 2> count{};
+  for (const double distance : kDistances) {
+    for (const double across : {-0.3, -0.1, 0.1, 0.3}) {
+      for (const std::size_t outside : {std::size_t{0}, std::size_t{1}}) {
+        const double along = direction * (0.5 * outline.length + (outside == 1 ? distance : -distance));
+        const Vector2d place(along, across * outline.width);
+        const auto pixel = camera_.pixel_of_ceiling_point(candidate.fit.robot_from_outline * place, outline.height);
+        if (pixel && camera_.is_in_image(*pixel, factor_)) {
+          const int column = std::clamp(static_cast<int>((pixel->x() + 0.5) / factor_), 0, contrast.width - 1);
+          const int row = std::clamp(static_cast<int>((pixel->y() + 0.5) / factor_), 0, contrast.height - 1);
+          sum[outside] += contrast.row(row)[column];
+          ++count[outside];
+        }
+      }
+    }
+  }
+  if (count[0] < 3 || count[1] < 3) {
+    return true;  // out of view: nothing to say against it
+  }
+  const double inside = sum[0] / count[0];
+  return inside - sum[1] / count[1] > 0.45 * std::max(inside, candidate.fit.step);
 }
 
 bool ModernDetector::is_filled(const Candidate& candidate, bool bright) const {
@@ -367,6 +403,8 @@ std::optional<Detection> ModernDetector::resolve_strip(const GreyView& image, co
   }
   const StripSurroundings around =
       compare_strip_sides(image, camera_, strip.hypothesis.outline, strip.fit, contrast_.noise() * factor_);
+  // a dark half may be as bright as the ceiling over a short stretch
+  const bool too_short = strip.fit.visible_to - strip.fit.visible_from < 0.45 * strip.hypothesis.outline.length;
   const bool one_sided = around.valid && around.asymmetry > 0.45;
   if (one_sided && around.side != 0) {
     Candidate fixture = strip;
@@ -375,7 +413,7 @@ std::optional<Detection> ModernDetector::resolve_strip(const GreyView& image, co
     fixture.fit.covariance(1, 1) += 0.007 * 0.007;  // where the burning half ends in the middle is soft
     return detection_of(fixture, DetectionState::kHalf);
   }
-  if (single != nullptr && around.valid && around.asymmetry < 0.25) {
+  if (single != nullptr && around.valid && around.asymmetry < 0.2 && around.complete && !too_short) {
     return detection_of(strip, DetectionState::kLit);
   }
   return std::nullopt;
@@ -419,7 +457,7 @@ Detection ModernDetector::detection_of(const Candidate& candidate, DetectionStat
     seen_to -= middle;
   } else if (detection.far_end_visible != detection.near_end_visible) {
     // One end: its bloom does not cancel, and other kinds of this width may be longer or shorter.
-    covariance(0, 0) += 0.0625 * fit.swelling * fit.swelling;
+    covariance(0, 0) += 0.36 * fit.swelling * fit.swelling;
     double shortest = outline.length;
     double longest = outline.length;
     for (const CeilingKind& kind : catalogue_.fixtures) {

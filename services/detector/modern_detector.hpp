@@ -43,6 +43,8 @@ class ModernDetector {
   /// Why a candidate cannot be what it was guessed to be; null when nothing speaks against it.
   [[nodiscard]] const char* objection(const Candidate& candidate, bool bright) const;
   [[nodiscard]] bool may_be_something_else(const Candidate& candidate, bool bright) const;
+  /// An unlit one is dark just inside of an end in view and no longer just outside.
+  [[nodiscard]] bool ends_where_it_says(const Candidate& candidate, int end) const;
   [[nodiscard]] bool is_filled(const Candidate& candidate, bool bright) const;
   /// True when one half along the outline is clearly brighter than the other.
   [[nodiscard]] bool burns_on_one_side(const Candidate& candidate) const;

@@ -18,6 +18,7 @@ constexpr int kLongestProfile = 64;  // [px]
 constexpr int kLeastPoints = 6;
 constexpr double kCornerStretch = 0.36;     // of the length, from the middle: beyond it a long side is next to its end
 constexpr double kLargestSideOffset = 3.2;  // [px] a joint of 12 mm, 2.5 m away
+constexpr double kJointSigma = 0.0045;      // [m] of an unlit fixture's end: it may be a joint's edge, 12 mm wide
 constexpr double kFaintest = 0.4;           // of the mean step: fainter ones belong to something else
 
 double tukey_weight(double residual, double cutoff) {
@@ -383,7 +384,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
       if (!params.inside_brighter) {
         const double ends = 0.6 * std::max(std::abs(centre_px[kFarEnd]), std::abs(centre_px[kNearEnd]));
         const double sides = 0.6 * std::max(std::abs(centre_px[kLeftSide]), std::abs(centre_px[kRightSide]));
-        fit.covariance(0, 0) += std::pow(ends * metres_per_px, 2);
+        fit.covariance(0, 0) += std::pow(ends * metres_per_px, 2) + kJointSigma * kJointSigma;
         // a joint along one side only widens the outline and shifts it by as much
         fit.covariance(1, 1) += std::pow(sides * metres_per_px, 2) + swelling * swelling;
       } else {

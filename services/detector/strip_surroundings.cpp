@@ -85,7 +85,6 @@ StripSurroundings compare_strip_sides(const GreyView& image, const CeilingCamera
     right[k] = *b;
     at[count] = distance_of(i) + 0.5;  // from the middle line, where both sides meet
     difference[count] = *a - *b;
-    slopes[count] = difference[count] / at[count];
     mean += 0.5 * (*a + *b);
     ++count;
   }
@@ -94,7 +93,16 @@ StripSurroundings compare_strip_sides(const GreyView& image, const CeilingCamera
   }
   result.valid = true;
   mean /= static_cast<double>(count);
-  const double slope = median(slopes, count);
+  result.complete = count == kDistances;
+  // The slope of the light, from beyond a second strip where that is in view.
+  constexpr double kBeyond = 1.15 + 0.5;
+  std::size_t far = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!result.complete || at[k] > kBeyond) {
+      slopes[far++] = difference[k] / at[k];
+    }
+  }
+  const double slope = median(slopes, far);
   // the median of 21 has 1.25 / sqrt(21) = 0.27 of the noise of one
   const double tolerance = std::max({4.0, 0.04 * mean, 3.0 * 0.27 * 1.41 * pixel_noise});
   std::size_t different = 0;

@@ -9,6 +9,7 @@ namespace luminav {
 /// What lies beside a lit strip, left against right.
 struct StripSurroundings {
   bool valid = false;      // enough of both sides is in view
+  bool complete = false;   // both sides are in view to beyond where a second strip would end
   double asymmetry = 0.0;  // share of the distances at which the sides differ by more than shading explains
   int side = 0;  // +1: something of the strip's width joins on the left (its +y), -1: on the right, 0: unclear
 };
