@@ -51,7 +51,7 @@ void GoalCycle::begin(const GoalRequest& goal, int stop_index, std::int64_t now)
   map_dirty_ = true;
   last_tracking_ = 0;
   last_plan_ = 0;
-  attempts_ = arrival_failures_ = retries_ = failures_in_a_row_ = skipped_ = 0;
+  attempts_ = losses_ = arrival_failures_ = retries_ = failures_in_a_row_ = skipped_ = 0;
   set_path({});
   enter(Phase::kLocalizing, NavigationState::kLocalizing, "");
 }
@@ -143,7 +143,7 @@ void GoalCycle::next_stop() {
   stop_ = (stop_ + 1) % report_.stop_count;
   report_.stop_index = stop_;
   report_.target = stop();
-  attempts_ = arrival_failures_ = retries_ = 0;
+  attempts_ = losses_ = arrival_failures_ = retries_ = 0;
   suspects_.clear();
   map_dirty_ = true;
   last_plan_ = 0;
@@ -167,12 +167,31 @@ void GoalCycle::reached_stop() {
   next_stop();
 }
 
+void GoalCycle::lose_place(const std::string& why) {
+  if (losses_ == 0 || report_.distance_left < loss_left_ - kAttemptsForgotten) {
+    losses_ = 0;
+    loss_left_ = report_.distance_left;
+  }
+  if (++losses_ > params_.losses) {
+    fail_stop(NavigationState::kLost, fmt::format("lost its place {} times {:.1f} m before {}: {}", params_.losses,
+                                                  report_.distance_left, place_of(stop()), why));
+    return;
+  }
+  set_path({});
+  enter(Phase::kLocalizing, NavigationState::kLocalizing, why);
+}
+
 bool GoalCycle::is_localized(const Situation& situation) {
   if (situation.tracking) {
     last_tracking_ = now_;
     if (phase_ == Phase::kLocalizing) {
       enter(Phase::kPlanning, NavigationState::kPlanning, "");
       last_plan_ = 0;
+      // it stands there already: no need to drive off and lose the pose again
+      if (losses_ > 0 && is_at_stop(situation.world_from_robot)) {
+        reached_stop();
+        return false;
+      }
     }
     return true;
   }
@@ -181,8 +200,10 @@ bool GoalCycle::is_localized(const Situation& situation) {
       report_.cause = situation.localization;
       return false;
     }
-    set_path({});
-    enter(Phase::kLocalizing, NavigationState::kLocalizing, situation.localization);
+    lose_place(situation.localization);
+    if (phase_ == Phase::kNone) {
+      return false;
+    }
   }
   report_.cause = situation.localization;
   if (!situation.can_move) {

@@ -50,13 +50,14 @@ struct GoalCycleParams {
   double tolerance = 0.15;                  ///< [m] a stop counts as reached within this
   double heading_tolerance = radians(5.0);  ///< [rad]
   double tracking_grace = 1.0;              ///< [s] without TRACKING before the robot goes searching
-  double lost_timeout = 180.0;              ///< [s] of searching before the goal is given up
-  double map_timeout = 15.0;                ///< [s] to wait for all tiles of the map
-  double blocked_wait = 10.0;               ///< [s] to wait for whatever stands in the way before a long way round
-  double detour_ratio = 1.5;                ///< a way round this much longer is taken at once,
-  double detour_length = 3.0;               ///< [m] and this much beside
-  double hold_distance = 0.8;               ///< [m] before a blockage where the robot waits
-  double replan_period = 0.3;               ///< [s] between two plans
+  double lost_timeout = 600.0;              ///< [s] of searching before the goal is given up
+  int losses = 10;                ///< how often the pose may get lost without progress before the goal is given up
+  double map_timeout = 15.0;      ///< [s] to wait for all tiles of the map
+  double blocked_wait = 10.0;     ///< [s] to wait for whatever stands in the way before a long way round
+  double detour_ratio = 1.5;      ///< a way round this much longer is taken at once,
+  double detour_length = 3.0;     ///< [m] and this much beside
+  double hold_distance = 0.8;     ///< [m] before a blockage where the robot waits
+  double replan_period = 0.3;     ///< [s] between two plans
   double keep_ratio = 0.85;       ///< a new way replaces a passable one when it costs less than this share of it
   double off_path = 0.6;          ///< [m] from the path before it is planned anew
   double no_progress_time = 6.0;  ///< [s] without progress before it is planned anew
@@ -146,6 +147,7 @@ class GoalCycle {
   void next_stop();
   void reached_stop();
 
+  void lose_place(const std::string& why);
   [[nodiscard]] bool is_localized(const Situation& situation);
   void plan(const Situation& situation);
   void handle_no_route(const Situation& situation, const Route& route);
@@ -202,6 +204,8 @@ class GoalCycle {
   double progress_left_ = 0.0;       // [m] distance left when progress was made last
   double attempt_left_ = 0.0;        // [m] distance left when the attempts were counted from
   int attempts_ = 0;
+  int losses_ = 0;
+  double loss_left_ = 0.0;  // [m] distance left when losses were counted from
   int arrival_failures_ = 0;
   int retries_ = 0;
   int failures_in_a_row_ = 0;

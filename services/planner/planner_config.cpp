@@ -29,6 +29,7 @@ void read_cycle(const TomlTable& table, GoalCycleParams& cycle) {
   cycle.heading_tolerance = table.number("heading_tolerance", cycle.heading_tolerance, {0.01, 3.2});
   cycle.tracking_grace = table.number("tracking_grace", cycle.tracking_grace, {0.0, 10.0});
   cycle.lost_timeout = table.number("lost_timeout", cycle.lost_timeout, {1.0, 3600.0});
+  cycle.losses = table.count("losses", cycle.losses, {0, 1000});
   cycle.map_timeout = table.number("map_timeout", cycle.map_timeout, {1.0, 600.0});
   cycle.blocked_wait = table.number("blocked_wait", cycle.blocked_wait, {0.0, 600.0});
   cycle.detour_ratio = table.number("detour_ratio", cycle.detour_ratio, {1.0, 100.0});

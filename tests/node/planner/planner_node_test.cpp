@@ -83,6 +83,34 @@ TEST(PlannerNode, GivesUpSearchingAfterALongTimeAndSaysSo) {
   EXPECT_THAT(world.status.cause, HasSubstr("30 s"));
 }
 
+TEST(PlannerNode, GivesUpWhenThePoseGetsLostAgainAndAgainAtOnePlace) {
+  PlannerWorld world;
+  world.go(1, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.wheels_blocked = true;
+  for (int i = 0; i < 15 && world.status.state != Status::STATE_LOST; ++i) {
+    world.tracking = false;
+    world.run(2.0);
+    world.tracking = true;
+    world.run(1.0);
+  }
+  EXPECT_EQ(world.status.state, Status::STATE_LOST);
+  EXPECT_THAT(world.status.cause, HasSubstr("lost its place 10 times"));
+}
+
+TEST(PlannerNode, HasArrivedWhenItFindsItselfAtTheGoal) {
+  PlannerWorld world;
+  world.go(1, 4.0, 1.5);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.tracking = false;
+  world.run(2.0);
+  ASSERT_EQ(world.status.state, Status::STATE_LOCALIZING);
+  world.robot = {4.05, 1.45, 0.0};
+  world.tracking = true;
+  world.run(0.2);
+  EXPECT_EQ(world.status.state, Status::STATE_ARRIVED);
+}
+
 TEST(PlannerNode, TicksOnRobotStatusWhenNoPoseFlows) {
   PlannerWorld world;
   world.pose_flows = false;
