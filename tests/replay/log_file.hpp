@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace luminav {
+
+/// One message as lcm-logger wrote it.
+struct LogEvent {
+  std::int64_t utime = 0;  // [us] since the epoch, when it was received
+  std::string channel;
+  std::vector<std::uint8_t> data;
+
+  /// First eight bytes: the type's fingerprint; 0 for shorter data.
+  [[nodiscard]] std::uint64_t fingerprint() const;
+};
+
+/// Reads LCM logs event by event. Own instead of lcm::LogFile because that one hides where a log is damaged: this one
+/// uses a cut log up to the cut, goes on behind damaged bytes, and says so.
+class LogReader {
+ public:
+  /// Throws std::runtime_error with one sentence for a file that cannot be read, is empty or is no LCM log.
+  explicit LogReader(const std::string& file);
+
+  /// False at the end; `event` is then unchanged.
+  [[nodiscard]] bool next(LogEvent& event);
+
+  /// Size of the file [bytes] and how much of it has been read.
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  [[nodiscard]] std::uint64_t position() const { return position_; }
+  /// True once the end was found inside an event.
+  [[nodiscard]] bool is_cut() const { return cut_; }
+  /// Bytes passed over because no event began there.
+  [[nodiscard]] std::uint64_t skipped() const { return skipped_; }
+  /// One sentence for the last line of a report: "" when the log is whole.
+  [[nodiscard]] std::string damage() const;
+
+ private:
+  [[nodiscard]] bool read(std::uint8_t* target, std::size_t count);
+  [[nodiscard]] bool find_sync();
+
+  std::string file_;
+  std::ifstream stream_;
+  std::uint64_t size_ = 0;
+  std::uint64_t position_ = 0;  // bytes of whole events and skipped bytes
+  std::uint64_t skipped_ = 0;
+  std::uint64_t events_ = 0;
+  bool cut_ = false;
+};
+
+/// Writes events as lcm-logger does, byte for byte the same for the same events, and sums them up with SHA-256.
+class LogWriter {
+ public:
+  /// `file` "" = only the checksum. Writes beside the file and renames it in `finish`; a writer that is destroyed
+  /// before leaves nothing. Throws std::runtime_error when it cannot be written.
+  explicit LogWriter(std::string file);
+  ~LogWriter();
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+
+  void write(std::int64_t utime, std::string_view channel, const void* data, std::size_t size);
+  /// Ends the log and returns its SHA-256 in hexadecimal digits.
+  std::string finish();
+
+ private:
+  void put(const void* data, std::size_t size);
+
+  struct Digest;
+  std::unique_ptr<Digest> digest_;
+  std::string file_;
+  std::string temporary_;
+  std::ofstream stream_;
+  std::int64_t events_ = 0;
+};
+
+}  // namespace luminav
