@@ -46,7 +46,12 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
   rules.leave_heading_sigma = table.number("leave_heading_sigma", rules.leave_heading_sigma, {0.01, 3.0});
   rules.misfit_frames = table.count("misfit_frames", rules.misfit_frames, {1, 1000});
   rules.vanish_frames = table.count("vanish_frames", rules.vanish_frames, {1, 1000});
+  rules.still_distance = table.number("still_distance", rules.still_distance, {0.0, 1.0});
+  rules.still_turn = table.number("still_turn", rules.still_turn, {0.0, 1.0});
+  rules.pause_frames = table.count("pause_frames", rules.pause_frames, {1, 1000});
   rules.miss_frames = table.count("miss_frames", rules.miss_frames, {1, 1000});
+  rules.miss_fixtures = table.count("miss_fixtures", rules.miss_fixtures, {1, 100});
+  rules.miss_distance = table.number("miss_distance", rules.miss_distance, {0.0, 100.0});
   table.reject_unknown();
 }
 

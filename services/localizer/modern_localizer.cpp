@@ -265,30 +265,13 @@ void ModernLocalizer::watch(const SightingFrame& frame, const std::vector<int>& 
           fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none", place.x(), place.y());
     }
   }
-  // what ought to be seen and is not
-  int missing = -1;
-  bool was_seen = false;
-  std::vector<int> near;
-  map_.find_near(belief.pose.position(), view_.radius(building_.ceiling_height) + 1.0, near);
-  const double margin = params_.rules.visible_margin + 2.0 * position_sigma(belief.covariance);
-  for (const int index : near) {
-    const Pose2 robot_from_fixture = belief.pose.inverse() * map_[index].world_from_fixture;
-    const bool is_there = std::any_of(frame.sightings.begin(), frame.sightings.end(), [&](const FixtureSighting& s) {
-      return distance(s.robot_from_fixture, robot_from_fixture) < 0.5 * map_[index].length + 0.2;
-    });
-    const bool seen = std::find(seen_lately_.begin(), seen_lately_.end(), index) != seen_lately_.end();
-    const double least = seen ? params_.rules.vanish_share : params_.rules.miss_share;
-    if (!is_there && view_.visible_share(robot_from_fixture, map_[index], margin) >= least) {
-      if (missing < 0 || seen) {
-        missing = index;
-        was_seen = seen;
-      }
-    }
-  }
+  note_pause();
   if (!matches.empty()) {
     misfit_run_ = 0;
-    missing_run_ = 0;
-    last_match_ = frame.utime;
+    missed_frames_.clear();
+    still_frames_ = 0;
+    paused_ = false;
+    odom_at_match_ = filter_odometry_->odom_from_robot;
     seen_lately_.clear();
     for (const Match& m : matches) {
       seen_lately_.push_back(m.fixture);
@@ -296,28 +279,79 @@ void ModernLocalizer::watch(const SightingFrame& frame, const std::vector<int>& 
     return;
   }
   misfit_run_ += unexplained.empty() ? 0 : 1;
-  missing_run_ = missing < 0 ? std::max(0, missing_run_ - 1) : missing_run_ + 1;
+  const std::optional<int> missed = count_missing(frame);
   if (!doubt_.empty()) {
     return;
   }
   if (misfit_run_ >= params_.rules.misfit_frames) {
     doubt(unexplained.empty() ? "what is seen fits no fixture" : unexplained, params_.rules.bonus_after_misfit);
-  } else if (missing >= 0 && missing_run_ >= (was_seen ? params_.rules.vanish_frames : params_.rules.miss_frames)) {
-    doubt(fmt::format("fixture {} ought to be in view and is not seen", map_[missing].id),
+  } else if (missed) {
+    doubt_fixture_ = *missed;
+    doubt(fmt::format("fixture {} ought to be in view and is not seen", map_[*missed].id),
           params_.rules.bonus_after_miss);
   }
+}
+
+void ModernLocalizer::note_pause() {
+  const Pose2 step = odom_at_frame_.inverse() * filter_odometry_->odom_from_robot;
+  odom_at_frame_ = filter_odometry_->odom_from_robot;
+  const bool still = std::hypot(step.x, step.y) < 0.001 && std::abs(step.theta) < radians(0.1);
+  still_frames_ = still ? still_frames_ + 1 : 0;
+  paused_ = paused_ || still_frames_ >= params_.rules.pause_frames;
+}
+
+std::optional<int> ModernLocalizer::count_missing(const SightingFrame& frame) {
+  const TrackingRules& rules = params_.rules;
+  const PoseBelief belief = filter_.belief();
+  const Pose2 since_match = odom_at_match_.inverse() * filter_odometry_->odom_from_robot;
+  const bool stands_still =
+      std::hypot(since_match.x, since_match.y) < rules.still_distance && std::abs(since_match.theta) < rules.still_turn;
+  const double margin = rules.visible_margin + 2.0 * position_sigma(belief.covariance);
+  std::vector<int> near;
+  map_.find_near(belief.pose.position(), view_.radius(building_.ceiling_height) + 1.0, near);
+  for (const int index : near) {
+    const Pose2 robot_from_fixture = belief.pose.inverse() * map_[index].world_from_fixture;
+    const bool is_there = std::any_of(frame.sightings.begin(), frame.sightings.end(), [&](const FixtureSighting& s) {
+      return distance(s.robot_from_fixture, robot_from_fixture) < 0.5 * map_[index].length + 0.2;
+    });
+    const bool vanished =
+        stands_still && std::find(seen_lately_.begin(), seen_lately_.end(), index) != seen_lately_.end();
+    const double least = vanished ? rules.vanish_share : rules.miss_share;
+    if (is_there || unreliable_.count(index) > 0 ||
+        view_.visible_share(robot_from_fixture, map_[index], margin) < least) {
+      continue;
+    }
+    const int frames = ++missed_frames_[index];
+    if (vanished && frames >= rules.vanish_frames) {
+      return index;
+    }
+  }
+  // The detector misses a fixture from some places while the robot passes; that it misses several, or one over a long
+  // way, is unlikely. Who stood still since the last match may have been carried: then one is enough.
+  int worst = -1;
+  int several = 0;
+  for (const auto& [index, frames] : missed_frames_) {
+    several += frames >= rules.miss_frames ? 1 : 0;
+    if (worst < 0 || frames > missed_frames_.at(worst)) {
+      worst = index;
+    }
+  }
+  const bool over_a_way = worst >= 0 && missed_frames_.at(worst) >= rules.miss_frames &&
+                          odometer_ - odometer_at_fixture_ > rules.miss_distance;
+  return several >= (paused_ ? 1 : rules.miss_fixtures) || over_a_way ? std::optional(worst) : std::nullopt;
 }
 
 void ModernLocalizer::doubt(const std::string& why, double bonus) {
   doubt_ = why;
   misfit_run_ = 0;
-  missing_run_ = 0;
+  missed_frames_.clear();
   seen_lately_.clear();
   scene_.clear();
   bank_.clear();
   PoseBelief belief = filter_.belief();
   bank_.add_guess(belief, bonus);
   leader_id_ = bank_.hypotheses().front().id;
+  doubted_id_ = leader_id_;
   state_ = LocalizerState::kAmbiguous;
   reason_ = why;
 }
@@ -404,10 +438,14 @@ void ModernLocalizer::decide(const SightingFrame& frame) {
       leader_id_ = best.id;
       correct_filter(frame, match(frame, *filter_odometry_), *filter_odometry_);
     }
+    if (best.id == doubted_id_ && doubt_fixture_ >= 0) {
+      unreliable_.insert(doubt_fixture_);  // the pose was right: the fixture is dead, gone or hard to see
+    }
+    doubt_fixture_ = -1;
     wide_ = false;
     doubt_.clear();
     misfit_run_ = 0;
-    missing_run_ = 0;
+    missed_frames_.clear();
     state_ = LocalizerState::kTracking;
     reason_ = fmt::format("one pose explains {} fixtures, all others fail", best.confirmed.size());
     return;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,8 +24,13 @@ struct TrackingRules {
   double leave_position_sigma = 0.16;         // [m] largest axis: beyond, 0.5 m are no longer two deviations away
   double leave_heading_sigma = radians(9.0);  // [rad]
   int misfit_frames = 5;                      // images in a row in which what is seen fits nothing
-  int vanish_frames = 7;                      // images in a row without a fixture that was there just before
-  int miss_frames = 10;                       // images in a row without a fixture that ought to be there
+  int vanish_frames = 7;                      // images without a fixture that was there, the robot standing still
+  double still_distance = 0.02;               // [m] since the last match: the robot stands still
+  double still_turn = radians(1.5);           // [rad] likewise
+  int pause_frames = 10;                      // images in a row without wheel motion: the robot may have been carried
+  int miss_frames = 10;                       // images without a fixture that ought to be there
+  int miss_fixtures = 2;                      // so many of them, and nothing else seen meanwhile ...
+  double miss_distance = 1.5;                 // [m] ... or one of them over this way
   double visible_margin = 0.03;               // [m] from the image border, beside twice the pose's own error
   double vanish_share = 0.5;                  // of a fixture seen just before that must be in view to miss it
   double miss_share = 0.8;                    // likewise of any other fixture
@@ -73,6 +80,8 @@ class ModernLocalizer final : public Localizer {
   void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
   void correct_filter(const SightingFrame& frame, const std::vector<Match>& matches, const OdometryReading& odometry);
   void watch(const SightingFrame& frame, const std::vector<int>& objects, const std::vector<Match>& matches);
+  void note_pause();
+  [[nodiscard]] std::optional<int> count_missing(const SightingFrame& frame);
   void doubt(const std::string& why, double bonus);
   void decide(const SightingFrame& frame);
   void relative_motion_lost(const std::string& why);
@@ -96,16 +105,20 @@ class ModernLocalizer final : public Localizer {
 
   LocalizerState state_ = LocalizerState::kLost;
   std::string reason_ = "no fixture seen yet";
-  int leader_id_ = 0;    // hypothesis that the filter follows; 0 = none
-  bool wide_ = false;    // the filter's covariance is too wide to call it tracking
-  std::string doubt_;    // why the leader was put in doubt; "" = it is not
-  int misfit_run_ = 0;   // images
-  int missing_run_ = 0;  // images
-  int missing_fixture_ = -1;
-  bool missing_was_seen_ = false;
-  std::vector<int> seen_lately_;  // fixtures matched in the image before or within half a second
-  std::int64_t last_match_ = 0;   // [us]
-  int unexplained_run_ = 0;       // images
+  int leader_id_ = 0;                 // hypothesis that the filter follows; 0 = none
+  bool wide_ = false;                 // the filter's covariance is too wide to call it tracking
+  std::string doubt_;                 // why the leader was put in doubt; "" = it is not
+  int misfit_run_ = 0;                // images
+  std::map<int, int> missed_frames_;  // images since the last match that ought to show a fixture and do not
+  std::set<int> unreliable_;          // fixtures that were missed though the pose was right: no longer missed
+  int doubt_fixture_ = -1;            // whose absence put the leader in doubt; -1 = something else
+  int doubted_id_ = 0;                // hypothesis that was put in doubt last
+  std::vector<int> seen_lately_;      // fixtures of the last match
+  Pose2 odom_at_frame_;               // odom_from_robot at the image before
+  int still_frames_ = 0;              // images in a row without wheel motion
+  bool paused_ = false;               // it stood still for a while since the last match
+  Pose2 odom_at_match_;               // odom_from_robot at the last match
+  int unexplained_run_ = 0;           // images
   std::int64_t fixture_utime_ = 0;
   double odometer_at_fixture_ = 0.0;  // [m]
   double nis_ = 0.0;

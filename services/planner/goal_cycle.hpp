@@ -47,7 +47,7 @@ struct GoalRequest {
 };
 
 struct GoalCycleParams {
-  double tolerance = 0.15;                  ///< [m] a stop counts as reached within this
+  double tolerance = 0.18;                  ///< [m] a stop counts as reached within this
   double heading_tolerance = radians(5.0);  ///< [rad]
   double tracking_grace = 1.0;              ///< [s] without TRACKING before the robot goes searching
   double lost_timeout = 600.0;              ///< [s] of searching before the goal is given up
@@ -106,7 +106,7 @@ struct GoalPath {
   std::int64_t goal_id = 0;
   int stop_index = 0;
   Polyline points;          // empty = stand still
-  double tolerance = 0.15;  // [m]
+  double tolerance = 0.18;  // [m]
   bool has_theta = false;
   double theta = 0.0;                       // [rad]
   double heading_tolerance = radians(5.0);  // [rad]

@@ -152,9 +152,13 @@ void SyntheticWorld::carry(const Pose2& pose) {
   linear_ = 0.0;
   angular_ = 0.0;
   wanted_turn_ = 0.0;
+  held_until_ = utime_ + 2'000'000;
 }
 
 void SyntheticWorld::steer() {
+  if (utime_ < held_until_) {
+    return;  // in somebody's hands: the wheels stand still
+  }
   const auto room = [&](double turn) {
     const double heading = truth_.theta + turn;
     const Eigen::Vector2d direction(std::cos(heading), std::sin(heading));

@@ -55,7 +55,7 @@ class SyntheticWorld {
   };
   /// 1/30 s onward.
   Output step();
-  /// Puts the robot elsewhere; its wheels do not notice.
+  /// Puts the robot elsewhere and holds it there for two seconds; its wheels stand still meanwhile.
   void carry(const Pose2& pose);
   /// A random free pose.
   Pose2 draw_free_pose();
@@ -100,6 +100,7 @@ class SyntheticWorld {
   double wanted_turn_ = 0.0;
   double driven_ = 0.0;
   std::int64_t utime_ = 1'000'000'000;
+  std::int64_t held_until_ = 0;  // [us]
   int tick_ = 0;
   std::deque<std::pair<std::int64_t, SightingFrame>> pending_;  // due time, frame
   int next_disc_ = 0;
