@@ -107,11 +107,18 @@ bool LogReader::next(LogEvent& event) {
     LogEvent read_event;
     read_event.utime = big_endian<std::int64_t>(&header[8]);
     read_event.channel.resize(channel_size);
-    read_event.data.resize(data_size);
-    if (!read(reinterpret_cast<std::uint8_t*>(read_event.channel.data()), channel_size) ||
-        !read(read_event.data.data(), data_size)) {
+    if (!read(reinterpret_cast<std::uint8_t*>(read_event.channel.data()), channel_size)) {
       cut_ = true;
       return false;
+    }
+    if (wanted_ && !wanted_->contains(read_event.channel)) {
+      stream_.seekg(static_cast<std::streamoff>(data_size), std::ios::cur);
+    } else {
+      read_event.data.resize(data_size);
+      if (!read(read_event.data.data(), data_size)) {
+        cut_ = true;
+        return false;
+      }
     }
     position_ += whole;
     ++events_;

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <fstream>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,6 +31,9 @@ class LogReader {
   /// False at the end; `event` is then unchanged.
   [[nodiscard]] bool next(LogEvent& event);
 
+  /// From now on events of other channels come without their data: pictures that nobody looks at cost nothing.
+  void load_only(std::set<std::string> channels) { wanted_ = std::move(channels); }
+
   /// Size of the file [bytes] and how much of it has been read.
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] std::uint64_t position() const { return position_; }
@@ -50,6 +55,7 @@ class LogReader {
   std::uint64_t skipped_ = 0;
   std::uint64_t events_ = 0;
   bool cut_ = false;
+  std::optional<std::set<std::string>> wanted_;  // nothing: all
 };
 
 /// Writes events as lcm-logger does, byte for byte the same for the same events, and sums them up with SHA-256.
