@@ -1,0 +1,16 @@
+# cmake -DOUTPUT=file.cpp -DFOLDER=web -P embed_web_files.cmake: the page as C++ arrays.
+file(GLOB files LIST_DIRECTORIES false RELATIVE ${FOLDER} ${FOLDER}/*)
+list(SORT files)
+set(arrays "")
+set(table "")
+foreach(name ${files})
+  file(READ ${FOLDER}/${name} bytes HEX)
+  string(LENGTH "${bytes}" digits)
+  math(EXPR size "${digits} / 2")
+  string(REGEX REPLACE "(..)" "'\\\\x\\1'," bytes "${bytes}")
+  string(MAKE_C_IDENTIFIER ${name} identifier)
+  string(APPEND arrays "constexpr char k_${identifier}[] = {${bytes}'\\0'};\n")
+  string(APPEND table "      {\"${name}\", {k_${identifier}, ${size}}},\n")
+endforeach()
+file(WRITE ${OUTPUT} "#include \"services/viewer/web_files.hpp\"\n\nnamespace luminav {\nnamespace {\n${arrays}}  // namespace\n
+const std::vector<WebFile>& web_files() {\n  static const std::vector<WebFile> files = {\n${table}  };\n  return files;\n}\n\n}  // namespace luminav\n")

@@ -1,0 +1,129 @@
+#include "services/viewer/http_rules.hpp"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+
+namespace luminav {
+namespace {
+
+std::string to_lower(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return lower;
+}
+
+bool is_address(const std::string& host) {
+  in6_addr address{};
+  return inet_pton(AF_INET, host.c_str(), &address) == 1 || inet_pton(AF_INET6, host.c_str(), &address) == 1;
+}
+
+bool is_name(const std::string& host) {
+  return !host.empty() && host.size() <= 253 && std::all_of(host.begin(), host.end(), [](unsigned char letter) {
+    return std::isalnum(letter) != 0 || letter == '-' || letter == '.' || letter == '_';
+  });
+}
+
+// Takes as long for a wrong first letter as for a wrong last one.
+bool is_same_secret(std::string_view expected, std::string_view given) {
+  unsigned char difference = expected.size() == given.size() ? 0 : 1;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const char letter = i < given.size() ? given[i] : '\0';
+    difference = static_cast<unsigned char>(difference | (expected[i] ^ letter));
+  }
+  return difference == 0;
+}
+
+}  // namespace
+
+std::optional<HostAndPort> read_host(std::string_view text) {
+  HostAndPort result;
+  std::string_view rest;
+  if (!text.empty() && text.front() == '[') {
+    const std::size_t end = text.find(']');
+    if (end == std::string_view::npos) {
+      return std::nullopt;
+    }
+    result.host = to_lower(text.substr(1, end - 1));
+    rest = text.substr(end + 1);
+    if (!is_address(result.host)) {
+      return std::nullopt;
+    }
+  } else {
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    result.host = to_lower(text.substr(0, colon));
+    rest = text.substr(colon);
+    if (!is_name(result.host)) {
+      return std::nullopt;
+    }
+  }
+  if (rest.empty()) {
+    return result;
+  }
+  const char* end = rest.data() + rest.size();
+  const auto [stop, error] = std::from_chars(rest.data() + 1, end, result.port);
+  if (rest.front() != ':' || error != std::errc{} || stop != end || result.port < 1 || result.port > 65535) {
+    return std::nullopt;
+  }
+  return result;
+}
+
+std::optional<HostAndPort> read_origin(std::string_view text) {
+  constexpr std::string_view kScheme = "http://";
+  if (!text.starts_with(kScheme)) {
+    return std::nullopt;
+  }
+  return read_host(text.substr(kScheme.size()));
+}
+
+bool is_loopback(std::string_view host) {
+  const std::string text(host);
+  in_addr address{};
+  if (inet_pton(AF_INET, text.c_str(), &address) == 1) {
+    return (ntohl(address.s_addr) >> 24) == 127;
+  }
+  return text == "::1" || text == "localhost";
+}
+
+AccessRules::AccessRules(std::string listen, std::string own_name, int page_port, std::string token)
+    : listen_(to_lower(listen)), own_name_(to_lower(own_name)), page_port_(page_port), token_(std::move(token)) {}
+
+std::optional<std::string> AccessRules::objection_to_host(std::string_view host) const {
+  const auto asked = read_host(host);
+  if (!asked) {
+    return "the request names no host";
+  }
+  const bool is_known = is_loopback(asked->host) || asked->host == listen_ ||
+                        (!is_loopback(listen_) &&
+                         (is_address(asked->host) || asked->host == own_name_ || asked->host == own_name_ + ".local"));
+  if (is_known) {
+    return std::nullopt;
+  }
+  return "this machine is not called " + asked->host;
+}
+
+bool AccessRules::is_own_page(std::string_view host, std::string_view origin) const {
+  const auto asked = read_host(host);
+  const auto page = read_origin(origin);
+  // a forwarded port may differ from ours: then page and command have the same one
+  return asked && page && asked->host == page->host && (page->port == page_port_ || page->port == asked->port);
+}
+
+std::optional<std::string> AccessRules::objection_to_command(std::string_view host, std::string_view origin,
+                                                             std::string_view token) const {
+  if (auto objection = objection_to_host(host)) {
+    return objection;
+  }
+  if (!origin.empty() && !is_own_page(host, origin)) {
+    return "commands are taken from the viewer's own page only";
+  }
+  if (!token_.empty() && !is_same_secret(token_, token)) {
+    return "the token is missing or wrong: open the page by the address that the viewer printed when it started";
+  }
+  return std::nullopt;
+}
+
+}  // namespace luminav

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "services/common/building/building.hpp"
+#include "services/common/configuration/robot_file.hpp"
+#include "services/common/process/clock.hpp"
+#include "services/viewer/picture_store.hpp"
+#include "services/viewer/request_desk.hpp"
+#include "services/viewer/snapshot_board.hpp"
+
+namespace luminav {
+
+struct HttpOptions {
+  std::string listen = "127.0.0.1";
+  int port = 8080;          // of the page; 0 = any free one
+  int command_port = 8081;  // of the commands alone; 0 = any free one
+  std::string host_name;    // of this machine, for people on others
+  std::string token;        // demanded for commands; "" = none
+  std::string web_folder;   // reads the page from there instead of the built-in one; "" = built in
+};
+
+/// Two HTTP servers with threads of their own: one serves the page, the building, the camera's picture and the events,
+/// and takes commands too; the other takes commands only, so that a STOP gets through while every thread of the first
+/// is held by a slow reader.
+///
+///   GET  /events              server-sent events, see ViewerNode; 503 when 40 clients listen
+///   GET  /building.json, /settings.json, /camera.jpg, the page
+///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose     JSON, see request_text.hpp; answers {"id": N}
+class HttpServer {
+ public:
+  /// What is shown and where requests go. All must outlive the server.
+  struct Context {
+    SnapshotBoard& board;
+    PictureStore& pictures;
+    RequestDesk& desk;
+    const Clock& clock;
+    const Building& building;
+    const RobotDescription& robot;
+  };
+
+  /// Binds both ports and starts to serve; throws std::runtime_error when one of them is taken.
+  HttpServer(const HttpOptions& options, const Context& context);
+  /// Closes the board and waits for all threads.
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  [[nodiscard]] int port() const;
+  [[nodiscard]] int command_port() const;
+  /// For a person to open, token included.
+  [[nodiscard]] std::string address() const;
+  [[nodiscard]] int listeners() const;
+
+ private:
+  struct Servers;
+  std::unique_ptr<Servers> servers_;
+};
+
+}  // namespace luminav

@@ -1,0 +1,140 @@
+#include "services/viewer/request_desk.hpp"
+
+#include <algorithm>
+
+#include "services/common/process/channels.hpp"
+
+namespace luminav {
+
+std::int64_t RequestDesk::new_id(std::int64_t now) {
+  last_id_ = std::max(now, last_id_ + 1);
+  return last_id_;
+}
+
+template <typename Message>
+std::int64_t RequestDesk::post(Kind kind, const char* channel, Message message, std::int64_t now, bool gives_up) {
+  const std::lock_guard lock(mutex_);
+  message.id = new_id(now);
+  Pending& pending = pending_[static_cast<std::size_t>(kind)];
+  pending.state = {kind, Fate::kWaiting, message.id, now};
+  pending.gives_up = gives_up;
+  pending.publish = [this, channel, message](std::int64_t utime) mutable {
+    message.utime = utime;
+    lcm_.publish(channel, &message);
+  };
+  pending.publish(now);
+  return message.id;
+}
+
+std::int64_t RequestDesk::send(goal_t goal, std::int64_t now) {
+  return post(Kind::kGoal, channels::kGoal, std::move(goal), now);
+}
+
+std::int64_t RequestDesk::send(stop_t stop, std::int64_t now) {
+  const bool gives_up = stop.engaged == 0;
+  return post(Kind::kStop, channels::kStop, std::move(stop), now, gives_up);
+}
+
+std::int64_t RequestDesk::send(motors_command_t command, std::int64_t now) {
+  return post(Kind::kMotors, channels::kMotorsCommand, command, now);
+}
+
+std::int64_t RequestDesk::send(initial_pose_t guess, std::int64_t now) {
+  return post(Kind::kInitialPose, channels::kInitialPose, std::move(guess), now);
+}
+
+void RequestDesk::repeat(std::int64_t now) {
+  const std::lock_guard lock(mutex_);
+  for (Pending& pending : pending_) {
+    if (pending.state.fate != Fate::kWaiting) {
+      continue;
+    }
+    if (pending.gives_up && now - pending.state.asked > kPatience) {
+      pending.state.fate = Fate::kUnanswered;
+      continue;
+    }
+    pending.publish(now);
+  }
+}
+
+// Called with the lock held.
+void RequestDesk::hear(Kind kind, std::int64_t id) {
+  // ids of hosts whose clock is ahead: ours must still be newer. A year ahead is damage, not a clock.
+  constexpr std::int64_t kYear = 366LL * 86'400 * 1'000'000;  // [us]
+  if (id > last_id_ && (last_id_ == 0 || id - last_id_ < kYear)) {
+    last_id_ = id;
+  }
+  State& state = pending_[static_cast<std::size_t>(kind)].state;
+  if (state.fate == Fate::kWaiting && state.id == id) {
+    state.fate = Fate::kAnswered;
+  }
+}
+
+void RequestDesk::on_navigation_status(const navigation_status_t& message) {
+  const std::lock_guard lock(mutex_);
+  hear(Kind::kGoal, message.goal_id);
+}
+
+// A STOP has two owners, driver and controller; both must have it.
+void RequestDesk::heard_by_both() {
+  hear(Kind::kStop, std::min(stop_heard_by_driver_, stop_heard_by_controller_));
+}
+
+void RequestDesk::on_control_status(const control_status_t& message) {
+  const std::lock_guard lock(mutex_);
+  stop_heard_by_controller_ = message.stop_id;
+  heard_by_both();
+}
+
+void RequestDesk::on_robot_status(const robot_status_t& message) {
+  const std::lock_guard lock(mutex_);
+  stop_heard_by_driver_ = message.stop_id;
+  heard_by_both();
+  hear(Kind::kMotors, message.motors_command_id);
+}
+
+void RequestDesk::on_pose(const pose_t& message) {
+  const std::lock_guard lock(mutex_);
+  hear(Kind::kInitialPose, message.initial_pose_id);
+}
+
+std::vector<RequestDesk::State> RequestDesk::states() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<State> states;
+  for (const Pending& pending : pending_) {
+    if (pending.state.fate != Fate::kNone) {
+      states.push_back(pending.state);
+    }
+  }
+  return states;
+}
+
+std::string_view RequestDesk::name_of(Kind kind) {
+  switch (kind) {
+    case Kind::kGoal:
+      return "goal";
+    case Kind::kStop:
+      return "stop";
+    case Kind::kMotors:
+      return "motors";
+    case Kind::kInitialPose:
+      return "initial_pose";
+  }
+  return "";
+}
+
+std::string_view RequestDesk::name_of(Fate fate) {
+  switch (fate) {
+    case Fate::kNone:
+      return "none";
+    case Fate::kWaiting:
+      return "waiting";
+    case Fate::kAnswered:
+      return "answered";
+    case Fate::kUnanswered:
+      return "unanswered";
+  }
+  return "";
+}
+
+}  // namespace luminav

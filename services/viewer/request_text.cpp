@@ -1,0 +1,167 @@
+#include "services/viewer/request_text.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "services/common/geometry/angle.hpp"
+
+namespace luminav {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kFarthest = 10'000.0;   // [m]
+constexpr double kLongestWait = 3600.0;  // [s]
+constexpr std::size_t kMostPoses = 100;
+
+Json read_object(const std::string& body, std::initializer_list<std::string_view> known) {
+  // nothing that is asked for here is nested deeply
+  const auto shallow = [](int depth, Json::parse_event_t, Json&) {
+    if (depth > 8) {
+      throw RequestError("the request is nested too deeply");
+    }
+    return true;
+  };
+  const Json object = Json::parse(body, shallow, false);
+  if (!object.is_object()) {
+    throw RequestError("the request must be a JSON object");
+  }
+  for (const auto& [key, value] : object.items()) {
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      throw RequestError(fmt::format("unknown key; known: {}", fmt::join(known, ", ")));
+    }
+  }
+  return object;
+}
+
+double number(const Json& object, const char* key, double least, double most) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number()) {
+    throw RequestError(fmt::format("{}: must be a number", key));
+  }
+  const double value = found->get<double>();
+  if (!std::isfinite(value) || value < least || value > most) {
+    throw RequestError(fmt::format("{}: must be {} to {}", key, least, most));
+  }
+  return value;
+}
+
+bool boolean(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_boolean()) {
+    throw RequestError(fmt::format("{}: must be true or false", key));
+  }
+  return found->get<bool>();
+}
+
+std::string text(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_string()) {
+    throw RequestError(fmt::format("{}: must be a text", key));
+  }
+  return found->get<std::string>();
+}
+
+goal_pose_t place_called(const std::string& name, const Building& building) {
+  for (const Place& place : building.places) {
+    if (place.name == name) {
+      goal_pose_t pose{};
+      pose.place = place.name;
+      pose.x = place.pose.x;
+      pose.y = place.pose.y;
+      pose.has_theta = place.has_theta;
+      pose.theta = place.pose.theta;
+      return pose;
+    }
+  }
+  throw RequestError("place: the building has none of that name");
+}
+
+goal_pose_t read_goal_pose(const Json& item, const Building& building) {
+  if (!item.is_object()) {
+    throw RequestError("poses: each must be an object");
+  }
+  for (const auto& [key, value] : item.items()) {
+    if (key != "x" && key != "y" && key != "theta" && key != "wait" && key != "place") {
+      throw RequestError("poses: known keys are x, y, theta, wait, place");
+    }
+  }
+  goal_pose_t pose{};
+  if (item.contains("place")) {
+    pose = place_called(text(item, "place"), building);
+  } else {
+    pose.x = number(item, "x", -kFarthest, kFarthest);
+    pose.y = number(item, "y", -kFarthest, kFarthest);
+    pose.has_theta = item.contains("theta");
+    pose.theta = pose.has_theta ? wrap_angle(number(item, "theta", -100.0, 100.0)) : 0.0;
+  }
+  pose.wait = item.contains("wait") ? number(item, "wait", 0.0, kLongestWait) : 0.0;
+  return pose;
+}
+
+std::int8_t read_action(const std::string& word) {
+  if (word == "go") return goal_t::ACTION_GO;
+  if (word == "cancel") return goal_t::ACTION_CANCEL;
+  if (word == "pause") return goal_t::ACTION_PAUSE;
+  if (word == "resume") return goal_t::ACTION_RESUME;
+  throw RequestError("action: must be go, cancel, pause or resume");
+}
+
+}  // namespace
+
+goal_t read_goal_request(const std::string& body, const Building& building) {
+  const Json object = read_object(body, {"action", "poses", "loop"});
+  goal_t goal{};
+  goal.action = read_action(text(object, "action"));
+  goal.policy = goal_t::POLICY_STOP;
+  if (goal.action != goal_t::ACTION_GO) {
+    return goal;
+  }
+  const auto poses = object.find("poses");
+  if (poses == object.end() || !poses->is_array() || poses->empty() || poses->size() > kMostPoses) {
+    throw RequestError(fmt::format("poses: must be a list of 1 to {}", kMostPoses));
+  }
+  for (const Json& item : *poses) {
+    goal.poses.push_back(read_goal_pose(item, building));
+  }
+  goal.count = static_cast<std::int32_t>(goal.poses.size());
+  goal.loop = object.contains("loop") && boolean(object, "loop");
+  return goal;
+}
+
+stop_t read_stop_request(const std::string& body) {
+  const Json object = Json::parse(body, nullptr, false);
+  stop_t stop{};
+  stop.sender = "viewer";
+  stop.engaged = !(object.is_object() && object.contains("engaged") && object["engaged"] == false);
+  return stop;
+}
+
+motors_command_t read_motors_request(const std::string& body) {
+  const Json object = read_object(body, {"enable"});
+  motors_command_t command{};
+  command.enable = boolean(object, "enable");
+  return command;
+}
+
+initial_pose_t read_initial_pose_request(const std::string& body) {
+  const Json object = read_object(body, {"x", "y", "theta", "sigma", "sigma_theta"});
+  initial_pose_t guess{};
+  guess.x = number(object, "x", -kFarthest, kFarthest);
+  guess.y = number(object, "y", -kFarthest, kFarthest);
+  guess.theta = wrap_angle(number(object, "theta", -100.0, 100.0));
+  // a tap on a map is good for half a metre, a drag for 20 degrees
+  const double sigma = object.contains("sigma") ? number(object, "sigma", 0.01, 10.0) : 0.5;
+  const double sigma_theta = object.contains("sigma_theta") ? number(object, "sigma_theta", 0.01, kPi) : radians(20.0);
+  guess.covariance[0] = guess.covariance[4] = sigma * sigma;
+  guess.covariance[8] = sigma_theta * sigma_theta;
+  return guess;
+}
+
+}  // namespace luminav

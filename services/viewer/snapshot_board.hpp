@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace luminav {
+
+/// What browsers are shown: the newest text per subject, and nothing older. A reader that falls behind skips what was
+/// replaced meanwhile, so memory is bounded by the number of subjects however slow or dead the readers are.
+/// Thread-safe.
+class SnapshotBoard {
+ public:
+  /// Live subjects are always handed out whole; bulk ones (map tiles) within a budget per reading, so that a large map
+  /// cannot delay the robot's state.
+  enum class Lane : std::size_t { kLive = 0, kBulk = 1 };
+  using Text = std::shared_ptr<const std::string>;
+
+  /// How far one reader has read; a fresh one is given everything.
+  struct Cursor {
+    std::array<std::uint64_t, 2> seen{};
+    std::uint64_t tick = 0;
+  };
+
+  /// Replaces the text of a subject. Readers see it after the next tick.
+  void put(Lane lane, const std::string& subject, std::string text);
+  /// Forgets all subjects of a lane.
+  void clear(Lane lane);
+  /// Wakes the readers.
+  void tick();
+  /// Wakes the readers for good: no more readings.
+  void close();
+
+  /// What changed since the cursor, oldest first, live before bulk; waits for the next tick, but no longer than
+  /// `patience_ms`, then it may be empty. At least one bulk text is handed out however small the budget [bytes].
+  [[nodiscard]] std::vector<Text> read(Cursor& cursor, int patience_ms, std::size_t bulk_budget);
+  [[nodiscard]] bool is_closed() const;
+
+ private:
+  struct Entry {
+    std::uint64_t version = 0;
+    Text text;
+  };
+  struct Content {
+    std::map<std::string, Entry> entries;
+    std::map<std::uint64_t, std::string> by_version;
+  };
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::array<Content, 2> lanes_;
+  std::uint64_t version_ = 0;
+  std::uint64_t tick_ = 1;  // above a fresh cursor's: the first reading does not wait
+  bool is_closed_ = false;
+};
+
+}  // namespace luminav

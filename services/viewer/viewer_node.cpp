@@ -1,0 +1,285 @@
+#include "services/viewer/viewer_node.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <luminav/tile_request_t.hpp>
+
+#include "services/common/image/jpeg_codec.hpp"
+#include "services/common/process/channels.hpp"
+#include "services/common/process/lcm_conversions.hpp"
+#include "services/viewer/message_json.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr std::size_t kRecentPoses = 120;  // detections lag a quarter of a second at most; poses come at 10 to 50 Hz
+constexpr std::int64_t kNodeForgotten = 60'000'000;  // [us] a process that was silent this long is no longer listed
+constexpr std::size_t kMostNodes = 200;
+constexpr std::int32_t kLargestTile = 20'000;  // [bytes] 8192 bytes do not grow to more
+constexpr int kTileRequests = 5;
+
+std::string event(std::string_view name, const std::string& data) {
+  return fmt::format("event: {}\ndata: {}\n\n", name, data);
+}
+
+bool is_jpeg(const camera_image_t& image) {
+  return image.format == camera_image_t::FORMAT_JPEG && image.data.size() > 3 && image.data[0] == 0xff &&
+         image.data[1] == 0xd8;
+}
+
+std::string jpeg_of(const camera_image_t& image) {
+  if (is_jpeg(image)) {
+    return {image.data.begin(), image.data.end()};
+  }
+  if (image.format != camera_image_t::FORMAT_MONO8 || image.width < 1 || image.height < 1 ||
+      image.data.size() < static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
+    return "";
+  }
+  JpegEncoder encoder;
+  const auto jpeg = encoder.encode({image.width, image.height, image.data}, 80);
+  return {jpeg.begin(), jpeg.end()};
+}
+
+}  // namespace
+
+ViewerNode::ViewerNode(lcm::LCM& lcm, const ViewerConfig& config, const Clock& clock, SnapshotBoard& board,
+                       PictureStore& pictures, RequestDesk& desk)
+    : lcm_(lcm), config_(config), clock_(clock), board_(board), pictures_(pictures), desk_(desk), subscriber_(lcm) {
+  subscriber_.on(channels::kPose, &ViewerNode::on_pose, this);
+  subscriber_.on(channels::kHypotheses, &ViewerNode::on_hypotheses, this);
+  subscriber_.on(channels::kNavigationStatus, &ViewerNode::on_navigation_status, this);
+  subscriber_.on(channels::kControlStatus, &ViewerNode::on_control_status, this);
+  subscriber_.on(channels::kPath, &ViewerNode::on_path, this);
+  subscriber_.on(channels::kGridTile, &ViewerNode::on_grid_tile, this);
+  subscriber_.on(channels::kSonar, &ViewerNode::on_sonar, this);
+  subscriber_.on(channels::kOdometry, &ViewerNode::on_odometry, this);
+  subscriber_.on(channels::kRobotStatus, &ViewerNode::on_robot_status, this);
+  subscriber_.on(channels::kFixtureDetections, &ViewerNode::on_fixture_detections, this);
+  subscriber_.on(channels::kCameraImage, &ViewerNode::on_camera_image, this);
+  subscriber_.on(channels::kNodeStatus, &ViewerNode::on_node_status, this);
+  subscriber_.on(channels::kSimTruth, &ViewerNode::on_sim_truth, this);
+}
+
+void ViewerNode::heard(const char* channel) {
+  Reception& reception = receptions_[channel];
+  reception.last = clock_.utime();
+  ++reception.count;
+}
+
+void ViewerNode::on_pose(const pose_t& message) {
+  if (!all_finite({message.x, message.y, message.theta})) {
+    subscriber_.drop("POSE is not a number");
+    return;
+  }
+  heard(channels::kPose);
+  newest_["pose"] = to_json(message);
+  desk_.on_pose(message);
+  if (!recent_poses_.empty() && message.utime < recent_poses_.back().utime) {
+    recent_poses_.clear();  // a replay that started again
+  }
+  recent_poses_.push_back(message);
+  if (recent_poses_.size() > kRecentPoses) {
+    recent_poses_.pop_front();
+  }
+}
+
+void ViewerNode::on_hypotheses(const hypotheses_t& message) {
+  heard(channels::kHypotheses);
+  board_.put(SnapshotBoard::Lane::kLive, "hypotheses", event("hypotheses", to_json(message)));
+}
+
+void ViewerNode::on_navigation_status(const navigation_status_t& message) {
+  heard(channels::kNavigationStatus);
+  newest_["navigation"] = to_json(message);
+  desk_.on_navigation_status(message);
+}
+
+void ViewerNode::on_control_status(const control_status_t& message) {
+  heard(channels::kControlStatus);
+  newest_["control"] = to_json(message);
+  desk_.on_control_status(message);
+}
+
+void ViewerNode::on_path(const path_t& message) {
+  heard(channels::kPath);
+  board_.put(SnapshotBoard::Lane::kLive, "path", event("path", to_json(message)));
+}
+
+void ViewerNode::on_sonar(const sonar_t& message) {
+  heard(channels::kSonar);
+  newest_["sonar"] = to_json(message);
+}
+
+void ViewerNode::on_odometry(const odometry_t& message) {
+  heard(channels::kOdometry);
+  newest_["odometry"] = to_json(message);
+}
+
+void ViewerNode::on_robot_status(const robot_status_t& message) {
+  heard(channels::kRobotStatus);
+  newest_["robot"] = to_json(message);
+  desk_.on_robot_status(message);
+}
+
+void ViewerNode::on_sim_truth(const sim_truth_t& message) {
+  heard(channels::kSimTruth);
+  newest_["truth"] = to_json(message);
+}
+
+void ViewerNode::on_node_status(const node_status_t& message) {
+  heard(channels::kNodeStatus);
+  const std::string name = message.process + "@" + message.host;
+  if (nodes_.size() >= kMostNodes && !nodes_.contains(name)) {
+    subscriber_.drop("NODE_STATUS from more processes than can be shown");
+    return;
+  }
+  nodes_[name] = {message, clock_.utime()};
+}
+
+void ViewerNode::on_grid_tile(const grid_tile_t& message) {
+  if (!is_possible(message) || message.size < 1 || message.size > kLargestTile || message.tile_column < 0 ||
+      message.tile_row < 0 || message.tile_column * kTileSide >= message.columns ||
+      message.tile_row * kTileSide >= message.rows) {
+    subscriber_.drop("GRID_TILE of an impossible size or place");
+    return;
+  }
+  heard(channels::kGridTile);
+  if (message.map_session != map_session_ || tiles_expected_ == 0) {
+    map_session_ = message.map_session;
+    tile_revisions_.clear();
+    board_.clear(SnapshotBoard::Lane::kBulk);
+    const GridGeometry geometry = geometry_of(message);
+    tiles_expected_ = static_cast<std::int64_t>((geometry.columns + kTileSide - 1) / kTileSide) *
+                      ((geometry.rows + kTileSide - 1) / kTileSide);
+    tile_requests_left_ = kTileRequests;
+  }
+  const auto [known, is_new] = tile_revisions_.try_emplace({message.tile_column, message.tile_row}, message.revision);
+  if (!is_new && known->second == message.revision) {
+    return;  // the mapper sends all of them round-robin, for those who came late
+  }
+  known->second = message.revision;
+  board_.put(SnapshotBoard::Lane::kBulk, fmt::format("tile {} {}", message.tile_column, message.tile_row),
+             event("tile", to_json(message)));
+}
+
+// A picture is shown together with what was found in it, so it waits for its detections; without a detector it is shown
+// when the next but one is due.
+void ViewerNode::on_camera_image(const camera_image_t& message) {
+  heard(channels::kCameraImage);
+  const std::int64_t since = message.utime - picture_shown_;
+  if (since >= 0 && since < config_.picture_period) {
+    return;
+  }
+  if (picture_ && message.utime >= picture_->utime && message.utime - picture_->utime < config_.picture_period) {
+    return;  // one is waiting already
+  }
+  if (picture_) {
+    show_picture(nullptr);
+  }
+  picture_ = message;
+}
+
+void ViewerNode::on_fixture_detections(const fixture_detections_t& message) {
+  heard(channels::kFixtureDetections);
+  newest_["detections"] = to_json(message, world_from_robot_at(message.utime));
+  if (picture_ && picture_->utime == message.utime && picture_->camera == message.camera) {
+    show_picture(&message);
+  }
+}
+
+void ViewerNode::show_picture(const fixture_detections_t* detections) {
+  std::string jpeg = jpeg_of(*picture_);
+  if (jpeg.empty()) {
+    subscriber_.drop("CAMERA_IMAGE is neither JPEG nor a whole grey picture");
+  } else {
+    pictures_.put(std::move(jpeg));
+    board_.put(SnapshotBoard::Lane::kLive, "picture",
+               event("picture", fmt::format(R"({{"utime":{},"sequence":{},"width":{},"height":{},"exposure_us":{:.0f},)"
+                                            R"("health":{},"seen":{}}})",
+                                            picture_->utime, picture_->sequence, picture_->width, picture_->height,
+                                            std::isfinite(picture_->exposure_us) ? picture_->exposure_us : 0.0,
+                                            to_json(picture_->health),
+                                            detections != nullptr ? to_json(*detections, std::nullopt) : "null")));
+  }
+  picture_shown_ = picture_->utime;
+  picture_.reset();
+}
+
+std::optional<Pose2> ViewerNode::world_from_robot_at(std::int64_t utime) const {
+  const auto after = std::lower_bound(recent_poses_.begin(), recent_poses_.end(), utime,
+                                      [](const pose_t& pose, std::int64_t stamp) { return pose.utime < stamp; });
+  if (recent_poses_.empty() || (after == recent_poses_.begin() && after->utime != utime)) {
+    return std::nullopt;
+  }
+  if (after == recent_poses_.end()) {
+    const pose_t& last = recent_poses_.back();
+    return utime - last.utime < 500'000 ? std::optional(world_from_robot(last)) : std::nullopt;
+  }
+  if (after->utime == utime) {
+    return world_from_robot(*after);
+  }
+  const pose_t& before = *std::prev(after);
+  const double fraction = static_cast<double>(utime - before.utime) / static_cast<double>(after->utime - before.utime);
+  return interpolate(world_from_robot(before), world_from_robot(*after), fraction);
+}
+
+std::string ViewerNode::requests_json() const {
+  std::string list;
+  for (const RequestDesk::State& state : desk_.states()) {
+    list += fmt::format(R"({}{{"kind":"{}","fate":"{}","id":{},"age":{:.1f}}})", list.empty() ? "" : ",",
+                        RequestDesk::name_of(state.kind), RequestDesk::name_of(state.fate), state.id,
+                        static_cast<double>(clock_.utime() - state.asked) * 1e-6);
+  }
+  return "[" + list + "]";
+}
+
+void ViewerNode::show() {
+  const std::int64_t now = clock_.utime();
+  std::string ages;
+  for (const auto& [channel, reception] : receptions_) {
+    ages += fmt::format(R"({}"{}":{:.2f})", ages.empty() ? "" : ",", channel,
+                        static_cast<double>(now - reception.last) * 1e-6);
+  }
+  std::string state = fmt::format(R"({{"utime":{},"ages":{{{}}},"requests":{})", now, ages, requests_json());
+  for (const auto& [key, json] : newest_) {
+    state += fmt::format(R"(,"{}":{})", key, json);
+  }
+  board_.put(SnapshotBoard::Lane::kLive, "state", event("state", state + "}"));
+  board_.tick();
+}
+
+void ViewerNode::show_processes() {
+  const std::int64_t now = clock_.utime();
+  std::erase_if(nodes_, [&](const auto& entry) { return now - entry.second.heard > kNodeForgotten; });
+  std::string rates;
+  for (auto& [channel, reception] : receptions_) {
+    const double newest = reception.count;
+    reception.rate = reception.rate == 0.0 ? newest : reception.rate + 0.3 * (newest - reception.rate);
+    reception.count = 0;
+    rates += fmt::format(R"({}"{}":{:.1f})", rates.empty() ? "" : ",", channel, reception.rate);
+  }
+  std::string nodes;
+  for (const auto& [name, report] : nodes_) {
+    nodes += fmt::format(R"({}{{"age":{:.1f},"status":{}}})", nodes.empty() ? "" : ",",
+                         static_cast<double>(now - report.heard) * 1e-6, to_json(report.status));
+  }
+  board_.put(SnapshotBoard::Lane::kLive, "nodes",
+             event("nodes", fmt::format(R"({{"nodes":[{}],"rates":{{{}}}}})", nodes, rates)));
+  request_missing_tiles();
+}
+
+// A viewer that comes late need not wait for the mapper's round.
+void ViewerNode::request_missing_tiles() {
+  if (static_cast<std::int64_t>(tile_revisions_.size()) >= tiles_expected_ || tile_requests_left_ <= 0) {
+    return;
+  }
+  --tile_requests_left_;
+  tile_request_t request{};
+  request.utime = clock_.utime();
+  request.id = tile_request_id_ = std::max(request.utime, tile_request_id_ + 1);
+  lcm_.publish(channels::kTileRequest, &request);
+}
+
+}  // namespace luminav

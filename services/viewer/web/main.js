@@ -1,0 +1,311 @@
+import * as commands from './commands.js';
+import {Connection} from './connection.js';
+import {Theme} from './colours.js';
+import * as draw from './layers.js';
+import {MapView} from './map_view.js';
+import {Panels, note} from './panels.js';
+import {Picture} from './picture.js';
+import {Tiles} from './tiles.js';
+
+const $ = (id) => document.getElementById(id);
+const STALE_S = 1.0;   // [s] then what is drawn is not what is
+const TRAIL = 4000;    // points
+const KNOB_PX = 44;
+
+const theme = new Theme($('theme-button'));
+const view = new MapView($('map'));
+const panels = new Panels();
+const picture = new Picture($('camera'), $('camera-caption'), $('camera-none'));
+const connection = new Connection();
+
+let building = null;
+let state = null;
+let path = null;
+let cloud = null;
+let hypotheses = [];
+let draft = null;        // {x, y, theta}: a goal that is not sent yet
+let route = [];
+let isFollowing = false;
+let isFitted = false;
+const trail = [];
+const truthTrail = [];
+const layers = Object.fromEntries(draw.LAYERS.map(([key, , isOn]) => [key, isOn]));
+
+let isDirty = true;
+const redraw = () => { isDirty = true; };
+const tiles = new Tiles((isNew) => { if (isNew && !isFitted) fit(); redraw(); });
+
+function fit() {
+  const box = tiles.bounds() ?? boundsOf(building);
+  if (box) { view.fit(box); isFitted = true; }
+}
+
+function boundsOf(known) {
+  const points = known ? [...known.fixtures.map((f) => f.pose), ...known.places.map((p) => [p.x, p.y])] : [];
+  if (points.length < 2) return null;
+  const xs = points.map((p) => p[0]);
+  const ys = points.map((p) => p[1]);
+  return [Math.min(...xs) - 2, Math.min(...ys) - 2, Math.max(...xs) + 2, Math.max(...ys) + 2];
+}
+
+// ---- what comes in
+
+fetch('building.json').then((answer) => answer.json()).then((known) => {
+  building = known;
+  $('building').textContent = known.name;
+  document.title = `Luminav · ${known.name}`;
+  for (const place of known.places) {
+    const chip = Object.assign(document.createElement('button'), {textContent: place.name});
+    chip.addEventListener('click', () => ask('go', () => commands.go([{place: place.name}]), `to ${place.name}`));
+    $('places').append(chip);
+  }
+  if (!isFitted) fit();
+  redraw();
+});
+
+function extend(points, x, y, isKnown) {
+  const last = points.at(-1);
+  if (!isKnown) { if (last) points.push(null); return; }
+  if (last && Math.hypot(x - last[0], y - last[1]) < 0.04) return;
+  if (last && Math.hypot(x - last[0], y - last[1]) > 1.5) points.push(null);  // carried, or corrected
+  points.push([x, y]);
+  if (points.length > TRAIL) points.shift();
+}
+
+connection.addEventListener('state', ({detail}) => {
+  state = detail;
+  const {pose, truth, ages} = state;
+  if (pose && ages.POSE < STALE_S) extend(trail, pose.x, pose.y, pose.state === 2);
+  if (truth && ages.SIM_TRUTH < STALE_S) extend(truthTrail, truth.x, truth.y, !truth.carried);
+  if (isFollowing && pose && ages.POSE < STALE_S) view.centre = [pose.x, pose.y];
+  panels.show(state, building);
+  showRequests(state.requests);
+  redraw();
+});
+connection.addEventListener('nodes', ({detail}) => {
+  panels.showProcesses(detail);
+  panels.drawCharts(theme.colours);
+});
+connection.addEventListener('path', ({detail}) => { path = detail; redraw(); });
+connection.addEventListener('tile', ({detail}) => tiles.take(detail));
+connection.addEventListener('picture', ({detail}) => picture.show(detail));
+connection.addEventListener('hypotheses', ({detail}) => {
+  hypotheses = detail.hypotheses;
+  const bytes = new DataView(Uint8Array.from(atob(detail.particles), (letter) => letter.charCodeAt(0)).buffer);
+  const count = Math.min(detail.particle_count, Math.floor(bytes.byteLength / 6));
+  cloud = {count, x: new Float32Array(count), y: new Float32Array(count), theta: new Float32Array(count),
+    weight: new Float32Array(count)};
+  for (let i = 0; i < count; ++i) {
+    cloud.x[i] = detail.origin[0] + bytes.getInt16(6 * i, true) / 100;
+    cloud.y[i] = detail.origin[1] + bytes.getInt16(6 * i + 2, true) / 100;
+    cloud.theta[i] = bytes.getInt8(6 * i + 4) * 2 * Math.PI / 256;
+    cloud.weight[i] = bytes.getUint8(6 * i + 5) / 255;
+  }
+  redraw();
+});
+
+// Nothing frozen may look alive.
+connection.addEventListener('watch', () => {
+  const stale = $('stale');
+  let text = '';
+  if (connection.isSilent()) {
+    text = Number.isFinite(connection.silence())
+      ? `No word from the viewer for ${Math.round(connection.silence())} s: this picture is old. Trying to reach it …`
+      : 'Reaching for the viewer …';
+  } else if (state && Object.keys(state.ages).length === 0) {
+    text = 'The viewer runs, but hears nothing of a robot: is the system started?';
+  } else if (state?.robot && state.ages.ROBOT_STATUS > STALE_S) {
+    text = `The robot's driver has been silent for ${Math.round(state.ages.ROBOT_STATUS)} s: this picture is old.`;
+  } else if (state?.pose && state.ages.POSE > STALE_S) {
+    text = `The localizer has been silent for ${Math.round(state.ages.POSE)} s: the robot may be elsewhere.`;
+  }
+  if (stale.textContent !== text) stale.textContent = text;
+  stale.hidden = !text;
+  document.body.classList.toggle('stale', Boolean(text));
+});
+
+// ---- what goes out
+
+const OWNERS = {goal: 'the planner', stop: 'driver and controller', motors: 'the driver', initial_pose: 'the localizer'};
+const reported = new Map();
+
+function showRequests(requests) {
+  for (const {kind, fate, id, age} of requests) {
+    if (fate === 'waiting' && age > 0.6) note(kind, `${kind.replace('_', ' ')}: waiting for ${OWNERS[kind]} …`, 'warn', 2);
+    if (reported.get(kind) === id || fate === 'waiting') continue;
+    reported.set(kind, id);
+    if (fate === 'unanswered' && age < 20) note(kind, `${kind.replace('_', ' ')}: ${OWNERS[kind]} did not answer`, 'bad');
+  }
+}
+
+async function ask(subject, send, what) {
+  try {
+    await send();
+    note(subject, `Asked: ${subject} ${what}`.trim(), '', 2.5);
+  } catch (error) {
+    note(subject, `${subject} failed: ${error.message}`, 'bad');
+  }
+}
+
+function pressStop() {
+  $('stop').classList.add('pressed');
+  setTimeout(() => $('stop').classList.remove('pressed'), 300);
+  commands.stop().then(() => note('STOP', 'STOP sent', 'bad', 2))
+    .catch((error) => note('STOP', `STOP did not get through: ${error.message}. Use the button on the robot.`, 'bad', 15));
+}
+
+// already on the way down: a tap that slips is still a stop
+let lastStop = 0;
+$('stop').addEventListener('pointerdown', () => { lastStop = performance.now(); pressStop(); });
+$('stop').addEventListener('click', () => { if (performance.now() - lastStop > 1000) pressStop(); });  // by key or reader
+addEventListener('keydown', (event) => {
+  if (event.code !== 'Space' || event.target.closest?.('input[type=text], textarea')) return;
+  event.preventDefault();
+  if (!event.repeat) pressStop();
+}, true);
+addEventListener('keyup', (event) => { if (event.code === 'Space') event.preventDefault(); }, true);  // presses no button
+
+$('release').addEventListener('click', () => ask('release', commands.release, 'of the stop'));
+$('motors').addEventListener('click', () => ask('motors', commands.motorsOn, 'on'));
+$('cancel').addEventListener('click', () => ask('cancel', () => commands.goal('cancel'), 'the goal'));
+$('pause').addEventListener('click', () => {
+  const action = state?.navigation?.state === 11 ? 'resume' : 'pause';
+  ask(action, () => commands.goal(action), '');
+});
+
+// ---- goals by tapping
+
+function setDraft(next) {
+  draft = next;
+  $('ask').hidden = !draft;
+  if (draft) {
+    const heading = draft.theta === undefined ? '' : `, ${Math.round(draft.theta * 180 / Math.PI)}°`;
+    $('ask-text').textContent = `${draft.x.toFixed(2)}, ${draft.y.toFixed(2)} m${heading}`;
+  }
+  redraw();
+}
+
+function setRoute(next) {
+  route = next;
+  $('route').hidden = route.length === 0;
+  $('route-stops').replaceChildren(...route.map((stop) => Object.assign(document.createElement('li'),
+    {textContent: `${stop.x.toFixed(1)}, ${stop.y.toFixed(1)} m`})));
+  redraw();
+}
+
+view.addEventListener('tap', ({detail: [x, y]}) => setDraft({x, y, theta: undefined}));
+view.addEventListener('handle', ({detail: [x, y]}) => {
+  if (draft) setDraft({...draft, theta: Math.atan2(y - draft.y, x - draft.x)});
+});
+const asPose = ({x, y, theta}) => (theta === undefined ? {x, y} : {x, y, theta});
+$('ask-go').addEventListener('click', () => {
+  const pose = asPose(draft);
+  setDraft(null);
+  ask('go', () => commands.go([pose]), `to ${pose.x.toFixed(1)}, ${pose.y.toFixed(1)}`);
+});
+$('ask-add').addEventListener('click', () => { setRoute([...route, asPose(draft)]); setDraft(null); });
+$('ask-here').addEventListener('click', () => {
+  if (draft.theta === undefined) { note('pose', 'Drag the knob to where the robot looks first.', 'warn'); return; }
+  const {x, y, theta} = draft;
+  setDraft(null);
+  ask('pose', () => commands.initialPose(x, y, theta), 'told to the localizer');
+});
+$('ask-close').addEventListener('click', () => setDraft(null));
+addEventListener('keydown', (event) => { if (event.key === 'Escape') setDraft(null); });
+$('route-go').addEventListener('click', () => ask('route', () => commands.go(route, $('route-loop').checked), ''));
+$('route-clear').addEventListener('click', () => setRoute([]));
+
+// ---- the map
+
+function follow(isOn) {
+  isFollowing = isOn;
+  $('follow').setAttribute('aria-pressed', String(isOn));
+  if (isOn && state?.pose) {
+    view.centre = [state.pose.x, state.pose.y];
+    if (view.scale < 50) view.scale = 60;
+  }
+  redraw();
+}
+
+$('follow').addEventListener('click', () => follow(!isFollowing));
+$('fit').addEventListener('click', () => { follow(false); fit(); });
+$('zoom-in').addEventListener('click', () => view.zoom(1.4));
+$('zoom-out').addEventListener('click', () => view.zoom(1 / 1.4));
+view.addEventListener('pan', () => follow(false));
+view.addEventListener('change', redraw);
+let oldSize = [view.width, view.height];
+view.addEventListener('resize', () => {
+  const isRough = Math.abs(view.width - oldSize[0]) > 0.2 * oldSize[0];
+  oldSize = [view.width, view.height];
+  if (isRough && !isFollowing) fit();
+});
+theme.addEventListener('change', () => { tiles.setColours(theme.colours.tiles); redraw(); });
+tiles.setColours(theme.colours.tiles);
+
+for (const [key, label] of draw.LAYERS) {
+  const box = Object.assign(document.createElement('input'), {type: 'checkbox', checked: layers[key]});
+  box.addEventListener('change', () => { layers[key] = box.checked; redraw(); });
+  const line = document.createElement('label');
+  line.append(box, label);
+  $('layers').append(line);
+}
+$('layers-button').addEventListener('click', () => {
+  $('layers').hidden = !$('layers').hidden;
+  $('layers-button').setAttribute('aria-expanded', String(!$('layers').hidden));
+});
+
+function drawScale() {
+  const wanted = 110 / view.scale;
+  const decade = 10 ** Math.floor(Math.log10(wanted));
+  const length = [5, 2, 1].map((n) => n * decade).find((n) => n <= wanted) ?? decade;
+  $('scale-bar').style.width = `${length * view.scale}px`;
+  $('scale-text').textContent = length >= 1 ? `${length} m` : `${Math.round(length * 100)} cm`;
+}
+
+function paint() {
+  const {context} = view;
+  const {colours} = theme;
+  context.fillStyle = colours.outside;
+  context.fillRect(0, 0, view.width, view.height);
+  tiles.draw(context, view, layers);
+  drawScale();
+  if (!building) return;
+  const pose = state?.pose && [state.pose.x, state.pose.y, state.pose.theta];
+  const isTracking = state?.pose?.state === 2;
+  const seen = (state?.ages.FIXTURE_DETECTIONS < STALE_S && isTracking && state.detections?.detections.filter((d) => d.world)) || [];
+  if (layers.ceiling) draw.drawCeiling(context, view, building, colours);
+  if (layers.fixtures) draw.drawFixtures(context, view, building, seen, colours);
+  if (layers.detections) draw.drawDetections(context, view, seen, colours);
+  if (layers.trail) draw.drawTrail(context, view, trail, colours.trail);
+  if (layers.truth) draw.drawTrail(context, view, truthTrail, colours.truthTrail, [3, 4]);
+  if (layers.places) draw.drawPlaces(context, view, building, colours);
+  if (layers.particles && cloud && !isTracking) draw.drawParticles(context, view, cloud, colours);
+  if (layers.path) draw.drawPath(context, view, path, state?.navigation, state?.control, colours);
+  if (state?.truth && layers.people) draw.drawPeople(context, view, state.truth.people, colours);
+  if (layers.hypotheses && !isTracking) draw.drawHypotheses(context, view, hypotheses, colours);
+  if (state?.truth && layers.truth) {
+    const {x, y, theta} = state.truth;
+    draw.drawRobot(context, view, [x, y, theta], building.robot, colours.truth, colours.halo, false);
+  }
+  if (pose && isTracking) {
+    if (state.sonar && layers.sonar && state.ages.SONAR < STALE_S) {
+      draw.drawSonar(context, view, pose, state.sonar, building.robot, colours);
+    }
+    draw.drawCovariance(context, view, pose, state.pose.covariance, colours.tracking);
+    draw.drawRobot(context, view, pose, building.robot, colours.tracking, colours.halo, true);
+    if (state.control && layers.forces) draw.drawForces(context, view, pose, state.control, colours);
+  }
+  route.forEach((stop) => draw.drawGoal(context, view, [stop.x, stop.y, stop.theta], colours.draft));
+  view.handle = null;
+  if (draft) {
+    draw.drawGoal(context, view, [draft.x, draft.y, draft.theta], colours.draft, KNOB_PX);
+    const [px, py] = view.toScreen(draft.x, draft.y);
+    const heading = draft.theta ?? 0;
+    view.handle = {x: px + KNOB_PX * Math.cos(heading), y: py - KNOB_PX * Math.sin(heading)};
+  }
+}
+
+(function frame() {
+  if (isDirty) { isDirty = false; paint(); }
+  requestAnimationFrame(frame);
+})();

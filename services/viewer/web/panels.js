@@ -1,0 +1,130 @@
+// Words and figures beside the map.
+import {Chart} from './charts.js';
+import {CONTROL, NAVIGATION, NODE, POSE, degrees, metres, nameOf, sentence} from './names.js';
+
+const $ = (id) => document.getElementById(id);
+const STALE_S = 1.0;  // the slowest of the channels that must not stop comes at 10 Hz
+
+function setText(element, text) { if (element.textContent !== text) element.textContent = text; }
+
+export class Panels {
+  constructor() {
+    this.charts = {
+      sigma: new Chart($('charts'), 'position ±', 'cm', 1, 5),
+      speed: new Chart($('charts'), 'speed', 'm/s', 2, 0.5),
+      nis: new Chart($('charts'), 'innovation²', '', 2, 2),
+    };
+    this.facts = new Map();
+  }
+
+  fact(name, value, tone = '') {
+    let entry = this.facts.get(name);
+    if (!entry) {
+      entry = {term: document.createElement('dt'), value: document.createElement('dd')};
+      entry.term.textContent = name;
+      $('facts').append(entry.term, entry.value);
+      this.facts.set(name, entry);
+    }
+    setText(entry.value, value);
+    entry.value.className = tone;
+  }
+
+  // What a person must know at one look; a word that stopped coming is not shown as if it still held.
+  show(state, building) {
+    const {pose, robot, control, navigation, truth, ages} = state;
+    const poseIsOld = !pose || ages.POSE > STALE_S;
+    const badge = $('pose-state');
+    setText(badge, poseIsOld ? 'no pose' : nameOf(POSE, pose.state));
+    badge.dataset.state = poseIsOld ? 'none' : nameOf(POSE, pose.state).toLowerCase();
+    setText($('doing'), ages.ROBOT_STATUS > STALE_S ? 'No word from the robot.' : sentence(state, building));
+
+    const sigma = pose ? Math.sqrt(Math.max(0, (pose.covariance[0] + pose.covariance[4]) / 2)) : NaN;
+    const isTracking = !poseIsOld && pose.state === 2;
+    if (pose) {
+      this.fact('Pose', isTracking ? `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m · ${degrees(pose.theta)} · ±${(sigma * 100).toFixed(1)} cm`
+        : 'not known', isTracking ? '' : 'bad');
+      this.fact('Why', pose.reason || '–');
+      this.fact('Last fixture', `${metres(pose.distance_since_fixture)} ago`);
+    }
+    if (navigation) this.fact('Goal', navigation.pose_count > 1
+      ? `${nameOf(NAVIGATION, navigation.state)}, stop ${navigation.pose_index + 1} of ${navigation.pose_count}`
+      : nameOf(NAVIGATION, navigation.state));
+    if (control) {
+      this.fact('Motion', `${nameOf(CONTROL, control.state)} · ${control.linear.toFixed(2)} m/s · ${degrees(control.angular)}/s`);
+      this.fact('Free space', control.clearance >= 10 ? 'nothing near' : metres(control.clearance),
+        control.clearance < 0.15 ? 'warn' : '');
+      this.fact('Controller', control.reason || '–');
+    }
+    if (robot) {
+      const volts = robot.battery_voltage;
+      this.fact('Battery', volts > 0 ? `${volts.toFixed(1)} V${robot.charge_state > 0 ? ', charging' : ''}` : 'unknown',
+        volts > 0 && volts < 11.5 ? 'bad' : '');
+      this.fact('Motors', robot.motors_enabled ? 'on' : 'off', robot.motors_enabled ? 'good' : 'warn');
+      this.fact('Stop', robot.stop_button ? 'button pressed' : robot.stop_engaged ? 'engaged' : 'released',
+        robot.stop_button || robot.stop_engaged ? 'bad' : '');
+      if (robot.stall || robot.bumpers_front || robot.bumpers_rear) {
+        this.fact('Contact', robot.stall ? 'a wheel is blocked' : 'a bumper is pressed', 'bad');
+      } else if (this.facts.has('Contact')) this.fact('Contact', 'none');
+    }
+    if (truth && ages.SIM_TRUTH < STALE_S) {
+      const error = isTracking ? Math.hypot(truth.x - pose.x, truth.y - pose.y) : NaN;
+      this.fact('Truth', `${isTracking ? `${(error * 100).toFixed(1)} cm off` : 'simulated'} · ${truth.contacts} contacts`,
+        error > 0.5 || truth.touching ? 'bad' : '');
+    }
+
+    this.charts.sigma.add(isTracking ? sigma * 100 : NaN);
+    this.charts.speed.add(robot ? robot.linear : NaN);
+    this.charts.nis.add(isTracking && pose.nis !== null ? pose.nis : NaN);
+    $('motors').hidden = !robot || robot.motors_enabled || !robot.connected;
+    $('release').hidden = !(robot?.stop_engaged || control?.stop_engaged);
+    $('stop').classList.toggle('engaged', Boolean(robot?.stop_engaged || control?.stop_engaged));
+    setText($('pause'), navigation?.state === 11 ? 'Go on' : 'Pause');
+  }
+
+  drawCharts(colours) {
+    for (const chart of Object.values(this.charts)) chart.draw(colours.tracking, colours.faint);
+  }
+
+  showProcesses({nodes, rates}) {
+    const rows = nodes.map(({age, status}) => {
+      const row = document.createElement('tr');
+      const isGone = age > 3;
+      const word = isGone ? `silent for ${Math.round(age)} s` : nameOf(NODE, status.state);
+      row.dataset.state = isGone ? 'gone' : nameOf(NODE, status.state);
+      row.title = `${word}${status.reason ? `: ${status.reason}` : ''} · ${status.host}`;
+      const cells = [status.process, `${(100 * status.cpu_fraction).toFixed(1)} %`,
+        `${(status.memory_bytes / 1e6).toFixed(0)} MB`, `${(status.worst_step_us / 1000).toFixed(1)} ms`,
+        String(status.dropped_inputs)];
+      for (const text of cells) row.append(Object.assign(document.createElement('td'), {textContent: text}));
+      if (isGone || status.state !== 1) {
+        const note = document.createElement('small');
+        note.textContent = isGone ? word : status.reason || word;
+        row.firstChild.append(note);
+      }
+      return row;
+    });
+    $('processes').tBodies[0].replaceChildren(...rows);
+    $('channels').tBodies[0].replaceChildren(...Object.entries(rates).map(([channel, rate]) => {
+      const row = document.createElement('tr');
+      row.append(Object.assign(document.createElement('td'), {textContent: channel}),
+        Object.assign(document.createElement('td'), {textContent: `${rate.toFixed(1)} Hz`}));
+      return row;
+    }));
+  }
+}
+
+const notes = new Map();
+
+// A line over the map; one per subject, gone after a while.
+export function note(subject, text, tone = '', seconds = 6) {
+  let line = notes.get(subject);
+  if (!line) {
+    line = document.createElement('div');
+    $('notes').append(line);
+    notes.set(subject, line);
+  }
+  clearTimeout(line.timer);
+  line.className = tone;
+  setText(line, text);
+  line.timer = setTimeout(() => { line.remove(); notes.delete(subject); }, seconds * 1000);
+}

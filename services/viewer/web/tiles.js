@@ -1,0 +1,102 @@
+// The map's tiles, inflated and painted into sheets of 8 x 8 tiles, so that a large map is a few pictures to draw.
+const SIDE = 64;
+const PER_SHEET = 8;
+const SHEET = SIDE * PER_SHEET;
+
+async function inflate(base64) {
+  const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+export class Tiles {
+  constructor(onChange) {
+    this.onChange = onChange;
+    this.geometry = null;
+    this.cells = new Map();   // "column,row" -> {column, row, revision, bytes}
+    this.sheets = new Map();  // "column,row" of the sheet -> {prior, evidence}
+    this.colours = null;
+  }
+
+  async take(tile) {
+    if (this.geometry?.session !== tile.session) {
+      this.cells.clear();
+      this.sheets.clear();
+      this.geometry = {session: tile.session, resolution: tile.resolution, origin: tile.origin, columns: tile.columns,
+        rows: tile.rows};
+      this.onChange(true);
+    }
+    const key = `${tile.tile_column},${tile.tile_row}`;
+    const cell = {column: tile.tile_column, row: tile.tile_row, revision: tile.revision, bytes: null};
+    const session = tile.session;
+    this.cells.set(key, cell);
+    const bytes = await inflate(tile.data).catch(() => null);
+    if (bytes?.length !== 2 * SIDE * SIDE || this.geometry.session !== session || this.cells.get(key) !== cell) return;
+    cell.bytes = bytes;
+    this.paint(cell);
+    this.onChange(false);
+  }
+
+  setColours(colours) {
+    this.colours = colours;
+    for (const cell of this.cells.values()) if (cell.bytes) this.paint(cell);
+  }
+
+  sheetOf(cell) {
+    const column = Math.floor(cell.column / PER_SHEET);
+    const row = Math.floor(cell.row / PER_SHEET);
+    const key = `${column},${row}`;
+    let sheet = this.sheets.get(key);
+    if (!sheet) {
+      const canvas = () => Object.assign(document.createElement('canvas'), {width: SHEET, height: SHEET});
+      sheet = {column, row, prior: canvas(), evidence: canvas()};
+      this.sheets.set(key, sheet);
+    }
+    return sheet;
+  }
+
+  paint(cell) {
+    if (!this.colours) return;
+    const {free, wall, disputed, hit, open} = this.colours;
+    const prior = new ImageData(SIDE, SIDE);
+    const evidence = new ImageData(SIDE, SIDE);
+    for (let row = 0; row < SIDE; ++row) {
+      for (let column = 0; column < SIDE; ++column) {
+        const from = row * SIDE + column;
+        const to = 4 * ((SIDE - 1 - row) * SIDE + column);  // pictures begin at the top
+        const known = cell.bytes[from];
+        if (known) prior.data.set([free, wall, disputed][known - 1] ?? [0, 0, 0, 0], to);
+        const logOdds = (cell.bytes[SIDE * SIDE + from] << 24) >> 24;  // 20 = log-odds 1
+        if (logOdds > 4) evidence.data.set([hit[0], hit[1], hit[2], Math.min(255, 40 + 4 * logOdds)], to);
+        else if (logOdds < -4) evidence.data.set([open[0], open[1], open[2], Math.min(90, -2 * logOdds)], to);
+      }
+    }
+    const sheet = this.sheetOf(cell);
+    const x = (cell.column % PER_SHEET) * SIDE;
+    const y = SHEET - SIDE - (cell.row % PER_SHEET) * SIDE;
+    sheet.prior.getContext('2d').putImageData(prior, x, y);
+    sheet.evidence.getContext('2d').putImageData(evidence, x, y);
+  }
+
+  draw(context, view, layers) {
+    if (!this.geometry) return;
+    const {resolution, origin} = this.geometry;
+    context.imageSmoothingEnabled = view.scale * resolution < 1.5;
+    for (const sheet of this.sheets.values()) {
+      const size = SHEET * resolution;
+      const [left, bottom] = view.toScreen(origin[0] + sheet.column * size, origin[1] + sheet.row * size);
+      const [right, top] = view.toScreen(origin[0] + (sheet.column + 1) * size, origin[1] + (sheet.row + 1) * size);
+      if (right < 0 || left > view.width || bottom < 0 || top > view.height) continue;
+      const place = [Math.round(left), Math.round(top), Math.round(right) - Math.round(left),
+        Math.round(bottom) - Math.round(top)];
+      if (layers.walls) context.drawImage(sheet.prior, ...place);
+      if (layers.evidence) context.drawImage(sheet.evidence, ...place);
+    }
+  }
+
+  bounds() {
+    if (!this.geometry) return null;
+    const {origin, resolution, columns, rows} = this.geometry;
+    return [origin[0], origin[1], origin[0] + columns * resolution, origin[1] + rows * resolution];
+  }
+}

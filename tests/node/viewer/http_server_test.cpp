@@ -1,0 +1,204 @@
+#include "services/viewer/http_server.hpp"
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "services/common/process/channels.hpp"
+#include "services/common/process/subscriber.hpp"
+
+namespace luminav {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+class HttpServerTest : public ::testing::Test {
+ protected:
+  explicit HttpServerTest(const std::string& token = "") : subscriber_(lcm_) {
+    building_.name = "hut";
+    HttpOptions options;
+    options.port = options.command_port = 0;
+    options.host_name = "robot";
+    options.token = token;
+    server_ =
+        std::make_unique<HttpServer>(options, HttpServer::Context{board_, pictures_, desk_, clock_, building_, robot_});
+    subscriber_.on(channels::kGoal, &HttpServerTest::on_goal, this);
+    subscriber_.on(channels::kStop, &HttpServerTest::on_stop, this);
+  }
+  void on_goal(const goal_t& message) { goals_.push_back(message); }
+  void on_stop(const stop_t& message) { stops_.push_back(message); }
+  void deliver() {
+    while (lcm_.handleTimeout(0) > 0) {
+    }
+  }
+  [[nodiscard]] httplib::Client page() const { return httplib::Client("127.0.0.1", server_->port()); }
+  [[nodiscard]] httplib::Client commands() const { return httplib::Client("127.0.0.1", server_->command_port()); }
+  [[nodiscard]] std::string origin() const { return "http://127.0.0.1:" + std::to_string(server_->port()); }
+
+  // Sends bytes and reads what comes until the other side closes or goes quiet.
+  std::string exchange(int port, const std::string& bytes) {
+    const int descriptor = socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    std::string answer;
+    if (connect(descriptor, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0) {
+      const timeval patience{0, 20'000};  // what was cut short gets no answer until the server tires of waiting
+      setsockopt(descriptor, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+      send(descriptor, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      char buffer[4096];
+      ssize_t count = 0;
+      while ((count = recv(descriptor, buffer, sizeof(buffer), 0)) > 0) {
+        answer.append(buffer, static_cast<std::size_t>(count));
+      }
+    }
+    close(descriptor);
+    return answer;
+  }
+
+  lcm::LCM lcm_{"memq://"};
+  VirtualClock clock_;
+  SnapshotBoard board_;
+  PictureStore pictures_;
+  RequestDesk desk_{lcm_};
+  Building building_;
+  RobotDescription robot_;
+  Subscriber subscriber_;
+  std::vector<goal_t> goals_;
+  std::vector<stop_t> stops_;
+  std::unique_ptr<HttpServer> server_;
+};
+
+constexpr const char* kJson = "application/json";
+const std::string kGo = R"({"action":"go","poses":[{"x":1,"y":2}]})";
+
+TEST_F(HttpServerTest, ServesThePageAndWhatItNeeds) {
+  const auto index = page().Get("/");
+  ASSERT_TRUE(index);
+  EXPECT_EQ(index->status, 200);
+  EXPECT_THAT(index->body, HasSubstr("STOP"));
+  EXPECT_EQ(index->get_header_value("X-Frame-Options"), "DENY");
+  const auto script = page().Get("/main.js");
+  ASSERT_TRUE(script);
+  EXPECT_THAT(script->get_header_value("Content-Type"), HasSubstr("javascript"));
+  EXPECT_EQ(Json::parse(page().Get("/building.json")->body)["name"], "hut");
+  EXPECT_EQ(Json::parse(page().Get("/settings.json")->body)["command_port"], server_->command_port());
+  EXPECT_EQ(page().Get("/camera.jpg")->status, 404);
+  pictures_.put("picture");
+  EXPECT_EQ(page().Get("/camera.jpg")->body, "picture");
+}
+
+TEST_F(HttpServerTest, NoPathLeadsOutOfThePage) {
+  for (const char* path : {"/../main.cpp", "/..%2f..%2fetc%2fpasswd", "//etc/passwd", "/mainxjs", "/web/main.js"}) {
+    EXPECT_EQ(page().Get(path)->status, 404) << path;
+  }
+}
+
+TEST_F(HttpServerTest, TurnsRequestsIntoMessages) {
+  const auto answer = commands().Post("/api/goal", {{"Origin", origin()}}, kGo, kJson);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 200);
+  EXPECT_EQ(answer->get_header_value("Access-Control-Allow-Origin"), origin());
+  deliver();
+  ASSERT_EQ(goals_.size(), 1U);
+  EXPECT_EQ(goals_[0].id, Json::parse(answer->body)["id"]);
+  EXPECT_DOUBLE_EQ(goals_[0].poses[0].y, 2.0);
+  EXPECT_EQ(page().Post("/api/stop", R"({"engaged":true})", "text/plain")->status, 200);  // the page's port as well
+  deliver();
+  ASSERT_EQ(stops_.size(), 1U);
+  EXPECT_TRUE(stops_[0].engaged);
+}
+
+TEST_F(HttpServerTest, RefusesForeignPagesNamesAndTypes) {
+  EXPECT_EQ(commands().Post("/api/goal", {{"Origin", "http://evil.example"}}, kGo, kJson)->status, 403);
+  EXPECT_EQ(commands().Post("/api/goal", {{"Host", "evil.example"}}, kGo, kJson)->status, 403);
+  EXPECT_EQ(commands().Post("/api/goal", kGo, "text/plain")->status, 415);
+  EXPECT_EQ(commands().Post("/api/goal", R"({"action":"go"})", kJson)->status, 400);
+  EXPECT_EQ(commands().Post("/api/stop", {{"Origin", "http://evil.example"}}, "", "text/plain")->status, 403);
+  EXPECT_EQ(page().Get("/events", {{"Host", "evil.example"}})->status, 403);
+  EXPECT_EQ(commands().Get("/api/goal")->status, 404);
+  const auto preflight = commands().Options("/api/goal", {{"Origin", "http://evil.example"}});
+  EXPECT_FALSE(preflight->has_header("Access-Control-Allow-Origin"));
+  deliver();
+  EXPECT_TRUE(goals_.empty());
+  EXPECT_TRUE(stops_.empty());
+}
+
+TEST_F(HttpServerTest, RefusesHugeRequests) {
+  const auto answer = commands().Post("/api/goal", std::string(1 << 20, ' '), kJson);
+  EXPECT_TRUE(!answer || answer->status == 413);
+  deliver();
+  EXPECT_TRUE(goals_.empty());
+}
+
+class GuardedHttpServerTest : public HttpServerTest {
+ protected:
+  GuardedHttpServerTest() : HttpServerTest("secret") {}
+};
+
+TEST_F(GuardedHttpServerTest, DemandsTheTokenForEverythingThatMovesTheRobot) {
+  EXPECT_EQ(commands().Post("/api/goal", kGo, kJson)->status, 403);
+  EXPECT_EQ(commands().Post("/api/goal", {{"X-Luminav-Token", "wrong"}}, kGo, kJson)->status, 403);
+  EXPECT_EQ(page().Post("/api/motors", R"({"enable":true})", kJson)->status, 403);
+  EXPECT_EQ(commands().Post("/api/goal", {{"X-Luminav-Token", "secret"}}, kGo, kJson)->status, 200);
+  EXPECT_EQ(page().Get("/building.json")->status, 200);  // looking is free
+  EXPECT_THAT(server_->address(), HasSubstr("#token=secret"));
+  deliver();
+  EXPECT_EQ(goals_.size(), 1U);
+}
+
+TEST_F(HttpServerTest, StreamsNewsToItsReaders) {
+  board_.put(SnapshotBoard::Lane::kLive, "state", "event: state\ndata: {}\n\n");
+  board_.tick();
+  std::string received;
+  page().Get("/events", [&](const char* data, std::size_t size) {
+    received.append(data, size);
+    return received.find("\n\nevent: state\ndata: {}\n\n") == std::string::npos;  // then hang up
+  });
+  EXPECT_THAT(received, HasSubstr("retry: "));
+  EXPECT_THAT(received, HasSubstr("event: state\ndata: {}\n\n"));
+}
+
+TEST_F(HttpServerTest, TwoOnOnePortIsAnError) {
+  HttpOptions options;
+  options.port = server_->port();
+  options.command_port = 0;
+  SnapshotBoard board;
+  EXPECT_THROW(HttpServer(options, HttpServer::Context{board, pictures_, desk_, clock_, building_, robot_}),
+               std::runtime_error);
+}
+
+TEST_F(HttpServerTest, SurvivesNonsenseAndMovesNothing) {
+  std::mt19937 rng(42);
+  const std::string host = "Host: 127.0.0.1\r\n";
+  const std::string good = "POST /api/goal HTTP/1.1\r\n" + host + "Connection: close\r\n" +
+                           "Content-Type: application/json\r\nContent-Length: " + std::to_string(kGo.size()) +
+                           "\r\n\r\n" + kGo;
+  for (int i = 0; i < 300; ++i) {
+    std::string bytes = good;
+    // one letter of the head becomes another, and the body's last one goes, so that nothing is left to be a goal
+    const std::size_t body = bytes.find("\r\n\r\n") + 4;
+    bytes[std::uniform_int_distribution<std::size_t>(0, body - 1)(rng)] =
+        static_cast<char>(std::uniform_int_distribution<int>(0, 255)(rng));
+    bytes.back() = ' ';
+    if (i % 3 == 0) {
+      bytes.resize(std::uniform_int_distribution<std::size_t>(1, bytes.size() - 1)(rng));
+    }
+    exchange(i % 2 == 0 ? server_->command_port() : server_->port(), bytes);
+  }
+  deliver();
+  EXPECT_TRUE(goals_.empty());
+  EXPECT_EQ(page().Get("/")->status, 200);
+  EXPECT_EQ(commands().Post("/api/goal", kGo, kJson)->status, 200);
+}
+
+}  // namespace
+}  // namespace luminav

@@ -1,0 +1,131 @@
+#include "services/viewer/request_desk.hpp"
+
+#include <gtest/gtest.h>
+
+#include "services/common/process/channels.hpp"
+#include "services/common/process/subscriber.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr std::int64_t kStart = 1'000'000'000'000;
+using Fate = RequestDesk::Fate;
+
+class RequestDeskTest : public ::testing::Test {
+ protected:
+  RequestDeskTest() : subscriber_(lcm_) {
+    subscriber_.on(channels::kGoal, &RequestDeskTest::on_goal, this);
+    subscriber_.on(channels::kStop, &RequestDeskTest::on_stop, this);
+  }
+  void on_goal(const goal_t& message) { goals_.push_back(message); }
+  void on_stop(const stop_t& message) { stops_.push_back(message); }
+  void deliver() {
+    while (lcm_.handleTimeout(0) > 0) {
+    }
+  }
+  Fate fate_of(RequestDesk::Kind kind) {
+    for (const RequestDesk::State& state : desk_.states()) {
+      if (state.kind == kind) {
+        return state.fate;
+      }
+    }
+    return Fate::kNone;
+  }
+
+  lcm::LCM lcm_{"memq://"};
+  RequestDesk desk_{lcm_};
+  Subscriber subscriber_;
+  std::vector<goal_t> goals_;
+  std::vector<stop_t> stops_;
+};
+
+TEST_F(RequestDeskTest, SendsAtOnceAndRepeatsUntilTheIdIsEchoed) {
+  const std::int64_t id = desk_.send(goal_t{}, kStart);
+  deliver();
+  ASSERT_EQ(goals_.size(), 1U);
+  EXPECT_EQ(goals_[0].id, id);
+  desk_.repeat(kStart + 200'000);
+  deliver();
+  ASSERT_EQ(goals_.size(), 2U);
+  EXPECT_EQ(goals_[1].id, id);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kGoal), Fate::kWaiting);
+  navigation_status_t status{};
+  status.goal_id = id - 1;
+  desk_.on_navigation_status(status);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kGoal), Fate::kWaiting);
+  status.goal_id = id;
+  desk_.on_navigation_status(status);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kGoal), Fate::kAnswered);
+  desk_.repeat(kStart + 400'000);
+  deliver();
+  EXPECT_EQ(goals_.size(), 2U);
+}
+
+TEST_F(RequestDeskTest, GivesUpOnAGoalButNeverOnAStop) {
+  desk_.send(goal_t{}, kStart);
+  stop_t stop{};
+  stop.engaged = 1;
+  desk_.send(stop, kStart);
+  desk_.repeat(kStart + 11'000'000);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kGoal), Fate::kUnanswered);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kWaiting);
+  deliver();
+  EXPECT_EQ(goals_.size(), 1U);
+  EXPECT_EQ(stops_.size(), 2U);
+}
+
+TEST_F(RequestDeskTest, AStopNeedsDriverAndController) {
+  stop_t stop{};
+  stop.engaged = 1;
+  const std::int64_t id = desk_.send(stop, kStart);
+  robot_status_t robot{};
+  robot.stop_id = id;
+  desk_.on_robot_status(robot);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kWaiting);
+  control_status_t control{};
+  control.stop_id = id;
+  desk_.on_control_status(control);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kAnswered);
+}
+
+TEST_F(RequestDeskTest, ANewerRequestReplacesTheOlderOne) {
+  stop_t stop{};
+  stop.engaged = 1;
+  const std::int64_t first = desk_.send(stop, kStart);
+  stop.engaged = 0;
+  const std::int64_t second = desk_.send(stop, kStart);
+  EXPECT_GT(second, first);
+  stops_.clear();
+  deliver();
+  stops_.clear();
+  desk_.repeat(kStart + 200'000);
+  deliver();
+  ASSERT_EQ(stops_.size(), 1U);
+  EXPECT_EQ(stops_[0].id, second);
+  EXPECT_FALSE(stops_[0].engaged);
+}
+
+TEST_F(RequestDeskTest, NumbersAboveIdsOfHostsWhoseClockIsAhead) {
+  desk_.send(goal_t{}, kStart);
+  robot_status_t robot{};
+  robot.motors_command_id = kStart + 60'000'000;
+  desk_.on_robot_status(robot);
+  EXPECT_GT(desk_.send(motors_command_t{}, kStart + 1), kStart + 60'000'000);
+}
+
+TEST_F(RequestDeskTest, EachKindHasItsOwnEcho) {
+  const std::int64_t motors = desk_.send(motors_command_t{}, kStart);
+  const std::int64_t guess = desk_.send(initial_pose_t{}, kStart);
+  robot_status_t robot{};
+  robot.motors_command_id = motors;
+  desk_.on_robot_status(robot);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kMotors), Fate::kAnswered);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kInitialPose), Fate::kWaiting);
+  pose_t pose{};
+  pose.initial_pose_id = guess;
+  desk_.on_pose(pose);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kInitialPose), Fate::kAnswered);
+}
+
+}  // namespace
+}  // namespace luminav

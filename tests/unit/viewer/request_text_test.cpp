@@ -1,0 +1,98 @@
+#include "services/viewer/request_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace luminav {
+namespace {
+
+Building building_with_a_lift() {
+  Building building;
+  building.places.push_back({"lift", {1.5, 2.5, 0.5}, true});
+  return building;
+}
+
+TEST(GoalRequestText, ReadsPointsHeadingsAndPlaces) {
+  const goal_t goal = read_goal_request(
+      R"({"action":"go","loop":true,"poses":[{"x":1,"y":-2.5},{"x":0,"y":0,"theta":7,"wait":3},{"place":"lift"}]})",
+      building_with_a_lift());
+  EXPECT_EQ(goal.action, goal_t::ACTION_GO);
+  EXPECT_TRUE(goal.loop);
+  ASSERT_EQ(goal.count, 3);
+  EXPECT_DOUBLE_EQ(goal.poses[0].y, -2.5);
+  EXPECT_FALSE(goal.poses[0].has_theta);
+  EXPECT_TRUE(goal.poses[1].has_theta);
+  EXPECT_NEAR(goal.poses[1].theta, 7.0 - 2.0 * 3.14159265, 1e-6);
+  EXPECT_DOUBLE_EQ(goal.poses[1].wait, 3.0);
+  EXPECT_EQ(goal.poses[2].place, "lift");
+  EXPECT_DOUBLE_EQ(goal.poses[2].theta, 0.5);
+}
+
+TEST(GoalRequestText, KnowsTheOtherActions) {
+  const Building building;
+  EXPECT_EQ(read_goal_request(R"({"action":"cancel"})", building).action, goal_t::ACTION_CANCEL);
+  EXPECT_EQ(read_goal_request(R"({"action":"pause"})", building).action, goal_t::ACTION_PAUSE);
+  EXPECT_EQ(read_goal_request(R"({"action":"resume"})", building).action, goal_t::ACTION_RESUME);
+}
+
+TEST(GoalRequestText, RefusesEverythingElse) {
+  const Building building = building_with_a_lift();
+  for (const char* body : {"",
+                           "null",
+                           "[]",
+                           "{",
+                           "{}",
+                           R"({"action":"fly"})",
+                           R"({"action":7})",
+                           R"({"action":"go"})",
+                           R"({"action":"go","poses":[]})",
+                           R"({"action":"go","poses":{}})",
+                           R"({"action":"go","poses":[1]})",
+                           R"({"action":"go","poses":[{"x":1}]})",
+                           R"({"action":"go","poses":[{"x":"1","y":2}]})",
+                           R"({"action":"go","poses":[{"x":1e300,"y":2}]})",
+                           R"({"action":"go","poses":[{"x":1e999,"y":2}]})",
+                           R"({"action":"go","poses":[{"x":NaN,"y":2}]})",
+                           R"({"action":"go","poses":[{"x":1,"y":2,"z":3}]})",
+                           R"({"action":"go","poses":[{"place":"nowhere"}]})",
+                           R"({"action":"go","poses":[{"x":1,"y":2,"wait":-1}]})",
+                           R"({"action":"go","poses":[{"x":1,"y":2}],"loop":1})",
+                           R"({"action":"go","poses":[{"x":1,"y":2}],"more":1})",
+                           "{\"action\":\"go\",\"poses\":[{\"place\":\"\xff\"}]}"}) {
+    EXPECT_THROW(read_goal_request(body, building), RequestError) << body;
+  }
+  std::string many = R"({"action":"go","poses":[)";
+  for (int i = 0; i < 101; ++i) {
+    many += i == 0 ? R"({"x":1,"y":2})" : R"(,{"x":1,"y":2})";
+  }
+  EXPECT_THROW(read_goal_request(many + "]}", building), RequestError);
+  EXPECT_THROW(read_goal_request(std::string(60'000, '['), building), RequestError);
+}
+
+TEST(StopRequestText, StopsWheneverItIsNotClearlyARelease) {
+  for (const char* body :
+       {"", "nonsense", "{}", "[]", R"({"engaged":true})", R"({"engaged":0})", R"({"engaged":"false"})"}) {
+    EXPECT_TRUE(read_stop_request(body).engaged) << body;
+  }
+  EXPECT_FALSE(read_stop_request(R"({"engaged":false})").engaged);
+}
+
+TEST(MotorsRequestText, IsTrueOrFalse) {
+  EXPECT_TRUE(read_motors_request(R"({"enable":true})").enable);
+  EXPECT_THROW(read_motors_request(R"({"enable":1})"), RequestError);
+  EXPECT_THROW(read_motors_request("{}"), RequestError);
+}
+
+TEST(InitialPoseRequestText, TurnsDeviationsIntoACovariance) {
+  const initial_pose_t guess = read_initial_pose_request(R"({"x":1,"y":2,"theta":0.5,"sigma":2,"sigma_theta":0.1})");
+  EXPECT_DOUBLE_EQ(guess.covariance[0], 4.0);
+  EXPECT_DOUBLE_EQ(guess.covariance[4], 4.0);
+  EXPECT_NEAR(guess.covariance[8], 0.01, 1e-12);
+  EXPECT_DOUBLE_EQ(guess.covariance[1], 0.0);
+  EXPECT_THROW(read_initial_pose_request(R"({"x":1,"y":2})"), RequestError);
+  EXPECT_THROW(read_initial_pose_request(R"({"x":1,"y":2,"theta":0,"sigma":0})"), RequestError);
+}
+
+}  // namespace
+}  // namespace luminav
