@@ -96,7 +96,8 @@ void DivergenceWatch::finish() {
 std::string DivergenceWatch::first_channel() const {
   std::string first;
   for (const auto& [channel, divergence] : channels_) {
-    if (divergence.differs && (first.empty() || divergence.first_utime < channels_.at(first).first_utime)) {
+    if (divergence.differs && divergence.recorded > 0 &&
+        (first.empty() || divergence.first_utime < channels_.at(first).first_utime)) {
       first = channel;
     }
   }

@@ -29,7 +29,7 @@ class DivergenceWatch {
   void finish();
 
   [[nodiscard]] const std::map<std::string, ChannelDivergence>& channels() const { return channels_; }
-  /// Channel of the earliest difference; "" = none.
+  /// Channel of the earliest difference; "" = none. Channels that were not recorded at all do not count.
   [[nodiscard]] std::string first_channel() const;
 
  private:
