@@ -21,7 +21,7 @@ struct GridMapperParams {
   double specular_incidence =
       radians(20.0);  ///< [rad] a wall seen more obliquely throws the sound away: silence says nothing about it
   double oblique_log_odds = 0.05;  ///< taken nevertheless where the building's map knows of no wall
-  double decay_time = 120.0;       ///< [s] until occupied evidence that contradicts the building's map fades; 0 = never
+  double decay_time = 90.0;        ///< [s] until occupied evidence that contradicts the building's map fades; 0 = never
   double dispute_range = 2.0;      ///< [m] walls seen through from farther away are not disputed
   double dispute_spacing = 0.5;    ///< [m] between poses that dispute a wall
   int dispute_poses = 3;

@@ -16,6 +16,7 @@ constexpr double kHoldReached = 0.4;        // [m] from the end of that way
 constexpr double kSlowestSpeed = 0.1;       // [m/s] that a way to a blockage may take
 constexpr int kArrivalFailures = 3;         // the controller says "there" and the pose says "no"
 constexpr double kSuspectAhead = 0.45;      // [m] on the path where something stopped the robot
+constexpr double kArrivalError = 0.04;      // [m] the controller stops within this of a path's end
 constexpr double kAttemptsForgotten = 1.0;  // [m] of progress after which attempts count from zero again
 
 std::string place_of(const GoalStop& stop) {
@@ -285,7 +286,7 @@ void GoalCycle::refresh_space() {
 Route GoalCycle::plan_route(const Situation& situation) {
   refresh_space();
   last_plan_ = now_;
-  return planner_.plan({situation.world_from_robot.position(), stop().pose.position(), tolerance()});
+  return planner_.plan({situation.world_from_robot.position(), stop().pose.position(), planned_tolerance()});
 }
 
 void GoalCycle::plan(const Situation& situation) {
@@ -316,7 +317,7 @@ std::string GoalCycle::no_path_sentence(const Route& route) const {
       route.nearest_reachable
           ? fmt::format("nearest reachable point ({:.1f}, {:.1f}) is {:.2f} m away, tolerance {:.2f} m",
                         route.nearest_reachable->x(), route.nearest_reachable->y(),
-                        (*route.nearest_reachable - goal).norm(), tolerance())
+                        (*route.nearest_reachable - goal).norm(), planned_tolerance())
           : "nothing is reachable from here";
   switch (route.outcome) {
     case RouteOutcome::kGoalOutside:
@@ -347,7 +348,7 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
   // is it the building, or something that may go away?
   RoutePlanner by_map(planner_params_);
   by_map.set_grid(*grid_, {}, false);
-  const Route way = by_map.plan({situation.world_from_robot.position(), stop().pose.position(), tolerance()});
+  const Route way = by_map.plan({situation.world_from_robot.position(), stop().pose.position(), planned_tolerance()});
   if (way.outcome != RouteOutcome::kFound) {
     fail_stop(NavigationState::kNoPath, no_path_sentence(route));
     return;
@@ -415,11 +416,11 @@ void GoalCycle::update_hold(const Situation& situation) {
   }
   const Route route = plan_route(situation);
   if (route.outcome != RouteOutcome::kFound) {
-    if (waited) {
+    if (hold_since_ != 0 && seconds_since(hold_since_) >= params_.give_up_wait) {
       const bool by_goal = route.outcome == RouteOutcome::kGoalBlocked;
       fail_stop(NavigationState::kBlocked,
                 fmt::format("{}; waited {:.0f} s, no other way", by_goal ? no_path_sentence(route) : hold_reason_,
-                            params_.blocked_wait));
+                            params_.give_up_wait));
     }
     return;
   }
@@ -445,6 +446,10 @@ void GoalCycle::update_following(const Situation& situation) {
   if (phase_ == Phase::kFollowing) {
     check_progress(situation);
   }
+}
+
+double GoalCycle::planned_tolerance() const {
+  return std::max(0.5 * tolerance(), tolerance() - kArrivalError);
 }
 
 bool GoalCycle::is_at_stop(const Pose2& pose) const {
@@ -491,7 +496,7 @@ void GoalCycle::check_path(const Situation& situation) {
     ++beside;
   }
   const std::optional<std::size_t> blocked = planner_.first_blocked(left, beside);
-  const Route route = planner_.plan({robot, stop().pose.position(), tolerance()});
+  const Route route = planner_.plan({robot, stop().pose.position(), planned_tolerance()});
   if (route.outcome != RouteOutcome::kFound) {
     if (blocked || off_path) {
       handle_no_route(situation, route);
@@ -536,14 +541,17 @@ void GoalCycle::check_progress(const Situation& situation) {
     reached_stop();
     return;
   }
-  if (++attempts_ > params_.attempts) {
+  if (++attempts_ == 1) {
+    first_attempt_ = now_;
+  }
+  if (attempts_ > params_.attempts && seconds_since(first_attempt_) >= params_.stuck_time) {
     const std::string why = !situation.control                  ? "the controller is silent"
                             : situation.control->reason.empty() ? "the controller does not say why"
                                                                 : situation.control->reason;
     fail_stop(NavigationState::kStuck,
               fmt::format("no progress at ({:.1f}, {:.1f}), {:.1f} m before {}, after {} plans: {}",
                           situation.world_from_robot.x, situation.world_from_robot.y, report_.distance_left,
-                          place_of(stop()), params_.attempts, why));
+                          place_of(stop()), attempts_ - 1, why));
     return;
   }
   if (attempts_ >= 2) {

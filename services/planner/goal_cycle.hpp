@@ -47,7 +47,7 @@ struct GoalRequest {
 };
 
 struct GoalCycleParams {
-  double tolerance = 0.18;                  ///< [m] a stop counts as reached within this
+  double tolerance = 0.22;                  ///< [m] a stop counts as reached within this
   double heading_tolerance = radians(5.0);  ///< [rad]
   double tracking_grace = 1.0;              ///< [s] without TRACKING before the robot goes searching
   double lost_timeout = 600.0;              ///< [s] of searching before the goal is given up
@@ -62,7 +62,9 @@ struct GoalCycleParams {
   double off_path = 0.6;          ///< [m] from the path before it is planned anew
   double no_progress_time = 6.0;  ///< [s] without progress before it is planned anew
   double progress_length = 0.2;   ///< [m] of the path that count as progress
-  int attempts = 5;               ///< plans without progress before the robot calls itself stuck
+  double give_up_wait = 60.0;     ///< [s] to wait when no other way is left: people come and go
+  int attempts = 5;               ///< plans without progress before the robot calls itself stuck ...
+  double stuck_time = 60.0;       ///< [s] ... and how long it must have tried
   double suspect_time = 60.0;     ///< [s] that a suspected obstacle stays
   double retry_wait = 20.0;       ///< [s] before a failed stop is tried again, policy retry
   int retries = 3;                ///< how often
@@ -165,6 +167,8 @@ class GoalCycle {
   void set_path(const Polyline& points);
   void advance_along(const Pose2& pose);
   [[nodiscard]] Polyline remaining(const Pose2& pose) const;
+  /// What a path may end from the stop so that the robot, stopping there, is within the tolerance [m].
+  [[nodiscard]] double planned_tolerance() const;
   [[nodiscard]] bool is_at_stop(const Pose2& pose) const;
   [[nodiscard]] double tolerance() const;
   [[nodiscard]] double heading_tolerance() const;
@@ -204,6 +208,7 @@ class GoalCycle {
   double progress_left_ = 0.0;       // [m] distance left when progress was made last
   double attempt_left_ = 0.0;        // [m] distance left when the attempts were counted from
   int attempts_ = 0;
+  std::int64_t first_attempt_ = 0;  // [us]
   int losses_ = 0;
   double loss_left_ = 0.0;  // [m] distance left when losses were counted from
   int arrival_failures_ = 0;

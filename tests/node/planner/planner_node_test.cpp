@@ -236,7 +236,7 @@ TEST(PlannerNode, CallsADoorThatStaysClosedBlockedInBoundedTime) {
   PlannerWorld world(config);
   world.obstacle(6.1, 2.8, 6.2, 3.7);
   world.go(1, 9.0, 3.2);
-  ASSERT_TRUE(world.run_until_state(60.0, Status::STATE_BLOCKED));
+  ASSERT_TRUE(world.run_until_state(120.0, Status::STATE_BLOCKED));
   EXPECT_THAT(world.status.cause, HasSubstr("door at (6.2, 3.2) is blocked"));
   EXPECT_GT(world.robot.x, 4.0) << "it waits before the door, not where it was";
 }
