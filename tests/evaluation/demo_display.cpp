@@ -74,6 +74,9 @@ std::vector<std::string> DemoDisplay::picture(const std::vector<launcher::Comman
   }
   lines.push_back(fmt::format("  {:<12} {:<10} {:>6} {:>8} {:>8}", "process", "state", "cpu", "memory", "restarts"));
   for (const launcher::CommandState& process : processes) {
+    if (process.condition == launcher::Condition::kStopped) {
+      continue;  // not part of this run
+    }
     lines.push_back(fmt::format("  {:<12} {:<10} {:>4.0f} % {:>5.0f} MB {:>8}  {}", process.name, launcher::to_string(process.condition),
                                 100.0 * process.core_cpu.value_or(0.0), static_cast<double>(process.memory_bytes) / 1e6, process.restarts,
                                 process.detail));
@@ -84,7 +87,7 @@ std::vector<std::string> DemoDisplay::picture(const std::vector<launcher::Comman
 std::string DemoDisplay::line(const std::vector<launcher::CommandState>& processes) const {
   std::string text = fmt::format("{:6.1f} s  {} | {}", judge_.elapsed(), belief(), goal());
   for (const launcher::CommandState& process : processes) {
-    if (process.condition != launcher::Condition::kReady) {
+    if (process.condition != launcher::Condition::kReady && process.condition != launcher::Condition::kStopped) {
       text += fmt::format(" | {} {} {}", process.name, launcher::to_string(process.condition), process.detail);
     }
   }
