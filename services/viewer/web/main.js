@@ -193,7 +193,10 @@ function setRoute(next) {
   redraw();
 }
 
-view.addEventListener('tap', ({detail: [x, y]}) => setDraft({x, y, theta: undefined}));
+view.addEventListener('tap', ({detail: [x, y]}) => {
+  $('ask').classList.toggle('high', view.toScreen(x, y)[1] > view.height / 2);  // never over the goal itself
+  setDraft({x, y, theta: undefined});
+});
 view.addEventListener('handle', ({detail: [x, y]}) => {
   if (draft) setDraft({...draft, theta: Math.atan2(y - draft.y, x - draft.x)});
 });

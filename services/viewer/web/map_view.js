@@ -13,6 +13,8 @@ export class MapView extends EventTarget {
     canvas.addEventListener('pointerdown', (event) => this.down(event));
     canvas.addEventListener('pointermove', (event) => this.move(event));
     for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, (event) => this.up(event));
+    // else a click follows the tap, and hits the button that the tap has just brought up under the finger
+    canvas.addEventListener('touchend', (event) => event.preventDefault(), {passive: false});
     canvas.addEventListener('wheel', (event) => {
       event.preventDefault();
       this.zoom(Math.exp(-event.deltaY * 0.0015), event.offsetX, event.offsetY);
