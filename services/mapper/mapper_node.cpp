@@ -215,8 +215,7 @@ void MapperNode::on_map_command(const map_command_t& command) {
 std::string MapperNode::carry_out(const map_command_t& command) {
   const std::filesystem::path file =
       command.path.empty() ? config_.state_folder / kMapFile : std::filesystem::path(command.path);
-  const bool needs_file =
-      command.action == map_command_t::ACTION_SAVE || command.action == map_command_t::ACTION_LOAD;
+  const bool needs_file = command.action == map_command_t::ACTION_SAVE || command.action == map_command_t::ACTION_LOAD;
   if (needs_file && command.path.empty() && config_.state_folder.empty()) {
     return "no path given, and the mapper runs without a state folder";
   }

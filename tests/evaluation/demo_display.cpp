@@ -10,8 +10,8 @@
 namespace luminav {
 namespace {
 
-constexpr double kRefresh = 0.25;  // [s] in place
-constexpr double kLineEvery = 5.0; // [s] as lines
+constexpr double kRefresh = 0.25;   // [s] in place
+constexpr double kLineEvery = 5.0;  // [s] as lines
 
 const char* localization_word(int state) {
   return state == pose_t::STATE_TRACKING ? "TRACKING" : state == pose_t::STATE_AMBIGUOUS ? "AMBIGUOUS" : "LOST";
@@ -25,8 +25,13 @@ const char* navigation_word(int state) {
 
 }  // namespace
 
-DemoDisplay::DemoDisplay(lcm::LCM& lcm, const RunJudge& judge, const Mission& mission, const Scenario& scenario, bool headless)
-    : judge_(judge), mission_(mission), scenario_(scenario), in_place_(!headless && isatty(STDOUT_FILENO) != 0), subscriber_(lcm) {
+DemoDisplay::DemoDisplay(lcm::LCM& lcm, const RunJudge& judge, const Mission& mission, const Scenario& scenario,
+                         bool headless)
+    : judge_(judge),
+      mission_(mission),
+      scenario_(scenario),
+      in_place_(!headless && isatty(STDOUT_FILENO) != 0),
+      subscriber_(lcm) {
   subscriber_.on(channels::kHypotheses, &DemoDisplay::on_hypotheses, this);
 }
 
@@ -36,8 +41,8 @@ std::string DemoDisplay::belief() const {
   }
   const pose_t& pose = *judge_.pose();
   if (pose.state == pose_t::STATE_TRACKING) {
-    return fmt::format("TRACKING ({:6.2f}, {:6.2f}, {:4.0f} deg), truly off by {:.3f} m, {:.1f} deg", pose.x, pose.y, degrees(pose.theta),
-                       judge_.position_error(), degrees(judge_.heading_error()));
+    return fmt::format("TRACKING ({:6.2f}, {:6.2f}, {:4.0f} deg), truly off by {:.3f} m, {:.1f} deg", pose.x, pose.y,
+                       degrees(pose.theta), judge_.position_error(), degrees(judge_.heading_error()));
   }
   return fmt::format("{} with {} hypotheses: {}", localization_word(pose.state), hypotheses_, pose.reason);
 }
@@ -69,17 +74,18 @@ std::vector<std::string> DemoDisplay::picture(const std::vector<launcher::Comman
   lines.push_back("  does      " + goal());
   if (judge_.truth()) {
     const sim_truth_t& truth = *judge_.truth();
-    lines.push_back(fmt::format("  truth     ({:6.2f}, {:6.2f}, {:4.0f} deg) at {:.2f} m/s, {:.2f} m clear, {} contacts", truth.x, truth.y,
-                                degrees(truth.theta), truth.linear, truth.clearance, truth.contacts + truth.hard_contacts));
+    lines.push_back(fmt::format(
+        "  truth     ({:6.2f}, {:6.2f}, {:4.0f} deg) at {:.2f} m/s, {:.2f} m clear, {} contacts", truth.x, truth.y,
+        degrees(truth.theta), truth.linear, truth.clearance, truth.contacts + truth.hard_contacts));
   }
   lines.push_back(fmt::format("  {:<12} {:<10} {:>6} {:>8} {:>8}", "process", "state", "cpu", "memory", "restarts"));
   for (const launcher::CommandState& process : processes) {
     if (process.condition == launcher::Condition::kStopped) {
       continue;  // not part of this run
     }
-    lines.push_back(fmt::format("  {:<12} {:<10} {:>4.0f} % {:>5.0f} MB {:>8}  {}", process.name, launcher::to_string(process.condition),
-                                100.0 * process.core_cpu.value_or(0.0), static_cast<double>(process.memory_bytes) / 1e6, process.restarts,
-                                process.detail));
+    lines.push_back(fmt::format("  {:<12} {:<10} {:>4.0f} % {:>5.0f} MB {:>8}  {}", process.name,
+                                launcher::to_string(process.condition), 100.0 * process.core_cpu.value_or(0.0),
+                                static_cast<double>(process.memory_bytes) / 1e6, process.restarts, process.detail));
   }
   return lines;
 }
@@ -97,8 +103,9 @@ std::string DemoDisplay::line(const std::vector<launcher::CommandState>& process
 void DemoDisplay::update(const std::vector<launcher::CommandState>& processes) {
   const double now = judge_.elapsed();
   if (!in_place_) {
-    const std::string state = fmt::format("{} {} {}", judge_.pose() ? int{judge_.pose()->state} : -1,
-                                          judge_.navigation() ? int{judge_.navigation()->state} : -1, mission_.current_goal());
+    const std::string state =
+        fmt::format("{} {} {}", judge_.pose() ? int{judge_.pose()->state} : -1,
+                    judge_.navigation() ? int{judge_.navigation()->state} : -1, mission_.current_goal());
     if (state == shown_state_ && now - shown_at_ < kLineEvery) {
       return;
     }
@@ -123,6 +130,8 @@ void DemoDisplay::update(const std::vector<launcher::CommandState>& processes) {
   std::fflush(stdout);
 }
 
-void DemoDisplay::finish() { lines_on_screen_ = 0; }
+void DemoDisplay::finish() {
+  lines_on_screen_ = 0;
+}
 
 }  // namespace luminav

@@ -88,8 +88,10 @@ std::optional<RunReport> drive(lcm::LCM& lcm, DemoSystem& system, const Scenario
 
 int demo(int argc, char** argv) {
   DemoOptions options;
-  CommandLine line("demo", "A simulated P3-DX finds out where it is by the ceiling's lights and drives to the scenario's goals, "
-                           "every process of the system running for itself.");
+  CommandLine line(
+      "demo",
+      "A simulated P3-DX finds out where it is by the ceiling's lights and drives to the scenario's goals, "
+      "every process of the system running for itself.");
   line.flag("--headless", options.headless, "plain lines instead of a live display")
       .text("--scenario", options.scenario, "scenario file")
       .integer("--seed", options.seed, "instead of the scenario's own")

@@ -11,11 +11,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <poll.h>
 #include <array>
 #include <cerrno>
 #include <deque>
 #include <fstream>
-#include <poll.h>
 #include <stdexcept>
 #include <vector>
 
@@ -31,7 +31,9 @@ constexpr double kReadyWithin = 30.0;    // [s]
 constexpr double kStoppedWithin = 10.0;  // [s]
 constexpr int kArcosPort = 8101;
 
-std::filesystem::path program_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
+std::filesystem::path program_folder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
+}
 
 /// The robot's usual port if nobody has it, else any free one.
 int free_port() {
@@ -111,15 +113,15 @@ DemoSystem::DemoSystem(const Scenario& scenario, const std::string& lcm_url, con
   const std::string port = std::to_string(free_port());
   const std::string seed = std::to_string(scenario.seed);
   const std::string state = state_folder_.string();
-  for (const auto& [name, value] : std::vector<std::pair<const char*, std::string>>{
-           {"LUMINAV_BIN", program_folder().string()},
-           {"LUMINAV_SCENARIO", scenario.file.string()},
-           {"LUMINAV_ROBOT", scenario.robot_file.string()},
-           {"LUMINAV_BUILDING", scenario.building_file.string()},
-           {"LUMINAV_SIMULATOR_PORT", port},
-           {"LUMINAV_SEED", seed},
-           {"LUMINAV_LCM_URL", lcm_url},
-           {"LUMINAV_STATE", state}}) {
+  for (const auto& [name, value] :
+       std::vector<std::pair<const char*, std::string>>{{"LUMINAV_BIN", program_folder().string()},
+                                                        {"LUMINAV_SCENARIO", scenario.file.string()},
+                                                        {"LUMINAV_ROBOT", scenario.robot_file.string()},
+                                                        {"LUMINAV_BUILDING", scenario.building_file.string()},
+                                                        {"LUMINAV_SIMULATOR_PORT", port},
+                                                        {"LUMINAV_SEED", seed},
+                                                        {"LUMINAV_LCM_URL", lcm_url},
+                                                        {"LUMINAV_STATE", state}}) {
     setenv(name, value.c_str(), 1);
   }
   configuration_ = launcher::read_pmd(std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch/demo.pmd");
@@ -142,8 +144,8 @@ DemoSystem::~DemoSystem() {
 }
 
 void DemoSystem::start_deputy(const std::string& procman_url) {
-  deputy_ = start_child({(program_folder() / "deputy").string(), "--config", configuration_.file, "--id", "localhost", "--lcm-url",
-                         procman_url, "--log-dir", (state_folder_ / "log").string()},
+  deputy_ = start_child({(program_folder() / "deputy").string(), "--config", configuration_.file, "--id", "localhost",
+                         "--lcm-url", procman_url, "--log-dir", (state_folder_ / "log").string()},
                         state_folder_ / "deputy.log");
 }
 
@@ -192,7 +194,8 @@ bool DemoSystem::start(lcm::LCM& data) {
       return false;
     }
     switch (script.step(launcher::Instant::read().steady)) {
-      case launcher::ScriptRun::Progress::kSucceeded: return true;
+      case launcher::ScriptRun::Progress::kSucceeded:
+        return true;
       case launcher::ScriptRun::Progress::kFailed:
         failure_ = script.message();
         for (const launcher::CommandState& state : sheriff_->states()) {
@@ -200,7 +203,8 @@ bool DemoSystem::start(lcm::LCM& data) {
           failure_ += words.empty() ? "" : fmt::format("\n  {}: {}", state.name, words);
         }
         return false;
-      case launcher::ScriptRun::Progress::kGoingOn: break;
+      case launcher::ScriptRun::Progress::kGoingOn:
+        break;
     }
   }
 }

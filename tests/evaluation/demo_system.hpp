@@ -13,8 +13,8 @@
 
 namespace luminav {
 
-/// All processes of the demo: a deputy of its own, started as a child, and the sheriff that commands it. Nothing is left
-/// behind when it is destroyed or when this process dies.
+/// All processes of the demo: a deputy of its own, started as a child, and the sheriff that commands it. Nothing is
+/// left behind when it is destroyed or when this process dies.
 class DemoSystem {
  public:
   /// `log_file` "" = no recording.
@@ -23,8 +23,8 @@ class DemoSystem {
   DemoSystem(const DemoSystem&) = delete;
   DemoSystem& operator=(const DemoSystem&) = delete;
 
-  /// Starts everything and waits until it is ready, handling `data`'s messages meanwhile. False when interrupted or when
-  /// something does not come up: then failure() says what.
+  /// Starts everything and waits until it is ready, handling `data`'s messages meanwhile. False when interrupted or
+  /// when something does not come up: then failure() says what.
   [[nodiscard]] bool start(lcm::LCM& data);
   /// Handles what arrives within 20 ms.
   void pump(lcm::LCM& data);

@@ -47,7 +47,8 @@ std::vector<RunReport> run_all(const std::vector<Job>& jobs, int threads) {
       passed += report.passed ? 1 : 0;
       const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       fmt::print(stderr, "[{}/{}] {} seed {}: {} ({:.0f} s left)\n", done, jobs.size(), report.scenario, report.seed,
-                 report.passed ? "passed" : "FAILED, " + report.failure, spent / static_cast<double>(done) * static_cast<double>(jobs.size() - done));
+                 report.passed ? "passed" : "FAILED, " + report.failure,
+                 spent / static_cast<double>(done) * static_cast<double>(jobs.size() - done));
       reports[i] = std::move(report);
     }
   };
@@ -142,7 +143,8 @@ int evaluate(int argc, char** argv) {
       job.options.robot = {mode, mode, mode, !mono8};
       job.options.trace = trace;
       const std::string name = fmt::format("{}-{}", job.scenario.name, seed);
-      for (const auto& [folder, target, extension] : {std::tuple{&pictures, &job.options.picture_file, ".png"}, {&logs, &job.options.log_file, ".lcm"}}) {
+      for (const auto& [folder, target, extension] :
+           {std::tuple{&pictures, &job.options.picture_file, ".png"}, {&logs, &job.options.log_file, ".lcm"}}) {
         if (!folder->empty()) {
           std::filesystem::create_directories(*folder);
           *target = (std::filesystem::path(*folder) / (name + extension)).string();
@@ -157,7 +159,8 @@ int evaluate(int argc, char** argv) {
     fmt::print("{}", to_text(report));
     passed += report.passed ? 1 : 0;
   }
-  const std::string all = to_json(suite.empty() ? "custom" : suite, mode.empty() ? "default" : mode, "rendered", reports);
+  const std::string all =
+      to_json(suite.empty() ? "custom" : suite, mode.empty() ? "default" : mode, "rendered", reports);
   if (!json.empty()) {
     write_text_file(json, all);
   }

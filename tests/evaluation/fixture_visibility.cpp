@@ -5,8 +5,8 @@
 namespace luminav {
 namespace {
 
-constexpr double kFarthest = 6.0;         // [m] no camera here sees farther along the ceiling
-constexpr double kSamePlace = 0.5;        // [m] two views of a fixture agree within this, the bound of "confidently wrong"
+constexpr double kFarthest = 6.0;   // [m] no camera here sees farther along the ceiling
+constexpr double kSamePlace = 0.5;  // [m] two views of a fixture agree within this, the bound of "confidently wrong"
 constexpr double kSameDirection = radians(20.0);
 
 }  // namespace

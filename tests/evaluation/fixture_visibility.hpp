@@ -17,8 +17,8 @@ class FixtureVisibility {
 
   /// Indices of fixtures of which at least `share` is visible.
   [[nodiscard]] std::vector<std::size_t> visible_from(const Pose2& world_from_robot, double share) const;
-  /// True when an image taken at `truth` contradicts the belief: a fixture at least 30 % visible from the true pose that
-  /// the believed pose does not predict, or one at least 80 % visible from the believed pose that is not there.
+  /// True when an image taken at `truth` contradicts the belief: a fixture at least 30 % visible from the true pose
+  /// that the believed pose does not predict, or one at least 80 % visible from the believed pose that is not there.
   [[nodiscard]] bool contradicts(const Pose2& truth, const Pose2& belief) const;
 
  private:

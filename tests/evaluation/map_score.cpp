@@ -33,7 +33,8 @@ cv::Mat free_image(const WorldTruth& world) {
     }
     std::vector<cv::Point> corners;
     for (const auto& [a, b] : {std::pair{0.5, 0.5}, {-0.5, 0.5}, {-0.5, -0.5}, {0.5, -0.5}}) {
-      const Cell cell = g.cell_at(*obstacle.world_from_obstacle * Eigen::Vector2d(a * obstacle.length, b * obstacle.width));
+      const Cell cell =
+          g.cell_at(*obstacle.world_from_obstacle * Eigen::Vector2d(a * obstacle.length, b * obstacle.width));
       corners.emplace_back(cell.column, cell.row);
     }
     cv::fillConvexPoly(image, corners, cv::Scalar(0));
@@ -66,11 +67,14 @@ cv::Mat faces_passed(const cv::Mat& free, const GridGeometry& g, const std::vect
     last = point.truth;
     const Cell here = g.cell_at(point.truth.position());
     for (int row = std::max(1, here.row - reach); row <= std::min(g.rows - 2, here.row + reach); ++row) {
-      for (int column = std::max(1, here.column - reach); column <= std::min(g.columns - 2, here.column + reach); ++column) {
-        const bool is_face = free.at<std::uint8_t>(row, column) == 0 && passed.at<std::uint8_t>(row, column) == 0 &&
-                             (free.at<std::uint8_t>(row - 1, column) != 0 || free.at<std::uint8_t>(row + 1, column) != 0 ||
-                              free.at<std::uint8_t>(row, column - 1) != 0 || free.at<std::uint8_t>(row, column + 1) != 0);
-        if (is_face && std::hypot(row - here.row, column - here.column) <= reach && in_sight(free, here, {column, row})) {
+      for (int column = std::max(1, here.column - reach); column <= std::min(g.columns - 2, here.column + reach);
+           ++column) {
+        const bool is_face =
+            free.at<std::uint8_t>(row, column) == 0 && passed.at<std::uint8_t>(row, column) == 0 &&
+            (free.at<std::uint8_t>(row - 1, column) != 0 || free.at<std::uint8_t>(row + 1, column) != 0 ||
+             free.at<std::uint8_t>(row, column - 1) != 0 || free.at<std::uint8_t>(row, column + 1) != 0);
+        if (is_face && std::hypot(row - here.row, column - here.column) <= reach &&
+            in_sight(free, here, {column, row})) {
           passed.at<std::uint8_t>(row, column) = 255;
         }
       }
@@ -112,7 +116,8 @@ MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const st
     return result;
   }
   result.measured = true;
-  std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2), distances.end());
+  std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2),
+                   distances.end());
   result.wall_median_m = distances[distances.size() / 2];
   result.free_precision = static_cast<double>(free_right) / static_cast<double>(free_cells);
   cv::Mat to_evidence;
@@ -125,7 +130,10 @@ MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const st
       if (passed.at<std::uint8_t>(row, column) != 0) {
         ++faces;
         // within one cell of the live grid, measured between centres
-        found += static_cast<double>(to_evidence.at<float>(row, column)) * fine.resolution <= 1.5 * grid.geometry.resolution ? 1 : 0;
+        found +=
+            static_cast<double>(to_evidence.at<float>(row, column)) * fine.resolution <= 1.5 * grid.geometry.resolution
+                ? 1
+                : 0;
       }
     }
   }
@@ -157,7 +165,8 @@ double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const E
   while (!queue.empty()) {
     const auto [reached, index] = queue.top();
     queue.pop();
-    const Cell here{static_cast<int>(index % static_cast<std::size_t>(g.columns)), static_cast<int>(index / static_cast<std::size_t>(g.columns))};
+    const Cell here{static_cast<int>(index % static_cast<std::size_t>(g.columns)),
+                    static_cast<int>(index / static_cast<std::size_t>(g.columns))};
     if (here == goal) {
       return static_cast<double>(reached) * g.resolution;
     }

@@ -11,8 +11,8 @@ namespace luminav {
 struct TrailPoint;
 
 /// Compares the sonars' evidence with the true walls and boxes: median distance of occupied cells to the nearest true
-/// surface, share of wall faces that the robot passed within 3 m in line of sight and that have evidence within one cell,
-/// share of free evidence that is truly free. Not measured when there is hardly any evidence.
+/// surface, share of wall faces that the robot passed within 3 m in line of sight and that have evidence within one
+/// cell, share of free evidence that is truly free. Not measured when there is hardly any evidence.
 MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const std::vector<TrailPoint>& trail);
 
 /// Length [m] of the shortest 8-connected way between two points for a disc of the given radius, octile metric; a

@@ -12,9 +12,9 @@
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kRepeat = 200'000;      // [us] requests go out at 5 Hz until echoed
-constexpr std::int64_t kSettled = 1'000'000;   // [us] a final state must last that long: replanning may pass through one
-constexpr std::int64_t kGoalDelay = 1'000'000; // [us] between the first truth and the first request
+constexpr std::int64_t kRepeat = 200'000;     // [us] requests go out at 5 Hz until echoed
+constexpr std::int64_t kSettled = 1'000'000;  // [us] a final state must last that long: replanning may pass through one
+constexpr std::int64_t kGoalDelay = 1'000'000;  // [us] between the first truth and the first request
 
 bool is_final(std::int8_t state) {
   switch (state) {
@@ -23,8 +23,10 @@ bool is_final(std::int8_t state) {
     case navigation_status_t::STATE_BLOCKED:
     case navigation_status_t::STATE_STUCK:
     case navigation_status_t::STATE_CANCELLED:
-    case navigation_status_t::STATE_LOST: return true;
-    default: return false;
+    case navigation_status_t::STATE_LOST:
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -45,8 +47,9 @@ bool Mission::is_finished() const {
   for (const DriveStep& step : scenario_.drives) {
     total += step.duration;
   }
-  const bool driven = scenario_.drives.empty() ||
-                      (drive_started_ != 0 && truth_ && static_cast<double>(truth_->utime - drive_started_) * 1e-6 > total + 1.0);
+  const bool driven =
+      scenario_.drives.empty() ||
+      (drive_started_ != 0 && truth_ && static_cast<double>(truth_->utime - drive_started_) * 1e-6 > total + 1.0);
   return driven && !(scenario_.goals.empty() && scenario_.drives.empty());
 }
 
@@ -78,7 +81,8 @@ void Mission::on_truth(const sim_truth_t& truth) {
 
 void Mission::tell_start(std::int64_t utime) {
   const std::int64_t id = first_utime_;
-  if ((pose_ && pose_->initial_pose_id == id) || utime - first_utime_ > 60'000'000 || (utime - first_utime_) % kRepeat >= 10'000) {
+  if ((pose_ && pose_->initial_pose_id == id) || utime - first_utime_ > 60'000'000 ||
+      (utime - first_utime_) % kRepeat >= 10'000) {
     return;
   }
   initial_pose_t message{};
@@ -180,8 +184,9 @@ std::vector<GoalResult> Mission::final_results() const {
     if (truth_) {
       missed.error_m = std::hypot(truth_->x - wanted.pose.x, truth_->y - wanted.pose.y);
     }
-    missed.cause = i == results_.size() && navigation_ && navigation_->goal_id == goal_id_ ? "out of time: " + navigation_->cause
-                                                                                           : "out of time";
+    missed.cause = i == results_.size() && navigation_ && navigation_->goal_id == goal_id_
+                       ? "out of time: " + navigation_->cause
+                       : "out of time";
     all.push_back(missed);
   }
   return all;
@@ -192,8 +197,9 @@ std::string Mission::failure() const {
   for (std::size_t i = 0; i < all.size(); ++i) {
     const bool as_expected = scenario_.goals[i].expect_refused ? all[i].refused : all[i].reached;
     if (!as_expected) {
-      return fmt::format("goal {} {}", i + 1,
-                         scenario_.goals[i].expect_refused ? "was not refused" : (all[i].refused ? "was refused" : "was not reached"));
+      return fmt::format(
+          "goal {} {}", i + 1,
+          scenario_.goals[i].expect_refused ? "was not refused" : (all[i].refused ? "was refused" : "was not reached"));
     }
   }
   return is_finished() || (scenario_.goals.empty() && scenario_.drives.empty()) ? "" : "out of time";

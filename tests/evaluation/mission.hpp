@@ -53,13 +53,13 @@ class Mission {
   std::optional<sim_truth_t> truth_;
   std::vector<GoalResult> results_;
   std::vector<Pose2> request_poses_;
-  std::vector<double> driven_;       // [m] for each requested goal
-  std::int64_t first_utime_ = 0;     // [us]
-  std::int64_t goal_id_ = 0;         // 0 = the current goal is not requested yet
-  std::int64_t requested_at_ = 0;    // [us]
-  std::int64_t last_sent_ = 0;       // [us]
-  std::int64_t ended_since_ = 0;     // [us] the current goal's state is final since then; 0 = it is not
-  std::int64_t drive_started_ = 0;   // [us]
+  std::vector<double> driven_;      // [m] for each requested goal
+  std::int64_t first_utime_ = 0;    // [us]
+  std::int64_t goal_id_ = 0;        // 0 = the current goal is not requested yet
+  std::int64_t requested_at_ = 0;   // [us]
+  std::int64_t last_sent_ = 0;      // [us]
+  std::int64_t ended_since_ = 0;    // [us] the current goal's state is final since then; 0 = it is not
+  std::int64_t drive_started_ = 0;  // [us]
   std::int64_t teleop_session_ = 0;
   std::int32_t teleop_sequence_ = 0;
 };

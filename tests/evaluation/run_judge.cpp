@@ -23,9 +23,13 @@ constexpr double kFreeOfPeople = 2.5;      // [m]
 constexpr double kFreeAfter = 2.0;         // [s]
 constexpr double kFreeDistanceLeft = 1.0;  // [m]
 
-double seconds(std::int64_t microseconds) { return static_cast<double>(microseconds) * 1e-6; }
+double seconds(std::int64_t microseconds) {
+  return static_cast<double>(microseconds) * 1e-6;
+}
 
-Pose2 pose_of(const sim_truth_t& truth) { return {truth.x, truth.y, truth.theta}; }
+Pose2 pose_of(const sim_truth_t& truth) {
+  return {truth.x, truth.y, truth.theta};
+}
 
 double quantile(std::vector<double> values, double q) {
   if (values.empty()) {
@@ -51,20 +55,24 @@ RunJudge::RunJudge(lcm::LCM& lcm, const Scenario& scenario, const WorldTruth& wo
   subscriber_.on(channels::kNodeStatus, &RunJudge::on_node_status, this);
 }
 
-double RunJudge::elapsed() const { return truth_ ? seconds(truth_->utime - first_utime_) : 0.0; }
+double RunJudge::elapsed() const {
+  return truth_ ? seconds(truth_->utime - first_utime_) : 0.0;
+}
 
 std::optional<Pose2> RunJudge::truth_at(std::int64_t utime) const {
   const auto after = std::lower_bound(recent_truth_.begin(), recent_truth_.end(), utime,
                                       [](const sim_truth_t& truth, std::int64_t t) { return truth.utime < t; });
   if (after == recent_truth_.end()) {
-    return recent_truth_.empty() || utime - recent_truth_.back().utime > 50'000 ? std::nullopt
-                                                                                : std::optional(pose_of(recent_truth_.back()));
+    return recent_truth_.empty() || utime - recent_truth_.back().utime > 50'000
+               ? std::nullopt
+               : std::optional(pose_of(recent_truth_.back()));
   }
   if (after == recent_truth_.begin()) {
     return after->utime == utime ? std::optional(pose_of(*after)) : std::nullopt;
   }
   const sim_truth_t& before = *std::prev(after);
-  return interpolate(pose_of(before), pose_of(*after), seconds(utime - before.utime) / seconds(after->utime - before.utime));
+  return interpolate(pose_of(before), pose_of(*after),
+                     seconds(utime - before.utime) / seconds(after->utime - before.utime));
 }
 
 void RunJudge::on_truth(const sim_truth_t& truth) {

@@ -98,8 +98,8 @@ class RunJudge {
   double free_time_ = 0.0;      // [s]
   double following_since_ = -1.0;
 
-  bool carry_open_ = false;                       // carried and not yet tracking rightly again
-  std::optional<std::int64_t> contradicted_at_;   // [us] first image since that carry that contradicts the belief
+  bool carry_open_ = false;                      // carried and not yet tracking rightly again
+  std::optional<std::int64_t> contradicted_at_;  // [us] first image since that carry that contradicts the belief
   bool carry_noticed_ = false;
   int carries_noticed_ = 0;
   int carries_recovered_ = 0;

@@ -17,7 +17,8 @@ const cv::Scalar kBox(70, 110, 180);
 
 class Canvas {
  public:
-  explicit Canvas(const PriorMap& map) : geometry_(map.geometry), scale_(map.geometry.columns * map.geometry.resolution > 40.0 ? 20 : 40) {
+  explicit Canvas(const PriorMap& map)
+      : geometry_(map.geometry), scale_(map.geometry.columns * map.geometry.resolution > 40.0 ? 20 : 40) {
     const int width = static_cast<int>(geometry_.columns * geometry_.resolution * scale_);
     const int height = static_cast<int>(geometry_.rows * geometry_.resolution * scale_);
     cv::Mat cells(geometry_.rows, geometry_.columns, CV_8UC3);
@@ -70,7 +71,8 @@ void draw_run(const std::string& png_file, const WorldTruth& world, const Buildi
         const Cell cell{column, row};
         if (grid->evidence[grid->geometry.index(cell)] >= 17) {
           const Eigen::Vector2d centre = grid->geometry.centre_of(cell);
-          canvas.rectangle({centre.x(), centre.y(), 0.0}, grid->geometry.resolution, grid->geometry.resolution, cv::Scalar(170, 200, 120));
+          canvas.rectangle({centre.x(), centre.y(), 0.0}, grid->geometry.resolution, grid->geometry.resolution,
+                           cv::Scalar(170, 200, 120));
         }
       }
     }

@@ -16,7 +16,9 @@ namespace {
 using nlohmann::ordered_json;
 
 /// Four significant decimals are more than any figure here is worth.
-double rounded(double value) { return std::round(value * 1e4) / 1e4; }
+double rounded(double value) {
+  return std::round(value * 1e4) / 1e4;
+}
 
 ordered_json json_of(const RunReport& r) {
   ordered_json goals = ordered_json::array();
@@ -32,7 +34,10 @@ ordered_json json_of(const RunReport& r) {
   }
   ordered_json processes = ordered_json::array();
   for (const ProcessResult& p : r.processes) {
-    processes.push_back({{"name", p.name}, {"cpu_percent", rounded(p.cpu_percent)}, {"rss_mb", rounded(p.rss_mb)}, {"restarts", p.restarts}});
+    processes.push_back({{"name", p.name},
+                         {"cpu_percent", rounded(p.cpu_percent)},
+                         {"rss_mb", rounded(p.rss_mb)},
+                         {"restarts", p.restarts}});
   }
   ordered_json map = nullptr;
   if (r.map.measured) {
@@ -85,7 +90,8 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
   const auto count = [&](const std::function<bool(const RunReport&)>& claim) {
     return std::count_if(runs.begin(), runs.end(), claim);
   };
-  const auto mean = [&](const std::function<double(const RunReport&)>& value, const std::function<bool(const RunReport&)>& claim) {
+  const auto mean = [&](const std::function<double(const RunReport&)>& value,
+                        const std::function<bool(const RunReport&)>& claim) {
     double sum = 0.0;
     int n = 0;
     for (const RunReport& run : runs) {
@@ -137,9 +143,11 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
       {"confident_wrong_runs", count([](const RunReport& r) { return r.confident_wrong_s > 0.0; })},
       {"tracking_ratio", rounded(mean([](const RunReport& r) { return r.tracking_ratio; }, localized))},
       {"in_view_position_rms_m", rounded(mean([](const RunReport& r) { return r.in_view_position_rms_m; }, localized))},
-      {"in_view_heading_rms_deg", rounded(mean([](const RunReport& r) { return r.in_view_heading_rms_deg; }, localized))},
+      {"in_view_heading_rms_deg",
+       rounded(mean([](const RunReport& r) { return r.in_view_heading_rms_deg; }, localized))},
       {"mission_position_p95_m", rounded(mean([](const RunReport& r) { return r.mission_position_p95_m; }, localized))},
-      {"mission_heading_p95_deg", rounded(mean([](const RunReport& r) { return r.mission_heading_p95_deg; }, localized))},
+      {"mission_heading_p95_deg",
+       rounded(mean([](const RunReport& r) { return r.mission_heading_p95_deg; }, localized))},
       {"nees", rounded(mean([](const RunReport& r) { return r.nees; }, localized))},
       {"carries", carries},
       {"carries_noticed", noticed},
@@ -149,8 +157,10 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
       {"contacts", contacts},
       {"min_clearance_m", rounded(clearance)},
       {"goal_error_p95_m", rounded(quantile(goal_errors, 0.95))},
-      {"mean_speed_m_s", rounded(mean([](const RunReport& r) { return r.mean_speed_m_s; }, [](const RunReport& r) { return r.mean_speed_m_s > 0.0; }))},
-      {"path_efficiency", rounded(mean([](const RunReport& r) { return r.path_efficiency; }, [](const RunReport& r) { return r.path_efficiency > 0.0; }))}};
+      {"mean_speed_m_s", rounded(mean([](const RunReport& r) { return r.mean_speed_m_s; },
+                                      [](const RunReport& r) { return r.mean_speed_m_s > 0.0; }))},
+      {"path_efficiency", rounded(mean([](const RunReport& r) { return r.path_efficiency; },
+                                       [](const RunReport& r) { return r.path_efficiency > 0.0; }))}};
   const auto mapped = [](const RunReport& r) { return r.map.measured; };
   if (count(mapped) > 0) {
     summary["wall_median_m"] = rounded(mean([](const RunReport& r) { return r.map.wall_median_m; }, mapped));
@@ -163,7 +173,9 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
 
 }  // namespace
 
-std::string to_json(const RunReport& report, int indent) { return json_of(report).dump(indent) + "\n"; }
+std::string to_json(const RunReport& report, int indent) {
+  return json_of(report).dump(indent) + "\n";
+}
 
 std::string to_json(const std::string& suite, const std::string& mode, const std::string& sensing,
                     const std::vector<RunReport>& runs) {
@@ -188,29 +200,37 @@ std::string summary_text(const std::string& json) {
 std::string to_text(const RunReport& r) {
   std::string text = fmt::format("{} seed {}: {}{}\n", r.scenario, r.seed, r.passed ? "passed" : "FAILED",
                                  r.passed ? "" : ", " + r.failure);
-  text += fmt::format("  simulated {:.0f} s in {:.0f} s, driven {:.1f} m, world {}\n", r.simulated_s, r.wall_s, r.driven_m, r.world_hash);
-  text += r.localized ? fmt::format("  localized after {:.1f} s and {:.1f} m; tracking {:.1f} % since; confidently wrong {:.1f} s\n",
-                                    r.localized_s, r.localized_after_m, 100.0 * r.tracking_ratio, r.confident_wrong_s)
-                      : "  never localized\n";
-  text += fmt::format("  pose error: in view {:.3f} m, {:.2f} deg RMS; 95 % of the mission {:.3f} m, {:.2f} deg; NEES {:.2f}\n",
-                      r.in_view_position_rms_m, r.in_view_heading_rms_deg, r.mission_position_p95_m, r.mission_heading_p95_deg, r.nees);
+  text += fmt::format("  simulated {:.0f} s in {:.0f} s, driven {:.1f} m, world {}\n", r.simulated_s, r.wall_s,
+                      r.driven_m, r.world_hash);
+  text += r.localized
+              ? fmt::format(
+                    "  localized after {:.1f} s and {:.1f} m; tracking {:.1f} % since; confidently wrong {:.1f} s\n",
+                    r.localized_s, r.localized_after_m, 100.0 * r.tracking_ratio, r.confident_wrong_s)
+              : "  never localized\n";
+  text += fmt::format(
+      "  pose error: in view {:.3f} m, {:.2f} deg RMS; 95 % of the mission {:.3f} m, {:.2f} deg; NEES {:.2f}\n",
+      r.in_view_position_rms_m, r.in_view_heading_rms_deg, r.mission_position_p95_m, r.mission_heading_p95_deg, r.nees);
   for (std::size_t i = 0; i < r.goals.size(); ++i) {
     const GoalResult& g = r.goals[i];
-    text += fmt::format("  goal {} ({:.2f}, {:.2f}): {} after {:.0f} s, {:.3f} m and {:.1f} deg off{}\n", i + 1, g.x, g.y,
-                        g.reached ? "reached" : (g.refused ? "refused" : "missed"), g.time_s, g.error_m, g.heading_error_deg,
-                        g.cause.empty() ? "" : ": " + g.cause);
+    text += fmt::format("  goal {} ({:.2f}, {:.2f}): {} after {:.0f} s, {:.3f} m and {:.1f} deg off{}\n", i + 1, g.x,
+                        g.y, g.reached ? "reached" : (g.refused ? "refused" : "missed"), g.time_s, g.error_m,
+                        g.heading_error_deg, g.cause.empty() ? "" : ": " + g.cause);
   }
-  text += fmt::format("  contacts {}, with things sonar hardly sees {}; smallest clearance {:.2f} m; {:.2f} m/s on free stretches; path efficiency {:.2f}\n",
-                      r.contacts, r.hard_contacts, r.min_clearance_m, r.mean_speed_m_s, r.path_efficiency);
+  text += fmt::format(
+      "  contacts {}, with things sonar hardly sees {}; smallest clearance {:.2f} m; {:.2f} m/s on free stretches; "
+      "path efficiency {:.2f}\n",
+      r.contacts, r.hard_contacts, r.min_clearance_m, r.mean_speed_m_s, r.path_efficiency);
   if (r.carries > 0) {
-    text += fmt::format("  carried {} times, noticed {}, recovered {}\n", r.carries, r.carries_noticed, r.carries_recovered);
+    text += fmt::format("  carried {} times, noticed {}, recovered {}\n", r.carries, r.carries_noticed,
+                        r.carries_recovered);
   }
   if (r.map.measured) {
-    text += fmt::format("  map: walls {:.3f} m off (median), recall {:.1f} %, free precision {:.1f} %\n", r.map.wall_median_m,
-                        100.0 * r.map.wall_recall, 100.0 * r.map.free_precision);
+    text += fmt::format("  map: walls {:.3f} m off (median), recall {:.1f} %, free precision {:.1f} %\n",
+                        r.map.wall_median_m, 100.0 * r.map.wall_recall, 100.0 * r.map.free_precision);
   }
   for (const ProcessResult& p : r.processes) {
-    text += fmt::format("  {:<11} {:5.1f} % of a core, {:5.1f} MB, {} restarts\n", p.name, p.cpu_percent, p.rss_mb, p.restarts);
+    text += fmt::format("  {:<11} {:5.1f} % of a core, {:5.1f} MB, {} restarts\n", p.name, p.cpu_percent, p.rss_mb,
+                        p.restarts);
   }
   return text;
 }

@@ -7,14 +7,14 @@
 namespace luminav {
 
 struct GoalResult {
-  double x = 0.0;                    // [m] world
-  double y = 0.0;                    // [m]
-  bool reached = false;              // arrived by its own word and within the tolerance by the truth
-  bool refused = false;              // ended by its own word without arriving
-  double error_m = 0.0;              // true distance when it ended
-  double heading_error_deg = 0.0;    // 0 when no heading was asked for
-  double time_s = 0.0;               // from the request
-  std::string cause;                 // its last sentence
+  double x = 0.0;                  // [m] world
+  double y = 0.0;                  // [m]
+  bool reached = false;            // arrived by its own word and within the tolerance by the truth
+  bool refused = false;            // ended by its own word without arriving
+  double error_m = 0.0;            // true distance when it ended
+  double heading_error_deg = 0.0;  // 0 when no heading was asked for
+  double time_s = 0.0;             // from the request
+  std::string cause;               // its last sentence
 };
 
 struct ProcessResult {
@@ -26,9 +26,9 @@ struct ProcessResult {
 
 struct MapResult {
   bool measured = false;
-  double wall_median_m = 0.0;     // distance of occupied evidence to the nearest true surface
-  double wall_recall = 0.0;       // share of wall faces that were near the robot and have evidence within a cell
-  double free_precision = 0.0;    // share of free evidence that is truly free
+  double wall_median_m = 0.0;   // distance of occupied evidence to the nearest true surface
+  double wall_recall = 0.0;     // share of wall faces that were near the robot and have evidence within a cell
+  double free_precision = 0.0;  // share of free evidence that is truly free
 };
 
 /// What one run came to; the JSON keys are the field names.

@@ -53,11 +53,14 @@ class Tracer {
     }
     const sim_truth_t& t = *judge_.truth();
     const pose_t& p = *judge_.pose();
-    fmt::print("{:6.1f} true ({:6.2f} {:6.2f} {:6.1f}) v {:5.2f} w {:6.1f} clear {:4.2f} c {} | {} err {:5.2f} {:5.1f} [{}] | nav {} {} | ctl {} {}\n",
-               judge_.elapsed(), t.x, t.y, degrees(t.theta), t.linear, degrees(t.angular), t.clearance, t.contacts, int{p.state},
-               judge_.position_error(), degrees(judge_.heading_error()), p.reason,
-               judge_.navigation() ? int{judge_.navigation()->state} : -1, judge_.navigation() ? judge_.navigation()->cause : "",
-               control_ ? int{control_->state} : -1, control_ ? control_->reason : "");
+    fmt::print(
+        "{:6.1f} true ({:6.2f} {:6.2f} {:6.1f}) v {:5.2f} w {:6.1f} clear {:4.2f} c {} | {} err {:5.2f} {:5.1f} [{}] | "
+        "nav {} {} | ctl {} {}\n",
+        judge_.elapsed(), t.x, t.y, degrees(t.theta), t.linear, degrees(t.angular), t.clearance, t.contacts,
+        int{p.state}, judge_.position_error(), degrees(judge_.heading_error()), p.reason,
+        judge_.navigation() ? int{judge_.navigation()->state} : -1,
+        judge_.navigation() ? judge_.navigation()->cause : "", control_ ? int{control_->state} : -1,
+        control_ ? control_->reason : "");
   }
 
  private:
@@ -84,9 +87,10 @@ RunReport conclude(const RunJudge& judge, const Mission& mission, const WorldTru
   const std::vector<Pose2>& from = mission.request_poses();
   for (std::size_t i = 1; i < report.goals.size() && i < from.size(); ++i) {
     // the first goal's way holds the search for the pose and is left out
-    const double length = report.goals[i].reached && !world.walls.cells.empty()
-                              ? octile_length(world.walls, from[i].position(), {report.goals[i].x, report.goals[i].y}, kPlanningRadius)
-                              : -1.0;
+    const double length =
+        report.goals[i].reached && !world.walls.cells.empty()
+            ? octile_length(world.walls, from[i].position(), {report.goals[i].x, report.goals[i].y}, kPlanningRadius)
+            : -1.0;
     if (length > 0.0) {
       shortest += length;
       driven += mission.driven_for_goal(i);
@@ -108,7 +112,8 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
   const Tracer tracer(robot.lcm(), judge);
   std::set<std::size_t> killed;
   const std::int64_t first = robot.utime();
-  for (std::int64_t steps = 0; static_cast<double>(steps) * 0.01 < scenario.duration && !mission.is_finished(); ++steps) {
+  for (std::int64_t steps = 0; static_cast<double>(steps) * 0.01 < scenario.duration && !mission.is_finished();
+       ++steps) {
     robot.step();
     const double elapsed = static_cast<double>(robot.utime() - first) * 1e-6;
     for (std::size_t i = 0; i < scenario.events.size(); ++i) {

@@ -96,7 +96,8 @@ struct WholeRobot::Parts {
   void start(const std::string& process) {
     if (process == "p3dx") {
       p3dx.reset();
-      p3dx = std::make_unique<P3dxNode>(lcm, read_p3dx_config(scenario.robot_file), clock, serial.pipe().driver_opener());
+      p3dx =
+          std::make_unique<P3dxNode>(lcm, read_p3dx_config(scenario.robot_file), clock, serial.pipe().driver_opener());
     } else if (process == "camera") {
       camera.reset();
       CameraConfig config = read_camera_config(scenario.robot_file);
@@ -162,10 +163,18 @@ WholeRobot::WholeRobot(const Scenario& scenario, const WholeRobotOptions& option
 
 WholeRobot::~WholeRobot() = default;
 
-lcm::LCM& WholeRobot::lcm() { return parts_->lcm; }
-const WorldTruth& WholeRobot::world() const { return parts_->world; }
-const Building& WholeRobot::believed_building() const { return parts_->believed; }
-std::int64_t WholeRobot::utime() const { return parts_->clock.utime(); }
+lcm::LCM& WholeRobot::lcm() {
+  return parts_->lcm;
+}
+const WorldTruth& WholeRobot::world() const {
+  return parts_->world;
+}
+const Building& WholeRobot::believed_building() const {
+  return parts_->believed;
+}
+std::int64_t WholeRobot::utime() const {
+  return parts_->clock.utime();
+}
 
 void WholeRobot::step() {
   Parts& p = *parts_;
@@ -180,6 +189,8 @@ void WholeRobot::step() {
   p.drain();
 }
 
-void WholeRobot::restart(const std::string& process) { parts_->start(process); }
+void WholeRobot::restart(const std::string& process) {
+  parts_->start(process);
+}
 
 }  // namespace luminav

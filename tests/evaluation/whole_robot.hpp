@@ -12,10 +12,10 @@
 namespace luminav {
 
 struct WholeRobotOptions {
-  std::string localizer_mode;   // "paper" or "modern"; "" = as the robot's file says
+  std::string localizer_mode;  // "paper" or "modern"; "" = as the robot's file says
   std::string detector_mode;
   std::string planner_mode;
-  bool jpeg = true;             // pictures are compressed as on the network; false: mono8
+  bool jpeg = true;  // pictures are compressed as on the network; false: mono8
 };
 
 /// All drivers and services, the true nodes, in one program: one memq:// handle, one virtual clock, the serial line a

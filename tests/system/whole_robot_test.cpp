@@ -61,7 +61,9 @@ TEST(WholeRobot, GivesTheSameBytesForTheSameSeed) {
 
 TEST(WholeRobot, PublishesEveryChannelAtItsRate) {
   const Outcome outcome = run(7, 12.0);
-  const auto count = [&](const char* channel) { return outcome.counts.count(channel) > 0 ? outcome.counts.at(channel) : 0; };
+  const auto count = [&](const char* channel) {
+    return outcome.counts.count(channel) > 0 ? outcome.counts.at(channel) : 0;
+  };
   EXPECT_NEAR(count("SIM_TRUTH"), 1200, 5);
   EXPECT_NEAR(count("ROBOT_STATUS"), 600, 20);
   EXPECT_NEAR(count("ODOMETRY"), 115, 10);

@@ -14,9 +14,12 @@ enum class FixtureShape { kRectangle, kSquare, kRound };
 /// Angle after which a shape looks the same [rad]; 0 = it has no orientation.
 inline double symmetry_period(FixtureShape shape) {
   switch (shape) {
-    case FixtureShape::kRectangle: return kPi;
-    case FixtureShape::kSquare: return 0.5 * kPi;
-    case FixtureShape::kRound: return 0.0;
+    case FixtureShape::kRectangle:
+      return kPi;
+    case FixtureShape::kSquare:
+      return 0.5 * kPi;
+    case FixtureShape::kRound:
+      return 0.0;
   }
   return 0.0;
 }

@@ -59,7 +59,8 @@ GreyImage read_pgm(const fs::path& file) {
     throw std::runtime_error(fmt::format("{}: 16-bit PGM, must be 8-bit", file.string()));
   }
   if (image.width > 20000 || image.height > 20000) {
-    throw std::runtime_error(fmt::format("{}: {} x {} px, must be at most 20000 x 20000", file.string(), image.width, image.height));
+    throw std::runtime_error(
+        fmt::format("{}: {} x {} px, must be at most 20000 x 20000", file.string(), image.width, image.height));
   }
   in.get();
   const auto expected = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
@@ -109,7 +110,8 @@ PriorMap read_map(const fs::path& yaml_file) {
     map.geometry.resolution = yaml["resolution"].as<double>();
     const auto origin = yaml["origin"].as<std::vector<double>>();
     if (origin.size() < 2 || (origin.size() > 2 && origin[2] != 0.0)) {
-      throw std::runtime_error(fmt::format("{}: origin must be [x, y, 0]; turned maps are not read", yaml_file.string()));
+      throw std::runtime_error(
+          fmt::format("{}: origin must be [x, y, 0]; turned maps are not read", yaml_file.string()));
     }
     map.geometry.origin = {origin[0], origin[1]};
     free_threshold = yaml["free_thresh"] ? yaml["free_thresh"].as<double>() : free_threshold;
@@ -119,7 +121,8 @@ PriorMap read_map(const fs::path& yaml_file) {
     throw std::runtime_error(fmt::format("{}:{}: {}", yaml_file.string(), error.mark.line + 1, error.msg));
   }
   if (!(map.geometry.resolution > 0.0 && map.geometry.resolution <= 10.0)) {
-    throw std::runtime_error(fmt::format("{}: resolution = {}, must be in (0, 10] m", yaml_file.string(), map.geometry.resolution));
+    throw std::runtime_error(
+        fmt::format("{}: resolution = {}, must be in (0, 10] m", yaml_file.string(), map.geometry.resolution));
   }
   const GreyImage image = read_pgm(image_file.is_absolute() ? image_file : yaml_file.parent_path() / image_file);
   map.geometry.columns = image.width;
@@ -151,8 +154,9 @@ void write_map(const fs::path& yaml_file, const PriorMap& map) {
     }
   });
   write_renamed(yaml_file, [&](std::ostream& out) {
-    out << fmt::format("image: {}\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
-                       image_file.filename().string(), map.geometry.resolution, map.geometry.origin.x(), map.geometry.origin.y());
+    out << fmt::format(
+        "image: {}\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+        image_file.filename().string(), map.geometry.resolution, map.geometry.origin.x(), map.geometry.origin.y());
   });
 }
 

@@ -17,8 +17,8 @@ struct Cell {
 
 /// Size and place of a grid; the only code that turns metres into cells and back.
 struct GridGeometry {
-  double resolution = 0.1;                             // [m] side of a cell
-  Eigen::Vector2d origin = Eigen::Vector2d::Zero();    // [m] world, lower left corner of cell (0, 0)
+  double resolution = 0.1;                           // [m] side of a cell
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  // [m] world, lower left corner of cell (0, 0)
   int columns = 0;
   int rows = 0;
 
@@ -33,7 +33,8 @@ struct GridGeometry {
     return cell.column >= 0 && cell.row >= 0 && cell.column < columns && cell.row < rows;
   }
   [[nodiscard]] std::size_t index(const Cell& cell) const {
-    return static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(cell.column);
+    return static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(cell.column);
   }
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
   friend bool operator==(const GridGeometry&, const GridGeometry&) = default;

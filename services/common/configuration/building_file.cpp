@@ -11,7 +11,8 @@ constexpr Range kCoordinate{-1e5, 1e5};
 constexpr Range kHeading{-7.0, 7.0};  // a full turn either way is accepted and wrapped
 
 Pose2 read_pose(const TomlTable& table) {
-  return {table.number("x", kCoordinate), table.number("y", kCoordinate), wrap_angle(table.number("theta", 0.0, kHeading))};
+  return {table.number("x", kCoordinate), table.number("y", kCoordinate),
+          wrap_angle(table.number("theta", 0.0, kHeading))};
 }
 
 Fixture read_fixture(const TomlTable& table, double ceiling_height) {

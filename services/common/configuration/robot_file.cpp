@@ -6,7 +6,9 @@
 namespace luminav {
 namespace {
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 std::vector<Eigen::Vector2d> read_footprint(const TomlTable& root) {
   std::vector<Eigen::Vector2d> footprint = root.points("footprint");
@@ -56,7 +58,8 @@ MotionLimits read_limits(const TomlTable& table) {
 CameraDescription read_camera(const TomlTable& table) {
   CameraDescription camera;
   CameraIntrinsics& lens = camera.intrinsics;
-  lens.model = table.choice("model", "pinhole", {"pinhole", "fisheye"}) == "pinhole" ? LensModel::kPinhole : LensModel::kFisheye;
+  lens.model =
+      table.choice("model", "pinhole", {"pinhole", "fisheye"}) == "pinhole" ? LensModel::kPinhole : LensModel::kFisheye;
   lens.width = table.count("width", lens.width, {16, 8192});
   lens.height = table.count("height", lens.height, {16, 8192});
   lens.fx = table.number("fx", lens.fx, {1.0, 1e5});
@@ -109,13 +112,16 @@ RobotDescription read_robot(const TomlTable& root) {
   robot.sonar = read_sonar_ring(root);
   robot.limits = read_limits(root.table("limits"));
   robot.camera = read_camera(root.table("camera"));
-  for (const char* node : {"p3dx", "camera_driver", "detector", "localizer", "mapper", "planner", "controller", "viewer"}) {
+  for (const char* node :
+       {"p3dx", "camera_driver", "detector", "localizer", "mapper", "planner", "controller", "viewer"}) {
     root.accept(node);
   }
   root.reject_unknown();
   return robot;
 }
 
-RobotDescription read_robot(const std::filesystem::path& file) { return read_robot(TomlTable::load(file)); }
+RobotDescription read_robot(const std::filesystem::path& file) {
+  return read_robot(TomlTable::load(file));
+}
 
 }  // namespace luminav

@@ -13,18 +13,18 @@ namespace luminav {
 
 /// The sonar ring: where each disc sits and what one reading means.
 struct SonarRing {
-  std::vector<Pose2> robot_from_sonar;   // in the order of SONAR; x along the axis
-  double minimum_range = 0.10;           // [m] nearer echoes are not measured
-  double maximum_range = 5.0;            // [m] reported when nothing echoes
-  double half_angle = radians(15.0);     // [rad] of the cone
+  std::vector<Pose2> robot_from_sonar;  // in the order of SONAR; x along the axis
+  double minimum_range = 0.10;          // [m] nearer echoes are not measured
+  double maximum_range = 5.0;           // [m] reported when nothing echoes
+  double half_angle = radians(15.0);    // [rad] of the cone
 };
 
 /// What the base can do, and what it is allowed to do.
 struct MotionLimits {
-  double linear = 0.5;                    // [m/s]
-  double angular = radians(60.0);         // [rad/s]
-  double linear_acceleration = 0.5;       // [m/s^2]
-  double linear_deceleration = 1.0;       // [m/s^2] also used for every stop
+  double linear = 0.5;                           // [m/s]
+  double angular = radians(60.0);                // [rad/s]
+  double linear_acceleration = 0.5;              // [m/s^2]
+  double linear_deceleration = 1.0;              // [m/s^2] also used for every stop
   double angular_acceleration = radians(120.0);  // [rad/s^2]
 };
 
@@ -32,7 +32,7 @@ struct MotionLimits {
 struct CameraDescription {
   CameraIntrinsics intrinsics;
   CameraMounting mounting;
-  double time_offset = 0.0;  // [s] to add to the image stamp to get the true time
+  double time_offset = 0.0;       // [s] to add to the image stamp to get the true time
   double row_time = 25e-3 / 480;  // [s] from one row to the next
 };
 
@@ -42,7 +42,7 @@ struct RobotDescription {
   std::vector<Eigen::Vector2d> footprint;  // [m] robot frame, counter-clockwise, convex
   SonarRing sonar;
   MotionLimits limits;
-  double wheel_base = 0.33;                // [m] between the drive wheels
+  double wheel_base = 0.33;  // [m] between the drive wheels
   CameraDescription camera;
 
   /// Radius [m] of the circle round the wheel axis that the footprint sweeps when it turns on the spot.

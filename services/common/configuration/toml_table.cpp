@@ -51,11 +51,17 @@ TomlTable TomlTable::load(const std::filesystem::path& file) {
   return TomlTable(contents);
 }
 
-bool TomlTable::has(std::string_view key) const { return contents_->find(key) != nullptr; }
+bool TomlTable::has(std::string_view key) const {
+  return contents_->find(key) != nullptr;
+}
 
-void TomlTable::accept(std::string_view key) const { contents_->asked.emplace(key); }
+void TomlTable::accept(std::string_view key) const {
+  contents_->asked.emplace(key);
+}
 
-const std::filesystem::path& TomlTable::file() const { return contents_->file; }
+const std::filesystem::path& TomlTable::file() const {
+  return contents_->file;
+}
 
 void TomlTable::fail(std::string_view key, const std::string& message) const {
   unsigned line = 0;
@@ -64,7 +70,8 @@ void TomlTable::fail(std::string_view key, const std::string& message) const {
     line = node != nullptr ? node->source().begin.line : contents_->table->source().begin.line;
   }
   const std::string prefix = contents_->name.empty() ? "" : contents_->name + ".";
-  throw ConfigurationError(fmt::format("{}:{}: {}{} {}", contents_->file.string(), line == 0 ? 1 : line, prefix, key, message));
+  throw ConfigurationError(
+      fmt::format("{}:{}: {}{} {}", contents_->file.string(), line == 0 ? 1 : line, prefix, key, message));
 }
 
 double TomlTable::number(std::string_view key, Range range) const {
@@ -106,7 +113,8 @@ std::int64_t TomlTable::integer(std::string_view key, std::int64_t fallback, Ran
 }
 
 int TomlTable::count(std::string_view key, int fallback, Range range) const {
-  return static_cast<int>(integer(key, std::int64_t{fallback}, {std::max(range.least, -2e9), std::min(range.most, 2e9)}));
+  return static_cast<int>(
+      integer(key, std::int64_t{fallback}, {std::max(range.least, -2e9), std::min(range.most, 2e9)}));
 }
 
 bool TomlTable::boolean(std::string_view key, bool fallback) const {
@@ -257,10 +265,9 @@ void TomlTable::reject_unknown() const {
   }
   for (const auto& [key, node] : *contents_->table) {
     if (contents_->asked.find(key.str()) == contents_->asked.end()) {
-      throw ConfigurationError(fmt::format("{}:{}: unknown key \"{}\"{}, known are {}", contents_->file.string(),
-                                           key.source().begin.line, key.str(),
-                                           contents_->name.empty() ? "" : " in [" + contents_->name + "]",
-                                           fmt::join(contents_->asked, ", ")));
+      throw ConfigurationError(fmt::format(
+          "{}:{}: unknown key \"{}\"{}, known are {}", contents_->file.string(), key.source().begin.line, key.str(),
+          contents_->name.empty() ? "" : " in [" + contents_->name + "]", fmt::join(contents_->asked, ", ")));
     }
   }
 }

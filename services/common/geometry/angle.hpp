@@ -17,12 +17,20 @@ inline double wrap_modulo(double angle, double period) {
 }
 
 /// Wraps a heading [rad] into (-pi, pi].
-inline double wrap_angle(double angle) { return wrap_modulo(angle, 2.0 * kPi); }
+inline double wrap_angle(double angle) {
+  return wrap_modulo(angle, 2.0 * kPi);
+}
 
 /// Wraps the direction of an axis [rad], which is the same after half a turn, into (-pi/2, pi/2].
-inline double wrap_axis(double angle) { return wrap_modulo(angle, kPi); }
+inline double wrap_axis(double angle) {
+  return wrap_modulo(angle, kPi);
+}
 
-inline constexpr double radians(double degrees) { return degrees * kPi / 180.0; }
-inline constexpr double degrees(double radians) { return radians * 180.0 / kPi; }
+inline constexpr double radians(double degrees) {
+  return degrees * kPi / 180.0;
+}
+inline constexpr double degrees(double radians) {
+  return radians * 180.0 / kPi;
+}
 
 }  // namespace luminav

@@ -91,7 +91,8 @@ CeilingCamera::CeilingCamera(const CameraIntrinsics& intrinsics, const CameraMou
       largest_radius_(radius_of_monotony(intrinsics.distortion)) {}
 
 Vector3d CeilingCamera::ray_in_camera(const Vector2d& pixel) const {
-  const Vector2d distorted((pixel.x() - intrinsics_.cx) / intrinsics_.fx, (pixel.y() - intrinsics_.cy) / intrinsics_.fy);
+  const Vector2d distorted((pixel.x() - intrinsics_.cx) / intrinsics_.fx,
+                           (pixel.y() - intrinsics_.cy) / intrinsics_.fy);
   if (intrinsics_.model == LensModel::kPinhole) {
     const Vector2d undistorted = undistort_pinhole(distorted, intrinsics_.distortion);
     return Vector3d(undistorted.x(), undistorted.y(), 1.0).normalized();

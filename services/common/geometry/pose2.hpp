@@ -45,6 +45,8 @@ inline Pose2 interpolate(const Pose2& from, const Pose2& to, double fraction) {
           wrap_angle(from.theta + fraction * wrap_angle(to.theta - from.theta))};
 }
 
-inline double distance(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+inline double distance(const Pose2& a, const Pose2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
 
 }  // namespace luminav

@@ -46,6 +46,8 @@ std::int64_t shared_offset() {
 
 HostClock::HostClock() : offset_(shared_offset()) {}
 
-std::int64_t HostClock::utime() const { return read_clock(CLOCK_MONOTONIC) + offset_; }
+std::int64_t HostClock::utime() const {
+  return read_clock(CLOCK_MONOTONIC) + offset_;
+}
 
 }  // namespace luminav

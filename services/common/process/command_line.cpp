@@ -66,7 +66,8 @@ CommandLine& CommandLine::building_file(std::string& target) {
 CommandLine& CommandLine::lcm_url(std::string& target) {
   if (target.empty()) {
     const char* from_environment = std::getenv("LCM_DEFAULT_URL");
-    target = from_environment != nullptr && *from_environment != '\0' ? from_environment : "udpm://239.255.76.67:7667?ttl=0";
+    target =
+        from_environment != nullptr && *from_environment != '\0' ? from_environment : "udpm://239.255.76.67:7667?ttl=0";
   }
   return text("--lcm-url", target, "LCM network; default $LCM_DEFAULT_URL");
 }

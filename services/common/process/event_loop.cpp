@@ -82,7 +82,7 @@ EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot)
   if (g_signal_pipe[0] < 0 && pipe2(g_signal_pipe, O_CLOEXEC | O_NONBLOCK) != 0) {
     throw std::runtime_error("cannot make a pipe for signals");
   }
-  struct sigaction action{};
+  struct sigaction action {};
   action.sa_handler = on_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
@@ -180,8 +180,9 @@ void EventLoop::publish_status() {
   status.dropped_inputs = health.dropped_inputs;
   status.worst_step_us = static_cast<std::int32_t>(std::min<std::int64_t>(worst_step_, 2'000'000'000));
   status.memory_bytes = memory_resident();
-  status.cpu_fraction =
-      last_status_ == 0 ? 0.0 : static_cast<double>(cpu - last_cpu_) / static_cast<double>(std::max<std::int64_t>(1, now - last_status_));
+  status.cpu_fraction = last_status_ == 0 ? 0.0
+                                          : static_cast<double>(cpu - last_cpu_) /
+                                                static_cast<double>(std::max<std::int64_t>(1, now - last_status_));
   lcm_.publish(channels::kNodeStatus, &status);
   last_cpu_ = cpu;
   last_status_ = now;

@@ -62,9 +62,9 @@ class EventLoop {
   std::vector<Watch> watches_;
   std::vector<Timer> timers_;
   std::function<Health()> health_;
-  std::int64_t worst_step_ = 0;       // [us] since the last status
-  std::int64_t last_cpu_ = 0;         // [us]
-  std::int64_t last_status_ = 0;      // [us] monotonic
+  std::int64_t worst_step_ = 0;   // [us] since the last status
+  std::int64_t last_cpu_ = 0;     // [us]
+  std::int64_t last_status_ = 0;  // [us] monotonic
   bool stopping_ = false;
 };
 

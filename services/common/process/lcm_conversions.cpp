@@ -49,9 +49,11 @@ grid_tile_t encode_tile(const OccupancyGrid& grid, int tile_column, int tile_row
 
 bool is_possible(const grid_tile_t& tile) {
   const bool sizes = tile.columns > 0 && tile.rows > 0 && tile.columns <= 4096 && tile.rows <= 4096;
-  const bool numbers = std::isfinite(tile.origin_x) && std::isfinite(tile.origin_y) && tile.resolution >= 0.01 && tile.resolution <= 1.0;
-  return sizes && numbers && tile.tile_column >= 0 && tile.tile_row >= 0 && tile.tile_column * kTileSide < tile.columns &&
-         tile.tile_row * kTileSide < tile.rows && tile.size >= 0 && static_cast<std::size_t>(tile.size) <= tile.data.size();
+  const bool numbers =
+      std::isfinite(tile.origin_x) && std::isfinite(tile.origin_y) && tile.resolution >= 0.01 && tile.resolution <= 1.0;
+  return sizes && numbers && tile.tile_column >= 0 && tile.tile_row >= 0 &&
+         tile.tile_column * kTileSide < tile.columns && tile.tile_row * kTileSide < tile.rows && tile.size >= 0 &&
+         static_cast<std::size_t>(tile.size) <= tile.data.size();
 }
 
 GridGeometry geometry_of(const grid_tile_t& tile) {
@@ -64,7 +66,8 @@ bool apply_tile(const grid_tile_t& tile, OccupancyGrid& grid) {
   }
   std::array<std::uint8_t, 2 * kTileCells> layers{};
   uLongf size = layers.size();
-  if (uncompress(layers.data(), &size, tile.data.data(), static_cast<uLong>(tile.size)) != Z_OK || size != layers.size()) {
+  if (uncompress(layers.data(), &size, tile.data.data(), static_cast<uLong>(tile.size)) != Z_OK ||
+      size != layers.size()) {
     return false;
   }
   const auto is_prior = [](std::uint8_t value) { return value <= static_cast<std::uint8_t>(Prior::kDisputed); };

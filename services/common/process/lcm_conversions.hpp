@@ -9,8 +9,12 @@
 
 namespace luminav {
 
-inline Pose2 odom_from_robot(const odometry_t& message) { return {message.x, message.y, message.theta}; }
-inline Pose2 world_from_robot(const pose_t& message) { return {message.x, message.y, message.theta}; }
+inline Pose2 odom_from_robot(const odometry_t& message) {
+  return {message.x, message.y, message.theta};
+}
+inline Pose2 world_from_robot(const pose_t& message) {
+  return {message.x, message.y, message.theta};
+}
 
 /// One tile of a grid with geometry and data filled in; stamps, sessions and revision are the sender's.
 grid_tile_t encode_tile(const OccupancyGrid& grid, int tile_column, int tile_row);

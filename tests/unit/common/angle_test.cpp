@@ -18,7 +18,9 @@ TEST(Angle, WrapsAnAxisModuloHalfATurn) {
   EXPECT_NEAR(wrap_axis(radians(-90.0)), radians(90.0), 1e-12);
 }
 
-TEST(Angle, HasNoOrientationWithPeriodZero) { EXPECT_DOUBLE_EQ(wrap_modulo(1.234, 0.0), 0.0); }
+TEST(Angle, HasNoOrientationWithPeriodZero) {
+  EXPECT_DOUBLE_EQ(wrap_modulo(1.234, 0.0), 0.0);
+}
 
 TEST(Angle, KeepsTheDifferenceToAMultipleOfThePeriod) {
   for (double angle = -20.0; angle < 20.0; angle += 0.37) {

@@ -36,7 +36,9 @@ TEST(MapFile, ReadsRowsFromTheBottomAndThresholds) {
   const TemporaryFolder folder;
   // upper row: black, white; lower row: 206 (probability 0.19, free), 128 (0.5, unknown)
   folder.write("m.pgm", std::string("P5\n# made by hand\n2 2\n255\n") + '\0' + '\xff' + '\xce' + '\x80');
-  const auto yaml = folder.write("m.yaml", "image: m.pgm\nresolution: 0.1\norigin: [1, 2, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  const auto yaml = folder.write(
+      "m.yaml",
+      "image: m.pgm\nresolution: 0.1\norigin: [1, 2, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
   const PriorMap map = read_map(yaml);
   EXPECT_EQ(map.cells, (std::vector<Prior>{Prior::kFree, Prior::kUnknown, Prior::kOccupied, Prior::kFree}));
   EXPECT_EQ(map.at({1.05, 2.15}), Prior::kOccupied);
@@ -48,13 +50,19 @@ TEST(MapFile, SaysWhatIsWrongWithAFile) {
   const std::string rest = "resolution: 0.1\norigin: [0, 0, 0]\n";
   EXPECT_NE(reading_fails_with(folder.write("a.yaml", rest)).find("must have image"), std::string::npos);
   folder.write("cut.pgm", "P5\n10 10\n255\nabc");
-  EXPECT_NE(reading_fails_with(folder.write("b.yaml", "image: cut.pgm\n" + rest)).find("cut off, 3 of 100"), std::string::npos);
+  EXPECT_NE(reading_fails_with(folder.write("b.yaml", "image: cut.pgm\n" + rest)).find("cut off, 3 of 100"),
+            std::string::npos);
   folder.write("text.pgm", "P2\n1 1\n255\n0\n");
-  EXPECT_NE(reading_fails_with(folder.write("c.yaml", "image: text.pgm\n" + rest)).find("not a binary PGM"), std::string::npos);
+  EXPECT_NE(reading_fails_with(folder.write("c.yaml", "image: text.pgm\n" + rest)).find("not a binary PGM"),
+            std::string::npos);
   folder.write("deep.pgm", "P5\n1 1\n65535\n\1\1");
   EXPECT_NE(reading_fails_with(folder.write("d.yaml", "image: deep.pgm\n" + rest)).find("16-bit"), std::string::npos);
-  EXPECT_NE(reading_fails_with(folder.write("e.yaml", "image: cut.pgm\nresolution: 0\norigin: [0, 0, 0]\n")).find("resolution = 0"), std::string::npos);
-  EXPECT_NE(reading_fails_with(folder.write("f.yaml", "image: cut.pgm\nresolution: 0.1\norigin: [0, 0, 1.5]\n")).find("turned maps"), std::string::npos);
+  EXPECT_NE(reading_fails_with(folder.write("e.yaml", "image: cut.pgm\nresolution: 0\norigin: [0, 0, 0]\n"))
+                .find("resolution = 0"),
+            std::string::npos);
+  EXPECT_NE(reading_fails_with(folder.write("f.yaml", "image: cut.pgm\nresolution: 0.1\norigin: [0, 0, 1.5]\n"))
+                .find("turned maps"),
+            std::string::npos);
   EXPECT_NE(reading_fails_with(folder.write("g.yaml", "image: [\n")).find("g.yaml:"), std::string::npos);
 }
 

@@ -47,7 +47,8 @@ TEST(BuildingFile, RefusesTwoFixturesOfOneId) {
 
 TEST(RobotFile, RefusesAFootprintTheWrongWayRound) {
   const TemporaryFolder folder;
-  const auto file = folder.write("r.toml", "name = \"r\"\nfootprint = [[0.2, 0.2], [0.2, -0.2], [-0.2, -0.2], [-0.2, 0.2]]\n");
+  const auto file =
+      folder.write("r.toml", "name = \"r\"\nfootprint = [[0.2, 0.2], [0.2, -0.2], [-0.2, -0.2], [-0.2, 0.2]]\n");
   EXPECT_THROW((void)read_robot(file), ConfigurationError);
 }
 

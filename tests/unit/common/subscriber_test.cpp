@@ -64,9 +64,7 @@ TEST(Subscriber, SurvivesAHostileCount) {
 
 TEST(Subscriber, NoLongerListensOnceItIsGone) {
   lcm::LCM lcm("memq://");
-  {
-    const Listener listener(lcm);
-  }
+  { const Listener listener(lcm); }
   odometry_t message{};
   lcm.publish("ODOMETRY", &message);
   EXPECT_EQ(lcm.handleTimeout(0), 0);

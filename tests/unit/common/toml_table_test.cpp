@@ -18,11 +18,15 @@ std::string error_of(const std::function<void()>& action) {
   return "";
 }
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 TEST(TomlTable, ReadsWhatIsThereAndFallsBackWhereItIsNot) {
   const TemporaryFolder folder;
-  const TomlTable table = TomlTable::load(folder.write("a.toml", "speed = 2\nname = \"x\"\non = true\nlist = [1, 2.5]\n[inner]\nk = 3\n[[row]]\nx = 1\n[[row]]\nx = 2\n"));
+  const TomlTable table = TomlTable::load(folder.write(
+      "a.toml",
+      "speed = 2\nname = \"x\"\non = true\nlist = [1, 2.5]\n[inner]\nk = 3\n[[row]]\nx = 1\n[[row]]\nx = 2\n"));
   EXPECT_DOUBLE_EQ(table.number("speed"), 2.0);
   EXPECT_DOUBLE_EQ(table.number("other", 7.0), 7.0);
   EXPECT_EQ(table.text("name"), "x");
@@ -37,10 +41,17 @@ TEST(TomlTable, ReadsWhatIsThereAndFallsBackWhereItIsNot) {
 
 TEST(TomlTable, NamesFileLineKeyAndWhatIsAllowed) {
   const TemporaryFolder folder;
-  const auto file = folder.write("b.toml", "\nspeed = 9.0\nmode = \"fast\"\ncount = 1.5\ntypo = 1\n[camera]\nfx = \"wide\"\n");
+  const auto file =
+      folder.write("b.toml", "\nspeed = 9.0\nmode = \"fast\"\ncount = 1.5\ntypo = 1\n[camera]\nfx = \"wide\"\n");
   const TomlTable table = TomlTable::load(file);
-  EXPECT_TRUE(has(error_of([&] { (void)table.number("speed", Range{0.0, 2.0}); }), "b.toml:2: speed = 9, must be between 0 and 2"));
-  EXPECT_TRUE(has(error_of([&] { (void)table.choice("mode", "paper", {"paper", "modern"}); }), "b.toml:3: mode = \"fast\", must be one of paper, modern"));
+  EXPECT_TRUE(has(error_of([&] {
+                    (void)table.number("speed", Range{0.0, 2.0});
+                  }),
+                  "b.toml:2: speed = 9, must be between 0 and 2"));
+  EXPECT_TRUE(has(error_of([&] {
+                    (void)table.choice("mode", "paper", {"paper", "modern"});
+                  }),
+                  "b.toml:3: mode = \"fast\", must be one of paper, modern"));
   EXPECT_TRUE(has(error_of([&] { (void)table.integer("count"); }), "b.toml:4: count must be a whole number"));
   EXPECT_TRUE(has(error_of([&] { (void)table.number("missing"); }), "missing is missing"));
   EXPECT_TRUE(has(error_of([&] { (void)table.table("camera").number("fx"); }), "b.toml:7: camera.fx must be a number"));
