@@ -1,0 +1,91 @@
+// The detector against rendered truth, as a table: detector_score --help.
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+
+#include "services/common/process/command_line.hpp"
+#include "tests/unit/detector/score/detector_score.hpp"
+
+namespace luminav::score {
+namespace {
+
+void write_pgm(const std::filesystem::path& file, const GreyImage& image) {
+  std::ofstream out(file, std::ios::binary);
+  out << "P5\n" << image.width << " " << image.height << "\n255\n";
+  out.write(reinterpret_cast<const char*>(image.pixels.data()), static_cast<std::streamsize>(image.pixels.size()));
+}
+
+/// Pictures and words for each frame that something is to be said against.
+FrameListener dump_to(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  return [folder](const ScoredFrame& frame) {
+    if (frame.complaints.empty()) {
+      return;
+    }
+    std::string name = frame.name;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    write_pgm(folder / (name + ".pgm"), *frame.image);
+    for (const std::string& complaint : frame.complaints) {
+      std::printf("  %s: %s\n", name.c_str(), complaint.c_str());
+    }
+  };
+}
+
+int run(const DetectorScoreOptions& options, const std::string& only, const std::string& folder) {
+  std::printf("%s\n", score_table_header().c_str());
+  DetectorScore all;
+  DetectorScore lit;
+  for (const Condition& condition : lighting_matrix()) {
+    if (!only.empty() && condition.name != only) {
+      continue;
+    }
+    const DetectorScore score = score_detector(options, condition, folder.empty() ? FrameListener{} : dump_to(folder));
+    std::printf("%s\n", score_table_row(condition.name, score).c_str());
+    std::fflush(stdout);
+    all.add(score);
+    if (condition.lamps_on) {
+      lit.add(score);
+    }
+  }
+  std::printf("%s\n", score_table_row("with lamps on", lit).c_str());
+  std::printf("%s\n", score_table_row("matrix", all).c_str());
+  return 0;
+}
+
+}  // namespace
+}  // namespace luminav::score
+
+int main(int argc, char** argv) {
+  return luminav::run_guarded("detector_score", [&] {
+    luminav::score::DetectorScoreOptions options;
+    std::string scenario = LUMINAV_SOURCE_DIR "/launch/scenarios/laboratory.toml";
+    std::string mode = "modern";
+    std::int64_t seed = 1;
+    std::int64_t worlds = 2;
+    std::int64_t frames = 40;
+    std::string only;
+    std::string folder;
+    bool raw = false;
+    luminav::CommandLine command_line("detector_score", "Measures the detector on rendered frames against the truth.");
+    command_line.text("--scenario", scenario, "whose building and robot are taken")
+        .text("--mode", mode, "paper or modern")
+        .integer("--seed", seed, "of the first world; 1000 and above are for measuring only")
+        .integer("--worlds", worlds, "how many, each with the next seed")
+        .integer("--frames", frames, "per world and condition")
+        .text("--only", only, "one condition of the matrix")
+        .text("--dump", folder, "folder for the frames that something is to be said against")
+        .flag("--raw", raw, "without JPEG")
+        .flag("--believed", options.believed_camera, "with the mounting and ceiling of the files, not the true ones");
+    if (const auto status = command_line.parse(argc, argv)) {
+      return *status;
+    }
+    options.scenario = scenario;
+    options.mode = mode == "paper" ? luminav::DetectorMode::kPaper : luminav::DetectorMode::kModern;
+    options.first_seed = static_cast<std::uint64_t>(seed);
+    options.worlds = static_cast<int>(worlds);
+    options.frames = static_cast<int>(frames);
+    options.jpeg = !raw;
+    return luminav::score::run(options, only, folder);
+  });
+}
