@@ -44,20 +44,6 @@ const char* name_of(FixtureShape shape) {
   return "";
 }
 
-const char* name_of(ElementKind kind) {
-  switch (kind) {
-    case ElementKind::kVent:
-      return "vent";
-    case ElementKind::kDetector:
-      return "detector";
-    case ElementKind::kSpeaker:
-      return "speaker";
-    case ElementKind::kSign:
-      return "sign";
-  }
-  return "";
-}
-
 Json detection_json(const fixture_detection_t& seen, const std::optional<Pose2>& world_from_robot) {
   Json json = {{"shape", static_cast<int>(seen.shape)}, {"state", static_cast<int>(seen.state)},
                {"clipped", seen.clipped != 0},          {"fit", rounded(seen.fit)},

@@ -37,6 +37,21 @@ struct Fixture {
 
 enum class ElementKind { kVent, kDetector, kSpeaker, kSign };
 
+/// As building files spell it.
+inline const char* name_of(ElementKind kind) {
+  switch (kind) {
+    case ElementKind::kVent:
+      return "vent";
+    case ElementKind::kDetector:
+      return "detector";
+    case ElementKind::kSpeaker:
+      return "speaker";
+    case ElementKind::kSign:
+      return "sign";
+  }
+  return "";
+}
+
 /// Something on the ceiling that a camera sees and that is no fixture.
 struct CeilingElement {
   ElementKind kind = ElementKind::kVent;

@@ -1,6 +1,10 @@
 #include "services/common/configuration/building_file.hpp"
 
+#include <fmt/format.h>
+
+#include <fstream>
 #include <set>
+#include <stdexcept>
 
 #include "services/common/configuration/toml_table.hpp"
 
@@ -54,39 +58,117 @@ CeilingElement read_element(const TomlTable& table) {
   return element;
 }
 
+std::string pose_lines(const Pose2& pose) {
+  return fmt::format("x = {:.3f}\ny = {:.3f}\ntheta = {:.4f}\n", pose.x, pose.y, pose.theta);
+}
+
+/// As a TOML basic string.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += '\\';
+    }
+    result += c;
+  }
+  return result + '"';
+}
+
+std::string fixture_table(const Fixture& fixture, double ceiling_height) {
+  std::string text = fmt::format("\n[[fixture]]\nid = {}\n", fixture.id);
+  if (fixture.shape == FixtureShape::kRound) {
+    text +=
+        fmt::format("shape = \"round\"\n{}diameter = {:.3f}\n", pose_lines(fixture.world_from_fixture), fixture.length);
+  } else {
+    text += fixture.shape == FixtureShape::kSquare ? "shape = \"square\"\n" : "";
+    text += fmt::format("{}length = {:.3f}\nwidth = {:.3f}\n", pose_lines(fixture.world_from_fixture), fixture.length,
+                        fixture.width);
+  }
+  if (fixture.height != ceiling_height) {
+    text += fmt::format("height = {:.3f}\n", fixture.height);
+  }
+  return text + fmt::format("lamps = {}\n", fixture.lamps);
+}
+
 }  // namespace
 
 Building read_building(const std::filesystem::path& file) {
+  return read_building_source(file).building;
+}
+
+BuildingSource read_building_source(const std::filesystem::path& file) {
   const TomlTable root = TomlTable::load(file);
-  Building building;
+  BuildingSource source;
+  Building& building = source.building;
   building.name = root.text("name");
   building.ceiling_height = root.number("ceiling_height", {1.0, 30.0});
   building.map_file = root.path("map");
   std::set<int> ids;
   for (const TomlTable& table : root.tables("fixture")) {
     building.fixtures.push_back(read_fixture(table, building.ceiling_height));
+    source.fixture_lines.push_back(table.line());
     if (!ids.insert(building.fixtures.back().id).second) {
       table.fail("id", "is used twice, must be unique");
     }
   }
   for (const TomlTable& table : root.tables("element")) {
     building.elements.push_back(read_element(table));
+    source.element_lines.push_back(table.line());
   }
   for (const TomlTable& table : root.tables("window")) {
     building.windows.push_back({read_pose(table), table.number("width", 1.5, {0.1, 100.0})});
+    source.window_lines.push_back(table.line());
     table.reject_unknown();
   }
   for (const TomlTable& table : root.tables("door")) {
     building.doors.push_back(
         {static_cast<int>(table.integer("id", {0, 1e9})), read_pose(table), table.number("width", 0.9, {0.3, 10.0})});
+    source.door_lines.push_back(table.line());
     table.reject_unknown();
   }
   for (const TomlTable& table : root.tables("place")) {
     building.places.push_back({table.text("name"), read_pose(table), table.has("theta")});
+    source.place_lines.push_back(table.line());
     table.reject_unknown();
   }
   root.reject_unknown();
-  return building;
+  return source;
+}
+
+void write_building(const std::filesystem::path& file, const Building& building) {
+  std::string text =
+      fmt::format("# Metres and radians in the world frame of the map.\nname = {}\nceiling_height = {:.3f}\n",
+                  quoted(building.name), building.ceiling_height);
+  if (!building.map_file.empty()) {
+    text += fmt::format("map = {}\n", quoted(building.map_file));
+  }
+  for (const Fixture& fixture : building.fixtures) {
+    text += fixture_table(fixture, building.ceiling_height);
+  }
+  for (const CeilingElement& element : building.elements) {
+    text += fmt::format("\n[[element]]\nkind = \"{}\"\n{}length = {:.3f}\nwidth = {:.3f}\n", name_of(element.kind),
+                        pose_lines(element.world_from_element), element.length, element.width);
+  }
+  for (const Window& window : building.windows) {
+    text += fmt::format("\n[[window]]\n{}width = {:.3f}\n", pose_lines(window.world_from_window), window.width);
+  }
+  for (const Door& door : building.doors) {
+    text +=
+        fmt::format("\n[[door]]\nid = {}\n{}width = {:.3f}\n", door.id, pose_lines(door.world_from_door), door.width);
+  }
+  for (const Place& place : building.places) {
+    text +=
+        fmt::format("\n[[place]]\nname = {}\nx = {:.3f}\ny = {:.3f}\n", quoted(place.name), place.pose.x, place.pose.y);
+    text += place.has_theta ? fmt::format("theta = {:.4f}\n", place.pose.theta) : "";
+  }
+  const std::filesystem::path temporary = file.string() + ".tmp";
+  std::ofstream out(temporary, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) {
+    throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
+  }
+  std::filesystem::rename(temporary, file);
 }
 
 }  // namespace luminav

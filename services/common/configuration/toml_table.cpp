@@ -63,6 +63,11 @@ const std::filesystem::path& TomlTable::file() const {
   return contents_->file;
 }
 
+int TomlTable::line() const {
+  const unsigned line = contents_->table == nullptr ? 0 : contents_->table->source().begin.line;
+  return line == 0 ? 1 : static_cast<int>(line);
+}
+
 void TomlTable::fail(std::string_view key, const std::string& message) const {
   unsigned line = 0;
   if (contents_->table != nullptr) {

@@ -68,6 +68,8 @@ class TomlTable {
   /// Throws "file:line: key: message".
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;
   [[nodiscard]] const std::filesystem::path& file() const;
+  /// Line on which the table begins; 1 for one that is absent.
+  [[nodiscard]] int line() const;
 
  private:
   struct Contents;

@@ -1,0 +1,356 @@
+#include "services/surveyor/building_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "services/surveyor/alike_fixtures.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr double kRobotRadius = 0.25;    // [m] must fit where a place is
+constexpr double kShareInWall = 0.1;     // of a fixture's face; less is a map drawn by hand
+constexpr double kLargestFixture = 2.5;  // [m] longer ones are rows of fixtures
+constexpr double kNarrowestDoor = 0.6;   // [m] what the robot needs
+
+/// Points spread over a rectangle, in its own frame, a resolution apart at most.
+std::vector<Eigen::Vector2d> points_of(double length, double width, double spacing) {
+  std::vector<Eigen::Vector2d> points;
+  const int columns = static_cast<int>(std::ceil(length / spacing)) + 1;
+  const int rows = static_cast<int>(std::ceil(width / spacing)) + 1;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      points.emplace_back(length * (static_cast<double>(column) / std::max(1, columns - 1) - 0.5),
+                          width * (static_cast<double>(row) / std::max(1, rows - 1) - 0.5));
+    }
+  }
+  return points;
+}
+
+/// Separating axis test of two rectangles.
+bool overlap(const Fixture& a, const Fixture& b) {
+  const Eigen::Vector2d apart = b.world_from_fixture.position() - a.world_from_fixture.position();
+  if (apart.norm() > 0.5 * (std::hypot(a.length, a.width) + std::hypot(b.length, b.width))) {
+    return false;
+  }
+  if (a.shape == FixtureShape::kRound || b.shape == FixtureShape::kRound) {
+    return apart.norm() < 0.5 * (a.width + b.width);
+  }
+  const auto half_extent = [](const Fixture& fixture, const Eigen::Vector2d& axis) {
+    const double theta = fixture.world_from_fixture.theta;
+    const Eigen::Vector2d along(std::cos(theta), std::sin(theta));
+    return 0.5 * fixture.length * std::abs(along.dot(axis)) +
+           0.5 * fixture.width * std::abs(Eigen::Vector2d(-along.y(), along.x()).dot(axis));
+  };
+  for (const double theta : {a.world_from_fixture.theta, b.world_from_fixture.theta}) {
+    for (const Eigen::Vector2d& axis :
+         {Eigen::Vector2d(std::cos(theta), std::sin(theta)), Eigen::Vector2d(-std::sin(theta), std::cos(theta))}) {
+      if (std::abs(apart.dot(axis)) >= half_extent(a, axis) + half_extent(b, axis)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+/// Where the robot's centre may be, in connected parts. 0 = it may not be there.
+class StandingRoom {
+ public:
+  explicit StandingRoom(const PriorMap& map) : geometry_(map.geometry), part_(map.geometry.size(), 0) {
+    const int reach = static_cast<int>(std::ceil(kRobotRadius / geometry_.resolution));
+    std::vector<bool> is_allowed(geometry_.size());
+    for (std::size_t i = 0; i < is_allowed.size(); ++i) {
+      is_allowed[i] = map.cells[i] == Prior::kFree;
+    }
+    const std::vector<bool> is_free = is_allowed;
+    for (int row = 0; row < geometry_.rows; ++row) {
+      for (int column = 0; column < geometry_.columns; ++column) {
+        if (!is_free[geometry_.index({column, row})] && touches_free(is_free, {column, row})) {
+          forbid_around(is_allowed, {column, row}, reach);
+        }
+      }
+    }
+    std::size_t largest_size = 0;
+    for (std::size_t i = 0; i < part_.size(); ++i) {
+      if (is_allowed[i] && part_[i] == 0) {
+        const std::size_t size = flood(is_allowed, i, ++parts_);
+        if (size > largest_size) {
+          largest_size = size;
+          largest_ = parts_;
+        }
+      }
+    }
+  }
+
+  /// 0 where the robot does not fit.
+  [[nodiscard]] int part_at(const Eigen::Vector2d& point) const {
+    const Cell cell = geometry_.cell_at(point);
+    return geometry_.contains(cell) ? part_[geometry_.index(cell)] : 0;
+  }
+  [[nodiscard]] int largest() const { return largest_; }
+
+ private:
+  /// Only the walls' faces forbid anything: what lies deep inside them needs no disc.
+  [[nodiscard]] bool touches_free(const std::vector<bool>& is_free, const Cell& cell) const {
+    for (const auto& [dx, dy] : std::array<std::pair<int, int>, 4>{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}}) {
+      const Cell next{cell.column + dx, cell.row + dy};
+      if (geometry_.contains(next) && is_free[geometry_.index(next)]) {
+        return true;
+      }
+    }
+    return false;
+  }
+  void forbid_around(std::vector<bool>& is_allowed, const Cell& cell, int reach) const {
+    for (int dy = -reach; dy <= reach; ++dy) {
+      for (int dx = -reach; dx <= reach; ++dx) {
+        const Cell next{cell.column + dx, cell.row + dy};
+        if (dx * dx + dy * dy <= reach * reach && geometry_.contains(next)) {
+          is_allowed[geometry_.index(next)] = false;
+        }
+      }
+    }
+  }
+  std::size_t flood(const std::vector<bool>& is_allowed, std::size_t start, int part) {
+    std::vector<std::size_t> open = {start};
+    part_[start] = part;
+    std::size_t size = 0;
+    const auto columns = static_cast<std::size_t>(geometry_.columns);
+    while (!open.empty()) {
+      const std::size_t here = open.back();
+      open.pop_back();
+      ++size;
+      const std::size_t column = here % columns;
+      const std::array<std::pair<bool, std::size_t>, 4> neighbours = {
+          {{column > 0, here - 1},
+           {column + 1 < columns, here + 1},
+           {here >= columns, here - columns},
+           {here + columns < part_.size(), here + columns}}};
+      for (const auto& [exists, next] : neighbours) {
+        if (exists && is_allowed[next] && part_[next] == 0) {
+          part_[next] = part;
+          open.push_back(next);
+        }
+      }
+    }
+    return size;
+  }
+
+  GridGeometry geometry_;
+  std::vector<int> part_;
+  int parts_ = 0;
+  int largest_ = 0;
+};
+
+/// Occupied cells in connected parts: what is large is a wall, what stands alone is furniture that was drawn into the
+/// map.
+class Walls {
+ public:
+  explicit Walls(const PriorMap& map) : geometry_(map.geometry), is_wall_(map.geometry.size(), false) {
+    std::vector<bool> is_seen(geometry_.size(), false);
+    for (std::size_t i = 0; i < is_seen.size(); ++i) {
+      if (map.cells[i] == Prior::kOccupied && !is_seen[i]) {
+        mark_part(map, i, is_seen);
+      }
+    }
+  }
+  [[nodiscard]] bool at(const Eigen::Vector2d& point) const {
+    const Cell cell = geometry_.cell_at(point);
+    return geometry_.contains(cell) && is_wall_[geometry_.index(cell)];
+  }
+
+ private:
+  static constexpr double kLargestFurniture = 5.0;  // [m]
+
+  void mark_part(const PriorMap& map, std::size_t start, std::vector<bool>& is_seen) {
+    std::vector<Cell> part = {{static_cast<int>(start % static_cast<std::size_t>(geometry_.columns)),
+                               static_cast<int>(start / static_cast<std::size_t>(geometry_.columns))}};
+    is_seen[start] = true;
+    Cell low = part.front();
+    Cell high = part.front();
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const Cell cell = part[i];
+      low = {std::min(low.column, cell.column), std::min(low.row, cell.row)};
+      high = {std::max(high.column, cell.column), std::max(high.row, cell.row)};
+      for (int turn = 0; turn < 9; ++turn) {
+        const Cell next{cell.column + turn % 3 - 1, cell.row + turn / 3 - 1};
+        if (geometry_.contains(next) && !is_seen[geometry_.index(next)] &&
+            map.cells[geometry_.index(next)] == Prior::kOccupied) {
+          is_seen[geometry_.index(next)] = true;
+          part.push_back(next);
+        }
+      }
+    }
+    const int extent = std::max(high.column - low.column, high.row - low.row);
+    if (extent * geometry_.resolution > kLargestFurniture) {
+      for (const Cell& cell : part) {
+        is_wall_[geometry_.index(cell)] = true;
+      }
+    }
+  }
+
+  GridGeometry geometry_;
+  std::vector<bool> is_wall_;
+};
+
+class BuildingInspector {
+ public:
+  BuildingInspector(const BuildingSource& source, const PriorMap* map)
+      : source_(source), building_(source.building), map_(map) {}
+
+  std::vector<BuildingFinding> inspect() {
+    check_sizes();
+    check_overlaps();
+    if (map_ != nullptr) {
+      check_fixtures_on_map();
+      check_doors();
+      check_places();
+    } else {
+      add(FindingKind::kWarning, 1,
+          "has no map: walls cannot be checked, and the robot plans through them until it saw them");
+    }
+    if (building_.fixtures.empty()) {
+      add(FindingKind::kError, 1, "has no fixture: the robot can never find out where it is");
+    }
+    std::stable_sort(findings_.begin(), findings_.end(),
+                     [](const BuildingFinding& a, const BuildingFinding& b) { return a.line < b.line; });
+    note_alike_fixtures();
+    return std::move(findings_);
+  }
+
+ private:
+  void add(FindingKind kind, int line, std::string text) { findings_.push_back({kind, line, std::move(text)}); }
+
+  void check_sizes() {
+    for (std::size_t i = 0; i < building_.fixtures.size(); ++i) {
+      const Fixture& fixture = building_.fixtures[i];
+      const int line = source_.fixture_lines[i];
+      if (fixture.length > kLargestFixture || fixture.width < 0.05) {
+        add(FindingKind::kWarning, line,
+            fmt::format(
+                "fixture {} is {:.2f} x {:.2f} m: no shop sells that; is it a row of fixtures, or in other units?",
+                fixture.id, fixture.length, fixture.width));
+      }
+      if (fixture.height > building_.ceiling_height + 0.01) {
+        add(FindingKind::kError, line,
+            fmt::format("fixture {} hangs at {:.2f} m, above the ceiling at {:.2f} m", fixture.id, fixture.height,
+                        building_.ceiling_height));
+      } else if (fixture.height < 1.9) {
+        add(FindingKind::kWarning, line,
+            fmt::format("fixture {} hangs at {:.2f} m: people would hit their heads", fixture.id, fixture.height));
+      }
+    }
+    for (std::size_t i = 0; i < building_.doors.size(); ++i) {
+      if (building_.doors[i].width < kNarrowestDoor) {
+        add(FindingKind::kWarning, source_.door_lines[i],
+            fmt::format("door {} is {:.2f} m wide: the robot needs {:.1f} m", building_.doors[i].id,
+                        building_.doors[i].width, kNarrowestDoor));
+      }
+    }
+  }
+
+  void check_overlaps() {
+    for (std::size_t i = 0; i < building_.fixtures.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (overlap(building_.fixtures[i], building_.fixtures[j])) {
+          const double apart =
+              distance(building_.fixtures[i].world_from_fixture, building_.fixtures[j].world_from_fixture);
+          add(FindingKind::kError, source_.fixture_lines[i],
+              fmt::format("fixture {} overlaps fixture {} (line {}): their centres are {:.2f} m apart",
+                          building_.fixtures[i].id, building_.fixtures[j].id, source_.fixture_lines[j], apart));
+        }
+      }
+    }
+  }
+
+  void check_fixtures_on_map() {
+    const Walls walls(*map_);
+    for (std::size_t i = 0; i < building_.fixtures.size(); ++i) {
+      const Fixture& fixture = building_.fixtures[i];
+      const int line = source_.fixture_lines[i];
+      const Cell cell = map_->geometry.cell_at(fixture.world_from_fixture.position());
+      if (!map_->geometry.contains(cell)) {
+        add(FindingKind::kError, line,
+            fmt::format("fixture {} at ({:.2f}, {:.2f}) is outside the map", fixture.id, fixture.world_from_fixture.x,
+                        fixture.world_from_fixture.y));
+        continue;
+      }
+      const auto points = points_of(fixture.length, fixture.width, map_->geometry.resolution);
+      const auto in_wall = std::count_if(points.begin(), points.end(), [&](const Eigen::Vector2d& point) {
+        return walls.at(fixture.world_from_fixture * point);
+      });
+      const double share = static_cast<double>(in_wall) / static_cast<double>(points.size());
+      if (share > kShareInWall) {
+        add(FindingKind::kError, line,
+            fmt::format("fixture {} at ({:.2f}, {:.2f}) is in a wall: {:.0f} % of it", fixture.id,
+                        fixture.world_from_fixture.x, fixture.world_from_fixture.y, 100.0 * share));
+      } else if (map_->cells[map_->geometry.index(cell)] == Prior::kUnknown) {
+        add(FindingKind::kWarning, line,
+            fmt::format("fixture {} at ({:.2f}, {:.2f}) is where the map knows nothing", fixture.id,
+                        fixture.world_from_fixture.x, fixture.world_from_fixture.y));
+      }
+    }
+  }
+
+  void check_doors() {
+    for (std::size_t i = 0; i < building_.doors.size(); ++i) {
+      const Door& door = building_.doors[i];
+      if (map_->at(door.world_from_door.position()) != Prior::kFree) {
+        add(FindingKind::kError, source_.door_lines[i],
+            fmt::format("door {} at ({:.2f}, {:.2f}) is a wall in the map", door.id, door.world_from_door.x,
+                        door.world_from_door.y));
+      }
+    }
+  }
+
+  void check_places() {
+    const StandingRoom room(*map_);
+    for (std::size_t i = 0; i < building_.places.size(); ++i) {
+      const Place& place = building_.places[i];
+      const int part = room.part_at(place.pose.position());
+      if (part == 0) {
+        add(FindingKind::kError, source_.place_lines[i],
+            fmt::format(
+                "place \"{}\" at ({:.2f}, {:.2f}): the robot does not fit there, a wall is nearer than {:.2f} m",
+                place.name, place.pose.x, place.pose.y, kRobotRadius));
+      } else if (part != room.largest()) {
+        add(FindingKind::kError, source_.place_lines[i],
+            fmt::format("place \"{}\" at ({:.2f}, {:.2f}): no way leads there from most of the building", place.name,
+                        place.pose.x, place.pose.y));
+      }
+    }
+  }
+
+  void note_alike_fixtures() {
+    const AlikeFixtures alike = find_alike_fixtures(building_);
+    if (alike.fixtures == 0) {
+      add(FindingKind::kNote, 0, "every fixture is told apart by what hangs around it");
+      return;
+    }
+    std::string examples;
+    for (std::size_t i = 0; i < std::min<std::size_t>(alike.largest_group.size(), 5); ++i) {
+      examples += fmt::format("{}{}", i == 0 ? "" : ", ", building_.fixtures[alike.largest_group[i]].id);
+    }
+    add(FindingKind::kNote, 0,
+        fmt::format(
+            "{} of {} fixtures look like another one with all that hangs within {:.0f} m; the largest such group "
+            "has {} (ids {}{}): there the robot must drive on before it knows where it is",
+            alike.fixtures, building_.fixtures.size(), kSurroundings, alike.largest_group.size(), examples,
+            alike.largest_group.size() > 5 ? ", ..." : ""));
+  }
+
+  const BuildingSource& source_;
+  const Building& building_;
+  const PriorMap* map_;
+  std::vector<BuildingFinding> findings_;
+};
+
+}  // namespace
+
+std::vector<BuildingFinding> check_building(const BuildingSource& source, const PriorMap* map) {
+  return BuildingInspector(source, map).inspect();
+}
+
+}  // namespace luminav

@@ -1,0 +1,100 @@
+#include "services/surveyor/building_check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.hpp"
+
+namespace luminav {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::Field;
+using testing::HasSubstr;
+using testing::Not;
+
+/// A hall of 20 x 10 m with walls of 0.2 m, and one across it at x = 12 m that leaves no door.
+PriorMap hall() {
+  PriorMap map;
+  map.geometry = {.resolution = 0.1, .origin = {0.0, 0.0}, .columns = 200, .rows = 100};
+  map.cells.assign(map.geometry.size(), Prior::kFree);
+  for (int row = 0; row < 100; ++row) {
+    for (int column = 0; column < 200; ++column) {
+      const bool is_outer = row < 2 || row >= 98 || column < 2 || column >= 198;
+      const bool is_across = column == 120 || column == 121;
+      const bool is_table = row >= 40 && row < 50 && column >= 30 && column < 50;
+      if (is_outer || is_across || is_table) {
+        map.cells[map.geometry.index({column, row})] = Prior::kOccupied;
+      }
+    }
+  }
+  return map;
+}
+
+std::vector<BuildingFinding> findings_of(const std::string& tables) {
+  const TemporaryFolder folder;
+  const PriorMap map = hall();
+  return check_building(
+      read_building_source(folder.write("building.toml", "name = \"hall\"\nceiling_height = 2.8\n" + tables)), &map);
+}
+
+testing::Matcher<BuildingFinding> finding(FindingKind kind, int line, const char* text) {
+  return AllOf(Field(&BuildingFinding::kind, kind), Field(&BuildingFinding::line, line),
+               Field(&BuildingFinding::text, HasSubstr(text)));
+}
+
+TEST(BuildingCheck, NamesBothFixturesThatOverlap) {
+  const auto findings = findings_of(
+      "[[fixture]]\nid = 4\nx = 3.0\ny = 3.0\nlength = 1.2\nwidth = 0.3\n"
+      "[[fixture]]\nid = 9\nx = 3.5\ny = 3.4\ntheta = 1.5708\nlength = 1.2\nwidth = 0.3\n"
+      "[[fixture]]\nid = 10\nx = 3.0\ny = 7.0\nlength = 1.2\nwidth = 0.3\n");
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 9, "fixture 9 overlaps fixture 4 (line 3)")));
+  EXPECT_THAT(findings, Not(Contains(Field(&BuildingFinding::text, HasSubstr("fixture 10")))));
+}
+
+TEST(BuildingCheck, TellsNeighboursThatOnlyTouchCornersApart) {
+  // the circles round them meet, they don't: 1.2 x 0.3 m, side by side at 0.4 m
+  const auto findings = findings_of(
+      "[[fixture]]\nid = 1\nx = 3.0\ny = 3.0\nlength = 1.2\nwidth = 0.3\n"
+      "[[fixture]]\nid = 2\nx = 3.0\ny = 3.4\nlength = 1.2\nwidth = 0.3\n");
+  EXPECT_THAT(findings, Not(Contains(Field(&BuildingFinding::kind, FindingKind::kError))));
+}
+
+TEST(BuildingCheck, FindsAFixtureInAWallButNotOneOverATable) {
+  const auto findings = findings_of(
+      "[[fixture]]\nid = 1\nx = 12.1\ny = 3.0\ntheta = 1.5708\nlength = 1.2\nwidth = 0.3\n"
+      "[[fixture]]\nid = 2\nx = 4.0\ny = 4.5\nlength = 1.2\nwidth = 0.3\n");
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 3, "is in a wall")));
+  EXPECT_THAT(findings, Not(Contains(finding(FindingKind::kError, 9, ""))));
+}
+
+TEST(BuildingCheck, FindsWhatIsOutsideTheMapOrAboveTheCeilingOrOfNoSize) {
+  const auto findings = findings_of(
+      "[[fixture]]\nid = 1\nx = 25.0\ny = 3.0\nlength = 1.2\nwidth = 0.3\n"
+      "[[fixture]]\nid = 2\nx = 3.0\ny = 3.0\nlength = 1.2\nwidth = 0.3\nheight = 3.2\n"
+      "[[fixture]]\nid = 3\nx = 8.0\ny = 3.0\nlength = 6.0\nwidth = 0.3\n");
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 3, "outside the map")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 9, "above the ceiling")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kWarning, 16, "6.00 x 0.30 m")));
+}
+
+TEST(BuildingCheck, FindsPlacesWhereNobodyCanStandOrGo) {
+  const auto findings = findings_of(
+      "[[fixture]]\nid = 1\nx = 3.0\ny = 3.0\nlength = 1.2\nwidth = 0.3\n"
+      "[[place]]\nname = \"table\"\nx = 4.0\ny = 4.5\n"
+      "[[place]]\nname = \"walled in\"\nx = 16.0\ny = 5.0\n"
+      "[[place]]\nname = \"hall\"\nx = 8.0\ny = 5.0\n"
+      "[[door]]\nid = 1\nx = 12.1\ny = 5.0\ntheta = 1.5708\nwidth = 0.9\n");
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 9, "does not fit there")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 13, "no way leads there")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 21, "is a wall in the map")));
+  EXPECT_THAT(findings, Not(Contains(Field(&BuildingFinding::line, 17))));
+}
+
+TEST(BuildingCheck, SaysThatABuildingWithoutFixturesIsOfNoUse) {
+  EXPECT_THAT(findings_of(""), Contains(finding(FindingKind::kError, 1, "no fixture")));
+}
+
+}  // namespace
+}  // namespace luminav
