@@ -6,14 +6,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/localizer/pose_alternatives.hpp"
+
 namespace luminav {
 namespace {
 
 constexpr double kLeastFit = 0.35;                  // outlines that fit worse are not used
 constexpr double kFastest = 3.0;                    // [m/s] beyond it odometry has jumped, no robot of ours drives so
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
-const Eigen::Vector3d kSurprise(0.0036, 0.0036, 0.0007);  // [m^2, m^2, rad^2] 60 mm and 1.5 degrees
-constexpr std::size_t kMostSightings = 12;                // of one image
+constexpr double kRefuted = 6.0;                    // log-score behind the best at which a leader is one no more
+constexpr std::size_t kMostSightings = 12;          // of one image
 constexpr std::size_t kMostEchoes = 64;
 
 }  // namespace
@@ -28,7 +30,8 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       params_(params),
       bank_(map_, view_, walls_, building.ceiling_height, robot.wheel_base, robot.sonar, errors, params.hypotheses),
       filter_(std::max(0.2, building.ceiling_height - robot.camera.mounting.z),
-              {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors, params.tracking) {
+              {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors, params.tracking),
+      watch_(map_, view_, building.ceiling_height, params.rules) {
   if (map_.size() == 0) {
     reason_ = "the building's file names no fixtures";
   }
@@ -186,54 +189,24 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   decide(frame);
 }
 
-std::vector<ModernLocalizer::Match> ModernLocalizer::match(const SightingFrame& frame,
-                                                           const OdometryReading& odometry) const {
-  std::vector<Match> candidates;
-  const Pose2 pose = filter_.belief().pose;
-  std::vector<int> near;
-  for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
-    const FixtureSighting& sighting = frame.sightings[i];
-    near.clear();
-    map_.find_near(pose * sighting.robot_from_fixture.position(), 1.5, near);
-    for (const int index : near) {
-      if (!fits_kind_and_size(sighting, map_[index], KindGate{})) {
-        continue;
-      }
-      const Innovation innovation = filter_.innovate(sighting, index, map_[index], odometry.linear, odometry.angular);
-      // fixtures stand metres apart: one that is a little beside its place is still that fixture
-      const Eigen::Matrix3d generous = innovation.covariance + kSurprise.asDiagonal().toDenseMatrix();
-      const double nis = innovation.residual.dot(generous.inverse() * innovation.residual);
-      if (nis < params_.tracking.gate) {
-        candidates.push_back({i, index, nis});
-      }
-    }
-  }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Match& a, const Match& b) { return a.nis < b.nis; });
-  std::vector<Match> matches;
-  for (const Match& candidate : candidates) {
-    if (std::none_of(matches.begin(), matches.end(), [&](const Match& m) {
-          return m.sighting == candidate.sighting || m.fixture == candidate.fixture;
-        })) {
-      matches.push_back(candidate);
-    }
-  }
-  return matches;
-}
-
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
                             const OdometryReading& odometry) {
-  const std::vector<Match> matches = match(frame, odometry);
-  watch(frame, objects, matches);
+  const std::vector<FixtureMatch> matches = match_sightings(filter_, map_, frame, odometry, params_.tracking.gate);
+  const auto contradiction = watch_.look(frame, objects, scene_, matches, filter_.belief(), odometry.odom_from_robot,
+                                         odometer_ - odometer_at_fixture_, !doubt_.empty());
+  if (contradiction) {
+    doubt(contradiction->reason, contradiction->bonus);
+  }
   correct_filter(frame, matches, odometry);
 }
 
-void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<Match>& matches,
+void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                                      const OdometryReading& odometry) {
-  for (const Match& match : matches) {
+  for (const FixtureMatch& match : matches) {
     const Innovation innovation = filter_.innovate(frame.sightings[match.sighting], match.fixture, map_[match.fixture],
                                                    odometry.linear, odometry.angular);
     if (innovation.nis > params_.tracking.gate) {
-      filter_.widen(kSurprise);
+      filter_.widen(kFixtureSurprise);
     }
     const double nis = filter_.correct(frame.sightings[match.sighting], match.fixture, map_[match.fixture],
                                        odometry.linear, odometry.angular, odometer_);
@@ -251,101 +224,9 @@ void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vect
   }
 }
 
-void ModernLocalizer::watch(const SightingFrame& frame, const std::vector<int>& objects,
-                            const std::vector<Match>& matches) {
-  const PoseBelief belief = filter_.belief();
-  // what is seen and fits nothing
-  std::string unexplained;
-  for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
-    const bool is_matched =
-        std::any_of(matches.begin(), matches.end(), [&](const Match& m) { return m.sighting == i; });
-    const Eigen::Vector2d place = belief.pose * frame.sightings[i].robot_from_fixture.position();
-    if (!is_matched && scene_.objects()[static_cast<std::size_t>(objects[i])].frames >= 2) {
-      unexplained =
-          fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none", place.x(), place.y());
-    }
-  }
-  note_pause();
-  if (!matches.empty()) {
-    misfit_run_ = 0;
-    missed_frames_.clear();
-    still_frames_ = 0;
-    paused_ = false;
-    odom_at_match_ = filter_odometry_->odom_from_robot;
-    seen_lately_.clear();
-    for (const Match& m : matches) {
-      seen_lately_.push_back(m.fixture);
-    }
-    return;
-  }
-  misfit_run_ += unexplained.empty() ? 0 : 1;
-  const std::optional<int> missed = count_missing(frame);
-  if (!doubt_.empty()) {
-    return;
-  }
-  if (misfit_run_ >= params_.rules.misfit_frames) {
-    doubt(unexplained.empty() ? "what is seen fits no fixture" : unexplained, params_.rules.bonus_after_misfit);
-  } else if (missed) {
-    doubt_fixture_ = *missed;
-    doubt(fmt::format("fixture {} ought to be in view and is not seen", map_[*missed].id),
-          params_.rules.bonus_after_miss);
-  }
-}
-
-void ModernLocalizer::note_pause() {
-  const Pose2 step = odom_at_frame_.inverse() * filter_odometry_->odom_from_robot;
-  odom_at_frame_ = filter_odometry_->odom_from_robot;
-  const bool still = std::hypot(step.x, step.y) < 0.001 && std::abs(step.theta) < radians(0.1);
-  still_frames_ = still ? still_frames_ + 1 : 0;
-  paused_ = paused_ || still_frames_ >= params_.rules.pause_frames;
-}
-
-std::optional<int> ModernLocalizer::count_missing(const SightingFrame& frame) {
-  const TrackingRules& rules = params_.rules;
-  const PoseBelief belief = filter_.belief();
-  const Pose2 since_match = odom_at_match_.inverse() * filter_odometry_->odom_from_robot;
-  const bool stands_still =
-      std::hypot(since_match.x, since_match.y) < rules.still_distance && std::abs(since_match.theta) < rules.still_turn;
-  const double margin = rules.visible_margin + 2.0 * position_sigma(belief.covariance);
-  std::vector<int> near;
-  map_.find_near(belief.pose.position(), view_.radius(building_.ceiling_height) + 1.0, near);
-  for (const int index : near) {
-    const Pose2 robot_from_fixture = belief.pose.inverse() * map_[index].world_from_fixture;
-    const bool is_there = std::any_of(frame.sightings.begin(), frame.sightings.end(), [&](const FixtureSighting& s) {
-      return distance(s.robot_from_fixture, robot_from_fixture) < 0.5 * map_[index].length + 0.2;
-    });
-    const bool vanished =
-        stands_still && std::find(seen_lately_.begin(), seen_lately_.end(), index) != seen_lately_.end();
-    const double least = vanished ? rules.vanish_share : rules.miss_share;
-    if (is_there || unreliable_.count(index) > 0 ||
-        view_.visible_share(robot_from_fixture, map_[index], margin) < least) {
-      continue;
-    }
-    const int frames = ++missed_frames_[index];
-    if (vanished && frames >= rules.vanish_frames) {
-      return index;
-    }
-  }
-  // The detector misses a fixture from some places while the robot passes; that it misses several, or one over a long
-  // way, is unlikely. Who stood still since the last match may have been carried: then one is enough.
-  int worst = -1;
-  int several = 0;
-  for (const auto& [index, frames] : missed_frames_) {
-    several += frames >= rules.miss_frames ? 1 : 0;
-    if (worst < 0 || frames > missed_frames_.at(worst)) {
-      worst = index;
-    }
-  }
-  const bool over_a_way = worst >= 0 && missed_frames_.at(worst) >= rules.miss_frames &&
-                          odometer_ - odometer_at_fixture_ > rules.miss_distance;
-  return several >= (paused_ ? 1 : rules.miss_fixtures) || over_a_way ? std::optional(worst) : std::nullopt;
-}
-
 void ModernLocalizer::doubt(const std::string& why, double bonus) {
   doubt_ = why;
-  misfit_run_ = 0;
-  missed_frames_.clear();
-  seen_lately_.clear();
+  watch_.reset();
   scene_.clear();
   bank_.clear();
   PoseBelief belief = filter_.belief();
@@ -362,10 +243,14 @@ const Hypothesis* ModernLocalizer::leader() const {
   return found == bank_.hypotheses().end() ? nullptr : &*found;
 }
 
-void ModernLocalizer::decide(const SightingFrame& frame) {
-  const TrackingRules& rules = params_.rules;
+double ModernLocalizer::margin() const {
   const std::vector<Hypothesis>& all = bank_.hypotheses();
-  if (all.empty()) {
+  const double second = all.size() > 1 ? all[1].total : -1e18;
+  return all.front().total - std::max(second, bank_.null_score());
+}
+
+void ModernLocalizer::decide(const SightingFrame& frame) {
+  if (bank_.hypotheses().empty()) {
     leader_id_ = 0;
     doubt_.clear();
     state_ = LocalizerState::kLost;
@@ -374,91 +259,129 @@ void ModernLocalizer::decide(const SightingFrame& frame) {
                                          : "what is seen fits nowhere in the building";
     return;
   }
-  const Hypothesis& best = all.front();
-  const double second = all.size() > 1 ? all[1].total : -1e18;
-  const double margin = best.total - std::max(second, bank_.null_score());
+  drop_refuted_leader();
+  if (begin_anew_if_unexplained(frame)) {
+    return;
+  }
+  if (state_ == LocalizerState::kTracking) {
+    judge_tracked_pose();
+  } else if (!resume_tracking(frame) && !declare_tracking(frame)) {
+    explain_ambiguity();
+  }
+}
 
-  if (leader_id_ != 0) {
-    const Hypothesis* held = leader();
-    if (held == nullptr || best.total - held->total > 6.0) {
-      leader_id_ = 0;
-      doubt_.clear();
-      state_ = LocalizerState::kAmbiguous;
-    }
+void ModernLocalizer::drop_refuted_leader() {
+  if (leader_id_ == 0) {
+    return;
   }
-  if (!frame.sightings.empty() && state_ != LocalizerState::kTracking) {
-    unexplained_run_ = best.last_match == frame.utime ? 0 : unexplained_run_ + 1;
-    if (unexplained_run_ >= rules.restart_frames) {
-      unexplained_run_ = 0;
-      const PoseBelief old = leader_id_ != 0 ? filter_.belief() : best.belief;
-      scene_.clear();
-      bank_.clear();
-      bank_.add_guess(old, 0.0);
-      leader_id_ = 0;
-      doubt_.clear();
-      state_ = LocalizerState::kLost;
-      reason_ = "nothing explained what was seen; searching anew";
-      return;
-    }
+  const Hypothesis* held = leader();
+  if (held == nullptr || bank_.hypotheses().front().total - held->total > kRefuted) {
+    leader_id_ = 0;
+    doubt_.clear();
+    state_ = LocalizerState::kAmbiguous;
   }
+}
+
+bool ModernLocalizer::begin_anew_if_unexplained(const SightingFrame& frame) {
+  if (frame.sightings.empty() || state_ == LocalizerState::kTracking) {
+    return false;
+  }
+  const Hypothesis& best = bank_.hypotheses().front();
+  unexplained_run_ = best.last_match == frame.utime ? 0 : unexplained_run_ + 1;
+  if (unexplained_run_ < params_.rules.restart_frames) {
+    return false;
+  }
+  unexplained_run_ = 0;
+  const PoseBelief old = leader_id_ != 0 ? filter_.belief() : best.belief;
+  scene_.clear();
+  bank_.clear();
+  bank_.add_guess(old, 0.0);
+  leader_id_ = 0;
+  doubt_.clear();
+  state_ = LocalizerState::kLost;
+  reason_ = "nothing explained what was seen; searching anew";
+  return true;
+}
+
+void ModernLocalizer::judge_tracked_pose() {
+  const TrackingRules& rules = params_.rules;
+  const std::vector<Hypothesis>& all = bank_.hypotheses();
+  const Hypothesis& best = all.front();
   const PoseBelief belief = leader_id_ != 0 ? filter_.belief() : best.belief;
   const double sigma = largest_position_sigma(belief.covariance);
   const double heading_sigma = std::sqrt(belief.covariance(2, 2));
-  if (state_ == LocalizerState::kTracking) {
-    const double ahead = (leader() != nullptr ? leader()->total : -1e18) -
-                         (all.size() > 1 ? (best.id == leader_id_ ? second : best.total) : -1e18);
-    if (ahead < rules.leave_margin) {
-      state_ = LocalizerState::kAmbiguous;
-      reason_ = fmt::format("another of {} poses explains what is seen as well", all.size());
-    } else if (sigma > rules.leave_position_sigma || heading_sigma > rules.leave_heading_sigma) {
-      state_ = LocalizerState::kAmbiguous;
-      wide_ = true;
-      reason_ = fmt::format("no fixture for {:.1f} m: the pose is only known to {:.2f} m",
-                            odometer_ - odometer_at_fixture_, sigma);
-    } else {
-      reason_ = fmt::format("one pose explains all that was seen; known to {:.0f} mm and {:.1f} degrees", 1e3 * sigma,
-                            degrees(heading_sigma));
-    }
-    return;
+  const double second = all.size() > 1 ? all[1].total : -1e18;
+  const double ahead = (leader() != nullptr ? leader()->total : -1e18) -
+                       (all.size() > 1 ? (best.id == leader_id_ ? second : best.total) : -1e18);
+  if (ahead < rules.leave_margin) {
+    state_ = LocalizerState::kAmbiguous;
+    reason_ = fmt::format("another of {} poses explains what is seen as well", all.size());
+  } else if (sigma > rules.leave_position_sigma || heading_sigma > rules.leave_heading_sigma) {
+    state_ = LocalizerState::kAmbiguous;
+    wide_ = true;
+    reason_ = fmt::format("no fixture for {:.1f} m: the pose is only known to {:.2f} m",
+                          odometer_ - odometer_at_fixture_, sigma);
+  } else {
+    reason_ = fmt::format("one pose explains all that was seen; known to {:.0f} mm and {:.1f} degrees", 1e3 * sigma,
+                          degrees(heading_sigma));
   }
-  if (wide_ && leader_id_ != 0 && margin >= rules.leave_margin && sigma < rules.enter_position_sigma &&
-      doubt_.empty() && best.id == leader_id_ && best.last_match == frame.utime) {
-    wide_ = false;
-    state_ = LocalizerState::kTracking;
-    return;
+}
+
+bool ModernLocalizer::resume_tracking(const SightingFrame& frame) {
+  const Hypothesis& best = bank_.hypotheses().front();
+  if (!wide_ || leader_id_ == 0 || best.id != leader_id_ || best.last_match != frame.utime || !doubt_.empty() ||
+      margin() < params_.rules.leave_margin ||
+      largest_position_sigma(filter_.belief().covariance) >= params_.rules.enter_position_sigma) {
+    return false;
   }
-  const bool is_confirmed =
-      static_cast<int>(best.confirmed.size()) >= (best.id == leader_id_ ? 1 : rules.enter_fixtures);
-  if (margin >= rules.enter_margin && is_confirmed && !frame.sightings.empty() && best.last_match == frame.utime &&
-      largest_position_sigma(best.belief.covariance) < rules.enter_position_sigma) {
-    if (best.id != leader_id_) {
-      PoseBelief start = best.belief;
-      start.covariance += Eigen::Vector3d(0.01, 0.01, 0.003).asDiagonal();
-      filter_.start(start);
-      leader_id_ = best.id;
-      correct_filter(frame, match(frame, *filter_odometry_), *filter_odometry_);
-    }
-    if (best.id == doubted_id_ && doubt_fixture_ >= 0) {
-      unreliable_.insert(doubt_fixture_);  // the pose was right: the fixture is dead, gone or hard to see
-    }
-    doubt_fixture_ = -1;
-    wide_ = false;
-    doubt_.clear();
-    misfit_run_ = 0;
-    missed_frames_.clear();
-    state_ = LocalizerState::kTracking;
-    reason_ = fmt::format("one pose explains {} fixtures, all others fail", best.confirmed.size());
-    return;
+  wide_ = false;
+  state_ = LocalizerState::kTracking;
+  return true;
+}
+
+bool ModernLocalizer::declare_tracking(const SightingFrame& frame) {
+  const TrackingRules& rules = params_.rules;
+  const Hypothesis best = bank_.hypotheses().front();
+  const int enough_fixtures = best.id == leader_id_ ? 1 : rules.enter_fixtures;
+  if (margin() < rules.enter_margin || static_cast<int>(best.confirmed.size()) < enough_fixtures ||
+      frame.sightings.empty() || best.last_match != frame.utime ||
+      largest_position_sigma(best.belief.covariance) >= rules.enter_position_sigma) {
+    return false;
   }
+  if (best.id != leader_id_) {
+    PoseBelief start = best.belief;
+    start.covariance += Eigen::Vector3d(0.01, 0.01, 0.003).asDiagonal();
+    filter_.start(start);
+    leader_id_ = best.id;
+    correct_filter(frame, match_sightings(filter_, map_, frame, *filter_odometry_, params_.tracking.gate),
+                   *filter_odometry_);
+  }
+  watch_.confirm(best.id == doubted_id_);
+  wide_ = false;
+  doubt_.clear();
+  state_ = LocalizerState::kTracking;
+  reason_ = fmt::format("one pose explains {} fixtures, all others fail", best.confirmed.size());
+  return true;
+}
+
+void ModernLocalizer::explain_ambiguity() {
   state_ = LocalizerState::kAmbiguous;
   if (!doubt_.empty()) {
     reason_ = doubt_;
   } else if (!wide_) {
-    const auto close = std::count_if(all.begin(), all.end(),
-                                     [&](const Hypothesis& h) { return h.total > best.total - rules.enter_margin; });
+    const std::vector<Hypothesis>& all = bank_.hypotheses();
+    const Hypothesis& best = all.front();
+    const auto close = std::count_if(
+        all.begin(), all.end(), [&](const Hypothesis& h) { return h.total > best.total - params_.rules.enter_margin; });
     reason_ = close > 1 ? fmt::format("{} poses explain what was seen", close)
                         : fmt::format("one pose is left, confirmed by {} fixtures so far", best.confirmed.size());
   }
+}
+
+Pose2 ModernLocalizer::since_filter() const {
+  return filter_odometry_ && !queue_.history().is_empty()
+             ? filter_odometry_->odom_from_robot.inverse() * queue_.history().newest().odom_from_robot
+             : Pose2{};
 }
 
 LocalizerEstimate ModernLocalizer::estimate() const {
@@ -469,10 +392,7 @@ LocalizerEstimate ModernLocalizer::estimate() const {
   estimate.has_nis = has_nis_;
   estimate.nis = nis_;
   estimate.initial_pose_id = guess_id_;
-  Pose2 ahead;
-  if (filter_odometry_ && !queue_.history().is_empty()) {
-    ahead = filter_odometry_->odom_from_robot.inverse() * queue_.history().newest().odom_from_robot;
-  }
+  const Pose2 ahead = since_filter();
   estimate.distance_since_fixture = odometer_ - odometer_at_fixture_ + std::hypot(ahead.x, ahead.y);
   if (leader_id_ != 0) {
     estimate.estimator = EstimatorKind::kKalmanFilter;
@@ -483,17 +403,7 @@ LocalizerEstimate ModernLocalizer::estimate() const {
     predict(estimate.belief, ahead, odometry_noise(ahead, robot_.wheel_base, ErrorParams{}));
   }
   if (state_ == LocalizerState::kAmbiguous) {
-    // as wide as the poses still possible
-    const std::vector<WeightedPose> possible = hypotheses(200);
-    Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-    double turned = 0.0;
-    for (const WeightedPose& pose : possible) {
-      const Eigen::Vector2d offset = pose.pose.position() - estimate.belief.pose.position();
-      spread += pose.weight * offset * offset.transpose();
-      turned += pose.weight * std::pow(wrap_angle(pose.pose.theta - estimate.belief.pose.theta), 2);
-    }
-    estimate.belief.covariance.topLeftCorner<2, 2>() += spread;
-    estimate.belief.covariance(2, 2) += turned;
+    widen_over(hypotheses(200), estimate.belief);
   } else if (state_ == LocalizerState::kLost) {
     estimate.estimator = bank_.hypotheses().empty() ? EstimatorKind::kNone : EstimatorKind::kHypotheses;
     estimate.belief.covariance = unknown_pose_covariance();
@@ -502,27 +412,7 @@ LocalizerEstimate ModernLocalizer::estimate() const {
 }
 
 std::vector<WeightedPose> ModernLocalizer::hypotheses(std::size_t most) const {
-  std::vector<WeightedPose> result;
-  if (bank_.hypotheses().empty()) {
-    return result;
-  }
-  Pose2 ahead;
-  if (filter_odometry_ && !queue_.history().is_empty()) {
-    ahead = filter_odometry_->odom_from_robot.inverse() * queue_.history().newest().odom_from_robot;
-  }
-  const double best = bank_.hypotheses().front().total;
-  double sum = 0.0;
-  for (const Hypothesis& hypothesis : bank_.hypotheses()) {
-    sum += std::exp(hypothesis.total - best);
-  }
-  for (const Hypothesis& hypothesis : bank_.hypotheses()) {
-    if (result.size() >= most) {
-      break;
-    }
-    result.push_back({hypothesis.belief.pose * ahead, std::exp(hypothesis.total - best) / sum,
-                      position_sigma(hypothesis.belief.covariance)});
-  }
-  return result;
+  return weigh(bank_.hypotheses(), since_filter(), most);
 }
 
 }  // namespace luminav

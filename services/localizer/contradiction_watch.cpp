@@ -1,0 +1,136 @@
+#include "services/localizer/contradiction_watch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+
+ContradictionWatch::ContradictionWatch(const FixtureMap& map, const CeilingView& view, double ceiling_height,
+                                       const TrackingRules& rules)
+    : map_(map), view_(view), ceiling_height_(ceiling_height), rules_(rules) {}
+
+std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame, const std::vector<int>& objects,
+                                                      const SceneMemory& scene,
+                                                      const std::vector<FixtureMatch>& matches,
+                                                      const PoseBelief& belief, const Pose2& odom_from_robot,
+                                                      double way_since_match, bool is_doubted) {
+  note_pause(odom_from_robot);
+  if (!matches.empty()) {
+    note_match(matches, odom_from_robot);
+    return std::nullopt;
+  }
+  const std::string unexplained = find_unexplained(frame, objects, scene, matches, belief);
+  misfit_run_ += unexplained.empty() ? 0 : 1;
+  const std::optional<int> missed = count_missing(frame, belief, odom_from_robot, way_since_match);
+  if (is_doubted) {
+    return std::nullopt;
+  }
+  if (misfit_run_ >= rules_.misfit_frames) {
+    return Contradiction{unexplained.empty() ? "what is seen fits no fixture" : unexplained, rules_.bonus_after_misfit};
+  }
+  if (missed) {
+    missed_fixture_ = *missed;
+    return Contradiction{fmt::format("fixture {} ought to be in view and is not seen", map_[*missed].id),
+                         rules_.bonus_after_miss};
+  }
+  return std::nullopt;
+}
+
+void ContradictionWatch::reset() {
+  misfit_run_ = 0;
+  missed_frames_.clear();
+  seen_lately_.clear();
+}
+
+void ContradictionWatch::confirm(bool was_doubted) {
+  if (was_doubted && missed_fixture_ >= 0) {
+    unreliable_.insert(missed_fixture_);
+  }
+  missed_fixture_ = -1;
+  misfit_run_ = 0;
+  missed_frames_.clear();
+}
+
+void ContradictionWatch::note_pause(const Pose2& odom_from_robot) {
+  const Pose2 step = odom_at_frame_.inverse() * odom_from_robot;
+  odom_at_frame_ = odom_from_robot;
+  const bool still = std::hypot(step.x, step.y) < 0.001 && std::abs(step.theta) < radians(0.1);
+  still_frames_ = still ? still_frames_ + 1 : 0;
+  paused_ = paused_ || still_frames_ >= rules_.pause_frames;
+}
+
+void ContradictionWatch::note_match(const std::vector<FixtureMatch>& matches, const Pose2& odom_from_robot) {
+  misfit_run_ = 0;
+  missed_frames_.clear();
+  still_frames_ = 0;
+  paused_ = false;
+  odom_at_match_ = odom_from_robot;
+  seen_lately_.clear();
+  for (const FixtureMatch& match : matches) {
+    seen_lately_.push_back(match.fixture);
+  }
+}
+
+std::string ContradictionWatch::find_unexplained(const SightingFrame& frame, const std::vector<int>& objects,
+                                                 const SceneMemory& scene, const std::vector<FixtureMatch>& matches,
+                                                 const PoseBelief& belief) const {
+  std::string unexplained;
+  for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
+    const bool is_matched =
+        std::any_of(matches.begin(), matches.end(), [&](const FixtureMatch& m) { return m.sighting == i; });
+    const Eigen::Vector2d place = belief.pose * frame.sightings[i].robot_from_fixture.position();
+    if (!is_matched && scene.objects()[static_cast<std::size_t>(objects[i])].frames >= 2) {
+      unexplained =
+          fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none", place.x(), place.y());
+    }
+  }
+  return unexplained;
+}
+
+std::optional<int> ContradictionWatch::count_missing(const SightingFrame& frame, const PoseBelief& belief,
+                                                     const Pose2& odom_from_robot, double way_since_match) {
+  const Pose2 since_match = odom_at_match_.inverse() * odom_from_robot;
+  const bool stands_still = std::hypot(since_match.x, since_match.y) < rules_.still_distance &&
+                            std::abs(since_match.theta) < rules_.still_turn;
+  const double margin = rules_.visible_margin + 2.0 * position_sigma(belief.covariance);
+  std::vector<int> near;
+  map_.find_near(belief.pose.position(), view_.radius(ceiling_height_) + 1.0, near);
+  for (const int index : near) {
+    const Pose2 robot_from_fixture = belief.pose.inverse() * map_[index].world_from_fixture;
+    const bool is_there = std::any_of(frame.sightings.begin(), frame.sightings.end(), [&](const FixtureSighting& s) {
+      return distance(s.robot_from_fixture, robot_from_fixture) < 0.5 * map_[index].length + 0.2;
+    });
+    const bool vanished =
+        stands_still && std::find(seen_lately_.begin(), seen_lately_.end(), index) != seen_lately_.end();
+    const double least = vanished ? rules_.vanish_share : rules_.miss_share;
+    if (is_there || unreliable_.count(index) > 0 ||
+        view_.visible_share(robot_from_fixture, map_[index], margin) < least) {
+      continue;
+    }
+    const int frames = ++missed_frames_[index];
+    if (vanished && frames >= rules_.vanish_frames) {
+      return index;
+    }
+  }
+  return worst_missing(way_since_match);
+}
+
+std::optional<int> ContradictionWatch::worst_missing(double way_since_match) const {
+  // The detector misses a fixture from some places while the robot passes; that it misses several, or one over a long
+  // way, is unlikely. Who stood still since the last match may have been carried: then one is enough.
+  int worst = -1;
+  int several = 0;
+  for (const auto& [index, frames] : missed_frames_) {
+    several += frames >= rules_.miss_frames ? 1 : 0;
+    if (worst < 0 || frames > missed_frames_.at(worst)) {
+      worst = index;
+    }
+  }
+  const bool over_a_way =
+      worst >= 0 && missed_frames_.at(worst) >= rules_.miss_frames && way_since_match > rules_.miss_distance;
+  return several >= (paused_ ? 1 : rules_.miss_fixtures) || over_a_way ? std::optional(worst) : std::nullopt;
+}
+
+}  // namespace luminav

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "services/localizer/ceiling_view.hpp"
+#include "services/localizer/fixture_map.hpp"
+#include "services/localizer/fixture_matching.hpp"
+#include "services/localizer/pose_belief.hpp"
+#include "services/localizer/scene_memory.hpp"
+#include "services/localizer/tracking_rules.hpp"
+
+namespace luminav {
+
+/// What speaks against a tracked pose.
+struct Contradiction {
+  std::string reason;
+  double bonus = 0.0;  // prior that the old pose keeps nevertheless
+};
+
+/// Watches a tracked pose for signs that it is wrong: sightings that fit nothing, fixtures that vanish though the robot
+/// stands still, fixtures that never come.
+class ContradictionWatch {
+ public:
+  ContradictionWatch(const FixtureMap& map, const CeilingView& view, double ceiling_height, const TrackingRules& rules);
+
+  /// One image: its sightings with their object in the scene, and those that fitted; `way_since_match` [m].
+  /// A contradiction is told once the rules' number of images showed it; with `is_doubted` images only count.
+  [[nodiscard]] std::optional<Contradiction> look(const SightingFrame& frame, const std::vector<int>& objects,
+                                                  const SceneMemory& scene, const std::vector<FixtureMatch>& matches,
+                                                  const PoseBelief& belief, const Pose2& odom_from_robot,
+                                                  double way_since_match, bool is_doubted);
+  /// The pose was put in doubt: begin to count anew.
+  void reset();
+  /// The pose is held for true again. With `was_doubted` it is the one doubted before: the fixture that was missed then
+  /// is dead, gone or hard to see, and is not missed again.
+  void confirm(bool was_doubted);
+
+ private:
+  void note_pause(const Pose2& odom_from_robot);
+  void note_match(const std::vector<FixtureMatch>& matches, const Pose2& odom_from_robot);
+  [[nodiscard]] std::string find_unexplained(const SightingFrame& frame, const std::vector<int>& objects,
+                                             const SceneMemory& scene, const std::vector<FixtureMatch>& matches,
+                                             const PoseBelief& belief) const;
+  [[nodiscard]] std::optional<int> count_missing(const SightingFrame& frame, const PoseBelief& belief,
+                                                 const Pose2& odom_from_robot, double way_since_match);
+  [[nodiscard]] std::optional<int> worst_missing(double way_since_match) const;
+
+  const FixtureMap& map_;
+  const CeilingView& view_;
+  double ceiling_height_;  // [m]
+  TrackingRules rules_;
+  int misfit_run_ = 0;                // images
+  std::map<int, int> missed_frames_;  // images since the last match that ought to show a fixture and do not
+  std::set<int> unreliable_;          // fixtures that were missed though the pose was right: no longer missed
+  int missed_fixture_ = -1;           // whose absence put the pose in doubt; -1 = something else
+  std::vector<int> seen_lately_;      // fixtures of the last match
+  Pose2 odom_at_frame_;               // odom_from_robot at the image before
+  int still_frames_ = 0;              // images in a row without wheel motion
+  bool paused_ = false;               // it stood still for a while since the last match
+  Pose2 odom_at_match_;               // odom_from_robot at the last match
+};
+
+}  // namespace luminav

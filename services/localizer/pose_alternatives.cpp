@@ -1,0 +1,35 @@
+#include "services/localizer/pose_alternatives.hpp"
+
+#include <cmath>
+
+namespace luminav {
+
+std::vector<WeightedPose> weigh(const std::vector<Hypothesis>& hypotheses, const Pose2& ahead, std::size_t most) {
+  std::vector<WeightedPose> result;
+  if (hypotheses.empty()) {
+    return result;
+  }
+  const double best = hypotheses.front().total;
+  double sum = 0.0;
+  for (const Hypothesis& hypothesis : hypotheses) {
+    sum += std::exp(hypothesis.total - best);
+  }
+  for (const Hypothesis& hypothesis : hypotheses) {
+    if (result.size() >= most) {
+      break;
+    }
+    result.push_back({hypothesis.belief.pose * ahead, std::exp(hypothesis.total - best) / sum,
+                      position_sigma(hypothesis.belief.covariance)});
+  }
+  return result;
+}
+
+void widen_over(const std::vector<WeightedPose>& possible, PoseBelief& belief) {
+  for (const WeightedPose& other : possible) {
+    const Eigen::Vector2d offset = other.pose.position() - belief.pose.position();
+    belief.covariance.topLeftCorner<2, 2>() += other.weight * offset * offset.transpose();
+    belief.covariance(2, 2) += other.weight * std::pow(wrap_angle(other.pose.theta - belief.pose.theta), 2);
+  }
+}
+
+}  // namespace luminav

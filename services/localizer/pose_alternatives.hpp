@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "services/localizer/hypothesis_bank.hpp"
+#include "services/localizer/pose_belief.hpp"
+
+namespace luminav {
+
+/// The first `most` of the sorted hypotheses as shares of all, each carried `ahead` by odometry.
+std::vector<WeightedPose> weigh(const std::vector<Hypothesis>& hypotheses, const Pose2& ahead, std::size_t most);
+
+/// Makes a belief as wide as the poses that are still possible lie apart.
+void widen_over(const std::vector<WeightedPose>& possible, PoseBelief& belief);
+
+}  // namespace luminav

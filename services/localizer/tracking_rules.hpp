@@ -1,0 +1,32 @@
+#pragma once
+
+#include "services/common/geometry/angle.hpp"
+
+namespace luminav {
+
+/// When one hypothesis counts as the truth, and when no longer.
+struct TrackingRules {
+  double enter_margin = 9.0;                  // log-score ahead of every other pose, listed or not
+  double leave_margin = 3.0;                  // below this another pose is possible again
+  int enter_fixtures = 2;                     // different fixtures that must have fitted
+  double enter_position_sigma = 0.14;         // [m] largest axis
+  double leave_position_sigma = 0.16;         // [m] largest axis: beyond, 0.5 m are no longer two deviations away
+  double leave_heading_sigma = radians(9.0);  // [rad]
+  int misfit_frames = 5;                      // images in a row in which what is seen fits nothing
+  int vanish_frames = 7;                      // images without a fixture that was there, the robot standing still
+  double still_distance = 0.02;               // [m] since the last match: the robot stands still
+  double still_turn = radians(1.5);           // [rad] likewise
+  int pause_frames = 10;                      // images in a row without wheel motion: the robot may have been carried
+  int miss_frames = 10;                       // images without a fixture that ought to be there
+  int miss_fixtures = 2;                      // so many of them, and nothing else seen meanwhile ...
+  double miss_distance = 1.5;                 // [m] ... or one of them over this way
+  double visible_margin = 0.03;               // [m] from the image border, beside twice the pose's own error
+  double vanish_share = 0.5;                  // of a fixture seen just before that must be in view to miss it
+  double miss_share = 0.8;                    // likewise of any other fixture
+  double bonus_after_misfit = 6.0;            // prior of the old pose when what was seen did not fit it
+  double bonus_after_miss = 10.0;             // prior of the old pose when only something was missing
+  double guess_bonus = 6.0;                   // prior of a user's guess
+  int restart_frames = 12;                    // images with sightings that no hypothesis explains: begin anew
+};
+
+}  // namespace luminav
