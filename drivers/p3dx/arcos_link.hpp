@@ -108,7 +108,7 @@ class ArcosLink {
   std::int64_t last_sent_ = 0;         // [us]
   std::deque<std::vector<std::uint8_t>> waiting_;
   std::size_t written_ = 0;        // of the first waiting frame
-  double allowance_ = 2.0;         // frames that may leave now
+  double allowance_ = 4.0;         // frames that may leave now
   std::int64_t allowance_at_ = 0;  // [us]
 };
 

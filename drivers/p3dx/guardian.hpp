@@ -27,6 +27,7 @@ class Guardian {
   /// The driver lives. To be called at least every 0.1 s.
   void beat();
   [[nodiscard]] bool alive() const { return socket_ >= 0; }
+  [[nodiscard]] pid_t process() const { return child_; }
 
  private:
   void send(char message, int descriptor);

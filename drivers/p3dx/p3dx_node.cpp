@@ -85,6 +85,7 @@ void P3dxNode::on_stop(const stop_t& message) {
   const std::int64_t now = clock_.utime();
   if (stop_.request(message.id, message.engaged != 0, message.sender)) {
     gate_.clear(now);
+    writer_.restart();  // at once, however short ago the last change was
     command_motion(now);
     link_.flush(now);
   }
@@ -123,6 +124,7 @@ void P3dxNode::poll() {
     gate_.clear(now);
     link_.drop_waiting();
     writer_.restart();
+    command_motion(now);  // to stand, before any keep-alive
   }
   last_poll_ = now;
   LinkEvents events = link_.poll(now);

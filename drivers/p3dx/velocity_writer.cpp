@@ -10,7 +10,7 @@ namespace luminav {
 namespace {
 
 constexpr std::int64_t kCycle = 50'000;       // [us] 18 bytes, which a line of 9600 baud moves in 19 ms
-constexpr std::int64_t kLeastCycle = 15'000;  // [us] a controller at 50 Hz is never kept waiting
+constexpr std::int64_t kLeastCycle = 15'000;  // [us] between changes: a controller at 50 Hz is never kept waiting
 constexpr std::int64_t kRepeat = 100'000;     // [us] nothing is acknowledged, so all is said again
 
 }  // namespace
@@ -37,7 +37,8 @@ int VelocityWriter::choose_turn_rate(double wanted_deg, std::int64_t now) {
 
 std::vector<std::vector<std::uint8_t>> VelocityWriter::poll(const DriveVelocity& wanted, std::int64_t now) {
   const std::int64_t since = now - last_cycle_;
-  const bool due = !known_ || since >= kCycle || (wanted != wanted_ && since >= kLeastCycle);
+  const bool changed = wanted != wanted_;
+  const bool due = !known_ || since >= kCycle || (changed && now - last_change_ >= kLeastCycle);
   if (!due) {
     return {};
   }
@@ -52,6 +53,7 @@ std::vector<std::vector<std::uint8_t>> VelocityWriter::poll(const DriveVelocity&
     frames.push_back(encode_command(ArcosCommand::kTurnRate, turn_rate));
     last_turn_rate_ = now;
   }
+  last_change_ = changed || !known_ ? now : last_change_;
   known_ = true;
   wanted_ = wanted;
   velocity_mm_s_ = velocity;

@@ -79,13 +79,19 @@ class PtyArcosServer final : public ArcosServer {
   }
 
   void poll() override {
-    if (!has_client() || unplugged_) {
+    if (unplugged_) {
       controller_.take_output();
       backlog_.clear();
       discard_input();
       return;
     }
-    receive();
+    const bool anybody = has_client();
+    receive();  // the last words of a client that has left, too
+    if (!anybody) {
+      controller_.take_output();
+      backlog_.clear();
+      return;
+    }
     std::vector<std::uint8_t> output = controller_.take_output();
     if (backlog_.size() + output.size() <= kLongestBacklog) {
       backlog_.insert(backlog_.end(), output.begin(), output.end());

@@ -21,7 +21,10 @@ void append(Bytes& to, const Bytes& bytes) {
   to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
-/// As the state machines' fuzzers read it: steps, type, length, payload.
+constexpr int kTenthWithCommand = 0x40 | (4 << 2) | 1;  // as the driver's fuzzer reads it: twice 50 ms
+constexpr int kFiftieth = (2 << 2) | 1;                 // twice 10 ms
+
+/// As the state machines' fuzzers read it: what goes by, type, length, payload.
 void append_record(Bytes& to, int control, const Bytes& frame) {
   append(to, {static_cast<std::uint8_t>(control), frame[3], static_cast<std::uint8_t>(frame.size() - 6)});
   to.insert(to.end(), frame.begin() + 4, frame.end() - 2);
@@ -52,19 +55,25 @@ int main(int argc, char** argv) {
   for (int i = 0; i < 20; ++i) {
     const Bytes frame = encode_information(moving(i));
     append(stream, frame);
-    append_record(robot, 0x40 | 9, frame);
+    append_record(robot, kTenthWithCommand, frame);
     write(folder / "fuzz_arcos_payloads", i, Bytes(frame.begin() + 3, frame.end() - 2));
   }
   write(folder / "fuzz_packet_parser", 0, stream);
   write(folder / "fuzz_p3dx_node", 0, robot);
   Bytes answers = {0};
+  Bytes serial = {2};
   for (const Bytes& frame :
        {encode_packet(0), encode_packet(1), encode_identity({"a", "Pioneer", "p3dx-sh"}), encode_configuration({}),
         encode_information({}), encode_encoder({1, 2}), encode_input_output({{1, 2, 3, 4}, {5}, {6, 7}})}) {
-    append_record(answers, 2, frame);
+    append_record(answers, kFiftieth, frame);
+    append_record(serial, kFiftieth, frame);
     write(folder / "fuzz_arcos_payloads", 100 + static_cast<int>(frame[3]), Bytes(frame.begin() + 3, frame.end() - 2));
   }
   write(folder / "fuzz_p3dx_node", 1, answers);
+  for (int i = 0; i < 3; ++i) {
+    append_record(serial, 6 << 2, encode_information(moving(i)));  // at the new rate
+  }
+  write(folder / "fuzz_p3dx_node", 2, serial);
   Bytes client = {2};
   Bytes raw;
   int number = 0;

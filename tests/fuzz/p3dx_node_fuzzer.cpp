@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <lcm/lcm-cpp.hpp>
@@ -18,6 +19,12 @@ void require(bool claim) {
   if (!claim) {
     std::abort();
   }
+}
+
+/// One handle for all runs: opening one costs a thousand times what a run costs.
+lcm::LCM& network() {
+  static lcm::LCM lcm("memq://");
+  return lcm;
 }
 
 /// What a reader of the driver may rely on, whatever the robot sends.
@@ -51,23 +58,140 @@ class Reader {
   odometry_t last_{};
 };
 
-/// Commands that reach the robot must be those that were asked for.
-void check_commands(ByteStream& robot, PacketParser& parser) {
-  std::uint8_t bytes[512];
-  const std::size_t count = robot.read(bytes);
-  parser.push(std::span(bytes).first(count));
-  while (const auto packet = parser.next()) {
-    const int value = decode_argument(packet->payload).value;
-    const auto command = static_cast<ArcosCommand>(packet->type);
-    require(command != ArcosCommand::kVelocity || value == 0 || value == 100);
-    require(command != ArcosCommand::kTurnRate || (value >= 0 && value <= 6));
+/// A memory line that has rates, as a serial one.
+class RatedStream final : public ByteStream {
+ public:
+  RatedStream(std::unique_ptr<ByteStream> line, int baud) : line_(std::move(line)), baud_(baud) {}
+  std::size_t read(std::span<std::uint8_t> bytes) override { return line_->read(bytes); }
+  std::size_t write(std::span<const std::uint8_t> bytes) override { return line_->write(bytes); }
+  [[nodiscard]] int descriptor() const override { return -1; }
+  [[nodiscard]] bool is_open() const override { return line_->is_open(); }
+  void close() override { line_->close(); }
+  [[nodiscard]] std::string failure() const override { return line_->failure(); }
+  bool set_baud(int bits_per_second) override {
+    baud_ = bits_per_second;
+    return true;
   }
-}
+  [[nodiscard]] int baud() const override { return baud_; }
+
+ private:
+  std::unique_ptr<ByteStream> line_;
+  int baud_;
+};
+
+/// Driver, robot's end of the line, and somebody who commands.
+class Session {
+ public:
+  explicit Session(bool serial)
+      : reader_(network()), node_(network(), config(), clock_, [this, serial]() -> std::unique_ptr<ByteStream> {
+          auto line = pipe_.open_driver_end();
+          return serial ? std::make_unique<RatedStream>(std::move(line), 9600) : std::move(line);
+        }) {}
+
+  void write(std::span<const std::uint8_t> bytes) { robot_->write(bytes); }
+
+  void step(std::int64_t microseconds) {
+    clock_.advance(microseconds);
+    node_.poll();
+    deliver();
+    check_commands();
+  }
+
+  void greet() {
+    step(10'000);
+    for (const auto& answer : {encode_packet(0), encode_packet(1), encode_identity({"a", "Pioneer", "p3dx-sh"}),
+                               encode_configuration({}), encode_information({})}) {
+      write(answer);
+      step(10'000);
+      step(10'000);
+    }
+  }
+
+  void cut_the_line() {
+    pipe_.unplug();
+    step(10'000);
+    pipe_.plug_in();
+    robot_ = pipe_.open_robot_end();
+    heard_.clear();
+  }
+
+  void command() {
+    velocity_command_t message{};
+    message.utime = clock_.utime();
+    message.session = 1;
+    message.sequence = ++sequence_;
+    message.linear_x = 0.1;
+    message.angular_z = 0.1;
+    network().publish(channels::kVelocityCommand, &message);
+  }
+
+  /// Engages the stop and releases it in turn; motors are requested with the release.
+  void toggle_stop() {
+    stop_t stop{};
+    stop.id = ++id_;
+    stop.engaged = stopped_ ? 0 : 1;
+    network().publish(channels::kStop, &stop);
+    if (stopped_) {
+      motors_command_t motors{};
+      motors.id = id_;
+      motors.enable = static_cast<std::int8_t>(id_ % 4 == 2 ? 1 : 0);
+      network().publish(channels::kMotorsCommand, &motors);
+    }
+    deliver();
+    check_commands();  // what left before the stop
+    stopped_ = !stopped_;
+    stopped_at_ = clock_.utime();
+  }
+
+  void end() {
+    require(node_.health().dropped_inputs <= sequence_);
+    node_.shut_down();
+  }
+
+ private:
+  static P3dxConfig config() {
+    P3dxConfig config;
+    config.robot.sonar.robot_from_sonar.resize(16);
+    config.fast_baud = 115200;
+    return config;
+  }
+
+  static void deliver() {
+    while (network().handleTimeout(0) > 0) {
+    }
+  }
+
+  /// Commands that reach the robot must be those that were asked for, or less where the robot says it can do less.
+  void check_commands() {
+    std::array<std::uint8_t, 512> bytes;
+    heard_.push(std::span(bytes).first(robot_->read(bytes)));
+    constexpr std::int64_t kOnTheWay = 500'000;  // [us] for what was queued before the stop
+    const bool stands = stopped_ && clock_.utime() - stopped_at_ > kOnTheWay;
+    while (const auto packet = heard_.next()) {
+      const int value = decode_argument(packet->payload).value;
+      const auto command = static_cast<ArcosCommand>(packet->type);
+      require(command != ArcosCommand::kVelocity || (value >= 0 && value <= (stands ? 0 : 100)));
+      require(command != ArcosCommand::kTurnRate || (value >= 0 && value <= (stands ? 0 : 6)));
+    }
+    require(heard_.bad_packets() == 0);
+  }
+
+  VirtualClock clock_;
+  MemoryPipe pipe_;
+  std::unique_ptr<ByteStream> robot_ = pipe_.open_robot_end();
+  Reader reader_;
+  P3dxNode node_;
+  PacketParser heard_;
+  std::int32_t sequence_ = 0;
+  std::int64_t id_ = 0;
+  bool stopped_ = false;
+  std::int64_t stopped_at_ = 0;  // [us]
+};
 
 }  // namespace
 
-/// The first byte says how to begin. Then packets from the robot: a byte for the steps that go by, the type, the length
-/// of the payload, the payload.
+/// The first byte says how to begin. Then packets from the robot: a byte for what else happens and the time that goes
+/// by, the type, the length of the payload, the payload.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::span input(data, size);
   const auto take = [&] {
@@ -75,59 +199,37 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     input = input.empty() ? input : input.subspan(1);
     return byte;
   };
-  lcm::LCM lcm("memq://");
-  VirtualClock clock;
-  MemoryPipe pipe;
-  auto robot = pipe.open_robot_end();
-  P3dxConfig config;
-  config.robot.sonar.robot_from_sonar.resize(16);
-  P3dxNode node(lcm, config, clock, pipe.driver_opener());
-  const Reader reader(lcm);
-  PacketParser heard;
-  const auto step = [&] {
-    clock.advance(10'000);
-    node.poll();
-    while (lcm.handleTimeout(0) > 0) {
-    }
-    check_commands(*robot, heard);
-  };
   const std::uint8_t beginning = take();
+  Session session((beginning & 2) != 0);
   if ((beginning & 1) != 0) {
-    step();
-    for (const auto& answer : {encode_packet(0), encode_packet(1), encode_identity({"a", "Pioneer", "p3dx-sh"}),
-                               encode_configuration({}), encode_information({})}) {
-      robot->write(answer);
-      step();
-      step();
-    }
+    session.greet();
   }
-  std::int32_t sequence = 0;
+  constexpr int kMostSteps = 100;
+  constexpr std::array<std::int64_t, 8> kTimes = {1'000, 5'000, 10'000, 20'000, 50'000, 120'000, 400'000, 2'600'000};
   int steps = 0;
-  while (!input.empty() && steps < 300) {
+  while (!input.empty() && steps < kMostSteps) {
     const std::uint8_t control = take();
     const std::uint8_t type = take();
     const std::size_t length = std::min<std::size_t>(take(), input.size());
     const auto payload = input.first(length);
     input = input.subspan(length);
-    if ((control & 0x80) != 0) {
-      robot->write(payload);
+    if ((control & 0x80) == 0) {
+      session.write(encode_packet(type, payload));
+    } else if (!payload.empty()) {
+      session.write(payload);
     } else {
-      robot->write(encode_packet(type, payload));
+      session.cut_the_line();
     }
     if ((control & 0x40) != 0) {
-      velocity_command_t command{};
-      command.utime = clock.utime();
-      command.session = 1;
-      command.sequence = ++sequence;
-      command.linear_x = 0.1;
-      command.angular_z = 0.1;
-      lcm.publish(channels::kVelocityCommand, &command);
+      session.command();
     }
-    for (int i = 0; i <= (control & 0x1F); ++i, ++steps) {
-      step();
+    if ((control & 0x20) != 0) {
+      session.toggle_stop();
+    }
+    for (int i = 0; i <= (control & 3); ++i, ++steps) {
+      session.step(kTimes[(control >> 2) & 7]);
     }
   }
-  require(node.health().dropped_inputs <= sequence);
-  node.shut_down();
+  session.end();
   return 0;
 }

@@ -54,6 +54,9 @@ class P3dxBench {
     }
   }
 
+  /// The robot hears what was written, and no time goes by.
+  void hear() { base.receive(line_.get()); }
+
   void unplug() {
     plugged = false;
     pipe.unplug();

@@ -287,6 +287,57 @@ TEST(P3dxNode, StandsStillAfterItsProcessHasSlept) {
   }
 }
 
+TEST(P3dxNode, TellsTheRobotToStandBeforeAnythingElseAfterAGap) {
+  P3dxBench bench;
+  bench.drive(0.3, 0.1);
+  bench.run(4.0);
+  for (const double seconds : {0.5, 1.0, 2.2}) {
+    bench.asleep = true;
+    bench.driving = false;
+    bench.run(seconds);
+    bench.asleep = false;
+    bench.base.heard.clear();
+    bench.run(0.5);
+    ASSERT_GE(bench.base.heard.size(), 2U) << seconds;
+    EXPECT_EQ(bench.base.heard[0], encode_command(ArcosCommand::kVelocity, 0)) << seconds;
+    EXPECT_EQ(bench.base.heard[1], encode_command(ArcosCommand::kTurnRate, 0)) << seconds;
+    bench.driving = true;
+    bench.run(4.0);
+  }
+}
+
+TEST(P3dxNode, TellsTheRobotToStandBeforeItsMotorsComeOn) {
+  P3dxBench bench;
+  bench.drive(0.3, 0.0);
+  bench.run(2.0);
+  const auto enable =
+      std::find(bench.base.heard.begin(), bench.base.heard.end(), encode_command(ArcosCommand::kEnable, 1));
+  ASSERT_NE(enable, bench.base.heard.end());
+  ASSERT_GE(enable - bench.base.heard.begin(), 2);
+  EXPECT_EQ(*(enable - 2), encode_command(ArcosCommand::kVelocity, 0));
+  EXPECT_EQ(*(enable - 1), encode_command(ArcosCommand::kTurnRate, 0));
+  const auto moving =
+      std::find(bench.base.heard.begin(), bench.base.heard.end(), encode_command(ArcosCommand::kVelocity, 300));
+  EXPECT_GT(moving - enable, 0);
+}
+
+TEST(P3dxNode, StopsAtOnceHoweverShortAgoTheLastCommandWas) {
+  P3dxBench bench;
+  bench.run(2.0);
+  bench.drive(0.3, 0.2);
+  bench.run(1.0);
+  bench.driving = false;
+  bench.send_command(bench.clock.utime(), bench.clock.utime(), 1, 0.4);
+  bench.lcm.handleTimeout(0);
+  bench.hear();
+  bench.base.heard.clear();
+  bench.send_stop(1, true);
+  bench.lcm.handleTimeout(0);  // no time goes by
+  bench.hear();
+  ASSERT_FALSE(bench.base.heard.empty());
+  EXPECT_EQ(bench.base.heard.back(), encode_command(ArcosCommand::kTurnRate, 0));
+}
+
 TEST(P3dxNode, MeasuresThroughALineThatDamagesOneByteInAHundred) {
   P3dxBench bench;
   bench.run(2.0);

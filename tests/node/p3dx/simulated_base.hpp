@@ -16,10 +16,7 @@ class SimulatedBase {
 
   /// `takes_output` false leaves the controller's output to a server.
   void step(ByteStream* line, bool takes_output = true) {
-    std::array<std::uint8_t, 4096> bytes;
-    if (line != nullptr) {
-      controller_.receive(std::span(bytes).first(line->read(bytes)));
-    }
+    receive(line);
     constexpr double kStep = 0.01;
     ArcosInputs now = inputs;
     if (!blocked) {
@@ -40,16 +37,33 @@ class SimulatedBase {
     }
   }
 
+  /// Obeys what has come, while no time goes by.
+  void receive(ByteStream* line) {
+    if (line == nullptr) {
+      return;
+    }
+    std::array<std::uint8_t, 4096> bytes;
+    const auto received = std::span(bytes).first(line->read(bytes));
+    controller_.receive(received);
+    parser_.push(received);
+    while (const auto packet = parser_.next()) {
+      heard.push_back(encode_packet(packet->type, packet->payload));
+    }
+  }
+
   ArcosController& controller() { return controller_; }
+  [[nodiscard]] const ArcosController& controller() const { return controller_; }
 
   ArcosInputs inputs;
   ArcosOutputs outputs;
   bool blocked = false;
-  double travel = 0.0;  // [m]
-  double turned = 0.0;  // [rad]
+  double travel = 0.0;                           // [m]
+  double turned = 0.0;                           // [rad]
+  std::vector<std::vector<std::uint8_t>> heard;  // whole frames from the client
 
  private:
   ArcosController controller_;
+  PacketParser parser_;
   double wheel_base_;
 };
 

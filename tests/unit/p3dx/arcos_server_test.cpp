@@ -165,6 +165,22 @@ TEST(PtyArcosServer, FollowsHostBaud) {
   EXPECT_EQ(answer[3], packet_type::kConfiguration);
 }
 
+TEST(PtyArcosServer, HearsTheLastWordsOfAClientThatHasLeft) {
+  ArcosController controller({});
+  const auto server = ArcosServer::on_pty(controller);
+  SerialStream client(server->address(), 9600);
+  for (const std::uint8_t sync : {packet_type::kSync0, packet_type::kSync1, packet_type::kSync2}) {
+    client.write(encode_packet(sync));
+  }
+  client.write(encode_command(ArcosCommand::kOpen));
+  server->poll();
+  EXPECT_TRUE(controller.session_open());
+  client.write(encode_command(ArcosCommand::kClose));
+  client.close();
+  server->poll();
+  EXPECT_FALSE(controller.session_open());
+}
+
 TEST(PtyArcosServer, TakesTheNextClient) {
   ArcosController controller({});
   const auto server = ArcosServer::on_pty(controller, testing::TempDir() + "arcos_server_test_line");

@@ -127,6 +127,30 @@ TEST(VelocityWriter, SendsAChangeAtOnceAndRepeatsItLater) {
   EXPECT_NEAR(robot.count, 3 + 20, 3);  // both every 0.1 s: a lost one is made good
 }
 
+TEST(VelocityWriter, DoesNotKeepAChangeWaitingBehindARepetition) {
+  VelocityWriter writer;
+  Follower robot;
+  robot.take(writer.poll({0.3, 0.0}, kNow));
+  robot.take(writer.poll({0.3, 0.0}, kNow + 100'000));  // said again
+  EXPECT_EQ(robot.count, 4);
+  robot.take(writer.poll({0.1, 0.0}, kNow + 101'000));
+  EXPECT_EQ(robot.velocity, 100);
+  robot.take(writer.poll({0.2, 0.0}, kNow + 103'000));  // faster than a line of 9600 baud
+  EXPECT_EQ(robot.velocity, 100);
+  robot.take(writer.poll({0.2, 0.0}, kNow + 116'000));
+  EXPECT_EQ(robot.velocity, 200);
+}
+
+TEST(VelocityWriter, SendsTheSlowestCreepThatTheProtocolKnows) {
+  VelocityWriter writer;
+  Follower robot;
+  robot.take(writer.poll({}, kNow));
+  robot.take(writer.poll({0.001, 0.0}, kNow + 50'000));
+  EXPECT_EQ(robot.velocity, 1);
+  robot.take(writer.poll({-0.001, 0.0}, kNow + 100'000));
+  EXPECT_EQ(robot.velocity, -1);
+}
+
 TEST(VelocityWriter, KeepsTheMeanTurnRateWithinATenthOfADegreePerSecond) {
   for (const double wanted_deg : {0.2, -0.2, 0.5, 1.37, -7.77, 12.05, 33.3}) {
     VelocityWriter writer;
