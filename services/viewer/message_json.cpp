@@ -202,6 +202,8 @@ std::string to_json(const sim_truth_t& message) {
                 {"x", rounded(message.x)},
                 {"y", rounded(message.y)},
                 {"theta", rounded(message.theta)},
+                {"linear", rounded(message.linear)},
+                {"angular", rounded(message.angular)},
                 {"carried", message.carried != 0},
                 {"touching", message.touching != 0},
                 {"contacts", message.contacts},

@@ -272,6 +272,7 @@ function paint() {
   context.fillRect(0, 0, view.width, view.height);
   tiles.draw(context, view, layers);
   drawScale();
+  view.canvas.dataset.view = `${view.centre[0]} ${view.centre[1]} ${view.scale}`;  // for whoever looks from outside
   if (!building) return;
   const pose = state?.pose && [state.pose.x, state.pose.y, state.pose.theta];
   const isTracking = state?.pose?.state === 2;
