@@ -13,7 +13,7 @@ double squared(double value) {
 }  // namespace
 
 double noise_distance(const Pose2& delta, double wheel_base) {
-  return std::hypot(delta.x, delta.y) + 0.5 * wheel_base * std::abs(delta.theta);
+  return std::sqrt(squared(delta.x) + squared(delta.y)) + 0.5 * wheel_base * std::abs(delta.theta);
 }
 
 Eigen::Matrix3d odometry_noise(const Pose2& delta, double wheel_base, const ErrorParams& params) {
@@ -21,11 +21,12 @@ Eigen::Matrix3d odometry_noise(const Pose2& delta, double wheel_base, const Erro
   const double position = squared(params.odometry_position) * way;
   const double heading = squared(params.odometry_heading) * way;
   // the heading's error grows along the step, so half of it acts on the position across
-  Eigen::Matrix3d noise = Eigen::Vector3d(position, position, heading).asDiagonal();
-  const Eigen::Vector2d across(-0.5 * delta.y, 0.5 * delta.x);
-  noise.topLeftCorner<2, 2>() += heading * across * across.transpose();
-  noise.block<2, 1>(0, 2) += heading * across;
-  noise.block<1, 2>(2, 0) += heading * across.transpose();
+  const double x = -0.5 * delta.y;
+  const double y = 0.5 * delta.x;
+  Eigen::Matrix3d noise;
+  noise << position + heading * x * x, heading * x * y, heading * x,  //
+      heading * x * y, position + heading * y * y, heading * y,       //
+      heading * x, heading * y, heading;
   return noise;
 }
 

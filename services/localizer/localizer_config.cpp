@@ -57,6 +57,15 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
 
 void read_particles(const TomlTable& table, ParticleParams& params) {
   params.count = table.count("count", params.count, {10.0, 1e6});
+  params.scoring = table.choice("scoring", "equation_one", {"equation_one", "gaussian"}) == "gaussian"
+                       ? ParticleScoring::kGaussian
+                       : ParticleScoring::kEquationOne;
+  params.resampling = table.choice("resampling", "churn", {"churn", "systematic"}) == "systematic"
+                          ? ParticleResampling::kSystematic
+                          : ParticleResampling::kChurn;
+  params.position_sigma = table.number("position_sigma", params.position_sigma, {0.001, 10.0});
+  params.heading_sigma = table.number("heading_sigma", params.heading_sigma, {0.001, 10.0});
+  params.outlier = table.number("outlier", params.outlier, {1e-4, 1.0});
   params.distance_gain = table.number("distance_gain", params.distance_gain, {0.01, 1000.0});
   params.angle_gain = table.number("angle_gain", params.angle_gain, {0.0, 1000.0});
   params.weight_jitter = table.number("weight_jitter", params.weight_jitter, kFraction);

@@ -11,6 +11,7 @@
 #include "services/localizer/frame_queue.hpp"
 #include "services/localizer/localizer.hpp"
 #include "services/localizer/particle_filter.hpp"
+#include "services/localizer/pose_clusters.hpp"
 #include "services/localizer/sighting_model.hpp"
 
 namespace luminav {

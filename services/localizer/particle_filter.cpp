@@ -2,13 +2,43 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
 namespace luminav {
 namespace {
 
-constexpr double kFarthestFixture = 3.0;  // [m] beyond it a sighting's nearest fixture is no nearer to the truth
+constexpr std::size_t kLanes = 8;
+constexpr std::size_t kBlock = 256;  // particles worked on at once: all their arrays stay in the first-level cache
+constexpr std::size_t kMostSightings = 8;  // a product of more could leave the range of float
+
+std::size_t with_room(std::size_t count) {
+  return (count + kLanes - 1) / kLanes * kLanes + kLanes;  // resampling writes up to eight beyond the end
+}
+
+/// What one block needs beside the particles.
+struct BlockSpace {
+  alignas(32) std::array<float, kBlock> cosine, sine, projected_x, projected_y, dx, dy, theta, period;
+};
+
+NoisyStep noisy_step(const Pose2& delta, const ParticleParams& params) {
+  const double way = std::hypot(delta.x, delta.y);
+  // below a centimetre the direction of the step is noise
+  const double first = way < 0.01 ? 0.0 : std::atan2(delta.y, delta.x);
+  const double direction = std::abs(first) > 0.5 * kPi ? -1.0 : 1.0;  // driving backwards is no half turn
+  const double first_turn = direction > 0.0 ? first : wrap_angle(first - kPi);
+  const double second_turn = wrap_angle(delta.theta - first_turn);
+  const double turns = std::abs(first_turn) + std::abs(second_turn);
+  NoisyStep step;
+  step.first_turn = static_cast<float>(first_turn);
+  step.way = static_cast<float>(direction * way);
+  step.second_turn = static_cast<float>(second_turn);
+  step.first_sigma = static_cast<float>(params.turn_by_turn * std::abs(first_turn) + params.turn_by_way * way);
+  step.way_sigma = static_cast<float>(params.way_by_way * way + params.way_by_turn * turns);
+  step.second_sigma = static_cast<float>(params.turn_by_turn * std::abs(second_turn) + params.turn_by_way * way);
+  return step;
+}
 
 }  // namespace
 
@@ -27,85 +57,125 @@ double SplitMix::gauss() {
 
 ParticleFilter::ParticleFilter(const FixtureMap& map, const WallField& walls, const ParticleParams& params,
                                std::uint64_t seed)
-    : map_(map), walls_(walls), params_(params), random_(seed), least_(-5.0, -5.0), most_(5.0, 5.0) {
+    : walls_(walls),
+      nearest_(map),
+      kernels_(particle_kernels()),
+      params_(params),
+      random_(seed),
+      least_(-5.0, -5.0),
+      most_(5.0, 5.0),
+      count_(static_cast<std::size_t>(std::max(1, params.count))) {
   if (walls_.has_walls()) {
     const GridGeometry& geometry = walls_.map().geometry;
     least_ = geometry.origin;
     most_ = geometry.origin + geometry.resolution * Eigen::Vector2d(geometry.columns, geometry.rows);
-  } else if (map_.size() > 0) {
-    least_ = most_ = map_[0].world_from_fixture.position();
-    for (const Fixture& fixture : map_.fixtures()) {
+  } else if (map.size() > 0) {
+    least_ = most_ = map[0].world_from_fixture.position();
+    for (const Fixture& fixture : map.fixtures()) {
       least_ = least_.cwiseMin(fixture.world_from_fixture.position());
       most_ = most_.cwiseMax(fixture.world_from_fixture.position());
     }
     least_ -= Eigen::Vector2d(2.0, 2.0);
     most_ += Eigen::Vector2d(2.0, 2.0);
   }
-  const auto count = static_cast<std::size_t>(std::max(1, params.count));
-  for (std::vector<double>* values : {&x_, &y_, &theta_, &weight_}) {
-    values->resize(count);
+  for (std::vector<float>* values : {&x_, &y_, &theta_, &weight_}) {
+    values->assign(with_room(count_), 0.0F);
   }
-  order_.resize(count);
+  if (params_.resampling == ParticleResampling::kSystematic) {
+    for (std::vector<float>* values : {&spare_x_, &spare_y_, &spare_theta_}) {
+      values->assign(with_room(count_), 0.0F);
+    }
+  } else {
+    order_.resize(count_);
+  }
+  scored_.reserve(kMostSightings);
   scatter();
+}
+
+std::size_t ParticleFilter::memory_bytes() const {
+  std::size_t bytes = order_.capacity() * sizeof(std::uint32_t);
+  for (const std::vector<float>* values : {&x_, &y_, &theta_, &weight_, &spare_x_, &spare_y_, &spare_theta_}) {
+    bytes += values->capacity() * sizeof(float);
+  }
+  return bytes;
+}
+
+NoiseKey ParticleFilter::next_key() {
+  const std::uint64_t bits = random_.next();
+  return {static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32)};
 }
 
 void ParticleFilter::draw(std::size_t i) {
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    x_[i] = least_.x() + random_.uniform() * (most_.x() - least_.x());
-    y_[i] = least_.y() + random_.uniform() * (most_.y() - least_.y());
+    const Eigen::Vector2d place(least_.x() + random_.uniform() * (most_.x() - least_.x()),
+                                least_.y() + random_.uniform() * (most_.y() - least_.y()));
+    x_[i] = static_cast<float>(place.x());
+    y_[i] = static_cast<float>(place.y());
     if (walls_.is_free({x_[i], y_[i]})) {
       break;
     }
   }
-  theta_[i] = wrap_angle(2.0 * kPi * random_.uniform());
-  weight_[i] = 1.0 / static_cast<double>(size());
+  theta_[i] = static_cast<float>(wrap_angle(2.0 * kPi * random_.uniform()));
+  weight_[i] = 1.0F / static_cast<float>(count_);
 }
 
 void ParticleFilter::scatter() {
-  for (std::size_t i = 0; i < size(); ++i) {
+  for (std::size_t i = 0; i < count_; ++i) {
     draw(i);
   }
 }
 
 void ParticleFilter::gather(const PoseBelief& belief, double share) {
-  const auto count = std::min(size(), static_cast<std::size_t>(share * static_cast<double>(size())));
+  const auto count = std::min(count_, static_cast<std::size_t>(share * static_cast<double>(count_)));
   const Eigen::Matrix3d root = belief.covariance.llt().matrixL();
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector3d offset = root * Eigen::Vector3d(random_.gauss(), random_.gauss(), random_.gauss());
-    x_[i] = belief.pose.x + offset.x();
-    y_[i] = belief.pose.y + offset.y();
-    theta_[i] = wrap_angle(belief.pose.theta + offset.z());
+    x_[i] = static_cast<float>(belief.pose.x + offset.x());
+    y_[i] = static_cast<float>(belief.pose.y + offset.y());
+    theta_[i] = static_cast<float>(wrap_angle(belief.pose.theta + offset.z()));
   }
 }
 
 void ParticleFilter::predict(const Pose2& delta) {
-  const double way = std::hypot(delta.x, delta.y);
-  // below a centimetre the direction of the step is noise
-  const double first = way < 0.01 ? 0.0 : std::atan2(delta.y, delta.x);
-  const double direction = std::abs(first) > 0.5 * kPi ? -1.0 : 1.0;  // driving backwards is no half turn
-  const double first_turn = direction > 0.0 ? first : wrap_angle(first - kPi);
-  const double second_turn = wrap_angle(delta.theta - first_turn);
-  const double first_sigma = params_.turn_by_turn * std::abs(first_turn) + params_.turn_by_way * way;
-  const double way_sigma =
-      params_.way_by_way * way + params_.way_by_turn * (std::abs(first_turn) + std::abs(second_turn));
-  const double second_sigma = params_.turn_by_turn * std::abs(second_turn) + params_.turn_by_way * way;
-  for (std::size_t i = 0; i < size(); ++i) {
-    bool is_placed = false;
-    for (int attempt = 0; attempt <= params_.redraws && !is_placed; ++attempt) {
-      const double turn = first_turn + first_sigma * random_.gauss();
-      const double step = direction * way + way_sigma * random_.gauss();
-      const double after = second_turn + second_sigma * random_.gauss();
-      const double heading = theta_[i] + turn;
-      const Eigen::Vector2d place(x_[i] + step * std::cos(heading), y_[i] + step * std::sin(heading));
-      if (way < 1e-6 || walls_.is_free(place)) {
-        x_[i] = place.x();
-        y_[i] = place.y();
-        theta_[i] = wrap_angle(heading + after);
-        is_placed = true;
-      }
+  const NoisyStep step = noisy_step(delta, params_);
+  const NoiseKey key = next_key();
+  const bool is_confined = walls_.has_walls() && std::abs(step.way) > 1e-6F;
+  for (std::size_t begin = 0; begin < count_; begin += kBlock) {
+    const std::size_t count = std::min(kBlock, count_ - begin);
+    if (is_confined) {
+      move_inside_walls(step, begin, count, key);
+    } else {
+      kernels_.move(step, key, begin, &x_[begin], &y_[begin], &theta_[begin], count);
+    }
+  }
+}
+
+void ParticleFilter::move_inside_walls(const NoisyStep& step, std::size_t begin, std::size_t count, NoiseKey key) {
+  std::array<float, kBlock> x;
+  std::array<float, kBlock> y;
+  std::array<float, kBlock> theta;
+  std::copy_n(&x_[begin], count, x.begin());
+  std::copy_n(&y_[begin], count, y.begin());
+  std::copy_n(&theta_[begin], count, theta.begin());
+  kernels_.move(step, key, begin, &x_[begin], &y_[begin], &theta_[begin], count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t particle = begin + i;
+    bool is_placed = walls_.is_free({x_[particle], y_[particle]});
+    for (int attempt = 0; attempt < params_.redraws && !is_placed; ++attempt) {
+      const double heading = theta[i] + step.first_turn + step.first_sigma * random_.gauss();
+      const double way = step.way + step.way_sigma * random_.gauss();
+      const double after = step.second_turn + step.second_sigma * random_.gauss();
+      const Eigen::Vector2d place(x[i] + way * std::cos(heading), y[i] + way * std::sin(heading));
+      is_placed = walls_.is_free(place);
+      x_[particle] = static_cast<float>(place.x());
+      y_[particle] = static_cast<float>(place.y());
+      theta_[particle] = static_cast<float>(wrap_angle(heading + after));
     }
     if (!is_placed) {
-      weight_[i] = 0.0;  // among the worst, which the next update replaces
+      x_[particle] = x[i];
+      y_[particle] = y[i];
+      theta_[particle] = theta[i];
+      weight_[particle] = 0.0F;  // among the worst, which the next update replaces
     }
   }
 }
@@ -128,128 +198,166 @@ double ParticleFilter::free_probability(const Eigen::Vector2d& point) const {
   }
 }
 
-double ParticleFilter::score(const Pose2& pose, const std::vector<FixtureSighting>& sightings) const {
-  thread_local std::vector<int> near;
-  double sum = 0.0;
+ParticleFilter::ScoredSighting ParticleFilter::prepare(const FixtureSighting& sighting) const {
+  ScoredSighting scored;
+  scored.x = static_cast<float>(sighting.robot_from_fixture.x);
+  scored.y = static_cast<float>(sighting.robot_from_fixture.y);
+  SightingScore& score = scored.score;
+  score.theta = static_cast<float>(sighting.robot_from_fixture.theta);
+  score.distance_gain = static_cast<float>(params_.distance_gain);
+  score.angle_gain = sighting.has_theta ? static_cast<float>(params_.angle_gain) : 0.0F;
+  // equation 1's distance in the sighting's own covariance: where the image's border cut a fixture, along it counts
+  // less
   const double scale = 1.0 / params_.distance_gain;
-  for (const FixtureSighting& sighting : sightings) {
-    const Pose2 projected = pose * sighting.robot_from_fixture;
-    near.clear();
-    map_.find_near(projected.position(), kFarthestFixture, near);
-    int nearest = -1;
-    double least = kFarthestFixture * kFarthestFixture;
-    for (const int index : near) {
-      const double squared = (map_[index].world_from_fixture.position() - projected.position()).squaredNorm();
-      if (squared < least) {
-        least = squared;
-        nearest = index;
-      }
+  const Eigen::Matrix2d spread =
+      sighting.covariance.topLeftCorner<2, 2>() + scale * scale * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d metric = scale * scale * spread.inverse();
+  score.metric_xx = static_cast<float>(metric(0, 0));
+  score.metric_xy = static_cast<float>(metric(0, 1));
+  score.metric_yy = static_cast<float>(metric(1, 1));
+  const double variance = params_.position_sigma * params_.position_sigma;
+  score.position_precision = static_cast<float>(0.5 / variance);
+  score.heading_precision =
+      sighting.has_theta ? static_cast<float>(0.5 / (params_.heading_sigma * params_.heading_sigma)) : 0.0F;
+  score.floor = static_cast<float>(params_.outlier);
+  return scored;
+}
+
+void ParticleFilter::score_block(const float* x, const float* y, const float* theta,
+                                 const std::vector<ScoredSighting>& sightings, float* scores, std::size_t count) const {
+  BlockSpace space;
+  const bool is_mean = params_.scoring == ParticleScoring::kEquationOne;
+  std::fill_n(scores, count, is_mean ? 0.0F : 1.0F);
+  kernels_.sine_cosine(theta, space.cosine.data(), space.sine.data(), count);
+  const NearestOffsets offsets{space.dx.data(), space.dy.data(), space.theta.data(), space.period.data()};
+  NearestFixtureGrid::BoxCandidates candidates;
+  for (const ScoredSighting& sighting : sightings) {
+    const PointBox box = kernels_.project(x, y, space.cosine.data(), space.sine.data(), sighting.x, sighting.y,
+                                          space.projected_x.data(), space.projected_y.data(), count);
+    if (nearest_.find(box, candidates) && candidates.count > 0) {
+      kernels_.find_nearest(space.projected_x.data(), space.projected_y.data(), candidates.view(), offsets, count);
+    } else {
+      nearest_.find_each(space.projected_x.data(), space.projected_y.data(), offsets, count);
     }
-    if (nearest < 0) {
-      sum += 1.0 / (1.0 + params_.distance_gain * kFarthestFixture + params_.angle_gain * 0.5 * kPi);
-      continue;
+    if (is_mean) {
+      kernels_.add_equation_one(sighting.score, offsets, theta, space.cosine.data(), space.sine.data(), scores, count);
+    } else {
+      kernels_.multiply_gaussian(sighting.score, offsets, theta, scores, count);
     }
-    const Fixture& fixture = map_[nearest];
-    // the distance in the sighting's own covariance: where the image's border cut a fixture, along it counts less
-    const Eigen::Vector2d offset =
-        pose.inverse() * fixture.world_from_fixture.position() - sighting.robot_from_fixture.position();
-    const Eigen::Matrix2d spread =
-        sighting.covariance.topLeftCorner<2, 2>() + scale * scale * Eigen::Matrix2d::Identity();
-    const double determinant = spread(0, 0) * spread(1, 1) - spread(0, 1) * spread(0, 1);
-    const double squared = (spread(1, 1) * offset.x() * offset.x() - 2.0 * spread(0, 1) * offset.x() * offset.y() +
-                            spread(0, 0) * offset.y() * offset.y()) /
-                           determinant;
-    const double away = scale * std::sqrt(std::max(0.0, squared));
-    const double period = sighting.has_theta ? symmetry_period(fixture.shape) : 0.0;
-    const double turn = std::abs(wrap_modulo(projected.theta - fixture.world_from_fixture.theta, period));
-    sum += 1.0 / (1.0 + params_.distance_gain * away + params_.angle_gain * turn);
   }
-  return sum / static_cast<double>(sightings.size()) * free_probability(pose.position());
+  if (is_mean || walls_.has_walls()) {
+    const float share = is_mean ? 1.0F / static_cast<float>(sightings.size()) : 1.0F;
+    for (std::size_t i = 0; i < count; ++i) {
+      scores[i] *= share * static_cast<float>(free_probability({x[i], y[i]}));
+    }
+  }
+}
+
+double ParticleFilter::score(const Pose2& pose, const std::vector<FixtureSighting>& sightings) const {
+  std::vector<ScoredSighting> scored;
+  for (const FixtureSighting& sighting : sightings) {
+    scored.push_back(prepare(sighting));
+  }
+  std::array<float, kLanes> x;
+  std::array<float, kLanes> y;
+  std::array<float, kLanes> theta;
+  std::array<float, kLanes> scores;
+  x.fill(static_cast<float>(pose.x));
+  y.fill(static_cast<float>(pose.y));
+  theta.fill(static_cast<float>(pose.theta));
+  score_block(x.data(), y.data(), theta.data(), scored, scores.data(), kLanes);
+  return static_cast<double>(scores[0]);
 }
 
 void ParticleFilter::update(const std::vector<FixtureSighting>& sightings) {
   if (sightings.empty()) {
     return;
   }
-  double sum = 0.0;
-  for (std::size_t i = 0; i < size(); ++i) {
-    // negative weights have no meaning
-    weight_[i] = std::max(1e-9, score(pose(i), sightings) + params_.weight_jitter * random_.gauss());
-    sum += weight_[i];
+  scored_.clear();
+  for (std::size_t i = 0; i < std::min(kMostSightings, sightings.size()); ++i) {
+    scored_.push_back(prepare(sightings[i]));
   }
-  for (double& weight : weight_) {
-    weight /= sum;
+  const NoiseKey key = next_key();
+  const auto sigma = static_cast<float>(params_.weight_jitter);
+  const Pose2 reference = pose(0);
+  Eigen::Matrix<double, 12, 1> sums = Eigen::Matrix<double, 12, 1>::Zero();
+  for (std::size_t begin = 0; begin < count_; begin += kBlock) {
+    const std::size_t count = std::min(kBlock, count_ - begin);
+    score_block(&x_[begin], &y_[begin], &theta_[begin], scored_, &weight_[begin], count);
+    if (params_.scoring == ParticleScoring::kEquationOne) {
+      kernels_.jitter(key, begin, sigma, 1e-9F, &weight_[begin], count);  // negative weights have no meaning
+    }
+    std::fill(&weight_[begin + count], &weight_[begin + (count + kLanes - 1) / kLanes * kLanes], 0.0F);
+    const ParticleMoments m =
+        kernels_.moments(&x_[begin], &y_[begin], &theta_[begin], &weight_[begin], static_cast<float>(reference.x),
+                         static_cast<float>(reference.y), static_cast<float>(reference.theta), count);
+    Eigen::Matrix<double, 12, 1> block;
+    block << m.weight, m.x, m.y, m.cosine, m.sine, m.xx, m.xy, m.yy, m.xt, m.yt, m.tt, m.t;
+    sums += block;
   }
-  resample();
+  const double total = sums[0];
+  sums /= total;
+  belief_.pose = {reference.x + sums[1], reference.y + sums[2],
+                  wrap_angle(reference.theta + std::atan2(sums[4], sums[3]))};
+  const Eigen::Vector3d mean(sums[1], sums[2], sums[11]);
+  belief_.covariance << sums[5], sums[6], sums[8], sums[6], sums[7], sums[9], sums[8], sums[9], sums[10];
+  belief_.covariance -= mean * mean.transpose();
+  if (params_.resampling == ParticleResampling::kSystematic) {
+    resample_systematically(total);
+  } else {
+    const auto scale = static_cast<float>(1.0 / total);
+    for (float& weight : weight_) {
+      weight *= scale;
+    }
+    churn();
+  }
 }
 
-void ParticleFilter::resample() {
-  std::iota(order_.begin(), order_.end(), std::size_t{0});
-  std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return weight_[a] > weight_[b]; });
-  const auto random = static_cast<std::size_t>(params_.random_share * static_cast<double>(size()));
-  const auto copied = static_cast<std::size_t>(params_.copied_share * static_cast<double>(size()));
+void ParticleFilter::resample_systematically(double total) {
+  kernels_.resample({x_.data(), y_.data(), theta_.data()}, weight_.data(), total, random_.uniform(),
+                    {spare_x_.data(), spare_y_.data(), spare_theta_.data()}, count_);
+  x_.swap(spare_x_);
+  y_.swap(spare_y_);
+  theta_.swap(spare_theta_);
+  std::fill_n(weight_.begin(), count_, 1.0F / static_cast<float>(count_));
+  const auto random = static_cast<std::size_t>(params_.random_share * static_cast<double>(count_));
   for (std::size_t k = 0; k < random; ++k) {
-    const std::size_t worst = order_[size() - 1 - k];
-    draw(worst);
-    weight_[worst] = 1e-9;
+    draw(k * count_ / random);  // particles of one origin lie side by side: spread over all of them
   }
-  for (std::size_t k = 0; k < copied && random + k + 1 < size(); ++k) {
-    const std::size_t from = order_[k];
-    const std::size_t to = order_[size() - 1 - random - k];
+}
+
+void ParticleFilter::churn() {
+  const auto random = static_cast<std::ptrdiff_t>(params_.random_share * static_cast<double>(count_));
+  const auto copied = std::min(static_cast<std::ptrdiff_t>(params_.copied_share * static_cast<double>(count_)),
+                               (static_cast<std::ptrdiff_t>(count_) - random) / 2);
+  std::iota(order_.begin(), order_.end(), 0U);
+  const auto is_heavier = [&](std::uint32_t a, std::uint32_t b) {
+    return weight_[a] > weight_[b] || (weight_[a] == weight_[b] && a < b);
+  };
+  const auto best_end = order_.begin() + copied;
+  const auto worst_begin = order_.end() - random - copied;
+  std::nth_element(order_.begin(), best_end, order_.end(), is_heavier);
+  if (worst_begin != order_.end()) {
+    std::nth_element(best_end, worst_begin, order_.end(), is_heavier);
+    std::sort(worst_begin, order_.end(), is_heavier);
+  }
+  for (std::ptrdiff_t k = 0; k < random; ++k) {
+    const std::uint32_t worst = *(order_.end() - 1 - k);
+    draw(worst);
+    weight_[worst] = 1e-9F;
+  }
+  for (std::ptrdiff_t k = 0; k < copied; ++k) {
+    const std::uint32_t from = *(order_.begin() + k);
+    const std::uint32_t to = *(worst_begin + k);
     x_[to] = x_[from];
     y_[to] = y_[from];
     theta_[to] = theta_[from];
     weight_[to] = weight_[from];
   }
-  const double sum = std::accumulate(weight_.begin(), weight_.end(), 0.0);
-  for (double& weight : weight_) {
-    weight /= sum;
+  const double sum = std::accumulate(weight_.begin(), weight_.begin() + static_cast<std::ptrdiff_t>(count_), 0.0);
+  for (float& weight : weight_) {
+    weight = static_cast<float>(static_cast<double>(weight) / sum);
   }
-}
-
-std::vector<PoseCluster> find_clusters(const ParticleFilter& filter, double smallest_spacing,
-                                       const ClusterParams& params) {
-  const double radius = params.radius_factor * std::min(smallest_spacing, 10.0);
-  std::vector<std::size_t> left(filter.size());
-  std::iota(left.begin(), left.end(), std::size_t{0});
-  std::stable_sort(left.begin(), left.end(),
-                   [&](std::size_t a, std::size_t b) { return filter.weight(a) > filter.weight(b); });
-  std::vector<PoseCluster> clusters;
-  while (!left.empty() && clusters.size() < static_cast<std::size_t>(params.most)) {
-    const Pose2 seed = filter.pose(left.front());
-    std::vector<std::size_t> members;
-    std::vector<std::size_t> others;
-    for (const std::size_t i : left) {
-      const Pose2 pose = filter.pose(i);
-      const bool belongs =
-          distance(pose, seed) < radius && std::abs(wrap_angle(pose.theta - seed.theta)) < params.heading_gate;
-      (belongs ? members : others).push_back(i);
-    }
-    if (members.empty()) {
-      break;  // a radius of 0: two fixtures in one place
-    }
-    PoseCluster cluster;
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();  // relative to the seed, so that the heading is no issue
-    for (const std::size_t i : members) {
-      const Pose2 pose = filter.pose(i);
-      cluster.weight += filter.weight(i);
-      mean += filter.weight(i) * Eigen::Vector3d(pose.x - seed.x, pose.y - seed.y, wrap_angle(pose.theta - seed.theta));
-    }
-    mean /= std::max(1e-300, cluster.weight);
-    cluster.belief.pose = {seed.x + mean.x(), seed.y + mean.y(), wrap_angle(seed.theta + mean.z())};
-    cluster.belief.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
-    for (const std::size_t i : members) {
-      const Pose2 pose = filter.pose(i);
-      const Eigen::Vector3d offset(pose.x - cluster.belief.pose.x, pose.y - cluster.belief.pose.y,
-                                   wrap_angle(pose.theta - cluster.belief.pose.theta));
-      cluster.belief.covariance += filter.weight(i) / std::max(1e-300, cluster.weight) * offset * offset.transpose();
-    }
-    clusters.push_back(cluster);
-    left = std::move(others);
-  }
-  std::stable_sort(clusters.begin(), clusters.end(),
-                   [](const PoseCluster& a, const PoseCluster& b) { return a.weight > b.weight; });
-  return clusters;
 }
 
 }  // namespace luminav

@@ -5,17 +5,26 @@
 #include <vector>
 
 #include "services/localizer/fixture_map.hpp"
+#include "services/localizer/nearest_fixture_grid.hpp"
+#include "services/localizer/particle_kernels.hpp"
 #include "services/localizer/pose_belief.hpp"
 #include "services/localizer/wall_field.hpp"
 
 namespace luminav {
 
-/// Parameters of the paper's particle filter.
+enum class ParticleScoring { kEquationOne, kGaussian };
+enum class ParticleResampling { kChurn, kSystematic };
+
+/// Parameters of the particle filter. The paper's: equation 1 and churn.
 struct ParticleParams {
   int count = 2000;
+  ParticleScoring scoring = ParticleScoring::kEquationOne;
   double distance_gain = 1.0 / 0.15;        // [1/m] kd of equation 1: the score is halved at 0.15 m
   double angle_gain = 1.0 / radians(10.0);  // [1/rad] kt of equation 1
   double weight_jitter = 0.01;              // sigma of equation 1's norm term
+  double position_sigma = 0.10;             // [m] of a sighting, Gaussian scoring
+  double heading_sigma = radians(3.0);      // [rad] likewise
+  double outlier = 1e-4;                    // likelihood of a sighting that is something else, likewise
   double unknown_free = 0.5;                // P of a cell the map does not know
   double least_free = 0.05;                 // P of an occupied cell
   double turn_by_turn = 0.1;                // odometry noise: [rad/rad] (Thrun et al. 2005, table 5.6: alpha 1 .. 4)
@@ -23,8 +32,9 @@ struct ParticleParams {
   double way_by_way = 0.1;                  // [m/m]
   double way_by_turn = 0.05;                // [m/rad]
   int redraws = 5;                          // tries to move a particle without entering a wall
-  double copied_share = 0.10;               // the best replace as many of the worst
-  double random_share = 0.05;               // of the worst are drawn anew
+  ParticleResampling resampling = ParticleResampling::kChurn;
+  double copied_share = 0.10;  // churn: the best replace as many of the worst
+  double random_share = 0.05;  // of the worst (churn) or of all (systematic) are drawn anew
 };
 
 /// A small generator whose numbers are the same on every machine. Steele et al. 2014 (splitmix64).
@@ -41,8 +51,10 @@ class SplitMix {
   std::uint64_t state_;
 };
 
-/// The paper's particle filter: odometry with noise inside the free space, equation 1, and its own resampling, in which
-/// the best are copied over the worst and some of the worst are drawn anew. One array per coordinate.
+/// Particle filter: odometry with noise inside the free space; each sighting scored against the nearest fixture, by the
+/// paper's equation 1 or by a Gaussian; the paper's resampling, in which the best are copied over the worst and some of
+/// the worst are drawn anew, or the systematic one. One float array per coordinate, 28 bytes a particle and 4 more for
+/// the paper's resampling; noise comes from a counter, so the order of work does not change the numbers.
 class ParticleFilter {
  public:
   ParticleFilter(const FixtureMap& map, const WallField& walls, const ParticleParams& params, std::uint64_t seed);
@@ -50,47 +62,52 @@ class ParticleFilter {
   /// Draws all anew in the free space.
   void scatter();
   void predict(const Pose2& delta);
-  /// Equation 1 for all particles, then the resampling; no sightings, no update.
+  /// Scores all particles, then resamples; no sightings, no update. At most 8 sightings are used.
   void update(const std::vector<FixtureSighting>& sightings);
   /// Puts a share of the particles around a pose.
   void gather(const PoseBelief& belief, double share);
 
-  /// Equation 1 without its norm term: mean over the sightings of 1 / (1 + kd d + kt |dtheta|), times P(free).
+  /// Mean and spread of all particles by their weights at the last update.
+  [[nodiscard]] const PoseBelief& belief() const { return belief_; }
+  /// The score of a pose without equation 1's norm term: mean over the sightings of 1 / (1 + kd d + kt |dtheta|), or
+  /// product of the Gaussians, times P(free).
   [[nodiscard]] double score(const Pose2& pose, const std::vector<FixtureSighting>& sightings) const;
 
-  [[nodiscard]] std::size_t size() const { return x_.size(); }
+  [[nodiscard]] std::size_t size() const { return count_; }
   [[nodiscard]] Pose2 pose(std::size_t i) const { return {x_[i], y_[i], theta_[i]}; }
-  [[nodiscard]] double weight(std::size_t i) const { return weight_[i]; }
+  [[nodiscard]] double weight(std::size_t i) const { return static_cast<double>(weight_[i]); }
+  /// Of all particles together, working space included.
+  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
+  struct ScoredSighting {
+    float x = 0.0F;  // [m] in the robot frame
+    float y = 0.0F;
+    SightingScore score;
+  };
   void draw(std::size_t i);
-  void resample();
+  void move_inside_walls(const NoisyStep& step, std::size_t begin, std::size_t count, NoiseKey key);
+  [[nodiscard]] ScoredSighting prepare(const FixtureSighting& sighting) const;
+  void score_block(const float* x, const float* y, const float* theta, const std::vector<ScoredSighting>& sightings,
+                   float* scores, std::size_t count) const;
+  void churn();
+  void resample_systematically(double total);
   [[nodiscard]] double free_probability(const Eigen::Vector2d& point) const;
+  [[nodiscard]] NoiseKey next_key();
 
-  const FixtureMap& map_;
   const WallField& walls_;
+  NearestFixtureGrid nearest_;
+  const ParticleKernels& kernels_;
   ParticleParams params_;
   SplitMix random_;
   Eigen::Vector2d least_;  // [m] corners of where fixtures are, for buildings without a map
   Eigen::Vector2d most_;
-  std::vector<double> x_, y_, theta_, weight_;
-  std::vector<std::size_t> order_;
+  std::size_t count_;
+  std::vector<float> x_, y_, theta_, weight_;
+  std::vector<float> spare_x_, spare_y_, spare_theta_;  // systematic resampling writes here
+  std::vector<std::uint32_t> order_;                    // churn
+  std::vector<ScoredSighting> scored_;
+  PoseBelief belief_;
 };
-
-struct ClusterParams {
-  double radius_factor = 0.45;          // of the smallest distance between fixtures
-  double heading_gate = radians(45.0);  // [rad]
-  int most = 50;
-};
-
-/// Particles that belong together.
-struct PoseCluster {
-  PoseBelief belief;    // weighted mean (circular for the heading) and spread
-  double weight = 0.0;  // share of all
-};
-
-/// The paper's greedy clusters: from the heaviest particle left, all within the radius; heaviest cluster first.
-std::vector<PoseCluster> find_clusters(const ParticleFilter& filter, double smallest_spacing,
-                                       const ClusterParams& params);
 
 }  // namespace luminav

@@ -41,33 +41,22 @@ Innovation innovate(const PoseBelief& belief, const FixtureSighting& sighting, c
   return innovation;
 }
 
-void correct(PoseBelief& belief, const Innovation& innovation, const Eigen::Matrix3d& noise) {
-  const Eigen::Matrix3d& h = innovation.jacobian;
-  const Eigen::Matrix3d cross = belief.covariance * h.transpose();
-  const Eigen::Matrix3d inverse = Eigen::Matrix3d(h * cross + noise).inverse();
-  const Eigen::Matrix3d gain = cross * inverse;
-  const Eigen::Vector3d step = gain * innovation.residual;
-  belief.pose.x += step.x();
-  belief.pose.y += step.y();
-  belief.pose.theta = wrap_angle(belief.pose.theta + step.z());
-  const Eigen::Matrix3d remaining = Eigen::Matrix3d::Identity() - gain * h;
-  const Eigen::Matrix3d updated =
-      remaining * belief.covariance * remaining.transpose() + gain * noise * gain.transpose();
-  belief.covariance = 0.5 * (updated + updated.transpose());
+namespace {
+
+/// robot's pose by sighting, the inverse of expect_sighting's Jacobian: there the position's part is a rotation.
+Eigen::Matrix3d inverse_of_jacobian(const Eigen::Matrix3d& j) {
+  Eigen::Matrix3d inverse;
+  inverse << j(0, 0), j(1, 0), j(0, 0) * j(0, 2) + j(1, 0) * j(1, 2),  //
+      j(0, 1), j(1, 1), j(0, 1) * j(0, 2) + j(1, 1) * j(1, 2),         //
+      0.0, 0.0, -1.0;
+  return inverse;
 }
 
-void predict(PoseBelief& belief, const Pose2& delta, const Eigen::Matrix3d& noise) {
-  const double c = std::cos(belief.pose.theta);
-  const double s = std::sin(belief.pose.theta);
-  const Pose2 moved = belief.pose * delta;
-  Eigen::Matrix3d transition = Eigen::Matrix3d::Identity();
-  transition(0, 2) = -(moved.y - belief.pose.y);
-  transition(1, 2) = moved.x - belief.pose.x;
-  Eigen::Matrix3d rotation;
-  rotation << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
-  belief.covariance = Eigen::Matrix3d(transition * belief.covariance * transition.transpose() +
-                                      rotation * noise * rotation.transpose());
-  belief.pose = moved;
+}  // namespace
+
+void correct(PoseBelief& belief, const Innovation& innovation, const Eigen::Matrix3d& noise) {
+  const Eigen::Matrix3d pose_by_sighting = inverse_of_jacobian(innovation.jacobian);
+  fuse_pose(belief, pose_by_sighting * innovation.residual, pose_by_sighting * noise * pose_by_sighting.transpose());
 }
 
 }  // namespace luminav

@@ -5,6 +5,7 @@
 #include "services/common/building/building.hpp"
 #include "services/localizer/fixture_sighting.hpp"
 #include "services/localizer/pose_belief.hpp"
+#include "services/localizer/pose_kalman.hpp"
 
 namespace luminav {
 
@@ -37,10 +38,7 @@ struct Innovation {
 Innovation innovate(const PoseBelief& belief, const FixtureSighting& sighting, const Fixture& fixture,
                     Eigen::Matrix3d noise);
 
-/// Kalman correction with a noise that may be larger than the one the innovation was gated with. Joseph form.
+/// Kalman correction with a noise that may be larger than the one the innovation was gated with.
 void correct(PoseBelief& belief, const Innovation& innovation, const Eigen::Matrix3d& noise);
-
-/// Moves a belief by an odometry step; `noise` in the frame at the step's beginning.
-void predict(PoseBelief& belief, const Pose2& delta, const Eigen::Matrix3d& noise);
 
 }  // namespace luminav

@@ -12,6 +12,9 @@ inline double wrap_modulo(double angle, double period) {
   if (period == 0.0) {
     return 0.0;
   }
+  if (angle > -0.5 * period && angle <= 0.5 * period) {
+    return angle;  // the usual case; std::remainder is slow
+  }
   const double wrapped = std::remainder(angle, period);
   return wrapped <= -0.5 * period ? wrapped + period : wrapped;
 }

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "services/localizer/particle_filter.hpp"
+#include "services/localizer/pose_belief.hpp"
+
+namespace luminav {
+
+struct ClusterParams {
+  double radius_factor = 0.45;          // of the smallest distance between fixtures
+  double heading_gate = radians(45.0);  // [rad]
+  int most = 50;
+};
+
+/// Particles that belong together.
+struct PoseCluster {
+  PoseBelief belief;    // weighted mean (circular for the heading) and spread
+  double weight = 0.0;  // share of all
+};
+
+/// The paper's greedy clusters: from the heaviest particle left, all within the radius; heaviest cluster first.
+std::vector<PoseCluster> find_clusters(const ParticleFilter& filter, double smallest_spacing,
+                                       const ClusterParams& params);
+
+}  // namespace luminav
