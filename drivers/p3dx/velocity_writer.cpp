@@ -9,9 +9,10 @@
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kCycle = 50'000;       // [us] 18 bytes, which a line of 9600 baud moves in 19 ms
-constexpr std::int64_t kLeastCycle = 15'000;  // [us] between changes: a controller at 50 Hz is never kept waiting
-constexpr std::int64_t kRepeat = 100'000;     // [us] nothing is acknowledged, so all is said again
+constexpr std::int64_t kCycle = 50'000;     // [us] 18 bytes, which a line of 9600 baud moves in 19 ms
+constexpr double kChangePeriod = 15'000.0;  // [us] on average: a controller at 50 Hz is not kept waiting
+constexpr double kChangeBurst = 2.0;        // however uneven its messages arrive
+constexpr std::int64_t kRepeat = 100'000;   // [us] nothing is acknowledged, so all is said again
 
 }  // namespace
 
@@ -38,7 +39,10 @@ int VelocityWriter::choose_turn_rate(double wanted_deg, std::int64_t now) {
 std::vector<std::vector<std::uint8_t>> VelocityWriter::poll(const DriveVelocity& wanted, std::int64_t now) {
   const std::int64_t since = now - last_cycle_;
   const bool changed = wanted != wanted_;
-  const bool due = !known_ || since >= kCycle || (changed && now - last_change_ >= kLeastCycle);
+  change_allowance_ =
+      std::min(kChangeBurst, change_allowance_ + static_cast<double>(now - change_allowance_at_) / kChangePeriod);
+  change_allowance_at_ = now;
+  const bool due = !known_ || since >= kCycle || (changed && change_allowance_ >= 1.0);
   if (!due) {
     return {};
   }
@@ -53,7 +57,7 @@ std::vector<std::vector<std::uint8_t>> VelocityWriter::poll(const DriveVelocity&
     frames.push_back(encode_command(ArcosCommand::kTurnRate, turn_rate));
     last_turn_rate_ = now;
   }
-  last_change_ = changed || !known_ ? now : last_change_;
+  change_allowance_ = changed ? std::max(0.0, change_allowance_ - 1.0) : change_allowance_;
   known_ = true;
   wanted_ = wanted;
   velocity_mm_s_ = velocity;

@@ -11,7 +11,7 @@ namespace luminav {
 /// alternates between its neighbours so that the angle turned is right (error diffusion over time), 20 times a second.
 class VelocityWriter {
  public:
-  /// Frames due now; `now` [us]. A change leaves at once, but no sooner than 15 ms after the last change.
+  /// Frames due now; `now` [us]. A change leaves at once, but no more of them than one each 15 ms on average.
   std::vector<std::vector<std::uint8_t>> poll(const DriveVelocity& wanted, std::int64_t now);
   /// The robot may have forgotten or missed everything: both frames are due at the next poll.
   void restart();
@@ -21,13 +21,14 @@ class VelocityWriter {
 
   bool known_ = false;  // the robot has our last values
   DriveVelocity wanted_;
-  int velocity_mm_s_ = 0;            // as sent
-  int turn_rate_deg_s_ = 0;          // as sent
-  double angle_error_deg_ = 0.0;     // asked for and not yet turned
-  std::int64_t last_cycle_ = 0;      // [us]
-  std::int64_t last_change_ = 0;     // [us]
-  std::int64_t last_velocity_ = 0;   // [us] when VEL was sent
-  std::int64_t last_turn_rate_ = 0;  // [us]
+  int velocity_mm_s_ = 0;                 // as sent
+  int turn_rate_deg_s_ = 0;               // as sent
+  double angle_error_deg_ = 0.0;          // asked for and not yet turned
+  std::int64_t last_cycle_ = 0;           // [us]
+  double change_allowance_ = 0.0;         // changes that may leave now
+  std::int64_t change_allowance_at_ = 0;  // [us]
+  std::int64_t last_velocity_ = 0;        // [us] when VEL was sent
+  std::int64_t last_turn_rate_ = 0;       // [us]
 };
 
 }  // namespace luminav

@@ -46,6 +46,13 @@ void write_all(ArcosServer& server, ByteStream& stream, const Bytes& bytes) {
 
 const Bytes kSync0 = encode_packet(0);
 
+void open_session(ByteStream& client) {
+  for (const std::uint8_t sync : {packet_type::kSync0, packet_type::kSync1, packet_type::kSync2}) {
+    client.write(encode_packet(sync));
+  }
+  client.write(encode_command(ArcosCommand::kOpen));
+}
+
 TEST(TcpArcosServer, AnswersAClient) {
   ArcosController controller({});
   const auto server = ArcosServer::on_tcp(controller, 0);
@@ -142,10 +149,7 @@ TEST(PtyArcosServer, FollowsHostBaud) {
   ArcosController controller({});
   const auto server = ArcosServer::on_pty(controller);
   SerialStream client(server->address(), 9600);
-  for (const std::uint8_t sync : {packet_type::kSync0, packet_type::kSync1, packet_type::kSync2}) {
-    client.write(encode_packet(sync));
-  }
-  client.write(encode_command(ArcosCommand::kOpen));
+  open_session(client);
   const ConfigurationPacket flash;
   const std::size_t answers =
       2 * kSync0.size() + encode_identity({flash.name, flash.robot_class, flash.subclass}).size();
@@ -169,10 +173,7 @@ TEST(PtyArcosServer, HearsTheLastWordsOfAClientThatHasLeft) {
   ArcosController controller({});
   const auto server = ArcosServer::on_pty(controller);
   SerialStream client(server->address(), 9600);
-  for (const std::uint8_t sync : {packet_type::kSync0, packet_type::kSync1, packet_type::kSync2}) {
-    client.write(encode_packet(sync));
-  }
-  client.write(encode_command(ArcosCommand::kOpen));
+  open_session(client);
   server->poll();
   EXPECT_TRUE(controller.session_open());
   client.write(encode_command(ArcosCommand::kClose));

@@ -135,10 +135,24 @@ TEST(VelocityWriter, DoesNotKeepAChangeWaitingBehindARepetition) {
   EXPECT_EQ(robot.count, 4);
   robot.take(writer.poll({0.1, 0.0}, kNow + 101'000));
   EXPECT_EQ(robot.velocity, 100);
-  robot.take(writer.poll({0.2, 0.0}, kNow + 103'000));  // faster than a line of 9600 baud
-  EXPECT_EQ(robot.velocity, 100);
-  robot.take(writer.poll({0.2, 0.0}, kNow + 116'000));
+}
+
+TEST(VelocityWriter, SendsChangesThatArriveUnevenlyButNotMoreThanTheLineTakes) {
+  VelocityWriter writer;
+  Follower robot;
+  robot.take(writer.poll({}, kNow));
+  robot.take(writer.poll({0.1, 0.0}, kNow + 40'000));
+  robot.take(writer.poll({0.2, 0.0}, kNow + 43'000));
   EXPECT_EQ(robot.velocity, 200);
+  robot.take(writer.poll({0.3, 0.0}, kNow + 46'000));  // the third within 6 ms
+  EXPECT_EQ(robot.velocity, 200);
+  robot.take(writer.poll({0.3, 0.0}, kNow + 56'000));
+  EXPECT_EQ(robot.velocity, 300);
+  robot.count = 0;
+  for (int i = 1; i <= 1000; ++i) {  // one each millisecond
+    robot.take(writer.poll({0.0001 * i, 0.0}, kNow + 100'000 + 1'000 * i));
+  }
+  EXPECT_LE(robot.count, 67 + 1 + 10);  // VEL with each change that left, RVEL ten times a second
 }
 
 TEST(VelocityWriter, SendsTheSlowestCreepThatTheProtocolKnows) {
