@@ -7,7 +7,9 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 namespace luminav {
 
@@ -61,6 +63,13 @@ OpenStream stream_opener(const std::string& device, int baud) {
   if (!device.starts_with(kTcp)) {
     if (!device.starts_with('/')) {
       throw std::invalid_argument("device = \"" + device + "\": must be tcp:HOST:PORT or the path of a serial device");
+    }
+    std::error_code error;  // what is not there may be plugged in later, but these remain what they are
+    const std::filesystem::file_status status = std::filesystem::status(device, error);
+    if (std::filesystem::is_directory(status) || std::filesystem::is_regular_file(status)) {
+      throw std::invalid_argument(device + ": is " +
+                                  (std::filesystem::is_directory(status) ? "a directory" : "a file") +
+                                  ", not a serial device");
     }
     return [device, baud] { return std::make_unique<SerialStream>(device, baud); };
   }

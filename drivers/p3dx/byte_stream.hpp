@@ -38,7 +38,8 @@ class ByteStream {
 /// Opens a line, again and again when it is lost. Throws std::runtime_error with one plain sentence when it cannot.
 using OpenStream = std::function<std::unique_ptr<ByteStream>()>;
 
-/// "tcp:HOST:PORT" or the path of a serial device. Throws std::invalid_argument when it is neither.
+/// "tcp:HOST:PORT" or the path of a serial device, which need not be there yet. Throws std::invalid_argument when it is
+/// neither.
 OpenStream stream_opener(const std::string& device, int baud);
 
 /// A file descriptor that is read and written without waiting; owns it.

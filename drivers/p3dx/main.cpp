@@ -47,6 +47,14 @@ class Watch {
   std::string said_;
 };
 
+OpenStream open_by_configuration(const P3dxConfig& config) {
+  try {
+    return stream_opener(config.device, config.baud);
+  } catch (const std::invalid_argument& error) {
+    throw ConfigurationError(error.what());
+  }
+}
+
 /// The robot brakes before its motors are switched off.
 void bring_to_rest(P3dxNode& node, Watch& watch) {
   constexpr int kSteps = 150;  // of 10 ms
@@ -74,7 +82,7 @@ int main(int argc, char** argv) {
     P3dxConfig config = read_p3dx_config(robot);
     config.device = device.empty() ? config.device : device;
     config.state_folder = std::filesystem::path(state) / config.robot.name;
-    const OpenStream opener = stream_opener(config.device, config.baud);
+    const OpenStream opener = open_by_configuration(config);
     const MotionLimits& limits = config.robot.limits;
     Guardian guardian({.brake_time = limits.linear / limits.linear_deceleration + 0.3});
     const auto lcm = open_lcm(url);

@@ -44,11 +44,6 @@ std::string permission_advice(const std::string& device) {
 }
 
 int open_device(const std::string& device) {
-  struct stat status {};
-  if (stat(device.c_str(), &status) == 0 && !S_ISCHR(status.st_mode)) {
-    throw std::runtime_error(device + ": is " + (S_ISDIR(status.st_mode) ? "a directory" : "a file") +
-                             ", not a serial device");
-  }
   const int descriptor = open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) {
     throw std::runtime_error(errno == EACCES ? permission_advice(device) : device + ": " + std::strerror(errno));

@@ -4,10 +4,13 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <grp.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <stdlib.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -82,13 +85,15 @@ TEST(StreamOpener, RefusesWhatIsNoDevice) {
        {"", "tcp:", "tcp:8101", "tcp:host:", "tcp:host:0", "tcp:host:70000", "tcp:host:12x", "ttyUSB0", "tcp::8101"}) {
     EXPECT_THROW(stream_opener(device, 9600), std::invalid_argument) << device;
   }
+  EXPECT_THAT(error_of([] { stream_opener("/tmp", 9600); }), HasSubstr("is a directory, not a serial device"));
+  EXPECT_THAT(error_of([] { stream_opener("/etc/passwd", 9600); }), HasSubstr("is a file, not a serial device"));
   EXPECT_NO_THROW(stream_opener("tcp:127.0.0.1:8101", 9600));
   EXPECT_NO_THROW(stream_opener("/dev/ttyUSB0", 9600));
 }
 
 TEST(SerialStream, SaysWhyADeviceCannotBeOpened) {
   EXPECT_THAT(error_of([] { SerialStream("/dev/does-not-exist", 9600); }), HasSubstr("No such file"));
-  EXPECT_THAT(error_of([] { SerialStream("/tmp", 9600); }), HasSubstr("is a directory"));
+  EXPECT_THAT(error_of([] { SerialStream("/tmp", 9600); }), HasSubstr("directory"));
   EXPECT_THAT(error_of([] { SerialStream("/dev/null", 9600); }), HasSubstr("not a serial device"));
 }
 
@@ -109,6 +114,28 @@ struct Terminal {
   int master;
   std::string name;
 };
+
+TEST(SerialStream, NamesTheGroupThatMayOpenTheDevice) {
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(grantpt(terminal), 0);
+  ASSERT_EQ(unlockpt(terminal), 0);
+  const std::string device = ptsname(terminal);
+  ASSERT_EQ(chmod(device.c_str(), 0), 0);
+  const pid_t somebody = fork();
+  if (somebody == 0) {
+    constexpr uid_t kNobody = 65534;
+    const bool could_be_root = geteuid() == 0 && (setgroups(0, nullptr) != 0 || setuid(kNobody) != 0);
+    const std::string why = error_of([&] { SerialStream(device, 9600); });
+    const bool says = why.find(device + ": permission denied; it belongs to the group \"") == 0 &&
+                      why.find("sudo usermod -aG ") != std::string::npos;
+    _exit(!could_be_root && says ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(somebody, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  close(terminal);
+}
 
 TEST(SerialStream, PassesEveryByteUnchanged) {
   Terminal terminal;
