@@ -171,7 +171,9 @@ void draw_building_png(const std::filesystem::path& file, const Building& buildi
     cv::fillConvexPoly(image, corners, colour, cv::LINE_AA);
     cv::polylines(image, corners, true, 0.6 * colour, 1, cv::LINE_AA);
   };
-  const auto text = [&](const cv::Point& point, const std::string& words, double size, const cv::Scalar& colour) {
+  const auto text = [&](cv::Point point, const std::string& words, double size, const cv::Scalar& colour) {
+    const cv::Size room = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, 1, nullptr);
+    point.x = std::max(0, std::min(point.x, image.cols - room.width));
     cv::putText(image, words, point, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
   };
   if (map != nullptr) {

@@ -1,8 +1,8 @@
 #include "tests/evaluation/run_picture.hpp"
 
 #include <luminav/pose_t.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+
+#include "tests/evaluation/map_canvas.hpp"
 
 namespace luminav {
 namespace {
@@ -15,56 +15,11 @@ const cv::Scalar kLamp(60, 190, 250);
 const cv::Scalar kRed(40, 40, 220);
 const cv::Scalar kBox(70, 110, 180);
 
-class Canvas {
- public:
-  explicit Canvas(const PriorMap& map)
-      : geometry_(map.geometry), scale_(map.geometry.columns * map.geometry.resolution > 40.0 ? 20 : 40) {
-    const int width = static_cast<int>(geometry_.columns * geometry_.resolution * scale_);
-    const int height = static_cast<int>(geometry_.rows * geometry_.resolution * scale_);
-    cv::Mat cells(geometry_.rows, geometry_.columns, CV_8UC3);
-    for (int row = 0; row < geometry_.rows; ++row) {
-      for (int column = 0; column < geometry_.columns; ++column) {
-        const Prior cell = map.cells[geometry_.index({column, row})];
-        const std::uint8_t grey = cell == Prior::kFree ? 255 : cell == Prior::kOccupied ? 40 : 215;
-        cells.at<cv::Vec3b>(geometry_.rows - 1 - row, column) = {grey, grey, grey};
-      }
-    }
-    cv::resize(cells, image_, {width, height}, 0, 0, cv::INTER_NEAREST);
-  }
-
-  cv::Point at(const Eigen::Vector2d& p) const {
-    return {static_cast<int>((p.x() - geometry_.origin.x()) * scale_),
-            image_.rows - 1 - static_cast<int>((p.y() - geometry_.origin.y()) * scale_)};
-  }
-  void rectangle(const Pose2& world_from_box, double length, double width, const cv::Scalar& colour) {
-    std::vector<cv::Point> corners;
-    for (const auto& [a, b] : {std::pair{0.5, 0.5}, {-0.5, 0.5}, {-0.5, -0.5}, {0.5, -0.5}}) {
-      corners.push_back(at(world_from_box * Eigen::Vector2d(a * length, b * width)));
-    }
-    cv::fillConvexPoly(image_, corners, colour, cv::LINE_AA);
-  }
-  void line(const Pose2& from, const Pose2& to, const cv::Scalar& colour, int thickness) {
-    cv::line(image_, at(from.position()), at(to.position()), colour, thickness, cv::LINE_AA);
-  }
-  void dot(const Eigen::Vector2d& p, int radius, const cv::Scalar& colour, bool filled = true) {
-    cv::circle(image_, at(p), radius, colour, filled ? cv::FILLED : 2, cv::LINE_AA);
-  }
-  void text(const Eigen::Vector2d& p, const std::string& words, const cv::Scalar& colour) {
-    cv::putText(image_, words, at(p) + cv::Point(8, -8), cv::FONT_HERSHEY_SIMPLEX, 0.6, colour, 2, cv::LINE_AA);
-  }
-  cv::Mat& image() { return image_; }
-
- private:
-  GridGeometry geometry_;
-  int scale_;  // [px per m]
-  cv::Mat image_;
-};
-
 }  // namespace
 
 void draw_run(const std::string& png_file, const WorldTruth& world, const Building& believed,
               const std::vector<TrailPoint>& trail, const std::vector<GoalResult>& goals, const OccupancyGrid* grid) {
-  Canvas canvas(world.walls);
+  MapCanvas canvas(world.walls);
   if (grid != nullptr) {
     for (int row = 0; row < grid->geometry.rows; ++row) {
       for (int column = 0; column < grid->geometry.columns; ++column) {
@@ -113,9 +68,7 @@ void draw_run(const std::string& png_file, const WorldTruth& world, const Buildi
     canvas.dot(at, 9, goals[i].reached ? kGreen : kRed, false);
     canvas.text(at, std::to_string(i + 1), goals[i].reached ? kGreen : kRed);
   }
-  if (!cv::imwrite(png_file, canvas.image())) {
-    throw std::runtime_error(png_file + ": cannot be written");
-  }
+  canvas.write(png_file);
 }
 
 }  // namespace luminav
