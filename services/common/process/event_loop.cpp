@@ -21,6 +21,9 @@
 namespace luminav {
 namespace {
 
+constexpr std::int64_t kHealthPeriod = 50'000;    // [us]
+constexpr std::int64_t kShortestShare = 500'000;  // [us] over which a share of the processor says something
+
 int g_signal_pipe[2] = {-1, -1};
 
 void on_signal(int) {
@@ -51,6 +54,12 @@ std::int64_t memory_resident() {
   std::int64_t resident = 0;
   std::ifstream("/proc/self/statm") >> total >> resident;
   return resident * sysconf(_SC_PAGESIZE);
+}
+
+std::int8_t state_of(const Health& health) {
+  return health.fault      ? node_status_t::STATE_FAULT
+         : health.degraded ? node_status_t::STATE_DEGRADED
+                           : node_status_t::STATE_READY;
 }
 
 std::string host_name() {
@@ -88,6 +97,11 @@ EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot)
   sigaction(SIGTERM, &action, nullptr);
   signal(SIGPIPE, SIG_IGN);
   every(1'000'000, [this] { publish_status(); });
+  every(kHealthPeriod, [this] {
+    if (state_of(current_health()) != published_state_) {
+      publish_status();  // who waits for this process need not wait for the second to pass
+    }
+  });
 }
 
 EventLoop::~EventLoop() = default;
@@ -163,29 +177,33 @@ int EventLoop::run() {
   return 0;
 }
 
+Health EventLoop::current_health() const {
+  return health_ ? health_() : Health{};
+}
+
 void EventLoop::publish_status() {
   const std::int64_t now = now_monotonic();
   const std::int64_t cpu = cpu_used();
-  const Health health = health_ ? health_() : Health{};
+  const Health health = current_health();
   node_status_t status{};
   status.utime = now_wall();
   status.process = process_;
   status.host = host_;
   status.robot = robot_;
   status.version = kVersion;
-  status.state = health.fault      ? node_status_t::STATE_FAULT
-                 : health.degraded ? node_status_t::STATE_DEGRADED
-                                   : node_status_t::STATE_READY;
+  published_state_ = status.state = state_of(health);
   status.reason = health.reason;
   status.dropped_inputs = health.dropped_inputs;
   status.worst_step_us = static_cast<std::int32_t>(std::min<std::int64_t>(worst_step_, 2'000'000'000));
   status.memory_bytes = memory_resident();
-  status.cpu_fraction = last_status_ == 0 ? 0.0
-                                          : static_cast<double>(cpu - last_cpu_) /
-                                                static_cast<double>(std::max<std::int64_t>(1, now - last_status_));
+  const std::int64_t interval = now - last_status_;
+  if (last_status_ == 0 || interval > kShortestShare) {
+    cpu_fraction_ = last_status_ == 0 ? 0.0 : static_cast<double>(cpu - last_cpu_) / static_cast<double>(interval);
+    last_cpu_ = cpu;
+    last_status_ = now;
+  }
+  status.cpu_fraction = cpu_fraction_;
   lcm_.publish(channels::kNodeStatus, &status);
-  last_cpu_ = cpu;
-  last_status_ = now;
   worst_step_ = 0;
 }
 

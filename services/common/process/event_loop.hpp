@@ -22,7 +22,7 @@ struct Health {
 };
 
 /// Runs a process: one poll waits on LCM, on devices and on timers; handlers run one after another on this thread.
-/// Publishes NODE_STATUS when it starts to run and at 1 Hz. SIGINT and SIGTERM end it.
+/// Publishes NODE_STATUS when it starts to run, when its state changes and at 1 Hz. SIGINT and SIGTERM end it.
 class EventLoop {
  public:
   EventLoop(lcm::LCM& lcm, std::string process, std::string robot);
@@ -53,6 +53,7 @@ class EventLoop {
   void run_due_timers();
   [[nodiscard]] int milliseconds_to_next_timer() const;
   void measure(const std::function<void()>& step);
+  [[nodiscard]] Health current_health() const;
   void publish_status();
 
   lcm::LCM& lcm_;
@@ -65,6 +66,8 @@ class EventLoop {
   std::int64_t worst_step_ = 0;   // [us] since the last status
   std::int64_t last_cpu_ = 0;     // [us]
   std::int64_t last_status_ = 0;  // [us] monotonic
+  double cpu_fraction_ = 0.0;
+  std::int8_t published_state_ = -1;  // none yet
   bool stopping_ = false;
 };
 
