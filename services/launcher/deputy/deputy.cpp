@@ -235,7 +235,7 @@ void Deputy::obey(const procman::procman_command_desired_t& ordered) {
       stop_step(command);
       break;
     case OrderStep::kNote:
-      if (command.running() && command.stop_sent && !command.kill_sent) {
+      if (command.running() && command.stop_sent && !command.kill_sent && !command.too_big) {
         command.stop_sent.reset();  // wanted again before it had to be killed
       }
       if (ordered.desired_runid != 0 && command.actual_runid != ordered.desired_runid) {
@@ -274,6 +274,7 @@ void Deputy::start(ManagedCommand& command) {
   command.actual_runid = command.desired_runid;
   command.stop_sent.reset();
   command.kill_sent = false;
+  command.too_big = false;
   command.respawn_at.reset();
   command.usage = {};
   command.cpu_usage = 0.0F;
@@ -406,6 +407,7 @@ void Deputy::measure() {
     const auto used = static_cast<double>(usage.cpu - command.usage.cpu);
     command.cpu_usage = first ? 0.0F : static_cast<float>(std::clamp(used / available, 0.0, 1.0));
     command.usage = usage;
+    end_if_too_big(command);
   }
   const MachineUsage machine = runner_.machine();
   const auto total = static_cast<double>(machine.cpu_total - machine_.cpu_total);
@@ -413,6 +415,16 @@ void Deputy::measure() {
       total > 0 ? static_cast<float>(static_cast<double>(machine.cpu_busy - machine_.cpu_busy) / total) : cpu_load_;
   machine_ = machine;
   last_measurement_ = now_.steady;
+}
+
+void Deputy::end_if_too_big(ManagedCommand& command) {
+  if (config_.memory_limit <= 0 || command.usage.resident_bytes <= config_.memory_limit || command.stop_sent) {
+    return;
+  }
+  say(fmt::format("\"{}\" uses {} MB, more than the {} MB allowed, and is ended", command.command.command_id,
+                  command.usage.resident_bytes / 1'000'000, config_.memory_limit / 1'000'000));
+  command.too_big = true;
+  stop_step(command);
 }
 
 void Deputy::publish_info() {

@@ -30,7 +30,8 @@ struct DeputyConfig {
   RespawnParams respawn;
   RotatingLogParams log;
   OutputPacerParams output;
-  std::int64_t nonce = 1;  // tells two deputies of one name apart
+  std::int64_t memory_limit = 0;  // [bytes] resident; a process that uses more is ended, 0 = none
+  std::int64_t nonce = 1;         // tells two deputies of one name apart
   Environment environment = [](const std::string&) { return std::nullopt; };
 };
 
@@ -72,6 +73,7 @@ class Deputy {
   void on_exit(ManagedCommand& command, int status);
   void run_timers();
   void measure();
+  void end_if_too_big(ManagedCommand& command);
   void publish_info();
   void publish_output();
   void say(const std::string& sentence);

@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
   std::string logs;
   std::string state;
   std::int64_t respawn_limit = config.respawn.limit;
+  std::int64_t memory_limit = 1000;  // [MB]
   CommandLine line("deputy", "Starts, stops and watches the processes of this machine by order of a sheriff.");
   line.list("--config", files, "process configuration (.pmd); its commands for this deputy are the ones it may run");
   line.flag("--allow-any", config.allow_any,
@@ -49,6 +50,7 @@ int run(int argc, char** argv) {
   line.text("--lcm-url", url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL");
   line.text("--log-dir", logs, "folder for the log files; default STATE/log/ID");
   line.integer("--respawn-limit", respawn_limit, "deaths in a row after which a process stays stopped");
+  line.integer("--memory-limit", memory_limit, "[MB] a process that uses more is ended, and started again; 0 = none");
   line.state_folder(state);
   if (const std::optional<int> status = line.parse(argc, argv)) {
     return *status;
@@ -64,6 +66,10 @@ int run(int argc, char** argv) {
     throw ConfigurationError(fmt::format("--respawn-limit is {}, expected 0 to 1000000", respawn_limit));
   }
   config.respawn.limit = static_cast<int>(respawn_limit);
+  if (memory_limit < 0 || memory_limit > 1'000'000) {
+    throw ConfigurationError(fmt::format("--memory-limit is {} MB, expected 0 to 1000000", memory_limit));
+  }
+  config.memory_limit = memory_limit * 1'000'000;
   config.log_folder = logs.empty() ? std::filesystem::path(state) / "log" / config.id : std::filesystem::path(logs);
   config.nonce = make_nonce();
   config.environment = from_environment;

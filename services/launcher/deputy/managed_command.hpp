@@ -44,6 +44,7 @@ struct ManagedCommand {
   std::int64_t started = 0;               // [us] steady
   std::optional<std::int64_t> stop_sent;  // [us] steady, of the first stop signal
   bool kill_sent = false;
+  bool too_big = false;                    // being ended because of the memory it uses
   std::optional<std::int64_t> respawn_at;  // [us] steady
   RespawnPolicy respawn;
 

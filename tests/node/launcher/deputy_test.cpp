@@ -282,5 +282,28 @@ TEST_F(DeputyTest, StopsEverythingWhenItEnds) {
   EXPECT_EQ(world.listed("camera").pid, 0);
 }
 
+TEST_F(DeputyTest, StartsAProcessAnewThatUsesTooMuchMemory) {
+  world.order("s", {LauncherWorld::desired(camera, 1)});
+  world.run(2.0);
+  EXPECT_THAT(world.runner.signals, IsEmpty());
+  world.runner.resident_bytes = 60'000'000;
+  world.run(1.1);
+  EXPECT_THAT(world.runner.signals, ElementsAre(Pair(101, 2)));
+  world.runner.resident_bytes = 3000;
+  world.run(1.0);
+  EXPECT_EQ(world.listed("camera").pid, 102);
+  EXPECT_THAT(world.output, HasSubstr("uses 60 MB"));
+}
+
+TEST_F(DeputyTest, KillsAProcessThatUsesTooMuchMemoryAndDoesNotEnd) {
+  world.runner.stubborn.insert("$LUMINAV_BIN/camera");
+  world.runner.resident_bytes = 60'000'000;
+  for (int second = 0; second < 9; ++second) {  // the orders come once a second
+    world.order("s", {LauncherWorld::desired(camera, 1)});
+    world.run(1.0);
+  }
+  EXPECT_THAT(world.runner.signals, ::testing::Contains(Pair(101, 9)));
+}
+
 }  // namespace
 }  // namespace luminav::launcher

@@ -27,7 +27,7 @@ class FakeRunner final : public ProcessRunner {
   std::vector<ProcessOutput> take_output() override { return std::exchange(printed, {}); }
   std::vector<ProcessExit> take_exits() override { return std::exchange(exits_, {}); }
   [[nodiscard]] ProcessUsage usage(int) override {
-    return {.cpu = 1000, .virtual_bytes = 2000, .resident_bytes = 3000};
+    return {.cpu = 1000, .virtual_bytes = 2000, .resident_bytes = resident_bytes};
   }
   [[nodiscard]] MachineUsage machine() override {
     return {.cpu_busy = 1, .cpu_total = 2, .memory_total = 10, .memory_free = 5};
@@ -47,6 +47,7 @@ class FakeRunner final : public ProcessRunner {
   std::vector<std::pair<int, int>> signals;  // pid, signal
   std::vector<ProcessOutput> printed;
   int last_pid = 100;
+  std::int64_t resident_bytes = 3000;  // of every child
 
  private:
   std::vector<ProcessExit> exits_;

@@ -40,6 +40,7 @@ class LauncherWorld {
     config.id = "d";
     config.allowed = allowed;
     config.nonce = nonce;
+    config.memory_limit = 50'000'000;
     deputies.push_back(std::make_unique<Deputy>(lcm, config, runner));
     return *deputies.back();
   }
