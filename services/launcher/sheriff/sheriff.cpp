@@ -96,11 +96,14 @@ void Sheriff::on_info(const procman::procman_deputy_info_t& info) {
 
 void Sheriff::check_clock(const std::string& id, Deputy& deputy) {
   const bool wrong = std::abs(deputy.clock_ahead) > kClockTolerance;
-  if (wrong && !deputy.clock_reported) {
+  const bool stepped = std::abs(deputy.clock_ahead - deputy.clock_reported.value_or(0)) > kClockTolerance;
+  if (wrong && stepped) {
     notice_(fmt::format("the clock of deputy {} is {} s {} of this machine's", id,
                         std::abs(deputy.clock_ahead) / kSecond, deputy.clock_ahead > 0 ? "ahead" : "behind"));
   }
-  deputy.clock_reported = wrong;
+  if (!wrong || stepped) {
+    deputy.clock_reported = deputy.clock_ahead;
+  }
 }
 
 void Sheriff::on_orders(const procman::procman_orders_t& orders) {

@@ -95,7 +95,7 @@ class Sheriff {
     std::int64_t ordered = 0;      // [us] steady
     bool orders_due = true;
     bool silent = false;
-    bool clock_reported = false;
+    std::optional<std::int64_t> clock_reported;  // [us] ahead, when a person was last told
     float cpu_load = 0.0F;
     std::int64_t memory_total = 0, memory_free = 0;
   };
