@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace luminav {
+
+enum class FaultKind { kKill, kFreeze, kRestart, kUnplug, kKillDeputy, kKillSheriff, kKillAll, kDiskFull, kLeak };
+
+/// Something that goes wrong while the robot drives.
+struct Fault {
+  FaultKind kind = FaultKind::kKill;
+  std::string target;     // process or device; "" where the kind says all
+  double duration = 0.0;  // [s] freeze, unplug, disk full, leak at most
+};
+
+/// "kill controller", as a table shows it.
+std::string to_string(const Fault& fault);
+
+/// True when the robot gets no more commands that are worth executing while the fault lasts: it has to stand.
+bool breaks_the_chain(const Fault& fault);
+
+/// Draws faults so that each comes up once before any comes up again.
+class FaultDeck {
+ public:
+  explicit FaultDeck(std::uint64_t seed) : random_(seed) {}
+  Fault draw();
+
+ private:
+  std::mt19937_64 random_;
+  std::vector<Fault> left_;
+};
+
+/// How one fault went, by the simulator's truth.
+struct FaultResult {
+  Fault fault;
+  int round = 0;
+  double at = 0.0;                     // [s] since the round began
+  double linear = 0.0, angular = 0.0;  // [m/s], [rad/s] when it happened
+  double bound = 0.0;                  // [s] within which the robot has to stand
+  bool must_stand = false;
+  std::optional<double> stood;    // [s] after the fault
+  std::optional<double> bridged;  // [s] after the fault commands came again, in time
+  std::optional<double> back;     // [s] after the fault the process was ready again
+  std::optional<double> resumed;  // [s] after that the robot moved again
+  bool needs_no_resume = false;   // it never stood, or had a reason in the world to wait
+  int contacts = 0;
+  double truth_gap = 0.0;  // [s] longest time without truth: how well the machine kept up
+  std::string remark;
+
+  [[nodiscard]] bool stands_in_time() const { return !must_stand || bridged || (stood && *stood <= bound); }
+  [[nodiscard]] bool resumes_in_time() const;
+};
+
+inline constexpr double kResumeWithin = 3.0;  // [s]
+
+/// What became of all goals.
+struct GoalTally {
+  int reached = 0;
+  int missed = 0;
+  int contacts_between_faults = 0;
+  std::vector<std::string> causes;
+};
+
+/// A line per kind of fault, and what was wrong; JSON of all of them.
+std::string to_table(const std::vector<FaultResult>& results, const GoalTally& goals);
+std::string to_json(const std::vector<FaultResult>& results, const GoalTally& goals, std::uint64_t seed,
+                    double minutes);
+bool passed(const std::vector<FaultResult>& results, const GoalTally& goals);
+
+}  // namespace luminav

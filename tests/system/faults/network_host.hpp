@@ -1,0 +1,53 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+
+namespace luminav {
+
+/// A network namespace of its own, alive as long as this object: stands for one machine of several. Throws
+/// std::runtime_error where the kernel allows none.
+class NetworkHost {
+ public:
+  NetworkHost();
+  NetworkHost(const NetworkHost&) = delete;
+  NetworkHost& operator=(const NetworkHost&) = delete;
+  ~NetworkHost();
+
+  /// Names the namespace for `ip link ... netns PID`.
+  [[nodiscard]] pid_t holder() const { return holder_; }
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  /// Runs a shell command inside; throws when it fails.
+  void run(const std::string& command) const;
+
+ private:
+  pid_t holder_ = -1;
+  int descriptor_ = -1;
+};
+
+/// While it lives, what this thread opens and starts belongs to the host. Null: stays where it is.
+class InsideHost {
+ public:
+  explicit InsideHost(const NetworkHost* host);
+  InsideHost(const InsideHost&) = delete;
+  InsideHost& operator=(const InsideHost&) = delete;
+  ~InsideHost();
+
+ private:
+  int previous_ = -1;
+};
+
+/// Joins two hosts (10.77.0.1 and 10.77.0.2) by a wire that can be cut and joined again. Each sends its multicast
+/// there; cut, both see their network card without a carrier, as when somebody pulls the plug.
+class Cable {
+ public:
+  Cable(const NetworkHost& one, const NetworkHost& other);
+  void cut();
+  void join();
+
+ private:
+  NetworkHost middle_;
+};
+
+}  // namespace luminav

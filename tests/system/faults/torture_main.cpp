@@ -1,0 +1,83 @@
+// Breaks the whole system on purpose while it drives, in real time, and judges it by the simulator's truth.
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/mount.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include "services/common/process/command_line.hpp"
+#include "services/launcher/sheriff/session.hpp"
+#include "tests/evaluation/run_report.hpp"
+#include "tests/system/faults/torture_round.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr double kRoundMinutes = 7.5;
+
+int torture(int argc, char** argv) {
+  double minutes = 5.0;
+  std::int64_t seed = 1;
+  std::string report;
+  std::string keep;
+  CommandLine line(
+      "torture",
+      "Kills, freezes and restarts every process, pulls plugs, fills the disk and lets services leak while "
+      "the simulated robot drives among boxes and people; judged by the simulator's truth.");
+  line.number("--minutes", minutes, "[min] of driving; half of it with the robot on TCP, half on a terminal")
+      .integer("--seed", seed, "of worlds and faults")
+      .text("--report", report, "write every fault there (JSON)")
+      .text("--keep", keep, "folder for logs and states, instead of a temporary one");
+  if (const auto status = line.parse(argc, argv)) {
+    return *status;
+  }
+  // The full disk is a small file system that only this program and its children see.
+  if (unshare(CLONE_NEWNS) == 0) {
+    mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
+  }
+  launcher::catch_interrupts();
+  std::string folder = keep;
+  if (folder.empty()) {
+    folder = (std::filesystem::temp_directory_path() / "luminav-torture-XXXXXX").string();
+    if (mkdtemp(folder.data()) == nullptr) {
+      throw std::runtime_error(fmt::format("{}: cannot be made", folder));
+    }
+  }
+  const int rounds = std::max(2, static_cast<int>(std::lround(minutes / kRoundMinutes)));
+  FaultDeck deck(static_cast<std::uint64_t>(seed));
+  std::vector<FaultResult> results;
+  GoalTally goals;
+  bool interrupted = false;
+  try {
+    for (int number = 1; number <= rounds; ++number) {
+      TortureRound round({.number = number,
+                          .seed = static_cast<std::uint64_t>(seed * 100 + number),
+                          .minutes = minutes / rounds,
+                          .pty = number % 2 == 0,
+                          .folder = std::filesystem::path(folder) / fmt::format("round-{}", number)});
+      round.run(deck, results, goals);
+    }
+  } catch (const Interrupted&) {
+    interrupted = true;
+  }
+  fmt::print("\n{}", to_table(results, goals));
+  if (!report.empty()) {
+    write_text_file(report, to_json(results, goals, static_cast<std::uint64_t>(seed), minutes));
+  }
+  if (keep.empty()) {
+    std::filesystem::remove_all(folder);
+  }
+  const bool good = passed(results, goals);
+  fmt::print("{}\n", interrupted ? "interrupted" : (good ? "passed" : "FAILED"));
+  return interrupted ? 130 : (good ? 0 : 1);
+}
+
+}  // namespace
+}  // namespace luminav
+
+int main(int argc, char** argv) {
+  return luminav::run_guarded("torture", [&] { return luminav::torture(argc, argv); });
+}

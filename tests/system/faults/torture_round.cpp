@@ -1,0 +1,345 @@
+#include "tests/system/faults/torture_round.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/mount.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+namespace luminav {
+namespace {
+
+constexpr double kCommandTimeout = 0.3;     // [s] without commands, then the driver brakes
+constexpr double kWatchdog = 2.0;           // [s] of the robot as delivered: all that is left when its line is cut
+constexpr double kMargin = 0.15;            // [s]
+constexpr std::int64_t kInFlight = 50'000;  // [us] messages of a process that has just died may still arrive
+constexpr double kPersonNear = 1.6;         // [m] then it may wait for the person
+constexpr int kMemoryLimit = 250;           // [MB] of a process
+constexpr double kUnplugEvery = 45.0;       // [s]
+constexpr const char* kPlaces[] = {"workbench",      "seminar",       "office-1", "office-3",
+                                   "north-corridor", "east-corridor", "lift"};
+
+double seconds(std::int64_t from, std::int64_t to) {
+  return static_cast<double>(to - from) * 1e-6;
+}
+
+/// Boxes and people, goals for hours, and plugs that somebody pulls.
+void write_scenario(const std::filesystem::path& file, const RoundPlan& plan) {
+  std::mt19937_64 random(plan.seed);
+  const std::string launch = LUMINAV_SOURCE_DIR "/launch";
+  std::ofstream out(file);
+  out << fmt::format("building = \"{0}/buildings/laboratory/building.toml\"\nrobot = \"{0}/robots/p3dx.toml\"\n",
+                     launch);
+  out << fmt::format("seed = {}\nduration = {}\n[lighting]\ndaylight = 0.5\n", plan.seed, 60.0 * plan.minutes + 600.0);
+  out << "[start]\nx = 5.4\ny = 5.6\ntheta = 0.3\nknown = true\n";
+  out << "[[obstacle]]\nlength = 0.6\nwidth = 0.4\n[[obstacle]]\nlength = 0.5\nwidth = 0.5\n";
+  out << "[[obstacle]]\nlength = 0.8\nwidth = 0.3\n[[person]]\nspeed = 0.8\n[[person]]\nspeed = 0.6\n";
+  std::vector<std::string> places(std::begin(kPlaces), std::end(kPlaces));
+  std::string last;
+  for (int i = 0; i < 10; ++i) {
+    do {
+      std::shuffle(places.begin(), places.end(), random);
+    } while (places.front() == last);
+    for (const std::string& place : places) {
+      out << fmt::format("[[goal]]\nplace = \"{}\"\n", place);
+    }
+    last = places.back();
+  }
+  std::uniform_real_distribution<double> jitter(-8.0, 8.0);
+  std::uniform_real_distribution<double> duration(1.5, 4.0);
+  bool serial = true;
+  for (double at = kUnplugEvery; at < 60.0 * plan.minutes; at += kUnplugEvery) {
+    out << fmt::format("[[event]]\nat = {:.1f}\nkind = \"unplug\"\ndevice = \"{}\"\nduration = {:.1f}\n",
+                       at + jitter(random), serial ? "serial" : "camera", duration(random));
+    serial = !serial;
+  }
+}
+
+}  // namespace
+
+TortureRound::TortureRound(const RoundPlan& plan) : plan_(plan), random_(plan.seed + 77) {
+  const std::filesystem::path state = plan_.folder / "robot";
+  std::filesystem::create_directories(state);
+  mounted_ = mount("tmpfs", state.c_str(), "tmpfs", 0, "size=24m") == 0;
+  write_scenario(plan_.folder / "scenario.toml", plan_);
+  scenario_ = read_scenario(plan_.folder / "scenario.toml");
+  limits_ = read_robot(scenario_.robot_file).limits;
+  const auto leaking = [&](const std::string& process) {
+    return fmt::format("LD_PRELOAD={} LUMINAV_LEAK={}", LUMINAV_LEAKING, (plan_.folder / ("leak-" + process)).string());
+  };
+  fleet_ =
+      std::make_unique<Fleet>(FleetPlan{.scenario = scenario_,
+                                        .folder = plan_.folder,
+                                        .pty = plan_.pty,
+                                        .placed = {{"simulator", "world"}},
+                                        .preload = {{"mapper", leaking("mapper")}, {"detector", leaking("detector")}}});
+  fleet_->add_host("world", nullptr, {});
+  fleet_->add_host("robot", nullptr, {}, kMemoryLimit);
+}
+
+TortureRound::~TortureRound() {
+  mission_.reset();
+  robot_.reset();
+  truth_.reset();
+  fleet_.reset();
+  if (mounted_) {
+    umount2((plan_.folder / "robot").c_str(), MNT_DETACH);
+  }
+}
+
+bool TortureRound::time_is_over() const {
+  return truth_->elapsed() > 60.0 * plan_.minutes || mission_->is_finished();
+}
+
+bool TortureRound::unplugged() const {
+  return truth_->newest() && (truth_->newest()->serial_unplugged || truth_->newest()->camera_unplugged);
+}
+
+void TortureRound::run(FaultDeck& deck, std::vector<FaultResult>& results, GoalTally& goals) {
+  truth_ = std::make_unique<TruthWatch>(fleet_->lcm());
+  robot_ = std::make_unique<RobotWatch>(fleet_->lcm(), fleet_->clock());
+  const std::int64_t begun = fleet_->clock().utime();
+  if (!fleet_->run_script("go")) {
+    throw std::runtime_error("the system does not start: " + fleet_->failure());
+  }
+  fmt::print("round {}: seed {}, robot on {}, all ready after {:.2f} s\n", plan_.number, plan_.seed,
+             plan_.pty ? "a terminal" : "TCP", seconds(begun, fleet_->clock().utime()));
+  mission_ = std::make_unique<Mission>(fleet_->lcm(), scenario_);
+  while (wait_for_driving()) {
+    goals.contacts_between_faults += truth_->contacts() - contacts_seen_;
+    FaultResult result;
+    if (unplugged()) {
+      result = begin({FaultKind::kUnplug, truth_->newest()->serial_unplugged ? "serial" : "camera", 0.0});
+      judge_unplug(result);
+    } else {
+      result = begin(deck.draw());
+      inject(result);
+    }
+    result.contacts = truth_->contacts() - contacts_seen_;
+    contacts_seen_ = truth_->contacts();
+    result.truth_gap = truth_->take_longest_gap();
+    const bool good = result.contacts == 0 && result.stands_in_time() && result.resumes_in_time();
+    fmt::print("{:7.1f} s {:<22} at {:.2f} m/s {}{}{}{}{}\n", result.at, to_string(result.fault), result.linear,
+               result.stood ? fmt::format("stands after {:.2f}", *result.stood) : "did not stand",
+               result.bridged ? fmt::format(" bridged after {:.2f}", *result.bridged)
+                              : (result.must_stand ? fmt::format(" (at most {:.2f})", result.bound) : ""),
+               result.back ? fmt::format(", ready after {:.2f}", *result.back) : "",
+               result.resumed ? fmt::format(", moves {:.2f} later", *result.resumed) : "",
+               good ? "" : fmt::format("  WRONG: {}", result.remark));
+    std::fflush(stdout);
+    results.push_back(result);
+  }
+  goals.contacts_between_faults += truth_->contacts() - contacts_seen_;
+  for (const GoalResult& goal : mission_->results()) {
+    ++(goal.reached ? goals.reached : goals.missed);
+    if (!goal.reached) {
+      goals.causes.push_back(fmt::format("round {} ({:.1f}, {:.1f}): {:.2f} m beside it, {}", plan_.number, goal.x,
+                                         goal.y, goal.error_m, goal.cause));
+    }
+  }
+  fmt::print("round {}: {} goals, {:.0f} m in {:.0f} s\n", plan_.number, mission_->results().size(), truth_->driven(),
+             truth_->elapsed());
+  fleet_->run_script("stop", 15.0);
+}
+
+bool TortureRound::wait_for_driving() {
+  std::uniform_real_distribution<double> pause(1.0, 5.0);
+  const double wanted = pause(random_);  // [s] of good driving
+  std::int64_t since = 0;
+  std::int64_t shown = fleet_->clock().utime();
+  while (!time_is_over()) {
+    fleet_->pump();
+    const std::int64_t now = fleet_->clock().utime();
+    if (unplugged()) {
+      return true;
+    }
+    const bool event_soon =
+        std::any_of(scenario_.events.begin(), scenario_.events.end(), [&](const ScenarioEvent& event) {
+          return event.at > truth_->elapsed() - 1.0 && event.at < truth_->elapsed() + 9.0;
+        });
+    const bool good = robot_->is_following() && robot_->is_tracking() && robot_->navigation()->distance_left > 2.0 &&
+                      std::abs(truth_->newest()->linear) > 0.15;
+    since = good ? (since == 0 ? now : since) : 0;
+    if (good && !event_soon && seconds(since, now) > wanted) {
+      return true;
+    }
+    if (seconds(shown, now) > 15.0) {
+      shown = now;
+      fmt::print("{:7.1f} s {}\n", truth_->elapsed(), robot_->sentence());
+      std::fflush(stdout);
+    }
+  }
+  return false;
+}
+
+FaultResult TortureRound::begin(const Fault& fault) {
+  FaultResult result;
+  result.fault = fault;
+  result.round = plan_.number;
+  result.at = truth_->elapsed();
+  result.linear = truth_->newest()->linear;
+  result.angular = truth_->newest()->angular;
+  result.bound = (fault.kind == FaultKind::kUnplug ? kWatchdog : kCommandTimeout) + kMargin +
+                 std::max(std::abs(result.linear) / limits_.linear_deceleration,
+                          std::abs(result.angular) / limits_.angular_acceleration);
+  result.must_stand = breaks_the_chain(fault);
+  contacts_seen_ = truth_->contacts();
+  truth_->take_longest_gap();
+  fault_at_ = fleet_->clock().utime();
+  return result;
+}
+
+void TortureRound::judge_unplug(FaultResult& result) {
+  result.must_stand = result.must_stand && !truth_->stands();
+  fleet_->pump_until([&] { return !unplugged(); }, 20.0);
+  const std::int64_t plugged = fleet_->clock().utime();
+  result.fault.duration = seconds(fault_at_, plugged);
+  if (result.fault.target == "camera") {
+    settle(result, plugged);
+    return;
+  }
+  // The driver looks for its line with growing pauses.
+  fleet_->pump_until([&] { return robot_->connected_after(plugged).has_value(); }, 20.0);
+  const auto connected = robot_->connected_after(plugged);
+  if (!connected) {
+    result.remark = "the driver does not find its line again; " + robot_->sentence();
+    return;
+  }
+  settle(result, *connected);
+}
+
+void TortureRound::fill_disk() {
+  std::ofstream ballast(plan_.folder / "robot" / "ballast");
+  const std::string piece(64 << 10, 'x');
+  while (ballast << piece << std::flush) {
+  }
+}
+
+std::optional<std::int64_t> TortureRound::ready_after(const std::vector<std::string>& processes,
+                                                      const std::vector<pid_t>& before, std::int64_t utime) const {
+  std::int64_t last = utime;
+  for (std::size_t i = 0; i < processes.size(); ++i) {
+    const pid_t pid = fleet_->pid(processes[i]);
+    const auto heard = fleet_->heard_after(processes[i], utime);
+    if (pid == 0 || pid == before[i] || !heard) {
+      return std::nullopt;
+    }
+    last = std::max(last, *heard);
+  }
+  return last;
+}
+
+void TortureRound::inject(FaultResult& result) {
+  const Fault& fault = result.fault;
+  std::vector<std::string> victims{fault.target};
+  if (fault.kind == FaultKind::kKillAll || fault.kind == FaultKind::kKillDeputy) {
+    victims = fleet_->processes();
+    std::erase(victims, "simulator");
+  } else if (fault.kind == FaultKind::kKillSheriff) {
+    victims.clear();
+  }
+  std::vector<pid_t> pids;
+  for (const std::string& victim : victims) {
+    pids.push_back(fleet_->pid(victim));
+  }
+  const std::filesystem::path leak = plan_.folder / ("leak-" + fault.target);
+  switch (fault.kind) {
+    case FaultKind::kDiskFull:
+      fill_disk();
+      fleet_->pump_for(2.0);
+      [[fallthrough]];
+    case FaultKind::kKill:
+    case FaultKind::kKillAll:
+      fault_at_ = fleet_->clock().utime();
+      for (const pid_t pid : pids) {
+        if (pid > 0) {
+          kill(pid, SIGKILL);
+        }
+      }
+      break;
+    case FaultKind::kFreeze:
+      kill(pids.front(), SIGSTOP);
+      fleet_->pump_for(fault.duration);
+      kill(pids.front(), SIGCONT);
+      settle(result, fleet_->clock().utime());
+      return;
+    case FaultKind::kRestart:
+      fleet_->sheriff().restart({launcher::Target::Kind::kCommand, fault.target});
+      break;
+    case FaultKind::kKillDeputy:
+      fleet_->host("robot").kill_deputy();
+      fleet_->pump_for(2.0);
+      fleet_->host("robot").start();
+      break;
+    case FaultKind::kKillSheriff:
+      fleet_->replace_sheriff();
+      fleet_->pump_for(2.0);
+      break;
+    case FaultKind::kLeak:
+      std::ofstream(leak) << "leak\n";
+      fleet_->pump_until([&] { return fleet_->pid(fault.target) != pids.front(); }, fault.duration);
+      std::filesystem::remove(leak);
+      break;
+    case FaultKind::kUnplug:
+      break;
+  }
+  constexpr double kPatience = 20.0;  // [s]
+  fleet_->pump_until([&] { return ready_after(victims, pids, fault_at_).has_value(); }, kPatience);
+  const auto ready = ready_after(victims, pids, fault_at_);
+  if (fault.kind == FaultKind::kDiskFull) {
+    fleet_->pump_for(fault.duration - 2.0);
+    std::filesystem::remove(plan_.folder / "robot" / "ballast");
+  }
+  if (!ready) {
+    result.remark = "not ready again; " + robot_->sentence();
+    return;
+  }
+  settle(result, *ready);
+}
+
+void TortureRound::settle(FaultResult& result, std::int64_t back) {
+  result.back = seconds(fault_at_, back);
+  // Commands that came again in time: then nothing has to stand.
+  const std::int64_t bound = fault_at_ + static_cast<std::int64_t>(result.bound * 1e6);
+  const bool frozen_long = result.fault.kind == FaultKind::kFreeze;
+  if (result.must_stand && !frozen_long && result.fault.target != "p3dx" && result.fault.kind != FaultKind::kUnplug) {
+    const auto again = result.fault.target == "localizer" ? robot_->tracked_after(fault_at_ + kInFlight)
+                                                          : robot_->commanded_after(fault_at_ + kInFlight);
+    if (again && *again < bound) {
+      result.bridged = seconds(fault_at_, *again);
+    }
+  }
+  fleet_->pump_until([&] { return fleet_->clock().utime() > std::max(back, bound) + 300'000; }, 30.0);
+  const auto stood = truth_->stood_at(fault_at_);
+  if (stood) {
+    result.stood = seconds(fault_at_, *stood);
+  }
+  if (!stood) {
+    result.needs_no_resume = true;
+    if (!result.stands_in_time()) {
+      result.remark = "does not stand; " + robot_->sentence();
+    }
+    return;
+  }
+  const std::int64_t base = std::max(back, *stood);
+  bool person = false;
+  fleet_->pump_until(
+      [&] {
+        person = person || truth_->nearest_person() < kPersonNear;
+        return truth_->moved_at(base).has_value() || time_is_over();
+      },
+      15.0);
+  const auto moved = truth_->moved_at(*stood);
+  if (moved) {
+    result.resumed = std::max(0.0, seconds(back, *moved));
+  }
+  result.needs_no_resume = (person || time_is_over()) && !result.resumes_in_time();
+  if (!result.stands_in_time() || !result.resumes_in_time()) {
+    result.remark = robot_->sentence();
+  }
+}
+
+}  // namespace luminav

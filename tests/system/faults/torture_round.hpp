@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "tests/evaluation/mission.hpp"
+#include "tests/system/faults/fault.hpp"
+#include "tests/system/faults/fleet.hpp"
+#include "tests/system/faults/robot_watch.hpp"
+#include "tests/system/faults/truth_watch.hpp"
+
+namespace luminav {
+
+struct RoundPlan {
+  int number = 1;
+  std::uint64_t seed = 1;
+  double minutes = 5.0;
+  bool pty = false;
+  std::filesystem::path folder;
+};
+
+/// One start of the whole system in a world of its own, that is driven and broken until its time is over.
+class TortureRound {
+ public:
+  /// Writes the scenario and makes the file system of the robot's state, which the full disk is.
+  explicit TortureRound(const RoundPlan& plan);
+  ~TortureRound();
+
+  /// Throws std::runtime_error when the system does not even start.
+  void run(FaultDeck& deck, std::vector<FaultResult>& results, GoalTally& goals);
+
+ private:
+  /// Waits until it drives well and nothing else is about to happen; nothing: time is over. A result that is there
+  /// already: the world's own fault came first.
+  bool wait_for_driving();
+  FaultResult begin(const Fault& fault);
+  void inject(FaultResult& result);
+  void judge_unplug(FaultResult& result);
+  void settle(FaultResult& result, std::int64_t back);
+  [[nodiscard]] std::optional<std::int64_t> ready_after(const std::vector<std::string>& processes,
+                                                        const std::vector<pid_t>& before, std::int64_t utime) const;
+  [[nodiscard]] bool time_is_over() const;
+  [[nodiscard]] bool unplugged() const;
+  void fill_disk();
+
+  RoundPlan plan_;
+  Scenario scenario_;
+  std::mt19937_64 random_;
+  std::unique_ptr<Fleet> fleet_;
+  std::unique_ptr<TruthWatch> truth_;
+  std::unique_ptr<RobotWatch> robot_;
+  std::unique_ptr<Mission> mission_;
+  MotionLimits limits_;
+  std::int64_t fault_at_ = 0;  // [us]
+  int contacts_seen_ = 0;
+  bool mounted_ = false;
+};
+
+}  // namespace luminav
