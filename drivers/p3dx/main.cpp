@@ -14,7 +14,7 @@ namespace {
 /// Tells the guardian which line to hold and that the driver lives, and the user what happens to the line.
 class Watch {
  public:
-  Watch(P3dxNode& node, Guardian& guardian) : node_(node), guardian_(guardian) {}
+  Watch(P3dxNode& node, Guardian& guardian, const Clock& clock) : node_(node), guardian_(guardian), clock_(clock) {}
 
   void poll() {
     node_.poll();
@@ -23,6 +23,11 @@ class Watch {
       guarded_ = openings;
       guardian_.watch_line(node_.descriptor());
     }
+    const std::int64_t now = clock_.utime();
+    if (now - last_beat_ < kBeatPeriod) {
+      return;
+    }
+    last_beat_ = now;
     guardian_.beat();
     const std::string line = node_.describe_line();
     if (line != said_) {
@@ -41,9 +46,12 @@ class Watch {
   }
 
  private:
+  static constexpr std::int64_t kBeatPeriod = 40'000;  // [us]
   P3dxNode& node_;
   Guardian& guardian_;
-  int guarded_ = 0;  // which opening of the line
+  const Clock& clock_;
+  std::int64_t last_beat_ = 0;  // [us]
+  int guarded_ = 0;             // which opening of the line
   std::string said_;
 };
 
@@ -88,10 +96,10 @@ int main(int argc, char** argv) {
     const auto lcm = open_lcm(url);
     const HostClock clock;
     P3dxNode node(*lcm, config, clock, opener);
-    Watch watch(node, guardian);
+    Watch watch(node, guardian, clock);
     EventLoop loop(*lcm, "p3dx", config.robot.name);
     loop.watch([&] { return node.descriptor(); }, [&] { watch.poll(); });
-    loop.every(10'000, [&] { watch.poll(); });
+    loop.every(20'000, [&] { watch.poll(); });
     loop.report_health([&] { return watch.health(); });
     const int status = loop.run();
     bring_to_rest(node, watch);

@@ -30,7 +30,7 @@ class P3dxNode {
  public:
   P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, OpenStream open_stream);
 
-  /// Reads and writes the line and runs what is due. To be called at least every 10 ms, and when descriptor() can be
+  /// Reads and writes the line and runs what is due. To be called at least every 20 ms, and when descriptor() can be
   /// read.
   void poll();
   /// Of the line; -1 while there is none.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/simulator/battery.hpp"
 #include "services/common/geometry/angle.hpp"
 
 namespace luminav {
@@ -11,10 +12,8 @@ namespace {
 constexpr double kHeadingUnits = 4096.0 / (2.0 * kPi);  // per radian
 constexpr double kSpeedTime = 0.03;                     // [s] over which the wheel speeds are averaged
 constexpr double kMovingSpeed = 0.005;                  // [m/s] of a wheel: the packet says "moving"
-constexpr double kEmptyVoltage = 11.0;                  // [V] two lead-acid batteries, empty and full
-constexpr double kFullVoltage = 12.9;
-constexpr std::int64_t kPacketPause = 50'000;  // [us] a client sends a packet in one go
-constexpr std::size_t kLongestOutput = 65536;  // [bytes] nobody reads: the oldest are lost
+constexpr std::int64_t kPacketPause = 50'000;           // [us] a client sends a packet in one go
+constexpr std::size_t kLongestOutput = 65536;           // [bytes] nobody reads: the oldest are lost
 
 std::int16_t wrapped(double value) {
   return static_cast<std::int16_t>(std::llround(value) & 0xFFFF);
@@ -356,7 +355,7 @@ InformationPacket ArcosController::information() {
   packet.charge_state = 0;
   packet.turn_rate = static_cast<int>(std::lround(10.0 * degrees((right_speed_ - left_speed_) / config_.wheel_base)));
   packet.state_of_charge = static_cast<int>(std::lround(
-      100.0 * std::clamp((sensed_.battery_voltage - kEmptyVoltage) / (kFullVoltage - kEmptyVoltage), 0.0, 1.0)));
+      100.0 * std::clamp((sensed_.battery_voltage - Battery::kEmpty) / (Battery::kFull - Battery::kEmpty), 0.0, 1.0)));
   return packet;
 }
 

@@ -31,7 +31,9 @@ void SimulatorNode::tick() {
   inputs.left_travel = wheels_.left;
   inputs.right_travel = wheels_.right;
   inputs.stall_left = inputs.stall_right = wheels_.stalled;
+  inputs.battery_voltage = battery_.voltage();
   const ArcosOutputs outputs = controller_.step(World::kTick, inputs);
+  battery_.step(World::kTick, outputs.motors_enabled, outputs.linear, outputs.angular);
   wheels_ = world_.step({outputs.linear, outputs.angular, outputs.motors_enabled});
   for (const int disc : outputs.sonar_discs) {
     if (disc < world_.sonar_discs()) {

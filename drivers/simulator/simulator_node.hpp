@@ -4,6 +4,7 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "drivers/simulator/arcos_controller.hpp"
+#include "drivers/simulator/battery.hpp"
 #include "drivers/simulator/scenario.hpp"
 #include "drivers/simulator/world.hpp"
 #include "drivers/simulator/world_truth.hpp"
@@ -34,6 +35,7 @@ class SimulatorNode {
   ArcosController& controller_;
   World world_;
   WheelReport wheels_;
+  Battery battery_;
   std::int64_t session_ = 0;  // [us] when time began; 0 = not yet
   std::int64_t now_ = 0;      // [us]
   std::int32_t sequence_ = 0;

@@ -146,6 +146,7 @@ class ForeignClient : public testing::Test {
       heading_ = wire::word(packet, 8) * 2.0 * std::numbers::pi / 4096.0;
       motors_ = (wire::word(packet, 19) & 1) != 0;
       sonars_ += packet[22];
+      battery_ = packet[14];
     } else {
       other_.push_back(packet);
     }
@@ -225,6 +226,8 @@ class ForeignClient : public testing::Test {
     EXPECT_TRUE(other_.empty());
     EXPECT_EQ(wrong_headings, 0);
     EXPECT_GT(sonars_, 0);
+    EXPECT_LT(battery_, 126);  // [0.1 V] drained by then, and not yet empty
+    EXPECT_GT(battery_, 115);
     say(wire::integer(wire::kEnable, 0));
     run(0.1);
     say(wire::integer(wire::kClose, 1));
@@ -244,6 +247,7 @@ class ForeignClient : public testing::Test {
   std::vector<Bytes> other_;
   int information_ = 0;
   int sonars_ = 0;
+  int battery_ = 0;       // [0.1 V]
   double heading_ = 0.0;  // [rad]
   bool motors_ = false;
 };
