@@ -31,7 +31,7 @@ constexpr int kMostListeners = 40;  // each holds a thread of the page's server
 constexpr std::size_t kPageThreads = 64;
 constexpr std::size_t kCommandThreads = 16;
 constexpr std::size_t kLargestRequest = 64 * 1024;  // [bytes]
-constexpr std::size_t kTilesPerTick = 48 * 1024;    // [bytes] of map per client and tenth of a second
+constexpr std::size_t kTilesPerTick = 18 * 1024;    // [bytes] of map per client and tenth of a second
 constexpr int kSendBuffer = 128 * 1024;             // [bytes] what a dead client can hold back
 
 // httplib's default also sets SO_REUSEPORT: two viewers would share one port and each get half of the requests.
@@ -215,6 +215,17 @@ struct HttpServer::Servers {
     });
     on_command(server, "/api/initial_pose", true, [this](const std::string& body) {
       return context.desk.send(read_initial_pose_request(body), context.clock.utime());
+    });
+    on_command(server, "/api/map", true, [this](const std::string& body) {
+      return context.desk.send(read_map_request(body), context.clock.utime());
+    });
+    on_command(server, "/api/process", true, [this](const std::string& body) {
+      return context.processes.order(read_process_order(body), context.clock.utime());
+    });
+    on_command(server, "/api/steering", true, [this](const std::string& body) {
+      const Steering steering = read_steering(body);
+      context.helm.steer(steering, context.clock.utime());
+      return static_cast<std::int64_t>(steering.sequence);
     });
     // browsers ask first before the page of one port sends JSON to another
     server.Options("/api/.*", [this](const httplib::Request& request, httplib::Response& response) {

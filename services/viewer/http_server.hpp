@@ -6,7 +6,9 @@
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/process/clock.hpp"
+#include "services/viewer/helm.hpp"
 #include "services/viewer/picture_store.hpp"
+#include "services/viewer/process_desk.hpp"
 #include "services/viewer/request_desk.hpp"
 #include "services/viewer/snapshot_board.hpp"
 
@@ -27,7 +29,8 @@ struct HttpOptions {
 ///
 ///   GET  /events              server-sent events, see ViewerNode; 503 when 40 clients listen
 ///   GET  /building.json, /settings.json, /camera.jpg, the page
-///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose     JSON, see request_text.hpp; answers {"id": N}
+///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose, /api/map, /api/steering, /api/process
+///                             JSON, see request_text.hpp; answers {"id": N}
 class HttpServer {
  public:
   /// What is shown and where requests go. All must outlive the server.
@@ -35,6 +38,8 @@ class HttpServer {
     SnapshotBoard& board;
     PictureStore& pictures;
     RequestDesk& desk;
+    Helm& helm;
+    ProcessDesk& processes;
     const Clock& clock;
     const Building& building;
     const RobotDescription& robot;

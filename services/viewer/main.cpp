@@ -9,8 +9,10 @@
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
+#include "services/launcher/network.hpp"
 #include "services/viewer/http_rules.hpp"
 #include "services/viewer/http_server.hpp"
+#include "services/viewer/process_desk.hpp"
 #include "services/viewer/viewer_node.hpp"
 
 namespace luminav {
@@ -35,6 +37,7 @@ std::string host_name() {
 
 int view(int argc, char** argv) {
   std::string robot_file, building_file, url;
+  std::string procman_url = launcher::default_procman_url();
   HttpOptions http;
   std::int64_t port = http.port;
   std::int64_t command_port = -1;
@@ -44,6 +47,7 @@ int view(int argc, char** argv) {
             "address to serve on; others than 127.0.0.1 reach beyond this machine and demand a token")
       .integer("--port", port, "of the page, 0 = any free one")
       .integer("--command-port", command_port, "of the commands alone (default: the next one)")
+      .text("--procman-url", procman_url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL")
       .text("--web", http.web_folder, "folder to read the page from instead of the built-in one");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
@@ -62,9 +66,12 @@ int view(int argc, char** argv) {
   const auto lcm = open_lcm(url);
   SnapshotBoard board;
   PictureStore pictures;
+  const auto procman = open_lcm(procman_url);
   RequestDesk desk(*lcm);
-  ViewerNode node(*lcm, config, clock, board, pictures, desk);
-  const HttpServer server(http, {board, pictures, desk, clock, config.building, config.robot});
+  Helm helm(*lcm, config.robot.limits);
+  ProcessDesk processes(*procman, *lcm);
+  ViewerNode node(*lcm, config, clock, board, pictures, desk, helm);
+  const HttpServer server(http, {board, pictures, desk, helm, processes, clock, config.building, config.robot});
   fmt::print("viewer: open {}\n", server.address());
   std::fflush(stdout);
 
@@ -76,7 +83,16 @@ int view(int argc, char** argv) {
     }
   });
   loop.every(200'000, [&] { desk.repeat(clock.utime()); });
-  loop.every(1'000'000, [&] { node.show_processes(); });
+  loop.watch([&] { return procman->getFileno(); },
+             [&] {
+               while (procman->handleTimeout(0) > 0) {
+               }
+             });
+  loop.every(50'000, [&] { processes.tick(launcher::Instant::read()); });
+  loop.every(1'000'000, [&] {
+    node.show_processes();
+    board.put(SnapshotBoard::Lane::kLive, "processes", server_sent_event("processes", processes.json()));
+  });
   return loop.run();
 }
 

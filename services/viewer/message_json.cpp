@@ -341,7 +341,8 @@ std::string to_json(const Building& building, const RobotDescription& robot) {
                    {"sonars", sonars},
                    {"sonar_half_angle", robot.sonar.half_angle},
                    {"sonar_maximum_range", robot.sonar.maximum_range},
-                   {"maximum_linear", robot.limits.linear}};
+                   {"maximum_linear", robot.limits.linear},
+                   {"maximum_angular", robot.limits.angular}};
   return write(json);
 }
 

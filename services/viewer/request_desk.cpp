@@ -16,7 +16,7 @@ std::int64_t RequestDesk::post(Kind kind, const char* channel, Message message, 
   const std::lock_guard lock(mutex_);
   message.id = new_id(now);
   Pending& pending = pending_[static_cast<std::size_t>(kind)];
-  pending.state = {kind, Fate::kWaiting, message.id, now};
+  pending.state = {kind, Fate::kWaiting, message.id, now, ""};
   pending.gives_up = gives_up;
   pending.publish = [this, channel, message](std::int64_t utime) mutable {
     message.utime = utime;
@@ -43,6 +43,10 @@ std::int64_t RequestDesk::send(initial_pose_t guess, std::int64_t now) {
   return post(Kind::kInitialPose, channels::kInitialPose, std::move(guess), now);
 }
 
+std::int64_t RequestDesk::send(map_command_t command, std::int64_t now) {
+  return post(Kind::kMap, channels::kMapCommand, std::move(command), now);
+}
+
 void RequestDesk::repeat(std::int64_t now) {
   const std::lock_guard lock(mutex_);
   for (Pending& pending : pending_) {
@@ -58,7 +62,7 @@ void RequestDesk::repeat(std::int64_t now) {
 }
 
 // Called with the lock held.
-void RequestDesk::hear(Kind kind, std::int64_t id) {
+void RequestDesk::hear(Kind kind, std::int64_t id, const std::string& objection) {
   // ids of hosts whose clock is ahead: ours must still be newer. A year ahead is damage, not a clock.
   constexpr std::int64_t kYear = 366LL * 86'400 * 1'000'000;  // [us]
   if (id > last_id_ && (last_id_ == 0 || id - last_id_ < kYear)) {
@@ -67,6 +71,7 @@ void RequestDesk::hear(Kind kind, std::int64_t id) {
   State& state = pending_[static_cast<std::size_t>(kind)].state;
   if (state.fate == Fate::kWaiting && state.id == id) {
     state.fate = Fate::kAnswered;
+    state.objection = objection;
   }
 }
 
@@ -98,6 +103,11 @@ void RequestDesk::on_pose(const pose_t& message) {
   hear(Kind::kInitialPose, message.initial_pose_id);
 }
 
+void RequestDesk::on_grid_tile(const grid_tile_t& message) {
+  const std::lock_guard lock(mutex_);
+  hear(Kind::kMap, message.map_command_id, message.map_command_result);
+}
+
 std::vector<RequestDesk::State> RequestDesk::states() const {
   const std::lock_guard lock(mutex_);
   std::vector<State> states;
@@ -119,6 +129,8 @@ std::string_view RequestDesk::name_of(Kind kind) {
       return "motors";
     case Kind::kInitialPose:
       return "initial_pose";
+    case Kind::kMap:
+      return "map";
   }
   return "";
 }

@@ -6,7 +6,9 @@
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/control_status_t.hpp>
 #include <luminav/goal_t.hpp>
+#include <luminav/grid_tile_t.hpp>
 #include <luminav/initial_pose_t.hpp>
+#include <luminav/map_command_t.hpp>
 #include <luminav/motors_command_t.hpp>
 #include <luminav/navigation_status_t.hpp>
 #include <luminav/pose_t.hpp>
@@ -24,7 +26,7 @@ namespace luminav {
 /// its kind. Reads no clock: the time is handed in.
 class RequestDesk {
  public:
-  enum class Kind : std::size_t { kGoal, kStop, kMotors, kInitialPose };
+  enum class Kind : std::size_t { kGoal, kStop, kMotors, kInitialPose, kMap };
   enum class Fate { kNone, kWaiting, kAnswered, kUnanswered };
 
   /// What became of the newest request of a kind.
@@ -33,6 +35,7 @@ class RequestDesk {
     Fate fate = Fate::kNone;
     std::int64_t id = 0;
     std::int64_t asked = 0;  // [us] when it was asked
+    std::string objection;   // of the owner, who answered but did not do it; "" = none
   };
 
   explicit RequestDesk(lcm::LCM& lcm) : lcm_(lcm) {}
@@ -42,6 +45,7 @@ class RequestDesk {
   std::int64_t send(stop_t stop, std::int64_t now);
   std::int64_t send(motors_command_t command, std::int64_t now);
   std::int64_t send(initial_pose_t guess, std::int64_t now);
+  std::int64_t send(map_command_t command, std::int64_t now);
 
   /// A fifth of a second has passed: repeats what nobody has echoed. Gives up after 10 s, but never on a STOP.
   void repeat(std::int64_t now);
@@ -50,6 +54,7 @@ class RequestDesk {
   void on_control_status(const control_status_t& message);
   void on_robot_status(const robot_status_t& message);
   void on_pose(const pose_t& message);
+  void on_grid_tile(const grid_tile_t& message);
 
   [[nodiscard]] std::vector<State> states() const;
   static std::string_view name_of(Kind kind);
@@ -68,12 +73,12 @@ class RequestDesk {
   /// Ids grow from request to request, across viewers and other tools: the wall clock, and above every id that was
   /// heard.
   std::int64_t new_id(std::int64_t now);
-  void hear(Kind kind, std::int64_t id);
+  void hear(Kind kind, std::int64_t id, const std::string& objection = "");
   void heard_by_both();
 
   lcm::LCM& lcm_;
   mutable std::mutex mutex_;
-  std::array<Pending, 4> pending_;
+  std::array<Pending, 5> pending_;
   std::int64_t last_id_ = 0;
   std::int64_t stop_heard_by_driver_ = 0;
   std::int64_t stop_heard_by_controller_ = 0;

@@ -52,6 +52,20 @@ double number(const Json& object, const char* key, double least, double most) {
   return value;
 }
 
+std::int64_t integer(const Json& object, const char* key, std::int64_t least, std::int64_t most) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number_integer()) {
+    throw RequestError(fmt::format("{}: must be a whole number", key));
+  }
+  // beyond int64 it is unsigned, or a floating-point number already
+  const bool is_huge = found->is_number_unsigned() && found->get<std::uint64_t>() > static_cast<std::uint64_t>(most);
+  const std::int64_t value = is_huge ? 0 : found->get<std::int64_t>();
+  if (is_huge || value < least || value > most) {
+    throw RequestError(fmt::format("{}: must be {} to {}", key, least, most));
+  }
+  return value;
+}
+
 bool boolean(const Json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_boolean()) {
@@ -162,6 +176,58 @@ initial_pose_t read_initial_pose_request(const std::string& body) {
   guess.covariance[0] = guess.covariance[4] = sigma * sigma;
   guess.covariance[8] = sigma_theta * sigma_theta;
   return guess;
+}
+
+map_command_t read_map_request(const std::string& body) {
+  const std::string action = text(read_object(body, {"action"}), "action");
+  map_command_t command{};
+  if (action == "save") {
+    command.action = map_command_t::ACTION_SAVE;
+  } else if (action == "clear_evidence") {
+    command.action = map_command_t::ACTION_CLEAR_EVIDENCE;
+  } else {
+    throw RequestError("action: must be save or clear_evidence");
+  }
+  return command;
+}
+
+Steering read_steering(const std::string& body) {
+  const Json object = read_object(body, {"session", "sequence", "linear", "angular", "seen"});
+  constexpr std::int64_t kLatest = 1LL << 53;  // JavaScript's largest whole number
+  Steering steering;
+  steering.session = integer(object, "session", 1, kLatest);
+  steering.sequence = static_cast<std::int32_t>(integer(object, "sequence", 0, 2'000'000'000));
+  steering.linear = number(object, "linear", -10.0, 10.0);
+  steering.angular = number(object, "angular", -10.0, 10.0);
+  steering.seen = integer(object, "seen", 0, kLatest);
+  return steering;
+}
+
+ProcessOrder read_process_order(const std::string& body) {
+  const Json object = read_object(body, {"name", "action"});
+  ProcessOrder order;
+  order.name = text(object, "name");
+  const std::string word = text(object, "action");
+  for (const auto action :
+       {ProcessOrder::Action::kStart, ProcessOrder::Action::kStop, ProcessOrder::Action::kRestart}) {
+    if (word == name_of(action)) {
+      order.action = action;
+      return order;
+    }
+  }
+  throw RequestError("action: must be start, stop or restart");
+}
+
+std::string_view name_of(ProcessOrder::Action action) {
+  switch (action) {
+    case ProcessOrder::Action::kStart:
+      return "start";
+    case ProcessOrder::Action::kStop:
+      return "stop";
+    case ProcessOrder::Action::kRestart:
+      return "restart";
+  }
+  return "";
 }
 
 }  // namespace luminav

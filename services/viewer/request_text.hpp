@@ -2,10 +2,12 @@
 
 #include <luminav/goal_t.hpp>
 #include <luminav/initial_pose_t.hpp>
+#include <luminav/map_command_t.hpp>
 #include <luminav/motors_command_t.hpp>
 #include <luminav/stop_t.hpp>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "services/common/building/building.hpp"
 
@@ -16,6 +18,23 @@ class RequestError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// How a person holds the stick at one moment.
+struct Steering {
+  std::int64_t session = 0;   // of the page
+  std::int32_t sequence = 0;  // counts up within the session
+  double linear = 0.0;        // [m/s] forward
+  double angular = 0.0;       // [rad/s] counter-clockwise
+  std::int64_t seen = 0;      // [us] this host's clock when it was sent, as the page knows it from the events
+};
+
+/// What a person wants of a process.
+struct ProcessOrder {
+  enum class Action { kStart, kStop, kRestart };
+  std::string name;
+  Action action = Action::kRestart;
+};
+std::string_view name_of(ProcessOrder::Action action);
 
 // Each reads the JSON body of a request strictly: unknown keys, wrong types, numbers that are not finite or farther
 // than 10 km are a RequestError. Stamps and ids are left to the sender.
@@ -28,5 +47,11 @@ stop_t read_stop_request(const std::string& body);
 motors_command_t read_motors_request(const std::string& body);
 /// {"x", "y", "theta", "sigma"?, "sigma_theta"?}: a guess with its deviations [m, rad].
 initial_pose_t read_initial_pose_request(const std::string& body);
+/// {"action": "save" | "clear_evidence"}: into the mapper's own file; a page cannot name another.
+map_command_t read_map_request(const std::string& body);
+/// {"session", "sequence", "linear", "angular", "seen"}.
+Steering read_steering(const std::string& body);
+/// {"name", "action": "start" | "stop" | "restart"}.
+ProcessOrder read_process_order(const std::string& body);
 
 }  // namespace luminav

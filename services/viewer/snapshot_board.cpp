@@ -1,8 +1,14 @@
 #include "services/viewer/snapshot_board.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 
 namespace luminav {
+
+std::string server_sent_event(std::string_view name, std::string_view json) {
+  return fmt::format("event: {}\ndata: {}\n\n", name, json);
+}
 
 void SnapshotBoard::put(Lane lane, const std::string& subject, std::string text) {
   auto shared = std::make_shared<const std::string>(std::move(text));

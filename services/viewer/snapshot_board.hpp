@@ -9,9 +9,13 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace luminav {
+
+/// A text as a browser's EventSource takes it. `json` on one line.
+std::string server_sent_event(std::string_view name, std::string_view json);
 
 /// What browsers are shown: the newest text per subject, and nothing older. A reader that falls behind skips what was
 /// replaced meanwhile, so memory is bounded by the number of subjects however slow or dead the readers are.

@@ -20,10 +20,6 @@ constexpr std::size_t kMostNodes = 200;
 constexpr std::int32_t kLargestTile = 20'000;  // [bytes] 8192 bytes do not grow to more
 constexpr int kTileRequests = 5;
 
-std::string event(std::string_view name, const std::string& data) {
-  return fmt::format("event: {}\ndata: {}\n\n", name, data);
-}
-
 bool is_jpeg(const camera_image_t& image) {
   return image.format == camera_image_t::FORMAT_JPEG && image.data.size() > 3 && image.data[0] == 0xff &&
          image.data[1] == 0xd8;
@@ -45,8 +41,15 @@ std::string jpeg_of(const camera_image_t& image) {
 }  // namespace
 
 ViewerNode::ViewerNode(lcm::LCM& lcm, const ViewerConfig& config, const Clock& clock, SnapshotBoard& board,
-                       PictureStore& pictures, RequestDesk& desk)
-    : lcm_(lcm), config_(config), clock_(clock), board_(board), pictures_(pictures), desk_(desk), subscriber_(lcm) {
+                       PictureStore& pictures, RequestDesk& desk, Helm& helm)
+    : lcm_(lcm),
+      config_(config),
+      clock_(clock),
+      board_(board),
+      pictures_(pictures),
+      desk_(desk),
+      helm_(helm),
+      subscriber_(lcm) {
   subscriber_.on(channels::kPose, &ViewerNode::on_pose, this);
   subscriber_.on(channels::kHypotheses, &ViewerNode::on_hypotheses, this);
   subscriber_.on(channels::kNavigationStatus, &ViewerNode::on_navigation_status, this);
@@ -62,10 +65,14 @@ ViewerNode::ViewerNode(lcm::LCM& lcm, const ViewerConfig& config, const Clock& c
   subscriber_.on(channels::kSimTruth, &ViewerNode::on_sim_truth, this);
 }
 
-void ViewerNode::heard(const char* channel) {
+void ViewerNode::heard(const char* channel, std::int64_t utime) {
   Reception& reception = receptions_[channel];
   reception.last = clock_.utime();
   ++reception.count;
+  const double delay = static_cast<double>(newest_stamp_ - utime) * 1e-6;
+  if (utime != 0 && newest_stamp_ != 0 && std::abs(delay) < 60.0) {
+    reception.delay = reception.delay ? *reception.delay + 0.1 * (delay - *reception.delay) : delay;
+  }
 }
 
 void ViewerNode::on_pose(const pose_t& message) {
@@ -73,7 +80,7 @@ void ViewerNode::on_pose(const pose_t& message) {
     subscriber_.drop("POSE is not a number");
     return;
   }
-  heard(channels::kPose);
+  heard(channels::kPose, message.utime);
   newest_["pose"] = to_json(message);
   desk_.on_pose(message);
   if (!recent_poses_.empty() && message.utime < recent_poses_.back().utime) {
@@ -86,41 +93,44 @@ void ViewerNode::on_pose(const pose_t& message) {
 }
 
 void ViewerNode::on_hypotheses(const hypotheses_t& message) {
-  heard(channels::kHypotheses);
-  board_.put(SnapshotBoard::Lane::kLive, "hypotheses", event("hypotheses", to_json(message)));
+  heard(channels::kHypotheses, message.utime);
+  board_.put(SnapshotBoard::Lane::kLive, "hypotheses", server_sent_event("hypotheses", to_json(message)));
 }
 
 void ViewerNode::on_navigation_status(const navigation_status_t& message) {
-  heard(channels::kNavigationStatus);
+  heard(channels::kNavigationStatus, message.utime);
   newest_["navigation"] = to_json(message);
   desk_.on_navigation_status(message);
 }
 
 void ViewerNode::on_control_status(const control_status_t& message) {
-  heard(channels::kControlStatus);
+  heard(channels::kControlStatus, message.utime);
   newest_["control"] = to_json(message);
   desk_.on_control_status(message);
 }
 
 void ViewerNode::on_path(const path_t& message) {
-  heard(channels::kPath);
-  board_.put(SnapshotBoard::Lane::kLive, "path", event("path", to_json(message)));
+  heard(channels::kPath, message.utime);
+  board_.put(SnapshotBoard::Lane::kLive, "path", server_sent_event("path", to_json(message)));
 }
 
 void ViewerNode::on_sonar(const sonar_t& message) {
-  heard(channels::kSonar);
+  heard(channels::kSonar, message.utime);
   newest_["sonar"] = to_json(message);
 }
 
 void ViewerNode::on_odometry(const odometry_t& message) {
+  newest_stamp_ = message.utime;
   heard(channels::kOdometry);
   newest_["odometry"] = to_json(message);
 }
 
 void ViewerNode::on_robot_status(const robot_status_t& message) {
+  newest_stamp_ = message.utime;
   heard(channels::kRobotStatus);
   newest_["robot"] = to_json(message);
   desk_.on_robot_status(message);
+  helm_.on_robot_status(message);
 }
 
 void ViewerNode::on_sim_truth(const sim_truth_t& message) {
@@ -146,6 +156,7 @@ void ViewerNode::on_grid_tile(const grid_tile_t& message) {
     return;
   }
   heard(channels::kGridTile);
+  desk_.on_grid_tile(message);
   if (message.map_session != map_session_ || tiles_expected_ == 0) {
     map_session_ = message.map_session;
     tile_revisions_.clear();
@@ -161,13 +172,13 @@ void ViewerNode::on_grid_tile(const grid_tile_t& message) {
   }
   known->second = message.revision;
   board_.put(SnapshotBoard::Lane::kBulk, fmt::format("tile {} {}", message.tile_column, message.tile_row),
-             event("tile", to_json(message)));
+             server_sent_event("tile", to_json(message)));
 }
 
 // A picture is shown together with what was found in it, so it waits for its detections; without a detector it is shown
 // when the next but one is due.
 void ViewerNode::on_camera_image(const camera_image_t& message) {
-  heard(channels::kCameraImage);
+  heard(channels::kCameraImage, message.utime);
   const std::int64_t since = message.utime - picture_shown_;
   if (since >= 0 && since < config_.picture_period) {
     return;
@@ -182,7 +193,7 @@ void ViewerNode::on_camera_image(const camera_image_t& message) {
 }
 
 void ViewerNode::on_fixture_detections(const fixture_detections_t& message) {
-  heard(channels::kFixtureDetections);
+  heard(channels::kFixtureDetections, message.utime);
   newest_["detections"] = to_json(message, world_from_robot_at(message.utime));
   if (picture_ && picture_->utime == message.utime && picture_->camera == message.camera) {
     show_picture(&message);
@@ -196,12 +207,13 @@ void ViewerNode::show_picture(const fixture_detections_t* detections) {
   } else {
     pictures_.put(std::move(jpeg));
     board_.put(SnapshotBoard::Lane::kLive, "picture",
-               event("picture", fmt::format(R"({{"utime":{},"sequence":{},"width":{},"height":{},"exposure_us":{:.0f},)"
-                                            R"("health":{},"seen":{}}})",
-                                            picture_->utime, picture_->sequence, picture_->width, picture_->height,
-                                            std::isfinite(picture_->exposure_us) ? picture_->exposure_us : 0.0,
-                                            to_json(picture_->health),
-                                            detections != nullptr ? to_json(*detections, std::nullopt) : "null")));
+               server_sent_event(
+                   "picture", fmt::format(R"({{"utime":{},"sequence":{},"width":{},"height":{},"exposure_us":{:.0f},)"
+                                          R"("health":{},"seen":{}}})",
+                                          picture_->utime, picture_->sequence, picture_->width, picture_->height,
+                                          std::isfinite(picture_->exposure_us) ? picture_->exposure_us : 0.0,
+                                          to_json(picture_->health),
+                                          detections != nullptr ? to_json(*detections, std::nullopt) : "null")));
   }
   picture_shown_ = picture_->utime;
   picture_.reset();
@@ -228,9 +240,9 @@ std::optional<Pose2> ViewerNode::world_from_robot_at(std::int64_t utime) const {
 std::string ViewerNode::requests_json() const {
   std::string list;
   for (const RequestDesk::State& state : desk_.states()) {
-    list += fmt::format(R"({}{{"kind":"{}","fate":"{}","id":{},"age":{:.1f}}})", list.empty() ? "" : ",",
+    list += fmt::format(R"({}{{"kind":"{}","fate":"{}","id":{},"objection":{},"age":{:.1f}}})", list.empty() ? "" : ",",
                         RequestDesk::name_of(state.kind), RequestDesk::name_of(state.fate), state.id,
-                        static_cast<double>(clock_.utime() - state.asked) * 1e-6);
+                        to_json(state.objection), static_cast<double>(clock_.utime() - state.asked) * 1e-6);
   }
   return "[" + list + "]";
 }
@@ -246,19 +258,22 @@ void ViewerNode::show() {
   for (const auto& [key, json] : newest_) {
     state += fmt::format(R"(,"{}":{})", key, json);
   }
-  board_.put(SnapshotBoard::Lane::kLive, "state", event("state", state + "}"));
+  board_.put(SnapshotBoard::Lane::kLive, "state", server_sent_event("state", state + "}"));
   board_.tick();
 }
 
 void ViewerNode::show_processes() {
   const std::int64_t now = clock_.utime();
   std::erase_if(nodes_, [&](const auto& entry) { return now - entry.second.heard > kNodeForgotten; });
-  std::string rates;
+  std::string rates, delays;
   for (auto& [channel, reception] : receptions_) {
     const double newest = reception.count;
     reception.rate = reception.rate == 0.0 ? newest : reception.rate + 0.3 * (newest - reception.rate);
     reception.count = 0;
     rates += fmt::format(R"({}"{}":{:.1f})", rates.empty() ? "" : ",", channel, reception.rate);
+    if (reception.delay) {
+      delays += fmt::format(R"({}"{}":{:.3f})", delays.empty() ? "" : ",", channel, *reception.delay);
+    }
   }
   std::string nodes;
   for (const auto& [name, report] : nodes_) {
@@ -266,7 +281,8 @@ void ViewerNode::show_processes() {
                          static_cast<double>(now - report.heard) * 1e-6, to_json(report.status));
   }
   board_.put(SnapshotBoard::Lane::kLive, "nodes",
-             event("nodes", fmt::format(R"({{"nodes":[{}],"rates":{{{}}}}})", nodes, rates)));
+             server_sent_event(
+                 "nodes", fmt::format(R"({{"nodes":[{}],"rates":{{{}}},"delays":{{{}}}}})", nodes, rates, delays)));
   request_missing_tiles();
 }
 

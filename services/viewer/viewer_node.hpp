@@ -25,6 +25,7 @@
 #include "services/common/process/clock.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/subscriber.hpp"
+#include "services/viewer/helm.hpp"
 #include "services/viewer/picture_store.hpp"
 #include "services/viewer/request_desk.hpp"
 #include "services/viewer/snapshot_board.hpp"
@@ -38,7 +39,7 @@ namespace luminav {
 class ViewerNode {
  public:
   ViewerNode(lcm::LCM& lcm, const ViewerConfig& config, const Clock& clock, SnapshotBoard& board,
-             PictureStore& pictures, RequestDesk& desk);
+             PictureStore& pictures, RequestDesk& desk, Helm& helm);
 
   /// A tenth of a second has passed: puts the state on the board and wakes the readers.
   void show();
@@ -48,11 +49,13 @@ class ViewerNode {
   [[nodiscard]] Health health() const { return {.reason = "", .dropped_inputs = subscriber_.dropped()}; }
 
  private:
-  /// When a channel was last heard, and how often since the last look.
+  /// When a channel was last heard, how often since the last look, and how long after the robot's clock its stamps
+  /// come.
   struct Reception {
     std::int64_t last = 0;  // [us] clock of this host
     int count = 0;
-    double rate = 0.0;  // [1/s]
+    double rate = 0.0;            // [1/s]
+    std::optional<double> delay;  // [s] by the robot's newest stamp, so no two clocks are compared
   };
   struct NodeReport {
     node_status_t status;
@@ -73,7 +76,7 @@ class ViewerNode {
   void on_node_status(const node_status_t& message);
   void on_sim_truth(const sim_truth_t& message);
 
-  void heard(const char* channel);
+  void heard(const char* channel, std::int64_t utime = 0);
   void show_picture(const fixture_detections_t* detections);
   void request_missing_tiles();
   [[nodiscard]] std::optional<Pose2> world_from_robot_at(std::int64_t utime) const;
@@ -85,11 +88,13 @@ class ViewerNode {
   SnapshotBoard& board_;
   PictureStore& pictures_;
   RequestDesk& desk_;
+  Helm& helm_;
   Subscriber subscriber_;
 
   std::map<std::string, Reception> receptions_;
   std::map<std::string, std::string> newest_;  // JSON by the key it has in the state
   std::map<std::string, NodeReport> nodes_;
+  std::int64_t newest_stamp_ = 0;  // [us] of ROBOT_STATUS and ODOMETRY
   std::deque<pose_t> recent_poses_;
   std::optional<camera_image_t> picture_;  // waits for its detections
   std::int64_t picture_shown_ = 0;         // [us] stamp of the last one shown

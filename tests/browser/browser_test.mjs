@@ -5,9 +5,10 @@ import {createRequire} from 'node:module';
 import {userInfo} from 'node:os';
 import {setTimeout as sleep} from 'node:timers/promises';
 
+import {byHand, connection, managing} from './hand_steps.mjs';
 import {Page} from './page.mjs';
 import {ADDRESS, RunningSystem} from './running_system.mjs';
-import {connection, driving, localizing, stopping} from './steps.mjs';
+import {driving, localizing, stopping} from './steps.mjs';
 
 const [source, bin, folder] = process.argv.slice(2);
 const {chromium} = createRequire(`${folder}/`)('playwright-core');
@@ -39,7 +40,7 @@ async function useTheRobot() {
   const phone = await open('phone', {viewport: {width: 390, height: 844}, hasTouch: true, isMobile: true,
     deviceScaleFactor: 2, colorScheme: 'dark'});
   pages.push(phone);
-  for (const [title, step] of Object.entries({...localizing, ...driving, ...stopping, ...connection})) {
+  for (const [title, step] of Object.entries({...localizing, ...driving, ...stopping, ...byHand, ...managing, ...connection})) {
     const began = performance.now();
     const said = await step({system, desk, phone, folder});
     console.log(`ok  ${((performance.now() - began) / 1000).toFixed(1).padStart(5)} s  ${title}${said ? `: ${said}` : ''}`);

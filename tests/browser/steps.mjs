@@ -11,9 +11,9 @@ const ARRIVED = 5;
 const FOLLOWING = 3;
 const cm = (metres) => `${(100 * metres).toFixed(1)} cm`;
 
-const isDriving = (system) => Math.abs(system.state.robot?.linear ?? 0) > 0.15;
+export const isDriving = (system) => Math.abs(system.state.robot?.linear ?? 0) > 0.15;
 
-async function arrives(system, x, y, within, seconds) {
+export async function arrives(system, x, y, within, seconds) {
   await until(`the robot arrives at ${x}, ${y}`, seconds,
     () => system.state.navigation.state === ARRIVED && system.distanceTo(x, y) < 1,  // not the arrival before
     () => JSON.stringify([system.truth, system.state.navigation]));
@@ -22,7 +22,7 @@ async function arrives(system, x, y, within, seconds) {
   return off;
 }
 
-async function everyLook(page, title) {
+export async function everyLook(page, title) {
   for (const theme of ['light', 'dark']) {
     await page.inTheme(theme);
     await page.picture(`${title}-${page.name}-${theme}`);
@@ -42,7 +42,7 @@ export const localizing = {
     await desk.goTo(8.6, 6.4);
     await desk.says('#doing', /Looks for where it is/);
     await phone.says('#pose-state', /LOST|AMBIGUOUS/);
-    await sleep(2500);
+    await sleep(1000);
     await everyLook(desk, 'localizing');
     await everyLook(phone, 'localizing');
   },
@@ -106,22 +106,5 @@ export const stopping = {
     if (await phone.isShown('#motors')) await phone.press('#motors');
     const off = await arrives(system, 9.6, 6.4, 0.3, 40);
     return `${cm(off)} off`;
-  },
-};
-
-export const connection = {
-  async 'the server dies: both say that their picture is old'({system, desk, phone}) {
-    await system.end('viewer', 'SIGKILL');
-    for (const page of [desk, phone]) await page.says('#stale', /this picture is old/);
-    await desk.picture('stale-desktop-light');
-    assert(await desk.isShown('#stale'));
-  },
-
-  async 'it comes back: both go on by themselves'({system, desk, phone}) {
-    await system.view();
-    for (const page of [desk, phone]) {
-      await until(`${page.name} is alive again`, 15, async () => !(await page.isShown('#stale')));
-      await page.says('#pose-state', /TRACKING/);
-    }
   },
 };

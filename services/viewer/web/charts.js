@@ -14,10 +14,14 @@ export class Chart {
     this.canvas = document.createElement('canvas');
     figure.append(caption, this.canvas);
     parent.append(figure);
+    this.figure = figure;
   }
+
+  hide() { this.figure.hidden = true; }  // until there is something to show
 
   add(value) {
     const now = performance.now() / 1000;
+    this.figure.hidden = false;
     this.samples.push([now, Number.isFinite(value) ? value : null]);
     while (this.samples.length && this.samples[0][0] < now - SECONDS) this.samples.shift();
     this.value.textContent = Number.isFinite(value) ? `${value.toFixed(this.digits)} ${this.unit}` : '–';

@@ -11,11 +11,11 @@ fetch('settings.json').then((answer) => answer.json()).then((settings) => {
   commandBase = `${location.protocol}//${location.hostname}:${settings.command_port}`;
 }).catch(() => {});
 
-async function send(base, name, body, type) {
+async function send(base, name, body, type, patience = 3000) {
   const headers = {'Content-Type': type};
   if (token) headers['X-Luminav-Token'] = token;
   const answer = await fetch(`${base}/api/${name}`,
-    {method: 'POST', headers, body: JSON.stringify(body), signal: AbortSignal.timeout(3000)});
+    {method: 'POST', headers, body: JSON.stringify(body), signal: AbortSignal.timeout(patience)});
   const said = await answer.json().catch(() => ({}));
   if (!answer.ok) throw Object.assign(new Error(said.error ?? `the viewer answers ${answer.status}`), {refused: true});
   return said.id;
@@ -35,6 +35,10 @@ export const go = (poses, loop = false) => command('goal', {action: 'go', poses,
 export const goal = (action) => command('goal', {action});
 export const motorsOn = () => command('motors', {enable: true});
 export const initialPose = (x, y, theta) => command('initial_pose', {x, y, theta});
+export const map = (action) => command('map', {action});
+export const process = (name, action) => command('process', {name, action});
+// One way only, and not for long: what comes late is worth nothing.
+export const steer = (steering) => send(commandBase, 'steering', steering, 'application/json', 500);
 export const release = () => command('stop', {engaged: false});
 
 // Both ways at once, and as plain text, for which browsers ask no permission first: the quickest there is.

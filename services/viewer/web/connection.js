@@ -14,11 +14,12 @@ export class Connection extends EventTarget {
     this.source?.close();
     this.opened = performance.now();
     this.source = new EventSource('events');
-    for (const name of ['state', 'nodes', 'hypotheses', 'path', 'picture', 'tile']) {
+    for (const name of ['state', 'nodes', 'hypotheses', 'path', 'picture', 'tile', 'processes']) {
       this.source.addEventListener(name, (event) => {
         this.lastHeard = performance.now();
         let data;
         try { data = JSON.parse(event.data); } catch { return; }
+        if (name === 'state') this.clock = {utime: data.utime, at: performance.now()};
         this.dispatchEvent(new CustomEvent(name, {detail: data}));
       });
     }
@@ -35,6 +36,11 @@ export class Connection extends EventTarget {
   // [s] since the viewer said anything; infinite before it did.
   silence() {
     return this.lastHeard ? (performance.now() - this.lastHeard) / 1000 : Infinity;
+  }
+
+  // [us] the clock of the viewer's host, behind by as long as a message takes to come here.
+  serverTime() {
+    return this.clock ? Math.round(this.clock.utime + 1000 * (performance.now() - this.clock.at)) : 0;
   }
 
   isSilent() { return this.silence() * 1000 > SILENT_MS; }

@@ -5,6 +5,8 @@ import * as draw from './layers.js';
 import {MapView} from './map_view.js';
 import {Panels, note} from './panels.js';
 import {Picture} from './picture.js';
+import {Processes} from './processes.js';
+import {Steering} from './steering.js';
 import {Tiles} from './tiles.js';
 
 const $ = (id) => document.getElementById(id);
@@ -17,6 +19,8 @@ const view = new MapView($('map'));
 const panels = new Panels();
 const picture = new Picture($('camera'), $('camera-caption'), $('camera-none'));
 const connection = new Connection();
+const processes = new Processes(ask, note);
+const steering = new Steering({stick: $('stick'), knob: $('knob'), keysButton: $('keys'), word: $('hand-word')}, connection);
 
 let building = null;
 let state = null;
@@ -52,6 +56,7 @@ function boundsOf(known) {
 
 fetch('building.json').then((answer) => answer.json()).then((known) => {
   building = known;
+  steering.limits = {linear: known.robot.maximum_linear, angular: known.robot.maximum_angular};
   $('building').textContent = known.name;
   document.title = `Luminav · ${known.name}`;
   for (const place of known.places) {
@@ -83,9 +88,11 @@ connection.addEventListener('state', ({detail}) => {
   redraw();
 });
 connection.addEventListener('nodes', ({detail}) => {
-  panels.showProcesses(detail);
+  processes.showNodes(detail);
+  panels.showDelays(detail);
   panels.drawCharts(theme.colours);
 });
+connection.addEventListener('processes', ({detail}) => processes.showCommands(detail));
 connection.addEventListener('path', ({detail}) => { path = detail; redraw(); });
 connection.addEventListener('tile', ({detail}) => tiles.take(detail));
 connection.addEventListener('picture', ({detail}) => picture.show(detail));
@@ -126,15 +133,18 @@ connection.addEventListener('watch', () => {
 
 // ---- what goes out
 
-const OWNERS = {goal: 'the planner', stop: 'driver and controller', motors: 'the driver', initial_pose: 'the localizer'};
+const OWNERS = {goal: 'the planner', stop: 'driver and controller', motors: 'the driver', initial_pose: 'the localizer',
+  map: 'the mapper'};
 const reported = new Map();
 
 function showRequests(requests) {
-  for (const {kind, fate, id, age} of requests) {
+  for (const {kind, fate, id, objection, age} of requests) {
     if (fate === 'waiting' && age > 0.6) note(kind, `${kind.replace('_', ' ')}: waiting for ${OWNERS[kind]} …`, 'warn', 2);
     if (reported.get(kind) === id || fate === 'waiting') continue;
     reported.set(kind, id);
     if (fate === 'unanswered' && age < 20) note(kind, `${kind.replace('_', ' ')}: ${OWNERS[kind]} did not answer`, 'bad');
+    if (fate === 'answered' && objection && age < 20) note(kind, `${kind}: ${objection}`, 'bad');
+    if (fate === 'answered' && kind === 'map' && !objection && age < 20) note(kind, 'map: done', '', 3);
   }
 }
 

@@ -1,9 +1,12 @@
 // Words and figures beside the map.
 import {Chart} from './charts.js';
-import {CONTROL, NAVIGATION, NODE, POSE, degrees, metres, nameOf, sentence} from './names.js';
+import {CONTROL, NAVIGATION, POSE, degrees, metres, nameOf, sentence} from './names.js';
 
 const $ = (id) => document.getElementById(id);
 const STALE_S = 1.0;  // the slowest of the channels that must not stop comes at 10 Hz
+
+const FACTS = ['Pose', 'Why', 'Goal', 'Motion', 'Controller', 'Free space', 'Last fixture', 'Battery', 'Motors', 'Stop', 'Contact',
+  'Delay', 'Truth'];
 
 function setText(element, text) { if (element.textContent !== text) element.textContent = text; }
 
@@ -13,18 +16,22 @@ export class Panels {
       sigma: new Chart($('charts'), 'position ±', 'cm', 1, 5),
       speed: new Chart($('charts'), 'speed', 'm/s', 2, 0.5),
       nis: new Chart($('charts'), 'innovation²', '', 2, 2),
+      error: new Chart($('charts'), 'true error', 'cm', 1, 5),
     };
+    this.charts.error.hide();
     this.facts = new Map();
-  }
-
-  fact(name, value, tone = '') {
-    let entry = this.facts.get(name);
-    if (!entry) {
-      entry = {term: document.createElement('dt'), value: document.createElement('dd')};
+    for (const name of FACTS) {  // their order is fixed, whoever speaks first
+      const entry = {term: document.createElement('dt'), value: document.createElement('dd')};
       entry.term.textContent = name;
+      entry.term.hidden = entry.value.hidden = true;
       $('facts').append(entry.term, entry.value);
       this.facts.set(name, entry);
     }
+  }
+
+  fact(name, value, tone = '') {
+    const entry = this.facts.get(name);
+    entry.term.hidden = entry.value.hidden = false;
     setText(entry.value, value);
     entry.value.className = tone;
   }
@@ -64,12 +71,13 @@ export class Panels {
         robot.stop_button || robot.stop_engaged ? 'bad' : '');
       if (robot.stall || robot.bumpers_front || robot.bumpers_rear) {
         this.fact('Contact', robot.stall ? 'a wheel is blocked' : 'a bumper is pressed', 'bad');
-      } else if (this.facts.has('Contact')) this.fact('Contact', 'none');
+      } else this.fact('Contact', 'none');
     }
     if (truth && ages.SIM_TRUTH < STALE_S) {
       const error = isTracking ? Math.hypot(truth.x - pose.x, truth.y - pose.y) : NaN;
       this.fact('Truth', `${isTracking ? `${(error * 100).toFixed(1)} cm off` : 'simulated'} · ${truth.contacts} contacts`,
         error > 0.5 || truth.touching ? 'bad' : '');
+      this.charts.error.add(error * 100);
     }
 
     this.charts.sigma.add(isTracking ? sigma * 100 : NaN);
@@ -81,35 +89,16 @@ export class Panels {
     setText($('pause'), navigation?.state === 11 ? 'Go on' : 'Pause');
   }
 
-  drawCharts(colours) {
-    for (const chart of Object.values(this.charts)) chart.draw(colours.tracking, colours.faint);
+  // How far behind the robot's clock its picture and its pose arrive.
+  showDelays({delays}) {
+    const said = [['FIXTURE_DETECTIONS', 'picture'], ['POSE', 'pose'], ['SONAR', 'sonar']]
+      .filter(([channel]) => delays[channel] !== undefined)
+      .map(([channel, word]) => `${word} ${Math.max(0, Math.round(1000 * delays[channel]))} ms`);
+    if (said.length) this.fact('Delay', said.join(' · '));
   }
 
-  showProcesses({nodes, rates}) {
-    const rows = nodes.map(({age, status}) => {
-      const row = document.createElement('tr');
-      const isGone = age > 3;
-      const word = isGone ? `silent for ${Math.round(age)} s` : nameOf(NODE, status.state);
-      row.dataset.state = isGone ? 'gone' : nameOf(NODE, status.state);
-      row.title = `${word}${status.reason ? `: ${status.reason}` : ''} · ${status.host}`;
-      const cells = [status.process, `${(100 * status.cpu_fraction).toFixed(1)} %`,
-        `${(status.memory_bytes / 1e6).toFixed(0)} MB`, `${(status.worst_step_us / 1000).toFixed(1)} ms`,
-        String(status.dropped_inputs)];
-      for (const text of cells) row.append(Object.assign(document.createElement('td'), {textContent: text}));
-      if (isGone || status.state !== 1) {
-        const note = document.createElement('small');
-        note.textContent = isGone ? word : status.reason || word;
-        row.firstChild.append(note);
-      }
-      return row;
-    });
-    $('processes').tBodies[0].replaceChildren(...rows);
-    $('channels').tBodies[0].replaceChildren(...Object.entries(rates).map(([channel, rate]) => {
-      const row = document.createElement('tr');
-      row.append(Object.assign(document.createElement('td'), {textContent: channel}),
-        Object.assign(document.createElement('td'), {textContent: `${rate.toFixed(1)} Hz`}));
-      return row;
-    }));
+  drawCharts(colours) {
+    for (const chart of Object.values(this.charts)) chart.draw(colours.tracking, colours.faint);
   }
 }
 

@@ -59,7 +59,8 @@ class ViewerNodeTest : public ::testing::Test {
   SnapshotBoard board_;
   PictureStore pictures_;
   RequestDesk desk_{lcm_};
-  ViewerNode node_{lcm_, {}, clock_, board_, pictures_, desk_};
+  Helm helm_{lcm_, {}};
+  ViewerNode node_{lcm_, {}, clock_, board_, pictures_, desk_, helm_};
   Subscriber requests_;
   SnapshotBoard::Cursor cursor_;
   int tile_requests_ = 0;

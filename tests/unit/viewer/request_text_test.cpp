@@ -94,5 +94,40 @@ TEST(InitialPoseRequestText, TurnsDeviationsIntoACovariance) {
   EXPECT_THROW(read_initial_pose_request(R"({"x":1,"y":2,"theta":0,"sigma":0})"), RequestError);
 }
 
+TEST(MapRequestText, NamesNoFile) {
+  EXPECT_EQ(read_map_request(R"({"action":"save"})").action, map_command_t::ACTION_SAVE);
+  EXPECT_EQ(read_map_request(R"({"action":"clear_evidence"})").action, map_command_t::ACTION_CLEAR_EVIDENCE);
+  EXPECT_EQ(read_map_request(R"({"action":"save"})").path, "");
+  for (const char* body : {R"({"action":"save","path":"/etc/passwd"})", R"({"action":"load"})", "{}", "[]"}) {
+    EXPECT_THROW(read_map_request(body), RequestError) << body;
+  }
+}
+
+TEST(SteeringText, IsReadStrictly) {
+  const Steering steering =
+      read_steering(R"({"session":7,"sequence":3,"linear":-0.25,"angular":1,"seen":1700000000000000})");
+  EXPECT_EQ(steering.session, 7);
+  EXPECT_EQ(steering.sequence, 3);
+  EXPECT_DOUBLE_EQ(steering.linear, -0.25);
+  EXPECT_DOUBLE_EQ(steering.angular, 1.0);
+  EXPECT_EQ(steering.seen, 1'700'000'000'000'000);
+  for (const char* body : {R"({"session":7,"sequence":3,"linear":0,"angular":0})",
+                           R"({"session":7.5,"sequence":3,"linear":0,"angular":0,"seen":1})",
+                           R"({"session":7,"sequence":-1,"linear":0,"angular":0,"seen":1})",
+                           R"({"session":7,"sequence":99999999999,"linear":0,"angular":0,"seen":1})",
+                           R"({"session":18446744073709551615,"sequence":1,"linear":0,"angular":0,"seen":1})",
+                           R"({"session":7,"sequence":3,"linear":1e400,"angular":0,"seen":1})",
+                           R"({"session":7,"sequence":3,"linear":"0","angular":0,"seen":1})"}) {
+    EXPECT_THROW(read_steering(body), RequestError) << body;
+  }
+}
+
+TEST(ProcessOrderText, KnowsThreeActions) {
+  EXPECT_EQ(read_process_order(R"({"name":"mapper","action":"stop"})").action, ProcessOrder::Action::kStop);
+  EXPECT_EQ(read_process_order(R"({"name":"mapper","action":"restart"})").name, "mapper");
+  EXPECT_THROW(read_process_order(R"({"name":"mapper","action":"kill"})"), RequestError);
+  EXPECT_THROW(read_process_order(R"({"action":"stop"})"), RequestError);
+}
+
 }  // namespace
 }  // namespace luminav
