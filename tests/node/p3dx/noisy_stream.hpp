@@ -2,8 +2,10 @@
 
 #include <memory>
 #include <random>
+#include <set>
 #include <vector>
 
+#include "drivers/p3dx/arcos_packet.hpp"
 #include "drivers/p3dx/byte_stream.hpp"
 
 namespace luminav {
@@ -14,6 +16,8 @@ struct LineNoise {
   std::size_t most_written = 1U << 20;  // bytes that one write takes
   std::size_t most_read = 1U << 20;     // bytes that one read gives
   std::mt19937 rng{42};
+  std::set<std::vector<std::uint8_t>> sent;  // frames as the driver wrote them
+  PacketParser writing;
 
   void damage(std::span<std::uint8_t> bytes) {
     std::bernoulli_distribution wrong(byte_errors);
@@ -39,7 +43,12 @@ class NoisyStream final : public ByteStream {
     std::vector<std::uint8_t> damaged(
         bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), noise_.most_written)));
     noise_.damage(damaged);
-    return line_->write(damaged);
+    const std::size_t count = line_->write(damaged);
+    noise_.writing.push(bytes.first(count));
+    while (const auto packet = noise_.writing.next()) {
+      noise_.sent.insert(encode_packet(packet->type, packet->payload));
+    }
+    return count;
   }
   [[nodiscard]] int descriptor() const override { return line_->descriptor(); }
   [[nodiscard]] bool is_open() const override { return line_->is_open(); }

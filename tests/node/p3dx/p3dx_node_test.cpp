@@ -353,7 +353,12 @@ TEST(P3dxNode, MeasuresThroughALineThatDamagesOneByteInAHundred) {
   bench.noise.byte_errors = 0.0;
   bench.driving = false;
   bench.run(3.0);
-  EXPECT_LE(fastest, 0.3 + 1e-9);  // never a command that was not sent
+  // Never a command that was not sent.
+  EXPECT_GT(bench.base.heard.size(), 10'000U);
+  EXPECT_THAT(bench.base.heard, testing::Each(testing::Truly([&](const std::vector<std::uint8_t>& frame) {
+                return bench.noise.sent.contains(frame);
+              })));
+  EXPECT_LE(fastest, 0.3 + 1e-9);
   EXPECT_LE(fastest_turn, radians(6.0) + 1e-9);
   EXPECT_GT(bench.base.travel, 150.0);
   EXPECT_GT(bench.status.back().bad_packets, 1000);
