@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "services/common/configuration/toml_table.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/launcher/sheriff/session.hpp"
 #include "tests/evaluation/run_report.hpp"
@@ -23,6 +24,7 @@ int torture(int argc, char** argv) {
   std::int64_t seed = 1;
   std::string report;
   std::string keep;
+  std::string only;
   CommandLine line(
       "torture",
       "Kills, freezes and restarts every process, pulls plugs, fills the disk and lets services leak while "
@@ -30,6 +32,7 @@ int torture(int argc, char** argv) {
   line.number("--minutes", minutes, "[min] of driving; half of it with the robot on TCP, half on a terminal")
       .integer("--seed", seed, "of worlds and faults")
       .text("--report", report, "write every fault there (JSON)")
+      .text("--only", only, "only faults whose name holds this, such as \"kill controller\"")
       .text("--keep", keep, "folder for logs and states, instead of a temporary one");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
@@ -46,6 +49,12 @@ int torture(int argc, char** argv) {
       throw std::runtime_error(fmt::format("{}: cannot be made", folder));
     }
   }
+  FaultDeck check(1);
+  for (int i = 0; to_string(check.draw()).find(only) == std::string::npos; ++i) {
+    if (i > 100) {
+      throw ConfigurationError(fmt::format("--only {}: no fault has such a name", only));
+    }
+  }
   const int rounds = std::max(2, static_cast<int>(std::lround(minutes / kRoundMinutes)));
   FaultDeck deck(static_cast<std::uint64_t>(seed));
   std::vector<FaultResult> results;
@@ -57,6 +66,7 @@ int torture(int argc, char** argv) {
                           .seed = static_cast<std::uint64_t>(seed * 100 + number),
                           .minutes = minutes / rounds,
                           .pty = number % 2 == 0,
+                          .only = only,
                           .folder = std::filesystem::path(folder) / fmt::format("round-{}", number)});
       round.run(deck, results, goals);
     }

@@ -20,6 +20,7 @@ struct RoundPlan {
   std::uint64_t seed = 1;
   double minutes = 5.0;
   bool pty = false;
+  std::string only;  // only faults whose name holds this
   std::filesystem::path folder;
 };
 
@@ -40,6 +41,7 @@ class TortureRound {
   FaultResult begin(const Fault& fault);
   void inject(FaultResult& result);
   void judge_unplug(FaultResult& result);
+  void judge_standing(FaultResult& result);
   void settle(FaultResult& result, std::int64_t back);
   [[nodiscard]] std::optional<std::int64_t> ready_after(const std::vector<std::string>& processes,
                                                         const std::vector<pid_t>& before, std::int64_t utime) const;
