@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "services/common/configuration/toml_table.hpp"
 #include "services/launcher/sheriff/status_table.hpp"
 #include "tests/node/launcher/launcher_world.hpp"
@@ -164,17 +166,25 @@ TEST_F(SheriffTest, CommandsADeputyWhoseClockIsWrongAndSaysSo) {
   std::string notices;
   sheriff.report_notices([&](const std::string& notice) { notices += notice + "\n"; });
   sheriff.start({});
-  for (int i = 0; i < 60; ++i) {
-    world.now.steady += 50'000;
-    world.now.utime += 50'000;
-    Instant ahead = world.now;
-    ahead.utime += 3600 * kSecond;
-    world.deputies[0]->tick(ahead);
-    sheriff.tick(world.now);
-    world.pump();
-  }
+  const auto run_with_clock_ahead = [&](std::int64_t seconds) {
+    for (int i = 0; i < 60; ++i) {
+      world.now.steady += 50'000;
+      world.now.utime += 50'000;
+      Instant ahead = world.now;
+      ahead.utime += seconds * kSecond;
+      world.deputies[0]->tick(ahead);
+      sheriff.tick(world.now);
+      world.pump();
+    }
+  };
+  run_with_clock_ahead(3600);
   EXPECT_THAT(world.runner.running, SizeIs(2));
   EXPECT_THAT(notices, HasSubstr("3600 s ahead"));
+  run_with_clock_ahead(7200);
+  EXPECT_THAT(notices, HasSubstr("7200 s ahead")) << "said again when it is set";
+  notices.clear();
+  run_with_clock_ahead(7200);
+  EXPECT_EQ(notices, "") << "and only then";
 }
 
 TEST_F(SheriffTest, SaysThatADeputyHasGone) {
