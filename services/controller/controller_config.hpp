@@ -23,7 +23,7 @@ struct ControllerConfig {
   ProgressParams progress;
   double jerk = 1.0;                  // [m/s^3] of speeding up
   double period = 0.04;               // [s] of control; commands are re-sent with every tick between
-  double pose_stale_after = 0.5;      // [s] against the newest odometry
+  double pose_stale_after = 0.25;     // [s] against the newest odometry: two poses missing of ten a second
   double planner_silent_after = 3.0;  // [s] without NAVIGATION_STATUS
   double teleop_silent_after = 0.3;   // [s] dead man
   double teleop_pause = 1.0;          // [s] after a person let go, before it drives by itself again
