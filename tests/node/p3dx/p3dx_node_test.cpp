@@ -397,6 +397,17 @@ TEST(P3dxNode, SpreadsTheStampsOfPacketsThatWereHeldBack) {
   }
 }
 
+TEST(P3dxNode, TakesTheRobotsOwnDelayOffTheStamps) {
+  ArcosConfig arcos;
+  arcos.flash.kinematics_delay = 55;  // [ms]
+  P3dxBench late(arcos);
+  P3dxBench prompt;
+  late.run(4.0);
+  prompt.run(4.0);
+  ASSERT_EQ(late.odometry.size(), prompt.odometry.size());
+  EXPECT_EQ(prompt.odometry.back().utime - late.odometry.back().utime, 55'000);
+}
+
 TEST(P3dxNode, IsNotSwitchedByLateCopiesOfAnOlderRequest) {
   P3dxBench bench;
   bench.run(2.0);
