@@ -1,0 +1,155 @@
+#include "services/planner/goal_cycle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/planner/goal_sentences.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr int kArrivalFailures = 3;     // the controller says "there" and the pose says "no"
+constexpr double kSuspectAhead = 0.45;  // [m] on the path where something stopped the robot
+
+}  // namespace
+
+// On the way: arrived, blocked, better way found, or no progress.
+
+void GoalCycle::update_following(const Situation& situation) {
+  at_ = nearest_ahead(path_.points, at_, situation.world_from_robot.position());
+  report_.distance_left = polyline_length(remaining(situation.world_from_robot));
+  const bool yielding = situation.control && situation.control->yielding;
+  report_.state = yielding ? NavigationState::kWaiting : NavigationState::kFollowing;
+  report_.cause = !situation.can_move ? situation.cannot_move : yielding ? situation.control->reason : "";
+  check_arrival(situation);
+  if (phase_ == Phase::kFollowing) {
+    check_path(situation);
+  }
+  if (phase_ == Phase::kFollowing) {
+    check_progress(situation);
+  }
+}
+
+bool GoalCycle::is_at_stop(const Pose2& pose) const {
+  const bool near = (pose.position() - stop().pose.position()).norm() <= tolerance() + 1e-6;
+  const bool turned =
+      !stop().has_theta || std::abs(wrap_angle(pose.theta - stop().pose.theta)) <= heading_tolerance() + 1e-6;
+  return near && turned;
+}
+
+void GoalCycle::check_arrival(const Situation& situation) {
+  if (!situation.control || !situation.control->at_goal || situation.control->path_sequence != path_.sequence) {
+    return;
+  }
+  if (is_at_stop(situation.world_from_robot)) {
+    reached_stop();
+    return;
+  }
+  const Pose2& pose = situation.world_from_robot;
+  if (++arrival_failures_ > kArrivalFailures) {
+    fail_stop(NavigationState::kStuck, missed_sentence(pose, stop(), tolerance()));
+    return;
+  }
+  ++report_.replans;
+  last_plan_ = 0;
+  enter(Phase::kPlanning, NavigationState::kPlanning, "the pose was corrected at the goal");
+}
+
+void GoalCycle::check_path(const Situation& situation) {
+  const Eigen::Vector2d robot = situation.world_from_robot.position();
+  const bool off_path = (path_.points[at_] - robot).norm() > params_.off_path;
+  if ((!map_dirty_ && !off_path) || seconds_since(last_plan_) < params_.replan_period) {
+    return;
+  }
+  refresh_space();
+  last_plan_ = now_;
+  const Polyline left = remaining(situation.world_from_robot);
+  std::size_t beside = 0;
+  while (beside < left.size() && (left[beside] - robot).norm() < kSkipBesideRobot) {
+    ++beside;
+  }
+  const std::optional<std::size_t> blocked = planner_.first_blocked(left, beside);
+  const Route route = planner_.plan({robot, stop().pose.position(), planned_tolerance()});
+  if (route.outcome != RouteOutcome::kFound) {
+    if (blocked || off_path) {
+      handle_no_route(situation, route);
+    }
+    return;  // the rest of the path is passable still: hold on to it
+  }
+  const bool better = route.cost < params_.keep_ratio * cost_of(planner_.space(), left);
+  if (!blocked && !off_path && !better) {
+    return;
+  }
+  const double limit = params_.detour_ratio * report_.distance_left + params_.detour_length;
+  if (blocked && polyline_length(route.points) > limit) {
+    hold(situation, left, *blocked, report_.distance_left);
+    return;
+  }
+  ++report_.replans;
+  const std::int64_t since = progress_since_;
+  follow(route);
+  progress_since_ = since;  // planning is no progress
+}
+
+void GoalCycle::check_progress(const Situation& situation) {
+  if (!situation.can_move || report_.distance_left < progress_left_ - params_.progress_length) {
+    progress_since_ = now_;
+    progress_left_ = report_.distance_left;
+    if (report_.distance_left < attempt_left_ - kAttemptsForgotten) {
+      attempts_ = 0;
+      attempt_left_ = report_.distance_left;
+    }
+    return;
+  }
+  const bool controller_stuck = situation.control && situation.control->stuck;
+  const bool controller_moves =
+      situation.control && situation.control->seconds_without_progress < params_.no_progress_time && !controller_stuck;
+  const double patience = controller_stuck   ? 0.3 * params_.no_progress_time
+                          : controller_moves ? 3.0 * params_.no_progress_time
+                                             : params_.no_progress_time;
+  if (seconds_since(progress_since_) < patience) {
+    return;
+  }
+  if (is_at_stop(situation.world_from_robot)) {
+    reached_stop();
+    return;
+  }
+  if (++attempts_ == 1) {
+    first_attempt_ = now_;
+  }
+  if (attempts_ > params_.attempts && seconds_since(first_attempt_) >= params_.stuck_time) {
+    const std::string why = !situation.control                  ? "the controller is silent"
+                            : situation.control->reason.empty() ? "the controller does not say why"
+                                                                : situation.control->reason;
+    fail_stop(NavigationState::kStuck,
+              fmt::format("no progress at ({:.1f}, {:.1f}), {:.1f} m before {}, after {} plans: {}",
+                          situation.world_from_robot.x, situation.world_from_robot.y, report_.distance_left,
+                          place_of(stop()), attempts_ - 1, why));
+    return;
+  }
+  if (attempts_ >= 2) {
+    suspect_ahead(situation);
+  }
+  ++report_.replans;
+  map_dirty_ = true;
+  last_plan_ = 0;
+  enter(Phase::kPlanning, NavigationState::kPlanning, "no progress: planning anew");
+  plan(situation);
+}
+
+void GoalCycle::suspect_ahead(const Situation& situation) {
+  const Eigen::Vector2d robot = situation.world_from_robot.position();
+  for (std::size_t i = at_; i < path_.points.size(); ++i) {
+    if ((path_.points[i] - robot).norm() >= kSuspectAhead) {
+      SuspectedObstacle obstacle;
+      obstacle.centre = path_.points[i];
+      suspects_.push_back({obstacle, now_ + static_cast<std::int64_t>(params_.suspect_time * 1e6)});
+      map_dirty_ = true;
+      return;
+    }
+  }
+}
+
+}  // namespace luminav

@@ -1,0 +1,164 @@
+#include "services/planner/goal_cycle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/planner/goal_sentences.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr double kShortestHold = 0.4;   // [m] a way to a blockage shorter than that is not worth driving
+constexpr double kHoldReached = 0.4;    // [m] from the end of that way
+constexpr double kSlowestSpeed = 0.1;   // [m/s] that a way to a blockage may take
+constexpr double kArrivalError = 0.04;  // [m] the controller stops within this of a path's end
+
+}  // namespace
+
+// What becomes of a plan: a way to follow, a blockage to wait before, or a refusal.
+
+void GoalCycle::refresh_space() {
+  if (!map_dirty_) {
+    return;
+  }
+  std::vector<SuspectedObstacle> obstacles;
+  for (const Suspect& suspect : suspects_) {
+    obstacles.push_back(suspect.obstacle);
+  }
+  planner_.set_grid(*grid_, obstacles);
+  map_dirty_ = false;
+}
+
+Route GoalCycle::plan_route(const Situation& situation) {
+  refresh_space();
+  last_plan_ = now_;
+  return planner_.plan({situation.world_from_robot.position(), stop().pose.position(), planned_tolerance()});
+}
+
+void GoalCycle::plan(const Situation& situation) {
+  if (grid_ == nullptr || tiles_received_ < tiles_) {
+    report_.cause = fmt::format("waiting for the map: {} of {} tiles", tiles_received_, tiles_);
+    if (seconds_since(phase_since_) > params_.map_timeout) {
+      fail_stop(NavigationState::kNoPath,
+                fmt::format("no complete map after {:.0f} s: {} of {} tiles; does the mapper run?", params_.map_timeout,
+                            tiles_received_, tiles_));
+    }
+    return;
+  }
+  if (last_plan_ != 0 && seconds_since(last_plan_) < params_.replan_period) {
+    return;
+  }
+  const Route route = plan_route(situation);
+  if (route.outcome == RouteOutcome::kFound) {
+    follow(route);
+  } else {
+    handle_no_route(situation, route);
+  }
+}
+
+void GoalCycle::handle_no_route(const Situation& situation, const Route& route) {
+  if (!suspects_.empty()) {
+    suspects_.clear();  // only suspected: better try again than give up for them
+    map_dirty_ = true;
+    enter(Phase::kPlanning, NavigationState::kPlanning, "");
+    return;
+  }
+  if (route.outcome == RouteOutcome::kGoalOutside || route.outcome == RouteOutcome::kStartOutside) {
+    fail_stop(NavigationState::kNoPath,
+              no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance()));
+    return;
+  }
+  // is it the building, or something that may go away?
+  RoutePlanner by_map(planner_params_);
+  by_map.set_grid(*grid_, {}, false);
+  const Route way = by_map.plan({situation.world_from_robot.position(), stop().pose.position(), planned_tolerance()});
+  if (way.outcome != RouteOutcome::kFound) {
+    fail_stop(NavigationState::kNoPath,
+              no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance()));
+    return;
+  }
+  const auto beside = static_cast<std::size_t>(kSkipBesideRobot / planner_params_.shaping.spacing) + 1;
+  const std::size_t blocked = planner_.first_blocked(way.points, beside).value_or(way.points.size() - 1);
+  hold(situation, way.points, blocked, polyline_length(way.points));
+  if (route.outcome == RouteOutcome::kGoalBlocked) {
+    hold_reason_ = no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance());
+    report_.cause = fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait);
+  }
+}
+
+void GoalCycle::follow(const Route& route) {
+  set_path(route.points);
+  progress_since_ = now_;
+  progress_left_ = polyline_length(route.points);
+  report_.distance_left = progress_left_;
+  if (attempts_ == 0) {
+    attempt_left_ = progress_left_;
+  }
+  const double slack = tolerance() - route.goal_gap;
+  path_.tolerance = std::max(0.05, slack);
+  enter(Phase::kFollowing, NavigationState::kFollowing,
+        route.goal_gap > 0.01
+            ? fmt::format("goal {} is blocked; driving to {:.2f} m beside it", place_of(stop()), route.goal_gap)
+            : "");
+}
+
+double GoalCycle::planned_tolerance() const {
+  return std::max(0.5 * tolerance(), tolerance() - kArrivalError);
+}
+
+void GoalCycle::hold(const Situation& situation, const Polyline& way, std::size_t blocked_at, double reference_length) {
+  blockage_ = measure_blockage(planner_.space(), doors_, way, blocked_at, 2.0 * planner_params_.space.hard_radius);
+  hold_reason_ = blockage_.sentence();
+  reference_length_ = reference_length;
+  Polyline approach(way.begin(), way.begin() + static_cast<std::ptrdiff_t>(blocked_at) + 1);
+  const auto back = static_cast<std::size_t>(params_.hold_distance / planner_params_.shaping.spacing);
+  approach.resize(approach.size() > back ? approach.size() - back : 0);
+  const bool worth_driving = approach.size() >= 2 && polyline_length(approach) > kShortestHold;
+  set_path(worth_driving ? approach : Polyline{});
+  // no final heading, no tight tolerance: it only waits there
+  path_.has_theta = false;
+  path_.tolerance = 0.3;
+  hold_since_ = worth_driving ? 0 : now_;
+  phase_ = Phase::kNone;  // a new blockage has a time of its own
+  enter(Phase::kHolding, NavigationState::kWaiting,
+        fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait));
+  (void)situation;
+}
+
+void GoalCycle::update_hold(const Situation& situation) {
+  if (!path_.points.empty()) {
+    at_ = nearest_ahead(path_.points, at_, situation.world_from_robot.position());
+  }
+  const bool there =
+      path_.points.empty() || (path_.points.back() - situation.world_from_robot.position()).norm() < kHoldReached ||
+      (situation.control && situation.control->at_goal && situation.control->path_sequence == path_.sequence);
+  const double drive_time = params_.blocked_wait + polyline_length(path_.points) / kSlowestSpeed;
+  if (hold_since_ == 0 && (there || seconds_since(phase_since_) > drive_time)) {
+    hold_since_ = now_;
+  }
+  const bool waited = hold_since_ != 0 && seconds_since(hold_since_) >= params_.blocked_wait;
+  if (!waited && (!map_dirty_ || seconds_since(last_plan_) < params_.replan_period)) {
+    return;
+  }
+  const Route route = plan_route(situation);
+  if (route.outcome != RouteOutcome::kFound) {
+    if (hold_since_ != 0 && seconds_since(hold_since_) >= params_.give_up_wait) {
+      const bool by_goal = route.outcome == RouteOutcome::kGoalBlocked;
+      fail_stop(NavigationState::kBlocked,
+                fmt::format("{}; waited {:.0f} s, no other way",
+                            by_goal ? no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance())
+                                    : hold_reason_,
+                            params_.give_up_wait));
+    }
+    return;
+  }
+  const double limit = params_.detour_ratio * reference_length_ + params_.detour_length;
+  if (waited || polyline_length(route.points) <= limit) {
+    ++report_.replans;
+    follow(route);
+  }
+}
+
+}  // namespace luminav
