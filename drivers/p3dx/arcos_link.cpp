@@ -294,18 +294,34 @@ void ArcosLink::flush(std::int64_t now) {
   allowance_ = std::min(kFrameBurst, allowance_ + static_cast<double>(now - allowance_at_) / kFramePeriod);
   allowance_at_ = now;
   while (stream_ && !waiting_.empty() && (allowance_ >= 1.0 || written_ > 0)) {
-    const std::vector<std::uint8_t>& frame = waiting_.front();
-    const std::size_t count = stream_->write(std::span(frame).subspan(written_));
-    if (written_ == 0 && count > 0) {
-      allowance_ -= 1.0;
+    // All that may leave goes in one write: on a network each costs as much as the rest of a poll.
+    std::vector<std::uint8_t> batch(waiting_.front().begin() + static_cast<std::ptrdiff_t>(written_),
+                                    waiting_.front().end());
+    double left = written_ > 0 ? allowance_ : allowance_ - 1.0;
+    for (std::size_t i = 1; i < waiting_.size() && left >= 1.0; ++i, left -= 1.0) {
+      batch.insert(batch.end(), waiting_[i].begin(), waiting_[i].end());
     }
-    written_ += count;
-    if (written_ < frame.size()) {
+    const std::size_t count = stream_->write(batch);
+    count_as_written(count, now);
+    if (count < batch.size()) {
       return;  // goes on with the byte that was not taken
     }
-    written_ = 0;
-    last_sent_ = now;
-    waiting_.pop_front();
+  }
+}
+
+void ArcosLink::count_as_written(std::size_t bytes, std::int64_t now) {
+  while (bytes > 0) {
+    if (written_ == 0) {
+      allowance_ -= 1.0;
+    }
+    const std::size_t some = std::min(bytes, waiting_.front().size() - written_);
+    bytes -= some;
+    written_ += some;
+    if (written_ == waiting_.front().size()) {
+      written_ = 0;
+      last_sent_ = now;
+      waiting_.pop_front();
+    }
   }
 }
 

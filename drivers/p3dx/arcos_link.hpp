@@ -80,6 +80,7 @@ class ArcosLink {
   void run_configuration(std::int64_t now, LinkEvents& events);
   void run_rate_switch(std::int64_t now);
   void keep_alive(std::int64_t now);
+  void count_as_written(std::size_t bytes, std::int64_t now);
   [[nodiscard]] bool wants_fast_rate() const;
   [[nodiscard]] double byte_time() const;
 
