@@ -3,7 +3,7 @@ export const LAYERS = [
   ['walls', 'Walls', true], ['evidence', 'Sonar evidence', true], ['fixtures', 'Light fixtures', true],
   ['ceiling', 'Vents and detectors', false], ['places', 'Places', true], ['detections', 'Seen on the ceiling', true],
   ['particles', 'Particles', true], ['hypotheses', 'Hypotheses', true], ['sonar', 'Sonar beams', true],
-  ['path', 'Path and goal', true], ['forces', 'Forces', false], ['trail', 'Trail', true],
+  ['path', 'Path and goal', true], ['forces', 'Forces', false], ['trail', 'Trail', true], ['odometry', 'Trail of the odometry', false],
   ['truth', 'Truth (simulation)', true], ['people', 'People (simulation)', true],
 ];
 
@@ -32,15 +32,39 @@ function disc(context, view, x, y, radius) {
   context.arc(px, py, radius, 0, 2 * Math.PI);
 }
 
-export function drawFixtures(context, view, building, seen, colours) {
-  for (const fixture of building.fixtures) {
-    const isSeen = seen.some((d) => Math.hypot(d.world[0] - fixture.pose[0], d.world[1] - fixture.pose[1]) < 0.6);
-    if (fixture.shape === 'round') disc(context, view, fixture.pose[0], fixture.pose[1], fixture.length / 2 * view.scale);
-    else trace(context, view, placed(fixture.pose, box(fixture.length, fixture.width)), true);
-    context.fillStyle = isSeen ? colours.fixtureSeen : colours.fixture;
+function isInView(view, [x, y], reach) {
+  const [px, py] = view.toScreen(x, y);
+  const margin = reach * view.scale;
+  return px > -margin && py > -margin && px < view.width + margin && py < view.height + margin;
+}
+
+function fixture(context, view, {shape, pose, length, width}) {
+  if (shape === 'round') disc(context, view, pose[0], pose[1], length / 2 * view.scale);
+  else trace(context, view, placed(pose, box(length, width)), true);
+}
+
+export function drawFixtures(context, view, building, colours) {
+  context.lineWidth = 1;
+  context.fillStyle = colours.fixture;
+  context.strokeStyle = colours.fixtureEdge;
+  for (const known of building.fixtures) {
+    if (!isInView(view, known.pose, known.length)) continue;
+    fixture(context, view, known);
     context.fill();
-    context.lineWidth = isSeen ? 1.5 : 1;
-    context.strokeStyle = colours.fixtureEdge;
+    if (known.width * view.scale > 2) context.stroke();  // from afar there would be nothing but edges
+  }
+}
+
+// The known fixtures that are seen now: bright where lit, grey where unlit.
+export function drawSeenFixtures(context, view, building, seen, colours) {
+  context.lineWidth = 1.5;
+  context.strokeStyle = colours.fixtureEdge;
+  for (const found of seen) {
+    const known = building.fixtures.find(({pose}) => Math.hypot(found.world[0] - pose[0], found.world[1] - pose[1]) < 0.6);
+    if (!known) continue;
+    fixture(context, view, known);
+    context.fillStyle = found.state === 2 ? colours.fixtureUnlit : colours.fixtureSeen;
+    context.fill();
     context.stroke();
   }
 }
@@ -85,26 +109,6 @@ export function drawDetections(context, view, seen, colours) {
     context.stroke();
   }
   context.setLineDash([]);
-}
-
-export function drawParticles(context, view, cloud, colours) {
-  const {count, x, y, theta, weight} = cloud;
-  context.strokeStyle = colours.particle;
-  context.lineWidth = 1.5;
-  // four classes of weight, one path each: thousands of strokes would cost more than the rest of the picture
-  for (let grade = 1; grade <= 4; ++grade) {
-    context.globalAlpha = 0.2 * grade;
-    context.beginPath();
-    for (let i = 0; i < count; ++i) {
-      if (Math.min(4, 1 + Math.floor(weight[i] * 4)) !== grade) continue;
-      const [px, py] = view.toScreen(x[i], y[i]);
-      if (px < -10 || py < -10 || px > view.width + 10 || py > view.height + 10) continue;
-      context.moveTo(px, py);
-      context.lineTo(px + 7 * Math.cos(theta[i]), py - 7 * Math.sin(theta[i]));
-    }
-    context.stroke();
-  }
-  context.globalAlpha = 1;
 }
 
 export function drawHypotheses(context, view, hypotheses, colours) {

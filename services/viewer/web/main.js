@@ -1,17 +1,19 @@
 import * as commands from './commands.js';
 import {Connection} from './connection.js';
 import {Theme} from './colours.js';
+import {Ground} from './ground.js';
 import * as draw from './layers.js';
 import {MapView} from './map_view.js';
 import {Panels, note} from './panels.js';
+import {Particles} from './particles.js';
 import {Picture} from './picture.js';
 import {Processes} from './processes.js';
 import {Steering} from './steering.js';
 import {Tiles} from './tiles.js';
+import {Trails} from './trails.js';
 
 const $ = (id) => document.getElementById(id);
 const STALE_S = 1.0;   // [s] then what is drawn is not what is
-const TRAIL = 4000;    // points
 const KNOB_PX = 44;
 
 const theme = new Theme($('theme-button'));
@@ -31,13 +33,14 @@ let draft = null;        // {x, y, theta}: a goal that is not sent yet
 let route = [];
 let isFollowing = false;
 let isFitted = false;
-const trail = [];
-const truthTrail = [];
+const trails = new Trails();
+const particles = new Particles();
 const layers = Object.fromEntries(draw.LAYERS.map(([key, , isOn]) => [key, isOn]));
 
 let isDirty = true;
 const redraw = () => { isDirty = true; };
-const tiles = new Tiles((isNew) => { if (isNew && !isFitted) fit(); redraw(); });
+const redrawAll = () => { ground.change(); redraw(); };
+const tiles = new Tiles((isNew) => { if (isNew && !isFitted) fit(); redrawAll(); });
 
 function fit() {
   const box = tiles.bounds() ?? boundsOf(building);
@@ -65,23 +68,13 @@ fetch('building.json').then((answer) => answer.json()).then((known) => {
     $('places').append(chip);
   }
   if (!isFitted) fit();
-  redraw();
+  redrawAll();
 });
-
-function extend(points, x, y, isKnown) {
-  const last = points.at(-1);
-  if (!isKnown) { if (last) points.push(null); return; }
-  if (last && Math.hypot(x - last[0], y - last[1]) < 0.04) return;
-  if (last && Math.hypot(x - last[0], y - last[1]) > 1.5) points.push(null);  // carried, or corrected
-  points.push([x, y]);
-  if (points.length > TRAIL) points.shift();
-}
 
 connection.addEventListener('state', ({detail}) => {
   state = detail;
-  const {pose, truth, ages} = state;
-  if (pose && ages.POSE < STALE_S) extend(trail, pose.x, pose.y, pose.state === 2);
-  if (truth && ages.SIM_TRUTH < STALE_S) extend(truthTrail, truth.x, truth.y, !truth.carried);
+  const {pose, ages} = state;
+  trails.extend(state, STALE_S);
   if (isFollowing && pose && ages.POSE < STALE_S) view.centre = [pose.x, pose.y];
   panels.show(state, building);
   showRequests(state.requests);
@@ -252,12 +245,12 @@ view.addEventListener('resize', () => {
   oldSize = [view.width, view.height];
   if (isRough && !isFollowing) fit();
 });
-theme.addEventListener('change', () => { tiles.setColours(theme.colours.tiles); redraw(); });
+theme.addEventListener('change', () => { tiles.setColours(theme.colours.tiles); redrawAll(); });
 tiles.setColours(theme.colours.tiles);
 
 for (const [key, label] of draw.LAYERS) {
   const box = Object.assign(document.createElement('input'), {type: 'checkbox', checked: layers[key]});
-  box.addEventListener('change', () => { layers[key] = box.checked; redraw(); });
+  box.addEventListener('change', () => { layers[key] = box.checked; redrawAll(); });
   const line = document.createElement('label');
   line.append(box, label);
   $('layers').append(line);
@@ -275,25 +268,31 @@ function drawScale() {
   $('scale-text').textContent = length >= 1 ? `${length} m` : `${Math.round(length * 100)} cm`;
 }
 
+const ground = new Ground(view, (context, window) => {
+  context.fillStyle = theme.colours.outside;
+  context.fillRect(0, 0, window.width, window.height);
+  tiles.draw(context, window, layers);
+  if (building && layers.ceiling) draw.drawCeiling(context, window, building, theme.colours);
+  if (building && layers.fixtures) draw.drawFixtures(context, window, building, theme.colours);
+});
+
 function paint() {
   const {context} = view;
   const {colours} = theme;
-  context.fillStyle = colours.outside;
-  context.fillRect(0, 0, view.width, view.height);
-  tiles.draw(context, view, layers);
+  ground.draw();
   drawScale();
   view.canvas.dataset.view = `${view.centre[0]} ${view.centre[1]} ${view.scale}`;  // for whoever looks from outside
   if (!building) return;
   const pose = state?.pose && [state.pose.x, state.pose.y, state.pose.theta];
   const isTracking = state?.pose?.state === 2;
   const seen = (state?.ages.FIXTURE_DETECTIONS < STALE_S && isTracking && state.detections?.detections.filter((d) => d.world)) || [];
-  if (layers.ceiling) draw.drawCeiling(context, view, building, colours);
-  if (layers.fixtures) draw.drawFixtures(context, view, building, seen, colours);
+  if (layers.fixtures) draw.drawSeenFixtures(context, view, building, seen, colours);
   if (layers.detections) draw.drawDetections(context, view, seen, colours);
-  if (layers.trail) draw.drawTrail(context, view, trail, colours.trail);
-  if (layers.truth) draw.drawTrail(context, view, truthTrail, colours.truthTrail, [3, 4]);
+  if (layers.odometry) draw.drawTrail(context, view, trails.odometry, colours.odometryTrail, [6, 3]);
+  if (layers.trail) draw.drawTrail(context, view, trails.pose, colours.trail);
+  if (layers.truth) draw.drawTrail(context, view, trails.truth, colours.truthTrail, [3, 4]);
   if (layers.places) draw.drawPlaces(context, view, building, colours);
-  if (layers.particles && cloud && !isTracking) draw.drawParticles(context, view, cloud, colours);
+  if (layers.particles && cloud && !isTracking) particles.draw(context, view, cloud, colours.particle);
   if (layers.path) draw.drawPath(context, view, path, state?.navigation, state?.control, colours);
   if (state?.truth && layers.people) draw.drawPeople(context, view, state.truth.people, colours);
   if (layers.hypotheses && !isTracking) draw.drawHypotheses(context, view, hypotheses, colours);

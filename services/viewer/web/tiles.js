@@ -1,7 +1,35 @@
-// The map's tiles, inflated and painted into sheets of 8 x 8 tiles, so that a large map is a few pictures to draw.
+// The map's tiles, inflated and painted into sheets of 8 x 8 tiles, so that a large map is a few pictures to draw. Each
+// sheet keeps halves, quarters, ... of itself for looking from afar: no more pixels are read than the screen has.
 const SIDE = 64;
 const PER_SHEET = 8;
 const SHEET = SIDE * PER_SHEET;
+const SMALLEST = 4;  // level; 2^4 = 16 times smaller than the sheet
+
+const canvasOf = (side) => Object.assign(document.createElement('canvas'), {width: side, height: side});
+
+// A picture and its smaller copies, made when they are looked at.
+class Pyramid {
+  constructor() {
+    this.levels = [canvasOf(SHEET)];
+    this.made = 0;  // levels up to this one show what level 0 shows
+  }
+
+  put(image, x, y) {
+    this.levels[0].getContext('2d').putImageData(image, x, y);
+    this.made = 0;
+  }
+
+  at(level) {
+    for (; this.made < level; ++this.made) {
+      const side = SHEET >> (this.made + 1);
+      const smaller = this.levels[this.made + 1] ??= canvasOf(side);
+      const context = smaller.getContext('2d');
+      context.clearRect(0, 0, side, side);
+      context.drawImage(this.levels[this.made], 0, 0, side, side);
+    }
+    return this.levels[level];
+  }
+}
 
 async function inflate(base64) {
   const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
@@ -48,8 +76,7 @@ export class Tiles {
     const key = `${column},${row}`;
     let sheet = this.sheets.get(key);
     if (!sheet) {
-      const canvas = () => Object.assign(document.createElement('canvas'), {width: SHEET, height: SHEET});
-      sheet = {column, row, prior: canvas(), evidence: canvas()};
+      sheet = {column, row, prior: new Pyramid(), evidence: new Pyramid()};
       this.sheets.set(key, sheet);
     }
     return sheet;
@@ -74,14 +101,16 @@ export class Tiles {
     const sheet = this.sheetOf(cell);
     const x = (cell.column % PER_SHEET) * SIDE;
     const y = SHEET - SIDE - (cell.row % PER_SHEET) * SIDE;
-    sheet.prior.getContext('2d').putImageData(prior, x, y);
-    sheet.evidence.getContext('2d').putImageData(evidence, x, y);
+    sheet.prior.put(prior, x, y);
+    sheet.evidence.put(evidence, x, y);
   }
 
   draw(context, view, layers) {
     if (!this.geometry) return;
     const {resolution, origin} = this.geometry;
-    context.imageSmoothingEnabled = view.scale * resolution < 1.5;
+    const cell = view.scale * resolution * (window.devicePixelRatio || 1);  // [px] on the screen
+    const level = Math.max(0, Math.min(SMALLEST, Math.floor(-Math.log2(cell))));
+    context.imageSmoothingEnabled = cell < 1.5;
     for (const sheet of this.sheets.values()) {
       const size = SHEET * resolution;
       const [left, bottom] = view.toScreen(origin[0] + sheet.column * size, origin[1] + sheet.row * size);
@@ -89,8 +118,8 @@ export class Tiles {
       if (right < 0 || left > view.width || bottom < 0 || top > view.height) continue;
       const place = [Math.round(left), Math.round(top), Math.round(right) - Math.round(left),
         Math.round(bottom) - Math.round(top)];
-      if (layers.walls) context.drawImage(sheet.prior, ...place);
-      if (layers.evidence) context.drawImage(sheet.evidence, ...place);
+      if (layers.walls) context.drawImage(sheet.prior.at(level), ...place);
+      if (layers.evidence) context.drawImage(sheet.evidence.at(level), ...place);
     }
   }
 
