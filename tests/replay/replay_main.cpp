@@ -85,6 +85,8 @@ int replay(int argc, char** argv) {
       .text("--nodes", nodes,
             "of detector,localizer,mapper,planner,controller; default all for which the log has inputs")
       .text("--against", options.against_file, "log whose outputs to compare with; default those in LOG")
+      .text("--answers", options.answers_file,
+            "log of what processes answered while lcm-logplayer played LOG to them: judges that, runs no nodes")
       .text("--out", options.out_file, "write the outputs into this new log, with the inputs' time stamps")
       .flag("--keep-inputs", options.keep_inputs,
             "the new log holds inputs and truth too, so that it can be replayed itself")

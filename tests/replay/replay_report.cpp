@@ -64,8 +64,11 @@ ordered_json json_of(const TrackFigures& f) {
 }  // namespace
 
 std::string to_text(const ReplayReport& r) {
-  std::string text = fmt::format("replayed {} on {:.1f} s in {:.2f} s, {:.0f} times real time\n",
-                                 fmt::join(r.nodes, ", "), r.log_s, r.wall_s, r.real_time_factor());
+  std::string text =
+      r.cpu_s > 0.0
+          ? fmt::format("replayed {} on {:.1f} s in {:.2f} s: {:.0f} times real time, {:.0f} by processor time\n",
+                        fmt::join(r.nodes, ", "), r.log_s, r.wall_s, r.real_time_factor(), r.processor_factor())
+          : fmt::format("answers of {} on {:.1f} s\n", fmt::join(r.nodes, ", "), r.log_s);
   text += fmt::format("{} messages fed, {} written, {} refused by the nodes\n", r.fed, r.written, r.dropped);
   if (r.has_poses) {
     text += track_table(r);
@@ -82,7 +85,9 @@ std::string to_text(const ReplayReport& r) {
                         : d.differs     ? fmt::format("{:.2f} s: {}", elapsed(r, d.first_utime), d.first_what)
                                         : "-");
   }
-  text += fmt::format("\n{:<20} {:>9} {:>10} {:>11}\n", "handling", "messages", "mean us", "longest us");
+  if (!r.steps.empty()) {
+    text += fmt::format("\n{:<20} {:>9} {:>10} {:>11}\n", "handling", "messages", "mean us", "longest us");
+  }
   for (const auto& [channel, step] : r.steps) {
     text += fmt::format("{:<20} {:>9} {:>10.1f} {:>11.1f}\n", channel, step.count,
                         1e6 * step.sum / static_cast<double>(step.count), 1e6 * step.longest);
@@ -137,6 +142,7 @@ std::string to_json(const ReplayReport& r, const ReplayOptions& options) {
                       {"wall_s", rounded(r.wall_s)},
                       {"cpu_s", rounded(r.cpu_s)},
                       {"real_time_factor", rounded(r.real_time_factor())},
+                      {"processor_factor", rounded(r.processor_factor())},
                       {"reference", r.has_truth ? "truth" : "recorded"},
                       {"first_divergence", nullptr},
                       {"channels", channels},

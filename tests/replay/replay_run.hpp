@@ -28,6 +28,7 @@ struct ReplayTolerances {
 struct ReplayOptions {
   std::string log_file;
   std::string against_file;  // log with the outputs to compare with; "" = those in the log itself
+  std::string answers_file;  // log with answers of processes to which the log was played; "" = nodes answer here
   std::filesystem::path robot_file;
   std::filesystem::path building_file;
   std::set<std::string> nodes;  // empty = all for which the log has inputs
@@ -62,7 +63,7 @@ struct ReplayReport {
   std::int64_t first_utime = 0;  // [us] of the log
   double log_s = 0.0;
   double wall_s = 0.0;  // of the nodes and the feeding, start-up apart
-  double cpu_s = 0.0;   // of the processor in that time
+  double cpu_s = 0.0;   // of that on the processor
   std::int64_t fed = 0;
   std::int64_t written = 0;
   std::int64_t dropped = 0;  // inputs that nodes refused
@@ -79,6 +80,8 @@ struct ReplayReport {
 
   [[nodiscard]] bool passed() const { return failures.empty(); }
   [[nodiscard]] double real_time_factor() const { return wall_s > 0.0 ? log_s / wall_s : 0.0; }
+  /// The same on a core that nobody else uses.
+  [[nodiscard]] double processor_factor() const { return cpu_s > 0.0 ? log_s / cpu_s : 0.0; }
 };
 
 /// Feeds the recorded inputs of the chosen nodes to today's nodes, in recorded order and as fast as it can, never what
