@@ -333,6 +333,10 @@ class Placement {
 
   void check_standing_place(std::string_view what, const Pose2& pose) {
     const Polygon footprint = transform(pose, truth_.robot.footprint);
+    const GridGeometry& map = truth_.walls.geometry;
+    if (!truth_.walls.cells.empty() && !map.contains(map.cell_at(pose.position()))) {
+      fail(scenario_, fmt::format("{} ({}, {}) is outside of the map", what, pose.x, pose.y));
+    }
     if (overlaps_wall(truth_.walls, footprint)) {
       fail(scenario_, fmt::format("{} ({}, {}) is in a wall", what, pose.x, pose.y));
     }
