@@ -80,8 +80,9 @@ std::optional<RunReport> drive(lcm::LCM& lcm, DemoSystem& system, const Scenario
     }
   }
   if (!options.picture.empty()) {
+    const std::optional<OccupancyGrid> grid = judge.grid();
     draw_run(options.picture, world, read_building(scenario.building_file), judge.trail(), report.goals,
-             judge.grid() ? &*judge.grid() : nullptr);
+             grid ? &*grid : nullptr);
   }
   return report;
 }

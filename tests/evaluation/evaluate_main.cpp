@@ -1,170 +1,198 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <mutex>
+#include <fstream>
+#include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/process/command_line.hpp"
+#include "tests/evaluation/compare_reports.hpp"
+#include "tests/evaluation/detector_behaviour.hpp"
+#include "tests/evaluation/detector_suite.hpp"
+#include "tests/evaluation/evaluation_jobs.hpp"
+#include "tests/evaluation/html_report.hpp"
 #include "tests/evaluation/run_report.hpp"
-#include "tests/evaluation/scenario_run.hpp"
+#include "tests/evaluation/sensing_agreement.hpp"
+#include "tests/evaluation/sensing_survey.hpp"
 #include "tests/evaluation/suites.hpp"
 
 namespace luminav {
 namespace {
 
-struct Job {
-  Scenario scenario;
-  ScenarioRunOptions options;
-};
+namespace fs = std::filesystem;
 
-/// Runs all jobs on several threads; results are in the order of the jobs whatever the number of threads.
-std::vector<RunReport> run_all(const std::vector<Job>& jobs, int threads) {
-  std::vector<RunReport> reports(jobs.size());
-  std::atomic<std::size_t> next = 0;
-  std::size_t done = 0;
-  std::size_t passed = 0;
-  std::mutex mutex;
-  const auto start = std::chrono::steady_clock::now();
-  const auto work = [&] {
-    for (std::size_t i = next++; i < jobs.size(); i = next++) {
-      RunReport report;
-      try {
-        report = run_scenario(jobs[i].scenario, jobs[i].options);
-      } catch (const std::exception& error) {
-        report.scenario = jobs[i].scenario.name;
-        report.seed = jobs[i].scenario.seed;
-        report.failure = error.what();
-      }
-      const std::lock_guard lock(mutex);
-      ++done;
-      passed += report.passed ? 1 : 0;
-      const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      fmt::print(stderr, "[{}/{}] {} seed {}: {} ({:.0f} s left)\n", done, jobs.size(), report.scenario, report.seed,
-                 report.passed ? "passed" : "FAILED, " + report.failure,
-                 spent / static_cast<double>(done) * static_cast<double>(jobs.size() - done));
-      reports[i] = std::move(report);
-    }
-  };
-  std::vector<std::thread> workers;
-  for (int i = 1; i < threads; ++i) {
-    workers.emplace_back(work);
-  }
-  work();
-  for (std::thread& worker : workers) {
-    worker.join();
-  }
-  return reports;
-}
-
-std::pair<std::uint64_t, std::uint64_t> parse_seeds(const std::string& text) {
-  const std::size_t dots = text.find("..");
-  try {
-    const std::uint64_t first = std::stoull(text.substr(0, dots));
-    const std::uint64_t last = dots == std::string::npos ? first : std::stoull(text.substr(dots + 2));
-    if (last >= first && last - first < 100'000) {
-      return {first, last};
-    }
-  } catch (const std::exception&) {
-  }
-  throw ConfigurationError(fmt::format("--seeds {}: must be A..B with A <= B", text));
-}
-
-std::vector<std::filesystem::path> scenario_files(const std::vector<std::string>& given) {
-  std::vector<std::filesystem::path> files;
-  for (const std::string& name : given) {
-    if (!std::filesystem::is_directory(name)) {
-      files.emplace_back(name);
-      continue;
-    }
-    for (const auto& entry : std::filesystem::directory_iterator(name)) {
-      if (entry.path().extension() == ".toml") {
-        files.push_back(entry.path());
-      }
-    }
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-int evaluate(int argc, char** argv) {
+struct Request {
   std::string suite;
   std::vector<std::string> scenarios;
-  std::string seeds;
-  std::string mode;
+  JobOptions jobs;
   std::int64_t threads = 1;
   std::string json;
-  std::string pictures;
-  std::string logs;
-  bool trace = false;
-  bool mono8 = false;
-  CommandLine line("evaluate", "Runs scenarios in process and in simulated time and says how good the robot is.");
-  line.text("--suite", suite, fmt::format("one of {}", suite_names()))
-      .list("--scenario", scenarios, "scenario file or a folder of them; may be given several times")
-      .text("--seeds", seeds, "A..B, instead of the suite's or the scenario's own")
-      .text("--mode", mode, "paper | modern, for all nodes that have both; default as the robot's file says")
-      .integer("--jobs", threads, "runs side by side")
-      .text("--json", json, "write all reports there")
-      .text("--pictures", pictures, "folder for a picture of each run")
-      .text("--logs", logs, "folder for an LCM log of each run")
-      .flag("--trace", trace, "print a line for each simulated second")
-      .flag("--mono8", mono8, "do not compress the pictures");
-  if (const auto status = line.parse(argc, argv)) {
-    return *status;
+  std::string html;
+  std::string compare;
+  std::string fit_sensing;
+  std::string generated;
+  std::string check_sensing;
+};
+
+std::string read_text_file(const std::string& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in || text.str().empty()) {
+    throw ConfigurationError(fmt::format("{}: cannot be read", path));
   }
-  if (!mode.empty() && mode != "paper" && mode != "modern") {
-    throw ConfigurationError(fmt::format("--mode {}: must be paper or modern", mode));
+  return text.str();
+}
+
+/// Hours of work must not end in a file that cannot be written.
+void check_writable(const std::string& flag, const std::string& path) {
+  if (path.empty()) {
+    return;
   }
-  if (threads < 1 || threads > 256) {
-    throw ConfigurationError("--jobs: must be between 1 and 256");
+  const fs::path folder = fs::absolute(path).parent_path();
+  if (!fs::is_directory(folder)) {
+    throw ConfigurationError(fmt::format("{} {}: there is no folder {}", flag, path, folder.string()));
   }
+  if (fs::is_directory(path) || access(folder.c_str(), W_OK) != 0) {
+    throw ConfigurationError(fmt::format("{} {}: cannot be written", flag, path));
+  }
+}
+
+void check(const Request& request) {
+  const auto one_of = [](const char* flag, const std::string& value, const char* a, const char* b) {
+    if (!value.empty() && value != a && value != b) {
+      throw ConfigurationError(fmt::format("{} {}: must be {} or {}", flag, value, a, b));
+    }
+  };
+  one_of("--mode", request.jobs.mode, "paper", "modern");
+  one_of("--sensing", request.jobs.sensing, "rendered", "geometric");
+  if (request.threads < 1 || request.threads > 256) {
+    throw ConfigurationError(fmt::format("--jobs {}: must be between 1 and 256", request.threads));
+  }
+  if (!request.suite.empty() && !request.scenarios.empty()) {
+    throw ConfigurationError("--suite and --scenario: only one of them");
+  }
+  if (!request.check_sensing.empty() && request.jobs.sensing != "geometric") {
+    throw ConfigurationError("--check-sensing: needs --sensing geometric");
+  }
+  if (!request.fit_sensing.empty() && request.jobs.sensing == "geometric") {
+    throw ConfigurationError("--fit-sensing: only rendered runs can be measured");
+  }
+  check_writable("--json", request.json);
+  check_writable("--html", request.html);
+  check_writable("--fit-sensing", request.fit_sensing);
+}
+
+std::vector<SuiteEntry> entries_of(const Request& request) {
   std::vector<SuiteEntry> entries;
-  for (const std::filesystem::path& file : scenario_files(scenarios)) {
-    const std::uint64_t seed = read_scenario(file).seed;
-    entries.push_back({file, seed, seed});
-  }
-  if (entries.empty()) {
-    entries = suite_entries(suite.empty() ? "quick" : suite);
-  }
-  std::vector<Job> jobs;
-  for (SuiteEntry& entry : entries) {
-    if (!seeds.empty()) {
-      std::tie(entry.first_seed, entry.last_seed) = parse_seeds(seeds);
-    }
-    for (std::uint64_t seed = entry.first_seed; seed <= entry.last_seed; ++seed) {
-      Job job{read_scenario(entry.scenario), {}};
-      job.scenario.seed = seed;
-      job.options.robot = {mode, mode, mode, !mono8};
-      job.options.trace = trace;
-      const std::string name = fmt::format("{}-{}", job.scenario.name, seed);
-      for (const auto& [folder, target, extension] :
-           {std::tuple{&pictures, &job.options.picture_file, ".png"}, {&logs, &job.options.log_file, ".lcm"}}) {
-        if (!folder->empty()) {
-          std::filesystem::create_directories(*folder);
-          *target = (std::filesystem::path(*folder) / (name + extension)).string();
-        }
-      }
-      jobs.push_back(std::move(job));
+  for (const std::string& given : request.scenarios) {
+    for (const fs::path& file : scenario_files(given)) {
+      const std::uint64_t seed = read_scenario(file).seed;
+      entries.push_back({file, seed, seed, "rendered", false});
     }
   }
-  const std::vector<RunReport> reports = run_all(jobs, static_cast<int>(threads));
+  return entries.empty() ? suite_entries(request.suite.empty() ? "quick" : request.suite, request.generated) : entries;
+}
+
+std::string behaviour_file(const Request& request) {
+  return request.jobs.behaviour_file.empty() ? default_behaviour_file(request.jobs.mode).string()
+                                             : request.jobs.behaviour_file;
+}
+
+std::string agreement_text(const DetectorBehaviour& behaviour) {
+  return behaviour.agreement.empty()
+             ? "Geometric sensing was not checked against rendered runs (--check-sensing): its figures may not be "
+               "quoted.\n"
+             : "Agreement measured for this sensing: " + behaviour.agreement;
+}
+
+void write_fit(const Request& request, const std::vector<EvaluationJob>& jobs,
+               const std::vector<SensingSurveyResult>& surveys) {
+  std::vector<std::string> names;
+  for (const EvaluationJob& job : jobs) {
+    if (names.empty() || names.back() != job.scenario.name) {
+      names.push_back(job.scenario.name);
+    }
+  }
+  std::string source = fmt::format("{} rendered runs:", jobs.size());
+  for (const std::string& name : names) {
+    source += " " + name;
+  }
+  const DetectorBehaviour behaviour =
+      fit_behaviour(surveys, request.jobs.mode == "paper" ? request.jobs.mode : "modern", source);
+  write_text_file(request.fit_sensing, to_json(behaviour));
+}
+
+std::string sensing_name(const Request& request, const std::vector<SuiteEntry>& entries) {
+  if (!request.jobs.sensing.empty()) {
+    return request.jobs.sensing;
+  }
+  const bool any = needs_behaviour(entries, request.jobs);
+  const bool all = any && std::all_of(entries.begin(), entries.end(),
+                                      [](const SuiteEntry& entry) { return entry.sensing == "geometric"; });
+  return all ? "geometric" : (any ? "mixed" : "rendered");
+}
+
+int evaluate(const Request& request) {
+  check(request);
+  const auto start = std::chrono::steady_clock::now();
+  const std::string old_report = request.compare.empty() ? "" : read_text_file(request.compare);
+  const std::string rendered_report = request.check_sensing.empty() ? "" : read_text_file(request.check_sensing);
+  const std::vector<SuiteEntry> entries = entries_of(request);
+  DetectorBehaviour behaviour;
+  const bool geometric = needs_behaviour(entries, request.jobs);
+  if (geometric) {
+    behaviour = read_detector_behaviour(behaviour_file(request));
+  }
+  std::vector<EvaluationJob> jobs = jobs_of(entries, request.jobs, &behaviour);
+  std::vector<SensingSurveyResult> surveys(jobs.size());
+  for (std::size_t i = 0; i < jobs.size() && !request.fit_sensing.empty(); ++i) {
+    jobs[i].options.survey = &surveys[i];
+  }
+  const int threads = static_cast<int>(request.threads);
+  std::vector<DetectorCondition> detector;
+  if (request.scenarios.empty() && has_detector_part(request.suite)) {
+    detector = measure_detector(request.jobs.mode, threads);
+  }
+  const std::vector<RunReport> reports = run_jobs(jobs, threads);
   std::size_t passed = 0;
   for (const RunReport& report : reports) {
     fmt::print("{}", to_text(report));
     passed += report.passed ? 1 : 0;
   }
-  const std::string all =
-      to_json(suite.empty() ? "custom" : suite, mode.empty() ? "default" : mode, "rendered", reports);
-  if (!json.empty()) {
-    write_text_file(json, all);
+  const std::string suite = !request.scenarios.empty() ? "custom" : (request.suite.empty() ? "quick" : request.suite);
+  const std::string all = to_json(suite, request.jobs.mode.empty() ? "default" : request.jobs.mode,
+                                  sensing_name(request, entries), reports, detector);
+  if (!rendered_report.empty()) {
+    behaviour.agreement = to_text(compare_sensings(rendered_report, all));
+    write_text_file(behaviour_file(request), to_json(behaviour));
   }
-  fmt::print("{}\n{} of {} runs passed\n", summary_text(all), passed, reports.size());
+  std::string remarks = geometric ? agreement_text(behaviour) : "";
+  if (!old_report.empty()) {
+    remarks += to_text(compare_reports(old_report, all));
+  }
+  if (!request.json.empty()) {
+    write_text_file(request.json, all);
+  }
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!request.html.empty()) {
+    write_text_file(request.html, html_report({all, remarks, wall}, reports));
+  }
+  if (!request.fit_sensing.empty()) {
+    write_fit(request, jobs, surveys);
+  }
+  fmt::print("\n{}{}{}{} of {} runs passed, {:.0f} s\n", scenario_table_text(reports), summary_text(all), remarks,
+             passed, reports.size(), wall);
+  for (const RunReport& report : reports) {
+    if (!report.passed) {
+      fmt::print("failed: {}\n  again: {}\n", report.failure, report.reproduce);
+    }
+  }
   return passed == reports.size() ? 0 : 1;
 }
 
@@ -172,5 +200,36 @@ int evaluate(int argc, char** argv) {
 }  // namespace luminav
 
 int main(int argc, char** argv) {
-  return luminav::run_guarded("evaluate", [&] { return luminav::evaluate(argc, argv); });
+  luminav::Request request;
+  request.generated = LUMINAV_BINARY_DIR "/generated-worlds";
+  luminav::CommandLine line("evaluate",
+                            "Runs scenarios in process and in simulated time and says how good the robot is.");
+  line.text("--suite", request.suite, "one of " + luminav::suite_names() + "; default quick")
+      .list("--scenario", request.scenarios, "scenario file or a folder of them, instead of a suite; several times")
+      .text("--seeds", request.jobs.seeds, "A..B, instead of the suite's or the scenario's own")
+      .text("--mode", request.jobs.mode,
+            "paper | modern, for all nodes that have both; default as the robot's file says")
+      .integer("--jobs", request.threads, "runs side by side")
+      .text("--sensing", request.jobs.sensing,
+            "rendered | geometric: detections are drawn from the detector's measured behaviour; default as the suite "
+            "has it")
+      .text("--json", request.json, "write all reports there")
+      .text("--html", request.html, "write a page with pictures there")
+      .text("--compare", request.compare, "an older JSON report: says what got better or worse beyond noise")
+      .text("--pictures", request.jobs.pictures, "folder for a picture of each run")
+      .text("--logs", request.jobs.logs, "folder for an LCM log of each run")
+      .flag("--patrol", request.jobs.patrol, "drive to the goals over and over until the scenario's duration is over")
+      .flag("--trace", request.jobs.trace, "print a line for each simulated second")
+      .flag("--mono8", request.jobs.mono8, "do not compress the pictures")
+      .text("--behaviour", request.jobs.behaviour_file, "what geometric sensing draws from")
+      .text("--fit-sensing", request.fit_sensing,
+            "measure the detector's behaviour in these rendered runs, write it there")
+      .text(
+          "--check-sensing", request.check_sensing,
+          "a JSON report of the same runs rendered: says how well geometric ones agree and keeps it with the behaviour")
+      .text("--generated", request.generated, "folder for the buildings that suites make");
+  if (const auto status = line.parse(argc, argv)) {
+    return *status;
+  }
+  return luminav::run_guarded("evaluate", [&] { return luminav::evaluate(request); });
 }

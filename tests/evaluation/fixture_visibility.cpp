@@ -1,13 +1,38 @@
 #include "tests/evaluation/fixture_visibility.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace luminav {
 namespace {
 
-constexpr double kFarthest = 6.0;   // [m] no camera here sees farther along the ceiling
-constexpr double kSamePlace = 0.5;  // [m] two views of a fixture agree within this, the bound of "confidently wrong"
+constexpr double kFarthest = 6.0;     // [m] no camera here sees farther along the ceiling
+constexpr double kBeyondView = 0.05;  // [m] slack of the radius outside of which nothing is seen
+constexpr double kSamePlace = 0.5;    // [m] two views of a fixture agree within this, the bound of "confidently wrong"
 constexpr double kSameDirection = radians(20.0);
+
+/// Without a square root: asked for every fixture of a building many times a second.
+bool is_near(const Pose2& a, const Pose2& b, double radius) {
+  const double dx = a.x - b.x;
+  const double dy = a.y - b.y;
+  return dx * dx + dy * dy < radius * radius;
+}
+
+/// Radius [m] round the robot beyond which the centre of no fixture can be while a part of it is in the image.
+double reach_of(const std::vector<Fixture>& fixtures, const CeilingCamera& camera) {
+  double reach = 0.0;
+  const auto& lens = camera.intrinsics();
+  for (const Fixture& fixture : fixtures) {
+    const double size = 0.5 * std::hypot(fixture.length, fixture.width);
+    for (const double x : {0.0, lens.width - 1.0}) {
+      for (const double y : {0.0, lens.height - 1.0}) {
+        const auto point = camera.point_on_ceiling({x, y}, fixture.height);
+        reach = std::max(reach, point ? point->norm() + size + kBeyondView : kFarthest);
+      }
+    }
+  }
+  return std::min(reach, kFarthest);
+}
 
 }  // namespace
 
@@ -28,12 +53,12 @@ double visible_share(const Fixture& fixture, const Pose2& world_from_robot, cons
 }
 
 FixtureVisibility::FixtureVisibility(std::vector<Fixture> fixtures, const CeilingCamera& camera)
-    : fixtures_(std::move(fixtures)), camera_(camera) {}
+    : fixtures_(std::move(fixtures)), camera_(camera), reach_(reach_of(fixtures_, camera)) {}
 
 std::vector<std::size_t> FixtureVisibility::visible_from(const Pose2& world_from_robot, double share) const {
   std::vector<std::size_t> visible;
   for (std::size_t i = 0; i < fixtures_.size(); ++i) {
-    if (distance(fixtures_[i].world_from_fixture, world_from_robot) < kFarthest &&
+    if (is_near(fixtures_[i].world_from_fixture, world_from_robot, reach_) &&
         visible_share(fixtures_[i], world_from_robot, camera_) >= share) {
       visible.push_back(i);
     }
@@ -43,7 +68,7 @@ std::vector<std::size_t> FixtureVisibility::visible_from(const Pose2& world_from
 
 bool FixtureVisibility::predicts(const Pose2& in_robot, const Fixture& seen, const Pose2& world_from_robot) const {
   for (const Fixture& fixture : fixtures_) {
-    if (distance(fixture.world_from_fixture, world_from_robot) > kFarthest) {
+    if (!is_near(fixture.world_from_fixture, world_from_robot, kFarthest)) {
       continue;
     }
     const Pose2 predicted = world_from_robot.inverse() * fixture.world_from_fixture;

@@ -25,6 +25,7 @@ class FixtureVisibility {
   [[nodiscard]] bool predicts(const Pose2& in_robot, const Fixture& seen, const Pose2& world_from_robot) const;
   std::vector<Fixture> fixtures_;
   CeilingCamera camera_;
+  double reach_;  // [m] round the robot within which a fixture may be in the image
 };
 
 }  // namespace luminav

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <queue>
 
-#include "tests/evaluation/run_judge.hpp"
+#include "tests/evaluation/trail_point.hpp"
 
 namespace luminav {
 namespace {
@@ -41,6 +41,41 @@ cv::Mat free_image(const WorldTruth& world) {
   }
   return image;
 }
+
+/// Distance [m] of a place to the nearest face of a wall or box, from either side: the walls of a map are thicker than
+/// a cell, and inside of them is not on them. Between the centres of cells it is interpolated.
+class FaceDistance {
+ public:
+  FaceDistance(const cv::Mat& free, const GridGeometry& geometry) : geometry_(geometry) {
+    cv::Mat outside;
+    cv::Mat inside;
+    cv::distanceTransform(free, outside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    cv::distanceTransform(255 - free, inside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    // from a cell's centre to the centre of the first cell on the other side; the face lies half a cell before that
+    cv::Mat to_face = outside - inside;
+    to_face.forEach<float>([](float& value, const int*) { value += value > 0.0F ? -0.5F : 0.5F; });
+    signed_cells_ = to_face;
+  }
+
+  [[nodiscard]] double at(const Eigen::Vector2d& place) const {
+    const Eigen::Vector2d cell = (place - geometry_.origin) / geometry_.resolution - Eigen::Vector2d(0.5, 0.5);
+    const int column = std::clamp(static_cast<int>(std::floor(cell.x())), 0, std::max(0, signed_cells_.cols - 2));
+    const int row = std::clamp(static_cast<int>(std::floor(cell.y())), 0, std::max(0, signed_cells_.rows - 2));
+    const double fx = std::clamp(cell.x() - column, 0.0, 1.0);
+    const double fy = std::clamp(cell.y() - row, 0.0, 1.0);
+    const auto value = [&](int r, int c) {
+      return static_cast<double>(
+          signed_cells_.at<float>(std::min(r, signed_cells_.rows - 1), std::min(c, signed_cells_.cols - 1)));
+    };
+    const double low = (1.0 - fx) * value(row, column) + fx * value(row, column + 1);
+    const double high = (1.0 - fx) * value(row + 1, column) + fx * value(row + 1, column + 1);
+    return std::abs((1.0 - fy) * low + fy * high) * geometry_.resolution;
+  }
+
+ private:
+  GridGeometry geometry_;
+  cv::Mat signed_cells_;  // [cells] float, negative inside
+};
 
 bool in_sight(const cv::Mat& free, const Cell& from, const Cell& to) {
   const int steps = std::max(std::abs(to.column - from.column), std::abs(to.row - from.row));
@@ -88,8 +123,7 @@ cv::Mat faces_passed(const cv::Mat& free, const GridGeometry& g, const std::vect
 MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const std::vector<TrailPoint>& trail) {
   const GridGeometry& fine = world.walls.geometry;
   const cv::Mat free = free_image(world);
-  cv::Mat to_surface;
-  cv::distanceTransform(free, to_surface, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  const FaceDistance to_face(free, fine);
   std::vector<double> distances;
   std::int64_t free_cells = 0;
   std::int64_t free_right = 0;
@@ -97,17 +131,17 @@ MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const st
   for (int row = 0; row < grid.geometry.rows; ++row) {
     for (int column = 0; column < grid.geometry.columns; ++column) {
       const int value = grid.evidence[grid.geometry.index({column, row})];
-      const Cell cell = fine.cell_at(grid.geometry.centre_of({column, row}));
+      const Eigen::Vector2d centre = grid.geometry.centre_of({column, row});
+      const Cell cell = fine.cell_at(centre);
       if (std::abs(value) < kOccupiedEvidence || !fine.contains(cell)) {
         continue;
       }
-      const double away = static_cast<double>(to_surface.at<float>(cell.row, cell.column)) * fine.resolution;
       if (value > 0) {
-        distances.push_back(away);
+        distances.push_back(to_face.at(centre));
         evidence.at<std::uint8_t>(cell.row, cell.column) = 0;
       } else {
         ++free_cells;
-        free_right += away > 0.0 ? 1 : 0;
+        free_right += free.at<std::uint8_t>(cell.row, cell.column) != 0 ? 1 : 0;
       }
     }
   }

@@ -5,14 +5,14 @@
 #include "drivers/simulator/world_truth.hpp"
 #include "services/common/building/occupancy_grid.hpp"
 #include "tests/evaluation/run_report.hpp"
+#include "tests/evaluation/trail_point.hpp"
 
 namespace luminav {
 
-struct TrailPoint;
-
-/// Compares the sonars' evidence with the true walls and boxes: median distance of occupied cells to the nearest true
-/// surface, share of wall faces that the robot passed within 3 m in line of sight and that have evidence within one
-/// cell, share of free evidence that is truly free. Not measured when there is hardly any evidence.
+/// Compares the sonars' evidence with the true walls and boxes: median distance of occupied cells' centres to the
+/// nearest true face, from either side, share of wall faces that the robot passed within 3 m in line of sight and that
+/// have evidence within one cell, share of free evidence that is truly free. Not measured when there is hardly any
+/// evidence.
 MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const std::vector<TrailPoint>& trail);
 
 /// Length [m] of the shortest 8-connected way between two points for a disc of the given radius, octile metric; a

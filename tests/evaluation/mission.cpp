@@ -32,7 +32,8 @@ bool is_final(std::int8_t state) {
 
 }  // namespace
 
-Mission::Mission(lcm::LCM& lcm, const Scenario& scenario) : lcm_(lcm), scenario_(scenario), subscriber_(lcm) {
+Mission::Mission(lcm::LCM& lcm, const Scenario& scenario, bool patrol)
+    : lcm_(lcm), scenario_(scenario), patrol_(patrol), subscriber_(lcm) {
   subscriber_.on(channels::kSimTruth, &Mission::on_truth, this);
   subscriber_.on(channels::kNavigationStatus, &Mission::on_navigation, this);
   subscriber_.on(channels::kRobotStatus, &Mission::on_robot_status, this);
@@ -40,7 +41,7 @@ Mission::Mission(lcm::LCM& lcm, const Scenario& scenario) : lcm_(lcm), scenario_
 }
 
 bool Mission::is_finished() const {
-  if (results_.size() < scenario_.goals.size()) {
+  if (has_goal_left()) {
     return false;
   }
   double total = 0.0;
@@ -67,7 +68,7 @@ void Mission::on_truth(const sim_truth_t& truth) {
   if (scenario_.start_known && scenario_.start) {
     tell_start(truth.utime);
   }
-  if (results_.size() < scenario_.goals.size()) {
+  if (has_goal_left()) {
     if (goal_id_ == 0) {
       goal_id_ = truth.utime;
       requested_at_ = truth.utime;
@@ -101,7 +102,7 @@ void Mission::send_goal(std::int64_t utime) {
     return;
   }
   last_sent_ = utime;
-  const ScenarioGoal& wanted = scenario_.goals[results_.size()];
+  const ScenarioGoal& wanted = goal(results_.size());
   goal_t message{};
   message.utime = utime;
   message.id = goal_id_;
@@ -132,10 +133,11 @@ void Mission::watch_goal(const sim_truth_t& truth) {
 }
 
 void Mission::finish_goal(const sim_truth_t& truth, bool arrived) {
-  const ScenarioGoal& wanted = scenario_.goals[results_.size()];
+  const ScenarioGoal& wanted = goal(results_.size());
   GoalResult result;
   result.x = wanted.pose.x;
   result.y = wanted.pose.y;
+  result.expect_refused = wanted.expect_refused;
   result.error_m = std::hypot(truth.x - wanted.pose.x, truth.y - wanted.pose.y);
   result.heading_error_deg = wanted.has_theta ? degrees(std::abs(wrap_angle(truth.theta - wanted.pose.theta))) : 0.0;
   result.reached = arrived && result.error_m <= wanted.tolerance;
@@ -176,11 +178,12 @@ void Mission::on_robot_status(const robot_status_t& status) {
 
 std::vector<GoalResult> Mission::final_results() const {
   std::vector<GoalResult> all = results_;
-  for (std::size_t i = all.size(); i < scenario_.goals.size(); ++i) {
+  for (std::size_t i = all.size(); i < scenario_.goals.size() && !patrol_; ++i) {
     const ScenarioGoal& wanted = scenario_.goals[i];
     GoalResult missed;
     missed.x = wanted.pose.x;
     missed.y = wanted.pose.y;
+    missed.expect_refused = wanted.expect_refused;
     if (truth_) {
       missed.error_m = std::hypot(truth_->x - wanted.pose.x, truth_->y - wanted.pose.y);
     }
@@ -195,12 +198,15 @@ std::vector<GoalResult> Mission::final_results() const {
 std::string Mission::failure() const {
   const std::vector<GoalResult> all = final_results();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool as_expected = scenario_.goals[i].expect_refused ? all[i].refused : all[i].reached;
+    const bool as_expected = goal(i).expect_refused ? all[i].refused : all[i].reached;
     if (!as_expected) {
       return fmt::format(
           "goal {} {}", i + 1,
-          scenario_.goals[i].expect_refused ? "was not refused" : (all[i].refused ? "was refused" : "was not reached"));
+          goal(i).expect_refused ? "was not refused" : (all[i].refused ? "was refused" : "was not reached"));
     }
+  }
+  if (patrol_) {
+    return all.empty() ? "no goal ended" : "";
   }
   return is_finished() || (scenario_.goals.empty() && scenario_.drives.empty()) ? "" : "out of time";
 }

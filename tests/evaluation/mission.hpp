@@ -20,7 +20,8 @@ namespace luminav {
 /// requests are sent (repeated until echoed), and notes how each ended. Its time is SIM_TRUTH's.
 class Mission {
  public:
-  Mission(lcm::LCM& lcm, const Scenario& scenario);
+  /// `patrol`: the goals are sent over and over; it never finishes, and only goals that ended count.
+  Mission(lcm::LCM& lcm, const Scenario& scenario, bool patrol = false);
 
   /// All goals ended and all drives driven.
   [[nodiscard]] bool is_finished() const;
@@ -36,6 +37,12 @@ class Mission {
   [[nodiscard]] double driven_for_goal(std::size_t goal) const { return driven_[goal]; }
 
  private:
+  [[nodiscard]] const ScenarioGoal& goal(std::size_t index) const {
+    return scenario_.goals[index % scenario_.goals.size()];
+  }
+  [[nodiscard]] bool has_goal_left() const {
+    return results_.size() < scenario_.goals.size() || (patrol_ && !scenario_.goals.empty());
+  }
   void on_truth(const sim_truth_t& truth);
   void on_navigation(const navigation_status_t& status) { navigation_ = status; }
   void on_robot_status(const robot_status_t& status);
@@ -47,6 +54,7 @@ class Mission {
 
   lcm::LCM& lcm_;
   Scenario scenario_;
+  bool patrol_;
   Subscriber subscriber_;
   std::optional<navigation_status_t> navigation_;
   std::optional<pose_t> pose_;

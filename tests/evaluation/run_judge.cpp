@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
@@ -119,10 +120,12 @@ void RunJudge::on_pose(const pose_t& pose) {
   }
   position_error_ = std::hypot(pose.x - truth->x, pose.y - truth->y);
   heading_error_ = std::abs(wrap_angle(pose.theta - truth->theta));
+  posed_s_ += duration;
+  ambiguous_s_ += pose.state == pose_t::STATE_AMBIGUOUS ? duration : 0.0;
   judge_tracking(pose, *truth, duration);
   if (pose.sequence % kTrailEvery == 0) {
     const Pose2 odometry = odometry_ ? odom_from_robot(*odometry_) : Pose2{};
-    trail_.push_back({*truth, world_from_robot(pose), odometry, pose.state, pose.estimator});
+    trail_.push_back({*truth, world_from_robot(pose), odometry, pose.state, pose.estimator, elapsed()});
   }
 }
 
@@ -188,10 +191,21 @@ void RunJudge::on_tile(const grid_tile_t& tile) {
   if (!is_possible(tile)) {
     return;
   }
-  if (!grid_ || !(grid_->geometry == geometry_of(tile))) {
-    grid_.emplace(geometry_of(tile));
+  if (!tiles_.empty() && !(geometry_of(tiles_.begin()->second) == geometry_of(tile))) {
+    tiles_.clear();
   }
-  [[maybe_unused]] const bool applied = apply_tile(tile, *grid_);
+  tiles_[{tile.tile_column, tile.tile_row}] = tile;
+}
+
+std::optional<OccupancyGrid> RunJudge::grid() const {
+  if (tiles_.empty()) {
+    return std::nullopt;
+  }
+  std::optional<OccupancyGrid> grid(std::in_place, geometry_of(tiles_.begin()->second));
+  for (const auto& [place, tile] : tiles_) {
+    [[maybe_unused]] const bool applied = apply_tile(tile, *grid);
+  }
+  return grid;
 }
 
 void RunJudge::on_node_status(const node_status_t& status) {
@@ -214,6 +228,7 @@ RunReport RunJudge::report(std::vector<GoalResult> goals) const {
   r.localized_s = localized_s_;
   r.localized_after_m = localized_after_m_;
   r.tracking_ratio = watched_s_ > 0.0 ? tracking_s_ / watched_s_ : 0.0;
+  r.ambiguous_ratio = posed_s_ > 0.0 ? ambiguous_s_ / posed_s_ : 0.0;
   r.confident_wrong_s = confident_wrong_s_;
   if (in_view_count_ > 0) {
     r.in_view_position_rms_m = std::sqrt(in_view_square_position_ / in_view_count_);
@@ -233,8 +248,8 @@ RunReport RunJudge::report(std::vector<GoalResult> goals) const {
   }
   r.carries_noticed = carries_noticed_;
   r.carries_recovered = carries_recovered_;
-  if (grid_ && !world_.walls.cells.empty()) {
-    r.map = score_map(*grid_, world_, trail_);
+  if (const auto grid = this->grid(); grid && !world_.walls.cells.empty()) {
+    r.map = score_map(*grid, world_, trail_);
   }
   for (const auto& [name, figures] : processes_) {
     r.processes.push_back({name, figures.count > 0 ? 100.0 * figures.cpu_sum / figures.count : 0.0,

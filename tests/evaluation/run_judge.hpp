@@ -18,17 +18,9 @@
 #include "services/common/process/subscriber.hpp"
 #include "tests/evaluation/fixture_visibility.hpp"
 #include "tests/evaluation/run_report.hpp"
+#include "tests/evaluation/trail_point.hpp"
 
 namespace luminav {
-
-/// One moment of a run, kept for pictures.
-struct TrailPoint {
-  Pose2 truth;
-  Pose2 believed;
-  Pose2 odometry;
-  int state = 0;      // pose_t::STATE_*
-  int estimator = 0;  // pose_t::ESTIMATOR_*
-};
 
 /// Watches a run on LCM, beside the simulator's truth, and says what it came to. Time is the stamps'; the same
 /// messages give the same report.
@@ -45,7 +37,8 @@ class RunJudge {
   [[nodiscard]] double position_error() const { return position_error_; }
   [[nodiscard]] double heading_error() const { return heading_error_; }  // [rad]
   [[nodiscard]] const std::vector<TrailPoint>& trail() const { return trail_; }
-  [[nodiscard]] const std::optional<OccupancyGrid>& grid() const { return grid_; }
+  /// The live grid as the newest tiles have it; nothing before the first one.
+  [[nodiscard]] std::optional<OccupancyGrid> grid() const;
 
   /// Everything but the goals' outcomes, which the caller knows.
   [[nodiscard]] RunReport report(std::vector<GoalResult> goals) const;
@@ -70,8 +63,8 @@ class RunJudge {
   std::optional<pose_t> pose_;
   std::optional<odometry_t> odometry_;
   std::optional<navigation_status_t> navigation_;
-  std::optional<OccupancyGrid> grid_;
-  std::deque<sim_truth_t> recent_truth_;  // 3 s
+  std::map<std::pair<int, int>, grid_tile_t> tiles_;  // newest by column and row; unpacked when somebody asks
+  std::deque<sim_truth_t> recent_truth_;              // 3 s
   std::vector<TrailPoint> trail_;
 
   std::int64_t first_utime_ = 0;
@@ -85,6 +78,8 @@ class RunJudge {
   double localized_after_m_ = 0.0;
   double tracking_s_ = 0.0;
   double watched_s_ = 0.0;
+  double ambiguous_s_ = 0.0;
+  double posed_s_ = 0.0;  // in which there was a pose at all
   double confident_wrong_s_ = 0.0;
   double in_view_square_position_ = 0.0;
   double in_view_square_heading_ = 0.0;

@@ -27,6 +27,7 @@ ordered_json json_of(const RunReport& r) {
                      {"y", rounded(g.y)},
                      {"reached", g.reached},
                      {"refused", g.refused},
+                     {"expected", g.expect_refused ? "refused" : "reached"},
                      {"error_m", rounded(g.error_m)},
                      {"heading_error_deg", rounded(g.heading_error_deg)},
                      {"time_s", rounded(g.time_s)},
@@ -51,10 +52,14 @@ ordered_json json_of(const RunReport& r) {
           {"failure", r.failure},
           {"simulated_s", rounded(r.simulated_s)},
           {"wall_s", rounded(r.wall_s)},
+          {"cpu_s", rounded(r.cpu_s)},
+          {"worst_step_ms", rounded(r.worst_step_ms)},
+          {"reproduce", r.reproduce},
           {"world", {{"hash", r.world_hash}, {"table", r.world_table}}},
           {"localized_s", r.localized ? ordered_json(rounded(r.localized_s)) : ordered_json(nullptr)},
           {"localized_after_m", r.localized ? ordered_json(rounded(r.localized_after_m)) : ordered_json(nullptr)},
           {"tracking_ratio", rounded(r.tracking_ratio)},
+          {"ambiguous_ratio", rounded(r.ambiguous_ratio)},
           {"confident_wrong_s", rounded(r.confident_wrong_s)},
           {"in_view_position_rms_m", rounded(r.in_view_position_rms_m)},
           {"in_view_heading_rms_deg", rounded(r.in_view_heading_rms_deg)},
@@ -107,6 +112,8 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
   std::vector<double> goal_errors;
   std::int64_t goals = 0;
   std::int64_t reached = 0;
+  std::int64_t refused_right = 0;
+  std::int64_t to_refuse = 0;
   std::int64_t contacts = 0;
   std::int64_t carries = 0;
   std::int64_t noticed = 0;
@@ -114,13 +121,17 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
   double clearance = 10.0;
   double simulated = 0.0;
   double wall = 0.0;
+  double cpu = 0.0;
+  double worst_step = 0.0;
   for (const RunReport& run : runs) {
     if (run.localized) {
       distances.push_back(run.localized_after_m);
     }
     for (const GoalResult& goal : run.goals) {
-      ++goals;
-      reached += goal.reached ? 1 : 0;
+      goals += goal.expect_refused ? 0 : 1;
+      reached += goal.reached && !goal.expect_refused ? 1 : 0;
+      to_refuse += goal.expect_refused ? 1 : 0;
+      refused_right += goal.expect_refused && goal.refused ? 1 : 0;
       if (goal.reached) {
         goal_errors.push_back(goal.error_m);
       }
@@ -132,6 +143,8 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
     clearance = std::min(clearance, run.min_clearance_m);
     simulated += run.simulated_s;
     wall += run.wall_s;
+    cpu += run.cpu_s;
+    worst_step = std::max(worst_step, run.worst_step_ms);
   }
   const double n = std::max<double>(1.0, static_cast<double>(runs.size()));
   ordered_json summary = {
@@ -148,26 +161,42 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
       {"mission_position_p95_m", rounded(mean([](const RunReport& r) { return r.mission_position_p95_m; }, localized))},
       {"mission_heading_p95_deg",
        rounded(mean([](const RunReport& r) { return r.mission_heading_p95_deg; }, localized))},
-      {"nees", rounded(mean([](const RunReport& r) { return r.nees; }, localized))},
-      {"carries", carries},
-      {"carries_noticed", noticed},
-      {"carries_recovered", recovered},
-      {"goals", goals},
-      {"goals_reached", reached},
-      {"contacts", contacts},
-      {"min_clearance_m", rounded(clearance)},
-      {"goal_error_p95_m", rounded(quantile(goal_errors, 0.95))},
-      {"mean_speed_m_s", rounded(mean([](const RunReport& r) { return r.mean_speed_m_s; },
-                                      [](const RunReport& r) { return r.mean_speed_m_s > 0.0; }))},
-      {"path_efficiency", rounded(mean([](const RunReport& r) { return r.path_efficiency; },
-                                       [](const RunReport& r) { return r.path_efficiency > 0.0; }))}};
+      {"nees", rounded(mean([](const RunReport& r) { return r.nees; }, localized))}};
+  if (carries > 0) {
+    summary["carries"] = carries;
+    summary["carries_noticed"] = noticed;
+    summary["carries_recovered"] = recovered;
+  }
+  if (goals > 0) {
+    summary["goals"] = goals;
+    summary["goals_reached"] = reached;
+    summary["goal_error_p95_m"] = rounded(quantile(goal_errors, 0.95));
+  }
+  if (to_refuse > 0) {
+    summary["goals_to_refuse"] = to_refuse;
+    summary["refused_right"] = refused_right;
+  }
+  summary["contacts"] = contacts;
+  summary["min_clearance_m"] = rounded(clearance);
+  const auto drove_freely = [](const RunReport& r) { return r.mean_speed_m_s > 0.0; };
+  if (count(drove_freely) > 0) {
+    summary["mean_speed_m_s"] = rounded(mean([](const RunReport& r) { return r.mean_speed_m_s; }, drove_freely));
+  }
+  const auto compared = [](const RunReport& r) { return r.path_efficiency > 0.0; };
+  if (count(compared) > 0) {
+    summary["path_efficiency"] = rounded(mean([](const RunReport& r) { return r.path_efficiency; }, compared));
+  }
   const auto mapped = [](const RunReport& r) { return r.map.measured; };
   if (count(mapped) > 0) {
     summary["wall_median_m"] = rounded(mean([](const RunReport& r) { return r.map.wall_median_m; }, mapped));
     summary["wall_recall"] = rounded(mean([](const RunReport& r) { return r.map.wall_recall; }, mapped));
     summary["free_precision"] = rounded(mean([](const RunReport& r) { return r.map.free_precision; }, mapped));
   }
-  summary["real_time_factor"] = rounded(wall > 0.0 ? simulated / wall : 0.0);
+  // per core: CPU time where it was measured, so that other programs on the machine do not count
+  summary["real_time_factor"] = rounded(cpu > 0.0 ? simulated / cpu : (wall > 0.0 ? simulated / wall : 0.0));
+  if (cpu > 0.0) {
+    summary["worst_step_ms"] = rounded(worst_step);
+  }
   return summary;
 }
 
@@ -178,13 +207,29 @@ std::string to_json(const RunReport& report, int indent) {
 }
 
 std::string to_json(const std::string& suite, const std::string& mode, const std::string& sensing,
-                    const std::vector<RunReport>& runs) {
+                    const std::vector<RunReport>& runs, const std::vector<DetectorCondition>& detector) {
   ordered_json list = ordered_json::array();
   for (const RunReport& run : runs) {
     list.push_back(json_of(run));
   }
-  const ordered_json all = {
+  ordered_json all = {
       {"suite", suite}, {"mode", mode}, {"sensing", sensing}, {"summary", summary_of(runs)}, {"runs", list}};
+  if (!detector.empty()) {
+    ordered_json conditions = ordered_json::array();
+    for (const DetectorCondition& c : detector) {
+      conditions.push_back({{"condition", c.name},
+                            {"frames", c.frames},
+                            {"precision", rounded(c.precision)},
+                            {"recall", rounded(c.recall)},
+                            {"centre_rms_px", rounded(c.centre_rms_px)},
+                            {"orientation_rms_deg", rounded(c.orientation_rms_deg)},
+                            {"milliseconds", rounded(c.milliseconds)}});
+    }
+    for (const char* key : {"precision", "recall", "centre_rms_px", "orientation_rms_deg"}) {
+      all["summary"][key] = conditions.back()[key];
+    }
+    all["detector"] = conditions;
+  }
   return all.dump(2) + "\n";
 }
 
@@ -197,6 +242,37 @@ std::string summary_text(const std::string& json) {
   return text;
 }
 
+std::string scenario_table_text(const std::vector<RunReport>& runs) {
+  std::vector<std::string> order;
+  for (const RunReport& run : runs) {
+    if (std::find(order.begin(), order.end(), run.scenario) == order.end()) {
+      order.push_back(run.scenario);
+    }
+  }
+  std::string text =
+      fmt::format("{:<24} {:>9} {:>6} {:>8} {:>6} {:>7} {:>16} {:>16} {:>5} {:>9} {:>8} {:>6} {:>6} {:>6}\n",
+                  "scenario", "passed", "found", "after m", "wrong", "track %", "RMS in view", "95 % of mission",
+                  "NEES", "goals", "contacts", "m/s", "eff.", "x real");
+  for (const std::string& name : order) {
+    std::vector<RunReport> list;
+    std::copy_if(runs.begin(), runs.end(), std::back_inserter(list),
+                 [&](const RunReport& run) { return run.scenario == name; });
+    const ordered_json s = summary_of(list);
+    const auto get = [&](const char* key) { return s.value(key, 0.0); };
+    text += fmt::format(
+        "{:<24} {:>9} {:>6} {:>8.1f} {:>6.0f} {:>7.2f} {:>16} {:>16} {:>5.2f} {:>9} {:>8.0f} {:>6.2f} {:>6.2f} "
+        "{:>6.0f}\n",
+        name, fmt::format("{:.0f}/{:.0f}", get("passed"), get("runs")),
+        fmt::format("{:.0f} %", 100.0 * get("localized_ratio")), get("localized_after_m_median"),
+        get("confident_wrong_runs"), 100.0 * get("tracking_ratio"),
+        fmt::format("{:.0f} mm {:.2f} deg", 1e3 * get("in_view_position_rms_m"), get("in_view_heading_rms_deg")),
+        fmt::format("{:.0f} mm {:.2f} deg", 1e3 * get("mission_position_p95_m"), get("mission_heading_p95_deg")),
+        get("nees"), fmt::format("{:.0f}/{:.0f}", get("goals_reached"), get("goals")), get("contacts"),
+        get("mean_speed_m_s"), get("path_efficiency"), get("real_time_factor"));
+  }
+  return runs.empty() ? "" : text;
+}
+
 std::string to_text(const RunReport& r) {
   std::string text = fmt::format("{} seed {}: {}{}\n", r.scenario, r.seed, r.passed ? "passed" : "FAILED",
                                  r.passed ? "" : ", " + r.failure);
@@ -206,7 +282,7 @@ std::string to_text(const RunReport& r) {
               ? fmt::format(
                     "  localized after {:.1f} s and {:.1f} m; tracking {:.1f} % since; confidently wrong {:.1f} s\n",
                     r.localized_s, r.localized_after_m, 100.0 * r.tracking_ratio, r.confident_wrong_s)
-              : "  never localized\n";
+              : fmt::format("  never localized; AMBIGUOUS for {:.1f} % of the time\n", 100.0 * r.ambiguous_ratio);
   text += fmt::format(
       "  pose error: in view {:.3f} m, {:.2f} deg RMS; 95 % of the mission {:.3f} m, {:.2f} deg; NEES {:.2f}\n",
       r.in_view_position_rms_m, r.in_view_heading_rms_deg, r.mission_position_p95_m, r.mission_heading_p95_deg, r.nees);

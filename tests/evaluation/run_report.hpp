@@ -4,6 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "tests/evaluation/detector_suite.hpp"
+#include "tests/evaluation/trail_point.hpp"
+
 namespace luminav {
 
 struct GoalResult {
@@ -11,6 +14,7 @@ struct GoalResult {
   double y = 0.0;                  // [m]
   bool reached = false;            // arrived by its own word and within the tolerance by the truth
   bool refused = false;            // ended by its own word without arriving
+  bool expect_refused = false;     // as the scenario has it
   double error_m = 0.0;            // true distance when it ended
   double heading_error_deg = 0.0;  // 0 when no heading was asked for
   double time_s = 0.0;             // from the request
@@ -39,12 +43,15 @@ struct RunReport {
   std::string failure;  // first reason, "" when passed
   double simulated_s = 0.0;
   double wall_s = 0.0;
+  double cpu_s = 0.0;          // of the thread; 0 = not measured, as in the demo
+  double worst_step_ms = 0.0;  // CPU time of the slowest 10 ms of simulated time
   std::string world_table;
   std::string world_hash;
   bool localized = false;
   double localized_s = 0.0;
   double localized_after_m = 0.0;
   double tracking_ratio = 0.0;
+  double ambiguous_ratio = 0.0;  // share of all time with the state AMBIGUOUS
   double confident_wrong_s = 0.0;
   double in_view_position_rms_m = 0.0;
   double in_view_heading_rms_deg = 0.0;
@@ -63,15 +70,24 @@ struct RunReport {
   int carries_recovered = 0;  // TRACKING rightly again
   MapResult map;
   std::vector<ProcessResult> processes;
+  std::string scenario_file;
+  std::string reproduce;  // command that runs it again; "" = not known
+
+  // Not in the JSON: for pictures and for whoever looks for the cause of a failure.
+  std::vector<TrailPoint> trail;
+  std::vector<std::string> log;
 };
 
 /// One JSON object; `indent` spaces per level, -1 = on one line.
 std::string to_json(const RunReport& report, int indent = 2);
 /// The lines a person reads at the end of a run.
 std::string to_text(const RunReport& report);
-/// `{"suite", "mode", "sensing", "summary", "runs"}` over many runs.
+/// `{"suite", "mode", "sensing", "summary", "runs"}` over many runs; "detector" too where its lighting matrix was
+/// measured.
 std::string to_json(const std::string& suite, const std::string& mode, const std::string& sensing,
-                    const std::vector<RunReport>& runs);
+                    const std::vector<RunReport>& runs, const std::vector<DetectorCondition>& detector = {});
+/// A line for each scenario.
+std::string scenario_table_text(const std::vector<RunReport>& runs);
 /// The summary of such a text as lines for people.
 std::string summary_text(const std::string& json);
 /// Writes to a temporary file and renames it; throws std::runtime_error when that fails.

@@ -1,7 +1,9 @@
 #include "tests/evaluation/scenario_run.hpp"
 
 #include <fmt/format.h>
+#include <time.h>
 
+#include <algorithm>
 #include <chrono>
 #include <luminav/control_status_t.hpp>
 #include <optional>
@@ -11,12 +13,21 @@
 #include "tests/evaluation/map_score.hpp"
 #include "tests/evaluation/mission.hpp"
 #include "tests/evaluation/run_judge.hpp"
+#include "tests/evaluation/run_log.hpp"
 #include "tests/evaluation/run_picture.hpp"
+#include "tests/evaluation/sensing_survey.hpp"
 
 namespace luminav {
 namespace {
 
 constexpr double kPlanningRadius = 0.30;  // [m] of the disc whose shortest way is the yardstick of path_efficiency
+
+/// [s] that this thread has computed.
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 /// Writes every message of a handle into an LCM log, stamped with simulated time.
 class Recorder {
@@ -102,19 +113,30 @@ RunReport conclude(const RunJudge& judge, const Mission& mission, const WorldTru
 
 RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& options) {
   const auto start = std::chrono::steady_clock::now();
+  const double cpu_start = thread_seconds();
   WholeRobot robot(scenario, options.robot);
   std::optional<Recorder> recorder;
   if (!options.log_file.empty()) {
     recorder.emplace(robot.lcm(), options.log_file, robot);
   }
+  std::optional<SensingSurvey> survey;
+  if (options.survey != nullptr) {
+    survey.emplace(robot.lcm(), robot.world(), robot.believed_building(), robot.believed_robot().camera, scenario.seed);
+  }
   RunJudge judge(robot.lcm(), scenario, robot.world());
-  Mission mission(robot.lcm(), scenario);
+  Mission mission(robot.lcm(), scenario, options.patrol);
+  const RunLog log(robot.lcm());
   const Tracer tracer(robot.lcm(), judge);
   std::set<std::size_t> killed;
   const std::int64_t first = robot.utime();
+  double last = thread_seconds();
+  double worst_step = 0.0;  // [s]
   for (std::int64_t steps = 0; static_cast<double>(steps) * 0.01 < scenario.duration && !mission.is_finished();
        ++steps) {
     robot.step();
+    const double now = thread_seconds();
+    worst_step = std::max(worst_step, now - last);
+    last = now;
     const double elapsed = static_cast<double>(robot.utime() - first) * 1e-6;
     for (std::size_t i = 0; i < scenario.events.size(); ++i) {
       const ScenarioEvent& event = scenario.events[i];
@@ -127,10 +149,18 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
     }
   }
   RunReport report = conclude(judge, mission, robot.world());
+  if (survey) {
+    *options.survey = std::move(survey->result());
+  }
+  report.trail = judge.trail();
+  report.log = log.lines();
+  report.cpu_s = thread_seconds() - cpu_start;
+  report.worst_step_ms = 1e3 * worst_step;
   report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!options.picture_file.empty()) {
+    const std::optional<OccupancyGrid> grid = judge.grid();
     draw_run(options.picture_file, robot.world(), robot.believed_building(), judge.trail(), report.goals,
-             judge.grid() ? &*judge.grid() : nullptr);
+             grid ? &*grid : nullptr);
   }
   return report;
 }

@@ -2,16 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "services/common/configuration/toml_table.hpp"
+#include "tests/evaluation/generated_worlds.hpp"
 
 namespace luminav {
 namespace {
 
 struct NamedEntry {
   const char* suite;
-  const char* scenario;  // below launch/scenarios
+  const char* scenario;  // below launch/scenarios; a folder: all in it
   std::uint64_t first_seed;
   std::uint64_t last_seed;
+  const char* sensing = "rendered";
+  bool patrol = false;
 };
 
 // Seeds of 1000 and above are for measuring only; what is tuned is tuned on smaller ones.
@@ -20,31 +25,70 @@ constexpr NamedEntry kEntries[] = {
     {"laboratory", "laboratory.toml", 1000, 1019},
     {"laboratory", "laboratory-dark.toml", 1000, 1019},
     {"office", "office.toml", 1000, 1009},
+    {"localization", "laboratory.toml", 1000, 1019},
+    {"localization", "laboratory-carried.toml", 1000, 1019},
+    {"localization", "symmetric-corridor.toml", 1000, 1019},
+    {"mapping", "laboratory-mapping.toml", 1000, 1009},
+    {"navigation", "laboratory-crowd.toml", 1000, 1009},
+    {"navigation", "navigation", 1000, 1009},
+    {"endurance", "laboratory-patrol.toml", 1000, 1000, "geometric", true},
 };
+constexpr const char* kMeasured[] = {"localization", "mapping", "navigation", "endurance"};
+
+void add_scenarios(const NamedEntry& entry, const std::filesystem::path& path, std::vector<SuiteEntry>& entries) {
+  for (const std::filesystem::path& file : scenario_files(path)) {
+    entries.push_back({file, entry.first_seed, entry.last_seed, entry.sensing, entry.patrol});
+  }
+}
 
 }  // namespace
 
-std::string suite_names() {
-  std::string names;
-  std::string last;
-  for (const NamedEntry& entry : kEntries) {
-    if (last != entry.suite) {
-      names += (names.empty() ? "" : ", ") + std::string(entry.suite);
-      last = entry.suite;
+std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) {
+    return {path};
+  }
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    if (entry.path().extension() == ".toml") {
+      files.push_back(entry.path());
     }
   }
-  return names + ", all";
+  if (files.empty()) {
+    throw ConfigurationError(fmt::format("{}: holds no scenario (*.toml)", path.string()));
+  }
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
-std::vector<SuiteEntry> suite_entries(const std::string& suite) {
+std::string suite_names() {
+  return "quick, laboratory, office, localization, detector, mapping, navigation, endurance, worlds, scale, all";
+}
+
+bool has_detector_part(const std::string& suite) {
+  return suite == "detector" || suite == "all";
+}
+
+std::vector<SuiteEntry> suite_entries(const std::string& suite, const std::filesystem::path& generated) {
   const std::filesystem::path folder = std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch/scenarios";
   std::vector<SuiteEntry> entries;
   for (const NamedEntry& entry : kEntries) {
-    if (suite == entry.suite || suite == "all") {
-      entries.push_back({folder / entry.scenario, entry.first_seed, entry.last_seed});
+    const bool in_all = suite == "all" && std::find(std::begin(kMeasured), std::end(kMeasured),
+                                                    std::string_view(entry.suite)) != std::end(kMeasured);
+    if (suite == entry.suite || in_all) {
+      add_scenarios(entry, folder / entry.scenario, entries);
     }
   }
-  if (entries.empty()) {
+  if (suite == "worlds" || suite == "all") {
+    for (const auto& file : make_worlds(generated)) {
+      entries.push_back({file, 1000, 1019, "rendered", false});
+    }
+  }
+  if (suite == "scale" || suite == "all") {
+    for (const auto& file : make_scale_series(generated)) {
+      entries.push_back({file, 1000, 1004, "geometric", false});
+    }
+  }
+  if (entries.empty() && !has_detector_part(suite)) {
     throw ConfigurationError(fmt::format("--suite {}: must be one of {}", suite, suite_names()));
   }
   return entries;

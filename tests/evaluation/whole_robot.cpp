@@ -18,6 +18,7 @@
 #include "services/localizer/localizer_node.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "services/planner/planner_node.hpp"
+#include "tests/evaluation/geometric_sensing.hpp"
 
 namespace luminav {
 namespace {
@@ -77,9 +78,13 @@ struct WholeRobot::Parts {
         controller_board(board_config()),
         serial(controller_board),
         simulator(lcm, scenario, world, controller_board),
-        ceiling(world, scenario.seed),
         subscriber(lcm) {
     subscriber.on(channels::kSimTruth, &Parts::on_truth, this);
+    if (options.geometric != nullptr) {
+      sensing = std::make_unique<GeometricSensing>(lcm, world, believed, robot.camera, *options.geometric, s.seed);
+    } else {
+      ceiling = std::make_unique<SimulatedCeiling>(world, scenario.seed);
+    }
     for (const char* process : {"p3dx", "camera", "detector", "localizer", "mapper", "planner", "controller"}) {
       start(process);
     }
@@ -91,7 +96,12 @@ struct WholeRobot::Parts {
     return config;
   }
 
-  void on_truth(const sim_truth_t& truth) { serial.set_unplugged(truth.serial_unplugged != 0); }
+  void on_truth(const sim_truth_t& truth) {
+    serial.set_unplugged(truth.serial_unplugged != 0);
+    if (sensing) {
+      sensing->on_truth(truth);
+    }
+  }
 
   void start(const std::string& process) {
     if (process == "p3dx") {
@@ -99,11 +109,17 @@ struct WholeRobot::Parts {
       p3dx =
           std::make_unique<P3dxNode>(lcm, read_p3dx_config(scenario.robot_file), clock, serial.pipe().driver_opener());
     } else if (process == "camera") {
+      if (sensing) {
+        return;  // keeps no state that a restart would lose
+      }
       camera.reset();
       CameraConfig config = read_camera_config(scenario.robot_file);
       config.encoding = options.jpeg ? ImageEncoding::kJpeg : ImageEncoding::kMono8;
-      camera = std::make_unique<CameraNode>(lcm, config, clock, ceiling);
+      camera = std::make_unique<CameraNode>(lcm, config, clock, *ceiling);
     } else if (process == "detector") {
+      if (sensing) {
+        return;
+      }
       detector.reset();
       DetectorConfig config = read_detector_config(scenario.robot_file, scenario.building_file);
       override_mode(config.params.mode, options.detector_mode);
@@ -145,7 +161,8 @@ struct WholeRobot::Parts {
   ArcosController controller_board;
   SerialLine serial;
   SimulatorNode simulator;
-  SimulatedCeiling ceiling;
+  std::unique_ptr<SimulatedCeiling> ceiling;
+  std::unique_ptr<GeometricSensing> sensing;
   Subscriber subscriber;
   std::unique_ptr<P3dxNode> p3dx;
   std::unique_ptr<CameraNode> camera;
@@ -172,6 +189,9 @@ const WorldTruth& WholeRobot::world() const {
 const Building& WholeRobot::believed_building() const {
   return parts_->believed;
 }
+const RobotDescription& WholeRobot::believed_robot() const {
+  return parts_->robot;
+}
 std::int64_t WholeRobot::utime() const {
   return parts_->clock.utime();
 }
@@ -185,8 +205,10 @@ void WholeRobot::step() {
   p.p3dx->poll();
   p.drain();
   p.serial.exchange();
-  p.camera->poll();
-  p.drain();
+  if (p.camera) {
+    p.camera->poll();
+    p.drain();
+  }
 }
 
 void WholeRobot::restart(const std::string& process) {

@@ -11,11 +11,14 @@
 
 namespace luminav {
 
+class DetectorBehaviour;
+
 struct WholeRobotOptions {
   std::string localizer_mode;  // "paper" or "modern"; "" = as the robot's file says
   std::string detector_mode;
   std::string planner_mode;
-  bool jpeg = true;  // pictures are compressed as on the network; false: mono8
+  bool jpeg = true;                              // pictures are compressed as on the network; false: mono8
+  const DetectorBehaviour* geometric = nullptr;  // what geometric sensing draws from, instead of camera and detector
 };
 
 /// All drivers and services, the true nodes, in one program: one memq:// handle, one virtual clock, the serial line a
@@ -29,6 +32,7 @@ class WholeRobot {
   [[nodiscard]] lcm::LCM& lcm();
   [[nodiscard]] const WorldTruth& world() const;
   [[nodiscard]] const Building& believed_building() const;
+  [[nodiscard]] const RobotDescription& believed_robot() const;
   [[nodiscard]] std::int64_t utime() const;  // [us]
 
   /// Time goes on by 10 ms.

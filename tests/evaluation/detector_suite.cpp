@@ -1,0 +1,59 @@
+#include "tests/evaluation/detector_suite.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "tests/unit/detector/score/detector_score.hpp"
+
+namespace luminav {
+namespace {
+
+DetectorCondition condition_of(const std::string& name, const score::DetectorScore& score) {
+  return {name,
+          score.frames,
+          score.precision(),
+          score.recall(),
+          score.centre_rms_px(),
+          score.heading_rms_deg(),
+          score.milliseconds()};
+}
+
+}  // namespace
+
+std::vector<DetectorCondition> measure_detector(const std::string& mode, int threads) {
+  score::DetectorScoreOptions options;
+  options.scenario = std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch/scenarios/laboratory.toml";
+  options.mode = mode == "paper" ? DetectorMode::kPaper : DetectorMode::kModern;
+  options.first_seed = 1000;
+  const std::vector<score::Condition>& matrix = score::lighting_matrix();
+  std::vector<score::DetectorScore> scores(matrix.size());
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < matrix.size(); i = next++) {
+      scores[i] = score::score_detector(options, matrix[i]);
+      fmt::print(stderr, "detector: {}\n", score::score_table_row(matrix[i].name, scores[i]));
+    }
+  };
+  std::vector<std::thread> workers;
+  for (int i = 1; i < threads; ++i) {
+    workers.emplace_back(work);
+  }
+  work();
+  for (std::thread& worker : workers) {
+    worker.join();
+  }
+  std::vector<DetectorCondition> conditions;
+  score::DetectorScore all;
+  for (std::size_t i = 0; i < matrix.size(); ++i) {
+    conditions.push_back(condition_of(matrix[i].name, scores[i]));
+    all.add(scores[i]);
+  }
+  conditions.push_back(condition_of("matrix", all));
+  return conditions;
+}
+
+}  // namespace luminav

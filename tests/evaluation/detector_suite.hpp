@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace luminav {
+
+/// The detector under one kind of light, on rendered pictures.
+struct DetectorCondition {
+  std::string name;
+  int frames = 0;
+  double precision = 1.0;
+  double recall = 0.0;
+  double centre_rms_px = 0.0;
+  double orientation_rms_deg = 0.0;
+  double milliseconds = 0.0;  // per frame
+};
+
+/// Measures the lighting matrix on the laboratory's ceiling, lamps and mounting drawn anew for each world; the last
+/// entry, "matrix", is over all frames. `mode` "paper", else modern. Says on stderr how far it is.
+std::vector<DetectorCondition> measure_detector(const std::string& mode, int threads);
+
+}  // namespace luminav

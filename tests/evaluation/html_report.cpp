@@ -1,0 +1,275 @@
+#include "tests/evaluation/html_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluation/html_drawing.hpp"
+
+namespace luminav {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr int kDrawnPassed = 3;  // runs of a scenario that passed
+constexpr int kDrawnFailed = 25;
+
+constexpr const char* kStyle = R"(
+:root{color-scheme:light dark;--paper:#f7f7f4;--card:#fff;--ink:#1d2328;--soft:#6a747d;--line:#dfe2e0;--good:#1f7a4d;
+--bad:#c0392b;--blue:#1f6fd0;--green:#3b9a3b;--magenta:#b43fb4;--truth:#8d969e;--lamp:#f2b632;--box:#b07a48}
+@media (prefers-color-scheme:dark){:root{--paper:#14181b;--card:#1d2226;--ink:#e4e8ea;--soft:#97a2aa;--line:#323a40;
+--good:#58c48d;--bad:#ff7b6b;--blue:#63a8ff;--green:#6fcf6f;--magenta:#e07be0;--truth:#7d868e;--lamp:#c9962a;
+--box:#c9996b} svg .map{filter:invert(.87)}}
+*{box-sizing:border-box} body{margin:0;background:var(--paper);color:var(--ink);
+font:15px/1.5 system-ui,"Segoe UI",Roboto,"Helvetica Neue",sans-serif}
+main{max-width:1240px;margin:0 auto;padding:28px 20px 60px} h1{font-size:25px;margin:0 0 2px;letter-spacing:-.01em}
+h2{font-size:18px;margin:38px 0 10px} .soft{color:var(--soft)} .good{color:var(--good)} .bad{color:var(--bad)}
+.tiles{display:grid;grid-template-columns:repeat(auto-fill,minmax(170px,1fr));gap:10px;margin:20px 0}
+.tile{background:var(--card);border:1px solid var(--line);border-radius:9px;padding:10px 13px}
+.tile b{display:block;font-size:21px;font-weight:620;font-variant-numeric:tabular-nums} .tile span{color:var(--soft);
+font-size:12.5px}
+.wide{overflow-x:auto;background:var(--card);border:1px solid var(--line);border-radius:9px}
+table{border-collapse:collapse;width:100%;font-size:13.5px;font-variant-numeric:tabular-nums}
+th,td{padding:7px 11px;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap;vertical-align:top}
+tr:last-child td{border-bottom:0} th{color:var(--soft);font-weight:560} th:first-child,td:first-child,td.text
+{text-align:left} td.text{white-space:normal;min-width:16em}
+code,pre{font:12.5px/1.5 ui-monospace,"Cascadia Mono",Menlo,Consolas,monospace} code{user-select:all}
+pre{margin:8px 0 0;padding:10px;background:var(--paper);border:1px solid var(--line);border-radius:6px;overflow:auto;
+max-height:320px;white-space:pre-wrap;text-align:left}
+.runs{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,560px),1fr));gap:14px}
+.run{background:var(--card);border:1px solid var(--line);border-radius:9px;padding:12px 14px} .run h3{margin:0 0 8px;
+font-size:15px;display:flex;justify-content:space-between;gap:12px} .run p{margin:6px 0 0;font-size:13px}
+svg{display:block;width:100%;height:auto} svg.way{max-height:430px} svg.error{margin-top:10px}
+path{fill:none;vector-effect:non-scaling-stroke;stroke-linejoin:round} .truth{stroke:var(--truth);stroke-width:4.5;
+opacity:.75} .odometry{stroke:var(--magenta);stroke-width:1} .tracking{stroke:var(--blue);stroke-width:1.8}
+.guessing{stroke:var(--green);stroke-width:1.6} .guess{fill:var(--green)} .lamp{fill:var(--lamp);opacity:.85}
+.box{fill:var(--box)} circle.start{fill:var(--truth)} circle.goal{fill:none;stroke:var(--good);stroke-width:2;
+vector-effect:non-scaling-stroke} circle.missed{stroke:var(--bad)} text{fill:var(--ink);font-family:inherit}
+text.goal{fill:var(--good);font-weight:650} text.missed{fill:var(--bad)} text.axis{font-size:10.5px;fill:var(--soft)}
+.grid{stroke:var(--line)} .bound{stroke:var(--bad);stroke-dasharray:4 4;opacity:.7}
+.key{display:flex;flex-wrap:wrap;gap:16px;font-size:13px;color:var(--soft);margin:0 0 12px} .key i{display:inline-block;
+width:20px;height:4px;border-radius:2px;margin-right:6px;vertical-align:middle}
+)";
+
+std::string number(double value, const char* unit, int digits) {
+  return fmt::format("{:.{}f}{}", value, digits, unit);
+}
+
+std::string tile(const std::string& value, const std::string& name, const char* style = "") {
+  return fmt::format("<div class=\"tile\"><b class=\"{}\">{}</b><span>{}</span></div>", style, value, name);
+}
+
+std::string tiles(const ordered_json& s) {
+  std::string html = "<div class=\"tiles\">";
+  const auto get = [&](const char* key) { return s.value(key, 0.0); };
+  const double runs = get("runs");
+  if (runs > 0) {
+    html += tile(fmt::format("{:.0f} of {:.0f}", get("passed"), runs), "runs passed",
+                 get("passed") == runs ? "good" : "bad");
+    html += tile(number(100.0 * get("localized_ratio"), " %", 1), "found out where they are");
+    html +=
+        tile(number(get("localized_after_m_median"), " m", 2) + " / " + number(get("localized_after_m_p95"), " m", 1),
+             "driven until then, median / 95 %");
+    html += tile(number(get("confident_wrong_runs"), "", 0), "runs confidently wrong",
+                 get("confident_wrong_runs") == 0.0 ? "good" : "bad");
+    html += tile(number(100.0 * get("tracking_ratio"), " %", 2), "of the time TRACKING since");
+    html += tile(number(1000.0 * get("in_view_position_rms_m"), " mm", 0) + " / " +
+                     number(get("in_view_heading_rms_deg"), "°", 2),
+                 "RMS error, fixture in view");
+    html += tile(number(1000.0 * get("mission_position_p95_m"), " mm", 0) + " / " +
+                     number(get("mission_heading_p95_deg"), "°", 2),
+                 "95 % of the mission");
+    html += tile(number(get("nees"), "", 2), "error² / covariance, 1 is right");
+  }
+  if (s.contains("carries")) {
+    html +=
+        tile(fmt::format("{:.0f} / {:.0f} of {:.0f}", get("carries_noticed"), get("carries_recovered"), get("carries")),
+             "carries noticed / recovered");
+  }
+  if (s.contains("goals")) {
+    html += tile(fmt::format("{:.0f} of {:.0f}", get("goals_reached"), get("goals")), "goals reached");
+    html += tile(number(100.0 * get("goal_error_p95_m"), " cm", 0), "off the goal, 95 %");
+  }
+  if (s.contains("refused_right")) {
+    html += tile(fmt::format("{:.0f} of {:.0f}", get("refused_right"), get("goals_to_refuse")), "rightly refused");
+  }
+  if (runs > 0) {
+    html += tile(number(get("contacts"), "", 0), "contacts", get("contacts") == 0.0 ? "good" : "bad");
+    html += tile(number(get("min_clearance_m"), " m", 2), "smallest clearance");
+  }
+  if (s.contains("mean_speed_m_s")) {
+    html += tile(number(get("mean_speed_m_s"), " m/s", 2), "on free stretches");
+  }
+  if (s.contains("path_efficiency")) {
+    html += tile(number(get("path_efficiency"), "", 2), "shortest way / driven way");
+  }
+  if (s.contains("wall_median_m")) {
+    html += tile(number(100.0 * get("wall_median_m"), " cm", 1), "walls off, median");
+    html += tile(number(100.0 * get("wall_recall"), " %", 0) + " / " + number(100.0 * get("free_precision"), " %", 1),
+                 "walls found / free is free");
+  }
+  if (s.contains("precision")) {
+    html += tile(number(100.0 * get("precision"), " %", 2) + " / " + number(100.0 * get("recall"), " %", 1),
+                 "detector's precision / recall");
+    html += tile(number(get("centre_rms_px"), " px", 2) + " / " + number(get("orientation_rms_deg"), "°", 3),
+                 "detector's centre / direction, RMS");
+  }
+  if (runs > 0) {
+    html += tile(number(get("real_time_factor"), " x", 0), "real time, per core");
+  }
+  return html + "</div>";
+}
+
+std::string scenario_table(const std::vector<RunReport>& runs) {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<RunReport>> by_scenario;
+  for (const RunReport& run : runs) {
+    if (by_scenario.count(run.scenario) == 0) {
+      order.push_back(run.scenario);
+    }
+    RunReport figures = run;
+    figures.trail.clear();
+    by_scenario[run.scenario].push_back(std::move(figures));
+  }
+  std::string html =
+      "<h2>Scenarios</h2><div class=\"wide\"><table><tr><th>scenario<th>passed<th>localized<th>after, "
+      "median<th>confidently "
+      "wrong<th>TRACKING<th>RMS in view<th>95 % of mission<th>NEES<th>goals<th>contacts<th>speed<th>efficiency<th>real "
+      "time";
+  for (const std::string& name : order) {
+    const auto& list = by_scenario[name];
+    const ordered_json s = ordered_json::parse(to_json("", "", "", list))["summary"];
+    const auto get = [&](const char* key) { return s.value(key, 0.0); };
+    html += fmt::format(
+        "<tr><td>{}<td class=\"{}\">{:.0f} of {:.0f}<td>{:.0f} %<td>{:.1f} m<td>{:.0f}<td>{:.1f} %<td>{:.0f} mm, "
+        "{:.2f}°<td>{:.0f} mm, {:.2f}°<td>{:.2f}<td>{:.0f} of {:.0f}<td>{:.0f}<td>{:.2f} m/s<td>{:.2f}<td>{:.0f} x",
+        html_escape(name), get("passed") == get("runs") ? "good" : "bad", get("passed"), get("runs"),
+        100.0 * get("localized_ratio"), get("localized_after_m_median"), get("confident_wrong_runs"),
+        100.0 * get("tracking_ratio"), 1000.0 * get("in_view_position_rms_m"), get("in_view_heading_rms_deg"),
+        1000.0 * get("mission_position_p95_m"), get("mission_heading_p95_deg"), get("nees"), get("goals_reached"),
+        get("goals"), get("contacts"), get("mean_speed_m_s"), get("path_efficiency"), get("real_time_factor"));
+  }
+  return html + "</table></div>";
+}
+
+std::string failure_table(const std::vector<RunReport>& runs) {
+  std::string rows;
+  for (const RunReport& run : runs) {
+    if (run.passed) {
+      continue;
+    }
+    std::string log;
+    for (const std::string& line : run.log) {
+      log += html_escape(line) + "\n";
+    }
+    rows += fmt::format(
+        "<tr><td>{}<td>{}<td class=\"text bad\">{}<td class=\"text\"><code>{}</code>{}", html_escape(run.scenario),
+        run.seed, html_escape(run.failure), html_escape(run.reproduce),
+        log.empty() ? "" : fmt::format("<details><summary class=\"soft\">log</summary><pre>{}</pre></details>", log));
+  }
+  return rows.empty()
+             ? ""
+             : "<h2>Failures</h2><div class=\"wide\"><table><tr><th>scenario<th>seed<th style=\"text-align:left\">"
+               "why<th style=\"text-align:left\">run it again" +
+                   rows + "</table></div>";
+}
+
+std::string detector_table(const ordered_json& conditions) {
+  std::string html =
+      "<h2>Detector</h2><div class=\"wide\"><table><tr><th>light<th>frames<th>precision<th>recall<th>centre "
+      "RMS<th>direction "
+      "RMS<th>per frame";
+  for (const auto& c : conditions) {
+    html += fmt::format("<tr><td>{}<td>{}<td>{:.2f} %<td>{:.1f} %<td>{:.3f} px<td>{:.3f}°<td>{:.2f} ms",
+                        html_escape(c.value("condition", "")), c.value("frames", 0), 100.0 * c.value("precision", 0.0),
+                        100.0 * c.value("recall", 0.0), c.value("centre_rms_px", 0.0),
+                        c.value("orientation_rms_deg", 0.0), c.value("milliseconds", 0.0));
+  }
+  return html + "</table></div>";
+}
+
+std::string card(const RunReport& run, const std::string& map_id) {
+  std::string goals;
+  for (std::size_t i = 0; i < std::min<std::size_t>(run.goals.size(), 12); ++i) {
+    const GoalResult& goal = run.goals[i];
+    goals += fmt::format("{}goal {} {} after {:.0f} s", i == 0 ? "" : "; ", i + 1,
+                         goal.reached ? fmt::format("reached, {:.0f} cm off,", 100.0 * goal.error_m)
+                                      : (goal.refused ? "refused" : "missed"),
+                         goal.time_s);
+  }
+  return fmt::format(
+      "<div class=\"run\"><h3><span>{} <span class=\"soft\">seed {}</span></span><span "
+      "class=\"{}\">{}</span></h3>{}{}<p "
+      "class=\"soft\">{} {:.0f} s, {:.0f} m; {}</p></div>",
+      html_escape(run.scenario), run.seed, run.passed ? "good" : "bad",
+      run.passed ? "passed" : html_escape(run.failure), trajectory_svg(run, map_id), error_svg(run),
+      run.localized ? fmt::format("localized after {:.1f} s and {:.1f} m;", run.localized_s, run.localized_after_m)
+                    : "never localized;",
+      run.simulated_s, run.driven_m, html_escape(goals));
+}
+
+std::string run_cards(const std::vector<RunReport>& runs) {
+  std::map<std::string, std::string> map_ids;  // by scenario
+  std::map<std::string, int> drawn;
+  int failed = 0;
+  std::string symbols;
+  std::string cards;
+  for (const bool passed : {false, true}) {
+    for (const RunReport& run : runs) {
+      if (run.passed != passed || run.trail.empty() ||
+          (passed ? drawn[run.scenario]++ >= kDrawnPassed : failed++ >= kDrawnFailed)) {
+        continue;
+      }
+      if (map_ids.count(run.scenario) == 0) {
+        const std::string id = fmt::format("map{}", map_ids.size());
+        map_ids[run.scenario] = id;
+        symbols += map_symbol(run, id);
+      }
+      cards += card(run, map_ids[run.scenario]);
+    }
+  }
+  return cards.empty()
+             ? ""
+             : fmt::format(
+                   "<h2>Runs</h2><div class=\"key\"><span><i style=\"background:var(--truth)\"></i>true "
+                   "way</span><span><i "
+                   "style=\"background:var(--blue)\"></i>believed while TRACKING</span><span><i "
+                   "style=\"background:var(--green)\"></i>guessed before</span><span><i "
+                   "style=\"background:var(--magenta)\"></i>odometry alone</span><span><i "
+                   "style=\"background:var(--lamp)\"></i>fixtures as believed</span><span><i "
+                   "style=\"background:var(--box)\"></i>boxes the map does not know</span></div><svg width=\"0\" "
+                   "height=\"0\" style=\"position:absolute\">{}</svg><div class=\"runs\">{}</div>",
+                   symbols, cards);
+}
+
+}  // namespace
+
+std::string html_report(const HtmlReportInput& input, const std::vector<RunReport>& runs) {
+  const ordered_json all = ordered_json::parse(input.json);
+  const std::string title = fmt::format("Evaluation: {}", all.value("suite", ""));
+  std::string world;
+  for (const RunReport& run : runs) {
+    if (!run.world_table.empty()) {
+      world = fmt::format(
+          "<h2>The world around the robot's beliefs</h2><details><summary class=\"soft\">spread of the truth and what "
+          "was "
+          "drawn, {} seed {}, hash {}</summary><pre>{}</pre></details>",
+          html_escape(run.scenario), run.seed, run.world_hash, html_escape(run.world_table));
+      break;
+    }
+  }
+  return fmt::format(
+             "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
+             "content=\"width=device-width,initial-scale=1\"><title>{}</title><style>{}</style><main><h1>{}</h1><div "
+             "class=\"soft\">mode {}, sensing {}, {} runs in {:.0f} s</div>",
+             html_escape(title), kStyle, html_escape(title), html_escape(all.value("mode", "")),
+             html_escape(all.value("sensing", "")), runs.size(), input.wall_s) +
+         tiles(all["summary"]) + (input.remarks.empty() ? "" : "<pre>" + html_escape(input.remarks) + "</pre>") +
+         (runs.empty() ? "" : scenario_table(runs)) + failure_table(runs) +
+         (all.contains("detector") ? detector_table(all["detector"]) : "") + run_cards(runs) + world +
+         "</main></html>\n";
+}
+
+}  // namespace luminav

@@ -1,0 +1,94 @@
+#include "tests/evaluation/sensing_agreement.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace luminav {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kTolerance = 0.20;
+
+std::map<std::pair<std::string, std::uint64_t>, json> runs_of(const std::string& text) {
+  try {
+    std::map<std::pair<std::string, std::uint64_t>, json> runs;
+    const json all = json::parse(text);
+    for (const json& run : all.at("runs")) {
+      runs[{run.at("scenario"), run.at("seed")}] = run;
+    }
+    return runs;
+  } catch (const json::exception& error) {
+    throw std::runtime_error(fmt::format("not a report of evaluate: {}", error.what()));
+  }
+}
+
+bool is_near(double value, double reference) {
+  return std::abs(value - reference) <= kTolerance * reference;
+}
+
+struct Sums {
+  double passed = 0.0;
+  double square = 0.0;
+  double heading_square = 0.0;
+  double nees = 0.0;
+  int localized = 0;
+  void add(const json& run) {
+    passed += run.value("passed", false) ? 1.0 : 0.0;
+    if (run.contains("localized_s") && run["localized_s"].is_number()) {
+      square += std::pow(run.value("in_view_position_rms_m", 0.0), 2);
+      heading_square += std::pow(run.value("in_view_heading_rms_deg", 0.0), 2);
+      nees += run.value("nees", 0.0);
+      ++localized;
+    }
+  }
+  [[nodiscard]] double mean(double sum) const { return localized > 0 ? sum / localized : 0.0; }
+};
+
+}  // namespace
+
+bool SensingAgreement::agrees() const {
+  return runs > 0 && is_near(geometric_success, rendered_success) && is_near(geometric_rms, rendered_rms);
+}
+
+SensingAgreement compare_sensings(const std::string& rendered_json, const std::string& geometric_json) {
+  const auto rendered = runs_of(rendered_json);
+  const auto geometric = runs_of(geometric_json);
+  Sums r;
+  Sums g;
+  SensingAgreement result;
+  for (const auto& [key, run] : rendered) {
+    if (const auto found = geometric.find(key); found != geometric.end()) {
+      ++result.runs;
+      r.add(run);
+      g.add(found->second);
+    }
+  }
+  if (result.runs > 0) {
+    result.rendered_success = r.passed / result.runs;
+    result.geometric_success = g.passed / result.runs;
+    result.rendered_rms = std::sqrt(r.mean(r.square));
+    result.geometric_rms = std::sqrt(g.mean(g.square));
+    result.rendered_heading_rms = std::sqrt(r.mean(r.heading_square));
+    result.geometric_heading_rms = std::sqrt(g.mean(g.heading_square));
+    result.rendered_nees = r.mean(r.nees);
+    result.geometric_nees = g.mean(g.nees);
+  }
+  return result;
+}
+
+std::string to_text(const SensingAgreement& a) {
+  return fmt::format(
+      "geometric sensing against rendered on {} common runs: passed {:.1f} % against {:.1f} %, RMS in view {:.1f} mm "
+      "against {:.1f} mm and {:.2f} against {:.2f} degrees, NEES {:.2f} against {:.2f}.\n{}\n",
+      a.runs, 100.0 * a.geometric_success, 100.0 * a.rendered_success, 1e3 * a.geometric_rms, 1e3 * a.rendered_rms,
+      a.geometric_heading_rms, a.rendered_heading_rms, a.geometric_nees, a.rendered_nees,
+      a.agrees() ? "Success and RMS agree within 20 %: geometric figures may be quoted."
+                 : "They do NOT agree within 20 %: geometric figures may not be quoted.");
+}
+
+}  // namespace luminav
