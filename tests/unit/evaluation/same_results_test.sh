@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# same_results_test.sh EVALUATE SOURCE_FOLDER: results do not depend on --jobs, and a failed run's command repeats it.
+set -euo pipefail
+evaluate=$1
+source=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# One run that cannot be done in time, so that there is a failure to repeat; a folder of scenarios outside the tree.
+mkdir "$work/scenarios"
+for name in short far; do
+  printf '%s\n' "building = \"$source/launch/buildings/laboratory/building.toml\"" \
+    "robot = \"$source/launch/robots/p3dx.toml\"" "seed = 1" "duration = $([ $name = short ] && echo 15 || echo 40)" \
+    '[[person]]' 'speed = 0.8' '[[goal]]' 'place = "lift"' >"$work/scenarios/$name.toml"
+done
+cd /
+for jobs in 1 2; do
+  "$evaluate" --scenario "$work/scenarios" --seeds 3..5 --sensing geometric --jobs $jobs --json "$work/$jobs.json" \
+    >"$work/$jobs.txt" 2>/dev/null || true
+  # everything but what a clock measured
+  grep -vE '"(wall_s|cpu_s|worst_step_ms|real_time_factor)"' "$work/$jobs.json" >"$work/$jobs.plain"
+done
+cmp "$work/1.plain" "$work/2.plain"
+grep -q '"simulated_s": 15' "$work/1.json"
+
+again=$(grep -m1 '^  again: ' "$work/1.txt" | sed 's/^  again: //')
+case $again in "$source/scripts/evaluate "*) ;; *) echo "strange command: $again"; exit 1 ;; esac
+# the wrapper would set up and build first; here the program is what was built
+eval "set -- ${again#"$source/scripts/evaluate"}"
+"$evaluate" "$@" --json "$work/again.json" >/dev/null 2>&1 && { echo "the failed run passed"; exit 1; }
+extract() { grep -E '"(scenario|seed|failure|localized_s|driven_m|hash|min_clearance_m)"' "$1" | head -7; }
+diff <(extract "$work/1.json") <(extract "$work/again.json")
