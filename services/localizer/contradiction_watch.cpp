@@ -130,7 +130,8 @@ std::optional<int> ContradictionWatch::worst_missing(double way_since_match) con
   }
   const bool over_a_way =
       worst >= 0 && missed_frames_.at(worst) >= rules_.miss_frames && way_since_match > rules_.miss_distance;
-  return several >= (paused_ ? 1 : rules_.miss_fixtures) || over_a_way ? std::optional(worst) : std::nullopt;
+  return several >= (paused_ || may_be_carried_ ? 1 : rules_.miss_fixtures) || over_a_way ? std::optional(worst)
+                                                                                          : std::nullopt;
 }
 
 }  // namespace luminav

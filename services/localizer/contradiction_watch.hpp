@@ -33,6 +33,8 @@ class ContradictionWatch {
                                                   const SceneMemory& scene, const std::vector<FixtureMatch>& matches,
                                                   const PoseBelief& belief, const Pose2& odom_from_robot,
                                                   double way_since_match, bool is_doubted);
+  /// While the motors are off a hand may move the robot: then it counts as having stood still.
+  void allow_carrying(bool allowed) { may_be_carried_ = allowed; }
   /// The pose was put in doubt: begin to count anew.
   void reset();
   /// The pose is held for true again. With `was_doubted` it is the one doubted before: the fixture that was missed then
@@ -60,6 +62,7 @@ class ContradictionWatch {
   std::vector<int> seen_lately_;      // fixtures of the last match
   Pose2 odom_at_frame_;               // odom_from_robot at the image before
   int still_frames_ = 0;              // images in a row without wheel motion
+  bool may_be_carried_ = false;       // the motors are off
   bool paused_ = false;               // it stood still for a while since the last match
   Pose2 odom_at_match_;               // odom_from_robot at the last match
 };

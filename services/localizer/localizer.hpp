@@ -33,6 +33,8 @@ class Localizer {
   virtual void add_sonar(const SonarScan& scan) = 0;
   virtual void add_base_state(const BaseState& state) = 0;
   virtual void add_guess(const PoseGuess& guess) = 0;
+  /// A pose from before a restart, carried to now by odometry. Held for true once the first sighting agrees.
+  virtual void recall(const PoseBelief& belief) = 0;
 
   /// Carried forward to the newest odometry.
   [[nodiscard]] virtual LocalizerEstimate estimate() const = 0;

@@ -6,6 +6,13 @@
 namespace luminav {
 namespace {
 
+void read_wheels(const TomlTable& table, WheelCorrection& wheels) {
+  wheels.scale = table.number("scale", wheels.scale, {-0.2, 0.2});
+  wheels.ratio = table.number("ratio", wheels.ratio, {-0.2, 0.2});
+  wheels.base = table.number("base", wheels.base, {-0.2, 0.2});
+  table.reject_unknown();
+}
+
 void read_errors(const TomlTable& table, ErrorParams& errors) {
   errors.odometry_position = table.number("odometry_position", errors.odometry_position, {1e-4, 1.0});
   errors.odometry_heading = table.number("odometry_heading", errors.odometry_heading, {1e-5, 1.0});
@@ -128,6 +135,7 @@ LocalizerConfig read_localizer_config(const std::filesystem::path& robot_file,
   config.mode =
       table.choice("mode", "modern", {"paper", "modern"}) == "paper" ? LocalizerMode::kPaper : LocalizerMode::kModern;
   config.seed = static_cast<std::uint64_t>(table.integer("seed", 1, {0.0, 1e15}));
+  read_wheels(table.table("wheels"), config.wheels);
   read_errors(table.table("errors"), config.errors);
   read_hypotheses(table.table("hypotheses"), config.modern.hypotheses);
   read_rules(table.table("rules"), config.modern.rules);

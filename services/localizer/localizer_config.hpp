@@ -11,6 +11,7 @@
 #include "services/localizer/error_model.hpp"
 #include "services/localizer/modern_localizer.hpp"
 #include "services/localizer/paper_localizer.hpp"
+#include "services/localizer/wheel_correction.hpp"
 
 namespace luminav {
 
@@ -25,6 +26,7 @@ struct LocalizerConfig {
   Building building;
   PriorMap walls;  // the building's map; empty when it has none
   ErrorParams errors;
+  WheelCorrection wheels;  // from a calibration drive
   ModernLocalizerParams modern;
   PaperLocalizerParams paper;
 };

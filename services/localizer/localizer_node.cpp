@@ -7,60 +7,28 @@
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
+#include "services/localizer/detection_conversion.hpp"
 
 namespace luminav {
 namespace {
 
 constexpr std::int64_t kHypothesesPeriod = 200'000;  // [us]
+constexpr std::int64_t kMemoryPeriod = 1'000'000;    // [us]
+constexpr std::int64_t kMemoryPatience = 5'000'000;  // [us] in doubt after which a pose is forgotten
 constexpr std::int64_t kSilence = 1'000'000;         // [us]
 constexpr std::size_t kMostHypotheses = 500;         // listed in one message
 constexpr std::size_t kMostParticles = 2000;
 constexpr int kMostDetections = 200;  // beyond it the detector has gone mad
-constexpr double kFarthest = 50.0;    // [m] of a sighting from the robot
-
-bool is_covariance(const double (&values)[9]) {
-  return std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }) &&
-         values[0] > 0.0 && values[4] > 0.0 && values[8] > 0.0 && values[0] * values[4] - values[1] * values[1] >= 0.0;
-}
-
-Eigen::Matrix3d to_matrix(const double (&values)[9]) {
-  Eigen::Matrix3d matrix;
-  for (int i = 0; i < 9; ++i) {
-    matrix(i / 3, i % 3) = values[i];
-  }
-  return 0.5 * (matrix + matrix.transpose());
-}
-
-bool is_possible(const fixture_detection_t& d) {
-  return all_finite({d.x, d.y, d.theta, d.length, d.width, d.fit}) && is_covariance(d.covariance) &&
-         std::hypot(d.x, d.y) < kFarthest && d.length > 0.0 && d.length < 20.0 && d.width > 0.0 && d.width < 20.0;
-}
-
-FixtureSighting to_sighting(const fixture_detection_t& detection) {
-  FixtureSighting sighting;
-  sighting.robot_from_fixture = {detection.x, detection.y, wrap_angle(detection.theta)};
-  sighting.covariance = to_matrix(detection.covariance);
-  sighting.shape = detection.shape == fixture_detection_t::SHAPE_SQUARE  ? FixtureShape::kSquare
-                   : detection.shape == fixture_detection_t::SHAPE_ROUND ? FixtureShape::kRound
-                                                                         : FixtureShape::kRectangle;
-  sighting.state = detection.state == fixture_detection_t::STATE_LIT     ? SightingState::kLit
-                   : detection.state == fixture_detection_t::STATE_UNLIT ? SightingState::kUnlit
-                   : detection.state == fixture_detection_t::STATE_HALF  ? SightingState::kHalf
-                                                                         : SightingState::kUnknown;
-  sighting.has_theta = detection.has_theta != 0;
-  sighting.length = detection.length;
-  sighting.width = detection.width;
-  sighting.clipped = detection.clipped != 0;
-  sighting.near_end_visible = detection.near_end_visible != 0;
-  sighting.far_end_visible = detection.far_end_visible != 0;
-  sighting.fit = detection.fit;
-  return sighting;
-}
 
 }  // namespace
 
 LocalizerNode::LocalizerNode(lcm::LCM& lcm, const LocalizerConfig& config)
-    : lcm_(lcm), config_(config), localizer_(make_localizer(config)), subscriber_(lcm) {
+    : lcm_(lcm),
+      config_(config),
+      localizer_(make_localizer(config)),
+      wheels_(config.wheels, config.robot.wheel_base),
+      memory_(config.state_dir),
+      subscriber_(lcm) {
   subscriber_.on<odometry_t>(channels::kOdometry, &LocalizerNode::on_odometry, this);
   subscriber_.on<fixture_detections_t>(channels::kFixtureDetections, &LocalizerNode::on_fixture_detections, this);
   subscriber_.on<sonar_t>(channels::kSonar, &LocalizerNode::on_sonar, this);
@@ -84,9 +52,14 @@ void LocalizerNode::on_odometry(const odometry_t& message) {
     detection_stamps_ = {};
     sonar_stamps_ = {};
   }
+  if (verdict == StampGuard::Verdict::kNewSession || message.session != wheels_session_) {
+    wheels_.restart();
+    wheels_session_ = message.session;
+  }
   last_odometry_ = message.utime;
-  localizer_->add_odometry(
-      {message.utime, message.session + odometry_session_, odom_from_robot(message), message.linear, message.angular});
+  recall_pose(message);
+  localizer_->add_odometry({message.utime, message.session + odometry_session_,
+                            wheels_.correct(odom_from_robot(message)), message.linear, message.angular});
   publish_pose(message);
   if (std::abs(message.utime - hypotheses_utime_) >= kHypothesesPeriod) {
     hypotheses_utime_ = message.utime;
@@ -146,8 +119,40 @@ void LocalizerNode::on_initial_pose(const initial_pose_t& message) {
       {message.id, {{message.x, message.y, wrap_angle(message.theta)}, to_matrix(message.covariance)}});
 }
 
+void LocalizerNode::recall_pose(const odometry_t& odometry) {
+  if (is_recalled_) {
+    return;
+  }
+  is_recalled_ = true;
+  const auto remembered = memory_.load();
+  if (!remembered || remembered->building != config_.building.name ||
+      remembered->fixtures != static_cast<int>(config_.building.fixtures.size())) {
+    return;
+  }
+  if (const auto belief = carry_forward(*remembered, odometry.session, odom_from_robot(odometry))) {
+    localizer_->recall(*belief);
+    is_remembered_ = true;
+    remembered_utime_ = odometry.utime;
+  }
+}
+
+void LocalizerNode::remember_pose(const odometry_t& odometry, const LocalizerEstimate& estimate) {
+  if (estimate.state != LocalizerState::kTracking || odometry_session_ != 0) {
+    if (is_remembered_ && odometry.utime - remembered_utime_ > kMemoryPatience) {
+      memory_.forget();  // better none than one that is in doubt
+      is_remembered_ = false;
+    }
+  } else if (odometry.utime - remembered_utime_ >= kMemoryPeriod) {
+    remembered_utime_ = odometry.utime;
+    is_remembered_ = true;
+    memory_failed_ = !memory_.save({config_.building.name, static_cast<int>(config_.building.fixtures.size()),
+                                    odometry.session, odom_from_robot(odometry), estimate.belief});
+  }
+}
+
 void LocalizerNode::publish_pose(const odometry_t& odometry) {
   const LocalizerEstimate estimate = localizer_->estimate();
+  remember_pose(odometry, estimate);
   pose_t pose{};
   pose.utime = odometry.utime;
   pose.session = odometry.session;
@@ -201,6 +206,8 @@ Health LocalizerNode::health() const {
   } else if (last_odometry_ - last_frame_ > kSilence) {
     health.degraded = true;
     health.reason = "no FIXTURE_DETECTIONS for more than a second";
+  } else if (memory_failed_) {
+    health.reason = "the pose cannot be written to " + config_.state_dir;
   } else if (subscriber_.dropped() > 0) {
     health.reason = subscriber_.last_reason();
   }

@@ -14,6 +14,8 @@
 #include "services/common/process/subscriber.hpp"
 #include "services/localizer/localizer.hpp"
 #include "services/localizer/localizer_config.hpp"
+#include "services/localizer/pose_memory.hpp"
+#include "services/localizer/wheel_correction.hpp"
 
 namespace luminav {
 
@@ -32,12 +34,21 @@ class LocalizerNode {
   void on_sonar(const sonar_t& message);
   void on_robot_status(const robot_status_t& message);
   void on_initial_pose(const initial_pose_t& message);
+  void recall_pose(const odometry_t& odometry);
+  void remember_pose(const odometry_t& odometry, const LocalizerEstimate& estimate);
   void publish_pose(const odometry_t& odometry);
   void publish_hypotheses(std::int64_t utime);
 
   lcm::LCM& lcm_;
   LocalizerConfig config_;
   std::unique_ptr<Localizer> localizer_;
+  CorrectedOdometry wheels_;
+  std::int64_t wheels_session_ = 0;
+  PoseMemory memory_;
+  bool is_recalled_ = false;           // the memory was looked at
+  bool is_remembered_ = false;         // the memory holds a pose
+  bool memory_failed_ = false;         // the last pose could not be written
+  std::int64_t remembered_utime_ = 0;  // [us] of the pose written last
   StampGuard odometry_stamps_;
   StampGuard detection_stamps_;
   StampGuard sonar_stamps_;

@@ -17,6 +17,11 @@ constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypothes
 constexpr double kRefuted = 6.0;                    // log-score behind the best at which a leader is one no more
 constexpr std::size_t kMostSightings = 12;          // of one image
 constexpr std::size_t kMostEchoes = 64;
+constexpr double kSamePlace = 0.5;              // [m] a guess that near
+constexpr double kSameHeading = radians(20.0);  // and so little turned means the tracked pose
+constexpr int kSureFrames = 3;                  // images of an object after which it is one
+constexpr double kMovedByHand = 0.05;           // [m] by which one image moves a pose that wheels did not move
+constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 
 }  // namespace
 
@@ -101,18 +106,62 @@ void ModernLocalizer::add_sonar(const SonarScan& scan) {
   }
 }
 
-void ModernLocalizer::add_base_state(const BaseState&) {}
+void ModernLocalizer::add_base_state(const BaseState& state) {
+  motors_enabled_ = state.motors_enabled || !state.connected;
+}
+
+void ModernLocalizer::recall(const PoseBelief& belief) {
+  if (leader_id_ != 0) {
+    return;
+  }
+  filter_.start(belief);
+  doubt("the pose from before the restart waits for a fixture that confirms it", params_.rules.bonus_after_miss);
+  is_recalled_ = true;
+}
+
+void ModernLocalizer::judge_recalled_pose(const std::vector<int>& objects, const std::vector<FixtureMatch>& matches) {
+  if (!matches.empty()) {
+    is_recalled_ = false;
+    return;
+  }
+  const bool is_contradicted = std::any_of(objects.begin(), objects.end(), [&](int object) {
+    return scene_.objects()[static_cast<std::size_t>(object)].frames >= kSureFrames;
+  });
+  if (is_contradicted) {
+    is_recalled_ = false;
+    bank_.clear();
+    scene_.clear();
+    leader_id_ = 0;
+    doubt_.clear();
+  }
+}
 
 void ModernLocalizer::add_guess(const PoseGuess& guess) {
   if (guess.id == guess_id_) {
     return;
   }
   guess_id_ = guess.id;
-  if (state_ != LocalizerState::kTracking) {
+  if (state_ == LocalizerState::kTracking) {
+    add_rival(guess.belief);
+  } else {
     bank_.add_guess(guess.belief, params_.rules.guess_bonus);
-    bank_.tidy();
-    decide({});
   }
+  bank_.tidy();
+  decide({});
+}
+
+void ModernLocalizer::add_rival(const PoseBelief& belief) {
+  const Hypothesis* held = leader();
+  const Pose2 pose = filter_.belief().pose;
+  if (held == nullptr || (distance(pose, belief.pose) < kSamePlace &&
+                          std::abs(wrap_angle(pose.theta - belief.pose.theta)) < kSameHeading)) {
+    return;  // that is where it is held to be
+  }
+  // as good as the tracked pose for now: what is seen next decides, and until then two poses are possible
+  const double total = held->total;
+  bank_.add_guess(belief, 0.0);
+  Hypothesis& rival = bank_.hypotheses().back();
+  rival.bonus = total - rival.settled;
 }
 
 void ModernLocalizer::advance(const OdometryReading& odometry) {
@@ -180,6 +229,7 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   listen(frame.utime);
   bank_.observe(frame, objects, scene_, timed.odometry, odometer_);
   if (leader_id_ != 0) {
+    watch_.allow_carrying(!motors_enabled_);
     track(frame, objects, timed.odometry);
   }
   if (state_ != LocalizerState::kTracking) {
@@ -192,12 +242,24 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
                             const OdometryReading& odometry) {
   const std::vector<FixtureMatch> matches = match_sightings(filter_, map_, frame, odometry, params_.tracking.gate);
+  if (is_recalled_) {
+    judge_recalled_pose(objects, matches);
+    if (leader_id_ == 0) {
+      return;
+    }
+  }
   const auto contradiction = watch_.look(frame, objects, scene_, matches, filter_.belief(), odometry.odom_from_robot,
                                          odometer_ - odometer_at_fixture_, !doubt_.empty());
   if (contradiction) {
     doubt(contradiction->reason, contradiction->bonus);
   }
+  const Pose2 before = filter_.belief().pose;
   correct_filter(frame, matches, odometry);
+  const Pose2 after = filter_.belief().pose;
+  if (!motors_enabled_ && state_ == LocalizerState::kTracking &&
+      (distance(before, after) > kMovedByHand || std::abs(wrap_angle(after.theta - before.theta)) > kTurnedByHand)) {
+    doubt("the robot was moved by hand while its motors were off", params_.rules.bonus_after_miss);
+  }
 }
 
 void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
@@ -357,6 +419,7 @@ bool ModernLocalizer::declare_tracking(const SightingFrame& frame) {
                    *filter_odometry_);
   }
   watch_.confirm(best.id == doubted_id_);
+  is_recalled_ = false;
   wide_ = false;
   doubt_.clear();
   state_ = LocalizerState::kTracking;

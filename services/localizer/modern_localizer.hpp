@@ -34,6 +34,7 @@ class ModernLocalizer final : public Localizer {
   void add_sonar(const SonarScan& scan) override;
   void add_base_state(const BaseState& state) override;
   void add_guess(const PoseGuess& guess) override;
+  void recall(const PoseBelief& belief) override;
   [[nodiscard]] LocalizerEstimate estimate() const override;
   [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t most) const override;
   [[nodiscard]] std::vector<WeightedPose> particles(std::size_t) const override { return {}; }
@@ -50,6 +51,8 @@ class ModernLocalizer final : public Localizer {
   void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
   void correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                       const OdometryReading& odometry);
+  void add_rival(const PoseBelief& belief);
+  void judge_recalled_pose(const std::vector<int>& objects, const std::vector<FixtureMatch>& matches);
   void doubt(const std::string& why, double bonus);
   void relative_motion_lost(const std::string& why);
   void decide(const SightingFrame& frame);
@@ -83,9 +86,11 @@ class ModernLocalizer final : public Localizer {
 
   LocalizerState state_ = LocalizerState::kLost;
   std::string reason_ = "no fixture seen yet";
-  int leader_id_ = 0;        // hypothesis that the filter follows; 0 = none
-  bool wide_ = false;        // the filter's covariance is too wide to call it tracking
-  std::string doubt_;        // why the leader was put in doubt; "" = it is not
+  int leader_id_ = 0;         // hypothesis that the filter follows; 0 = none
+  bool wide_ = false;         // the filter's covariance is too wide to call it tracking
+  std::string doubt_;         // why the leader was put in doubt; "" = it is not
+  bool is_recalled_ = false;  // the leader comes from before a restart, and no sighting has judged it yet
+  bool motors_enabled_ = true;
   int doubted_id_ = 0;       // hypothesis that was put in doubt last
   int unexplained_run_ = 0;  // images
   std::int64_t fixture_utime_ = 0;

@@ -50,6 +50,7 @@ class PaperLocalizer final : public Localizer {
   void add_sonar(const SonarScan&) override {}
   void add_base_state(const BaseState&) override {}
   void add_guess(const PoseGuess& guess) override;
+  void recall(const PoseBelief& belief) override { filter_.gather(belief, params_.handover.gathered_share); }
   [[nodiscard]] LocalizerEstimate estimate() const override;
   [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t most) const override;
   [[nodiscard]] std::vector<WeightedPose> particles(std::size_t most) const override;

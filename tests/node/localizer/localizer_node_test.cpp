@@ -8,6 +8,7 @@
 #include <limits>
 #include <luminav/hypotheses_t.hpp>
 #include <luminav/pose_t.hpp>
+#include <optional>
 #include <vector>
 
 #include "services/common/process/channels.hpp"
@@ -89,10 +90,14 @@ class LocalizerNodeTest : public ::testing::Test {
     lcm_.subscribe(channels::kPose, &LocalizerNodeTest::on_pose, this);
     lcm_.subscribe(channels::kHypotheses, &LocalizerNodeTest::on_hypotheses, this);
   }
+
+ public:
   void on_pose(const lcm::ReceiveBuffer*, const std::string&, const pose_t* message) { poses_.push_back(*message); }
   void on_hypotheses(const lcm::ReceiveBuffer*, const std::string&, const hypotheses_t* message) {
     hypotheses_.push_back(*message);
   }
+
+ protected:
   void handle_all() {
     while (lcm_.handleTimeout(0) > 0) {
     }
@@ -216,6 +221,189 @@ TEST_F(LocalizerNodeTest, TakesAGuessAsAHypothesisAndEchoesItsId) {
   EXPECT_EQ(poses_.back().initial_pose_id, 77);
   EXPECT_EQ(poses_.back().state, pose_t::STATE_AMBIGUOUS);
   EXPECT_NEAR(poses_.back().x, 4.0, 1e-9);
+}
+
+/// A robot that drove until its pose was known, with a folder for the pose memory.
+class PoseMemoryTest : public LocalizerNodeTest {
+ protected:
+  PoseMemoryTest() : folder_(std::filesystem::path(::testing::TempDir()) / "localizer_memory") {
+    std::filesystem::remove_all(folder_);
+    config_ = config_of(building_);
+    config_.state_dir = folder_.string();
+    options_.seed = 1000;
+    options_.clutter = 0;
+    world_.emplace(building_.building, building_.walls, config_.robot, options_);
+  }
+  /// Drives with a localizer of its own until `seconds` are over; returns the poses it published.
+  std::vector<pose_t> drive(double seconds, std::int64_t session = 1) {
+    lcm::LCM lcm("memq://");
+    LocalizerNode node(lcm, config_);
+    poses_.clear();
+    lcm.subscribe(channels::kPose, &LocalizerNodeTest::on_pose, static_cast<LocalizerNodeTest*>(this));
+    for (int i = 0; i < static_cast<int>(30.0 * seconds); ++i) {
+      const auto output = world_->step();
+      if (output.frame) {
+        const fixture_detections_t message = to_message(*output.frame);
+        lcm.publish(channels::kFixtureDetections, &message);
+      }
+      if (output.odometry) {
+        odometry_t message = to_message(*output.odometry, ++sequence_);
+        message.session = session;
+        lcm.publish(channels::kOdometry, &message);
+      }
+      while (lcm.handleTimeout(0) > 0) {
+      }
+    }
+    return poses_;
+  }
+  double way_to_tracking(const std::vector<pose_t>& poses) const {
+    for (const pose_t& pose : poses) {
+      if (pose.state == pose_t::STATE_TRACKING) {
+        return 1e-6 * static_cast<double>(pose.utime - poses.front().utime);
+      }
+    }
+    return 1e9;
+  }
+  double error(const pose_t& pose) const { return std::hypot(pose.x - world_->truth().x, pose.y - world_->truth().y); }
+
+  std::filesystem::path folder_;
+  LocalizerConfig config_;
+  testing::SyntheticOptions options_;
+  std::optional<testing::SyntheticWorld> world_;
+};
+
+TEST_F(PoseMemoryTest, TakesUpTheLastPoseAfterARestartOnceAFixtureAgrees) {
+  const double first = way_to_tracking(drive(60.0));
+  ASSERT_LT(first, 60.0);
+  const auto poses = drive(15.0);
+  EXPECT_EQ(poses.front().state, pose_t::STATE_AMBIGUOUS);  // not before a sighting
+  EXPECT_LT(way_to_tracking(poses), 0.5 * first);
+  EXPECT_EQ(poses.back().state, pose_t::STATE_TRACKING);
+  EXPECT_LT(error(poses.back()), 0.2);
+}
+
+TEST_F(PoseMemoryTest, IgnoresAPoseOfAnotherOdometrySession) {
+  ASSERT_LT(way_to_tracking(drive(60.0)), 60.0);
+  const auto poses = drive(1.0, 2);
+  EXPECT_EQ(poses.front().state, pose_t::STATE_LOST);
+}
+
+TEST_F(PoseMemoryTest, DropsAPoseThatTheFirstSightingContradicts) {
+  ASSERT_LT(way_to_tracking(drive(60.0)), 60.0);
+  const Pose2 before = world_->truth();
+  Pose2 elsewhere = world_->draw_free_pose();
+  while (distance(before, elsewhere) < 3.0) {
+    elsewhere = world_->draw_free_pose();
+  }
+  world_->carry(elsewhere);  // while the localizer is not running; the wheels stand still
+  for (const pose_t& pose : drive(30.0)) {
+    if (pose.state == pose_t::STATE_TRACKING) {
+      EXPECT_GT(std::hypot(pose.x - before.x, pose.y - before.y), 1.0);
+    }
+  }
+}
+
+TEST_F(PoseMemoryTest, SurvivesADamagedMemory) {
+  ASSERT_LT(way_to_tracking(drive(60.0)), 60.0);
+  std::ofstream(folder_ / "localizer_pose.toml") << "building = \"two";
+  EXPECT_EQ(drive(1.0).front().state, pose_t::STATE_LOST);
+}
+
+TEST_F(LocalizerNodeTest, WeighsAGuessAgainstTheTrackedPoseAndKeepsWhatIsSeen) {
+  testing::SyntheticOptions options;
+  options.seed = 1000;
+  options.clutter = 0;
+  testing::SyntheticWorld world(building_.building, building_.walls, config_of(building_).robot, options);
+  bool is_told = false;
+  bool was_in_doubt = false;
+  double worst = 0.0;
+  for (int i = 0; i < 30 * 120; ++i) {
+    const auto output = world.step();
+    if (output.frame) {
+      const fixture_detections_t message = to_message(*output.frame);
+      lcm_.publish(channels::kFixtureDetections, &message);
+    }
+    if (output.odometry) {
+      const odometry_t message = to_message(*output.odometry, i);
+      lcm_.publish(channels::kOdometry, &message);
+    }
+    handle_all();
+    if (!output.odometry) {
+      continue;
+    }
+    const pose_t& pose = poses_.back();
+    if (!is_told && i > 30 * 80 && pose.state == pose_t::STATE_TRACKING) {
+      initial_pose_t guess{};
+      guess.id = 5;
+      guess.x = world.truth().x > 4.0 ? world.truth().x - 2.0 : world.truth().x + 2.0;
+      guess.y = world.truth().y;
+      guess.theta = world.truth().theta;
+      guess.covariance[0] = guess.covariance[4] = guess.covariance[8] = 0.01;
+      lcm_.publish(channels::kInitialPose, &guess);
+      is_told = true;
+    } else if (is_told) {
+      was_in_doubt = was_in_doubt || pose.state == pose_t::STATE_AMBIGUOUS;
+      if (pose.state == pose_t::STATE_TRACKING) {
+        worst = std::max(worst, std::hypot(pose.x - world.truth().x, pose.y - world.truth().y));
+      }
+    }
+  }
+  ASSERT_TRUE(is_told);
+  EXPECT_TRUE(was_in_doubt);
+  EXPECT_EQ(poses_.back().initial_pose_id, 5);
+  EXPECT_EQ(poses_.back().state, pose_t::STATE_TRACKING);
+  EXPECT_LT(worst, 0.25);
+}
+
+TEST_F(LocalizerNodeTest, LeavesTrackingWhenItIsPushedWithItsMotorsOff) {
+  const FixtureMap map(building_.building.fixtures);
+  testing::SyntheticOptions options;
+  options.seed = 1000;
+  options.clutter = 0;
+  testing::SyntheticWorld world(building_.building, building_.walls, config_of(building_).robot, options);
+  SightingFrame last;
+  Pose2 odometry;
+  std::int64_t utime = 0;
+  int i = 0;
+  for (; i < 30 * 120; ++i) {
+    const auto output = world.step();
+    if (output.frame) {
+      last = *output.frame;
+      const fixture_detections_t message = to_message(last);
+      lcm_.publish(channels::kFixtureDetections, &message);
+    }
+    if (output.odometry) {
+      const odometry_t message = to_message(*output.odometry, i);
+      odometry = output.odometry->odom_from_robot;
+      utime = message.utime;
+      lcm_.publish(channels::kOdometry, &message);
+    }
+    handle_all();
+    if (i > 30 * 80 && output.odometry && poses_.back().state == pose_t::STATE_TRACKING && !last.sightings.empty() &&
+        last.sightings.front().length > 1.1) {
+      break;
+    }
+  }
+  ASSERT_LT(i, 30 * 120) << "never tracked with a whole fixture in view";
+  robot_status_t status{};
+  status.utime = utime;
+  status.connected = 1;
+  status.motors_enabled = 0;
+  lcm_.publish(channels::kRobotStatus, &status);
+  // a hand moves the robot by 20 cm: the wheels tell nothing of it, the fixture in view does
+  last.sightings.front().robot_from_fixture.x += 0.20;
+  last.sightings.resize(1);
+  bool left = false;
+  for (int k = 1; k <= 10; ++k) {
+    last.utime = utime + 100'000 * k - 20'000;
+    const fixture_detections_t seen = to_message(last);
+    lcm_.publish(channels::kFixtureDetections, &seen);
+    const odometry_t message = to_message({utime + 100'000 * k, 1, odometry, 0.0, 0.0}, ++i);
+    lcm_.publish(channels::kOdometry, &message);
+    handle_all();
+    left = left || poses_.back().state != pose_t::STATE_TRACKING;
+  }
+  EXPECT_TRUE(left);
 }
 
 TEST(LocalizerNodeConfig, ReadsTheShippedRobotAndBuildings) {

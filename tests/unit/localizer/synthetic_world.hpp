@@ -61,6 +61,17 @@ class SyntheticWorld {
   Pose2 draw_free_pose();
 
   [[nodiscard]] const Pose2& truth() const { return truth_; }
+  [[nodiscard]] const Building& believed() const { return believed_; }
+  [[nodiscard]] const RobotDescription& believed_robot() const { return robot_; }
+  [[nodiscard]] const PriorMap& map_walls() const { return map_walls_.map(); }
+  /// What the robot, its wheels and the ceiling are really like.
+  [[nodiscard]] const RobotDescription& true_robot() const { return true_robot_; }
+  [[nodiscard]] double true_ceiling_height() const { return true_building_.ceiling_height; }
+  [[nodiscard]] double true_wheel_scale() const { return 0.5 * (scale_left_ + scale_right_) - 1.0; }
+  [[nodiscard]] double true_wheel_ratio() const {
+    return 2.0 * (scale_right_ - scale_left_) / (scale_right_ + scale_left_);
+  }
+  [[nodiscard]] double true_wheel_base() const { return true_base_; }
   [[nodiscard]] double driven() const { return driven_; }
   [[nodiscard]] std::int64_t utime() const { return utime_; }
   /// Fixtures of which the camera sees at least `share` from a pose, by the true camera.

@@ -1,11 +1,25 @@
 #include "tests/unit/localizer/trial.hpp"
 
+#include <time.h>
+
 #include <Eigen/Dense>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
+#include "tests/unit/localizer/twin_oracle.hpp"
+
 namespace luminav::testing {
+
+namespace {
+
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
 
 TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPlan& plan) {
   TrialResult result;
@@ -15,6 +29,8 @@ TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPl
   double carried_at = 0.0;        // [m] of the odometer
   double contradicted_at = -1e9;  // [s]; before a carry nothing is forgiven
   bool awaiting_contradiction = false;
+  TwinOracle oracle(world);
+  oracle.follow(world.truth());
   LocalizerState last_state = LocalizerState::kLost;
   std::string last_reason;
   while (true) {
@@ -43,8 +59,20 @@ TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPl
     if (!output.odometry) {
       continue;
     }
+    if (!result.resolvable && next_carry == 0) {
+      oracle.follow(world.truth());
+      result.resolvable = oracle.is_resolved();
+      result.resolvable_after = world.driven();
+    }
+    // images wait for the odometry after them, so this call works on those that came since the last
+    const double begin = thread_seconds();
     localizer.add_odometry(*output.odometry);
+    const double took = thread_seconds() - begin;
     const LocalizerEstimate estimate = localizer.estimate();
+    StepTimes& times = estimate.state == LocalizerState::kTracking ? result.tracking_steps : result.search_steps;
+    times.sum += took;
+    times.worst = std::max(times.worst, took);
+    ++times.count;
     const Pose2& truth = world.truth();
     const double position_error = distance(estimate.belief.pose, truth);
     const double heading_error = std::abs(wrap_angle(estimate.belief.pose.theta - truth.theta));

@@ -15,12 +15,21 @@ struct TrialPlan {
   bool trace = false;             // print changes of state
 };
 
+/// How long the localizer worked on images, by thread CPU time.
+struct StepTimes {
+  double sum = 0.0;    // [s]
+  double worst = 0.0;  // [s]
+  long count = 0;
+};
+
 /// What became of one drive.
 struct TrialResult {
   bool localized = false;      // TRACKING at least once
   bool correct_first = false;  // error below 0.25 m and 10 degrees when first declared
   bool tracking_at_end = false;
   double localized_after = 0.0;      // [m]
+  bool resolvable = false;           // the drive up to there tells the pose to who sees and knows everything
+  double resolvable_after = 0.0;     // [m]
   double localized_time = 0.0;       // [s]
   double confident_wrong = 0.0;      // [s] TRACKING with more than 0.5 m or 20 degrees of error
   double tracking = 0.0;             // [s]
@@ -34,6 +43,8 @@ struct TrialResult {
   double nees_forward = 0.0;  // likewise, per axis of the robot
   double nees_left = 0.0;
   double nees_heading = 0.0;
+  StepTimes search_steps;    // images used by the particle filter or the bank of hypotheses
+  StepTimes tracking_steps;  // by the Kalman filter
   std::vector<double> position_errors;
   std::vector<double> heading_errors;
 };

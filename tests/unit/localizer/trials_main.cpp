@@ -64,6 +64,7 @@ int run(int argc, char** argv) {
   TrialResult sum;
   std::vector<double> ways;
   std::vector<double> times;
+  std::vector<double> resolvable;
   std::vector<double> recovery;
   std::vector<double> positions;
   std::vector<double> headings;
@@ -100,6 +101,9 @@ int run(int argc, char** argv) {
       ways.push_back(r.localized_after);
       times.push_back(r.localized_time);
     }
+    if (r.resolvable) {
+      resolvable.push_back(r.resolvable_after);
+    }
     correct += r.correct_first ? 1 : 0;
     at_end += r.tracking_at_end ? 1 : 0;
     recovered += r.recovered;
@@ -107,6 +111,13 @@ int run(int argc, char** argv) {
     positions.insert(positions.end(), r.position_errors.begin(), r.position_errors.end());
     headings.insert(headings.end(), r.heading_errors.begin(), r.heading_errors.end());
     sum.confident_wrong += r.confident_wrong;
+    const auto add_times = [](StepTimes& to, const StepTimes& from) {
+      to.sum += from.sum;
+      to.worst = std::max(to.worst, from.worst);
+      to.count += from.count;
+    };
+    add_times(sum.search_steps, r.search_steps);
+    add_times(sum.tracking_steps, r.tracking_steps);
     sum.tracking += r.tracking;
     sum.after_first += r.after_first;
     sum.position_square += r.position_square;
@@ -129,6 +140,10 @@ int run(int argc, char** argv) {
               static_cast<long>(runs), localized, correct, at_end, sum.confident_wrong);
   std::printf("localized after m: median %.2f p95 %.2f max %.2f; s: median %.1f p95 %.1f\n", quantile(ways, 0.5),
               quantile(ways, 0.95), quantile(ways, 1.0), quantile(times, 0.5), quantile(times, 0.95));
+  std::printf("resolvable after m: median %.2f p95 %.2f in %zu runs; localized / resolvable: median %.2f p95 %.2f\n",
+              quantile(resolvable, 0.5), quantile(resolvable, 0.95), resolvable.size(),
+              quantile(ways, 0.5) / std::max(0.01, quantile(resolvable, 0.5)),
+              quantile(ways, 0.95) / std::max(0.01, quantile(resolvable, 0.95)));
   std::printf("tracking ratio %.4f  in view rms %.1f mm %.2f deg  p95 %.1f mm %.2f deg  max %.0f mm  nees/dof %.2f\n",
               sum.tracking / std::max(0.1, sum.after_first), 1e3 * std::sqrt(sum.position_square / in_view),
               degrees(std::sqrt(sum.heading_square / in_view)), 1e3 * quantile(positions, 0.95),
@@ -141,6 +156,11 @@ int run(int argc, char** argv) {
     std::printf("carries recovered %.0f of %ld, after m: median %.2f p95 %.2f\n", recovered,
                 static_cast<long>(carries * localized), quantile(recovery, 0.5), quantile(recovery, 0.95));
   }
+  const double search = 1e6 * sum.search_steps.sum / std::max(1.0, static_cast<double>(sum.search_steps.count));
+  const double follow = 1e6 * sum.tracking_steps.sum / std::max(1.0, static_cast<double>(sum.tracking_steps.count));
+  std::printf("step us: %s %.1f (worst %.0f)  Kalman filter %.1f (worst %.0f)  ratio %.1f\n",
+              paper ? "particle filter" : "hypotheses", search, 1e6 * sum.search_steps.worst, follow,
+              1e6 * sum.tracking_steps.worst, search / std::max(1e-3, follow));
   std::printf("%.2f s of computing for %.0f s of driving\n", seconds, duration * static_cast<double>(runs));
   return wrong_runs > 0 ? 1 : 0;
 }

@@ -1,0 +1,107 @@
+#include "services/localizer/pose_memory.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <system_error>
+
+#include "services/common/configuration/toml_table.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr double kFarthest = 5.0;               // [m] driven without this process
+constexpr double kUnseenWay = 0.05;             // [m per m] odometry's error, whatever way it took
+constexpr double kLeastPosition = 0.05;         // [m] 1-sigma added
+constexpr double kLeastHeading = radians(3.0);  // [rad]
+constexpr double kUnseenTurn = radians(5.0);    // [rad per m] of unseen way
+
+}  // namespace
+
+PoseMemory::PoseMemory(const std::filesystem::path& folder)
+    : file_(folder.empty() ? std::filesystem::path() : folder / "localizer_pose.toml") {}
+
+std::optional<RememberedPose> PoseMemory::load() const {
+  std::error_code error;
+  if (file_.empty() || !std::filesystem::exists(file_, error)) {
+    return std::nullopt;
+  }
+  try {
+    const TomlTable table = TomlTable::load(file_);
+    RememberedPose pose;
+    pose.building = table.text("building");
+    pose.fixtures = static_cast<int>(table.integer("fixtures", {0.0, 1e9}));
+    pose.session = table.integer("session");
+    const std::vector<double> odom = table.numbers("odom_from_robot", 3);
+    const std::vector<double> world = table.numbers("world_from_robot", 3);
+    const std::vector<double> covariance = table.numbers("covariance", 9);
+    if (odom.size() != 3 || world.size() != 3 || covariance.size() != 9) {
+      return std::nullopt;
+    }
+    pose.odom_from_robot = {odom[0], odom[1], odom[2]};
+    pose.belief.pose = {world[0], world[1], world[2]};
+    for (int i = 0; i < 9; ++i) {
+      pose.belief.covariance(i / 3, i % 3) = covariance[static_cast<std::size_t>(i)];
+    }
+    return pose.belief.covariance.allFinite() && pose.belief.covariance.diagonal().minCoeff() > 0.0
+               ? std::optional(pose)
+               : std::nullopt;
+  } catch (const ConfigurationError&) {
+    return std::nullopt;  // a damaged memory is none
+  }
+}
+
+bool PoseMemory::save(const RememberedPose& pose) const {
+  if (file_.empty()) {
+    return true;
+  }
+  std::error_code error;
+  std::filesystem::create_directories(file_.parent_path(), error);
+  const std::filesystem::path temporary = file_.string() + ".new";
+  {
+    std::ofstream out(temporary);
+    const Eigen::Matrix3d& c = pose.belief.covariance;
+    std::string name;
+    for (const char letter : pose.building) {
+      name += letter == '"' || letter == '\\' ? '_' : letter;
+    }
+    out << fmt::format(
+        "building = \"{}\"\nfixtures = {}\nsession = {}\nodom_from_robot = [{:.9f}, {:.9f}, {:.9f}]\n"
+        "world_from_robot = [{:.9f}, {:.9f}, {:.9f}]\n"
+        "covariance = [{:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}]\n",
+        name, pose.fixtures, pose.session, pose.odom_from_robot.x, pose.odom_from_robot.y, pose.odom_from_robot.theta,
+        pose.belief.pose.x, pose.belief.pose.y, pose.belief.pose.theta, c(0, 0), c(0, 1), c(0, 2), c(1, 0), c(1, 1),
+        c(1, 2), c(2, 0), c(2, 1), c(2, 2));
+    out.flush();
+    if (!out) {
+      return false;
+    }
+  }
+  std::filesystem::rename(temporary, file_, error);
+  return !error;
+}
+
+void PoseMemory::forget() const {
+  std::error_code error;
+  if (!file_.empty()) {
+    std::filesystem::remove(file_, error);
+  }
+}
+
+std::optional<PoseBelief> carry_forward(const RememberedPose& remembered, std::int64_t session,
+                                        const Pose2& odom_from_robot) {
+  const Pose2 delta = remembered.odom_from_robot.inverse() * odom_from_robot;
+  const double way = std::hypot(delta.x, delta.y);
+  if (session != remembered.session || way > kFarthest) {
+    return std::nullopt;
+  }
+  PoseBelief belief = remembered.belief;
+  belief.pose = belief.pose * delta;
+  const double position = kLeastPosition + kUnseenWay * way;
+  const double heading = kLeastHeading + kUnseenTurn * way;
+  belief.covariance += Eigen::Vector3d(position * position, position * position, heading * heading).asDiagonal();
+  return belief;
+}
+
+}  // namespace luminav
