@@ -72,6 +72,16 @@ double CeilingView::radius(double height) const {
   return radius * std::max(0.0, height_above_camera(height)) + std::hypot(camera_.mounting.x, camera_.mounting.y);
 }
 
+double CeilingView::mean_radius(double height) const {
+  double doubled = 0.0;
+  for (std::size_t i = 0; i < border_.size(); ++i) {
+    const Eigen::Vector2d& a = border_[i];
+    const Eigen::Vector2d& b = border_[(i + 1) % border_.size()];
+    doubled += a.x() * b.y() - a.y() * b.x();
+  }
+  return std::max(0.0, height_above_camera(height)) * std::sqrt(0.5 * doubled / kPi);
+}
+
 Eigen::Vector2d CeilingView::at_middle_row(const Eigen::Vector2d& point, double height, double linear,
                                            double angular) const {
   const auto pixel = model_.pixel_of_ceiling_point(point, height);

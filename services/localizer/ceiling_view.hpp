@@ -19,6 +19,8 @@ class CeilingView {
 
   /// Radius [m] round the robot beyond which nothing of a ceiling at this height is seen.
   [[nodiscard]] double radius(double height) const;
+  /// Radius [m] of a disc as large as the image on a ceiling at this height.
+  [[nodiscard]] double mean_radius(double height) const;
   /// [m] from the camera up to a ceiling at this height.
   [[nodiscard]] double height_above_camera(double height) const { return height - camera_.mounting.z; }
 

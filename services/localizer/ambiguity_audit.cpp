@@ -1,0 +1,373 @@
+#include "services/localizer/ambiguity_audit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <set>
+#include <tuple>
+
+#include "services/localizer/ceiling_view.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr int kElementLamps = 1000;          // lamps of a fixture that stands for an element: its kind is added
+constexpr std::size_t kMostCandidates = 40;  // fixtures whose change is tried: those that the motions mix up most
+constexpr std::size_t kMostForChanges = 40;  // motions that a change is tried on: those that cost most
+
+std::vector<Fixture> landmarks(const Building& building, bool with_elements) {
+  std::vector<Fixture> fixtures = building.fixtures;
+  if (with_elements) {
+    for (const CeilingElement& element : building.elements) {
+      Fixture fixture;
+      fixture.id = -1;
+      fixture.shape = element.kind == ElementKind::kDetector || element.kind == ElementKind::kSpeaker
+                          ? FixtureShape::kRound
+                      : element.length == element.width ? FixtureShape::kSquare
+                                                        : FixtureShape::kRectangle;
+      fixture.world_from_fixture = element.world_from_element;
+      fixture.length = element.length;
+      fixture.width = element.width;
+      fixture.height = building.ceiling_height;
+      fixture.lamps = kElementLamps + static_cast<int>(element.kind);
+      fixtures.push_back(fixture);
+    }
+  }
+  return fixtures;
+}
+
+bool is_same_kind(const Fixture& a, const Fixture& b) {
+  const bool are_elements = a.lamps >= kElementLamps || b.lamps >= kElementLamps;
+  return a.shape == b.shape && std::abs(a.length - b.length) < 0.15 && std::abs(a.width - b.width) < 0.08 &&
+         (!are_elements || a.lamps == b.lamps);
+}
+
+}  // namespace
+
+AmbiguityAudit::AmbiguityAudit(const Building& building, const PriorMap& walls, const CameraDescription& camera,
+                               const AuditParams& params)
+    : params_(params),
+      map_(landmarks(building, params.with_elements)),
+      walls_(walls),
+      view_radius_(CeilingView(camera).mean_radius(building.ceiling_height)) {
+  find_places(walls);
+  find_motions();
+  std::vector<double> way(places_.size(), 0.0);
+  for (Motion& motion : motions_) {
+    motion.ways = ways(motion, -1);
+    for (const PlaceWay& each : motion.ways) {
+      const auto i = static_cast<std::size_t>(each.place);
+      places_[i].twins += places_[i].is_blind ? 0 : 1;
+      way[i] = std::max(way[i], each.way);
+      motion.sum += std::min(each.way, params_.never_way);
+    }
+  }
+  std::stable_sort(motions_.begin(), motions_.end(), [](const Motion& a, const Motion& b) { return a.sum > b.sum; });
+  add_blind_ways(way);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    places_[i].way = way[i];
+    never_share_ += std::isinf(way[i]) ? 1.0 / static_cast<double>(places_.size()) : 0.0;
+  }
+  mean_way_ = mean_of(way);
+}
+
+void AmbiguityAudit::find_places(const PriorMap& walls) {
+  Eigen::Vector2d least = Eigen::Vector2d::Zero();
+  Eigen::Vector2d most = Eigen::Vector2d::Zero();
+  if (walls_.has_walls()) {
+    least = walls.geometry.origin;
+    most = least + walls.geometry.resolution * Eigen::Vector2d(walls.geometry.columns, walls.geometry.rows);
+  } else if (map_.size() > 0) {
+    least = most = map_[0].world_from_fixture.position();
+    for (const Fixture& fixture : map_.fixtures()) {
+      least = least.cwiseMin(fixture.world_from_fixture.position());
+      most = most.cwiseMax(fixture.world_from_fixture.position());
+    }
+    least -= Eigen::Vector2d::Constant(1.5);
+    most += Eigen::Vector2d::Constant(1.5);
+  }
+  grid_.resolution = params_.cell;
+  grid_.origin = least;
+  grid_.columns = static_cast<int>(std::ceil((most.x() - least.x()) / params_.cell));
+  grid_.rows = static_cast<int>(std::ceil((most.y() - least.y()) / params_.cell));
+  place_of_cell_.assign(grid_.size(), -1);
+  for (int row = 0; row < grid_.rows; ++row) {
+    for (int column = 0; column < grid_.columns; ++column) {
+      const Eigen::Vector2d point = grid_.centre_of({column, row});
+      if (walls_.is_free(point) && walls_.distance_to_wall(point) > params_.clearance) {
+        place_of_cell_[grid_.index({column, row})] = static_cast<std::int32_t>(places_.size());
+        in_view_.emplace_back();
+        map_.find_near(point, view_radius_, in_view_.back());
+        places_.push_back({point, in_view_.back().empty(), 0, 0.0});
+      }
+    }
+  }
+  places_of_.resize(static_cast<std::size_t>(map_.size()));
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    for (const int index : in_view_[i]) {
+      places_of_[static_cast<std::size_t>(index)].push_back(static_cast<std::int32_t>(i));
+    }
+  }
+  neighbours_.resize(places_.size());
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Cell cell = grid_.cell_at(places_[i].point);
+    for (int row = cell.row - 1; row <= cell.row + 1; ++row) {
+      for (int column = cell.column - 1; column <= cell.column + 1; ++column) {
+        if (grid_.contains({column, row}) && Cell{column, row} != cell) {
+          const std::int32_t other = place_of_cell_[grid_.index({column, row})];
+          if (other >= 0) {
+            neighbours_[i].push_back(other);
+          }
+        }
+      }
+    }
+  }
+}
+
+bool AmbiguityAudit::is_alike(const Fixture& a, const Pose2& world_from_a, const Fixture& b) const {
+  return is_same_kind(a, b) && distance(world_from_a, b.world_from_fixture) < params_.position_tolerance &&
+         std::abs(wrap_modulo(world_from_a.theta - b.world_from_fixture.theta, symmetry_period(b.shape))) <
+             params_.heading_tolerance;
+}
+
+AmbiguityAudit::Motion AmbiguityAudit::make_motion(const Pose2& twin_from_true, int first) const {
+  const auto count = static_cast<std::size_t>(map_.size());
+  Motion motion{
+      twin_from_true, first, std::vector<bool>(count), std::vector<bool>(count), std::vector<int>(count, -1), {}, 0.0};
+  std::vector<int> near;
+  for (int i = 0; i < map_.size(); ++i) {
+    const Pose2 moved = twin_from_true * map_[i].world_from_fixture;
+    near.clear();
+    map_.find_near(moved.position(), params_.position_tolerance, near);
+    for (const int other : near) {
+      if (is_alike(map_[i], moved, map_[other])) {
+        motion.maps[static_cast<std::size_t>(i)] = true;
+        motion.image[static_cast<std::size_t>(i)] = other;
+        motion.is_hit[static_cast<std::size_t>(other)] = true;
+      }
+    }
+  }
+  return motion;
+}
+
+void AmbiguityAudit::find_motions() {
+  std::set<std::tuple<int, int, int>> known;
+  std::vector<bool> is_seen(static_cast<std::size_t>(map_.size()), false);
+  for (const std::vector<int>& fixtures : in_view_) {
+    for (const int index : fixtures) {
+      is_seen[static_cast<std::size_t>(index)] = true;
+    }
+  }
+  for (int from = 0; from < map_.size(); ++from) {
+    const double period = symmetry_period(map_[from].shape);
+    if (!is_seen[static_cast<std::size_t>(from)] || period == 0.0) {
+      continue;  // a round one leaves all headings open; others in view with it count
+    }
+    const int turns = static_cast<int>(std::lround(2.0 * kPi / period));
+    for (int to = 0; to < map_.size(); ++to) {
+      if (!is_same_kind(map_[from], map_[to])) {
+        continue;
+      }
+      for (int turn = from == to ? 1 : 0; turn < turns; ++turn) {
+        const Pose2 motion = map_[to].world_from_fixture * Pose2{0.0, 0.0, wrap_angle(turn * period)} *
+                             map_[from].world_from_fixture.inverse();
+        // the same motion of the plane lays many fixtures on others: once is enough
+        const Eigen::Vector2d middle = motion * map_[from].world_from_fixture.position();
+        const Eigen::Vector2d origin = motion * places_.front().point;
+        const auto key = std::tuple(static_cast<int>(std::lround(wrap_angle(motion.theta) / radians(6.0))),
+                                    static_cast<int>(std::lround(origin.x() / params_.position_tolerance)),
+                                    static_cast<int>(std::lround(origin.y() / params_.position_tolerance)));
+        if (middle.allFinite() && known.insert(key).second) {
+          motions_.push_back(make_motion(motion, from));
+        }
+      }
+    }
+  }
+}
+
+bool AmbiguityAudit::is_twin(const Motion& motion, std::size_t place, int changed) const {
+  const Eigen::Vector2d twin = motion.twin_from_true * places_[place].point;
+  if (!walls_.is_free(twin) || walls_.distance_to_wall(twin) < params_.twin_clearance) {
+    return false;
+  }
+  for (const int index : in_view_[place]) {
+    const auto i = static_cast<std::size_t>(index);
+    if (!motion.maps[i] || ((index == changed || motion.image[i] == changed) && motion.image[i] != index)) {
+      return false;
+    }
+  }
+  // what the twin would see and the robot does not; at the border of the view tolerance decides
+  thread_local std::vector<int> near;
+  near.clear();
+  map_.find_near(twin, view_radius_ - params_.position_tolerance, near);
+  return std::all_of(near.begin(), near.end(),
+                     [&](int index) { return motion.is_hit[static_cast<std::size_t>(index)]; });
+}
+
+std::vector<AmbiguityAudit::PlaceWay> AmbiguityAudit::ways(const Motion& motion, int changed) const {
+  // all places that are connected, without a refutation between, with one that sees a fixture which finds its like
+  enum : std::uint8_t { kUntouched, kTwin, kRefuted };
+  thread_local std::vector<std::uint8_t> kind;
+  thread_local std::vector<double> way;
+  kind.assign(places_.size(), kUntouched);
+  way.resize(places_.size());
+  std::vector<std::int32_t> open;
+  const auto touch = [&](std::int32_t place) {
+    const auto i = static_cast<std::size_t>(place);
+    if (kind[i] == kUntouched) {
+      kind[i] = is_twin(motion, i, changed) ? kTwin : kRefuted;
+      if (kind[i] == kTwin) {
+        way[i] = kNever;
+        open.push_back(place);
+      }
+    }
+  };
+  for (std::size_t fixture = 0; fixture < places_of_.size(); ++fixture) {
+    if (motion.maps[fixture]) {
+      std::for_each(places_of_[fixture].begin(), places_of_[fixture].end(), touch);
+    }
+  }
+  for (std::size_t next = 0; next < open.size(); ++next) {
+    const std::vector<std::int32_t>& around = neighbours_[static_cast<std::size_t>(open[next])];
+    std::for_each(around.begin(), around.end(), touch);
+  }
+  using Entry = std::pair<double, std::size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  const auto relax = [&](std::size_t from, std::size_t to, double base) {
+    const double length = base + (places_[from].point - places_[to].point).norm();
+    if (length < way[to]) {
+      way[to] = length;
+      queue.emplace(length, to);
+    }
+  };
+  for (const std::int32_t place : open) {
+    for (const std::int32_t neighbour : neighbours_[static_cast<std::size_t>(place)]) {
+      if (kind[static_cast<std::size_t>(neighbour)] == kRefuted) {
+        relax(static_cast<std::size_t>(neighbour), static_cast<std::size_t>(place), 0.0);
+      }
+    }
+  }
+  while (!queue.empty()) {
+    const auto [length, place] = queue.top();
+    queue.pop();
+    if (length > way[place]) {
+      continue;
+    }
+    for (const std::int32_t neighbour : neighbours_[place]) {
+      if (kind[static_cast<std::size_t>(neighbour)] == kTwin) {
+        relax(place, static_cast<std::size_t>(neighbour), length);
+      }
+    }
+  }
+  std::vector<PlaceWay> result;
+  result.reserve(open.size());
+  for (const std::int32_t place : open) {
+    result.push_back({place, way[static_cast<std::size_t>(place)]});
+  }
+  return result;
+}
+
+void AmbiguityAudit::add_blind_ways(std::vector<double>& way) const {
+  // who sees nothing drives to where something is seen, and has to go on from there
+  using Entry = std::pair<double, std::size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::vector<double> total(places_.size(), kNever);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (!places_[i].is_blind) {
+      total[i] = way[i];
+      queue.emplace(total[i], i);
+    }
+  }
+  while (!queue.empty()) {
+    const auto [length, place] = queue.top();
+    queue.pop();
+    if (length > total[place]) {
+      continue;
+    }
+    for (const std::int32_t neighbour : neighbours_[place]) {
+      const auto next = static_cast<std::size_t>(neighbour);
+      const double longer = length + (places_[place].point - places_[next].point).norm();
+      if (places_[next].is_blind && longer < total[next]) {
+        total[next] = longer;
+        queue.emplace(longer, next);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    way[i] = places_[i].is_blind ? total[i] : way[i];
+  }
+}
+
+double AmbiguityAudit::mean_of(const std::vector<double>& way) const {
+  double sum = 0.0;
+  for (const double each : way) {
+    sum += std::min(each, params_.never_way);
+  }
+  return sum / std::max(1.0, static_cast<double>(way.size()));
+}
+
+double AmbiguityAudit::way_quantile(double share) const {
+  if (places_.empty()) {
+    return 0.0;
+  }
+  std::vector<double> way;
+  for (const AuditPlace& place : places_) {
+    way.push_back(place.way);
+  }
+  std::sort(way.begin(), way.end());
+  return way[static_cast<std::size_t>(share * static_cast<double>(way.size() - 1))];
+}
+
+std::vector<int> AmbiguityAudit::costly_fixtures(std::size_t motions) const {
+  std::vector<double> cost(static_cast<std::size_t>(map_.size()), 0.0);
+  for (std::size_t m = 0; m < motions; ++m) {
+    for (std::size_t i = 0; i < cost.size(); ++i) {
+      cost[i] += motions_[m].maps[i] && motions_[m].image[i] != static_cast<int>(i) ? motions_[m].sum : 0.0;
+    }
+  }
+  std::vector<int> fixtures;
+  for (int i = 0; i < map_.size(); ++i) {
+    if (map_[i].id >= 0) {
+      fixtures.push_back(i);
+    }
+  }
+  std::stable_sort(fixtures.begin(), fixtures.end(),
+                   [&](int a, int b) { return cost[static_cast<std::size_t>(a)] > cost[static_cast<std::size_t>(b)]; });
+  fixtures.resize(std::min(kMostCandidates, fixtures.size()));
+  return fixtures;
+}
+
+std::vector<AuditChange> AmbiguityAudit::best_changes(std::size_t most) const {
+  std::vector<AuditChange> changes;
+  const std::size_t count = std::min(kMostForChanges, motions_.size());
+  if (count == 0 || mean_way_ < params_.cell) {
+    return changes;
+  }
+  const auto take_longer = [](const std::vector<PlaceWay>& from, std::vector<double>& to) {
+    for (const PlaceWay& each : from) {
+      double& way = to[static_cast<std::size_t>(each.place)];
+      way = std::max(way, each.way);
+    }
+  };
+  // what the motions left out ask for stays
+  std::vector<double> rest(places_.size(), 0.0);
+  for (std::size_t m = count; m < motions_.size(); ++m) {
+    take_longer(motions_[m].ways, rest);
+  }
+  for (const int fixture : costly_fixtures(count)) {
+    std::vector<double> way = rest;
+    for (std::size_t m = 0; m < count; ++m) {
+      take_longer(ways(motions_[m], fixture), way);
+    }
+    add_blind_ways(way);
+    const auto never = std::count_if(way.begin(), way.end(), [](double each) { return std::isinf(each); });
+    changes.push_back(
+        {map_[fixture].id, mean_of(way), static_cast<double>(never) / std::max(1.0, static_cast<double>(way.size()))});
+  }
+  std::stable_sort(changes.begin(), changes.end(),
+                   [](const AuditChange& a, const AuditChange& b) { return a.mean_way < b.mean_way; });
+  changes.resize(std::min(most, changes.size()));
+  return changes;
+}
+
+}  // namespace luminav

@@ -1,0 +1,180 @@
+// Says from where in a building the ceiling does not tell the pose, and what would help.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "services/common/building/map_file.hpp"
+#include "services/common/configuration/building_file.hpp"
+#include "services/common/process/command_line.hpp"
+#include "services/localizer/ambiguity_audit.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr double kLongWay = 10.0;  // [m] drawn as red as it gets short of never
+
+std::string in_metres(double way) {
+  return std::isinf(way) ? "never" : fmt::format("{:.1f} m", way);
+}
+
+void print(const Building& building, const AmbiguityAudit& audit, const std::vector<AuditChange>& changes) {
+  const auto count = static_cast<double>(std::max<std::size_t>(1, audit.places().size()));
+  const auto share = [&](auto claim) {
+    return 100.0 * static_cast<double>(std::count_if(audit.places().begin(), audit.places().end(), claim)) / count;
+  };
+  fmt::print("{}: {} fixtures, {} places looked at, view of {:.2f} m radius\n", building.name, building.fixtures.size(),
+             audit.places().size(), audit.view_radius());
+  fmt::print("known at once from {:.0f} % of the places; no fixture in view from {:.0f} %\n",
+             share([](const AuditPlace& p) { return p.way == 0.0; }),
+             share([](const AuditPlace& p) { return p.is_blind; }));
+  fmt::print("way to drive until the pose is resolvable: median {}, 95 % {}, longest {}\n",
+             in_metres(audit.way_quantile(0.5)), in_metres(audit.way_quantile(0.95)),
+             in_metres(audit.way_quantile(1.0)));
+  if (audit.never_share() > 0.0) {
+    fmt::print("never resolvable from {:.1f} % of the places: part of the building maps onto itself\n",
+               100.0 * audit.never_share());
+  }
+  for (const AuditChange& change : changes) {
+    fmt::print(
+        "would help: fixture {} of another kind, or a vent beside it written into the file: mean way {:.2f} m "
+        "instead of {:.2f} m, never {:.1f} %\n",
+        change.fixture, change.mean_way, audit.mean_way(), 100.0 * change.never_share);
+  }
+}
+
+void write_json(const std::string& file, const Building& building, const AmbiguityAudit& audit,
+                const std::vector<AuditChange>& changes) {
+  const auto finite = [](double way) { return std::isinf(way) ? nlohmann::json(nullptr) : nlohmann::json(way); };
+  nlohmann::json report = {{"building", building.name},
+                           {"fixtures", building.fixtures.size()},
+                           {"view_radius_m", audit.view_radius()},
+                           {"median_way_m", finite(audit.way_quantile(0.5))},
+                           {"p95_way_m", finite(audit.way_quantile(0.95))},
+                           {"mean_way_m", audit.mean_way()},
+                           {"never_share", audit.never_share()},
+                           {"places", nlohmann::json::array()},
+                           {"changes", nlohmann::json::array()}};
+  for (const AuditPlace& place : audit.places()) {
+    report["places"].push_back({{"x", place.point.x()},
+                                {"y", place.point.y()},
+                                {"blind", place.is_blind},
+                                {"twins", place.twins},
+                                {"way_m", finite(place.way)}});
+  }
+  for (const AuditChange& change : changes) {
+    report["changes"].push_back(
+        {{"fixture", change.fixture}, {"mean_way_m", change.mean_way}, {"never_share", change.never_share}});
+  }
+  const std::string temporary = file + ".new";
+  std::ofstream out(temporary);
+  out << report.dump(1) << "\n";
+  out.close();
+  if (!out) {
+    throw std::runtime_error(file + ": cannot be written");
+  }
+  std::filesystem::rename(temporary, file);
+}
+
+cv::Scalar colour_of(const AuditPlace& place) {
+  if (std::isinf(place.way)) {
+    return {60, 0, 120};
+  }
+  const double share = std::min(1.0, place.way / kLongWay);
+  return {80.0, 220.0 - 160.0 * share, 80.0 + 160.0 * share};  // blue, green, red: green to red
+}
+
+void write_picture(const std::string& file, const Building& building, const AmbiguityAudit& audit,
+                   const std::vector<AuditChange>& changes) {
+  Eigen::Vector2d least(1e9, 1e9);
+  Eigen::Vector2d most(-1e9, -1e9);
+  for (const AuditPlace& place : audit.places()) {
+    least = least.cwiseMin(place.point);
+    most = most.cwiseMax(place.point);
+  }
+  const double margin = 0.8;  // [m]
+  const double scale = std::clamp(1500.0 / std::max(1.0, (most - least).maxCoeff() + 2.0 * margin), 4.0, 80.0);
+  const auto pixel = [&](const Eigen::Vector2d& point) {
+    return cv::Point(static_cast<int>(scale * (point.x() - least.x() + margin)),
+                     static_cast<int>(scale * (most.y() - point.y() + margin)));
+  };
+  const cv::Point corner = pixel({most.x() + margin, least.y() - margin});
+  cv::Mat image(corner.y + 1, corner.x + 1, CV_8UC3, cv::Scalar(40, 40, 40));
+  const double half = 0.5 * audit.params().cell;
+  for (const AuditPlace& place : audit.places()) {
+    cv::rectangle(image, pixel(place.point + Eigen::Vector2d(-half, half)),
+                  pixel(place.point + Eigen::Vector2d(half, -half)), colour_of(place), cv::FILLED);
+  }
+  for (const Fixture& fixture : building.fixtures) {
+    std::vector<cv::Point> outline;
+    for (const auto& [u, v] : {std::pair(-0.5, -0.5), {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
+      outline.push_back(pixel(fixture.world_from_fixture * Eigen::Vector2d(u * fixture.length, v * fixture.width)));
+    }
+    const bool helps =
+        std::any_of(changes.begin(), changes.end(), [&](const AuditChange& c) { return c.fixture == fixture.id; });
+    cv::polylines(image, std::vector<std::vector<cv::Point>>{outline}, true,
+                  helps ? cv::Scalar(255, 120, 0) : cv::Scalar(255, 255, 255), helps ? 3 : 1, cv::LINE_AA);
+    cv::putText(image, std::to_string(fixture.id), pixel(fixture.world_from_fixture.position()),
+                cv::FONT_HERSHEY_SIMPLEX, 0.4, cv::Scalar(0, 0, 0), 1, cv::LINE_AA);
+  }
+  cv::putText(image, fmt::format("green: known at once, red: after {:.0f} m, purple: never", kLongWay), {8, 16},
+              cv::FONT_HERSHEY_SIMPLEX, 0.45, cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
+  if (!cv::imwrite(file, image)) {
+    throw std::runtime_error(file + ": cannot be written");
+  }
+}
+
+int run(int argc, char** argv) {
+  std::vector<std::string> buildings;
+  std::string robot_file;
+  std::string json_file;
+  std::string png_file;
+  bool with_elements = false;
+  CommandLine line("audit",
+                   "Says from where in a building the ceiling's fixtures do not tell the pose, how far the "
+                   "robot must drive until they do, and which change would help.");
+  line.positional("building", buildings, "building file, or its folder", true);
+  line.text("--robot", robot_file, "robot file, for the camera; default: launch/robots/p3dx.toml", true)
+      .text("--json", json_file, "where the result is written, place by place")
+      .text("--png", png_file, "where a picture is written")
+      .flag("--elements", with_elements, "vents, detectors and the like count as landmarks too");
+  if (const auto status = line.parse(argc, argv)) {
+    return *status;
+  }
+  std::filesystem::path file = buildings.front();
+  if (std::filesystem::is_directory(file)) {
+    file /= "building.toml";
+  }
+  const Building building = read_building(file);
+  const PriorMap walls = building.map_file.empty() ? PriorMap{} : read_map(building.map_file);
+  if (building.fixtures.empty()) {
+    throw std::runtime_error(file.string() + ": names no fixtures");
+  }
+  AuditParams params;
+  params.with_elements = with_elements;
+  const AmbiguityAudit audit(building, walls, read_robot(std::filesystem::path(robot_file)).camera, params);
+  const std::vector<AuditChange> changes = audit.best_changes(3);
+  print(building, audit, changes);
+  if (!json_file.empty()) {
+    write_json(json_file, building, audit, changes);
+  }
+  if (!png_file.empty()) {
+    write_picture(png_file, building, audit, changes);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace luminav
+
+int main(int argc, char** argv) {
+  return luminav::run_guarded("audit", [&] { return luminav::run(argc, argv); });
+}
