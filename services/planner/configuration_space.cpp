@@ -2,12 +2,71 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 
 namespace luminav {
 namespace {
 
 constexpr int kHighestPrice = 36;  // a diagonal step of 7 * 36 still fits the bucket queue's 256
+
+constexpr int kBlock = 64;  // [cells] side of what is measured at once
+
+/// What makes a cell solid or unknown.
+struct CellReading {
+  int occupied = 0;
+  int free = 0;
+  std::array<std::uint8_t, 4> wall{};  // by Prior
+  bool unknown_blocks = true;
+  bool use_evidence = true;
+};
+
+/// Eight bytes of 0 or 1 to eight bits: the product gathers them in its highest byte.
+std::uint64_t pack(const std::uint8_t* bytes) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, bytes, 8);
+  return word * 0x0102040810204080ULL >> 56;
+}
+
+std::uint64_t pack_64(const std::array<std::uint8_t, 64>& bytes) {
+  std::uint64_t word = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    word |= pack(bytes.data() + 8 * i) << (8 * i);
+  }
+  return word;
+}
+
+void read_row(const CellReading& reading, const Prior* prior, const std::int8_t* evidence, int columns,
+              std::uint64_t* solid, std::uint64_t* unknown) {
+  const std::uint8_t disputed = reading.wall[static_cast<std::size_t>(Prior::kDisputed)];
+  const auto occupied = static_cast<std::int8_t>(reading.use_evidence ? std::min(reading.occupied, 127) : 127);
+  const auto free = static_cast<std::int8_t>(reading.use_evidence ? std::max(reading.free, -128) : -128);
+  const std::uint8_t unknown_blocks = reading.unknown_blocks ? 1 : 0;
+  std::array<std::uint8_t, 64> is_solid{};
+  std::array<std::uint8_t, 64> is_unknown{};
+  for (int first = 0; first < columns; first += 64) {
+    const auto count = static_cast<std::size_t>(std::min(64, columns - first));
+    is_solid.fill(0);
+    is_unknown.fill(0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto known = static_cast<std::uint8_t>(prior[i]);
+      const auto is_wall =
+          static_cast<std::uint8_t>((known == static_cast<std::uint8_t>(Prior::kOccupied) ? 1 : 0) |
+                                    (known == static_cast<std::uint8_t>(Prior::kDisputed) ? disputed : 0));
+      is_solid[i] = static_cast<std::uint8_t>(is_wall | (evidence[i] > occupied ? 1 : 0));
+      is_unknown[i] = static_cast<std::uint8_t>((known == 0 ? unknown_blocks : 0) & (evidence[i] > free ? 1 : 0));
+    }
+    solid[first / 64] = pack_64(is_solid);
+    unknown[first / 64] = pack_64(is_unknown);
+    prior += count;
+    evidence += count;
+  }
+}
+
+CellWindow united(const CellWindow& a, const CellWindow& b) {
+  return {std::min(a.first_column, b.first_column), std::max(a.last_column, b.last_column),
+          std::min(a.first_row, b.first_row), std::max(a.last_row, b.last_row)};
+}
 
 /// Price of a cell by its squared distance; 0 = blocked.
 std::array<std::uint8_t, 256> price_table(const ConfigurationSpaceParams& params, double resolution) {
@@ -42,20 +101,45 @@ void check(const ConfigurationSpaceParams& params, double resolution) {
 }  // namespace
 
 ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, const OccupancyGrid& grid,
-                                       const std::vector<SuspectedObstacle>& suspected, bool use_evidence)
-    : geometry_(grid.geometry) {
+                                       const std::vector<SuspectedObstacle>& suspected, bool use_evidence,
+                                       bool is_weighed)
+    : params_(params),
+      use_evidence_(use_evidence),
+      is_graded_(is_weighed && params.clearance_weight > 0.0),
+      geometry_(grid.geometry),
+      solid_(geometry_.columns, geometry_.rows),
+      unknown_(geometry_.columns, geometry_.rows),
+      passable_(geometry_.columns, geometry_.rows) {
   check(params, geometry_.resolution);
-  const auto occupied = static_cast<int>(std::lround(params.occupied_log_odds * kEvidencePerLogOdds));
-  const auto free = static_cast<int>(std::lround(params.free_log_odds * kEvidencePerLogOdds));
-  const std::size_t size = geometry_.size();
-  solid_.assign(size, 0);
-  std::vector<std::uint8_t> unknown(size, 0);
-  for (std::size_t i = 0; i < size; ++i) {
-    const int evidence = use_evidence ? grid.evidence[i] : 0;
-    const Prior prior = grid.prior[i];
-    const bool wall = prior == Prior::kOccupied || (prior == Prior::kDisputed && !params.disputed_is_free);
-    solid_[i] = wall || evidence > occupied ? 1 : 0;
-    unknown[i] = prior == Prior::kUnknown && evidence > free && !params.unknown_is_free ? 1 : 0;
+  price_ = price_table(params, geometry_.resolution);
+  for (int square = 0; square < 256; ++square) {
+    const double cells = square == kNothingNear ? kDistanceReach + 1 : std::sqrt(square);
+    metres_[static_cast<std::size_t>(square)] = static_cast<float>(cells * geometry_.resolution);
+  }
+  squared_distance_ = std::make_unique_for_overwrite<std::uint8_t[]>(geometry_.size());
+  const auto blocks = [](int cells) { return static_cast<std::size_t>((cells + kBlock - 1) / kBlock); };
+  is_measured_.assign(blocks(geometry_.columns) * blocks(geometry_.rows), 0);
+  read(grid, suspected, solid_, unknown_);
+  widen(0, geometry_.rows);
+  if (is_graded_) {
+    measure({0, geometry_.columns, 0, geometry_.rows});
+    std::fill(is_measured_.begin(), is_measured_.end(), std::uint8_t{1});
+  }
+}
+
+void ConfigurationSpace::read(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected,
+                              BitGrid& solid, BitGrid& unknown) const {
+  CellReading reading;
+  reading.occupied = static_cast<int>(std::lround(params_.occupied_log_odds * kEvidencePerLogOdds));
+  reading.free = static_cast<int>(std::lround(params_.free_log_odds * kEvidencePerLogOdds));
+  reading.wall[static_cast<std::size_t>(Prior::kOccupied)] = 1;
+  reading.wall[static_cast<std::size_t>(Prior::kDisputed)] = params_.disputed_is_free ? 0 : 1;
+  reading.unknown_blocks = !params_.unknown_is_free;
+  reading.use_evidence = use_evidence_;
+  for (int row = 0; row < geometry_.rows; ++row) {
+    const std::size_t first = geometry_.index({0, row});
+    read_row(reading, grid.prior.data() + first, grid.evidence.data() + first, geometry_.columns, solid.row(row),
+             unknown.row(row));
   }
   for (const SuspectedObstacle& disc : suspected) {
     const Cell centre = geometry_.cell_at(disc.centre);
@@ -64,34 +148,122 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, c
       for (int column = centre.column - reach; column <= centre.column + reach; ++column) {
         const Cell cell{column, row};
         if (geometry_.contains(cell) && (geometry_.centre_of(cell) - disc.centre).norm() <= disc.radius) {
-          solid_[geometry_.index(cell)] = 1;
+          solid.set(cell);
         }
       }
     }
   }
-  squared_distances(solid_, geometry_.columns, geometry_.rows, squared_distance_);
-  const auto table = price_table(params, geometry_.resolution);
-  prices_.resize(size);
-  for (std::size_t i = 0; i < size; ++i) {
-    // unknown cells block, but what is beside them was seen: they push nothing away
-    prices_[i] = unknown[i] != 0 ? 0 : table[squared_distance_[i]];
-    solid_[i] = static_cast<std::uint8_t>(solid_[i] | unknown[i]);
+}
+
+// Unknown cells block, but what is beside them was seen: they push nothing away.
+void ConfigurationSpace::widen(int first_row, int last_row) {
+  dilate(solid_, params_.hard_radius / geometry_.resolution, first_row, last_row, passable_);
+  const std::size_t words = passable_.words_per_row();
+  const int last_column = geometry_.columns - 1;
+  for (int row = first_row; row < last_row; ++row) {
+    std::uint64_t* bits = passable_.row(row);
+    if (row == 0 || row == geometry_.rows - 1) {
+      std::fill(bits, bits + words, std::uint64_t{0});
+      continue;
+    }
+    const std::uint64_t* unknown = unknown_.row(row);
+    for (std::size_t i = 0; i < words; ++i) {
+      bits[i] = ~(bits[i] | unknown[i]);
+    }
+    bits[0] &= ~std::uint64_t{1};
+    bits[words - 1] &= (std::uint64_t{1} << (last_column % 64)) - 1;  // neither the last column nor what is beyond
   }
-  const auto last_row = static_cast<std::ptrdiff_t>(geometry_.index({0, geometry_.rows - 1}));
-  std::fill(prices_.begin(), prices_.begin() + geometry_.columns, std::uint8_t{0});
-  std::fill(prices_.begin() + last_row, prices_.end(), std::uint8_t{0});
-  for (int row = 0; row < geometry_.rows; ++row) {
-    prices_[geometry_.index({0, row})] = 0;
-    prices_[geometry_.index({geometry_.columns - 1, row})] = 0;
+}
+
+void ConfigurationSpace::measure(const CellWindow& window) const {
+  update_squared_distances(solid_, window, squared_distance_.get());
+}
+
+std::uint8_t ConfigurationSpace::squared_distance(const Cell& cell) const {
+  const int block_columns = (geometry_.columns + kBlock - 1) / kBlock;
+  std::uint8_t& is_measured =
+      is_measured_[static_cast<std::size_t>(cell.row / kBlock * block_columns + cell.column / kBlock)];
+  if (is_measured == 0) {
+    const int column = cell.column / kBlock * kBlock;
+    const int row = cell.row / kBlock * kBlock;
+    measure({column, std::min(column + kBlock, geometry_.columns), row, std::min(row + kBlock, geometry_.rows)});
+    is_measured = 1;
   }
-  for (int square = 0; square < 256; ++square) {
-    const double cells = square == kNothingNear ? kDistanceReach + 1 : std::sqrt(square);
-    metres_[static_cast<std::size_t>(square)] = static_cast<float>(cells * geometry_.resolution);
+  return squared_distance_[geometry_.index(cell)];
+}
+
+WaveTerrain ConfigurationSpace::terrain() const {
+  return {&passable_, is_graded_ ? squared_distance_.get() : nullptr,
+          is_graded_ ? price_.data() : price_.data() + kNothingNear};
+}
+
+int ConfigurationSpace::price(const Cell& cell) const {
+  if (is_blocked(cell)) {
+    return 0;
+  }
+  return params_.clearance_weight > 0.0 ? price_[squared_distance(cell)] : kFreePrice;
+}
+
+ConfigurationSpace::Update ConfigurationSpace::update(const OccupancyGrid& grid,
+                                                      const std::vector<SuspectedObstacle>& suspected) {
+  if (!(grid.geometry == geometry_) || geometry_.size() == 0) {
+    *this = ConfigurationSpace(params_, grid, suspected, use_evidence_, is_graded_);
+    return {};
+  }
+  BitGrid solid(geometry_.columns, geometry_.rows);
+  BitGrid unknown(geometry_.columns, geometry_.rows);
+  read(grid, suspected, solid, unknown);
+  const CellWindow in_solid = difference(solid, solid_);
+  const CellWindow in_unknown = difference(unknown, unknown_);
+  if (in_solid.is_empty() && in_unknown.is_empty()) {
+    return {.is_local = true, .changes = {}};
+  }
+  const CellWindow window = in_solid.is_empty() ? in_unknown
+                            : in_unknown.is_empty()
+                                ? in_solid.grown(kDistanceReach, geometry_.columns, geometry_.rows)
+                                : united(in_solid.grown(kDistanceReach, geometry_.columns, geometry_.rows), in_unknown);
+  const auto price_at = [&](const Cell& cell) {
+    return static_cast<std::uint8_t>(!passable_.test(cell) ? 0
+                                     : is_graded_          ? price_[squared_distance_[geometry_.index(cell)]]
+                                                           : kFreePrice);
+  };
+  std::vector<std::uint8_t> before;
+  for (int row = window.first_row; row < window.last_row; ++row) {
+    for (int column = window.first_column; column < window.last_column; ++column) {
+      before.push_back(price_at({column, row}));
+    }
+  }
+  solid_ = std::move(solid);
+  unknown_ = std::move(unknown);
+  widen(window.first_row, window.last_row);
+  if (is_graded_) {
+    measure(window);
+  } else {
+    forget_distances(window);
+  }
+  Update update{.is_local = true, .changes = {}};
+  std::size_t i = 0;
+  for (int row = window.first_row; row < window.last_row; ++row) {
+    for (int column = window.first_column; column < window.last_column; ++column, ++i) {
+      if (price_at({column, row}) != before[i]) {
+        update.changes.push_back({static_cast<std::uint32_t>(geometry_.index({column, row})), before[i]});
+      }
+    }
+  }
+  return update;
+}
+
+void ConfigurationSpace::forget_distances(const CellWindow& window) {
+  const int block_columns = (geometry_.columns + kBlock - 1) / kBlock;
+  for (int row = window.first_row / kBlock; row <= (window.last_row - 1) / kBlock; ++row) {
+    for (int column = window.first_column / kBlock; column <= (window.last_column - 1) / kBlock; ++column) {
+      is_measured_[static_cast<std::size_t>(row * block_columns + column)] = 0;
+    }
   }
 }
 
 double ConfigurationSpace::clearance(const Cell& cell) const {
-  return geometry_.contains(cell) ? static_cast<double>(metres_[squared_distance_[geometry_.index(cell)]]) : 0.0;
+  return geometry_.contains(cell) ? static_cast<double>(metres_[squared_distance(cell)]) : 0.0;
 }
 
 double ConfigurationSpace::clearance_at(const Eigen::Vector2d& point_in_world) const {
@@ -106,7 +278,7 @@ double ConfigurationSpace::clearance_at(const Eigen::Vector2d& point_in_world) c
 
 double ConfigurationSpace::price_at(const Eigen::Vector2d& point_in_world) const {
   const Cell cell = geometry_.cell_at(point_in_world);
-  return is_blocked(cell) ? kBlockedPrice : static_cast<double>(prices_[geometry_.index(cell)]) / kFreePrice;
+  return is_blocked(cell) ? kBlockedPrice : static_cast<double>(price(cell)) / kFreePrice;
 }
 
 }  // namespace luminav

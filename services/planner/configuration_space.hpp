@@ -2,10 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
+#include "services/planner/bit_grid.hpp"
 #include "services/planner/distance_field.hpp"
+#include "services/planner/wavefront.hpp"
 
 namespace luminav {
 
@@ -26,26 +29,37 @@ struct SuspectedObstacle {
 };
 
 /// Where the middle of the robot may be, and what it costs to be there. Distances are measured between centres of
-/// cells.
+/// cells. What blocks is kept and widened as bits; distances are filled in where somebody asks for them, unless prices
+/// depend on them.
 class ConfigurationSpace {
  public:
   /// Price of a cell far from everything; a step costs price times 5 (straight) or 7 (diagonal).
   static constexpr int kFreePrice = 4;
 
   ConfigurationSpace() = default;
-  /// `use_evidence` false gives the world as the building's map has it.
+  /// `use_evidence` false gives the world as the building's map has it; `is_weighed` false saves a pass over the grid:
+  /// `terrain` has one price then, while `price` still knows every cell's own.
   ConfigurationSpace(const ConfigurationSpaceParams& params, const OccupancyGrid& grid,
-                     const std::vector<SuspectedObstacle>& suspected, bool use_evidence = true);
+                     const std::vector<SuspectedObstacle>& suspected, bool use_evidence = true, bool is_weighed = true);
+
+  struct Update {
+    bool is_local = false;  // false: everything may have changed
+    std::vector<PriceChange> changes;
+  };
+  /// Takes over a new state of the grid, and says which cells have another price now. Reading the grid costs a pass
+  /// over it, the rest only what changed.
+  Update update(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected);
 
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
-  /// Per cell: 0 = blocked, else its price. The outermost ring of the grid is always blocked.
-  [[nodiscard]] const std::vector<std::uint8_t>& prices() const { return prices_; }
-  [[nodiscard]] bool is_blocked(const Cell& cell) const {
-    return !geometry_.contains(cell) || prices_[geometry_.index(cell)] == 0;
-  }
+  /// For a wave. Valid until the next update.
+  [[nodiscard]] WaveTerrain terrain() const;
+  [[nodiscard]] const BitGrid& passable() const { return passable_; }
+  /// 0 = blocked, else the price of a cell inside the grid. The outermost ring of the grid is always blocked.
+  [[nodiscard]] int price(const Cell& cell) const;
+  [[nodiscard]] bool is_blocked(const Cell& cell) const { return !geometry_.contains(cell) || !passable_.test(cell); }
   /// Occupied, or unknown while that counts as blocked: not even the robot's edge may be there.
   [[nodiscard]] bool is_solid(const Cell& cell) const {
-    return !geometry_.contains(cell) || solid_[geometry_.index(cell)] != 0;
+    return !geometry_.contains(cell) || solid_.test(cell) || unknown_.test(cell);
   }
   /// Distance [m] from a cell's centre to the nearest occupied cell's; 1.6 m (at 0.1 m a cell) where nothing is near.
   [[nodiscard]] double clearance(const Cell& cell) const;
@@ -56,11 +70,25 @@ class ConfigurationSpace {
   static constexpr double kBlockedPrice = 60.0;
 
  private:
+  void read(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected, BitGrid& solid,
+            BitGrid& unknown) const;
+  void widen(int first_row, int last_row);
+  void measure(const CellWindow& window) const;
+  void forget_distances(const CellWindow& window);
+  [[nodiscard]] std::uint8_t squared_distance(const Cell& cell) const;
+
+  ConfigurationSpaceParams params_;
+  bool use_evidence_ = true;
+  bool is_graded_ = true;  // all prices are kept up to date
   GridGeometry geometry_;
-  std::vector<std::uint8_t> solid_;
-  std::vector<std::uint8_t> squared_distance_;
-  std::vector<std::uint8_t> prices_;
-  std::array<float, 256> metres_{};  // of each squared distance
+  BitGrid solid_;
+  BitGrid unknown_;  // and not to be entered
+  BitGrid passable_;
+  // of square blocks of 64 cells, measured when first asked for; memory is touched only then
+  mutable std::vector<std::uint8_t> is_measured_;
+  mutable std::unique_ptr<std::uint8_t[]> squared_distance_;
+  std::array<std::uint8_t, 256> price_{};  // of each squared distance
+  std::array<float, 256> metres_{};        // of each squared distance
 };
 
 }  // namespace luminav

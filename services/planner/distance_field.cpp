@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 
 namespace luminav {
 namespace {
@@ -13,14 +14,28 @@ std::uint8_t add_saturated(std::uint8_t a, std::uint8_t b) {
   return sum < a ? kNothingNear : sum;
 }
 
+/// Eight bits as eight bytes of 0 or 1.
+std::uint64_t spread(std::uint64_t bits) {
+  const std::uint64_t each = (bits & 0xFF) * 0x0101010101010101ULL & 0x8040201008040201ULL;
+  return (each + 0x7F7F7F7F7F7F7F7FULL) >> 7 & 0x0101010101010101ULL;
+}
+
 /// Distances along the columns of a window, [cells], capped at kFar.
-void vertical_distances(const std::vector<std::uint8_t>& solid, std::size_t stride, std::size_t first,
-                        std::size_t width, std::size_t first_row, std::size_t last_row,
-                        std::vector<std::uint8_t>& down) {
-  const std::size_t height = last_row - first_row;
+void vertical_distances(const BitGrid& solid, const CellWindow& window, std::vector<std::uint8_t>& down) {
+  const auto first = static_cast<std::size_t>(window.first_column);
+  const auto width = static_cast<std::size_t>(window.last_column - window.first_column);
+  const auto height = static_cast<std::size_t>(window.last_row - window.first_row);
+  const std::size_t first_byte = first / 8;
+  const std::size_t last_byte = (first + width + 7) / 8;
+  std::vector<std::uint8_t> bytes(8 * (last_byte - first_byte));
+  const std::uint8_t* source = bytes.data() + first % 8;
   down.resize(width * height);
   for (std::size_t row = 0; row < height; ++row) {
-    const std::uint8_t* source = solid.data() + (first_row + row) * stride + first;
+    const std::uint64_t* words = solid.row(window.first_row + static_cast<int>(row));
+    for (std::size_t byte = first_byte; byte < last_byte; ++byte) {
+      const std::uint64_t eight = spread(words[byte / 8] >> (8 * (byte % 8)));
+      std::memcpy(bytes.data() + 8 * (byte - first_byte), &eight, 8);
+    }
     std::uint8_t* target = down.data() + row * width;
     const std::uint8_t* above = row == 0 ? nullptr : target - width;
     for (std::size_t i = 0; i < width; ++i) {
@@ -39,20 +54,19 @@ void vertical_distances(const std::vector<std::uint8_t>& solid, std::size_t stri
 
 }  // namespace
 
-void update_squared_distances(const std::vector<std::uint8_t>& solid, int columns, int rows, int first_column,
-                              int last_column, int first_row, int last_row, std::vector<std::uint8_t>& result) {
+void update_squared_distances(const BitGrid& solid, const CellWindow& window, std::uint8_t* result) {
   // what counts may lie a reach outside the window
-  const auto from_column = static_cast<std::size_t>(std::max(0, first_column - kDistanceReach));
-  const auto to_column = static_cast<std::size_t>(std::min(columns, last_column + kDistanceReach));
-  const auto from_row = static_cast<std::size_t>(std::max(0, first_row - kDistanceReach));
-  const auto to_row = static_cast<std::size_t>(std::min(rows, last_row + kDistanceReach));
-  const auto stride = static_cast<std::size_t>(columns);
-  const std::size_t width = to_column - from_column;
-  if (width == 0 || to_row <= from_row) {
+  const CellWindow around = window.grown(kDistanceReach, solid.columns(), solid.rows());
+  if (window.is_empty() || around.is_empty()) {
     return;
   }
+  const auto [first_column, last_column, first_row, last_row] = window;
+  const auto stride = static_cast<std::size_t>(solid.columns());
+  const auto from_column = static_cast<std::size_t>(around.first_column);
+  const auto from_row = static_cast<std::size_t>(around.first_row);
+  const auto width = static_cast<std::size_t>(around.last_column - around.first_column);
   std::vector<std::uint8_t> vertical;
-  vertical_distances(solid, stride, from_column, width, from_row, to_row, vertical);
+  vertical_distances(solid, around, vertical);
 
   std::vector<std::uint8_t> squares(width + 2 * kDistanceReach, kNothingNear);
   std::vector<std::uint8_t> best(width);
@@ -64,7 +78,7 @@ void update_squared_distances(const std::vector<std::uint8_t>& solid, int column
       nearest = std::min(nearest, line[i]);
       middle[i] = line[i] >= kFar ? kNothingNear : static_cast<std::uint8_t>(line[i] * line[i]);
     }
-    std::uint8_t* target = result.data() + static_cast<std::size_t>(row) * stride;
+    std::uint8_t* target = result + static_cast<std::size_t>(row) * stride;
     if (nearest >= kFar) {
       std::fill(target + first_column, target + last_column, kNothingNear);
       continue;
@@ -84,10 +98,10 @@ void update_squared_distances(const std::vector<std::uint8_t>& solid, int column
   }
 }
 
-void squared_distances(const std::vector<std::uint8_t>& solid, int columns, int rows,
-                       std::vector<std::uint8_t>& result) {
-  result.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  update_squared_distances(solid, columns, rows, 0, columns, 0, rows, result);
+std::vector<std::uint8_t> squared_distances(const BitGrid& solid) {
+  std::vector<std::uint8_t> result(static_cast<std::size_t>(solid.columns()) * static_cast<std::size_t>(solid.rows()));
+  update_squared_distances(solid, {0, solid.columns(), 0, solid.rows()}, result.data());
+  return result;
 }
 
 }  // namespace luminav

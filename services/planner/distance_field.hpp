@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "services/planner/bit_grid.hpp"
+
 namespace luminav {
 
 /// Farthest distance [cells] that a distance field tells; its square fits into a byte.
@@ -11,14 +13,11 @@ inline constexpr int kDistanceReach = 15;
 inline constexpr std::uint8_t kNothingNear = 255;
 
 /// Squares of the exact Euclidean distances [cells^2], centre to centre, from each cell to the nearest one that is set
-/// in `solid` (row-major, non-zero = set); kNothingNear beyond kDistanceReach. Two passes over the grid with bounded
-/// reach, about 2 ns a cell.
-void squared_distances(const std::vector<std::uint8_t>& solid, int columns, int rows,
-                       std::vector<std::uint8_t>& result);
+/// in `solid`; kNothingNear beyond kDistanceReach. Two passes over the grid with bounded reach, about 2 ns a cell.
+std::vector<std::uint8_t> squared_distances(const BitGrid& solid);
 
-/// The same for a window of the grid only, columns and rows [first, last); right when `solid` changed nowhere farther
-/// than kDistanceReach inside the window's border.
-void update_squared_distances(const std::vector<std::uint8_t>& solid, int columns, int rows, int first_column,
-                              int last_column, int first_row, int last_row, std::vector<std::uint8_t>& result);
+/// The same for a window of the grid only; `result` has a value for every cell of the grid, row-major. Right when
+/// `solid` changed nowhere farther than kDistanceReach inside the window's border.
+void update_squared_distances(const BitGrid& solid, const CellWindow& window, std::uint8_t* result);
 
 }  // namespace luminav

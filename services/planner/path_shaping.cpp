@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 namespace luminav {
 namespace {
@@ -48,15 +50,33 @@ Eigen::Vector2d clearance_gradient(const ConfigurationSpace& space, const Eigen:
 
 void relax(const ConfigurationSpace& space, const PathShapingParams& params, Polyline& band) {
   const double range = 1.2;  // [m] obstacles farther away do not push
+  constexpr double kStill =
+      5e-4;  // [m] a point that moved less stays, until a neighbour moves: most of a way is straight
+  std::vector<std::uint8_t> moves(band.size(), 1);
+  std::vector<std::uint8_t> moved_last(band.size(), 1);
   for (int round = 0; round < params.smoothing_rounds; ++round) {
     for (std::size_t i = 1; i + 1 < band.size(); ++i) {
+      // in one round the points before have moved already
+      if (moves[i - 1] == 0 && moved_last[i] == 0 && moved_last[i + 1] == 0) {
+        moves[i] = 0;
+        continue;
+      }
       const Eigen::Vector2d pull = params.tension * (0.5 * (band[i - 1] + band[i + 1]) - band[i]);
       const double depth = std::max(0.0, 1.0 - space.clearance_at(band[i]) / range);
-      const Eigen::Vector2d moved = band[i] + pull + params.push * depth * clearance_gradient(space, band[i]);
-      if (is_clear(space, band[i - 1], moved) && is_clear(space, moved, band[i + 1])) {
+      Eigen::Vector2d push = Eigen::Vector2d::Zero();
+      if (depth > 0.0) {
+        push = params.push * depth * clearance_gradient(space, band[i]);
+      }
+      const Eigen::Vector2d moved = band[i] + pull + push;
+      moves[i] = 0;
+      if ((moved - band[i]).squaredNorm() > kStill * kStill && is_clear(space, band[i - 1], moved) &&
+          is_clear(space, moved, band[i + 1])) {
         band[i] = moved;
+        moves[i] = 1;
       }
     }
+    moves.front() = moves.back() = 0;
+    moved_last = moves;
   }
 }
 

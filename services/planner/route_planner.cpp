@@ -13,7 +13,10 @@ namespace {
 constexpr std::uint32_t kSeedCostPerCell =
     400;  // twenty cells of free way: a goal in an obstacle is missed by as little as possible
 constexpr std::uint32_t kEscapePrice = 60;  // of a blocked cell on the way out, beside 36 for the dearest allowed one
-constexpr double kBlockedMargin = 0.05;     // [m] less than the hard radius before a path counts as blocked
+constexpr std::uint32_t kFieldMargin =
+    10 * 10 * 5 * ConfigurationSpace::kFreePrice;  // 10 m of free way, at 0.1 m a cell
+constexpr std::size_t kFewestCellsPerChange = 20;  // where more has changed it is planned anew
+constexpr double kBlockedMargin = 0.05;            // [m] less than the hard radius before a path counts as blocked
 
 }  // namespace
 
@@ -25,7 +28,19 @@ RoutePlanner::RoutePlanner(const RoutePlannerParams& params) : params_(params) {
 
 void RoutePlanner::set_grid(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected,
                             bool use_evidence) {
-  space_ = ConfigurationSpace(params_.space, grid, suspected, use_evidence);
+  if (use_evidence != uses_evidence_ || !(space_.geometry() == grid.geometry)) {
+    const bool is_weighed = params_.mode == PlannerMode::kModern && grid.geometry.size() <= params_.largest_weighed;
+    space_ = ConfigurationSpace(params_.space, grid, suspected, use_evidence, is_weighed);
+    uses_evidence_ = use_evidence;
+    field_goal_.reset();
+    changes_.clear();
+    return;
+  }
+  const ConfigurationSpace::Update update = space_.update(grid, suspected);
+  changes_.insert(changes_.end(), update.changes.begin(), update.changes.end());
+  if (!update.is_local || changes_.size() > grid.geometry.size() / kFewestCellsPerChange) {
+    field_goal_.reset();
+  }
 }
 
 std::vector<WaveSeed> RoutePlanner::seeds_for(const RouteRequest& request) const {
@@ -75,9 +90,9 @@ std::vector<std::size_t> RoutePlanner::escape(const Cell& start, const Eigen::Ve
     if (spent != cost[local(cell)] || spent >= best_total) {
       continue;
     }
-    if (field_.cost[index] != kNever) {
-      if (spent + field_.cost[index] < best_total) {
-        best_total = spent + field_.cost[index];
+    if (field_.is_reached(index)) {
+      if (spent + field_.cost(index) < best_total) {
+        best_total = spent + field_.cost(index);
         best_cell = index;
       }
       continue;  // from here on the wave knows the way
@@ -120,31 +135,71 @@ std::vector<std::size_t> RoutePlanner::escape(const Cell& start, const Eigen::Ve
 std::optional<Eigen::Vector2d> RoutePlanner::nearest_reachable(const RouteRequest& request) {
   const GridGeometry& geometry = space_.geometry();
   const Cell start = geometry.cell_at(request.start);
-  std::vector<WaveSeed> seeds;
+  std::vector<Cell> near;
   const int reach = static_cast<int>(std::ceil(params_.escape_radius / geometry.resolution));
   // beside an obstacle the robot's own cell may be blocked: the nearest free ones stand for it
-  for (int ring = 0; ring <= reach && seeds.empty(); ++ring) {
+  for (int ring = 0; ring <= reach && near.empty(); ++ring) {
     for (int row = start.row - ring; row <= start.row + ring; ++row) {
       for (int column = start.column - ring; column <= start.column + ring; ++column) {
         if (!space_.is_blocked({column, row})) {
-          seeds.push_back({{column, row}, 0});
+          near.push_back({column, row});
         }
       }
     }
   }
-  WaveField reached;
-  grow_wave(space_.prices(), geometry.columns, seeds, -1, reached);
+  tiles_.grow(space_.passable(), near);
   std::optional<Eigen::Vector2d> best;
   for (int row = 0; row < geometry.rows; ++row) {
     for (int column = 0; column < geometry.columns; ++column) {
-      const Eigen::Vector2d point = geometry.centre_of({column, row});
-      if (reached.cost[geometry.index({column, row})] != WaveField::kUnreached &&
+      const Cell cell{column, row};
+      const Eigen::Vector2d point = geometry.centre_of(cell);
+      if (space_.passable().test(cell) && tiles_.is_reached(cell) &&
           (!best || (point - request.goal).squaredNorm() < (*best - request.goal).squaredNorm())) {
         best = point;
       }
     }
   }
   return best;
+}
+
+std::vector<std::size_t> RoutePlanner::cells_by_tiles(const Cell& start, const std::vector<WaveSeed>& seeds) {
+  // a goal in an obstacle: the free cell nearest to it that can be reached at all
+  const Cell from[] = {start};
+  tiles_.grow(space_.passable(), from);
+  const WaveSeed* best = nullptr;
+  for (const WaveSeed& seed : seeds) {
+    if (tiles_.is_reached(seed.cell) && (best == nullptr || seed.cost < best->cost)) {
+      best = &seed;
+    }
+  }
+  std::vector<std::size_t> cells;
+  if (best == nullptr) {
+    return cells;
+  }
+  for (const Cell& cell : tiles_.descend(best->cell)) {
+    cells.push_back(space_.geometry().index(cell));
+  }
+  std::reverse(cells.begin(), cells.end());
+  return cells;
+}
+
+void RoutePlanner::refresh_field(const RouteRequest& request, const std::vector<WaveSeed>& seeds) {
+  const GridGeometry& geometry = space_.geometry();
+  const Cell start = geometry.cell_at(request.start);
+  const bool is_repairable = seeds.size() == 1 && !space_.is_blocked(start);
+  WaveStop stop;
+  if (!space_.is_blocked(start)) {
+    stop = {static_cast<std::int64_t>(geometry.index(start)), kFieldMargin};
+  }
+  const bool is_kept = is_repairable && field_goal_ == seeds.front().cell;
+  if (!is_kept || !repair_wave(space_.terrain(), changes_, stop, field_)) {
+    grow_wave(space_.terrain(), seeds, stop, field_);
+  }
+  changes_.clear();
+  field_goal_.reset();
+  if (is_repairable) {
+    field_goal_ = seeds.front().cell;
+  }
 }
 
 Polyline RoutePlanner::chain_of(const std::vector<std::size_t>& cells, const RouteRequest& request) const {
@@ -174,7 +229,7 @@ Route RoutePlanner::plan_paper(const RouteRequest& request, const std::vector<Wa
   const auto nearest = std::min_element(seeds.begin(), seeds.end(),
                                         [](const WaveSeed& a, const WaveSeed& b) { return a.cost < b.cost; });
   const std::size_t start = geometry.index(geometry.cell_at(request.start));
-  const auto labels = wavefront_labels(space_.prices(), geometry.columns, start, geometry.index(nearest->cell));
+  const auto labels = wavefront_labels(space_.passable(), start, geometry.index(nearest->cell));
   const std::vector<std::size_t> cells = follow_labels(labels, geometry.columns, start);
   if (!cells.empty()) {
     route.outcome = RouteOutcome::kFound;
@@ -206,13 +261,19 @@ Route RoutePlanner::plan(const RouteRequest& request) {
   } else {
     const std::size_t start_index = geometry.index(start);
     const bool start_is_free = !space_.is_blocked(start);
-    grow_wave(space_.prices(), geometry.columns, seeds, start_is_free ? static_cast<std::int64_t>(start_index) : -1,
-              field_);
-    std::vector<std::size_t> cells =
-        start_is_free ? std::vector<std::size_t>{start_index} : escape(start, request.start);
-    if (!cells.empty() && field_.cost[cells.back()] != WaveField::kUnreached) {
-      const std::vector<std::size_t> rest = descend(space_.prices(), field_, cells.back());
-      cells.insert(cells.end(), rest.begin() + 1, rest.end());
+    const bool by_tiles = start_is_free && geometry.size() > params_.largest_weighed;
+    std::vector<std::size_t> cells;
+    if (by_tiles) {
+      cells = cells_by_tiles(start, seeds);
+    } else {
+      refresh_field(request, seeds);
+      cells = start_is_free ? std::vector<std::size_t>{start_index} : escape(start, request.start);
+      if (!cells.empty()) {
+        const std::vector<std::size_t> rest = descend(space_.terrain(), field_, cells.back());
+        rest.empty() ? cells.clear() : static_cast<void>(cells.insert(cells.end(), rest.begin() + 1, rest.end()));
+      }
+    }
+    if (!cells.empty()) {
       route.outcome = RouteOutcome::kFound;
       route.points = shape_path(space_, params_.shaping, chain_of(cells, request));
     } else {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
 
 #include "tests/unit/planner/floor_plan.hpp"
 
@@ -25,7 +26,7 @@ TEST(ConfigurationSpace, CostsLessTheFartherFromWalls) {
   const ConfigurationSpace space({}, empty_room(6.0, 6.0), {});
   int last = std::numeric_limits<int>::max();
   for (int column = 5; column < 20; ++column) {
-    const int price = space.prices()[space.geometry().index({column, 32})];
+    const int price = space.price({column, 32});
     EXPECT_LE(price, last);
     EXPECT_GE(price, ConfigurationSpace::kFreePrice);
     last = price;
@@ -93,6 +94,48 @@ TEST(ConfigurationSpace, RefusesImpossibleParameters) {
   const OccupancyGrid grid = empty_room(2.0, 2.0);
   EXPECT_THROW(ConfigurationSpace({.hard_radius = -0.1}, grid, {}), std::invalid_argument);
   EXPECT_THROW(ConfigurationSpace({.hard_radius = 0.5, .clearance_range = 0.4}, grid, {}), std::invalid_argument);
+}
+
+/// Prices of all cells.
+std::vector<int> prices_of(const ConfigurationSpace& space) {
+  std::vector<int> prices;
+  for (int row = 0; row < space.geometry().rows; ++row) {
+    for (int column = 0; column < space.geometry().columns; ++column) {
+      prices.push_back(space.price({column, row}));
+    }
+  }
+  return prices;
+}
+
+TEST(ConfigurationSpace, IsTheSameUpdatedOrMadeAnewAndSaysWhatChanged) {
+  std::mt19937 rng(3);
+  for (const double weight : {6.0, 0.0}) {
+    OccupancyGrid grid = empty_room(14.0, 9.0);
+    ConfigurationSpaceParams params;
+    params.clearance_weight = weight;
+    ConfigurationSpace space(params, grid, {});
+    std::uniform_int_distribution<int> column(0, grid.geometry.columns - 1);
+    std::uniform_int_distribution<int> row(0, grid.geometry.rows - 1);
+    for (int round = 0; round < 30; ++round) {
+      const std::vector<int> before = prices_of(space);
+      for (int i = 0; i < 3; ++i) {
+        const std::size_t cell = grid.geometry.index({column(rng), row(rng)});
+        grid.prior[cell] = static_cast<Prior>(rng() % 4);
+        grid.evidence[cell] = static_cast<std::int8_t>(static_cast<int>(rng() % 101) - 50);
+      }
+      const ConfigurationSpace::Update update = space.update(grid, {});
+      const std::vector<int> after = prices_of(space);
+      ASSERT_TRUE(update.is_local);
+      ASSERT_EQ(after, prices_of(ConfigurationSpace(params, grid, {})));
+      std::vector<int> undone = after;
+      for (const PriceChange& change : update.changes) {
+        EXPECT_NE(undone[change.cell], change.price_before);
+        undone[change.cell] = change.price_before;
+      }
+      ASSERT_EQ(undone, before);
+      EXPECT_DOUBLE_EQ(space.clearance({70, 40}), ConfigurationSpace(params, grid, {}).clearance({70, 40}));
+    }
+  }
 }
 
 }  // namespace

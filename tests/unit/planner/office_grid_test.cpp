@@ -45,18 +45,19 @@ TEST_P(OfficeGrid, IsTheOneThatOthersMeasuredOn) {
 TEST_P(OfficeGrid, IsExpandedReachedAndCrossedAsOthersDo) {
   const Agreed& agreed = GetParam();
   const ConfigurationSpace space = space_of(office_grid(agreed.side, agreed.resolution), agreed);
-  const auto& prices = space.prices();
-  EXPECT_EQ(static_cast<long>(prices.size()) - std::count(prices.begin(), prices.end(), 0), agreed.free);
+  EXPECT_EQ(space.passable().count(), agreed.free);
   const int start = static_cast<int>(std::lround(1.0 / agreed.resolution));
   const int goal = agreed.side - 1 - start;
   WaveField field;
-  grow_wave(prices, agreed.side, {{{goal, goal}, 0}}, -1, field);
-  EXPECT_EQ(
-      static_cast<long>(field.cost.size()) - std::count(field.cost.begin(), field.cost.end(), WaveField::kUnreached),
-      agreed.reached);
+  grow_wave(space.terrain(), {{{goal, goal}, 0}}, {}, field);
+  long reached = 0;
+  for (std::size_t i = 0; i < field.stored.size(); ++i) {
+    reached += field.is_reached(i) ? 1 : 0;
+  }
+  EXPECT_EQ(reached, agreed.reached);
   const std::size_t start_index = space.geometry().index({start, start});
-  EXPECT_EQ(field.cost[start_index], agreed.cost * ConfigurationSpace::kFreePrice);
-  EXPECT_EQ(descend(prices, field, start_index).size(), agreed.path);
+  EXPECT_EQ(field.cost(start_index), agreed.cost * ConfigurationSpace::kFreePrice);
+  EXPECT_EQ(descend(space.terrain(), field, start_index).size(), agreed.path);
 }
 
 INSTANTIATE_TEST_SUITE_P(Floors, OfficeGrid,
@@ -69,9 +70,19 @@ TEST(OfficeGridFine, IsExpandedAsOthersDo) {
   const std::vector<std::uint8_t> cells = office_grid(4000, 0.025);
   EXPECT_EQ(std::count(cells.begin(), cells.end(), 1), 2487660);
   EXPECT_EQ(fnv1a(cells), 0xa9b7f255cff90485ULL);
-  std::vector<std::uint8_t> squares;
-  squared_distances(cells, 4000, 4000, squares);
+  BitGrid solid(4000, 4000);
+  for (int row = 0; row < 4000; ++row) {
+    for (int column = 0; column < 4000; ++column) {
+      if (cells[static_cast<std::size_t>(row) * 4000 + static_cast<std::size_t>(column)] != 0) {
+        solid.set({column, row});
+      }
+    }
+  }
+  const std::vector<std::uint8_t> squares = squared_distances(solid);
   EXPECT_EQ(std::count_if(squares.begin(), squares.end(), [](std::uint8_t square) { return square > 100; }), 9567875);
+  BitGrid wide(4000, 4000);
+  dilate(solid, 10.0, 0, 4000, wide);
+  EXPECT_EQ(4000L * 4000L - wide.count(), 9567875);
 }
 
 }  // namespace

@@ -143,5 +143,54 @@ TEST(RoutePlanner, SaysWhereAPathIsBlocked) {
   EXPECT_NEAR(route.points[*blocked].x(), 6.85, 0.2);
 }
 
+TEST(RoutePlanner, PlansOnMapsTooLargeToWeighToo) {
+  RoutePlannerParams params;
+  params.largest_weighed = 0;
+  OccupancyGrid grid = two_rooms();
+  RoutePlanner planner = planner_for(grid, params);
+  const Route route = planner.plan({{2.0, 1.0}, {9.0, 4.0}, 0.1});
+  ASSERT_EQ(route.outcome, RouteOutcome::kFound);
+  EXPECT_EQ(route.points.back(), Eigen::Vector2d(9.0, 4.0));
+  EXPECT_FALSE(planner.first_blocked(route.points, 0));
+  EXPECT_LT(route.cost, 1.1 * planner_for(grid).plan({{2.0, 1.0}, {9.0, 4.0}, 0.1}).cost);
+  // beside an obstacle, into one, and into a closed room
+  EXPECT_EQ(planner.plan({{5.3, 1.0}, {9.0, 4.0}, 0.1}).outcome, RouteOutcome::kFound);
+  EXPECT_EQ(planner.plan({{2.0, 1.0}, {5.35, 1.0}, 0.3}).outcome, RouteOutcome::kFound);
+  build_wall(grid, 5.0, 2.0, 5.2, 2.9);
+  planner.set_grid(grid, {});
+  EXPECT_EQ(planner.plan({{2.0, 1.0}, {9.0, 4.0}, 0.1}).outcome, RouteOutcome::kUnreachable);
+}
+
+// What is kept between plans must never show: obstacles come and go, the robot drives on, the goal changes.
+TEST(RoutePlanner, GivesTheSameRouteWithAndWithoutWhatItKept) {
+  std::mt19937 rng(9);
+  OccupancyGrid grid = two_rooms();
+  RoutePlanner kept = planner_for(grid);
+  std::uniform_real_distribution<double> along(0.6, 4.5);
+  std::uniform_real_distribution<double> up(0.6, 4.6);
+  std::uniform_int_distribution<int> column(4, 90);
+  std::uniform_int_distribution<int> row(4, 45);
+  int found = 0;
+  for (int round = 0; round < 60; ++round) {
+    const int left = column(rng);
+    const int low = row(rng);
+    const auto evidence = static_cast<std::int8_t>(round % 3 == 0 ? 0 : 50);
+    for (int r = low; r < low + 4; ++r) {
+      for (int c = left; c < left + 4; ++c) {
+        grid.evidence[grid.geometry.index({c, r})] = evidence;
+      }
+    }
+    const Eigen::Vector2d goal(9.0, round / 20 % 2 == 0 ? 4.0 : 1.0);
+    const RouteRequest request{{along(rng), up(rng)}, goal, 0.1};
+    kept.set_grid(grid, {});
+    const Route route = kept.plan(request);
+    const Route anew = planner_for(grid).plan(request);
+    ASSERT_EQ(route.outcome, anew.outcome) << "round " << round;
+    EXPECT_NEAR(route.cost, anew.cost, 1e-9) << "round " << round;
+    found += route.outcome == RouteOutcome::kFound ? 1 : 0;
+  }
+  EXPECT_GT(found, 20);
+}
+
 }  // namespace
 }  // namespace luminav

@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <queue>
+#include <array>
+#include <numeric>
 #include <random>
 
 namespace luminav {
@@ -12,7 +13,41 @@ struct Plan {
   int columns;
   std::vector<std::uint8_t> prices;
   std::size_t at(int column, int row) const { return static_cast<std::size_t>(row * columns + column); }
+  BitGrid passable() const {
+    BitGrid bits(columns, static_cast<int>(prices.size()) / columns);
+    for (std::size_t i = 0; i < prices.size(); ++i) {
+      if (prices[i] != 0) {
+        bits.set({static_cast<int>(i) % columns, static_cast<int>(i) / columns});
+      }
+    }
+    return bits;
+  }
 };
+
+/// Every price a class of its own.
+struct Terrain {
+  explicit Terrain(const Plan& plan) : passable(plan.passable()), classes(plan.prices) {
+    std::iota(price.begin(), price.end(), std::uint8_t{0});
+  }
+  WaveTerrain get() const { return {&passable, classes.data(), price.data()}; }
+  BitGrid passable;
+  std::vector<std::uint8_t> classes;
+  std::array<std::uint8_t, 256> price{};
+};
+
+std::vector<std::uint32_t> costs_of(const WaveField& field) {
+  std::vector<std::uint32_t> costs;
+  for (std::size_t i = 0; i < field.stored.size(); ++i) {
+    costs.push_back(field.cost(i));
+  }
+  return costs;
+}
+
+WaveField wave(const Plan& plan, const std::vector<WaveSeed>& seeds) {
+  WaveField field;
+  grow_wave(Terrain(plan).get(), seeds, {}, field);
+  return field;
+}
 
 /// The top line is row 0 here; # blocked, a digit its price.
 Plan plan_of(const std::vector<std::string>& lines) {
@@ -27,7 +62,7 @@ Plan plan_of(const std::vector<std::string>& lines) {
 
 TEST(Wavefront, LabelsAsThePaperDoes) {
   const Plan plan = plan_of({"######", "#1111#", "#1##1#", "#1111#", "######"});
-  const auto labels = wavefront_labels(plan.prices, plan.columns, plan.at(1, 1), plan.at(4, 3));
+  const auto labels = wavefront_labels(plan.passable(), plan.at(1, 1), plan.at(4, 3));
   EXPECT_EQ(labels[plan.at(4, 3)], 2U);  // the goal
   EXPECT_EQ(labels[plan.at(3, 3)], 3U);
   EXPECT_EQ(labels[plan.at(4, 2)], 3U);
@@ -39,7 +74,7 @@ TEST(Wavefront, LabelsAsThePaperDoes) {
 
 TEST(Wavefront, FollowsLabelsFromStartToGoal) {
   const Plan plan = plan_of({"######", "#1111#", "#1##1#", "#1111#", "######"});
-  const auto labels = wavefront_labels(plan.prices, plan.columns, plan.at(1, 1), plan.at(4, 3));
+  const auto labels = wavefront_labels(plan.passable(), plan.at(1, 1), plan.at(4, 3));
   const auto cells = follow_labels(labels, plan.columns, plan.at(1, 1));
   ASSERT_EQ(cells.size(), 5U);
   EXPECT_EQ(cells.front(), plan.at(1, 1));
@@ -48,19 +83,18 @@ TEST(Wavefront, FollowsLabelsFromStartToGoal) {
 
 TEST(Wavefront, LeavesAClosedRoomWithoutLabels) {
   const Plan plan = plan_of({"#######", "#11#11#", "#11#11#", "#######"});
-  const auto labels = wavefront_labels(plan.prices, plan.columns, plan.at(1, 1), plan.at(4, 1));
+  const auto labels = wavefront_labels(plan.passable(), plan.at(1, 1), plan.at(4, 1));
   EXPECT_EQ(labels[plan.at(1, 1)], 0U);
   EXPECT_TRUE(follow_labels(labels, plan.columns, plan.at(1, 1)).empty());
 }
 
 TEST(Wave, CountsFiveStraightAndSevenDiagonal) {
   const Plan plan = plan_of({"#####", "#111#", "#111#", "#111#", "#####"});
-  WaveField field;
-  grow_wave(plan.prices, plan.columns, {{{1, 1}, 0}}, -1, field);
-  EXPECT_EQ(field.cost[plan.at(3, 1)], 10U);
-  EXPECT_EQ(field.cost[plan.at(3, 3)], 14U);
-  EXPECT_EQ(field.cost[plan.at(2, 3)], 12U);
-  EXPECT_EQ(field.cost[plan.at(0, 0)], WaveField::kUnreached);
+  WaveField field = wave(plan, {{{1, 1}, 0}});
+  EXPECT_EQ(field.cost(plan.at(3, 1)), 10U);
+  EXPECT_EQ(field.cost(plan.at(3, 3)), 14U);
+  EXPECT_EQ(field.cost(plan.at(2, 3)), 12U);
+  EXPECT_EQ(field.cost(plan.at(0, 0)), WaveField::kUnreached);
 }
 
 TEST(Wave, IsTheShortestWayOnRandomPrices) {
@@ -74,8 +108,7 @@ TEST(Wave, IsTheShortestWayOnRandomPrices) {
     }
   }
   plan.prices[plan.at(3, 3)] = 9;
-  WaveField field;
-  grow_wave(plan.prices, kSide, {{{3, 3}, 700}}, -1, field);
+  WaveField field = wave(plan, {{{3, 3}, 700}});
   // Bellman and Ford, slow and plain
   std::vector<std::uint32_t> cost(plan.prices.size(), WaveField::kUnreached);
   cost[plan.at(3, 3)] = 700;
@@ -100,36 +133,118 @@ TEST(Wave, IsTheShortestWayOnRandomPrices) {
       }
     }
   }
-  EXPECT_EQ(field.cost, cost);
+  EXPECT_EQ(costs_of(field), cost);
 }
 
 TEST(Wave, StartsFromSeveralSeedsAtTheirCosts) {
   const Plan plan = plan_of({"############", "#1111111111#", "############"});
-  WaveField field;
-  grow_wave(plan.prices, plan.columns, {{{1, 1}, 2000}, {{10, 1}, 1990}, {{5, 1}, 5000}}, -1, field);
-  EXPECT_EQ(field.cost[plan.at(1, 1)], 2000U);
-  EXPECT_EQ(field.cost[plan.at(10, 1)], 1990U);
-  EXPECT_EQ(field.cost[plan.at(5, 1)],
+  WaveField field = wave(plan, {{{1, 1}, 2000}, {{10, 1}, 1990}, {{5, 1}, 5000}});
+  EXPECT_EQ(field.cost(plan.at(1, 1)), 2000U);
+  EXPECT_EQ(field.cost(plan.at(10, 1)), 1990U);
+  EXPECT_EQ(field.cost(plan.at(5, 1)),
             2015U + 0U);  // 10 -> 5 is 25, 1 -> 5 is 20 more than 2000: the nearer one by cost
 }
 
 TEST(Wave, LeavesOutBlockedSeeds) {
   const Plan plan = plan_of({"####", "#1##", "####"});
-  WaveField field;
-  grow_wave(plan.prices, plan.columns, {{{2, 1}, 0}}, -1, field);
-  EXPECT_EQ(field.cost[plan.at(1, 1)], WaveField::kUnreached);
-  grow_wave(plan.prices, plan.columns, {}, -1, field);
-  EXPECT_EQ(field.cost[plan.at(1, 1)], WaveField::kUnreached);
+  WaveField field = wave(plan, {{{2, 1}, 0}});
+  EXPECT_EQ(field.cost(plan.at(1, 1)), WaveField::kUnreached);
+  field = wave(plan, {});
+  EXPECT_EQ(field.cost(plan.at(1, 1)), WaveField::kUnreached);
 }
 
 TEST(Descend, EndsAtTheSeedAndCostsWhatTheFieldSays) {
   const Plan plan = plan_of({"########", "#111111#", "#1####1#", "#111111#", "########"});
-  WaveField field;
-  grow_wave(plan.prices, plan.columns, {{{6, 3}, 0}}, -1, field);
-  const auto cells = descend(plan.prices, field, plan.at(1, 1));
+  WaveField field = wave(plan, {{{6, 3}, 0}});
+  const auto cells = descend(Terrain(plan).get(), field, plan.at(1, 1));
   ASSERT_FALSE(cells.empty());
   EXPECT_EQ(cells.back(), plan.at(6, 3));
-  EXPECT_TRUE(descend(plan.prices, field, plan.at(0, 0)).empty());
+  EXPECT_TRUE(descend(Terrain(plan).get(), field, plan.at(0, 0)).empty());
+}
+
+Plan random_plan(std::mt19937& rng, int side) {
+  std::uniform_int_distribution<int> price(-12, 36);
+  Plan plan{side, std::vector<std::uint8_t>(static_cast<std::size_t>(side * side), 0)};
+  for (int row = 1; row + 1 < side; ++row) {
+    for (int column = 1; column + 1 < side; ++column) {
+      plan.prices[plan.at(column, row)] = static_cast<std::uint8_t>(std::max(0, price(rng)));
+    }
+  }
+  return plan;
+}
+
+/// Gives a square of cells new prices, free, blocked or mixed.
+std::vector<PriceChange> change(std::mt19937& rng, Plan& plan, std::size_t keep_a, std::size_t keep_b) {
+  const int side = plan.columns;
+  std::uniform_int_distribution<int> place(1, side - 7);
+  std::uniform_int_distribution<int> kind(0, 2);
+  std::uniform_int_distribution<int> price(1, 36);
+  const int left = place(rng);
+  const int low = place(rng);
+  const int what = kind(rng);
+  std::vector<PriceChange> changes;
+  for (int row = low; row < low + 6; ++row) {
+    for (int column = left; column < left + 6; ++column) {
+      const std::size_t cell = plan.at(column, row);
+      const int value = what == 0 ? 0 : what == 1 ? 4 : price(rng) % 37;
+      if (cell != keep_a && cell != keep_b) {
+        changes.push_back({static_cast<std::uint32_t>(cell), plan.prices[cell]});
+        plan.prices[cell] = static_cast<std::uint8_t>(value);
+      }
+    }
+  }
+  return changes;
+}
+
+TEST(RepairWave, GivesTheFieldOfANewWave) {
+  std::mt19937 rng(11);
+  constexpr int kSide = 40;
+  for (int world = 0; world < 20; ++world) {
+    Plan plan = random_plan(rng, kSide);
+    const std::size_t goal = plan.at(20, 20);
+    const std::size_t start = plan.at(5, 30);
+    plan.prices[goal] = plan.prices[start] = 9;
+    WaveField field = wave(plan, {{{20, 20}, 0}});
+    for (int round = 0; round < 10; ++round) {
+      const std::vector<PriceChange> changes = change(rng, plan, goal, start);
+      const Terrain terrain(plan);
+      // a margin that nothing exceeds: every cell must come out right
+      ASSERT_TRUE(repair_wave(terrain.get(), changes, {static_cast<std::int64_t>(start), 1'000'000'000}, field));
+      ASSERT_EQ(costs_of(field), costs_of(wave(plan, {{{20, 20}, 0}}))) << "world " << world << " round " << round;
+    }
+  }
+}
+
+TEST(RepairWave, IsRightUpToTheMarginOrSaysThatItIsNot) {
+  std::mt19937 rng(12);
+  constexpr int kSide = 60;
+  int repaired = 0;
+  for (int world = 0; world < 20; ++world) {
+    Plan plan = random_plan(rng, kSide);
+    const std::size_t goal = plan.at(30, 30);
+    plan.prices[goal] = 9;
+    for (const std::size_t start : {plan.at(10, 40), plan.at(25, 35)}) {
+      plan.prices[start] = 9;
+      const WaveStop stop{static_cast<std::int64_t>(start), 300};
+      WaveField field;
+      grow_wave(Terrain(plan).get(), {{{30, 30}, 0}}, stop, field);
+      for (int round = 0; round < 10; ++round) {
+        const std::vector<PriceChange> changes = change(rng, plan, goal, start);
+        const Terrain terrain(plan);
+        const WaveField fresh = wave(plan, {{{30, 30}, 0}});
+        if (!repair_wave(terrain.get(), changes, stop, field)) {
+          grow_wave(terrain.get(), {{{30, 30}, 0}}, stop, field);
+          continue;
+        }
+        ++repaired;
+        ASSERT_EQ(field.cost(start), fresh.cost(start));
+        for (std::size_t i = 0; i < field.stored.size(); ++i) {
+          ASSERT_TRUE(!field.is_reached(i) || field.cost(i) == fresh.cost(i));
+        }
+      }
+    }
+  }
+  EXPECT_GT(repaired, 200);
 }
 
 }  // namespace

@@ -1,0 +1,195 @@
+#include "services/planner/tile_wave.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+namespace luminav {
+namespace {
+
+// bit 8 * row + column of a tile
+constexpr std::uint64_t kFirstColumn = 0x0101010101010101ULL;
+constexpr std::uint64_t kLastColumn = 0x8080808080808080ULL;
+
+std::uint64_t beside(std::uint64_t cells) {
+  return (cells << 1 & ~kFirstColumn) | (cells >> 1 & ~kLastColumn);
+}
+
+std::uint64_t above_and_below(std::uint64_t cells) {
+  return cells << 8 | cells >> 8;
+}
+
+}  // namespace
+
+void TileWave::cut(const BitGrid& passable) {
+  const auto tile_columns = static_cast<std::size_t>(passable.columns() + 7) / 8;
+  const auto tile_rows = static_cast<std::size_t>(passable.rows() + 7) / 8;
+  stride_ = tile_columns + 2;
+  const std::size_t tiles = stride_ * (tile_rows + 2);
+  open_.assign(tiles, 0);
+  front_.assign(tiles, 0);
+  next_.assign(tiles, 0);
+  last_entry_.assign(tiles, 0);
+  for (int row = 0; row < passable.rows(); ++row) {
+    const std::uint64_t* words = passable.row(row);
+    std::uint64_t* tile = open_.data() + (static_cast<std::size_t>(row / 8) + 1) * stride_ + 1;
+    const int shift = 8 * (row % 8);
+    for (std::size_t i = 0; i < tile_columns; ++i) {
+      tile[i] |= (words[i / 8] >> (8 * (i % 8)) & 0xFF) << shift;
+    }
+  }
+}
+
+void TileWave::enter(std::uint32_t tile, std::uint64_t cells) {
+  cells &= open_[tile];
+  if (cells == 0) {
+    return;
+  }
+  if (next_[tile] == 0) {
+    entered_.push_back(tile);
+  }
+  next_[tile] |= cells;
+}
+
+// Cells of the front reach their neighbours: inside the tile by shifts, across its border into the tiles around.
+void TileWave::spread(std::uint32_t tile, bool to_eight) {
+  const std::uint64_t front = front_[tile];
+  const auto stride = static_cast<std::uint32_t>(stride_);
+  const std::uint64_t wide = front | beside(front);
+  const std::uint64_t tall = front | above_and_below(front);
+  enter(tile, to_eight ? wide | above_and_below(wide) : wide | tall);
+  // what leaves over a side: of eight neighbours the diagonal ones too
+  const std::uint64_t sideways = to_eight ? tall : front;
+  const std::uint64_t upwards = to_eight ? wide : front;
+  if ((front & kFirstColumn) != 0) {
+    enter(tile - 1, (sideways & kFirstColumn) << 7);
+  }
+  if ((front & kLastColumn) != 0) {
+    enter(tile + 1, (sideways & kLastColumn) >> 7);
+  }
+  if (front << 56 != 0) {
+    enter(tile - stride, upwards << 56);
+  }
+  if (front >> 56 != 0) {
+    enter(tile + stride, upwards >> 56);
+  }
+  constexpr std::uint64_t kCorners = 0x8100000000000081ULL;
+  if (to_eight && (front & kCorners) != 0) {
+    if ((front & 1U) != 0) {
+      enter(tile - stride - 1, std::uint64_t{1} << 63);
+    }
+    if ((front >> 7 & 1U) != 0) {
+      enter(tile - stride + 1, std::uint64_t{1} << 56);
+    }
+    if ((front >> 56 & 1U) != 0) {
+      enter(tile + stride - 1, std::uint64_t{1} << 7);
+    }
+    if ((front >> 63) != 0) {
+      enter(tile + stride + 1, 1U);
+    }
+  }
+}
+
+void TileWave::grow(const BitGrid& passable, std::span<const Cell> goals) {
+  cut(passable);
+  reached_ = 0;
+  entries_.assign(1, {});  // the first means none
+  entered_.clear();
+  for (const Cell& goal : goals) {
+    enter(static_cast<std::uint32_t>(tile_of(goal)), std::uint64_t{1} << (8 * (goal.row % 8) + goal.column % 8));
+  }
+  for (std::uint32_t tick = 1; !entered_.empty(); ++tick) {
+    active_.swap(entered_);
+    entered_.clear();
+    for (const std::uint32_t tile : active_) {
+      const std::uint64_t cells = next_[tile];
+      next_[tile] = 0;
+      front_[tile] = cells;
+      open_[tile] &= ~cells;
+      reached_ += std::popcount(cells);
+      entries_.push_back({cells, tick, last_entry_[tile]});
+      last_entry_[tile] = static_cast<std::uint32_t>(entries_.size() - 1);
+    }
+    for (const std::uint32_t tile : active_) {
+      spread(tile, tick % 2 == 0);
+    }
+  }
+}
+
+std::uint32_t TileWave::tick(const Cell& cell) const {
+  const std::uint64_t bit = std::uint64_t{1} << (8 * (cell.row % 8) + cell.column % 8);
+  for (std::uint32_t i = last_entry_[tile_of(cell)]; i != 0; i = entries_[i].before) {
+    if ((entries_[i].cells & bit) != 0) {
+      return entries_[i].tick;
+    }
+  }
+  return kUnreached;
+}
+
+// Of one step the ticks say too little: on a slant every other diagonal one falls by 1 only, as a straight one does.
+// So two steps are looked at together, and the pair that falls most for its length is taken.
+std::vector<Cell> TileWave::descend(const Cell& start) const {
+  struct Step {
+    int column;
+    int row;
+    std::uint32_t length;
+  };
+  constexpr std::array<Step, 8> kSteps = {
+      {{1, 0, 5}, {-1, 0, 5}, {0, 1, 5}, {0, -1, 5}, {1, 1, 7}, {1, -1, 7}, {-1, 1, 7}, {-1, -1, 7}}};
+  std::vector<Cell> cells;
+  Cell cell = start;
+  std::uint32_t here = tick(cell);
+  if (here == kUnreached) {
+    return cells;
+  }
+  cells.push_back(cell);
+  Cell last{0, 0};
+  std::array<std::uint32_t, 25> around{};  // ticks of the cells up to two steps away, row by row
+  const auto around_at = [&](int column, int row) -> std::uint32_t& {
+    return around[static_cast<std::size_t>(5 * (row + 2) + column + 2)];
+  };
+  while (here > 1) {
+    for (int row = -2; row <= 2; ++row) {
+      for (int column = -2; column <= 2; ++column) {
+        const Cell near{cell.column + column, cell.row + row};
+        around_at(column, row) = is_on_tiles(near) ? tick(near) : kUnreached;
+      }
+    }
+    Cell best = cell;
+    std::uint32_t best_fall = 0;
+    std::uint32_t best_length = 1;
+    std::uint32_t best_tick = here;
+    const auto consider = [&](const Cell& first, std::uint32_t there, std::uint32_t fall, std::uint32_t length) {
+      const bool is_straight_on = first.column - cell.column == last.column && first.row - cell.row == last.row;
+      if (fall * best_length > best_fall * length || (fall * best_length == best_fall * length && is_straight_on)) {
+        best = first;
+        best_tick = there;
+        best_fall = fall;
+        best_length = length;
+      }
+    };
+    for (const Step& step : kSteps) {
+      const Cell first{cell.column + step.column, cell.row + step.row};
+      const std::uint32_t there = around_at(step.column, step.row);
+      if (there == kUnreached || there >= here) {
+        continue;
+      }
+      if (there == 1) {
+        consider(first, there, here - there, step.length);
+      }
+      for (const Step& second : kSteps) {
+        const std::uint32_t beyond = around_at(step.column + second.column, step.row + second.row);
+        if (beyond != kUnreached && beyond < there) {
+          consider(first, there, here - beyond, step.length + second.length);
+        }
+      }
+    }
+    last = {best.column - cell.column, best.row - cell.row};
+    cell = best;
+    here = best_tick;
+    cells.push_back(cell);
+  }
+  return cells;
+}
+
+}  // namespace luminav
