@@ -12,8 +12,8 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/process/command_line.hpp"
-#include "tests/evaluation/run_picture.hpp"
 #include "tests/evaluation/run_report.hpp"
+#include "tests/replay/replay_picture.hpp"
 #include "tests/replay/replay_run.hpp"
 
 namespace luminav {
@@ -58,13 +58,11 @@ ReplayTolerances parse_tolerances(const std::vector<std::string>& settings) {
 }
 
 void draw(const std::string& png_file, const ReplayOptions& options, const ReplayReport& report) {
-  WorldTruth world;
   const Building building = read_building(options.building_file);
   if (building.map_file.empty()) {
     throw std::runtime_error("--picture: the building has no map to draw on");
   }
-  world.walls = read_map(building.map_file);
-  draw_run(png_file, world, building, report.trail, {}, report.grid ? &*report.grid : nullptr);
+  draw_replay(png_file, read_map(building.map_file), building, report);
 }
 
 int replay(int argc, char** argv) {
@@ -91,7 +89,9 @@ int replay(int argc, char** argv) {
       .flag("--keep-inputs", options.keep_inputs,
             "the new log holds inputs and truth too, so that it can be replayed itself")
       .text("--report", report_file, "write the report as JSON there")
-      .text("--picture", picture, "PNG: truth or record grey, replayed blue, not yet localized green, odometry magenta")
+      .text("--picture", picture,
+            "PNG: truth grey, recorded black, replayed green (particles, hypotheses) and blue (Kalman filter), "
+            "odometry magenta")
       .list("--tolerance", tolerances,
             "KEY=NUMBER, several times: position [m RMS], heading [deg RMS], wrong [s], localized [s later], tracking "
             "and map "

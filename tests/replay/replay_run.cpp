@@ -353,6 +353,11 @@ class Replay {
       r.trail.push_back({truth_.at(sample.utime).value_or(r.trail.empty() ? sample.pose : r.trail.back().truth),
                          sample.pose, odometries_[i], sample.state, sample.estimator});
     }
+    for (std::size_t i = 0; i < recorded_.size(); i += kTrailEvery) {
+      if (recorded_[i].state == pose_t::STATE_TRACKING) {
+        r.recorded_trail.push_back(recorded_[i].pose);
+      }
+    }
     append_verdict(options_.tolerances, r);
   }
 

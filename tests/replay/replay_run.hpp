@@ -75,7 +75,8 @@ struct ReplayReport {
   MapComparison map;
   DivergenceWatch divergence;
   std::map<std::string, StepTime> steps;
-  std::vector<TrailPoint> trail;  // for the picture
+  std::vector<TrailPoint> trail;      // for the picture: the replayed poses
+  std::vector<Pose2> recorded_trail;  // for the picture, while TRACKING
   std::optional<OccupancyGrid> grid;
 
   [[nodiscard]] bool passed() const { return failures.empty(); }
