@@ -129,7 +129,7 @@ DemoSystem::DemoSystem(const Scenario& scenario, const std::string& lcm_url, con
   procman_ = open_lcm(procman_url);
   start_deputy(procman_url);
   if (!log_file.empty()) {
-    start_recorder(lcm_url, log_file);
+    start_recorder(scenario, lcm_url, log_file);
   }
   sheriff_ = std::make_unique<launcher::Sheriff>(
       *procman_, configuration_, launcher::SheriffConfig{launcher::make_sheriff_id(launcher::Instant::read()), false});
@@ -149,9 +149,10 @@ void DemoSystem::start_deputy(const std::string& procman_url) {
                         state_folder_ / "deputy.log");
 }
 
-void DemoSystem::start_recorder(const std::string& lcm_url, const std::string& log_file) {
-  const std::string url = lcm_url + (lcm_url.find('?') == std::string::npos ? "?" : "&") + "recv_buf_size=2097152";
-  recorder_ = start_child({"lcm-logger", "--quiet", "--lcm-url=" + url, log_file}, state_folder_ / "lcm-logger.log");
+void DemoSystem::start_recorder(const Scenario& scenario, const std::string& lcm_url, const std::string& log_file) {
+  recorder_ = start_child({LUMINAV_SOURCE_DIR "/scripts/record", log_file, "--lcm-url", lcm_url, "--robot",
+                           scenario.robot_file.string(), "--building", scenario.building_file.string()},
+                          state_folder_ / "record.log");
 }
 
 std::string DemoSystem::last_words(const std::string& process) const {
@@ -191,6 +192,11 @@ bool DemoSystem::start(lcm::LCM& data) {
     if (waitpid(deputy_, &status, WNOHANG) == deputy_) {
       deputy_ = -1;
       failure_ = "the deputy ended: " + last_words("deputy");
+      return false;
+    }
+    if (recorder_ > 0 && waitpid(recorder_, &status, WNOHANG) == recorder_) {
+      recorder_ = -1;
+      failure_ = "the recorder ended: " + last_words("record");
       return false;
     }
     switch (script.step(launcher::Instant::read().steady)) {

@@ -37,7 +37,7 @@ class DemoSystem {
 
  private:
   void start_deputy(const std::string& procman_url);
-  void start_recorder(const std::string& lcm_url, const std::string& log_file);
+  void start_recorder(const Scenario& scenario, const std::string& lcm_url, const std::string& log_file);
   [[nodiscard]] std::string last_words(const std::string& process) const;
 
   std::filesystem::path state_folder_;
