@@ -110,12 +110,14 @@ std::string map_symbol(const RunReport& run, const std::string& map_id) {
     return "";
   }
   const PriorMap map = read_map(building.map_file);
-  cv::Mat picture(map.geometry.rows, map.geometry.columns, CV_8U);
+  // Transparent where it is free, so that it goes with a light and with a dark page.
+  cv::Mat picture(map.geometry.rows, map.geometry.columns, CV_8UC4);
   for (int row = 0; row < picture.rows; ++row) {
     for (int column = 0; column < picture.cols; ++column) {
       const Prior cell = map.cells[map.geometry.index({column, row})];
-      picture.at<std::uint8_t>(picture.rows - 1 - row, column) =
-          cell == Prior::kFree ? 255 : (cell == Prior::kOccupied ? 40 : 225);
+      picture.at<cv::Vec4b>(picture.rows - 1 - row, column) = cell == Prior::kFree       ? cv::Vec4b(0, 0, 0, 0)
+                                                              : cell == Prior::kOccupied ? cv::Vec4b(118, 108, 98, 255)
+                                                                                         : cv::Vec4b(128, 128, 128, 40);
     }
   }
   std::vector<std::uint8_t> png;

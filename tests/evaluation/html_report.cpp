@@ -21,18 +21,18 @@ constexpr const char* kStyle = R"(
 --bad:#c0392b;--blue:#1f6fd0;--green:#3b9a3b;--magenta:#b43fb4;--truth:#8d969e;--lamp:#f2b632;--box:#b07a48}
 @media (prefers-color-scheme:dark){:root{--paper:#14181b;--card:#1d2226;--ink:#e4e8ea;--soft:#97a2aa;--line:#323a40;
 --good:#58c48d;--bad:#ff7b6b;--blue:#63a8ff;--green:#6fcf6f;--magenta:#e07be0;--truth:#7d868e;--lamp:#c9962a;
---box:#c9996b} svg .map{filter:invert(.87)}}
+--box:#c9996b}}
 *{box-sizing:border-box} body{margin:0;background:var(--paper);color:var(--ink);
 font:15px/1.5 system-ui,"Segoe UI",Roboto,"Helvetica Neue",sans-serif}
 main{max-width:1240px;margin:0 auto;padding:28px 20px 60px} h1{font-size:25px;margin:0 0 2px;letter-spacing:-.01em}
 h2{font-size:18px;margin:38px 0 10px} .soft{color:var(--soft)} .good{color:var(--good)} .bad{color:var(--bad)}
-.tiles{display:grid;grid-template-columns:repeat(auto-fill,minmax(170px,1fr));gap:10px;margin:20px 0}
+.tiles{display:grid;grid-template-columns:repeat(auto-fill,minmax(182px,1fr));gap:10px;margin:20px 0}
 .tile{background:var(--card);border:1px solid var(--line);border-radius:9px;padding:10px 13px}
-.tile b{display:block;font-size:21px;font-weight:620;font-variant-numeric:tabular-nums} .tile span{color:var(--soft);
+.tile b{display:block;font-size:19px;font-weight:620;font-variant-numeric:tabular-nums;white-space:nowrap} .tile span{color:var(--soft);
 font-size:12.5px}
 .wide{overflow-x:auto;background:var(--card);border:1px solid var(--line);border-radius:9px}
-table{border-collapse:collapse;width:100%;font-size:13.5px;font-variant-numeric:tabular-nums}
-th,td{padding:7px 11px;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap;vertical-align:top}
+table{border-collapse:collapse;width:100%;font-size:13px;font-variant-numeric:tabular-nums}
+th,td{padding:7px 8px;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap;vertical-align:top}
 tr:last-child td{border-bottom:0} th{color:var(--soft);font-weight:560} th:first-child,td:first-child,td.text
 {text-align:left} td.text{white-space:normal;min-width:16em}
 code,pre{font:12.5px/1.5 ui-monospace,"Cascadia Mono",Menlo,Consolas,monospace} code{user-select:all}
@@ -68,12 +68,12 @@ std::string tiles(const ordered_json& s) {
   if (runs > 0) {
     html += tile(fmt::format("{:.0f} of {:.0f}", get("passed"), runs), "runs passed",
                  get("passed") == runs ? "good" : "bad");
+    html += tile(number(get("confident_wrong_runs"), "", 0), "runs confidently wrong",
+                 get("confident_wrong_runs") == 0.0 ? "good" : "bad");
     html += tile(number(100.0 * get("localized_ratio"), " %", 1), "found out where they are");
     html +=
         tile(number(get("localized_after_m_median"), " m", 2) + " / " + number(get("localized_after_m_p95"), " m", 1),
              "driven until then, median / 95 %");
-    html += tile(number(get("confident_wrong_runs"), "", 0), "runs confidently wrong",
-                 get("confident_wrong_runs") == 0.0 ? "good" : "bad");
     html += tile(number(100.0 * get("tracking_ratio"), " %", 2), "of the time TRACKING since");
     html += tile(number(1000.0 * get("in_view_position_rms_m"), " mm", 0) + " / " +
                      number(get("in_view_heading_rms_deg"), "°", 2),
@@ -135,21 +135,31 @@ std::string scenario_table(const std::vector<RunReport>& runs) {
   }
   std::string html =
       "<h2>Scenarios</h2><div class=\"wide\"><table><tr><th>scenario<th>passed<th>localized<th>after, "
-      "median<th>confidently "
-      "wrong<th>TRACKING<th>RMS in view<th>95 % of mission<th>NEES<th>goals<th>contacts<th>speed<th>efficiency<th>real "
+      "median<th>wrong<th>TRACKING<th>RMS in view<th>95 % of "
+      "mission<th>NEES<th>goals<th>contacts<th>speed<th>efficiency<th>real "
       "time";
   for (const std::string& name : order) {
     const auto& list = by_scenario[name];
     const ordered_json s = ordered_json::parse(to_json("", "", "", list))["summary"];
-    const auto get = [&](const char* key) { return s.value(key, 0.0); };
-    html += fmt::format(
-        "<tr><td>{}<td class=\"{}\">{:.0f} of {:.0f}<td>{:.0f} %<td>{:.1f} m<td>{:.0f}<td>{:.1f} %<td>{:.0f} mm, "
-        "{:.2f}°<td>{:.0f} mm, {:.2f}°<td>{:.2f}<td>{:.0f} of {:.0f}<td>{:.0f}<td>{:.2f} m/s<td>{:.2f}<td>{:.0f} x",
-        html_escape(name), get("passed") == get("runs") ? "good" : "bad", get("passed"), get("runs"),
-        100.0 * get("localized_ratio"), get("localized_after_m_median"), get("confident_wrong_runs"),
-        100.0 * get("tracking_ratio"), 1000.0 * get("in_view_position_rms_m"), get("in_view_heading_rms_deg"),
-        1000.0 * get("mission_position_p95_m"), get("mission_heading_p95_deg"), get("nees"), get("goals_reached"),
-        get("goals"), get("contacts"), get("mean_speed_m_s"), get("path_efficiency"), get("real_time_factor"));
+    const auto cell = [&](const char* key, double factor, int digits, const char* unit) {
+      return s.contains(key) ? number(factor * s.value(key, 0.0), unit, digits) : std::string("–");
+    };
+    const auto both = [&](const std::string& a, const std::string& b, const char* between) {
+      return a == "–" ? a : a + between + b;
+    };
+    html += fmt::format("<tr><td>{}<td class=\"{}\">{}", html_escape(name),
+                        s.value("passed", 0) == s.value("runs", 0) ? "good" : "bad",
+                        both(cell("passed", 1, 0, ""), cell("runs", 1, 0, ""), " of "));
+    for (const std::string& text :
+         {cell("localized_ratio", 100, 0, " %"), cell("localized_after_m_median", 1, 1, " m"),
+          cell("confident_wrong_runs", 1, 0, ""), cell("tracking_ratio", 100, 1, " %"),
+          both(cell("in_view_position_rms_m", 1000, 0, " mm"), cell("in_view_heading_rms_deg", 1, 2, "°"), ", "),
+          both(cell("mission_position_p95_m", 1000, 0, " mm"), cell("mission_heading_p95_deg", 1, 2, "°"), ", "),
+          cell("nees", 1, 2, ""), both(cell("goals_reached", 1, 0, ""), cell("goals", 1, 0, ""), " of "),
+          cell("contacts", 1, 0, ""), cell("mean_speed_m_s", 1, 2, " m/s"), cell("path_efficiency", 1, 2, ""),
+          cell("real_time_factor", 1, 0, " x")}) {
+      html += "<td>" + text;
+    }
   }
   return html + "</table></div>";
 }

@@ -181,7 +181,10 @@ void RunJudge::judge_carries(const pose_t& pose, const Pose2& truth, bool is_wro
     carry_noticed_ = true;
     ++carries_noticed_;
   }
-  if (is_tracking && !is_wrong && truth_ && !truth_->carried && (carry_noticed_ || contradicted_at_)) {
+  if (is_tracking && !is_wrong && truth_ && !truth_->carried) {
+    if (!carry_noticed_ && !contradicted_at_) {
+      ++carries_noticed_;  // followed it with its eyes: no image ever contradicted the belief
+    }
     ++carries_recovered_;
     carry_open_ = false;
   }

@@ -147,21 +147,23 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
     worst_step = std::max(worst_step, run.worst_step_ms);
   }
   const double n = std::max<double>(1.0, static_cast<double>(runs.size()));
-  ordered_json summary = {
-      {"runs", runs.size()},
-      {"passed", count([](const RunReport& r) { return r.passed; })},
-      {"localized_ratio", rounded(static_cast<double>(count(localized)) / n)},
-      {"localized_after_m_median", rounded(quantile(distances, 0.5))},
-      {"localized_after_m_p95", rounded(quantile(distances, 0.95))},
-      {"confident_wrong_runs", count([](const RunReport& r) { return r.confident_wrong_s > 0.0; })},
-      {"tracking_ratio", rounded(mean([](const RunReport& r) { return r.tracking_ratio; }, localized))},
-      {"in_view_position_rms_m", rounded(mean([](const RunReport& r) { return r.in_view_position_rms_m; }, localized))},
-      {"in_view_heading_rms_deg",
-       rounded(mean([](const RunReport& r) { return r.in_view_heading_rms_deg; }, localized))},
-      {"mission_position_p95_m", rounded(mean([](const RunReport& r) { return r.mission_position_p95_m; }, localized))},
-      {"mission_heading_p95_deg",
-       rounded(mean([](const RunReport& r) { return r.mission_heading_p95_deg; }, localized))},
-      {"nees", rounded(mean([](const RunReport& r) { return r.nees; }, localized))}};
+  ordered_json summary = {{"runs", runs.size()},
+                          {"passed", count([](const RunReport& r) { return r.passed; })},
+                          {"localized_ratio", rounded(static_cast<double>(count(localized)) / n)}};
+  summary["confident_wrong_runs"] = count([](const RunReport& r) { return r.confident_wrong_s > 0.0; });
+  if (!distances.empty()) {
+    const auto put_mean = [&](const char* key, const std::function<double(const RunReport&)>& value) {
+      summary[key] = rounded(mean(value, localized));
+    };
+    summary["localized_after_m_median"] = rounded(quantile(distances, 0.5));
+    summary["localized_after_m_p95"] = rounded(quantile(distances, 0.95));
+    put_mean("tracking_ratio", [](const RunReport& r) { return r.tracking_ratio; });
+    put_mean("in_view_position_rms_m", [](const RunReport& r) { return r.in_view_position_rms_m; });
+    put_mean("in_view_heading_rms_deg", [](const RunReport& r) { return r.in_view_heading_rms_deg; });
+    put_mean("mission_position_p95_m", [](const RunReport& r) { return r.mission_position_p95_m; });
+    put_mean("mission_heading_p95_deg", [](const RunReport& r) { return r.mission_heading_p95_deg; });
+    put_mean("nees", [](const RunReport& r) { return r.nees; });
+  }
   if (carries > 0) {
     summary["carries"] = carries;
     summary["carries_noticed"] = noticed;

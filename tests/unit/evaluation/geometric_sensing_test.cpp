@@ -250,12 +250,13 @@ TEST(DetectorBehaviour, FallsBackOnTheClassMostAlike) {
   EXPECT_EQ(b.seen_probability({1, 0, 2, 8, 0}), 0.9);  // a square one: like a rectangle of that light
 }
 
-TEST(DetectorBehaviour, TheShippedFileCanBeRead) {
+TEST(DetectorBehaviour, TheShippedFilesCanBeRead) {
   const DetectorBehaviour shipped =
       read_detector_behaviour(LUMINAV_SOURCE_DIR "/tests/evaluation/behaviour-modern.json");
   EXPECT_EQ(shipped.mode, "modern");
   EXPECT_GT(shipped.seen_probability({0, 0, 2, 8, 0}), 0.8);  // a lit fixture, whole in the image
   EXPECT_FALSE(shipped.errors({0, 0, 2, 8, 0}).empty());
+  EXPECT_EQ(read_detector_behaviour(LUMINAV_SOURCE_DIR "/tests/evaluation/behaviour-paper.json").mode, "paper");
 }
 
 TEST(DetectorBehaviour, SaysHowToMeasureAMissingFile) {
