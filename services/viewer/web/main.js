@@ -14,6 +14,7 @@ import {Trails} from './trails.js';
 
 const $ = (id) => document.getElementById(id);
 const STALE_S = 1.0;   // [s] then what is drawn is not what is
+const TILES_MS = 150;
 const KNOB_PX = 44;
 
 const theme = new Theme($('theme-button'));
@@ -40,7 +41,11 @@ const layers = Object.fromEntries(draw.LAYERS.map(([key, , isOn]) => [key, isOn]
 let isDirty = true;
 const redraw = () => { isDirty = true; };
 const redrawAll = () => { ground.change(); redraw(); };
-const tiles = new Tiles((isNew) => { if (isNew && !isFitted) fit(); redrawAll(); });
+let tilesShown = 0;  // timer: a map that is being loaded is not painted anew with each tile
+const tiles = new Tiles((isNew) => {
+  if (isNew && !isFitted) fit();
+  tilesShown ||= setTimeout(() => { tilesShown = 0; redrawAll(); }, TILES_MS);
+});
 
 function fit() {
   const box = tiles.bounds() ?? boundsOf(building);
@@ -281,7 +286,8 @@ function paint() {
   const {colours} = theme;
   ground.draw();
   drawScale();
-  view.canvas.dataset.view = `${view.centre[0]} ${view.centre[1]} ${view.scale}`;  // for whoever looks from outside
+  // for whoever looks from outside
+  Object.assign(view.canvas.dataset, {view: `${view.centre[0]} ${view.centre[1]} ${view.scale}`, tiles: tiles.shown.size});
   if (!building) return;
   const pose = state?.pose && [state.pose.x, state.pose.y, state.pose.theta];
   const isTracking = state?.pose?.state === 2;

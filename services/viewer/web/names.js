@@ -24,6 +24,7 @@ export function sentence(state, building) {
   if (robot?.stop_button) return 'The stop button on the robot is pressed.';
   if (robot?.stop_engaged || control?.stop_engaged) return 'Stopped: it stands still until the stop is released.';
   if (robot && !robot.motors_enabled) return 'The motors are off.';
+  if (nameOf(CONTROL, control?.state) === 'teleoperated') return 'Is driven by hand.';
   if (!navigation) return pose ? 'No word from the planner.' : 'Waiting for the robot …';
   const to = navigation.target ? ` to ${spot(navigation.target, building)}` : '';
   const left = navigation.distance_left > 0 ? `, ${navigation.distance_left.toFixed(1)} m left` : '';

@@ -5,6 +5,9 @@ const PER_SHEET = 8;
 const SHEET = SIDE * PER_SHEET;
 const SMALLEST = 4;  // level; 2^4 = 16 times smaller than the sheet
 
+const PRIOR = new ImageData(SIDE, SIDE);  // one tile at a time
+const EVIDENCE = new ImageData(SIDE, SIDE);
+
 const canvasOf = (side) => Object.assign(document.createElement('canvas'), {width: side, height: side});
 
 // A picture and its smaller copies, made when they are looked at.
@@ -42,31 +45,42 @@ export class Tiles {
     this.onChange = onChange;
     this.geometry = null;
     this.cells = new Map();   // "column,row" -> {column, row, revision, bytes}
+    this.shown = new Set();   // keys of those that can be seen
     this.sheets = new Map();  // "column,row" of the sheet -> {prior, evidence}
-    this.colours = null;
+    this.priorInk = null;     // colour by value of the cell
+    this.evidenceInk = null;
   }
 
   async take(tile) {
     if (this.geometry?.session !== tile.session) {
       this.cells.clear();
+      this.shown.clear();
       this.sheets.clear();
       this.geometry = {session: tile.session, resolution: tile.resolution, origin: tile.origin, columns: tile.columns,
         rows: tile.rows};
       this.onChange(true);
     }
     const key = `${tile.tile_column},${tile.tile_row}`;
-    const cell = {column: tile.tile_column, row: tile.tile_row, revision: tile.revision, bytes: null};
+    // shows what it showed until the new bytes are inflated
+    const cell = {column: tile.tile_column, row: tile.tile_row, revision: tile.revision, bytes: this.cells.get(key)?.bytes ?? null};
     const session = tile.session;
     this.cells.set(key, cell);
     const bytes = await inflate(tile.data).catch(() => null);
     if (bytes?.length !== 2 * SIDE * SIDE || this.geometry.session !== session || this.cells.get(key) !== cell) return;
     cell.bytes = bytes;
+    this.shown.add(key);
     this.paint(cell);
     this.onChange(false);
   }
 
-  setColours(colours) {
-    this.colours = colours;
+  setColours({free, wall, disputed, hit, open}) {
+    const ink = ([red, green, blue], alpha) => ((alpha << 24) | (blue << 16) | (green << 8) | red) >>> 0;
+    this.priorInk = Uint32Array.from([0, ink(free, 255), ink(wall, 255), ink(disputed, 255)]);
+    this.evidenceInk = Uint32Array.from({length: 256}, (_, byte) => {
+      const logOdds = (byte << 24) >> 24;  // 20 = log-odds 1
+      if (logOdds > 4) return ink(hit, Math.min(255, 40 + 4 * logOdds));
+      return logOdds < -4 ? ink(open, Math.min(90, -2 * logOdds)) : 0;
+    });
     for (const cell of this.cells.values()) if (cell.bytes) this.paint(cell);
   }
 
@@ -83,26 +97,21 @@ export class Tiles {
   }
 
   paint(cell) {
-    if (!this.colours) return;
-    const {free, wall, disputed, hit, open} = this.colours;
-    const prior = new ImageData(SIDE, SIDE);
-    const evidence = new ImageData(SIDE, SIDE);
+    if (!this.priorInk) return;
+    const [prior, evidence] = [new Uint32Array(PRIOR.data.buffer), new Uint32Array(EVIDENCE.data.buffer)];
     for (let row = 0; row < SIDE; ++row) {
+      const to = (SIDE - 1 - row) * SIDE;  // pictures begin at the top
       for (let column = 0; column < SIDE; ++column) {
         const from = row * SIDE + column;
-        const to = 4 * ((SIDE - 1 - row) * SIDE + column);  // pictures begin at the top
-        const known = cell.bytes[from];
-        if (known) prior.data.set([free, wall, disputed][known - 1] ?? [0, 0, 0, 0], to);
-        const logOdds = (cell.bytes[SIDE * SIDE + from] << 24) >> 24;  // 20 = log-odds 1
-        if (logOdds > 4) evidence.data.set([hit[0], hit[1], hit[2], Math.min(255, 40 + 4 * logOdds)], to);
-        else if (logOdds < -4) evidence.data.set([open[0], open[1], open[2], Math.min(90, -2 * logOdds)], to);
+        prior[to + column] = this.priorInk[cell.bytes[from]] ?? 0;
+        evidence[to + column] = this.evidenceInk[cell.bytes[SIDE * SIDE + from]];
       }
     }
     const sheet = this.sheetOf(cell);
     const x = (cell.column % PER_SHEET) * SIDE;
     const y = SHEET - SIDE - (cell.row % PER_SHEET) * SIDE;
-    sheet.prior.put(prior, x, y);
-    sheet.evidence.put(evidence, x, y);
+    sheet.prior.put(PRIOR, x, y);
+    sheet.evidence.put(EVIDENCE, x, y);
   }
 
   draw(context, view, layers) {

@@ -1,8 +1,11 @@
 #include "services/viewer/http_server.hpp"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -142,6 +145,50 @@ TEST_F(HttpServerTest, StreamsNewsToItsReaders) {
   });
   EXPECT_THAT(received, HasSubstr("retry: "));
   EXPECT_THAT(received, HasSubstr("event: state\ndata: {}\n\n"));
+}
+
+// A client that asks for the events and then never reads.
+class StalledReader {
+ public:
+  explicit StalledReader(int port) : descriptor_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    const std::string request = "GET /events HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+    is_connected_ = connect(descriptor_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0 &&
+                    send(descriptor_, request.data(), request.size(), MSG_NOSIGNAL) > 0;
+  }
+  ~StalledReader() { close(descriptor_); }
+  StalledReader(const StalledReader&) = delete;
+  StalledReader& operator=(const StalledReader&) = delete;
+  [[nodiscard]] bool is_connected() const { return is_connected_; }
+
+ private:
+  int descriptor_;
+  bool is_connected_ = false;
+};
+
+TEST_F(HttpServerTest, ManyStalledReadersHoldUpNobody) {
+  std::vector<std::unique_ptr<StalledReader>> readers;
+  for (int i = 0; i < 20; ++i) {
+    readers.push_back(std::make_unique<StalledReader>(server_->port()));
+    ASSERT_TRUE(readers.back()->is_connected());
+  }
+  for (int round = 0; round < 50; ++round) {  // far more than their sockets hold
+    board_.put(SnapshotBoard::Lane::kLive, "state", std::string(100'000, ' ') + "\n\n");
+    board_.tick();
+    EXPECT_EQ(page().Get("/settings.json")->status, 200);
+  }
+  EXPECT_EQ(commands().Post("/api/stop", "", "text/plain")->status, 200);
+  deliver();
+  EXPECT_EQ(stops_.size(), 1U);
+  std::size_t received = 0;
+  page().Get("/events", [&](const char*, std::size_t size) {
+    received += size;
+    return received < 100'000;
+  });
+  EXPECT_GE(received, 100'000U);
 }
 
 TEST_F(HttpServerTest, TwoOnOnePortIsAnError) {
