@@ -20,6 +20,7 @@ struct Arguments {
   std::string scenario_file;
   std::int64_t seed = -1;
   std::string lcm_url;
+  std::string image_url;
   std::string state_folder;
   std::string still;
   std::string out = "still.pgm";
@@ -55,11 +56,20 @@ template <typename Source>
 int run(const Arguments& arguments, const CameraConfig& config, const Clock& clock, Source& source,
         std::int64_t period) {
   const auto lcm = open_lcm(arguments.lcm_url);
-  CameraNode node(*lcm, config, clock, source);
+  // Pictures are most of what is said on the network: they may stay on the machine while the rest goes further.
+  const auto images = arguments.image_url.empty() ? nullptr : open_lcm(arguments.image_url);
+  CameraNode node(images ? *images : *lcm, config, clock, source);
   fmt::print("camera: {}\n", source.description());
   std::fflush(stdout);
   EventLoop loop(*lcm, "camera", config.robot);
   loop.watch([&] { return node.descriptor(); }, [&] { node.poll(); });
+  if (images) {
+    loop.watch([&] { return images->getFileno(); },
+               [&] {
+                 while (images->handleTimeout(0) > 0) {
+                 }
+               });
+  }
   loop.every(period, [&] { node.poll(); });
   loop.report_health([&] { return node.health(); });
   return loop.run();
@@ -106,6 +116,7 @@ int main(int argc, char** argv) {
       .text("--scenario", arguments.scenario_file, "of the simulated ceiling")
       .integer("--seed", arguments.seed, "instead of the scenario's")
       .lcm_url(arguments.lcm_url)
+      .text("--image-url", arguments.image_url, "LCM network for pictures, as with ttl=0; default: the same one")
       .state_folder(arguments.state_folder)
       .text("--render", arguments.still, "X,Y,THETA: write what the simulated camera sees from there, and end")
       .text("--out", arguments.out, "PGM file for --render");

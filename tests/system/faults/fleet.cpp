@@ -36,6 +36,9 @@ launcher::PmdFile plan_commands(const FleetPlan& plan) {
     if (command.name == "p3dx") {
       command.exec += " --state $LUMINAV_STATE";
     }
+    if (command.name == "camera" && !plan.image_url.empty()) {
+      command.exec += " --image-url " + plan.image_url;
+    }
     const auto words = plan.preload.find(command.name);
     command.exec = words != plan.preload.end() ? words->second + " " + command.exec : command.exec;
   }

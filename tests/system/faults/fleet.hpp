@@ -24,10 +24,11 @@ struct FleetPlan {
   std::filesystem::path folder;          // everything that is written goes there
   const NetworkHost* network = nullptr;  // where the test itself listens
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
+  std::string image_url = {};  // for camera images, if not the same
   std::string procman_url = "udpm://239.255.76.67:7668?ttl=0";
-  bool pty = false;                            // the robot's line: a terminal instead of TCP
-  std::map<std::string, std::string> placed;   // process -> host; others: "robot"
-  std::map<std::string, std::string> preload;  // process -> words in front of its command
+  bool pty = false;                                 // the robot's line: a terminal instead of TCP
+  std::map<std::string, std::string> placed = {};   // process -> host; others: "robot"
+  std::map<std::string, std::string> preload = {};  // process -> words in front of its command
 };
 
 /// Thrown when the person at the terminal wants an end.

@@ -9,6 +9,8 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 namespace luminav {
@@ -97,6 +99,23 @@ void Cable::cut() {
 
 void Cable::join() {
   middle_.run("ip link set port1 up && ip link set port2 up");
+}
+
+std::int64_t Cable::sent_by(const NetworkHost& host) {
+  const InsideHost inside(&host);
+  std::ifstream table("/proc/thread-self/net/dev");
+  for (std::string line; std::getline(table, line);) {
+    const std::size_t name = line.find("net0:");
+    if (name != std::string::npos) {
+      std::istringstream fields(line.substr(name + 5));
+      std::int64_t value = 0;
+      constexpr int kSentBytes = 9;  // the ninth column
+      for (int i = 0; i < kSentBytes && fields >> value; ++i) {
+      }
+      return value;
+    }
+  }
+  return 0;
 }
 
 }  // namespace luminav

@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <string>
 
 namespace luminav {
@@ -45,6 +46,8 @@ class Cable {
   Cable(const NetworkHost& one, const NetworkHost& other);
   void cut();
   void join();
+  /// Bytes that one of the hosts has put on the wire so far.
+  [[nodiscard]] static std::int64_t sent_by(const NetworkHost& host);
 
  private:
   NetworkHost middle_;

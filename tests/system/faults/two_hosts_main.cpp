@@ -65,6 +65,7 @@ class TwoHosts {
                 .folder = folder,
                 .network = &robot_,
                 .lcm_url = "udpm://239.255.76.67:7667?ttl=1",
+                .image_url = "udpm://239.255.76.67:7667?ttl=0",
                 .procman_url = "udpm://239.255.76.67:7668?ttl=1",
                 .placed = {{"localizer", "desk"}, {"mapper", "desk"}, {"planner", "desk"}, {"controller", "desk"}},
                 .preload = {}}),
@@ -87,7 +88,15 @@ class TwoHosts {
       return 1;
     }
     fmt::print("all ready after {:.2f} s\n", seconds_since(begun));
+    const std::int64_t counted = fleet_.clock().utime();
+    const std::int64_t by_robot = cable_.sent_by(robot_);
+    const std::int64_t by_desk = cable_.sent_by(desk_);
     checks_.expect(said("10 s"), "the sheriff says that the desk's clock is 10 s ahead");
+    wait_for_driving();
+    fmt::print(
+        "       over the wire: {:.1f} kB/s from the robot (with the simulator's truth), {:.1f} kB/s from the desk\n",
+        1e-3 * static_cast<double>(cable_.sent_by(robot_) - by_robot) / seconds_since(counted),
+        1e-3 * static_cast<double>(cable_.sent_by(desk_) - by_desk) / seconds_since(counted));
     cut_while_driving();
     move_while_driving("localizer", "robot");
     step_clock();
