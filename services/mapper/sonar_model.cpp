@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 
 namespace luminav {
@@ -10,13 +11,59 @@ namespace {
 
 constexpr int kArcCorners = 5;  // the chord stays within 0.2 % of the arc
 
-/// Adds with the clamps of int8 kept away by the model's own: plain loop that compiles to saturating SIMD.
-void add_clamped(std::int8_t* cells, int count, std::int8_t vote, std::int8_t least) {
-  for (int i = 0; i < count; ++i) {
-    const int sum = cells[i] + vote;
-    cells[i] = static_cast<std::int8_t>(sum < least ? std::min<int>(cells[i], least) : sum);
+constexpr std::size_t kLanes = 16;  // cells at a time
+using Lanes = std::int8_t __attribute__((vector_size(kLanes)));
+
+/// Rounding of what is known to fit an int: the library's functions are calls on the plainest machines.
+int floor_of(double x) {
+  const int cut = static_cast<int>(x);
+  return cut - (x < cut ? 1 : 0);
+}
+int ceiling_of(double x) {
+  const int cut = static_cast<int>(x);
+  return cut + (x > cut ? 1 : 0);
+}
+
+std::int8_t lowered(std::int8_t cell, std::int8_t vote, std::int8_t least) {
+  const int sum = cell + vote;
+  return static_cast<std::int8_t>(sum < least ? std::min<int>(cell, least) : sum);
+}
+
+/// Takes a vote from `count` cells, not below `least`; what lies below already stays. `end` is where the grid ends.
+void lower(std::int8_t* cells, std::ptrdiff_t count, std::int8_t vote, std::int8_t least, const std::int8_t* end) {
+  constexpr Lanes kLane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  const auto lanes = static_cast<std::ptrdiff_t>(kLanes);
+  const Lanes votes = Lanes{} + vote;
+  const Lanes floor = Lanes{} + least;
+  const Lanes room = Lanes{} + static_cast<std::int8_t>(least - vote);  // the sum fits from here on
+  for (; count > 0 && cells + lanes <= end; cells += lanes, count -= lanes) {
+    Lanes before;
+    std::memcpy(&before, cells, kLanes);
+    const Lanes kept = before < floor ? before : floor;
+    const Lanes after = before >= room ? before + votes : kept;
+    const Lanes wanted = Lanes{} + static_cast<std::int8_t>(std::min(count, lanes));
+    const Lanes result = kLane < wanted ? after : before;
+    std::memcpy(cells, &result, kLanes);
+  }
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    cells[i] = lowered(cells[i], vote, least);
   }
 }
+
+/// Turns by one step after the other without asking for sines again.
+class Direction {
+ public:
+  Direction(double angle, double step)
+      : way_(std::cos(angle), std::sin(angle)), turn_(std::cos(step), std::sin(step)) {}
+  [[nodiscard]] const Eigen::Vector2d& get() const { return way_; }
+  void advance() {
+    way_ = Eigen::Vector2d(way_.x() * turn_.x() - way_.y() * turn_.y(), way_.x() * turn_.y() + way_.y() * turn_.x());
+  }
+
+ private:
+  Eigen::Vector2d way_;
+  Eigen::Vector2d turn_;
+};
 
 }  // namespace
 
@@ -32,10 +79,10 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
     return (p - geometry.origin) / geometry.resolution - Eigen::Vector2d(0.5, 0.5);
   };
   corners[0] = to_cells(apex);
-  for (int i = 0; i < kArcCorners; ++i) {
-    const double angle = from_angle + (to_angle - from_angle) * i / (kArcCorners - 1);
-    corners[static_cast<std::size_t>(i) + 1] =
-        to_cells(apex + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+  Direction direction(from_angle, (to_angle - from_angle) / (kArcCorners - 1));
+  for (std::size_t i = 1; i <= kArcCorners; ++i) {
+    corners[i] = to_cells(apex + radius * direction.get());
+    direction.advance();
   }
   double bottom = corners[0].y();
   double top = corners[0].y();
@@ -43,8 +90,8 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
     bottom = std::min(bottom, corner.y());
     top = std::max(top, corner.y());
   }
-  const int first_row = std::max(0, static_cast<int>(std::ceil(std::max(bottom, -1.0))));
-  const int last_row = std::min(geometry.rows - 1, static_cast<int>(std::floor(std::min(top, 1e6))));
+  const int first_row = std::max(0, ceiling_of(std::clamp(bottom, -1.0, 1e6)));
+  const int last_row = std::min(geometry.rows - 1, floor_of(std::clamp(top, -1.0, 1e6)));
   const auto rows = static_cast<std::size_t>(std::max(0, last_row - first_row + 1));
   spans.first_row = first_row;
   spans.first.assign(rows, geometry.columns);
@@ -59,13 +106,15 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
       continue;
     }
     const double slope = (high.x() - low.x()) / rise;
-    const int from = std::max(first_row, static_cast<int>(std::ceil(low.y())));
-    const int to = std::min(last_row, static_cast<int>(std::floor(high.y())));
+    const int from = std::max(first_row, ceiling_of(std::clamp(low.y(), -1.0, 1e6)));
+    const int to = std::min(last_row, floor_of(std::clamp(high.y(), -1.0, 1e6)));
+    const double far = geometry.columns + 1.0;
+    int* const first = spans.first.data() - first_row;
+    int* const last = spans.last.data() - first_row;
     for (int row = from; row <= to; ++row) {
-      const double x = std::clamp(low.x() + slope * (row - low.y()), -2.0, geometry.columns + 1.0);
-      const auto k = static_cast<std::size_t>(row - first_row);
-      spans.first[k] = std::min(spans.first[k], std::max(0, static_cast<int>(std::ceil(x))));
-      spans.last[k] = std::max(spans.last[k], std::min(geometry.columns - 1, static_cast<int>(std::floor(x))));
+      const double x = std::min(std::max(low.x() + slope * (row - low.y()), -2.0), far);
+      first[row] = std::min(first[row], std::max(0, ceiling_of(x)));
+      last[row] = std::max(last[row], std::min(geometry.columns - 1, floor_of(x)));
     }
   }
 }
@@ -126,7 +175,7 @@ void FreeSpaceModel::sector(const GridGeometry& geometry, const Pose2& apex, dou
       const int count = spans_.last[k] - spans_.first[k] + 1;
       if (count > 0) {
         const std::size_t start = geometry.index({spans_.first[k], spans_.first_row + static_cast<int>(k)});
-        add_clamped(evidence.data() + start, count, vote, least_);
+        lower(evidence.data() + start, count, vote, least_, evidence.data() + evidence.size());
       }
     }
   }
@@ -139,11 +188,17 @@ void FreeSpaceModel::line(const GridGeometry& geometry, const Pose2& apex, doubl
   const Eigen::Vector2d way =
       length / geometry.resolution * Eigen::Vector2d(std::cos(apex.theta), std::sin(apex.theta));
   const int steps = std::max(1, static_cast<int>(std::ceil(way.cwiseAbs().maxCoeff())));
+  const Eigen::Vector2d step = way / steps;
+  const Eigen::Vector2d end = start + way;
+  const bool is_inside = start.minCoeff() >= 0.0 && end.minCoeff() >= 0.0 &&
+                         std::max(start.x(), end.x()) < geometry.columns &&
+                         std::max(start.y(), end.y()) < geometry.rows;
   for (int i = 0; i < steps; ++i) {
-    const Eigen::Vector2d p = start + way * (static_cast<double>(i) / steps);
-    const Cell cell{static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y()))};
-    if (geometry.contains(cell)) {
-      add_clamped(evidence.data() + geometry.index(cell), 1, vote, least_);
+    const double x = start.x() + i * step.x();
+    const double y = start.y() + i * step.y();
+    if (is_inside || (x >= 0.0 && y >= 0.0 && x < geometry.columns && y < geometry.rows)) {
+      std::int8_t& cell = evidence[geometry.index({static_cast<int>(x), static_cast<int>(y)})];
+      cell = lowered(cell, vote, least_);
     }
   }
 }
@@ -156,18 +211,20 @@ void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry,
   const bool is_line = params.kind == SonarModelKind::kLine;
   const double half = is_line ? 0.0 : params.half_angle + widening;
   const int steps = std::max(1, static_cast<int>(std::ceil(half * range / (0.5 * geometry.resolution))));
-  for (int i = is_line ? 0 : -steps; i <= (is_line ? 0 : steps); ++i) {
+  Direction direction(reading.world_from_sonar.theta - half, half / steps);
+  const Eigen::Vector2d apex = (reading.world_from_sonar.position() - geometry.origin) / geometry.resolution;
+  const double in_cells = range / geometry.resolution;
+  for (int i = is_line ? 0 : -steps; i <= (is_line ? 0 : steps); ++i, direction.advance()) {
     const double offset = half * i / steps;
-    const double angle = reading.world_from_sonar.theta + offset;
-    const Cell cell = geometry.cell_at(reading.world_from_sonar.position() +
-                                       range * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    const Eigen::Vector2d at = apex + in_cells * direction.get();
+    if (!(at.x() >= 0.0 && at.y() >= 0.0 && at.x() < geometry.columns && at.y() < geometry.rows)) {
+      continue;
+    }
+    const Cell cell{static_cast<int>(at.x()), static_cast<int>(at.y())};
     const double share = std::min(1.0, std::abs(offset) / params.half_angle);
     const double weight = 1.0 - (1.0 - params.edge_weight) * share * share;
     const double in_slices = (offset + params.half_angle) / (2.0 * params.half_angle) * kSlices;
-    const int slice = std::clamp(static_cast<int>(std::floor(in_slices)), 0, kSlices - 1);
-    if (!geometry.contains(cell)) {
-      continue;
-    }
+    const int slice = std::clamp(floor_of(in_slices), 0, kSlices - 1);
     if (!cells.empty() && cells.back().cell == cell) {
       cells.back().weight = std::max(cells.back().weight, weight);
     } else {
