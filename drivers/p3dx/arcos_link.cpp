@@ -99,6 +99,13 @@ void ArcosLink::lose(std::int64_t now, const std::string& why) {
   retry_at_ = now + std::min(delay, kLongestRetry);
 }
 
+void ArcosLink::begin_anew(std::int64_t now, std::int64_t pause, const std::string& why) {
+  if (state_ != State::kClosed) {
+    lose(now, why);
+    retry_at_ = now + pause;
+  }
+}
+
 double ArcosLink::byte_time() const {
   constexpr double kBitsPerByte = 10.0;  // 8N1
   return stream_ && stream_->baud() > 0 ? 1e6 * kBitsPerByte / stream_->baud() : 0.0;

@@ -50,6 +50,8 @@ class ArcosLink {
   void close_with(const std::vector<std::vector<std::uint8_t>>& frames);
   /// Drops frames that wait, such as a motion command from before a gap.
   void drop_waiting();
+  /// Leaves a session that somebody else has ended on this line, and begins another after `pause` [us].
+  void begin_anew(std::int64_t now, std::int64_t pause, const std::string& why);
 
   [[nodiscard]] int descriptor() const { return stream_ ? stream_->descriptor() : -1; }
   /// Grows each time the line is opened.

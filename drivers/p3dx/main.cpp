@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 #include <poll.h>
 
+#include <algorithm>
 #include <string>
 
 #include "drivers/p3dx/guardian.hpp"
 #include "drivers/p3dx/p3dx_node.hpp"
+#include "services/common/configuration/toml_table.hpp"
 #include "services/common/process/command_line.hpp"
 
 using namespace luminav;
@@ -81,8 +83,10 @@ int main(int argc, char** argv) {
     std::string device;
     std::string url;
     std::string state;
+    double max_speed = 0.0;
     CommandLine line("p3dx", "Drives a Pioneer P3-DX: ODOMETRY, SONAR and ROBOT_STATUS out, VELOCITY_COMMAND in");
     line.robot_file(robot).text("--device", device, "tcp:HOST:PORT or a serial device, instead of the robot file's");
+    line.number("--max-speed", max_speed, "[m/s] go no faster, whatever the robot file allows; 0 = as it says");
     line.lcm_url(url).state_folder(state);
     if (const auto status = line.parse(argc, argv)) {
       return *status;
@@ -90,9 +94,19 @@ int main(int argc, char** argv) {
     P3dxConfig config = read_p3dx_config(robot);
     config.device = device.empty() ? config.device : device;
     config.state_folder = std::filesystem::path(state) / config.robot.name;
+    if (max_speed < 0.0) {
+      throw ConfigurationError(fmt::format("--max-speed {}: must be at least 0 m/s", max_speed));
+    }
+    if (max_speed > 0.0) {
+      config.robot.limits.linear = std::min(config.robot.limits.linear, max_speed);
+    }
     const OpenStream opener = open_by_configuration(config);
     const MotionLimits& limits = config.robot.limits;
-    Guardian guardian({.brake_time = limits.linear / limits.linear_deceleration + 0.3});
+    const GuardianParams guarding{.brake_time = limits.linear / limits.linear_deceleration + 0.3};
+    constexpr double kFarewell = 0.15;  // [s] in which it ends the session
+    config.guardian_silence = guarding.silence;
+    config.guardian_done_after = guarding.silence + guarding.brake_time + kFarewell;
+    Guardian guardian(guarding);
     const auto lcm = open_lcm(url);
     const HostClock clock;
     P3dxNode node(*lcm, config, clock, opener);

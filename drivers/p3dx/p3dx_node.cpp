@@ -14,6 +14,7 @@ namespace luminav {
 namespace {
 
 constexpr std::int64_t kStatusPeriod = 20'000;       // [us] 50 Hz
+constexpr std::int64_t kGuardianPause = 50'000;      // [us] least, after the guardian is done with the line
 constexpr std::int64_t kLongestGap = 250'000;        // [us] the process slept: what waits is outdated
 constexpr double kAerosDistanceFactor = 0.485;       // [mm] p3dx on its older controller board
 constexpr double kArcosDistanceFactor = 1.0;         // [mm] p3dx-sh
@@ -125,6 +126,13 @@ void P3dxNode::poll() {
     link_.drop_waiting();
     writer_.restart();
     command_motion(now);  // to stand, before any keep-alive
+    const bool guardian_acted = 1e-6 * static_cast<double>(now - last_poll_) > config_.guardian_silence;
+    if (config_.guardian_done_after > 0.0 && guardian_acted) {
+      // Waiting until the robot's silence tells would take seconds; meanwhile the guardian still uses the line.
+      const auto done = last_poll_ + static_cast<std::int64_t>(1e6 * config_.guardian_done_after);
+      link_.begin_anew(now, std::max(kGuardianPause, done - now),
+                       "this driver was held up, its guardian has ended the session");
+    }
   }
   last_poll_ = now;
   LinkEvents events = link_.poll(now);
