@@ -59,12 +59,13 @@ export class Processes {
     const {status} = node ?? {};
     let word = isGone ? (node ? `silent for ${Math.round(node.age)} s` : 'silent') : nameOf(NODE, status.state);
     if (isGone && command && !command.running) word = command.condition;
-    const isStopped = command && !command.running && command.condition === 'stopped';
+    const isElsewhere = command && !command.running && !isGone;  // somebody started it without the deputy
+    const isStopped = isGone && command && !command.running && command.condition === 'stopped';
     row.dataset.state = isStopped ? 'stopped' : isGone ? 'gone' : nameOf(NODE, status.state);
     const isLive = node && !isGone;
     row.append(cell(command?.name ?? status.process), cell(isLive ? `${(100 * status.cpu_fraction).toFixed(1)} %` : ''),
-      cell(isLive ? `${(status.memory_bytes / 1e6).toFixed(0)} MB` : ''), cell(command ? String(command.restarts) : ''),
-      cell(isLive ? String(status.dropped_inputs) : ''), this.restart(command));
+      cell(isLive ? `${(status.memory_bytes / 1e6).toFixed(0)} MB` : ''), cell(command && !isElsewhere ? String(command.restarts) : ''),
+      cell(isLive ? String(status.dropped_inputs) : ''), this.restart(isElsewhere ? null : command));
     row.title = [word, status?.reason, status && `on ${status.host}, longest step ${(status.worst_step_us / 1000).toFixed(1)} ms`,
       command?.detail].filter(Boolean).join(' · ');
     if (isGone || status.state !== 1) {
