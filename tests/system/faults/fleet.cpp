@@ -33,9 +33,6 @@ launcher::PmdFile plan_commands(const FleetPlan& plan) {
       replace(command.exec, "--port $LUMINAV_SIMULATOR_PORT", "--pty-link $LUMINAV_LINE");
       replace(command.exec, "tcp:127.0.0.1:$LUMINAV_SIMULATOR_PORT", "$LUMINAV_LINE");
     }
-    if (command.name == "p3dx") {
-      command.exec += " --state $LUMINAV_STATE";
-    }
     if (command.name == "camera" && !plan.image_url.empty()) {
       command.exec += " --image-url " + plan.image_url;
     }
