@@ -76,6 +76,37 @@ TEST(P3dxLine, StandsStillAfterItsProcessHasSlept) {
   }
 }
 
+TEST(P3dxLine, BeginsAnewAtOnceWhenItsGuardianHasEndedTheSession) {
+  P3dxConfig config = P3dxBench::robot_config();
+  config.guardian_done_after = 1.25;
+  P3dxBench bench({}, config);
+  bench.drive(0.3, 0.0);
+  bench.run(4.0);
+  const std::int64_t session = bench.status.back().session;
+  bench.asleep = true;
+  bench.run(1.25);
+  bench.base.controller().receive(encode_command(ArcosCommand::kClose));  // the guardian's last word
+  bench.asleep = false;
+  bench.run(1.5);  // the robot's silence alone tells after 2.5 s
+  EXPECT_TRUE(bench.status.back().connected);
+  EXPECT_NE(bench.status.back().session, session);
+  EXPECT_NEAR(bench.base.outputs.linear, 0.3, 1e-9);
+}
+
+TEST(P3dxLine, LeavesTheLineToItsGuardianUntilThatIsDone) {
+  P3dxConfig config = P3dxBench::robot_config();
+  config.guardian_done_after = 1.25;
+  P3dxBench bench({}, config);
+  bench.run(4.0);
+  bench.asleep = true;
+  bench.run(0.4);
+  bench.asleep = false;
+  bench.run(0.8);
+  EXPECT_FALSE(bench.status.back().connected);
+  bench.run(1.5);
+  EXPECT_TRUE(bench.status.back().connected);
+}
+
 TEST(P3dxLine, TellsTheRobotToStandBeforeAnythingElseAfterAGap) {
   P3dxBench bench;
   bench.drive(0.3, 0.1);

@@ -263,6 +263,7 @@ void TortureRound::inject(FaultResult& result) {
     case FaultKind::kDiskFull:
       fill_disk();
       fleet_->pump_for(2.0);
+      result.linear = truth_->newest()->linear;
       [[fallthrough]];
     case FaultKind::kKill:
     case FaultKind::kKillAll:
@@ -325,6 +326,9 @@ void TortureRound::judge_standing(FaultResult& result) {
     if (again && *again < bound) {
       result.bridged = seconds(fault_at_, *again);
     }
+  }
+  if (result.must_stand && result.fault.kind == FaultKind::kUnplug && result.back.value_or(60.0) < result.bound) {
+    result.bridged = result.back;  // the line was whole again before the robot's watchdog
   }
   if (const auto stood = truth_->stood_at(fault_at_)) {
     result.stood = seconds(fault_at_, *stood);
