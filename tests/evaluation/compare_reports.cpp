@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
-#include <stdexcept>
+
+#include "tests/evaluation/report_runs.hpp"
 
 namespace luminav {
 namespace {
@@ -19,22 +18,6 @@ using nlohmann::json;
 constexpr int kDraws = 10'000;
 constexpr int kLeastDifferent = 5;
 constexpr double kSignificance = 0.05;
-
-using RunKey = std::pair<std::string, std::uint64_t>;
-using Runs = std::map<RunKey, json>;
-
-Runs runs_of(const std::string& text, const char* which) {
-  try {
-    Runs runs;
-    const json all = json::parse(text);
-    for (const json& run : all.at("runs")) {
-      runs[{run.at("scenario"), run.at("seed")}] = run;
-    }
-    return runs;
-  } catch (const json::exception& error) {
-    throw std::runtime_error(fmt::format("{} report: not a report of evaluate: {}", which, error.what()));
-  }
-}
 
 struct Figure {
   std::string name;
@@ -159,8 +142,8 @@ ComparedFigure compare(const Figure& figure, const std::vector<std::pair<double,
 }  // namespace
 
 ReportComparison compare_reports(const std::string& old_json, const std::string& new_json) {
-  const Runs old_runs = runs_of(old_json, "the old");
-  const Runs new_runs = runs_of(new_json, "the new");
+  const ReportRuns old_runs = runs_of_report(old_json, "the old");
+  const ReportRuns new_runs = runs_of_report(new_json, "the new");
   ReportComparison comparison;
   for (const auto& [key, run] : old_runs) {
     const auto found = new_runs.find(key);

@@ -121,7 +121,8 @@ std::optional<Vector2d> CeilingViewer::pixel_of(const Vector2d& in_world, double
     return true_camera_.pixel_of(camera_from_world_ * (Vector3d(moved.x(), moved.y(), height) - lens_));
   };
   std::optional<Vector2d> pixel = project(0.0);
-  for (int i = 0; i < 2 && pixel; ++i) {  // each one shrinks the change of the row 20-fold or more
+  const int passes = moment_.angular == 0.0 && moment_.velocity.isZero() ? 0 : 2;
+  for (int i = 0; i < passes && pixel; ++i) {  // each one shrinks the change of the row 20-fold or more
     pixel = project((pixel->y() - middle_row) * row_time_);
   }
   return pixel;

@@ -24,7 +24,7 @@ constexpr const char* kStyle = R"(
 --box:#c9996b}}
 *{box-sizing:border-box} body{margin:0;background:var(--paper);color:var(--ink);
 font:15px/1.5 system-ui,"Segoe UI",Roboto,"Helvetica Neue",sans-serif}
-main{max-width:1240px;margin:0 auto;padding:28px 20px 60px} h1{font-size:25px;margin:0 0 2px;letter-spacing:-.01em}
+main{max-width:1360px;margin:0 auto;padding:28px 20px 60px} h1{font-size:25px;margin:0 0 2px;letter-spacing:-.01em}
 h2{font-size:18px;margin:38px 0 10px} .soft{color:var(--soft)} .good{color:var(--good)} .bad{color:var(--bad)}
 .tiles{display:grid;grid-template-columns:repeat(auto-fill,minmax(182px,1fr));gap:10px;margin:20px 0}
 .tile{background:var(--card);border:1px solid var(--line);border-radius:9px;padding:10px 13px}

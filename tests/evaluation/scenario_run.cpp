@@ -87,7 +87,7 @@ RunReport conclude(const RunJudge& judge, const Mission& mission, const WorldTru
   RunReport report = judge.report(mission.final_results());
   report.failure = mission.failure();
   if (report.failure.empty() && report.contacts > 0) {
-    report.failure = fmt::format("{} contacts", report.contacts);
+    report.failure = report.contacts == 1 ? "1 contact" : fmt::format("{} contacts", report.contacts);
   }
   if (report.failure.empty() && report.confident_wrong_s > 0.0) {
     report.failure = fmt::format("confidently wrong for {:.1f} s", report.confident_wrong_s);

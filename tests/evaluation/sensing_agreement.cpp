@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <stdexcept>
+
+#include "tests/evaluation/report_runs.hpp"
 
 namespace luminav {
 namespace {
@@ -13,19 +12,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kTolerance = 0.20;
-
-std::map<std::pair<std::string, std::uint64_t>, json> runs_of(const std::string& text) {
-  try {
-    std::map<std::pair<std::string, std::uint64_t>, json> runs;
-    const json all = json::parse(text);
-    for (const json& run : all.at("runs")) {
-      runs[{run.at("scenario"), run.at("seed")}] = run;
-    }
-    return runs;
-  } catch (const json::exception& error) {
-    throw std::runtime_error(fmt::format("not a report of evaluate: {}", error.what()));
-  }
-}
 
 bool is_near(double value, double reference) {
   return std::abs(value - reference) <= kTolerance * reference;
@@ -56,8 +42,8 @@ bool SensingAgreement::agrees() const {
 }
 
 SensingAgreement compare_sensings(const std::string& rendered_json, const std::string& geometric_json) {
-  const auto rendered = runs_of(rendered_json);
-  const auto geometric = runs_of(geometric_json);
+  const ReportRuns rendered = runs_of_report(rendered_json, "the rendered");
+  const ReportRuns geometric = runs_of_report(geometric_json, "the geometric");
   Sums r;
   Sums g;
   SensingAgreement result;
