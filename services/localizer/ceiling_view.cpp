@@ -109,6 +109,9 @@ FixtureSighting CeilingView::without_rolling_shutter(const FixtureSighting& sigh
   corrected.robot_from_fixture.x = middle.x();
   corrected.robot_from_fixture.y = middle.y();
   corrected.robot_from_fixture.theta = std::atan2(far.y() - near.y(), far.x() - near.x());
+  if (!sighting.clipped) {
+    corrected.length = (far - near).norm();  // the rows that are read later saw their end of it from farther on
+  }
   return corrected;
 }
 

@@ -166,6 +166,11 @@ void SyntheticWorld::steer() {
   };
   double speed = options_.speed;
   double turn = 0.0;
+  if (options_.spin_way > 0.0 && driven_ - spun_at_ > options_.spin_way && std::abs(wanted_turn_) <= 0.02) {
+    wanted_turn_ = spin_;
+    spin_ = -spin_;
+    spun_at_ = driven_;
+  }
   if (std::abs(wanted_turn_) > 0.02) {
     speed = 0.0;
     turn = std::clamp(3.0 * wanted_turn_, -1.0, 1.0);
@@ -305,7 +310,7 @@ std::optional<FixtureSighting> SyntheticWorld::see(const Fixture& fixture, const
       along_sigma * along_sigma * axis * axis.transpose() + across_sigma * across_sigma * across * across.transpose();
   sighting.covariance(2, 2) = heading_sigma * heading_sigma;
   sighting.shape = fixture.shape;
-  sighting.length = near_end && far_end ? fixture.length : visible;
+  sighting.length = visible;
   sighting.width = fixture.width;
   sighting.clipped = !near_end || !far_end;
   sighting.near_end_visible = near_end;

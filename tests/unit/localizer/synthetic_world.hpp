@@ -36,6 +36,7 @@ struct SyntheticOptions {
   int unknown_boxes = 4;       // in the way of sonar and robot, not in the map
   double sonar_dropout = 0.2;
   double speed = 0.4;           // [m/s]
+  double spin_way = 0.0;        // [m] after which it turns once on the spot, as one drives to calibrate; 0 = never
   double image_latency = 0.06;  // [s]
   std::optional<Pose2> start{};
 };
@@ -109,6 +110,8 @@ class SyntheticWorld {
   double linear_ = 0.0;
   double angular_ = 0.0;
   double wanted_turn_ = 0.0;
+  double spun_at_ = 0.0;     // [m]
+  double spin_ = 2.0 * kPi;  // [rad] the next turn on the spot, left and right in turns
   double driven_ = 0.0;
   std::int64_t utime_ = 1'000'000'000;
   std::int64_t held_until_ = 0;  // [us]

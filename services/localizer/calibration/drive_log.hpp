@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "services/localizer/fixture_sighting.hpp"
+#include "services/localizer/localizer_config.hpp"
+
+namespace luminav {
+
+/// What a drive left behind, in the order of time. Frames carry the image's own stamp, no time offset added.
+struct DriveLog {
+  std::vector<OdometryReading> odometry;
+  std::vector<SightingFrame> frames;
+};
+
+/// ODOMETRY and FIXTURE_DETECTIONS of an LCM log; a log cut in the middle gives what is whole. Throws
+/// std::runtime_error when there is no such file.
+DriveLog read_drive_log(const std::string& file);
+
+/// A sighting that is surely one of the building's fixtures.
+struct KnownSighting {
+  int fixture = 0;  // index into the building's fixtures
+  FixtureSighting sighting;
+};
+
+/// An image with the pose that the localizer held for true.
+struct KnownFrame {
+  OdometryReading odometry;  // at the image's time
+  Pose2 world_from_robot;
+  std::vector<KnownSighting> sightings;
+  std::vector<Pose2> steps;  // odometry since the frame before, reading by reading
+};
+
+/// Follows the drive with the localizer and keeps frames at least `spacing` [m] or `turn` [rad] apart, while TRACKING.
+std::vector<KnownFrame> follow_drive(const DriveLog& log, const LocalizerConfig& config, double spacing, double turn);
+
+}  // namespace luminav

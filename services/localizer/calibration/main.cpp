@@ -1,0 +1,108 @@
+// Estimates from the log of a drive what is wrong with the robot's wheels and camera, and writes it to the robot's
+// file.
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "services/common/process/command_line.hpp"
+#include "services/localizer/calibration/drive_calibration.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr double kSpacing = 0.10;          // [m] between images used
+constexpr double kTurn = radians(5.0);     // [rad] likewise
+constexpr std::size_t kLeastFrames = 100;  // of a drive worth the name
+
+void print(const char* name, const CalibratedValue& value, double factor, const char* unit) {
+  fmt::print("  {:<14} {:+9.3f} +- {:.3f} {}\n", name, factor * value.value, factor * value.sigma, unit);
+}
+
+void print(const DriveCalibration& c) {
+  fmt::print("{} images with {} sightings over {:.0f} m; residuals {:.2f} deviations\n", c.frames, c.sightings, c.way,
+             c.residual);
+  fmt::print("found beside what the robot's file says:\n");
+  print("wheel scale", c.wheel_scale, 100.0, "%");
+  print("wheel ratio", c.wheel_ratio, 100.0, "%");
+  print("wheel base", c.wheel_base, 100.0, "%");
+  print("picture to x", c.tilt_x, degrees(1.0), "deg");
+  print("picture to y", c.tilt_y, degrees(1.0), "deg");
+  print("picture turned", c.yaw, degrees(1.0), "deg");
+  print("picture larger", c.camera_scale, 100.0, "%");
+  print("time offset", c.time_offset, 1e3, "ms");
+}
+
+std::string read_text(const std::string& file) {
+  std::ifstream in(file);
+  std::stringstream text;
+  text << in.rdbuf();
+  if (!in) {
+    throw std::runtime_error(file + ": cannot be read");
+  }
+  return text.str();
+}
+
+void write_text(const std::string& file, const std::string& text) {
+  const std::string temporary = file + ".new";
+  {
+    std::ofstream out(temporary);
+    out << text;
+    out.flush();
+    if (!out) {
+      throw std::runtime_error(file + ": cannot be written");
+    }
+  }
+  std::filesystem::rename(temporary, file);
+}
+
+int run(int argc, char** argv) {
+  std::vector<std::string> logs;
+  std::string robot;
+  std::string building;
+  std::string out;
+  bool only_look = false;
+  CommandLine line("calibrate-drive",
+                   "Estimates the errors of wheels and camera from the log of a drive of a few "
+                   "minutes under known fixtures, and writes them to the robot's file.");
+  line.robot_file(robot).building_file(building);
+  line.positional("log", logs, "LCM log with ODOMETRY and FIXTURE_DETECTIONS", true);
+  line.text("--out", out, "file to write instead of the robot's own").flag("--dry-run", only_look, "write nothing");
+  if (const auto status = line.parse(argc, argv)) {
+    return *status;
+  }
+  LocalizerConfig config = read_localizer_config(robot, building);
+  const DriveLog log = read_drive_log(logs.front());
+  fmt::print("{} odometry readings, {} images\n", log.odometry.size(), log.frames.size());
+  // The first pass knows the robot only as the file has it; a second one, with what it found, takes in more images.
+  const std::vector<KnownFrame> frames = follow_drive(log, config, kSpacing, kTurn);
+  if (frames.size() < kLeastFrames) {
+    throw std::runtime_error(
+        fmt::format("only {} images with a known pose, {} are needed: drive longer, where fixtures "
+                    "are, until the localizer is TRACKING",
+                    frames.size(), kLeastFrames));
+  }
+  const DriveCalibration calibration = calibrate_drive(frames, config);
+  print(calibration);
+  if (!calibration.has_converged) {
+    throw std::runtime_error("the estimate did not settle; nothing is written");
+  }
+  if (!only_look) {
+    const std::string target = out.empty() ? robot : out;
+    write_text(target, write_into(read_text(robot), calibration, config));
+    fmt::print("written to {}\n", target);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace luminav
+
+int main(int argc, char** argv) {
+  return luminav::run_guarded("calibrate-drive", [&] { return luminav::run(argc, argv); });
+}

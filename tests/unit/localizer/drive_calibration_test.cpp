@@ -1,0 +1,165 @@
+#include "services/localizer/calibration/drive_calibration.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/unit/localizer/synthetic_world.hpp"
+
+namespace luminav {
+namespace {
+
+const std::string kLaunch = std::string(LUMINAV_SOURCE_DIR) + "/launch";
+
+LocalizerConfig laboratory() {
+  return read_localizer_config(kLaunch + "/robots/p3dx.toml", kLaunch + "/buildings/laboratory/building.toml");
+}
+
+DriveLog drive(testing::SyntheticWorld& world, double seconds) {
+  DriveLog log;
+  for (int i = 0; i < static_cast<int>(30.0 * seconds); ++i) {
+    const auto output = world.step();
+    if (output.frame) {
+      log.frames.push_back(*output.frame);
+    }
+    if (output.odometry) {
+      log.odometry.push_back(*output.odometry);
+    }
+  }
+  return log;
+}
+
+/// Errors of wheel scale, ratio and base, camera roll, pitch, yaw, height and time offset.
+constexpr std::array kNames = {"wheel scale", "wheel ratio", "wheel base", "roll",
+                               "pitch",       "yaw",         "height",     "time offset"};
+constexpr double kShare = 0.2;  // that may be left of each
+using Errors = std::array<double, kNames.size()>;
+
+Errors errors_of(const RobotDescription& robot, const WheelCorrection& wheels, double ceiling,
+                 const testing::SyntheticWorld& world) {
+  const CameraMounting& believed = robot.camera.mounting;
+  const CameraMounting& truth = world.true_robot().camera.mounting;
+  const double height = world.true_ceiling_height() - truth.z;
+  return {wheels.scale - world.true_wheel_scale(),
+          wheels.ratio - world.true_wheel_ratio(),
+          wheels.base - (world.true_wheel_base() / robot.wheel_base - 1.0),
+          believed.roll - truth.roll,
+          believed.pitch - truth.pitch,
+          believed.yaw - truth.yaw,
+          (ceiling - believed.z) / height - 1.0,
+          robot.camera.time_offset - world.true_robot().camera.time_offset};
+}
+
+/// Position error, squared, that the wheels' constant errors make of 3 m straight on by odometry alone; the noise,
+/// which no calibration takes away, left out.
+double squared_error_after_three_metres(const WheelCorrection& wheels, const testing::SyntheticWorld& world) {
+  constexpr double kWay = 3.0;
+  const double base = world.believed_robot().wheel_base;
+  const WheelCorrection truth{world.true_wheel_scale(), world.true_wheel_ratio(), world.true_wheel_base() / base - 1.0};
+  CorrectedOdometry believed(wheels, base);
+  CorrectedOdometry real(truth, base);
+  Pose2 by_belief = believed.correct({});
+  Pose2 by_truth = real.correct({});
+  for (int i = 1; i <= 300; ++i) {
+    const Pose2 odometry{kWay * i / 300.0, 0.0, 0.0};
+    by_belief = believed.correct(odometry);
+    by_truth = real.correct(odometry);
+  }
+  return std::pow(distance(by_belief, by_truth), 2);
+}
+
+TEST(DriveCalibration, ErrorsOfTenRobotsShrinkToAFifthAfterThreeMinutes) {
+  const LocalizerConfig config = laboratory();
+  const double ceiling = config.building.ceiling_height;
+  Errors before{};
+  Errors after{};
+  double blind_before = 0.0;
+  double blind_after = 0.0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    testing::SyntheticOptions options;
+    options.seed = seed;
+    options.spin_way = 4.0;  // as the README tells people to drive
+    testing::SyntheticWorld world(config.building, config.walls, config.robot, options);
+    const DriveLog log = drive(world, 200.0);  // the first seconds pass until the pose is known
+    const DriveCalibration found = calibrate_drive(follow_drive(log, config, 0.10, radians(5.0)), config);
+    ASSERT_TRUE(found.has_converged) << seed;
+    const WheelCorrection wheels{found.wheel_scale.value, found.wheel_ratio.value, found.wheel_base.value};
+    blind_before += squared_error_after_three_metres({}, world);
+    blind_after += squared_error_after_three_metres(wheels, world);
+    const Errors old_errors = errors_of(config.robot, {}, ceiling, world);
+    const Errors new_errors = errors_of(apply(found, config.robot, ceiling), wheels, ceiling, world);
+    for (std::size_t i = 0; i < kNames.size(); ++i) {
+      before[i] += old_errors[i] * old_errors[i];
+      after[i] += new_errors[i] * new_errors[i];
+    }
+  }
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const double share = std::sqrt(after[i] / before[i]);
+    RecordProperty(kNames[i], std::to_string(share));
+    std::printf("%-12s %.5f -> %.5f: %.3f\n", kNames[i], std::sqrt(before[i] / 10.0), std::sqrt(after[i] / 10.0),
+                share);
+    EXPECT_LT(share, kShare) << kNames[i];
+  }
+  std::printf("after 3 m without a fixture: %.1f mm -> %.1f mm\n", 1e3 * std::sqrt(blind_before / 10.0),
+              1e3 * std::sqrt(blind_after / 10.0));
+  EXPECT_LT(blind_after, 0.25 * blind_before);
+}
+
+TEST(DriveCalibration, FindsNothingInADriveTooShort) {
+  const DriveCalibration found = calibrate_drive({}, laboratory());
+  EXPECT_FALSE(found.has_converged);
+  EXPECT_EQ(found.wheel_scale.value, 0.0);
+}
+
+TEST(DriveCalibration, WritesTheRobotsFileSoThatItReadsBack) {
+  const LocalizerConfig config = laboratory();
+  DriveCalibration found;
+  found.yaw = {0.01, 0.001};
+  found.tilt_x = {0.004, 0.0005};
+  found.time_offset = {0.012, 0.002};
+  found.wheel_scale = {0.007, 0.0003};
+  std::ifstream in(kLaunch + "/robots/p3dx.toml");
+  std::stringstream text;
+  text << in.rdbuf();
+  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "calibrated_robot.toml";
+  std::ofstream(file) << write_into(text.str(), found, config);
+  const LocalizerConfig read = read_localizer_config(file, kLaunch + "/buildings/laboratory/building.toml");
+  EXPECT_NEAR(read.robot.camera.mounting.yaw, -0.01, 1e-6);
+  EXPECT_NEAR(read.robot.camera.mounting.pitch, -0.004, 1e-6);
+  EXPECT_NEAR(read.robot.camera.time_offset, 0.012, 1e-6);
+  EXPECT_NEAR(read.wheels.scale, 0.007, 1e-6);
+  EXPECT_NEAR(read.errors.wheel_scale, 0.0003, 1e-6);
+  EXPECT_EQ(read.robot.footprint.size(), 4U);
+  // written twice, it reads the same
+  std::ofstream(file) << write_into(write_into(text.str(), found, config), found, config);
+  EXPECT_NO_THROW(read_localizer_config(file, kLaunch + "/buildings/laboratory/building.toml"));
+}
+
+TEST(WheelCorrection, UndoesWhatWrongWheelsMadeOfTheWay) {
+  const WheelCorrection wheels{0.01, 0.02, -0.01};
+  CorrectedOdometry odometry(wheels, 0.33);
+  odometry.correct({});
+  // 1 m straight by odometry: the right wheel is larger, so the robot went left
+  Pose2 corrected;
+  for (int i = 1; i <= 100; ++i) {
+    corrected = odometry.correct({0.01 * i, 0.0, 0.0});
+  }
+  const double turn = 1.01 * 0.02 / (0.33 * 0.99);
+  EXPECT_NEAR(corrected.theta, turn, 1e-9);
+  EXPECT_NEAR(std::hypot(corrected.x, corrected.y), 1.01, 1e-3);
+  EXPECT_NEAR(std::atan2(corrected.y, corrected.x), 0.5 * turn, 1e-4);
+}
+
+TEST(WheelCorrection, LeavesOdometryAsItIsWithoutACalibration) {
+  CorrectedOdometry odometry({}, 0.33);
+  const Pose2 pose{3.0, -2.0, 1.0};
+  EXPECT_EQ(odometry.correct(pose).x, pose.x);
+  EXPECT_EQ(odometry.correct(pose).theta, pose.theta);
+}
+
+}  // namespace
+}  // namespace luminav
