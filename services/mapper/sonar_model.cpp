@@ -96,6 +96,9 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
   spans.first_row = first_row;
   spans.first.assign(rows, geometry.columns);
   spans.last.assign(rows, -1);
+  if (rows == 0) {
+    return;
+  }
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector2d& a = corners[i];
     const Eigen::Vector2d& b = corners[(i + 1) % corners.size()];
