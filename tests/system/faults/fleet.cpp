@@ -95,6 +95,13 @@ void Fleet::pump(int milliseconds) {
     }
   }
   sheriff_->tick(launcher::Instant::read());
+  for (const launcher::CommandState& state : sheriff_->states()) {
+    auto& [pid, since] = started_[state.name];
+    if (state.pid != pid) {
+      pid = state.pid;
+      since = clock_.utime();
+    }
+  }
   if (launcher::take_interrupt()) {
     throw Interrupted();
   }
@@ -156,6 +163,11 @@ pid_t Fleet::pid(const std::string& process) const {
     }
   }
   return 0;
+}
+
+std::int64_t Fleet::started(const std::string& process) const {
+  const auto found = started_.find(process);
+  return found != started_.end() && found->second.first > 0 ? found->second.second : 0;
 }
 
 std::vector<std::string> Fleet::processes() const {

@@ -65,6 +65,8 @@ class Fleet {
   /// 0 = does not run.
   [[nodiscard]] pid_t pid(const std::string& process) const;
   [[nodiscard]] std::vector<std::string> processes() const;
+  /// When its deputy first listed a process under its present pid [us]; 0 = it does not run.
+  [[nodiscard]] std::int64_t started(const std::string& process) const;
   /// When a process first said READY or DEGRADED after `utime` [us], on this clock.
   [[nodiscard]] std::optional<std::int64_t> heard_after(const std::string& process, std::int64_t utime) const;
   [[nodiscard]] const std::map<std::string, node_status_t>& statuses() const { return statuses_; }
@@ -85,6 +87,7 @@ class Fleet {
   std::unique_ptr<launcher::Sheriff> sheriff_;
   std::map<std::string, std::vector<std::int64_t>> heard_;  // [us] of the last hundred words of each process
   std::map<std::string, node_status_t> statuses_;
+  std::map<std::string, std::pair<pid_t, std::int64_t>> started_;  // pid, and when it was first seen [us]
   std::vector<std::string> notices_;
   std::string failure_;
 };

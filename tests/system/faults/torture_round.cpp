@@ -16,7 +16,6 @@ constexpr double kCommandTimeout = 0.3;     // [s] without commands, then the dr
 constexpr double kWatchdog = 2.0;           // [s] of the robot as delivered: all that is left when its line is cut
 constexpr double kMargin = 0.15;            // [s]
 constexpr std::int64_t kInFlight = 50'000;  // [us] messages of a process that has just died may still arrive
-constexpr std::int64_t kLastWord = 15'000;  // [us] the same for what it said of itself
 constexpr double kPersonNear = 1.6;         // [m] then it may wait for the person
 constexpr int kMemoryLimit = 250;           // [MB] of a process
 constexpr double kUnplugEvery = 80.0;       // [s]
@@ -232,11 +231,10 @@ void TortureRound::fill_disk() {
 
 std::optional<std::int64_t> TortureRound::ready_after(const std::vector<std::string>& processes,
                                                       const std::vector<pid_t>& before, std::int64_t utime) const {
-  utime += kLastWord;
   std::int64_t last = utime;
   for (std::size_t i = 0; i < processes.size(); ++i) {
     const pid_t pid = fleet_->pid(processes[i]);
-    const auto heard = fleet_->heard_after(processes[i], utime);
+    const auto heard = fleet_->heard_after(processes[i], std::max(utime, fleet_->started(processes[i])));
     if (pid == 0 || pid == before[i] || !heard) {
       return std::nullopt;
     }
