@@ -1,13 +1,20 @@
 #include "services/localizer/calibration/drive_calibration.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <lcm/lcm-cpp.hpp>
+#include <limits>
+#include <luminav/fixture_detections_t.hpp>
+#include <luminav/odometry_t.hpp>
 #include <sstream>
+#include <stdexcept>
 
+#include "services/common/process/channels.hpp"
 #include "tests/unit/localizer/synthetic_world.hpp"
 
 namespace luminav {
@@ -107,6 +114,56 @@ TEST(DriveCalibration, ErrorsOfTenRobotsShrinkToAFifthAfterThreeMinutes) {
   std::printf("after 3 m without a fixture: %.1f mm -> %.1f mm\n", 1e3 * std::sqrt(blind_before / 10.0),
               1e3 * std::sqrt(blind_after / 10.0));
   EXPECT_LT(blind_after, 0.25 * blind_before);
+}
+
+TEST(DriveLog, ReadsWhatTheLoggerWroteAndLeavesOutWhatCannotBe) {
+  const std::string file = ::testing::TempDir() + "/drive.lcmlog";
+  {
+    lcm::LogFile log(file, "w");
+    std::int64_t number = 0;
+    const auto write = [&](const char* channel, const auto& message) {
+      std::vector<char> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+      message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      lcm::LogEvent event;
+      event.eventnum = number++;
+      event.timestamp = message.utime;
+      event.channel = channel;
+      event.data = bytes.data();
+      event.datalen = static_cast<int>(bytes.size());
+      log.writeEvent(&event);
+    };
+    odometry_t odometry{};
+    for (const double x : {0.0, 0.1, std::numeric_limits<double>::quiet_NaN(), 0.2}) {
+      odometry.utime += 100'000;
+      odometry.session = 7;
+      odometry.x = x;
+      write(channels::kOdometry, odometry);
+    }
+    write(channels::kOdometry, odometry);  // the same stamp again
+    fixture_detections_t seen{};
+    seen.utime = 150'000;
+    seen.count = 2;
+    seen.detections.resize(2);
+    for (fixture_detection_t& detection : seen.detections) {
+      detection.length = 1.2;
+      detection.width = 0.3;
+      detection.covariance[0] = detection.covariance[4] = detection.covariance[8] = 1e-4;
+    }
+    seen.detections[1].x = 1e9;
+    write(channels::kFixtureDetections, seen);
+  }
+  const DriveLog log = read_drive_log(file);
+  std::vector<double> x;
+  for (const OdometryReading& reading : log.odometry) {
+    x.push_back(reading.odom_from_robot.x);
+  }
+  EXPECT_THAT(x, ::testing::ElementsAre(0.0, 0.1, 0.2));
+  ASSERT_FALSE(log.odometry.empty());
+  EXPECT_EQ(log.odometry.back().odom_from_robot.x, 0.2);
+  EXPECT_EQ(log.odometry.back().session, 7);
+  ASSERT_EQ(log.frames.size(), 1U);
+  EXPECT_EQ(log.frames.front().sightings.size(), 1U);
+  EXPECT_THROW(read_drive_log(file + ".none"), std::runtime_error);
 }
 
 TEST(DriveCalibration, FindsNothingInADriveTooShort) {
