@@ -186,8 +186,14 @@ int evaluate(const Request& request) {
   if (!request.fit_sensing.empty()) {
     write_fit(request, jobs, surveys);
   }
-  fmt::print("\n{}{}{}{} of {} runs passed, {:.0f} s\n", scenario_table_text(reports), summary_text(all), remarks,
-             passed, reports.size(), wall);
+  for (const DetectorCondition& c : detector) {
+    fmt::print(
+        "detector, {:<24} {:>4} frames, precision {:.4f}, recall {:.4f}, centre {:.3f} px, direction {:.4f} deg RMS\n",
+        c.name, c.frames, c.precision, c.recall, c.centre_rms_px, c.orientation_rms_deg);
+  }
+  fmt::print("\n{}{}{}", scenario_table_text(reports), summary_text(all), remarks);
+  fmt::print("{}{:.0f} s\n", reports.empty() ? "" : fmt::format("{} of {} runs passed, ", passed, reports.size()),
+             wall);
   for (const RunReport& report : reports) {
     if (!report.passed) {
       fmt::print("failed: {}\n  again: {}\n", report.failure, report.reproduce);

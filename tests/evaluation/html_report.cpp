@@ -111,7 +111,7 @@ std::string tiles(const ordered_json& s) {
                  "walls found / free is free");
   }
   if (s.contains("precision")) {
-    html += tile(number(100.0 * get("precision"), " %", 2) + " / " + number(100.0 * get("recall"), " %", 1),
+    html += tile(number(100.0 * get("precision"), " %", 1) + " / " + number(100.0 * get("recall"), " %", 1),
                  "detector's precision / recall");
     html += tile(number(get("centre_rms_px"), " px", 2) + " / " + number(get("orientation_rms_deg"), "°", 3),
                  "detector's centre / direction, RMS");

@@ -28,7 +28,8 @@ constexpr NamedEntry kEntries[] = {
     {"localization", "laboratory.toml", 1000, 1019},
     {"localization", "laboratory-carried.toml", 1000, 1019},
     {"localization", "symmetric-corridor.toml", 1000, 1019},
-    {"mapping", "laboratory-mapping.toml", 1000, 1009},
+    {"mapping", "laboratory.toml", 1000, 1009},
+    {"mapping", "office.toml", 1000, 1004},
     {"navigation", "laboratory-crowd.toml", 1000, 1009},
     {"navigation", "navigation", 1000, 1009},
     {"endurance", "laboratory-patrol.toml", 1000, 1000, "geometric", true},
@@ -88,10 +89,20 @@ std::vector<SuiteEntry> suite_entries(const std::string& suite, const std::files
       entries.push_back({file, 1000, 1004, "geometric", false});
     }
   }
-  if (entries.empty() && !has_detector_part(suite)) {
+  // "all" would do some twice: the laboratory is one of the worlds too
+  std::vector<SuiteEntry> once;
+  for (const SuiteEntry& entry : entries) {
+    const bool known = std::any_of(once.begin(), once.end(), [&](const SuiteEntry& other) {
+      return other.scenario == entry.scenario && other.first_seed == entry.first_seed;
+    });
+    if (!known) {
+      once.push_back(entry);
+    }
+  }
+  if (once.empty() && !has_detector_part(suite)) {
     throw ConfigurationError(fmt::format("--suite {}: must be one of {}", suite, suite_names()));
   }
-  return entries;
+  return once;
 }
 
 }  // namespace luminav

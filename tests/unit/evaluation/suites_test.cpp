@@ -1,0 +1,63 @@
+#include "tests/evaluation/suites.hpp"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "drivers/simulator/scenario.hpp"
+#include "services/common/configuration/toml_table.hpp"
+
+namespace luminav {
+namespace {
+
+std::filesystem::path generated() {
+  return std::filesystem::path(testing::TempDir()) / "generated-worlds";
+}
+
+TEST(Suites, HoldScenariosThatCanBeRead) {
+  for (const char* suite :
+       {"quick", "laboratory", "office", "localization", "mapping", "navigation", "endurance", "worlds"}) {
+    const auto entries = suite_entries(suite, generated());
+    EXPECT_FALSE(entries.empty()) << suite;
+    for (const SuiteEntry& entry : entries) {
+      EXPECT_NO_THROW((void)read_scenario(entry.scenario)) << entry.scenario;
+      EXPECT_LE(entry.first_seed, entry.last_seed);
+    }
+  }
+}
+
+TEST(Suites, MeasureOnSeedsThatNobodyTunesOn) {
+  for (const SuiteEntry& entry : suite_entries("worlds", generated())) {
+    EXPECT_GE(entry.first_seed, 1000U);
+    EXPECT_EQ(entry.last_seed - entry.first_seed, 19U);
+  }
+}
+
+TEST(Suites, EnduranceIsTenHoursOfPatrol) {
+  const auto entries = suite_entries("endurance", generated());
+  ASSERT_EQ(entries.size(), 1U);
+  EXPECT_TRUE(entries[0].patrol);
+  EXPECT_EQ(read_scenario(entries[0].scenario).duration, 36'000.0);
+}
+
+TEST(Suites, WorldsAreTheEightOfThem) {
+  const auto entries = suite_entries("worlds", generated());
+  std::set<std::string> names;
+  for (const SuiteEntry& entry : entries) {
+    names.insert(entry.scenario.stem());
+  }
+  EXPECT_THAT(names, testing::UnorderedElementsAre("laboratory", "symmetric-corridor", "w3-dense", "w4-sparse",
+                                                   "w5-panels", "w6-mixed", "w7-high", "w8-low"));
+}
+
+TEST(Suites, AnUnknownOneNamesThoseThereAre) {
+  try {
+    (void)suite_entries("nonsense", generated());
+    FAIL();
+  } catch (const ConfigurationError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("endurance, worlds, scale, all"));
+  }
+}
+
+}  // namespace
+}  // namespace luminav
