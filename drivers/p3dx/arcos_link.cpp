@@ -12,7 +12,7 @@ namespace luminav {
 namespace {
 
 constexpr std::int64_t kFirstRetry = 200'000;              // [us]
-constexpr std::int64_t kLongestRetry = 5'000'000;          // [us]
+constexpr std::int64_t kLongestRetry = 2'000'000;          // [us] driving again within 3 s of the line being back
 constexpr std::int64_t kPastWatchdog = 2'200'000;          // [us] a controller at another rate has calmed down by then
 constexpr std::int64_t kFramePeriod = 5'000;               // [us] a robot may lose commands that follow faster
 constexpr double kFrameBurst = 4.0;                        // motion commands, and a change right behind them
