@@ -32,6 +32,7 @@ struct OutlineFitParams {
   double taper_sigma = 0.01;       // [m/m] change of the swelling along the outline: bloom where the light differs
   double edge_sigma_px = 0.15;     // [px] least error of one edge point
   double outline_sigma_px = 0.06;  // [px] error that the points of a side share
+  double vignetting = 0.3;         // share of the light that is lost in the image's corners
   int first_search_px = 11;        // [px] to each side of the start
 };
 

@@ -351,14 +351,15 @@ void score_world(const DetectorScoreOptions& options, const Condition& condition
       }
     }
     const double before = thread_seconds();
-    std::vector<Detection> detections = detector.detect(image.view());
+    DetectorTrace trace;
+    std::vector<Detection> detections = detector.detect(image.view(), listener ? &trace : nullptr);
     score.seconds += thread_seconds() - before;
     ++score.frames;
     std::vector<std::string> complaints = judge(detections, visible, score);
     count_elements(world, place.motion, camera, detections, score);
     if (listener) {
       listener({fmt::format("{}_{}_{}", condition.name, scenario.seed, frame), &image, std::move(detections),
-                std::move(complaints)});
+                std::move(complaints), std::move(trace)});
     }
   }
 }

@@ -9,6 +9,7 @@
 #include "services/common/image/grey_image.hpp"
 #include "services/detector/detection.hpp"
 #include "services/detector/detector_params.hpp"
+#include "services/detector/detector_trace.hpp"
 #include "tests/unit/detector/score/imaged_fixture.hpp"
 
 namespace luminav::score {
@@ -100,6 +101,7 @@ struct ScoredFrame {
   const GreyImage* image = nullptr;
   std::vector<Detection> detections;
   std::vector<std::string> complaints;
+  DetectorTrace trace;
 };
 using FrameListener = std::function<void(const ScoredFrame&)>;
 

@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
 
 #include "services/common/process/command_line.hpp"
+#include "services/detector/debug_picture.hpp"
 #include "tests/unit/detector/score/detector_score.hpp"
 
 namespace luminav::score {
 namespace {
-
-void write_pgm(const std::filesystem::path& file, const GreyImage& image) {
-  std::ofstream out(file, std::ios::binary);
-  out << "P5\n" << image.width << " " << image.height << "\n255\n";
-  out.write(reinterpret_cast<const char*>(image.pixels.data()), static_cast<std::streamsize>(image.pixels.size()));
-}
 
 /// Pictures and words for each frame that something is to be said against.
 FrameListener dump_to(const std::filesystem::path& folder) {
@@ -25,9 +21,16 @@ FrameListener dump_to(const std::filesystem::path& folder) {
     }
     std::string name = frame.name;
     std::replace(name.begin(), name.end(), ' ', '_');
-    write_pgm(folder / (name + ".pgm"), *frame.image);
+    cv::imwrite((folder / (name + ".png")).string(),
+                draw_debug_picture(frame.image->view(), frame.trace, frame.detections));
     for (const std::string& complaint : frame.complaints) {
       std::printf("  %s: %s\n", name.c_str(), complaint.c_str());
+    }
+    for (std::size_t i = 0; i < frame.trace.verdicts.size(); ++i) {
+      const auto& corners = frame.trace.rectangles[i];
+      const Eigen::Vector2d centre = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+      std::printf("      tried %.0f x %.0f px at %.0f %.0f: %s\n", (corners[0] - corners[1]).norm(),
+                  (corners[1] - corners[2]).norm(), centre.x(), centre.y(), frame.trace.verdicts[i].c_str());
     }
   };
 }

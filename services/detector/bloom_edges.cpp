@@ -1,0 +1,319 @@
+#include "services/detector/bloom_edges.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "services/detector/pixel_sampling.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Matrix4d;
+using Eigen::Vector2d;
+using Eigen::Vector4d;
+
+constexpr int kMostPoints = 160;
+constexpr double kSpacing = 4.0;       // [px]
+constexpr double kCorner = 6.0;        // [px] from a corner nothing is measured
+constexpr int kSearch = 6;             // [px] to each side of the edge that the fit found
+constexpr double kBeyondBloom = 14.0;  // [px] from there to the middle of where the ceiling is taken
+constexpr std::size_t kDistances = 6;  // 2 px apart
+constexpr double kLevel = 0.8;         // of the way from the ceiling to saturation
+constexpr double kWhite = 255.0;
+constexpr double kUnevenBloom = 0.05;  // of the swelling, 1 sigma
+constexpr double kCutoff = 1.5;        // [px] Tukey's
+
+struct EdgePoint {
+  Vector2d place;   // [m] outline frame
+  Vector2d normal;  // outward
+  int side = 0;
+  Vector2d pixel;      // of the swollen outline
+  Vector2d normal_px;  // of length 1
+  double metres_per_px = 0.0;
+  bool in_view = false;
+};
+
+struct Line {  // level along a side: value at the middle, slope per metre
+  double level = 0.0;
+  double slope = 0.0;
+  int count = 0;
+};
+
+class BloomLevel {
+ public:
+  BloomLevel(const GreyView& image, const CeilingCamera& camera, const Outline& outline, double vignetting)
+      : image_(image), camera_(camera), outline_(outline), vignetting_(vignetting) {}
+
+  bool refine(const OutlineFitParams& params, OutlineFit& fit) {
+    place_points();
+    double swelling = fit.swelling;
+    Pose2 pose = fit.robot_from_outline;
+    project(pose, swelling);
+    if (!measure_ceiling()) {
+      return false;
+    }
+    for (int pass = 0; pass < 2; ++pass) {
+      if (pass > 0) {
+        project(pose, swelling);
+      }
+      if (!step(params, pose, swelling, fit)) {
+        return false;
+      }
+    }
+    fit.robot_from_outline = pose;
+    fit.swelling = swelling;
+    return true;
+  }
+
+ private:
+  void place_points() {
+    metres_per_px_ = (outline_.height - camera_.mounting().z) / camera_.intrinsics().fx;
+    const auto add = [&](int side, const Vector2d& middle, const Vector2d& along, const Vector2d& normal,
+                         double extent) {
+      const double usable = extent - 2.0 * std::min(kCorner * metres_per_px_, 0.2 * extent);
+      const int count = std::clamp(static_cast<int>(usable / (kSpacing * metres_per_px_)), 4, 60);
+      for (int i = 0; i < count && count_ < kMostPoints; ++i) {
+        EdgePoint& point = points_[static_cast<std::size_t>(count_++)];
+        point.place = middle + usable * ((i + 0.5) / count - 0.5) * along;
+        point.normal = normal;
+        point.side = side;
+      }
+    };
+    const Vector2d x = Vector2d::UnitX();
+    const Vector2d y = Vector2d::UnitY();
+    add(kLeftSide, 0.5 * outline_.width * y, x, y, outline_.length);
+    add(kRightSide, -0.5 * outline_.width * y, x, -y, outline_.length);
+    add(kFarEnd, 0.5 * outline_.length * x, y, x, outline_.width);
+    add(kNearEnd, -0.5 * outline_.length * x, y, -x, outline_.width);
+  }
+
+  void project(const Pose2& pose, double swelling) {
+    constexpr double kAhead = 0.02;  // [m]
+    for (int i = 0; i < count_; ++i) {
+      EdgePoint& point = points_[static_cast<std::size_t>(i)];
+      const Vector2d on_edge = point.place + swelling * point.normal;
+      const auto pixel = camera_.pixel_of_ceiling_point(pose * on_edge, outline_.height);
+      const auto ahead = camera_.pixel_of_ceiling_point(pose * (on_edge + kAhead * point.normal), outline_.height);
+      point.in_view = pixel && ahead;
+      if (point.in_view) {
+        const double step = (*ahead - *pixel).norm();
+        point.pixel = *pixel;
+        point.normal_px = (*ahead - *pixel) / step;
+        point.metres_per_px = kAhead / step;
+        point.in_view = is_sampled(image_, *pixel + (kSearch + 1) * point.normal_px) &&
+                        is_sampled(image_, *pixel - (kSearch + 1) * point.normal_px);
+      }
+    }
+  }
+
+  /// Mean of three pixels along the edge, `distance` [px] outside of it.
+  [[nodiscard]] float grey(const EdgePoint& point, double distance) const {
+    const Vector2d middle = point.pixel + distance * point.normal_px;
+    const Vector2d along(-point.normal_px.y(), point.normal_px.x());
+    float sum = 0.0F;
+    for (const double shift : {-1.0, 0.0, 1.0}) {
+      const Vector2d at = middle + shift * along;
+      sum += bilinear(image_, static_cast<float>(at.x()), static_cast<float>(at.y()));
+    }
+    return sum / 3.0F;
+  }
+
+  /// Share of the light that the lens lets through there.
+  [[nodiscard]] double gain_at(const Vector2d& pixel) const {
+    const Vector2d size(image_.width, image_.height);
+    return 1.0 - vignetting_ * (pixel - 0.5 * size).squaredNorm() / (0.25 * size.squaredNorm());
+  }
+
+  static double coordinate(const EdgePoint& point) {
+    return point.side == kLeftSide || point.side == kRightSide ? point.place.x() : point.place.y();
+  }
+
+  /// The ceiling beside each side, from beyond its bloom, as a line along it; false when no side shows it. The median
+  /// over distances of the medians along the side: a joint of the ceiling may run along it.
+  bool measure_ceiling() {
+    std::array<std::array<std::array<float, kMostPoints>, kDistances>, kSides> levels;
+    std::array<int, kSides> counts{};
+    for (int i = 0; i < count_; ++i) {
+      const EdgePoint& point = points_[static_cast<std::size_t>(i)];
+      const auto side = static_cast<std::size_t>(point.side);
+      if (!point.in_view || !is_sampled(image_, point.pixel + (kBeyondBloom + 2.0 * kDistances) * point.normal_px)) {
+        continue;
+      }
+      const auto n = static_cast<std::size_t>(counts[side]++);
+      for (std::size_t k = 0; k < kDistances; ++k) {
+        levels[side][k][n] = grey(point, kBeyondBloom + 2.0 * (static_cast<double>(k) - 0.5 * (kDistances - 1)));
+      }
+    }
+    double mean = 0.0;
+    int sides = 0;
+    for (std::size_t side = 0; side < kSides; ++side) {
+      ceiling_[side].count = counts[side];
+      if (counts[side] < 4) {
+        ceiling_[side].count = 0;
+        continue;
+      }
+      std::array<float, kDistances> at_distance;
+      for (std::size_t k = 0; k < kDistances; ++k) {
+        auto& values = levels[side][k];
+        std::nth_element(values.begin(), values.begin() + counts[side] / 2, values.begin() + counts[side]);
+        at_distance[k] = values[static_cast<std::size_t>(counts[side] / 2)];
+      }
+      std::sort(at_distance.begin(), at_distance.end());
+      ceiling_[side].level = 0.5 * (at_distance[kDistances / 2] + at_distance[kDistances / 2 - 1]);
+      mean += ceiling_[side].level;
+      ++sides;
+    }
+    if (sides == 0) {
+      return false;
+    }
+    mean /= sides;
+    height_ = kLevel * (kWhite - mean);
+    // From beyond the bloom to the edge, by the slope between opposite sides.
+    const double beyond = kBeyondBloom * metres_per_px_;
+    const auto carry = [&](std::size_t a, std::size_t b, double apart) {
+      if (ceiling_[a].count > 0 && ceiling_[b].count > 0) {
+        const double inward = beyond * (ceiling_[a].level - ceiling_[b].level) / (apart + 2.0 * beyond);
+        ceiling_[a].level -= inward;
+        ceiling_[b].level += inward;
+      } else if (ceiling_[a].count > 0 || ceiling_[b].count > 0) {
+        ceiling_[ceiling_[a].count > 0 ? b : a].level = ceiling_[ceiling_[a].count > 0 ? a : b].level;
+      } else {
+        ceiling_[a].level = ceiling_[b].level = mean;
+      }
+    };
+    const double across = ceiling_[kLeftSide].level - ceiling_[kRightSide].level;
+    const double along = ceiling_[kFarEnd].level - ceiling_[kNearEnd].level;
+    if (ceiling_[kLeftSide].count > 0 && ceiling_[kRightSide].count > 0) {
+      const double slope = across / (outline_.width + 2.0 * beyond);
+      ceiling_[kFarEnd].slope = ceiling_[kNearEnd].slope = slope;
+    }
+    if (ceiling_[kFarEnd].count > 0 && ceiling_[kNearEnd].count > 0) {
+      const double slope = along / (outline_.length + 2.0 * beyond);
+      ceiling_[kLeftSide].slope = ceiling_[kRightSide].slope = slope;
+    }
+    carry(kLeftSide, kRightSide, outline_.width);
+    carry(kFarEnd, kNearEnd, outline_.length);
+    return true;
+  }
+
+  /// Distance [px] beyond the swollen outline at which the light falls to its level; the nearest such place.
+  [[nodiscard]] std::optional<double> crossing(const EdgePoint& point) const {
+    const Line& ceiling = ceiling_[static_cast<std::size_t>(point.side)];
+    const double level = ceiling.level + ceiling.slope * coordinate(point) + height_ * gain_at(point.pixel);
+    std::optional<double> nearest;
+    float before = grey(point, -kSearch);
+    for (int k = -kSearch + 1; k <= kSearch; ++k) {
+      const float here = grey(point, k);
+      if (before >= level && here < level) {
+        const double at = k - 1 + (before - level) / (before - here);
+        if (!nearest || std::abs(at) < std::abs(*nearest)) {
+          nearest = at;
+        }
+      }
+      before = here;
+    }
+    return nearest;
+  }
+
+  bool step(const OutlineFitParams& params, Pose2& pose, double& swelling, OutlineFit& fit) const {
+    const double sigma = params.edge_sigma_px * metres_per_px_;
+    const double free_along = std::max(outline_.length, outline_.width);
+    Matrix4d information = Matrix4d::Zero();
+    information(0, 0) = information(1, 1) = sigma * sigma / (free_along * free_along);
+    information(2, 2) = sigma * sigma / (kPi * kPi);
+    information(3, 3) = sigma * sigma / (params.swelling_sigma * params.swelling_sigma);
+    Vector4d right_side = Vector4d::Zero();
+    right_side(3) = -information(3, 3) * swelling;
+    double squares = 0.0;
+    double weights = 0.0;
+    int used = 0;
+    std::array<double, kMostPoints> offsets{};
+    std::array<bool, kMostPoints> found{};
+    // Judged against their side's median: the fit before may have been off by a side's width of error.
+    std::array<double, kSides> centre{};
+    for (int side = 0; side < kSides; ++side) {
+      std::array<double, kMostPoints> of_side{};
+      int count = 0;
+      for (int i = 0; i < count_; ++i) {
+        const EdgePoint& point = points_[static_cast<std::size_t>(i)];
+        if (point.side != side || !point.in_view) {
+          continue;
+        }
+        if (const auto offset = crossing(point)) {
+          offsets[static_cast<std::size_t>(i)] = *offset;
+          found[static_cast<std::size_t>(i)] = true;
+          of_side[static_cast<std::size_t>(count++)] = *offset;
+        }
+      }
+      if (count > 0) {
+        std::nth_element(of_side.begin(), of_side.begin() + count / 2, of_side.begin() + count);
+        centre[static_cast<std::size_t>(side)] = of_side[static_cast<std::size_t>(count / 2)];
+      }
+    }
+    for (int i = 0; i < count_; ++i) {
+      const EdgePoint& point = points_[static_cast<std::size_t>(i)];
+      if (!found[static_cast<std::size_t>(i)]) {
+        continue;
+      }
+      const double offset = offsets[static_cast<std::size_t>(i)];
+      const double ratio = (offset - centre[static_cast<std::size_t>(point.side)]) / kCutoff;
+      if (std::abs(ratio) >= 1.0) {
+        continue;
+      }
+      const double weight = (1.0 - ratio * ratio) * (1.0 - ratio * ratio);
+      Vector4d jacobian;
+      jacobian << point.normal.x(), point.normal.y(),
+          point.normal.y() * point.place.x() - point.normal.x() * point.place.y(), 1.0;
+      information += weight * jacobian * jacobian.transpose();
+      right_side += weight * offset * point.metres_per_px * jacobian;
+      squares += weight * std::pow(ratio * kCutoff, 2);
+      weights += weight;
+      ++used;
+    }
+    if (used < 12) {
+      return false;
+    }
+    const Vector4d change = information.ldlt().solve(right_side);
+    if (!change.allFinite() || change.head<2>().norm() > 0.05 || std::abs(change(2)) > 0.05) {
+      return false;
+    }
+    pose = pose * Pose2{change(0), change(1), change(2)};
+    swelling += change(3);
+    fit.residual_px = std::sqrt(squares / weights);
+    const double edge_sigma = std::max(params.edge_sigma_px, fit.residual_px) * metres_per_px_;
+    const Matrix4d inverse = information.inverse();
+    fit.covariance = edge_sigma * edge_sigma * inverse.topLeftCorner<3, 3>();
+    // What bloom does not do alike on all sides grows with its reach.
+    const double shared = std::hypot(params.outline_sigma_px * metres_per_px_, kUnevenBloom * swelling);
+    const double lever = 0.3 * std::max(fit.visible_to - fit.visible_from, 0.5 * outline_.width);
+    fit.covariance(0, 0) += shared * shared;
+    fit.covariance(1, 1) += shared * shared;
+    fit.covariance(2, 2) += 0.1 * shared * shared / (lever * lever);
+    return true;
+  }
+
+  const GreyView& image_;
+  const CeilingCamera& camera_;
+  const Outline& outline_;
+  double vignetting_;
+  std::array<EdgePoint, kMostPoints> points_{};
+  int count_ = 0;
+  double metres_per_px_ = 0.0;
+  std::array<Line, kSides> ceiling_{};
+  double height_ = 0.0;  // [grey] above the ceiling at which the edge is taken
+};
+
+}  // namespace
+
+void level_bloom(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
+                 const OutlineFitParams& params, OutlineFit& fit) {
+  if (outline.shape == FixtureShape::kRound) {
+    return;
+  }
+  BloomLevel(image, camera, outline, params.vignetting).refine(params, fit);
+}
+
+}  // namespace luminav
