@@ -38,8 +38,8 @@ struct ModernDetectorParams {
   double unlit_edge = 3.5;              // [grey] of an unlit one
   double size_tolerance = 0.05;         // [m] by which a side of a region may miss the kind's before fitting ...
   double size_tolerance_share = 0.12;   // ... plus this share of the side
-  double largest_bloom = 0.035;         // [m] by which light may widen a lit fixture on each side
-  double largest_misfit = 0.012;        // [m] by which the outline of an unlit one may be wider or narrower
+  double largest_bloom = 0.050;         // [m] by which light may widen a lit fixture on each side
+  double largest_misfit = 0.018;        // [m] by which the outline of an unlit one may be wider or narrower
   double minimum_visible = 0.30;        // share of a cut fixture's length that must be in the image
   double minimum_long_side_fit = 0.75;  // share of a long side in view that must show its edge
   double minimum_end_fit = 0.55;        // share of an end in view that must show its edge

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/detector/bloom_edges.hpp"
 #include "services/detector/strip_surroundings.hpp"
 
 namespace luminav {
@@ -10,6 +11,10 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
+
+constexpr double kBlurredEdge = 2.5;     // [px] by which an outline may always miss, however coarse the pixels
+constexpr double kElementFrame = 0.045;  // [m] a vent's frame is as bright as the ceiling: its slats end inside of it
+constexpr double kVignetting = 0.30;     // share of the light lost in the image's corners; webcams lose 0.2 to 0.4
 
 double narrowest_side(const CeilingCatalogue& catalogue) {
   double side = 0.3;
@@ -52,11 +57,23 @@ Matrix3d turned(const Matrix3d& covariance, double theta) {
   return rotation * covariance * rotation.transpose();
 }
 
+int median_grey(const Raster& image) {
+  std::array<int, 256> histogram{};
+  for (const std::uint8_t grey : image.cells) {
+    ++histogram[grey];
+  }
+  int level = 0;
+  for (int below = histogram[0]; 2 * below < static_cast<int>(image.cells.size()) && level < 255;) {
+    below += histogram[static_cast<std::size_t>(++level)];
+  }
+  return level;
+}
+
 /// The fit takes both to the same place.
 bool is_nearly_same(const OutlineHypothesis& a, const OutlineHypothesis& b) {
   return std::abs(a.outline.length - b.outline.length) < 1e-3 && std::abs(a.outline.width - b.outline.width) < 1e-3 &&
          std::abs(a.outline.height - b.outline.height) < 1e-3 && a.is_element == b.is_element &&
-         distance(a.start, b.start) < 0.02 && std::abs(wrap_axis(a.start.theta - b.start.theta)) < radians(2.0);
+         distance(a.start, b.start) < 0.03 && std::abs(wrap_axis(a.start.theta - b.start.theta)) < radians(3.0);
 }
 
 DetectionShape shape_of(const OutlineHypothesis& hypothesis) {
@@ -95,8 +112,9 @@ ModernDetector::ModernDetector(const ModernDetectorParams& params, const Ceiling
   ignore_lines_ = narrowest_side(catalogue_) / cell >= 7.5;
 }
 
-OutlineFitParams ModernDetector::fit_params(const Region& region, bool bright) const {
-  const Raster& contrast = bright ? contrast_.bright() : contrast_.dark();
+OutlineFitParams ModernDetector::fit_params(const Region& region, int level) const {
+  const bool bright = level > 0;
+  const Raster& contrast = bright ? reduced_ : contrast_.dark();
   double sum = 0.0;
   for (const Run& run : region.runs) {
     for (int x = run.first; x <= run.last; ++x) {
@@ -105,25 +123,23 @@ OutlineFitParams ModernDetector::fit_params(const Region& region, bool bright) c
   }
   return {.inside_brighter = bright,
           .least_edge = bright ? params_.lit_edge : params_.unlit_edge,
-          .expected_step = sum / std::max(region.cells, 1),
+          .expected_step = sum / std::max(region.cells, 1) - (bright ? median_grey(reduced_) : 0),
           .pixel_noise = std::clamp(contrast_.noise() * factor_, 1.0, 14.0),
           .swelling_sigma = bright ? 0.4 * params_.largest_bloom : 0.4 * params_.largest_misfit,
           .taper_sigma = bright ? 0.5 * params_.largest_bloom : 1e-4,
           .edge_sigma_px = params_.edge_sigma_px,
           .outline_sigma_px = params_.outline_sigma_px,
+          .vignetting = kVignetting,
           .first_search_px = 11};
 }
 
-void ModernDetector::cut_out_bright() {
-  const Raster& bright = contrast_.bright();
-  const Raster& peak = contrast_.bright_peak();
-  const auto least = static_cast<int>(std::max(params_.lit_contrast, params_.noise_factor * contrast_.noise()) + 0.5);
-  const auto share = static_cast<int>(params_.lit_level_share * 256.0);
-  mask_.resize(bright.width, bright.height);
+void ModernDetector::cut_out_bright(int level) {
+  mask_.resize(reduced_.width, reduced_.height);
   const std::size_t count = mask_.cells.size();
+  const std::uint8_t* grey = reduced_.cells.data();
+  std::uint8_t* out = mask_.cells.data();
   for (std::size_t i = 0; i < count; ++i) {
-    const int level = std::max(least, (share * peak.cells[i]) >> 8);
-    mask_.cells[i] = bright.cells[i] > level ? 1 : 0;
+    out[i] = grey[i] > level ? 1 : 0;
   }
 }
 
@@ -146,44 +162,79 @@ void ModernDetector::detect(const GreyView& image, std::vector<Detection>& detec
   }
   reduce(image, factor_, reduced_);
   contrast_.compute(reduced_, window_radius_, ignore_lines_);
-  look_for(image, true, detections, trace);
-  look_for(image, false, detections, trace);
+  look_for_lit(image, detections, trace);
+  look_for_unlit(image, detections, trace);
 }
 
-void ModernDetector::look_for(const GreyView& image, bool bright, std::vector<Detection>& detections,
-                              DetectorTrace* trace) {
-  int shrunk = 0;
-  if (bright) {
-    cut_out_bright();
-  } else {
-    cut_out_dark();
-    shrunk = erosion_;
+void ModernDetector::look_for_lit(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace) {
+  tried_.clear();
+  // A lit fixture is brighter than all around it, however the light is distributed: at some level it stands alone. The
+  // highest comes first, because there bloom adds least.
+  const int median = median_grey(reduced_);
+  const auto contrast = static_cast<int>(std::max(params_.lit_contrast, params_.noise_factor * contrast_.noise()));
+  for (const int level : {248, 225, 200, 175, 150, 125, 100, 80, 60, 45, 35}) {
+    if (level < median + contrast) {
+      break;
+    }
+    cut_out_bright(level);
+    for (const Region& region : finder_.find(mask_, least_cells_)) {
+      if (is_explained(region, detections)) {
+        continue;
+      }
+      std::optional<Candidate> candidate = best_candidate(image, region, 0, level, trace);
+      if (!candidate) {
+        continue;
+      }
+      level_bloom(image, camera_, candidate->hypothesis.outline, fit_params(region, level), candidate->fit);
+      const bool bar = candidate->hypothesis.outline.shape == FixtureShape::kRectangle;
+      const std::optional<Detection> detection = candidate->hypothesis.is_element
+                                                     ? detection_of(*candidate, DetectionState::kUnknown)
+                                                 : bar ? resolve_strip(image, *candidate)
+                                                       : detection_of(*candidate, DetectionState::kLit);
+      if (detection && !overlaps(*detection, detections)) {
+        detections.push_back(*detection);
+      }
+    }
   }
-  if (shrunk > 0) {
-    erode(mask_, shrunk, eroded_, scratch_);
+}
+
+void ModernDetector::look_for_unlit(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace) {
+  tried_.clear();
+  cut_out_dark();
+  if (erosion_ > 0) {
+    erode(mask_, erosion_, eroded_, scratch_);
   }
-  for (const Region& region : finder_.find(shrunk > 0 ? eroded_ : mask_, least_cells_)) {
-    const std::optional<Candidate> candidate = best_candidate(image, region, shrunk, bright, trace);
+  for (const Region& region : finder_.find(erosion_ > 0 ? eroded_ : mask_, least_cells_)) {
+    if (is_explained(region, detections)) {
+      continue;
+    }
+    const std::optional<Candidate> candidate = best_candidate(image, region, erosion_, 0, trace);
     if (!candidate) {
       continue;
     }
-    std::optional<Detection> detection;
-    if (bright && !candidate->hypothesis.is_element &&
-        candidate->hypothesis.outline.shape == FixtureShape::kRectangle) {
-      detection = resolve_strip(image, *candidate);
-    } else {
-      detection = detection_of(*candidate, candidate->hypothesis.is_element ? DetectionState::kUnknown
-                                           : bright                         ? DetectionState::kLit
-                                                                            : DetectionState::kUnlit);
-    }
-    if (detection && !overlaps(*detection, detections)) {
-      detections.push_back(*detection);
+    const Detection detection =
+        detection_of(*candidate, candidate->hypothesis.is_element ? DetectionState::kUnknown : DetectionState::kUnlit);
+    if (!overlaps(detection, detections)) {
+      detections.push_back(detection);
     }
   }
 }
 
+bool ModernDetector::is_explained(const Region& region, const std::vector<Detection>& detections) const {
+  const Run& middle = region.runs[region.runs.size() / 2];
+  const Vector2d place = plane_.at((middle.first + middle.last) / 2, middle.row);
+  for (const Detection& detection : detections) {
+    const Vector2d inside = detection.robot_from_fixture.inverse() * place;
+    if (std::abs(inside.x()) < 0.5 * detection.length + 0.02 && std::abs(inside.y()) < 0.5 * detection.width + 0.02) {
+      return true;
+    }
+  }
+  return false;
+}
+
 std::optional<ModernDetector::Candidate> ModernDetector::best_candidate(const GreyView& image, const Region& region,
-                                                                        int shrunk, bool bright, DetectorTrace* trace) {
+                                                                        int shrunk, int level, DetectorTrace* trace) {
+  const bool bright = level > 0;
   const SizeTolerance tolerance{.absolute = params_.size_tolerance,
                                 .share = params_.size_tolerance_share,
                                 .bloom = bright ? 2.0 * params_.largest_bloom : 0.0,
@@ -196,20 +247,28 @@ std::optional<ModernDetector::Candidate> ModernDetector::best_candidate(const Gr
     }
     trace->contours.push_back(std::move(contour));
   }
-  const OutlineFitParams search = fit_params(region, bright);
+  const OutlineFitParams of_fixture = fit_params(region, level);
+  OutlineFitParams of_element = of_fixture;
+  of_element.swelling_sigma = 0.5 * kElementFrame;
   std::optional<Candidate> best;
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     const OutlineHypothesis& hypothesis = hypotheses[i];
-    if (std::any_of(hypotheses.begin(), hypotheses.begin() + static_cast<std::ptrdiff_t>(i),
+    if (std::any_of(tried_.begin(), tried_.end(),
                     [&](const OutlineHypothesis& other) { return is_nearly_same(hypothesis, other); })) {
       continue;
     }
-    const std::optional<OutlineFit> fit = fitter_.fit(image, hypothesis.outline, search, hypothesis.start);
+    tried_.push_back(hypothesis);
+    const std::optional<OutlineFit> fit =
+        fitter_.fit(image, hypothesis.outline, hypothesis.is_element ? of_element : of_fixture, hypothesis.start);
     if (!fit) {
+      if (trace != nullptr) {
+        trace->rectangles.push_back(corners_of(hypothesis));
+        trace->verdicts.emplace_back("no edges");
+      }
       continue;
     }
     Candidate candidate{hypothesis, *fit, 0.0};
-    const char* verdict = objection(candidate, bright);
+    const char* verdict = objection(candidate, level);
     if (trace != nullptr) {
       trace->rectangles.push_back(detection_of(candidate, DetectionState::kUnknown).corners_px);
       trace->verdicts.emplace_back(verdict == nullptr ? "accepted" : verdict);
@@ -231,18 +290,22 @@ std::optional<ModernDetector::Candidate> ModernDetector::best_candidate(const Gr
   return best;
 }
 
-const char* ModernDetector::objection(const Candidate& candidate, bool bright) const {
+const char* ModernDetector::objection(const Candidate& candidate, int level) const {
+  const bool bright = level > 0;
   const OutlineFit& fit = candidate.fit;
   const Outline& outline = candidate.hypothesis.outline;
-  const double most = bright ? params_.largest_bloom : params_.largest_misfit;
-  const double least = bright ? -0.010 : -params_.largest_misfit;
+  const double of_pixels = kBlurredEdge * metres_per_px_;
+  const double most = std::max(bright ? params_.largest_bloom : params_.largest_misfit, of_pixels);
+  const double least = candidate.hypothesis.is_element ? -kElementFrame
+                       : bright                        ? -std::max(0.010, of_pixels)
+                                                       : -std::max(params_.largest_misfit, of_pixels);
   if (fit.swelling > most || fit.swelling < least) {
     return "too wide or too narrow";
   }
   if (outline.shape == FixtureShape::kRound) {
     const bool sound = fit.in_view[kLeftSide] >= 12 && 2 * fit.in_view[kLeftSide] >= fit.expected[kLeftSide] &&
                        fit.share(kLeftSide) >= params_.minimum_long_side_fit;
-    return !sound ? "no edge all round" : !is_filled(candidate, bright) ? "not filled" : nullptr;
+    return !sound ? "no edge all round" : !is_filled(candidate, level) ? "not filled" : nullptr;
   }
   const double seen = fit.visible_to - fit.visible_from;
   if (fit.in_view[kLeftSide] < 3 || fit.in_view[kRightSide] < 3 ||
@@ -271,10 +334,13 @@ const char* ModernDetector::objection(const Candidate& candidate, bool bright) c
     return "goes on beyond its end";
   }
   const int ends = (fit.end_visible(kFarEnd) ? 1 : 0) + (fit.end_visible(kNearEnd) ? 1 : 0);
+  if (candidate.hypothesis.is_element && ends < 2) {
+    return "an element that is cut";
+  }
   if (outline.shape == FixtureShape::kSquare ? ends < 2 : ends < 1 && seen < 0.4 * outline.length) {
     return "too few ends";
   }
-  if (!is_filled(candidate, bright)) {
+  if (!is_filled(candidate, level)) {
     return "not filled";
   }
   return may_be_something_else(candidate, bright) ? "may be another element" : nullptr;
@@ -335,11 +401,12 @@ bool ModernDetector::ends_where_it_says(const Candidate& candidate, int end) con
   return inside - sum[1] / count[1] > 0.45 * std::max(inside, candidate.fit.step);
 }
 
-bool ModernDetector::is_filled(const Candidate& candidate, bool bright) const {
-  const Raster& contrast = bright ? contrast_.bright() : contrast_.dark();
+bool ModernDetector::is_filled(const Candidate& candidate, int region_level) const {
+  const bool bright = region_level > 0;
+  const Raster& contrast = bright ? reduced_ : contrast_.dark();
   const Outline& outline = candidate.hypothesis.outline;
   const Pose2& pose = candidate.fit.robot_from_outline;
-  const double level = bright ? 0.5 * params_.lit_contrast : 0.5 * params_.unlit_contrast;
+  const double level = bright ? region_level : 0.5 * params_.unlit_contrast;
   int looked = 0;
   int filled = 0;
   for (int i = 0; i < 15; ++i) {
@@ -413,10 +480,22 @@ std::optional<Detection> ModernDetector::resolve_strip(const GreyView& image, co
     fixture.fit.covariance(1, 1) += 0.007 * 0.007;  // where the burning half ends in the middle is soft
     return detection_of(fixture, DetectionState::kHalf);
   }
-  if (single != nullptr && around.valid && around.asymmetry < 0.2 && around.complete && !too_short) {
+  // Burning halves are rare, and their dark half shows nearly always: without a sign of it the strip is a fixture.
+  if (single != nullptr && !(around.valid && around.asymmetry >= 0.2 && !too_short)) {
     return detection_of(strip, DetectionState::kLit);
   }
   return std::nullopt;
+}
+
+std::array<Vector2d, 4> ModernDetector::corners_of(const OutlineHypothesis& hypothesis) const {
+  const double x = 0.5 * hypothesis.outline.length;
+  const double y = 0.5 * hypothesis.outline.width;
+  std::array<Vector2d, 4> corners{Vector2d(x, y), Vector2d(-x, y), Vector2d(-x, -y), Vector2d(x, -y)};
+  for (Vector2d& corner : corners) {
+    corner = camera_.pixel_of_ceiling_point(hypothesis.start * corner, hypothesis.outline.height)
+                 .value_or(Vector2d(-1.0, -1.0));
+  }
+  return corners;
 }
 
 Detection ModernDetector::detection_of(const Candidate& candidate, DetectionState state) const {
