@@ -54,7 +54,8 @@ std::string DemoDisplay::goal() const {
   const ScenarioGoal& goal = scenario_.goals[mission_.current_goal()];
   const std::string name = goal.place.empty() ? fmt::format("({:.2f}, {:.2f})", goal.pose.x, goal.pose.y) : goal.place;
   std::string text = fmt::format("goal {}/{} {}", mission_.current_goal() + 1, scenario_.goals.size(), name);
-  if (judge_.navigation()) {
+  // the status of the goal before lasts until the planner has heard of this one
+  if (judge_.navigation() && judge_.navigation()->goal_id == mission_.goal_id()) {
     const navigation_status_t& status = *judge_.navigation();
     text += fmt::format(": {}", navigation_word(status.state));
     if (status.distance_left > 0.0) {

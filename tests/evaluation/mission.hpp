@@ -26,6 +26,8 @@ class Mission {
   /// All goals ended and all drives driven.
   [[nodiscard]] bool is_finished() const;
   [[nodiscard]] const std::vector<GoalResult>& results() const { return results_; }
+  /// Of the current goal's request; 0 = it is not requested yet.
+  [[nodiscard]] std::int64_t goal_id() const { return goal_id_; }
   /// Results with the goals that were never ended counted as missed.
   [[nodiscard]] std::vector<GoalResult> final_results() const;
   [[nodiscard]] std::size_t current_goal() const { return results_.size(); }
