@@ -15,7 +15,7 @@ namespace luminav {
 namespace {
 
 constexpr double kLengthSigma = 0.015;  // [m] of a fixture's length in one image: edges err alike in all of them
-constexpr double kOutlier = 3.0;       // deviations beyond which a residual counts less (Huber)
+constexpr double kOutlier = 3.0;        // deviations beyond which a residual counts less (Huber)
 
 using Triple = std::array<double, 3>;
 using Camera = std::array<double, 6>;  // tilt x, tilt y, yaw, scale, time, lens: the errors of TrackingFilter's state
