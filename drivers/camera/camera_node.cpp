@@ -3,35 +3,13 @@
 #include <algorithm>
 #include <string>
 
+#include "drivers/camera/truth_message.hpp"
 #include "services/common/process/channels.hpp"
 
 namespace luminav {
 namespace {
 
 constexpr std::int64_t kOdometryAge = 500'000;  // [us] older than the frame by this: the driver is gone, not turning
-
-static_assert(static_cast<int>(simulated::LampState::kOff) == sim_truth_t::LAMP_OFF &&
-              static_cast<int>(simulated::LampState::kOn) == sim_truth_t::LAMP_ON &&
-              static_cast<int>(simulated::LampState::kHalf) == sim_truth_t::LAMP_HALF &&
-              static_cast<int>(simulated::LampState::kFlicker) == sim_truth_t::LAMP_FLICKER);
-
-simulated::TruthSample sample_of(const sim_truth_t& message) {
-  simulated::TruthSample sample;
-  sample.utime = message.utime;
-  sample.session = message.session;
-  sample.world_from_robot = {message.x, message.y, message.theta};
-  sample.roll = message.roll;
-  sample.pitch = message.pitch;
-  sample.camera_unplugged = message.camera_unplugged != 0;
-  sample.daylight = message.daylight;
-  for (const std::int8_t state : message.lamp_state) {
-    sample.lamps.push_back(static_cast<simulated::LampState>(state));
-  }
-  for (std::size_t i = 0; i < message.moved_index.size(); ++i) {
-    sample.moved.push_back({message.moved_index[i], message.moved_dx[i], message.moved_dy[i], message.moved_dtheta[i]});
-  }
-  return sample;
-}
 
 }  // namespace
 
@@ -78,7 +56,7 @@ void CameraNode::on_truth(const sim_truth_t& message) {
     subscriber_.drop("SIM_TRUTH: unknown state of a lamp");
     return;
   }
-  if (!ceiling_->on_truth(sample_of(message))) {
+  if (!ceiling_->on_truth(truth_sample(message))) {
     subscriber_.drop("SIM_TRUTH: old stamp");
     return;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/camera/truth_message.hpp"
 #include "services/common/process/channels.hpp"
 #include "tests/evaluation/sensing_survey.hpp"
 

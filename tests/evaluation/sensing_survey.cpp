@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "drivers/camera/truth_message.hpp"
 #include "services/common/process/channels.hpp"
 
 namespace luminav {
@@ -122,24 +123,6 @@ double rank_of(const MeasuredSighting& sighting, const std::vector<MeasuredSight
 }
 
 }  // namespace
-
-simulated::TruthSample truth_sample(const sim_truth_t& message) {
-  simulated::TruthSample sample;
-  sample.utime = message.utime;
-  sample.session = message.session;
-  sample.world_from_robot = {message.x, message.y, message.theta};
-  sample.roll = message.roll;
-  sample.pitch = message.pitch;
-  sample.camera_unplugged = message.camera_unplugged != 0;
-  sample.daylight = message.daylight;
-  for (const std::int8_t state : message.lamp_state) {
-    sample.lamps.push_back(static_cast<simulated::LampState>(state));
-  }
-  for (std::size_t i = 0; i < message.moved_index.size(); ++i) {
-    sample.moved.push_back({message.moved_index[i], message.moved_dx[i], message.moved_dy[i], message.moved_dtheta[i]});
-  }
-  return sample;
-}
 
 SensingSurvey::SensingSurvey(lcm::LCM& lcm, const WorldTruth& world, const Building& believed,
                              const CameraDescription& believed_camera, std::uint64_t seed)

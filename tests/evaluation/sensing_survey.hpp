@@ -60,7 +60,4 @@ class SensingSurvey {
 DetectorBehaviour fit_behaviour(const std::vector<SensingSurveyResult>& runs, const std::string& mode,
                                 const std::string& source);
 
-/// What the simulated camera takes from a message of truth.
-simulated::TruthSample truth_sample(const sim_truth_t& message);
-
 }  // namespace luminav

@@ -33,6 +33,16 @@ Bytes exchange(ArcosServer& server, ByteStream& stream, std::size_t count) {
   return received;
 }
 
+/// Lets the server work until the condition holds; false after 5 s. A terminal hands bytes on in its own time.
+template <typename Condition>
+bool work_until(ArcosServer& server, Condition condition) {
+  for (int i = 0; i < 5000 && !condition(); ++i) {
+    server.poll();
+    poll(nullptr, 0, 1);
+  }
+  return condition();
+}
+
 void write_all(ArcosServer& server, ByteStream& stream, const Bytes& bytes) {
   for (int i = 0; i < 500; ++i) {
     if (stream.write(bytes) == bytes.size()) {
@@ -83,11 +93,7 @@ TEST(TcpArcosServer, TakesTheNextClientOnTheSamePort) {
     write_all(*server, client, kSync0);
     EXPECT_EQ(exchange(*server, client, kSync0.size()), kSync0);
     client.close();
-    for (int j = 0; j < 500 && server->has_client(); ++j) {
-      server->poll();
-      poll(nullptr, 0, 1);
-    }
-    EXPECT_FALSE(server->has_client());
+    EXPECT_TRUE(work_until(*server, [&] { return !server->has_client(); }));
   }
 }
 
@@ -155,11 +161,7 @@ TEST(PtyArcosServer, FollowsHostBaud) {
       2 * kSync0.size() + encode_identity({flash.name, flash.robot_class, flash.subclass}).size();
   EXPECT_EQ(exchange(*server, client, answers).size(), answers);
   client.write(encode_command(ArcosCommand::kHostBaud, 4));
-  for (int i = 0; i < 20 && controller.baud() != 115200; ++i) {
-    server->poll();
-    poll(nullptr, 0, 1);
-  }
-  EXPECT_EQ(controller.baud(), 115200);
+  EXPECT_TRUE(work_until(*server, [&] { return controller.baud() == 115200; }));
   client.set_baud(115200);
   const Bytes question = encode_command(ArcosCommand::kConfiguration);
   client.write(question);
@@ -174,12 +176,10 @@ TEST(PtyArcosServer, HearsTheLastWordsOfAClientThatHasLeft) {
   const auto server = ArcosServer::on_pty(controller);
   SerialStream client(server->address(), 9600);
   open_session(client);
-  server->poll();
-  EXPECT_TRUE(controller.session_open());
+  EXPECT_TRUE(work_until(*server, [&] { return controller.session_open(); }));
   client.write(encode_command(ArcosCommand::kClose));
   client.close();
-  server->poll();
-  EXPECT_FALSE(controller.session_open());
+  EXPECT_TRUE(work_until(*server, [&] { return !controller.session_open(); }));
 }
 
 TEST(PtyArcosServer, TakesTheNextClient) {
