@@ -5,6 +5,8 @@
 #include <luminav/camera_image_t.hpp>
 #include <luminav/odometry_t.hpp>
 #include <luminav/sim_truth_t.hpp>
+#include <string>
+#include <vector>
 
 #include "drivers/camera/camera_config.hpp"
 #include "drivers/camera/exposure_control.hpp"
@@ -30,6 +32,8 @@ class CameraNode {
   void poll();
   [[nodiscard]] int descriptor() const { return source_.descriptor(); }
   [[nodiscard]] Health health() const;
+  /// What it listens to.
+  [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
 
  private:
   void on_odometry(const odometry_t& message);

@@ -9,6 +9,7 @@
 #include "drivers/camera/simulated_ceiling.hpp"
 #include "drivers/camera/v4l2_camera.hpp"
 #include "services/common/configuration/building_file.hpp"
+#include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 
 namespace luminav {
@@ -59,6 +60,7 @@ int run(const Arguments& arguments, const CameraConfig& config, const Clock& clo
   // Pictures are most of what is said on the network: they may stay on the machine while the rest goes further.
   const auto images = arguments.image_url.empty() ? nullptr : open_lcm(arguments.image_url);
   CameraNode node(images ? *images : *lcm, config, clock, source);
+  receive_only(images ? *images : *lcm, images ? arguments.image_url : arguments.lcm_url, node.channels());
   fmt::print("camera: {}\n", source.description());
   std::fflush(stdout);
   EventLoop loop(*lcm, "camera", config.robot);

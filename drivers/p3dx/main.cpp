@@ -7,6 +7,7 @@
 #include "drivers/p3dx/guardian.hpp"
 #include "drivers/p3dx/p3dx_node.hpp"
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 
 using namespace luminav;
@@ -48,7 +49,7 @@ class Watch {
   }
 
  private:
-  static constexpr std::int64_t kBeatPeriod = 40'000;  // [us]
+  static constexpr std::int64_t kBeatPeriod = 55'000;  // [us] with every third poll
   P3dxNode& node_;
   Guardian& guardian_;
   const Clock& clock_;
@@ -110,6 +111,7 @@ int main(int argc, char** argv) {
     const auto lcm = open_lcm(url);
     const HostClock clock;
     P3dxNode node(*lcm, config, clock, opener);
+    receive_only(*lcm, url, node.channels());
     Watch watch(node, guardian, clock);
     EventLoop loop(*lcm, "p3dx", config.robot.name);
     loop.watch([&] { return node.descriptor(); }, [&] { watch.poll(); });

@@ -8,6 +8,7 @@
 #include <luminav/stop_t.hpp>
 #include <luminav/velocity_command_t.hpp>
 #include <string>
+#include <vector>
 
 #include "drivers/p3dx/arcos_link.hpp"
 #include "drivers/p3dx/byte_stream.hpp"
@@ -36,6 +37,8 @@ class P3dxNode {
   /// Of the line; -1 while there is none.
   [[nodiscard]] int descriptor() const { return link_.descriptor(); }
   [[nodiscard]] Health health() const;
+  /// What it listens to.
+  [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
   /// From now on the robot is told to stand, whatever is commanded; true once it does, or does not answer.
   bool stand_still();
   /// Stop, motors off, CLOSE; to be called before the end. Bytes that the line does not take at once are lost.

@@ -11,6 +11,7 @@
 #include "drivers/simulator/world_truth.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/robot_file.hpp"
+#include "services/common/process/channel_filter.hpp"
 #include "services/common/process/clock.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
@@ -56,6 +57,7 @@ int run(const Options& options) {
                           : ArcosServer::on_tcp(controller, static_cast<int>(options.port), options.all_addresses);
   const auto lcm = open_lcm(options.lcm_url);
   SimulatorNode node(*lcm, scenario, truth, controller);
+  receive_only(*lcm, options.lcm_url, {});  // it only speaks
   fmt::print("simulator: {} seed {}, robot at {}\n{}world {}\n", scenario.name, scenario.seed, server->address(),
              truth.table, truth.hash);
   std::fflush(stdout);

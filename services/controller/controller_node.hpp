@@ -13,6 +13,8 @@
 #include <luminav/stop_t.hpp>
 #include <luminav/teleop_command_t.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/stamp_guard.hpp"
@@ -29,6 +31,8 @@ class ControllerNode {
   ControllerNode(lcm::LCM& lcm, const ControllerConfig& config);
 
   [[nodiscard]] Health health() const;
+  /// What it listens to.
+  [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
 
  private:
   void on_path(const path_t& message);

@@ -1,3 +1,4 @@
+#include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/controller/controller_node.hpp"
@@ -15,6 +16,7 @@ int main(int argc, char** argv) {
     const luminav::ControllerConfig config = luminav::read_controller_config(robot_file);
     const auto lcm = luminav::open_lcm(url);
     luminav::ControllerNode node(*lcm, config);
+    luminav::receive_only(*lcm, url, node.channels());
     luminav::EventLoop loop(*lcm, "controller", config.robot.name);
     loop.report_health([&node] { return node.health(); });
     return loop.run();

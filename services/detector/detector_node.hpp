@@ -4,6 +4,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/camera_image_t.hpp>
 #include <string>
+#include <vector>
 
 #include "services/common/image/jpeg_codec.hpp"
 #include "services/common/process/event_loop.hpp"
@@ -19,6 +20,8 @@ class DetectorNode {
   DetectorNode(lcm::LCM& lcm, const DetectorConfig& config);
 
   [[nodiscard]] Health health() const;
+  /// What it listens to.
+  [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
 
  private:
   void on_camera_image(const camera_image_t& message);

@@ -1,3 +1,4 @@
+#include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/detector/detector_config.hpp"
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
     const luminav::DetectorConfig config = luminav::read_detector_config(robot_file, building_file);
     const auto lcm = luminav::open_lcm(lcm_url);
     luminav::DetectorNode node(*lcm, config);
+    luminav::receive_only(*lcm, lcm_url, node.channels());
     luminav::EventLoop loop(*lcm, "detector", config.robot);
     loop.report_health([&node] { return node.health(); });
     return loop.run();

@@ -8,6 +8,8 @@
 #include <luminav/robot_status_t.hpp>
 #include <luminav/sonar_t.hpp>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/stamp_guard.hpp"
@@ -26,6 +28,8 @@ class LocalizerNode {
   LocalizerNode(lcm::LCM& lcm, const LocalizerConfig& config);
 
   [[nodiscard]] Health health() const;
+  /// What it listens to.
+  [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
   [[nodiscard]] const Localizer& localizer() const { return *localizer_; }
 
  private:

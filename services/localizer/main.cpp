@@ -1,5 +1,6 @@
 #include <string>
 
+#include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/localizer/localizer_config.hpp"
@@ -20,6 +21,7 @@ int main(int argc, char** argv) {
     config.state_dir = state + "/" + config.robot.name;
     const auto lcm = luminav::open_lcm(url);
     luminav::LocalizerNode node(*lcm, config);
+    luminav::receive_only(*lcm, url, node.channels());
     luminav::EventLoop loop(*lcm, "localizer", config.robot.name);
     loop.report_health([&] { return node.health(); });
     return loop.run();

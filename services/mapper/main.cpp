@@ -1,3 +1,4 @@
+#include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/mapper/mapper_config.hpp"
@@ -15,6 +16,7 @@ int main(int argc, char** argv) {
     config.state_folder = std::filesystem::path(state) / config.robot.name;
     const auto lcm = luminav::open_lcm(url);
     luminav::MapperNode node(*lcm, config);
+    luminav::receive_only(*lcm, url, node.channels());
     luminav::EventLoop loop(*lcm, "mapper", config.robot.name);
     loop.report_health([&] { return node.health(); });
     return loop.run();

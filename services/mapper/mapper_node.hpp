@@ -26,6 +26,8 @@ class MapperNode {
   MapperNode(lcm::LCM& lcm, const MapperConfig& config);
 
   [[nodiscard]] Health health() const;
+  /// What it listens to.
+  [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
   [[nodiscard]] const OccupancyGrid& grid() const { return mapper_->grid(); }
   [[nodiscard]] const GridMapper& mapper() const { return *mapper_; }
   /// Readings drawn so far.

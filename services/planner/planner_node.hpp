@@ -9,6 +9,7 @@
 #include <luminav/robot_status_t.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/stamp_guard.hpp"
@@ -26,6 +27,8 @@ class PlannerNode {
   PlannerNode(lcm::LCM& lcm, const PlannerConfig& config);
 
   [[nodiscard]] Health health() const;
+  /// What it listens to.
+  [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
   [[nodiscard]] const GoalCycle& cycle() const { return cycle_; }
 
  private:

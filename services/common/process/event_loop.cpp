@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -22,6 +21,7 @@ namespace luminav {
 namespace {
 
 constexpr std::int64_t kHealthPeriod = 50'000;    // [us]
+constexpr std::int64_t kHealthSlack = 25'000;     // [us]
 constexpr std::int64_t kShortestShare = 500'000;  // [us] over which a share of the processor says something
 
 int g_signal_pipe[2] = {-1, -1};
@@ -96,12 +96,16 @@ EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot)
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   signal(SIGPIPE, SIG_IGN);
-  every(1'000'000, [this] { publish_status(); });
-  every(kHealthPeriod, [this] {
-    if (state_of(current_health()) != published_state_) {
-      publish_status();  // who waits for this process need not wait for the second to pass
-    }
-  });
+  every(
+      1'000'000, [this] { publish_status(); }, kHealthSlack);
+  every(
+      kHealthPeriod,
+      [this] {
+        if (state_of(current_health()) != published_state_) {
+          publish_status();  // who waits for this process need not wait for the second to pass
+        }
+      },
+      kHealthSlack);
 }
 
 EventLoop::~EventLoop() = default;
@@ -110,8 +114,8 @@ void EventLoop::watch(std::function<int()> descriptor, std::function<void()> on_
   watches_.push_back({std::move(descriptor), std::move(on_readable)});
 }
 
-void EventLoop::every(std::int64_t period, std::function<void()> callback) {
-  timers_.push_back({period, now_monotonic(), std::move(callback)});
+void EventLoop::every(std::int64_t period, std::function<void()> callback, std::int64_t slack) {
+  timers_.push_back({period, now_monotonic(), std::move(callback), slack});
 }
 
 void EventLoop::measure(const std::function<void()>& step) {
@@ -123,12 +127,13 @@ void EventLoop::measure(const std::function<void()>& step) {
 void EventLoop::run_due_timers() {
   for (std::size_t i = 0; i < timers_.size(); ++i) {
     const std::int64_t now = now_monotonic();
-    if (now < timers_[i].due) {
+    Timer& timer = timers_[i];
+    if (now < timer.due - timer.slack) {
       continue;
     }
-    const std::int64_t missed = (now - timers_[i].due) / timers_[i].period;
-    timers_[i].due += (missed + 1) * timers_[i].period;
-    measure(timers_[i].callback);
+    const std::int64_t missed = std::max<std::int64_t>(0, now - timer.due) / timer.period;
+    timer.due += (missed + 1) * timer.period;
+    measure(timer.callback);
   }
 }
 
@@ -140,36 +145,35 @@ int EventLoop::milliseconds_to_next_timer() const {
   return static_cast<int>(std::max<std::int64_t>(0, (due - now_monotonic() + 999) / 1000));
 }
 
+void EventLoop::wait_for_descriptors() {
+  descriptors_.assign({{lcm_.getFileno(), POLLIN, 0}, {g_signal_pipe[0], POLLIN, 0}});
+  for (const Watch& watch : watches_) {
+    descriptors_.push_back({watch.descriptor(), POLLIN, 0});
+  }
+  if (poll(descriptors_.data(), descriptors_.size(), milliseconds_to_next_timer()) < 0 && errno != EINTR) {
+    throw std::runtime_error("poll failed");
+  }
+}
+
 int EventLoop::run() {
   while (!stopping_) {
     run_due_timers();
-    std::vector<pollfd> descriptors{{lcm_.getFileno(), POLLIN, 0}, {g_signal_pipe[0], POLLIN, 0}};
-    for (const Watch& watch : watches_) {
-      descriptors.push_back({watch.descriptor(), POLLIN, 0});
-    }
-    if (poll(descriptors.data(), descriptors.size(), milliseconds_to_next_timer()) < 0 && errno != EINTR) {
-      throw std::runtime_error("poll failed");
-    }
-    if (descriptors[1].revents != 0) {
+    wait_for_descriptors();
+    if (descriptors_[1].revents != 0) {
       std::array<char, 64> bytes{};
       [[maybe_unused]] const ssize_t count = read(g_signal_pipe[0], bytes.data(), bytes.size());
       break;
     }
-    if (descriptors[0].revents != 0) {
-      // Bounded, so that a flood of messages cannot starve the device and the timers.
-      for (int i = 0; i < 200 && !stopping_; ++i) {
-        int handled = 0;
-        measure([&] { handled = lcm_.handleTimeout(0); });
-        if (handled < 0 && errno != EINTR) {
-          return 1;
-        }
-        if (handled <= 0) {
-          break;
-        }
+    if (descriptors_[0].revents != 0) {
+      // One message at a time, so that a flood of them cannot starve the device and the timers.
+      int status = 0;
+      measure([&] { status = lcm_.handle(); });
+      if (status < 0 && errno != EINTR) {
+        return 1;
       }
     }
-    for (std::size_t i = 0; i < watches_.size(); ++i) {
-      if (descriptors[i + 2].revents != 0) {
+    for (std::size_t i = 0; i < watches_.size() && !stopping_; ++i) {
+      if (descriptors_[i + 2].revents != 0) {
         measure(watches_[i].on_readable);
       }
     }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <poll.h>
+
 #include <cstdint>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
@@ -33,7 +35,8 @@ class EventLoop {
   /// Calls back when a descriptor can be read or has an error; the descriptor may change between calls (-1 = none).
   void watch(std::function<int()> descriptor, std::function<void()> on_readable);
   /// Calls back with a period [us]; periods that were missed are skipped.
-  void every(std::int64_t period, std::function<void()> callback);
+  /// Up to `slack` [us] early when the process is awake anyway: each waking costs more than most callbacks.
+  void every(std::int64_t period, std::function<void()> callback, std::int64_t slack = 0);
   void report_health(std::function<Health()> health) { health_ = std::move(health); }
 
   /// Runs until SIGINT, SIGTERM or stop(); returns 0, or 1 when LCM failed.
@@ -49,9 +52,11 @@ class EventLoop {
     std::int64_t period;  // [us]
     std::int64_t due;     // [us] monotonic
     std::function<void()> callback;
+    std::int64_t slack;  // [us]
   };
   void run_due_timers();
   [[nodiscard]] int milliseconds_to_next_timer() const;
+  void wait_for_descriptors();
   void measure(const std::function<void()>& step);
   [[nodiscard]] Health current_health() const;
   void publish_status();
@@ -61,6 +66,7 @@ class EventLoop {
   std::string robot_;
   std::string host_;
   std::vector<Watch> watches_;
+  std::vector<pollfd> descriptors_;  // LCM, signals, then the watches
   std::vector<Timer> timers_;
   std::function<Health()> health_;
   std::int64_t worst_step_ = 0;   // [us] since the last status

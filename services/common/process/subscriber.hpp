@@ -35,6 +35,7 @@ class Subscriber {
       // the default of 30 drops the newest of a burst of tiles
       entry->subscription->setQueueCapacity(kQueueCapacity);
       entries_.push_back(std::move(entry));
+      channels_.push_back(channel);
     }
   }
 
@@ -46,6 +47,8 @@ class Subscriber {
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
   /// Why the last one was dropped, for NODE_STATUS.
   [[nodiscard]] const std::string& last_reason() const { return last_reason_; }
+  /// All that were subscribed.
+  [[nodiscard]] const std::vector<std::string>& channels() const { return channels_; }
 
  private:
   static constexpr int kQueueCapacity = 500;
@@ -81,6 +84,7 @@ class Subscriber {
 
   lcm::LCM& lcm_;
   std::vector<std::unique_ptr<Entry>> entries_;
+  std::vector<std::string> channels_;
   std::int64_t dropped_ = 0;
   std::string last_reason_;
 };
