@@ -11,7 +11,8 @@
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kFirstRetry = 200'000;              // [us]
+constexpr std::int64_t kFirstRetry = 100'000;  // [us]
+constexpr int kQuickRetries = 10;              // a guardian of a driver that died holds the line for less than a second
 constexpr std::int64_t kLongestRetry = 2'000'000;          // [us] driving again within 3 s of the line being back
 constexpr std::int64_t kPastWatchdog = 2'200'000;          // [us] a controller at another rate has calmed down by then
 constexpr std::int64_t kFramePeriod = 5'000;               // [us] a robot may lose commands that follow faster
@@ -94,7 +95,7 @@ void ArcosLink::lose(std::int64_t now, const std::string& why) {
   state_ = State::kClosed;
   answering_ = false;
   drop_waiting();
-  const std::int64_t delay = kFirstRetry << std::min(failures_, 5);
+  const std::int64_t delay = kFirstRetry << std::clamp(failures_ - kQuickRetries, 0, 5);
   ++failures_;
   retry_at_ = now + std::min(delay, kLongestRetry);
 }

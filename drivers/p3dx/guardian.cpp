@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <stdexcept>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "drivers/p3dx/arcos_commands.hpp"
+#include "drivers/p3dx/information_packet.hpp"
 
 namespace luminav {
 namespace {
@@ -53,6 +55,41 @@ void write_frame(int line, const std::vector<std::uint8_t>& frame) {
   }
 }
 
+/// Hears what the robot says of its wheels.
+class WheelListener {
+ public:
+  /// Takes what the line has, for so long [s]; true when the newest word of the robot is that both wheels stand.
+  bool listen(int line, double seconds) {
+    const double end = now_seconds() + seconds;
+    for (double left = seconds; left > 0.0; left = end - now_seconds()) {
+      pollfd readable{line, POLLIN, 0};
+      if (poll(&readable, 1, static_cast<int>(1000.0 * left) + 1) <= 0) {
+        break;
+      }
+      std::array<std::uint8_t, 1024> bytes;
+      const ssize_t count = read(line, bytes.data(), bytes.size());
+      if (count <= 0) {
+        pause_for(end - now_seconds());  // hung up; the frames are sent all the same
+        break;
+      }
+      parser_.push(std::span(bytes).first(static_cast<std::size_t>(count)));
+      while (const auto packet = parser_.next()) {
+        if (const auto word =
+                is_information(packet->type) ? decode_information(packet->type, packet->payload) : std::nullopt) {
+          constexpr int kStandingSpeed = 10;  // [mm/s]
+          stands_ = std::abs(word->left_mm_s) <= kStandingSpeed && std::abs(word->right_mm_s) <= kStandingSpeed;
+        }
+      }
+    }
+    return stands_;
+  }
+  void forget() { stands_ = false; }
+
+ private:
+  PacketParser parser_;
+  bool stands_ = false;
+};
+
 void stop_robot(int line, double brake_time) {
   const std::vector<std::vector<std::uint8_t>> halt = {encode_command(ArcosCommand::kStop),
                                                        encode_command(ArcosCommand::kVelocity, 0),
@@ -61,14 +98,21 @@ void stop_robot(int line, double brake_time) {
                                                         encode_command(ArcosCommand::kSonar, 0),
                                                         encode_command(ArcosCommand::kClose)};
   // Said again and again: the driver may have died in the middle of a frame, which swallows what follows it.
-  constexpr double kRepeat = 0.03;  // [s]
+  constexpr double kRepeat = 0.03;    // [s]
+  constexpr double kOutdated = 0.15;  // [s] a packet and a half: what the robot says before is from before the STOP
   constexpr int kFarewells = 3;
-  const double end = now_seconds() + brake_time;
-  while (now_seconds() < end) {
+  WheelListener wheels;
+  const double begin = now_seconds();
+  bool stands = false;
+  while (!stands && now_seconds() < begin + brake_time) {
     for (const std::vector<std::uint8_t>& frame : halt) {
       write_frame(line, frame);
     }
-    pause_for(kRepeat);
+    stands = wheels.listen(line, kRepeat);
+    if (now_seconds() < begin + kOutdated) {
+      wheels.forget();
+      stands = false;
+    }
   }
   for (int i = 0; i < kFarewells; ++i) {
     for (const std::vector<std::uint8_t>& frame : leave) {

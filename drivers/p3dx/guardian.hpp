@@ -8,11 +8,12 @@ namespace luminav {
 
 struct GuardianParams {
   double silence = 0.3;     // [s] without a beat: the driver hangs
-  double brake_time = 1.0;  // [s] from the first STOP to motors off: speed over deceleration, and a margin
+  double brake_time = 1.0;  // [s] at most from the first STOP to motors off: speed over deceleration, and a margin
 };
 
 /// A child process that holds a copy of the line to the robot. When the driver dies, or beats no longer, it sends STOP,
-/// lets the robot brake, and ends the session. It ignores what ends a driver politely and goes with it.
+/// lets the robot brake until its wheels stand, and ends the session. It ignores what ends a driver politely and goes
+/// with it.
 class Guardian {
  public:
   /// Forks: to be built before there are threads. Throws std::runtime_error when it cannot.

@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <grp.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <termios.h>
@@ -52,6 +53,12 @@ int open_device(const std::string& device) {
     close(descriptor);
     throw std::runtime_error(device + ": is not a serial device");
   }
+  // Two programs that read one line steal each other's bytes. TIOCEXCL does not keep root out; a lock does, and it is
+  // shared by all copies of the descriptor: the guardian of a driver that died keeps the next driver waiting.
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    close(descriptor);
+    throw std::runtime_error(device + ": is used by another program");
+  }
   return descriptor;
 }
 
@@ -59,7 +66,6 @@ int open_device(const std::string& device) {
 
 SerialStream::SerialStream(const std::string& device, int baud) : DescriptorStream(open_device(device)) {
   speed_of(baud);
-  // Two programs that read one line steal each other's bytes.
   if (ioctl(descriptor(), TIOCEXCL) != 0 || !set_baud(baud)) {
     throw std::runtime_error(device + ": cannot be set to " + std::to_string(baud) + " baud: " + std::strerror(errno));
   }

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <memory>
 #include <stdexcept>
 
 namespace luminav {
@@ -164,6 +165,19 @@ TEST(SerialStream, IsSilentWithoutBeingClosed) {
   SerialStream stream(terminal.name, 9600);
   EXPECT_TRUE(read_some(stream).empty());
   EXPECT_TRUE(stream.is_open());
+}
+
+TEST(SerialStream, RefusesALineThatSomebodyStillHolds) {
+  Terminal terminal;
+  auto first = std::make_unique<SerialStream>(terminal.name, 9600);
+  const int copy = dup(first->descriptor());  // as a guardian has one
+  const auto open_again = [&] { SerialStream(terminal.name, 9600); };
+  const auto refused = testing::AnyOf(HasSubstr("is used by another program"), HasSubstr("busy"));  // root, others
+  EXPECT_THAT(error_of(open_again), refused);
+  first.reset();
+  EXPECT_THAT(error_of(open_again), refused);
+  close(copy);
+  EXPECT_EQ(error_of(open_again), "");
 }
 
 TEST(SerialStream, SetsTheRateOfTheLine) {
