@@ -3,18 +3,16 @@
 #include <filesystem>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
-#include <map>
-#include <memory>
 #include <optional>
-#include <procman/procman_deputy_info_t.hpp>
 #include <procman/procman_discovery_t.hpp>
 #include <procman/procman_orders_t.hpp>
 #include <string>
 #include <vector>
 
 #include "services/common/process/subscriber.hpp"
-#include "services/launcher/deputy/managed_command.hpp"
-#include "services/launcher/deputy/output_pacer.hpp"
+#include "services/launcher/deputy/child_supervisor.hpp"
+#include "services/launcher/deputy/deputy_journal.hpp"
+#include "services/launcher/deputy/name_claim.hpp"
 #include "services/launcher/deputy/process_runner.hpp"
 #include "services/launcher/deputy/sheriff_lease.hpp"
 #include "services/launcher/instant.hpp"
@@ -46,65 +44,41 @@ class Deputy {
   void tick(const Instant& now);
 
   /// Says what is wrong when another deputy of this name is on the network (found in the first half second).
-  [[nodiscard]] const std::optional<std::string>& conflict() const { return conflict_; }
+  [[nodiscard]] const std::optional<std::string>& conflict() const { return name_.conflict(); }
 
   /// Stops all children and obeys no more orders.
   void begin_shutdown();
-  [[nodiscard]] bool all_stopped() const;
+  [[nodiscard]] bool all_stopped() const { return children_.all_stopped(); }
 
   /// What a person at the terminal should see; also sent on PM_OUTPUT and written to deputy.log.
-  void report_notices(std::function<void(const std::string&)> notice) { notice_ = std::move(notice); }
+  void report_notices(std::function<void(const std::string&)> notice) { journal_.report_notices(std::move(notice)); }
   [[nodiscard]] std::int64_t dropped() const { return subscriber_.dropped(); }
 
  private:
   void on_orders(const procman::procman_orders_t& orders);
   void on_discovery(const procman::procman_discovery_t& discovery);
-  void on_info(const procman::procman_deputy_info_t& info);
 
-  void introduce();
   [[nodiscard]] bool is_allowed(const procman::procman_command_t& command) const;
   void refuse(const procman::procman_command_desired_t& ordered, const std::string& sheriff_id);
+  [[nodiscard]] ManagedCommand* list_refused(const procman::procman_command_t& ordered, const std::string& sheriff_id);
   void obey(const procman::procman_command_desired_t& ordered);
+  [[nodiscard]] ManagedCommand* list_ordered(const std::string& id);
   void drop_missing(const procman::procman_orders_t& orders);
 
-  void start(ManagedCommand& command);
-  void stop_step(ManagedCommand& command);
-  void collect_children();
-  void on_exit(ManagedCommand& command, int status);
-  void run_timers();
-  void measure();
-  void end_if_too_big(ManagedCommand& command);
   void publish_info();
   void publish_output();
-  void say(const std::string& sentence);
-  void say_seldom(const std::string& sentence);
 
   lcm::LCM& lcm_;
   DeputyConfig config_;
-  ProcessRunner& runner_;
-  Subscriber subscriber_;
-  std::unique_ptr<Subscriber> info_subscriber_;  // only while looking for another deputy of this name
-  std::function<void(const std::string&)> notice_ = [](const std::string&) {};
-
-  Instant now_;
-  std::optional<std::int64_t> begun_;   // [us] steady
-  std::int64_t last_introduction_ = 0;  // [us] steady
-  std::int64_t last_info_ = 0;          // [us] steady
-  std::int64_t last_measurement_ = 0;   // [us] steady
-  std::int64_t last_output_ = 0;        // [us] steady
-  bool introduced_ = false;
-  bool changed_ = false;  // PM_INFO is due
+  Instant now_;                   // of the last tick
+  std::int64_t last_info_ = 0;    // [us] steady
+  std::int64_t last_output_ = 0;  // [us] steady
   bool shutting_down_ = false;
-  std::optional<std::string> conflict_;
-
-  std::map<std::string, ManagedCommand> commands_;
   SheriffLease lease_;
-  OutputPacer output_;
-  std::unique_ptr<RotatingLog> log_;
-  bool log_failed_ = false;
-  MachineUsage machine_;
-  float cpu_load_ = 0.0F;
-  std::int64_t last_seldom_at_ = 0;  // [us] steady
+  DeputyJournal journal_;
+  ChildSupervisor children_;
+  NameClaim name_;
+  Subscriber subscriber_;
 };
 
 }  // namespace luminav::launcher
