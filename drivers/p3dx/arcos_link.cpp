@@ -11,8 +11,8 @@
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kFirstRetry = 100'000;  // [us]
-constexpr int kQuickRetries = 10;              // a guardian of a driver that died holds the line for less than a second
+constexpr std::int64_t kFirstRetry = 50'000;  // [us]
+constexpr int kQuickRetries = 20;             // a guardian of a driver that died holds the line for less than a second
 constexpr std::int64_t kLongestRetry = 2'000'000;          // [us] driving again within 3 s of the line being back
 constexpr std::int64_t kPastWatchdog = 2'200'000;          // [us] a controller at another rate has calmed down by then
 constexpr std::int64_t kFramePeriod = 5'000;               // [us] a robot may lose commands that follow faster

@@ -115,10 +115,12 @@ void stop_robot(int line, double brake_time) {
     }
   }
   for (int i = 0; i < kFarewells; ++i) {
+    if (i > 0) {
+      pause_for(kRepeat);
+    }
     for (const std::vector<std::uint8_t>& frame : leave) {
       write_frame(line, frame);
     }
-    pause_for(kRepeat);
   }
 }
 

@@ -1,34 +1,24 @@
 #include "drivers/p3dx/p3dx_node.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <luminav/odometry_t.hpp>
 #include <luminav/robot_status_t.hpp>
 
 #include "drivers/p3dx/arcos_commands.hpp"
+#include "drivers/p3dx/robot_sentences.hpp"
 #include "services/common/process/channels.hpp"
 
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kStatusPeriod = 20'000;       // [us] 50 Hz
-constexpr std::int64_t kGuardianPause = 50'000;      // [us] least, after the guardian is done with the line
-constexpr std::int64_t kLongestGap = 250'000;        // [us] the process slept: what waits is outdated
-constexpr double kAerosDistanceFactor = 0.485;       // [mm] p3dx on its older controller board
-constexpr double kArcosDistanceFactor = 1.0;         // [mm] p3dx-sh
-constexpr double kFastestRobot = 1.5;                // [m/s] whatever a controller claims
-constexpr std::int64_t kSettingsPeriod = 1'000'000;  // [us]
-constexpr int kMostSettings = 20;                    // then the robot does not want to
-constexpr std::size_t kMotionQueue = 4;              // frames waiting on a line that is stuck
-
-int in_mm(double metres) {
-  return static_cast<int>(std::lround(1000.0 * metres));
-}
-int in_degrees(double angle) {
-  return static_cast<int>(std::lround(degrees(angle)));
-}
+constexpr std::int64_t kStatusPeriod = 20'000;   // [us] 50 Hz
+constexpr std::int64_t kGuardianPause = 50'000;  // [us] least, after the guardian is done with the line
+constexpr std::int64_t kLongestGap = 250'000;    // [us] the process slept: what waits is outdated
+constexpr double kAerosDistanceFactor = 0.485;   // [mm] p3dx on its older controller board
+constexpr double kArcosDistanceFactor = 1.0;     // [mm] p3dx-sh
+constexpr double kFastestRobot = 1.5;            // [m/s] whatever a controller claims
+constexpr std::size_t kMotionQueue = 4;          // frames waiting on a line that is stuck
 
 /// Packets that were held back arrive together; each was taken at least a cycle [us] before the next.
 void spread_stamps(std::vector<ReceivedInformation>& packets, std::int64_t cycle) {
@@ -57,6 +47,7 @@ P3dxNode::P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, 
       reckoning_(reckoning_params(config, "")),
       sonar_(static_cast<int>(config.robot.sonar.robot_from_sonar.size()), config.robot.sonar.maximum_range),
       gate_({config.command_timeout, config.robot.limits.linear, config.robot.limits.angular}),
+      settings_(config.robot.limits, config.angular_deceleration),
       stop_(config.state_folder),
       motors_(config.enable_motors_at_start),
       subscriber_(lcm) {
@@ -149,9 +140,8 @@ void P3dxNode::poll() {
   }
   if (!link_.in_session()) {
     session_ = 0;
-  } else if (link_.has_configuration() && !settings_in_force() && settings_sent_ < kMostSettings &&
-             now - settings_sent_at_ > kSettingsPeriod) {
-    send_settings(now);  // nothing is acknowledged, and some of it was lost
+  } else {
+    send_settings(now);
   }
   command_motion(now);
   link_.flush(now);
@@ -176,35 +166,15 @@ void P3dxNode::on_connected() {
   link_.send(encode_command(ArcosCommand::kVelocity, 0));
   link_.send(encode_command(ArcosCommand::kTurnRate, 0));
   link_.send(encode_command(ArcosCommand::kSonar, 1));
-  settings_sent_ = 0;
+  settings_.begin(gate_.params().maximum_linear, gate_.params().maximum_angular);
   send_settings(now);
 }
 
 void P3dxNode::send_settings(std::int64_t now) {
-  const MotionLimits& limits = config_.robot.limits;
-  // One degree/s is the step of turn rates: rounded up, so that the limit itself can be reached.
-  const int turn_rate = static_cast<int>(std::ceil(degrees(gate_.params().maximum_angular)));
-  for (const auto& [command, value] : {
-           std::pair{ArcosCommand::kSetMaximumVelocity, in_mm(gate_.params().maximum_linear)},
-           std::pair{ArcosCommand::kSetAcceleration, in_mm(limits.linear_acceleration)},
-           std::pair{ArcosCommand::kSetAcceleration, -in_mm(limits.linear_deceleration)},
-           std::pair{ArcosCommand::kSetMaximumTurnRate, turn_rate},
-           std::pair{ArcosCommand::kSetTurnAcceleration, in_degrees(limits.angular_acceleration)},
-           std::pair{ArcosCommand::kSetTurnAcceleration, -in_degrees(config_.angular_deceleration)},
-       }) {
-    link_.send(encode_command(command, value));
+  for (std::vector<std::uint8_t>& frame :
+       settings_.poll(now, link_.has_configuration() ? &link_.configuration() : nullptr)) {
+    link_.send(std::move(frame));
   }
-  link_.send(encode_command(ArcosCommand::kConfiguration));  // reads them back
-  ++settings_sent_;
-  settings_sent_at_ = now;
-}
-
-bool P3dxNode::settings_in_force() const {
-  const ConfigurationPacket& robot = link_.configuration();
-  const MotionLimits& limits = config_.robot.limits;
-  return robot.velocity_maximum == in_mm(gate_.params().maximum_linear) &&
-         robot.acceleration == std::min(in_mm(limits.linear_acceleration), robot.acceleration_top) &&
-         robot.deceleration == std::min(in_mm(limits.linear_deceleration), robot.acceleration_top);
 }
 
 void P3dxNode::on_information(const ReceivedInformation& received) {
@@ -315,7 +285,7 @@ void P3dxNode::publish_status(std::int64_t now) {
 
 std::string P3dxNode::reason(std::int64_t now) const {
   if (!link_.connected() || session_ == 0) {
-    return link_.trouble().empty() ? "the robot does not answer" : link_.trouble();
+    return trouble_of(link_);
   }
   if (!motors_.reason().empty()) {
     return motors_.reason();
@@ -337,7 +307,7 @@ Health P3dxNode::health() const {
   const ConfigurationPacket& robot = link_.configuration();
   if (!connected()) {
     health.fault = true;
-    health.reason = link_.trouble().empty() ? "the robot does not answer" : link_.trouble();
+    health.reason = trouble_of(link_);
   } else if (!motors_.reason().empty()) {
     health.degraded = true;
     health.reason = motors_.reason();
@@ -346,28 +316,10 @@ Health P3dxNode::health() const {
     health.degraded = true;
     health.reason = "the battery is low";
   } else if (link_.has_configuration()) {
-    health.reason = compare_with_robot_file();
+    health.reason = difference_from_file(robot, config_.robot, session_ != 0);
     health.degraded = !health.reason.empty();
   }
   return health;
-}
-
-std::string P3dxNode::compare_with_robot_file() const {
-  const ConfigurationPacket& robot = link_.configuration();
-  const MotionLimits& limits = config_.robot.limits;
-  if (1e-3 * robot.velocity_top < limits.linear) {
-    return fmt::format("the robot's file allows {:.2f} m/s, the robot itself {:.2f} m/s", limits.linear,
-                       1e-3 * robot.velocity_top);
-  }
-  if (std::abs(robot.deceleration - in_mm(limits.linear_deceleration)) > 1 && session_ != 0) {
-    return fmt::format("the robot brakes with {:.2f} m/s^2, its file says {:.2f} m/s^2", 1e-3 * robot.deceleration,
-                       limits.linear_deceleration);
-  }
-  constexpr std::size_t kDiscsPerArray = 8;
-  if (robot.has_rear_sonar == 0 && config_.robot.sonar.robot_from_sonar.size() > kDiscsPerArray) {
-    return "the robot has no rear sonars, its file has some: they never echo";
-  }
-  return {};
 }
 
 bool P3dxNode::stand_still() {
@@ -377,23 +329,7 @@ bool P3dxNode::stand_still() {
 }
 
 std::string P3dxNode::describe_line() const {
-  if (!connected()) {
-    return link_.trouble().empty() ? "the robot does not answer" : link_.trouble();
-  }
-  const RobotIdentity& robot = link_.identity();
-  const ConfigurationPacket& stored = link_.configuration();
-  const std::string who = fmt::format("connected with \"{}\" ({})", robot.name, robot.subclass);
-  if (!link_.has_configuration()) {
-    return who + "; it does not tell its configuration, that of a p3dx-sh is assumed";
-  }
-  if (stored.watchdog == 0) {
-    return who + "; its watchdog is OFF: without driver and guardian it would not stop";
-  }
-  const double speed = gate_.params().maximum_linear;
-  const double way = speed * 1e-3 * stored.watchdog + 0.5 * speed * speed / config_.robot.limits.linear_deceleration;
-  return fmt::format(
-      "{}; should driver and guardian both die at {:.1f} m/s, its watchdog of {} ms stops it after {:.1f} m", who,
-      speed, stored.watchdog, way);
+  return luminav::describe_line(link_, gate_.params().maximum_linear, config_.robot.limits.linear_deceleration);
 }
 
 void P3dxNode::shut_down() {

@@ -13,6 +13,7 @@
 #include "drivers/p3dx/arcos_link.hpp"
 #include "drivers/p3dx/byte_stream.hpp"
 #include "drivers/p3dx/dead_reckoning.hpp"
+#include "drivers/p3dx/motion_settings.hpp"
 #include "drivers/p3dx/motors_supervisor.hpp"
 #include "drivers/p3dx/p3dx_config.hpp"
 #include "drivers/p3dx/sonar_collector.hpp"
@@ -56,14 +57,12 @@ class P3dxNode {
 
   void on_connected();
   void send_settings(std::int64_t now);
-  [[nodiscard]] bool settings_in_force() const;
   void on_information(const ReceivedInformation& received);
   void command_motion(std::int64_t now);
   void publish_odometry(std::int64_t utime);
   void publish_sonar();
   void publish_status(std::int64_t now);
   [[nodiscard]] std::string reason(std::int64_t now) const;
-  [[nodiscard]] std::string compare_with_robot_file() const;
 
   lcm::LCM& lcm_;
   P3dxConfig config_;
@@ -73,6 +72,7 @@ class P3dxNode {
   SonarCollector sonar_;
   VelocityGate gate_;
   VelocityWriter writer_;
+  MotionSettings settings_;
   StopLatch stop_;
   MotorsSupervisor motors_;
   InformationPacket last_;    // the last that was believed
@@ -85,8 +85,6 @@ class P3dxNode {
   std::int64_t impossible_packets_ = 0;
   std::int64_t last_motors_command_ = 0;           // id
   std::deque<std::int64_t> motors_commands_seen_;  // ids, newest last
-  int settings_sent_ = 0;                          // how often in this session
-  std::int64_t settings_sent_at_ = 0;              // [us]
   bool standing_still_ = false;                    // for good
   Subscriber subscriber_;
 };
