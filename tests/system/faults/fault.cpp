@@ -81,8 +81,7 @@ bool FaultResult::resumes_in_time() const {
 
 bool passed(const std::vector<FaultResult>& results, const GoalTally& goals) {
   return goals.missed == 0 && goals.reached > 0 && goals.contacts_between_faults == 0 &&
-         std::all_of(results.begin(), results.end(),
-                     [](const FaultResult& r) { return r.contacts == 0 && r.stands_in_time() && r.resumes_in_time(); });
+         std::all_of(results.begin(), results.end(), [](const FaultResult& result) { return result.good(); });
 }
 
 }  // namespace luminav

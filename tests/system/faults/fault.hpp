@@ -48,11 +48,15 @@ struct FaultResult {
   std::optional<double> resumed;  // [s] after that the robot moved again
   bool needs_no_resume = false;   // it never stood, or had a reason in the world to wait
   int contacts = 0;
+  int blind_contacts = 0;  // of these, while the robot's own line was cut and its watchdog had not yet stopped it
   double truth_gap = 0.0;  // [s] longest time without truth: how well the machine kept up
   std::string remark;
 
   [[nodiscard]] bool stands_in_time() const { return !must_stand || bridged || (stood && *stood <= bound); }
   [[nodiscard]] bool resumes_in_time() const;
+  /// Whom the line does not reach nobody can steer: what it touches before its watchdog stops it is counted apart.
+  [[nodiscard]] bool touched_nothing() const { return contacts == blind_contacts; }
+  [[nodiscard]] bool good() const { return touched_nothing() && stands_in_time() && resumes_in_time(); }
 };
 
 inline constexpr double kResumeWithin = 3.0;  // [s]

@@ -31,7 +31,11 @@ nlohmann::json or_null(const std::optional<Value>& value) {
 
 std::string to_table(const std::vector<FaultResult>& results, const GoalTally& goals) {
   std::map<std::string, Row> rows;
+  int contacts = 0;
+  int blind_contacts = 0;
   for (const FaultResult& result : results) {
+    contacts += result.contacts;
+    blind_contacts += result.blind_contacts;
     Row& row = rows[to_string(result.fault)];
     ++row.count;
     row.bridged += result.bridged ? 1 : 0;
@@ -62,8 +66,11 @@ std::string to_table(const std::vector<FaultResult>& results, const GoalTally& g
                             ? fmt::format("  {} too late to stand, {} to go on", row.late_stand, row.late_resume)
                             : "");
   }
-  text += fmt::format("{} faults, {} goals reached, {} missed, {} contacts between faults\n", results.size(),
-                      goals.reached, goals.missed, goals.contacts_between_faults);
+  text += fmt::format("{} faults, {} goals reached, {} missed, {} contacts between faults, {} in faults",
+                      results.size(), goals.reached, goals.missed, goals.contacts_between_faults, contacts);
+  text += blind_contacts > 0
+              ? fmt::format(", {} of these with the robot's line cut and before its watchdog\n", blind_contacts)
+              : std::string("\n");
   for (const std::string& cause : goals.causes) {
     text += "  missed: " + cause + "\n";
   }
@@ -88,8 +95,9 @@ std::string to_json(const std::vector<FaultResult>& results, const GoalTally& go
                       {"moved_after_ready_s", or_null(result.resumed)},
                       {"needs_no_resume", result.needs_no_resume},
                       {"contacts", result.contacts},
+                      {"blind_contacts", result.blind_contacts},
                       {"longest_gap_in_truth_s", result.truth_gap},
-                      {"ok", result.contacts == 0 && result.stands_in_time() && result.resumes_in_time()},
+                      {"ok", result.good()},
                       {"remark", result.remark}});
   }
   const nlohmann::json report = {{"seed", seed},

@@ -131,14 +131,16 @@ void TortureRound::run(FaultDeck& deck, std::vector<FaultResult>& results, GoalT
     result.contacts = truth_->contacts() - contacts_seen_;
     contacts_seen_ = truth_->contacts();
     result.truth_gap = truth_->take_longest_gap();
-    const bool good = result.contacts == 0 && result.stands_in_time() && result.resumes_in_time();
-    fmt::print("{:7.1f} s {:<22} at {:.2f} m/s {}{}{}{}{}\n", result.at, to_string(result.fault), result.linear,
+    fmt::print("{:7.1f} s {:<22} at {:.2f} m/s {}{}{}{}{}{}\n", result.at, to_string(result.fault), result.linear,
                result.stood ? fmt::format("stands after {:.2f}", *result.stood) : "did not stand",
                result.bridged ? fmt::format(" bridged after {:.2f}", *result.bridged)
                               : (result.must_stand ? fmt::format(" (at most {:.2f})", result.bound) : ""),
                result.back ? fmt::format(", ready after {:.2f}", *result.back) : "",
                result.resumed ? fmt::format(", moves {:.2f} later", *result.resumed) : "",
-               good ? "" : fmt::format("  WRONG: {}", result.remark));
+               result.contacts > 0
+                   ? fmt::format(", {} contacts, {} of them blind", result.contacts, result.blind_contacts)
+                   : "",
+               result.good() ? "" : fmt::format("  WRONG: {}", result.remark));
     std::fflush(stdout);
     results.push_back(result);
   }
@@ -204,7 +206,18 @@ FaultResult TortureRound::begin(const Fault& fault) {
 
 void TortureRound::judge_unplug(FaultResult& result) {
   result.must_stand = result.must_stand && !truth_->stands();
-  fleet_->pump_until([&] { return !unplugged(); }, 20.0);
+  const std::int64_t bound = fault_at_ + static_cast<std::int64_t>(result.bound * 1e6);
+  const auto count_blind_contacts = [&] {
+    if (result.fault.target == "serial" && fleet_->clock().utime() < bound) {
+      result.blind_contacts = truth_->contacts() - contacts_seen_;
+    }
+  };
+  fleet_->pump_until(
+      [&] {
+        count_blind_contacts();
+        return !unplugged();
+      },
+      20.0);
   const std::int64_t plugged = fleet_->clock().utime();
   result.fault.duration = seconds(fault_at_, plugged);
   if (result.fault.target == "camera") {
@@ -212,7 +225,12 @@ void TortureRound::judge_unplug(FaultResult& result) {
     return;
   }
   // The driver looks for its line with growing pauses.
-  fleet_->pump_until([&] { return robot_->connected_after(plugged).has_value(); }, 20.0);
+  fleet_->pump_until(
+      [&] {
+        count_blind_contacts();
+        return robot_->connected_after(plugged).has_value();
+      },
+      20.0);
   const auto connected = robot_->connected_after(plugged);
   if (!connected) {
     judge_standing(result);
