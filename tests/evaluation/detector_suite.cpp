@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "tests/unit/detector/score/detector_score.hpp"
+#include "tests/evaluation/detector_score/detector_score.hpp"
 
 namespace luminav {
 namespace {

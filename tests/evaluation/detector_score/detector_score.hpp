@@ -10,7 +10,7 @@
 #include "services/detector/detection.hpp"
 #include "services/detector/detector_params.hpp"
 #include "services/detector/detector_trace.hpp"
-#include "tests/unit/detector/score/imaged_fixture.hpp"
+#include "tests/evaluation/detector_score/imaged_fixture.hpp"
 
 namespace luminav::score {
 

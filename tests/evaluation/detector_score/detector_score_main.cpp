@@ -7,7 +7,7 @@
 
 #include "services/common/process/command_line.hpp"
 #include "services/detector/debug_picture.hpp"
-#include "tests/unit/detector/score/detector_score.hpp"
+#include "tests/evaluation/detector_score/detector_score.hpp"
 
 namespace luminav::score {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/unit/detector/score/imaged_fixture.hpp"
+#include "tests/evaluation/detector_score/imaged_fixture.hpp"
 
 #include <cmath>
 #include <vector>

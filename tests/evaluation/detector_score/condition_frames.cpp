@@ -1,0 +1,101 @@
+#include "tests/evaluation/detector_score/condition_frames.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "drivers/camera/exposure_control.hpp"
+
+namespace luminav::score {
+
+using Eigen::Vector2d;
+using simulated::Exposure;
+using simulated::LampState;
+using simulated::TruePose;
+
+const std::vector<Condition>& lighting_matrix() {
+  static const std::vector<Condition> matrix{
+      {.name = "all on", .lamps_on = true},
+      {.name = "all on, moving", .lamps_on = true, .moving = true},
+      {.name = "all on at night", .lamps_on = true, .daylight_least = 0.0, .daylight_most = 0.0},
+      {.name = "third off", .off = 0.33},
+      {.name = "third off, moving", .off = 0.33, .moving = true},
+      {.name = "all off by day", .daylight_least = 0.8, .daylight_most = 0.8, .off = 1.0},
+      {.name = "off by day, moving", .daylight_least = 0.8, .daylight_most = 0.8, .off = 1.0, .moving = true},
+      {.name = "half tubes", .half = 0.5},
+      {.name = "flicker", .off = 0.2, .flicker = 0.3},
+      {.name = "sunrise sweep", .daylight_least = 0.05, .daylight_most = 1.0, .off = 0.5},
+      {.name = "window glare", .daylight_least = 1.0, .daylight_most = 1.0, .off = 0.3, .at_window = true},
+      {.name = "dim", .daylight_least = 0.1, .daylight_most = 0.1, .off = 0.6, .brightness = 0.45},
+      {.name = "bright", .off = 0.2, .brightness = 1.25},
+  };
+  return matrix;
+}
+
+std::vector<LampState> draw_lamps(const Condition& condition, std::size_t count, RandomStream& random) {
+  std::vector<LampState> lamps(count, LampState::kOn);
+  for (LampState& lamp : lamps) {
+    const double draw = random.uniform();
+    lamp = draw < condition.off                                        ? LampState::kOff
+           : draw < condition.off + condition.half                     ? LampState::kHalf
+           : draw < condition.off + condition.half + condition.flicker ? LampState::kFlicker
+                                                                       : LampState::kOn;
+  }
+  return lamps;
+}
+
+void expose(simulated::CeilingRenderer& renderer, const Pose2& pose, double factor, Exposure& exposure) {
+  const std::vector<TruePose> still{{pose, 0.0, 0.0}};
+  const ExposureParams params;
+  GreyImage image;
+  double product = 8000.0;  // exposure x gain
+  const auto set = [&] {
+    exposure.exposure_us = std::min(product, params.exposure_most_us);
+    exposure.gain = std::clamp(product / params.exposure_most_us, 1.0, params.gain_most);
+  };
+  const double most = params.exposure_most_us * params.gain_most;
+  for (int i = 0; i < 6; ++i) {
+    set();
+    renderer.render(exposure, still, image);
+    const double mean = measure_brightness(image.view(), params.lamp_grey).mean;
+    if (mean > params.target_least && mean < params.target_most) {
+      break;
+    }
+    product = std::clamp(product * std::clamp(100.0 / std::max(mean, 1.0), 0.2, 5.0), params.exposure_least_us, most);
+  }
+  product = std::clamp(product * factor, params.exposure_least_us, most);
+  set();
+}
+
+Place draw_place(const Condition& condition, const WorldTruth& world, RandomStream& random,
+                 std::uint64_t& generator_state) {
+  Place place;
+  Pose2& pose = place.motion.world_from_robot;
+  if (condition.at_window && !world.building.windows.empty()) {
+    const Window& window = world.building.windows[random.below(world.building.windows.size())];
+    pose = window.world_from_window * Pose2{random.uniform(0.6, 2.0), random.uniform(-1.0, 1.0), 0.0};
+  } else {
+    const Vector2d point = draw_free_point(world.walls, 0.3, generator_state);
+    pose = {point.x(), point.y(), 0.0};
+  }
+  pose.theta = random.uniform(-kPi, kPi);
+  if (condition.moving) {
+    place.motion.velocity = {random.uniform(-0.35, 0.35), random.uniform(-0.35, 0.35)};
+    place.motion.angular = random.uniform(-0.5, 0.5);
+    place.motion.row_time = world.robot.camera.row_time;
+  }
+  place.daylight = random.uniform(condition.daylight_least, condition.daylight_most);
+  return place;
+}
+
+void render(simulated::CeilingRenderer& renderer, const FrameMotion& motion, Exposure& exposure, GreyImage& image) {
+  exposure.velocity = motion.velocity;
+  exposure.angular = motion.angular;
+  exposure.row_time_us = 1e6 * motion.row_time;
+  std::vector<TruePose> rows;
+  for (int row = 0; row < renderer.height(); ++row) {
+    rows.push_back({motion.world_from_robot_at(row, renderer.height()), 0.0, 0.0});
+  }
+  renderer.render(exposure, rows, image);
+}
+
+}  // namespace luminav::score

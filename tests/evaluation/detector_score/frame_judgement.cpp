@@ -1,0 +1,197 @@
+#include "tests/evaluation/detector_score/frame_judgement.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace luminav::score {
+namespace {
+
+using Eigen::Vector2d;
+using simulated::LampState;
+
+constexpr double kLeastShare = 0.3;
+constexpr double kNear = 0.3;         // [m] across: farther ones are others
+constexpr double kMostAcross = 0.03;  // [m] a detection farther off is wrong
+constexpr double kMostAlong = 0.03;   // [m] or 3.5 sigma
+constexpr double kMostHeading = radians(2.0);
+
+DetectionState expected_state(const VisibleFixture& truth) {
+  switch (truth.lamp) {
+    case LampState::kOff:
+      return DetectionState::kUnlit;
+    case LampState::kHalf:  // the only tube of a fixture, half burnt, is lit
+      return truth.fixture->lamps < 2 ? DetectionState::kLit : DetectionState::kHalf;
+    case LampState::kOn:
+    case LampState::kFlicker:
+      break;
+  }
+  return DetectionState::kLit;
+}
+
+double period_of(const Fixture& fixture) {
+  return symmetry_period(fixture.shape);
+}
+
+/// Sums up how far a detection is from its fixture; false when too far to be called found.
+bool compare(const Detection& detection, VisibleFixture& truth, DetectorScore& score, std::string& complaint) {
+  const Pose2& imaged = truth.imaged.as_imaged;
+  const Pose2 error = imaged.inverse() * detection.robot_from_fixture;
+  const double heading = wrap_modulo(error.theta, period_of(*truth.fixture));
+  const Vector2d along(std::cos(imaged.theta), std::sin(imaged.theta));
+  const Vector2d across(-along.y(), along.x());
+  const auto spread = [&](const Vector2d& direction) {
+    return std::sqrt(direction.dot(detection.covariance.topLeftCorner<2, 2>() * direction));
+  };
+  const std::string figures = fmt::format(
+      "off by {:.1f} mm along (sigma {:.1f}), {:.1f} across ({:.1f}), {:.3f} deg ({:.3f}), {:.2f} px; share {:.2f}, "
+      "state {} lamp {}, width {:.3f} of {:.2f}, ends {} {}, at {:.0f} {:.0f}",
+      1e3 * error.x, 1e3 * spread(along), 1e3 * error.y, 1e3 * spread(across), degrees(heading),
+      degrees(std::sqrt(detection.covariance(2, 2))), (detection.centre_px - truth.imaged.centre_px).norm(),
+      truth.imaged.share, static_cast<int>(detection.state), static_cast<int>(truth.lamp), detection.width,
+      truth.fixture->width, detection.near_end_visible, detection.far_end_visible, detection.centre_px.x(),
+      detection.centre_px.y());
+  truth.taken = true;
+  if (std::abs(error.y) > kMostAcross || std::abs(heading) > kMostHeading ||
+      std::abs(error.x) > std::max(kMostAlong, 3.5 * spread(along))) {
+    complaint = "wrong: " + figures;
+    return false;
+  }
+  if (truth.lamp != LampState::kFlicker && detection.state != expected_state(truth)) {
+    ++score.wrong_state;
+    complaint = "state: " + figures;
+  }
+  score.seen += truth.imaged.share >= kLeastShare ? 1 : 0;
+  if (truth.imaged.is_whole) {
+    ++score.whole_seen;
+    ++score.measured;
+    const double px = (detection.centre_px - truth.imaged.centre_px).norm();
+    score.centre_px2 += px * px;
+    score.worst_px = std::max(score.worst_px, px);
+    score.heading2 += heading * heading;
+    const Pose2 in_robot = truth.imaged.robot_from_fixture.inverse() * detection.robot_from_fixture;
+    score.position2 += in_robot.position().squaredNorm();
+    score.robot_heading2 += std::pow(wrap_modulo(in_robot.theta, period_of(*truth.fixture)), 2);
+  } else {
+    ++score.cut_measured;
+    score.across2 += error.y * error.y;
+    score.cut_heading2 += heading * heading;
+  }
+  const Eigen::Vector3d difference(detection.robot_from_fixture.x - imaged.x, detection.robot_from_fixture.y - imaged.y,
+                                   heading);
+  const double normalised = difference.dot(detection.covariance.inverse() * difference) / 3.0;
+  score.normalised += normalised;
+  score.normalised_along += std::pow(error.x / spread(along), 2);
+  score.normalised_across += std::pow(error.y / spread(across), 2);
+  score.normalised_heading += heading * heading / detection.covariance(2, 2);
+  ++score.normalised_count;
+  if (normalised > 5.0 && complaint.empty()) {
+    complaint = "far: " + figures;
+  }
+  return true;
+}
+
+bool match(const Detection& detection, std::vector<VisibleFixture>& visible, DetectorScore& score,
+           std::string& complaint) {
+  VisibleFixture* nearest = nullptr;
+  double least = 1e9;
+  for (VisibleFixture& truth : visible) {
+    const Pose2 error = truth.imaged.as_imaged.inverse() * detection.robot_from_fixture;
+    const double apart = error.position().norm();
+    if (!truth.taken && std::abs(error.y) < kNear && std::abs(error.x) < 0.6 * truth.fixture->length + kNear &&
+        apart < least) {
+      nearest = &truth;
+      least = apart;
+    }
+  }
+  if (nearest == nullptr) {
+    complaint = fmt::format(
+        "wrong: nothing there; state {}, {:.2f} x {:.3f} m, clipped {}, ends {} {}, fit {:.2f}, at {:.0f} {:.0f}",
+        static_cast<int>(detection.state), detection.length, detection.width, detection.clipped,
+        detection.near_end_visible, detection.far_end_visible, detection.fit, detection.centre_px.x(),
+        detection.centre_px.y());
+    return false;
+  }
+  return compare(detection, *nearest, score, complaint);
+}
+
+}  // namespace
+
+void count_elements(const WorldTruth& world, const FrameMotion& motion, const CeilingCamera& camera,
+                    const std::vector<Detection>& detections, DetectorScore& score) {
+  std::vector<Vector2d> there;
+  std::vector<bool> is_whole;
+  for (const CeilingElement& element : world.building.elements) {
+    const bool round = element.kind == ElementKind::kDetector || element.kind == ElementKind::kSpeaker;
+    const Fixture shape{.id = 0,
+                        .shape = round ? FixtureShape::kRound : FixtureShape::kRectangle,
+                        .world_from_fixture = element.world_from_element,
+                        .length = element.length,
+                        .width = round ? element.length : element.width,
+                        .height = world.building.ceiling_height,
+                        .lamps = 0};
+    if (const auto imaged = image_of(shape, motion, camera)) {
+      there.push_back(imaged->as_imaged.position());
+      is_whole.push_back(imaged->is_whole);
+      score.elements_visible += imaged->is_whole ? 1 : 0;
+    }
+  }
+  for (const Detection& detection : detections) {
+    if (detection.shape != DetectionShape::kElement) {
+      continue;
+    }
+    ++score.elements_reported;
+    bool found = false;
+    for (std::size_t i = 0; i < there.size() && !found; ++i) {
+      if ((there[i] - detection.robot_from_fixture.position()).norm() < 0.05) {
+        found = true;
+        score.elements_seen += is_whole[i] ? 1 : 0;
+        there[i] = Vector2d(1e9, 1e9);
+      }
+    }
+    score.elements_wrong += found ? 0 : 1;
+  }
+}
+
+std::vector<std::string> judge(const std::vector<Detection>& detections, std::vector<VisibleFixture>& visible,
+                               DetectorScore& score) {
+  std::vector<std::string> complaints;
+  bool any_whole = false;
+  bool any_cut = false;
+  for (const VisibleFixture& fixture : visible) {
+    score.visible += fixture.imaged.share >= kLeastShare ? 1 : 0;
+    score.whole += fixture.imaged.is_whole ? 1 : 0;
+    any_whole = any_whole || fixture.imaged.is_whole;
+    any_cut = any_cut || (fixture.imaged.share >= kLeastShare && !fixture.imaged.is_whole);
+  }
+  bool used = false;
+  for (const Detection& detection : detections) {
+    if (detection.shape == DetectionShape::kElement) {
+      continue;
+    }
+    ++score.reported;
+    std::string complaint;
+    const bool found = match(detection, visible, score, complaint);
+    used = used || found;
+    score.wrong += found ? 0 : 1;
+    if (!complaint.empty()) {
+      complaints.push_back(complaint);
+    }
+  }
+  if (any_cut && !any_whole) {
+    ++score.cut_only_frames;
+    score.cut_used_frames += used ? 1 : 0;
+  }
+  for (const VisibleFixture& fixture : visible) {
+    if (fixture.imaged.share >= kLeastShare && !fixture.taken) {
+      complaints.push_back(fmt::format("missed: share {:.2f}, lamp {}, width {:.2f}, at {:.0f} {:.0f}",
+                                       fixture.imaged.share, static_cast<int>(fixture.lamp), fixture.fixture->width,
+                                       fixture.imaged.centre_px.x(), fixture.imaged.centre_px.y()));
+    }
+  }
+  return complaints;
+}
+
+}  // namespace luminav::score

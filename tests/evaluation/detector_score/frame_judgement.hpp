@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "drivers/camera/simulated_renderer.hpp"
+#include "drivers/simulator/world_truth.hpp"
+#include "services/detector/detection.hpp"
+#include "tests/evaluation/detector_score/detector_score.hpp"
+#include "tests/evaluation/detector_score/imaged_fixture.hpp"
+
+namespace luminav::score {
+
+/// A fixture that a frame shows, and what is true of it.
+struct VisibleFixture {
+  ImagedFixture imaged;
+  const Fixture* fixture = nullptr;
+  simulated::LampState lamp = simulated::LampState::kOn;
+  bool taken = false;  // by a detection
+};
+
+/// Counts what one frame shows and what was reported; returns what is to be said against it.
+std::vector<std::string> judge(const std::vector<Detection>& detections, std::vector<VisibleFixture>& visible,
+                               DetectorScore& score);
+
+/// Counts vents, detectors and the like, which are compared by place alone.
+void count_elements(const WorldTruth& world, const FrameMotion& motion, const CeilingCamera& camera,
+                    const std::vector<Detection>& detections, DetectorScore& score);
+
+}  // namespace luminav::score
