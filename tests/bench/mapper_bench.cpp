@@ -9,6 +9,7 @@
 
 #include "services/mapper/grid_mapper.hpp"
 #include "services/mapper/sonar_model.hpp"
+#include "tests/bench/split_mix.hpp"
 
 // The sonar workload of the performance page: 400 x 400 cells of 0.1 m, 2000 scans of 16 beams from a circle of 10 m.
 
@@ -19,25 +20,8 @@ constexpr int kScans = 2000;
 constexpr int kBeams = 16;
 constexpr double kMaximumRange = 5.0;  // [m]
 
-/// splitmix64 (Steele, Lea and Flood 2014)
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : state_(seed) {}
-  double uniform() {
-    state_ += 0x9E3779B97F4A7C15ULL;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    z ^= z >> 31;
-    return static_cast<double>(z >> 11) * 0x1.0p-53;
-  }
-
- private:
-  std::uint64_t state_;
-};
-
 std::vector<DiscReading> scans() {
-  Draw draw(3);
+  SplitMix draw(3);
   std::vector<DiscReading> readings;
   for (int scan = 0; scan < kScans; ++scan) {
     const double along = 2.0 * std::numbers::pi * scan / kScans;
