@@ -106,7 +106,7 @@ bool Controller::has_met_people(std::int64_t now) const {
 double Controller::nearest_unknown(const std::vector<ObstaclePoint>& obstacles) const {
   double nearest = 10.0;
   for (const ObstaclePoint& obstacle : obstacles) {
-    if (!obstacle.is_known) {
+    if (!obstacle.is_known && !stop_logic_.footprint().is_surely_beyond(obstacle.position, nearest)) {
       nearest = std::min(nearest, stop_logic_.footprint().distance(obstacle.position));
     }
   }

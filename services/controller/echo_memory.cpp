@@ -56,7 +56,7 @@ double EchoMemory::approach_speed(const SonarFiring& firing) const {
 // same disc heard from the same place: a smooth wall seen at another slant is silent too.
 void EchoMemory::refute(const SonarFiring& firing) {
   const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
-  const Pose2 sonar_from_odom = odom_from_sonar.inverse();
+  const PointTransform sonar_from_odom(odom_from_sonar.inverse());
   const double cone = 0.8 * ring_.half_angle;
   for (Echo& echo : echoes_) {
     const bool is_same_view =
@@ -106,8 +106,9 @@ void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
     const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
     echo.axis_in_odom = odom_from_sonar.theta;
     const double range = std::max(firing.range, 0.02);
+    const PointTransform to_odom(odom_from_sonar);
     const auto point_at = [&](double angle) {
-      return Eigen::Vector2d(odom_from_sonar * Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle)));
+      return Eigen::Vector2d(to_odom * Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle)));
     };
     const int steps = std::clamp(static_cast<int>(std::ceil(2.0 * ring_.half_angle * range / params_.spacing)), 2, 12);
     if (is_wall) {
@@ -136,7 +137,12 @@ void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
 
 std::vector<ObstaclePoint> EchoMemory::points_of(std::int64_t now, const Pose2& odom_from_robot, double longest) const {
   std::vector<ObstaclePoint> result;
-  const Pose2 robot_from_odom = odom_from_robot.inverse();
+  const PointTransform robot_from_odom(odom_from_robot.inverse());
+  std::size_t count = 0;
+  for (const Echo& echo : echoes_) {
+    count += echo.points_in_odom.size();
+  }
+  result.reserve(count);
   for (const Echo& echo : echoes_) {
     const double age = std::max(0.0, seconds_between(echo.utime, now));
     if (age > std::max(echo.keep, longest)) {

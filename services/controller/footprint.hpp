@@ -24,6 +24,12 @@ class Footprint {
 
   /// Distance [m] from the outline to a point in the robot frame; negative inside.
   [[nodiscard]] double distance(const Eigen::Vector2d& point) const;
+  /// True only of points at least `distance` [m] away, though not of all of them: cheap.
+  [[nodiscard]] bool is_surely_beyond(const Eigen::Vector2d& point, double distance) const {
+    constexpr double kRounding = 1e-9;
+    const double reach = distance + swept_radius_ + kRounding;
+    return reach > 0.0 && point.squaredNorm() > reach * reach;
+  }
   /// Farthest corner from the wheel axis [m]: what a turn on the spot sweeps.
   [[nodiscard]] double swept_radius() const { return swept_radius_; }
 

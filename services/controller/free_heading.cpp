@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 namespace luminav {
 
@@ -22,12 +24,18 @@ double free_way(double direction, double most, std::span<const ObstaclePoint> ob
 
 double choose_free_heading(double wish, double needed, std::optional<double> last,
                            std::span<const ObstaclePoint> obstacles, const FreeHeadingParams& params) {
+  // what is farther off shortens no way of the length needed, whatever the direction
+  const double ahead = std::max(0.0, needed + params.nose);
+  const double reach_squared = 1.000001 * (ahead * ahead + params.half_width * params.half_width);
+  std::vector<ObstaclePoint> near;
+  std::copy_if(obstacles.begin(), obstacles.end(), std::back_inserter(near),
+               [&](const ObstaclePoint& obstacle) { return obstacle.position.squaredNorm() < reach_squared; });
   const int steps = static_cast<int>(params.widest / params.step);
   double best = wish;
   double best_cost = 1e9;
   for (int i = -steps; i <= steps; ++i) {
     const double direction = wish + i * params.step;
-    const double missing = needed - free_way(direction, needed, obstacles, params);
+    const double missing = needed - free_way(direction, needed, near, params);
     double cost = std::abs(i * params.step) + params.price * missing;
     if (last && std::abs(wrap_angle(direction - *last)) > params.steadiness) {
       cost += params.steadiness;

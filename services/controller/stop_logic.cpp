@@ -59,9 +59,10 @@ const ObstaclePoint* StopLogic::first_in_the_way(const DriveTwist& twist, double
     return nullptr;
   }
   const int steps = std::max(1, static_cast<int>(std::ceil(corner_speed * duration / kStep)));
-  std::vector<Pose2> end_from_start;
+  std::vector<PointTransform> end_from_start;
+  end_from_start.reserve(static_cast<std::size_t>(steps));
   for (int i = 1; i <= steps; ++i) {
-    end_from_start.push_back(drive_arc(twist, duration * i / steps).inverse());
+    end_from_start.emplace_back(drive_arc(twist, duration * i / steps).inverse());
   }
   // somebody who comes stops before a robot that stands, so his own way counts until it does
   const double until_still =
@@ -77,12 +78,15 @@ const ObstaclePoint* StopLogic::first_in_the_way(const DriveTwist& twist, double
     if (obstacle.position.squaredNorm() > sweep * sweep) {
       continue;
     }
-    const double now = footprint_.distance(obstacle.position);
     for (int i = 0; i < std::min(steps, first_step); ++i) {
-      const double later = footprint_.distance(end_from_start[static_cast<std::size_t>(i)] * obstacle.position);
+      const Eigen::Vector2d position = end_from_start[static_cast<std::size_t>(i)] * obstacle.position;
       const double time = duration * (i + 1) / steps;
-      const double left = later - obstacle.approach * (obstacle.age + std::min(time, until_still));
-      if (left < margin && later < now - kCloser) {
+      const double nearer = obstacle.approach * (obstacle.age + std::min(time, until_still));
+      if (footprint_.is_surely_beyond(position, margin + nearer)) {
+        continue;
+      }
+      const double later = footprint_.distance(position);
+      if (later - nearer < margin && later < footprint_.distance(obstacle.position) - kCloser) {
         first = &obstacle;
         first_step = i;
         break;
@@ -99,7 +103,9 @@ bool StopLogic::is_free(const DriveTwist& twist, double duration, std::span<cons
 double StopLogic::clearance(std::span<const ObstaclePoint> obstacles) const {
   double nearest = 10.0;
   for (const ObstaclePoint& obstacle : obstacles) {
-    nearest = std::min(nearest, footprint_.distance(obstacle.position));
+    if (!footprint_.is_surely_beyond(obstacle.position, nearest)) {
+      nearest = std::min(nearest, footprint_.distance(obstacle.position));
+    }
   }
   return std::max(0.0, nearest);
 }

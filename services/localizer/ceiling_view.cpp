@@ -9,17 +9,21 @@ namespace {
 constexpr int kAlong = 8;  // sample points of a fixture
 constexpr int kAcross = 2;
 
-/// Signed distance of a point to the nearest side of a convex polygon, positive inside.
-double depth_inside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& point) {
-  double depth = 1e9;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d& a = polygon[i];
-    const Eigen::Vector2d side = (polygon[(i + 1) % polygon.size()] - a).normalized();
-    const Eigen::Vector2d offset = point - a;
-    depth = std::min(depth, side.x() * offset.y() - side.y() * offset.x());
+/// Sample points of a fixture, in the robot frame.
+class FixtureSamples {
+ public:
+  FixtureSamples(const Pose2& robot_from_fixture, const Fixture& fixture)
+      : robot_from_fixture_(robot_from_fixture), fixture_(fixture) {}
+
+  [[nodiscard]] Eigen::Vector2d at(int along, int across) const {
+    return robot_from_fixture_ * Eigen::Vector2d(fixture_.length * ((along + 0.5) / kAlong - 0.5),
+                                                 fixture_.width * ((across + 0.5) / kAcross - 0.5));
   }
-  return depth;
-}
+
+ private:
+  PointTransform robot_from_fixture_;
+  const Fixture& fixture_;
+};
 
 }  // namespace
 
@@ -44,6 +48,17 @@ CeilingView::CeilingView(const CameraDescription& camera)
   if (area < 0.0) {
     std::reverse(border_.begin(), border_.end());
   }
+  for (std::size_t i = 0; i < border_.size(); ++i) {
+    sides_.push_back({border_[i], (border_[(i + 1) % border_.size()] - border_[i]).normalized()});
+  }
+}
+
+bool CeilingView::is_inside(const Eigen::Vector2d& point, double height, double margin) const {
+  const Eigen::Vector2d on_unit_plane = (point - Eigen::Vector2d(camera_.mounting.x, camera_.mounting.y)) / height;
+  return std::all_of(sides_.begin(), sides_.end(), [&](const Side& side) {
+    const Eigen::Vector2d offset = on_unit_plane - side.start;
+    return (side.along.x() * offset.y() - side.along.y() * offset.x()) * height >= margin;
+  });
 }
 
 double CeilingView::visible_share(const Pose2& robot_from_fixture, const Fixture& fixture, double margin) const {
@@ -51,17 +66,34 @@ double CeilingView::visible_share(const Pose2& robot_from_fixture, const Fixture
   if (height <= 0.1 || border_.size() < 3) {
     return 0.0;
   }
-  const Eigen::Vector2d mounting(camera_.mounting.x, camera_.mounting.y);
+  const FixtureSamples samples(robot_from_fixture, fixture);
   int inside = 0;
   for (int i = 0; i < kAlong; ++i) {
     for (int j = 0; j < kAcross; ++j) {
-      const Eigen::Vector2d on_fixture(fixture.length * ((i + 0.5) / kAlong - 0.5),
-                                       fixture.width * ((j + 0.5) / kAcross - 0.5));
-      const Eigen::Vector2d on_unit_plane = (robot_from_fixture * on_fixture - mounting) / height;
-      inside += depth_inside(border_, on_unit_plane) * height >= margin ? 1 : 0;
+      inside += is_inside(samples.at(i, j), height, margin) ? 1 : 0;
     }
   }
   return static_cast<double>(inside) / (kAlong * kAcross);
+}
+
+bool CeilingView::is_wholly_visible(const Pose2& robot_from_fixture, const Fixture& fixture, double margin) const {
+  const double height = height_above_camera(fixture.height);
+  if (height <= 0.1 || border_.size() < 3) {
+    return false;
+  }
+  const FixtureSamples samples(robot_from_fixture, fixture);
+  const auto all_inside = [&](int i) {
+    return is_inside(samples.at(i, 0), height, margin) && is_inside(samples.at(i, kAcross - 1), height, margin);
+  };
+  if (!all_inside(0) || !all_inside(kAlong - 1)) {
+    return false;  // most often an end is out of sight
+  }
+  for (int i = 1; i + 1 < kAlong; ++i) {
+    if (!all_inside(i)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 double CeilingView::radius(double height) const {

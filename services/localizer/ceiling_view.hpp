@@ -17,6 +17,9 @@ class CeilingView {
   /// Share 0..1 of a fixture's area that lies in the image with at least `margin` [m] on the ceiling to its border.
   [[nodiscard]] double visible_share(const Pose2& robot_from_fixture, const Fixture& fixture, double margin) const;
 
+  /// Whether that share is 1, in less time.
+  [[nodiscard]] bool is_wholly_visible(const Pose2& robot_from_fixture, const Fixture& fixture, double margin) const;
+
   /// Radius [m] round the robot beyond which nothing of a ceiling at this height is seen.
   [[nodiscard]] double radius(double height) const;
   /// Radius [m] of a disc as large as the image on a ceiling at this height.
@@ -30,12 +33,20 @@ class CeilingView {
                                                         double angular) const;
 
  private:
+  struct Side {
+    Eigen::Vector2d start;
+    Eigen::Vector2d along;  // unit
+  };
+
+  /// Whether a point of a ceiling `height` [m] above the camera lies in the image, `margin` [m] from its border.
+  [[nodiscard]] bool is_inside(const Eigen::Vector2d& point, double height, double margin) const;
   [[nodiscard]] Eigen::Vector2d at_middle_row(const Eigen::Vector2d& point, double height, double linear,
                                               double angular) const;
 
   CameraDescription camera_;
   CeilingCamera model_;
   std::vector<Eigen::Vector2d> border_;  // image border on a plane 1 m above the camera, robot axes, counter-clockwise
+  std::vector<Side> sides_;              // of the border
 };
 
 }  // namespace luminav

@@ -76,15 +76,17 @@ FrameComparison HypothesisBank::compare(const PoseBelief& belief, const Sighting
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const FixtureSighting& sighting = frame.sightings[i];
     const Eigen::Vector2d place = belief.pose * sighting.robot_from_fixture.position();
+    std::optional<Eigen::Matrix3d> systematic;  // the same whichever fixture it is
     for (const int index : near) {
       const Fixture& fixture = map_[index];
       if ((fixture.world_from_fixture.position() - place).squaredNorm() > 2.25 ||
           !fits_kind_and_size(sighting, fixture, KindGate{})) {
         continue;
       }
-      const Eigen::Matrix3d noise =
-          white_sighting_covariance(sighting, fixture, errors_) +
-          systematic_sighting_covariance(sighting, height_above_camera_, linear, angular, errors_);
+      if (!systematic) {
+        systematic = systematic_sighting_covariance(sighting, height_above_camera_, linear, angular, errors_);
+      }
+      const Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, errors_) + *systematic;
       const Innovation innovation = innovate(belief, sighting, fixture, noise);
       if (innovation.nis < params_.gate) {
         pairs.push_back({i, index,
@@ -108,10 +110,11 @@ FrameComparison HypothesisBank::compare(const PoseBelief& belief, const Sighting
     taken.push_back(pair.fixture);
   }
   const double margin = params_.miss_margin + 2.0 * position_sigma(belief.covariance);
+  const Pose2 robot_from_world = belief.pose.inverse();
   for (const int index : near) {
     const Fixture& fixture = map_[index];
-    const Pose2 robot_from_fixture = belief.pose.inverse() * fixture.world_from_fixture;
-    if (view_.visible_share(robot_from_fixture, fixture, margin) < 0.999) {
+    const Pose2 robot_from_fixture = robot_from_world * fixture.world_from_fixture;
+    if (!view_.is_wholly_visible(robot_from_fixture, fixture, margin)) {
       continue;
     }
     result.expected.push_back(index);

@@ -146,7 +146,7 @@ void PaperLocalizer::step_kalman(const SightingFrame& frame, const OdometryReadi
   near.clear();
   map_.find_near(belief_.pose.position(), view_.radius(ceiling_height_), near);
   const bool is_expected = std::any_of(near.begin(), near.end(), [&](int index) {
-    return view_.visible_share(belief_.pose.inverse() * map_[index].world_from_fixture, map_[index], 0.1) > 0.999;
+    return view_.is_wholly_visible(belief_.pose.inverse() * map_[index].world_from_fixture, map_[index], 0.1);
   });
   if (matched > 0) {
     fixture_utime_ = frame.utime;

@@ -272,6 +272,16 @@ double ConfigurationSpace::clearance_at(const Eigen::Vector2d& point_in_world) c
   const int row = static_cast<int>(std::floor(p.y()));
   const double u = p.x() - column;
   const double v = p.y() - row;
+  // most often all four lie in one block that has been measured
+  const bool is_inside = column >= 0 && row >= 0 && column + 1 < geometry_.columns && row + 1 < geometry_.rows;
+  if (is_inside && column / kBlock == (column + 1) / kBlock && row / kBlock == (row + 1) / kBlock) {
+    static_cast<void>(squared_distance({column, row}));  // measures the block
+    const std::uint8_t* lower = squared_distance_.get() + geometry_.index({column, row});
+    const std::uint8_t* upper = lower + geometry_.columns;
+    return (1.0 - v) *
+               ((1.0 - u) * static_cast<double>(metres_[lower[0]]) + u * static_cast<double>(metres_[lower[1]])) +
+           v * ((1.0 - u) * static_cast<double>(metres_[upper[0]]) + u * static_cast<double>(metres_[upper[1]]));
+  }
   return (1.0 - v) * ((1.0 - u) * clearance({column, row}) + u * clearance({column + 1, row})) +
          v * ((1.0 - u) * clearance({column, row + 1}) + u * clearance({column + 1, row + 1}));
 }

@@ -9,6 +9,7 @@
 #include <luminav/map_command_t.hpp>
 #include <luminav/odometry_t.hpp>
 #include <luminav/robot_status_t.hpp>
+#include <map>
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
@@ -50,16 +51,36 @@ std::vector<std::uint8_t> encoded(const Message& message) {
   return data;
 }
 
-void add_tile(const std::vector<std::uint8_t>& data, std::optional<OccupancyGrid>& grid) {
-  const auto tile = decoded<grid_tile_t>(data);
-  if (!tile || !is_possible(*tile)) {
-    return;
+/// The newest tile of each place of a map. Only those are unpacked, when the map is wanted.
+class NewestTiles {
+ public:
+  void add(const std::vector<std::uint8_t>& data) {
+    auto tile = decoded<grid_tile_t>(data);
+    if (!tile || !is_possible(*tile)) {
+      return;
+    }
+    if (!(geometry_of(*tile) == geometry_)) {
+      geometry_ = geometry_of(*tile);
+      tiles_.clear();
+    }
+    tiles_[{tile->tile_row, tile->tile_column}] = std::move(*tile);
   }
-  if (!grid || !(grid->geometry == geometry_of(*tile))) {
-    grid.emplace(geometry_of(*tile));
+
+  [[nodiscard]] std::optional<OccupancyGrid> grid() const {
+    if (tiles_.empty()) {
+      return std::nullopt;
+    }
+    OccupancyGrid grid(geometry_);
+    for (const auto& [place, tile] : tiles_) {
+      [[maybe_unused]] const bool applied = apply_tile(tile, grid);
+    }
+    return grid;
   }
-  [[maybe_unused]] const bool applied = apply_tile(*tile, *grid);
-}
+
+ private:
+  GridGeometry geometry_;
+  std::map<std::pair<int, int>, grid_tile_t> tiles_;
+};
 
 /// Which channels a log has.
 std::set<std::string> contents_of(const std::string& file) {
@@ -288,7 +309,7 @@ class Replay {
         odometries_.push_back(odometry_);
       }
     } else if (event.channel == channels::kGridTile) {
-      add_tile(event.data, report_.grid);
+      tiles_.add(event.data);
     }
     report_.divergence.replayed(std::move(event));
   }
@@ -299,7 +320,7 @@ class Replay {
         recorded_.push_back(sample_of(*pose));
       }
     } else if (event.channel == channels::kGridTile) {
-      add_tile(event.data, recorded_grid_);
+      recorded_tiles_.add(event.data);
     }
     report_.divergence.recorded(std::move(event));
   }
@@ -347,7 +368,8 @@ class Replay {
     r.recorded = measure(recorded_, truth_);
     r.replayed = measure(replayed_, truth_);
     r.departed = first_departure(recorded_, replayed_, options_.tolerances.position);
-    r.map = compare_maps(recorded_grid_, r.grid);
+    r.grid = tiles_.grid();
+    r.map = compare_maps(recorded_tiles_.grid(), r.grid);
     for (std::size_t i = 0; i < replayed_.size(); i += kTrailEvery) {
       const PoseSample& sample = replayed_[i];
       r.trail.push_back({truth_.at(sample.utime).value_or(r.trail.empty() ? sample.pose : r.trail.back().truth),
@@ -379,7 +401,8 @@ class Replay {
   std::vector<PoseSample> replayed_;
   std::vector<Pose2> odometries_;  // one for each of replayed_
   ReferenceTrack truth_;
-  std::optional<OccupancyGrid> recorded_grid_;
+  NewestTiles tiles_;
+  NewestTiles recorded_tiles_;
   SteadyClock::time_point start_;
   SteadyClock::time_point shown_;
 };

@@ -38,6 +38,23 @@ inline Eigen::Vector2d operator*(const Pose2& a_from_b, const Eigen::Vector2d& p
   return {a_from_b.x + c * p_in_b.x() - s * p_in_b.y(), a_from_b.y + s * p_in_b.x() + c * p_in_b.y()};
 }
 
+/// A pose that maps many points, with the same results as the pose itself: sine and cosine are taken once.
+class PointTransform {
+ public:
+  explicit PointTransform(const Pose2& a_from_b)
+      : x_(a_from_b.x), y_(a_from_b.y), c_(std::cos(a_from_b.theta)), s_(std::sin(a_from_b.theta)) {}
+
+  [[nodiscard]] Eigen::Vector2d operator*(const Eigen::Vector2d& p_in_b) const {
+    return {x_ + c_ * p_in_b.x() - s_ * p_in_b.y(), y_ + s_ * p_in_b.x() + c_ * p_in_b.y()};
+  }
+
+ private:
+  double x_;
+  double y_;
+  double c_;
+  double s_;
+};
+
 /// The pose a fraction of the way from one pose to another (fractions outside 0..1 extrapolate); the heading takes the
 /// shorter way round.
 inline Pose2 interpolate(const Pose2& from, const Pose2& to, double fraction) {
