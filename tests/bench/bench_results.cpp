@@ -162,6 +162,9 @@ void write_bench_results(const std::filesystem::path& file, const BenchResults& 
                                {"unit", result.unit},
                                {"noise", result.noise},
                                {"counters", counters}});
+    if (const BenchResult* peer = peer_of(results, result.name)) {
+      json["results"].back()["peer"] = peer->name;
+    }
   }
   const std::filesystem::path temporary = file.string() + ".tmp";
   std::ofstream out(temporary);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdio>
 #include <mutex>
+#include <numeric>
 #include <thread>
 #include <tuple>
 
@@ -142,8 +143,14 @@ std::vector<RunReport> run_jobs(const std::vector<EvaluationJob>& jobs, int thre
   double work_done = 0.0;
   std::mutex mutex;
   const auto start = std::chrono::steady_clock::now();
+  // the longest first, so that no worker is left alone with one of them in the end
+  std::vector<std::size_t> order(jobs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return jobs[a].scenario.duration > jobs[b].scenario.duration; });
   const auto work = [&] {
-    for (std::size_t i = next++; i < jobs.size(); i = next++) {
+    for (std::size_t turn = next++; turn < jobs.size(); turn = next++) {
+      const std::size_t i = order[turn];
       const EvaluationJob& job = jobs[i];
       RunReport report;
       try {

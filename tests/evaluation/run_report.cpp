@@ -9,6 +9,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 namespace luminav {
 namespace {
@@ -205,6 +206,19 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
   return summary;
 }
 
+/// Runs of each scenario, in the order in which they came.
+std::vector<std::pair<std::string, std::vector<RunReport>>> by_scenario(const std::vector<RunReport>& runs) {
+  std::vector<std::pair<std::string, std::vector<RunReport>>> groups;
+  for (const RunReport& run : runs) {
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == run.scenario; });
+    if (group == groups.end()) {
+      group = groups.insert(group, {run.scenario, {}});
+    }
+    group->second.push_back(run);
+  }
+  return groups;
+}
+
 }  // namespace
 
 std::string to_json(const RunReport& report, int indent) {
@@ -219,6 +233,10 @@ std::string to_json(const std::string& suite, const std::string& mode, const std
   }
   ordered_json all = {
       {"suite", suite}, {"mode", mode}, {"sensing", sensing}, {"summary", summary_of(runs)}, {"runs", list}};
+  const auto scenarios = by_scenario(runs);
+  for (std::size_t i = 0; i < scenarios.size() && scenarios.size() > 1; ++i) {
+    all["scenarios"][scenarios[i].first] = summary_of(scenarios[i].second);
+  }
   if (!detector.empty()) {
     ordered_json conditions = ordered_json::array();
     for (const DetectorCondition& c : detector) {
@@ -248,21 +266,12 @@ std::string summary_text(const std::string& json) {
 }
 
 std::string scenario_table_text(const std::vector<RunReport>& runs) {
-  std::vector<std::string> order;
-  for (const RunReport& run : runs) {
-    if (std::find(order.begin(), order.end(), run.scenario) == order.end()) {
-      order.push_back(run.scenario);
-    }
-  }
   std::string text =
       fmt::format("{:<24} {:>9} {:>6} {:>8} {:>6} {:>7} {:>16} {:>16} {:>5} {:>9} {:>8} {:>6} {:>6} {:>6}\n",
                   "scenario", "passed", "found", "after m", "wrong", "track %", "RMS in view", "95 % of mission",
                   "NEES", "goals", "contacts", "m/s", "eff.", "x real");
-  for (const std::string& name : order) {
-    std::vector<RunReport> list;
-    std::copy_if(runs.begin(), runs.end(), std::back_inserter(list),
-                 [&](const RunReport& run) { return run.scenario == name; });
-    const ordered_json s = summary_of(list);
+  for (const auto& [name, of_scenario] : by_scenario(runs)) {
+    const ordered_json s = summary_of(of_scenario);
     const auto get = [&](const char* key) { return s.value(key, 0.0); };
     text += fmt::format(
         "{:<24} {:>9} {:>6} {:>8.1f} {:>6.0f} {:>7.2f} {:>16} {:>16} {:>5.2f} {:>9} {:>8.0f} {:>6.2f} {:>6.2f} "

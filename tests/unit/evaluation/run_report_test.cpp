@@ -48,6 +48,17 @@ TEST(RunReport, HasItsPartsInTheOrderThatReadersExpect) {
   EXPECT_EQ(all["sensing"], "geometric");
 }
 
+TEST(RunReport, SumsUpEachScenarioWhereThereAreSeveral) {
+  RunReport other = run(false, false);
+  other.scenario = "elsewhere";
+  const auto all =
+      nlohmann::ordered_json::parse(to_json("custom", "modern", "rendered", {run(true, true), other, run(true, true)}));
+  ASSERT_EQ(all["scenarios"].size(), 2U);
+  EXPECT_EQ(all["scenarios"]["elsewhere"]["runs"], 1);
+  EXPECT_EQ(all["scenarios"]["elsewhere"]["passed"], 0);
+  EXPECT_EQ(all["summary"]["runs"], 3);
+}
+
 TEST(RunReport, SumsUpOverRuns) {
   const json s = summary({run(true, true), run(false, false)});
   EXPECT_EQ(s["runs"], 2);
