@@ -11,8 +11,9 @@ constexpr double kSameHeight = 0.02;  // [m]
 
 void add_once(std::vector<CeilingKind>& kinds, const CeilingKind& kind) {
   const auto same = [&](const CeilingKind& other) {
-    return other.shape == kind.shape && other.lamps == kind.lamps && std::abs(other.length - kind.length) < kSameSide &&
-           std::abs(other.width - kind.width) < kSameSide && std::abs(other.height - kind.height) < kSameHeight;
+    return other.shape == kind.shape && other.lamps == kind.lamps && other.slatted == kind.slatted &&
+           std::abs(other.length - kind.length) < kSameSide && std::abs(other.width - kind.width) < kSameSide &&
+           std::abs(other.height - kind.height) < kSameHeight;
   };
   if (std::none_of(kinds.begin(), kinds.end(), same)) {
     kinds.push_back(kind);
@@ -50,7 +51,8 @@ CeilingCatalogue catalogue_of(const Building& building) {
                                   .width = width,
                                   .height = building.ceiling_height,
                                   .lamps = 0,
-                                  .luminous = element.kind == ElementKind::kSign});
+                                  .luminous = element.kind == ElementKind::kSign,
+                                  .slatted = element.kind == ElementKind::kVent});
   }
   sort_by_size(catalogue.fixtures);
   sort_by_size(catalogue.elements);

@@ -15,6 +15,7 @@ struct CeilingKind {
   double height = 2.8;  // [m] above the floor
   int lamps = 2;
   bool luminous = true;  // may be brighter than the ceiling
+  bool slatted = false;  // striped, as vents are
 };
 
 /// What a detector looks for: the kinds of the fixtures and of the other elements of a building, each once. An element

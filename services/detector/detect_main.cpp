@@ -117,6 +117,16 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
       for (const Detection& detection : detections) {
         entry["detections"].push_back(to_json(detection));
       }
+      if (!debug_folder.empty()) {
+        entry["tried"] = json::array();
+        for (std::size_t i = 0; i < trace.verdicts.size(); ++i) {
+          json corners = json::array();
+          for (const Eigen::Vector2d& corner : trace.rectangles[i]) {
+            corners.push_back({corner.x(), corner.y()});
+          }
+          entry["tried"].push_back({{"corners_px", corners}, {"verdict", trace.verdicts[i]}});
+        }
+      }
       entry["width"] = image.width;
       entry["height"] = image.height;
       entry["median_grey"] = detector.median_grey();

@@ -5,6 +5,7 @@
 
 #include "services/detector/bloom_edges.hpp"
 #include "services/detector/strip_surroundings.hpp"
+#include "services/detector/surface_texture.hpp"
 
 namespace luminav {
 namespace {
@@ -12,7 +13,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-constexpr double kBlurredEdge = 2.5;     // [px] by which an outline may always miss, however coarse the pixels
+constexpr double kBlurredEdge = 2.5;  // [px] by which an outline may always miss, however coarse the pixels
+constexpr double kLeastDisc = 16.0;   // [px] across: smaller ones must be lit, with an edge nearly all round
+constexpr double kSpeckFit = 0.92;
 constexpr double kElementFrame = 0.045;  // [m] a vent's frame is as bright as the ceiling: its slats end inside of it
 constexpr double kVignetting = 0.30;     // share of the light lost in the image's corners; webcams lose 0.2 to 0.4
 
@@ -45,9 +48,28 @@ double metres_per_pixel(const CeilingCamera& camera, const CeilingCatalogue& cat
   return (catalogue.ceiling_height - camera.mounting().z) / camera.intrinsics().fx;
 }
 
+/// The largest pixel on the ceiling [m] within 50 degrees of the zenith: through a fisheye those far out are larger.
+double coarsest_pixel(const CeilingCamera& camera, double height) {
+  constexpr double kFarthest = 1.19;  // camera-to-ceiling distances
+  const double farthest = kFarthest * (height - camera.mounting().z);
+  const Vector2d foot(camera.mounting().x, camera.mounting().y);
+  double coarsest = (height - camera.mounting().z) / camera.intrinsics().fx;
+  for (int row = 0; row < camera.intrinsics().height; row += 16) {
+    for (int column = 0; column < camera.intrinsics().width; column += 16) {
+      const auto here = camera.point_on_ceiling({column, row}, height);
+      const auto right = camera.point_on_ceiling({column + 1.0, static_cast<double>(row)}, height);
+      const auto below = camera.point_on_ceiling({static_cast<double>(column), row + 1.0}, height);
+      if (here && right && below && (*here - foot).norm() < farthest) {
+        coarsest = std::max({coarsest, (*right - *here).norm(), (*below - *here).norm()});
+      }
+    }
+  }
+  return coarsest;
+}
+
 /// Cells must stay clearly smaller than the narrowest fixture.
 int reduction_factor(const CeilingCamera& camera, const CeilingCatalogue& catalogue) {
-  const double narrowest_px = narrowest_side(catalogue) / metres_per_pixel(camera, catalogue);
+  const double narrowest_px = narrowest_side(catalogue) / coarsest_pixel(camera, catalogue.ceiling_height);
   return narrowest_px >= 20.0 ? 4 : narrowest_px >= 10.0 ? 2 : 1;
 }
 
@@ -268,7 +290,7 @@ std::optional<ModernDetector::Candidate> ModernDetector::best_candidate(const Gr
       continue;
     }
     Candidate candidate{hypothesis, *fit, 0.0};
-    const char* verdict = objection(candidate, level);
+    const char* verdict = objection(image, candidate, level);
     if (trace != nullptr) {
       trace->rectangles.push_back(detection_of(candidate, DetectionState::kUnknown).corners_px);
       trace->verdicts.emplace_back(verdict == nullptr ? "accepted" : verdict);
@@ -290,11 +312,11 @@ std::optional<ModernDetector::Candidate> ModernDetector::best_candidate(const Gr
   return best;
 }
 
-const char* ModernDetector::objection(const Candidate& candidate, int level) const {
+const char* ModernDetector::objection(const GreyView& image, const Candidate& candidate, int level) const {
   const bool bright = level > 0;
   const OutlineFit& fit = candidate.fit;
   const Outline& outline = candidate.hypothesis.outline;
-  const double of_pixels = kBlurredEdge * metres_per_px_;
+  const double of_pixels = kBlurredEdge * fit.metres_per_px;
   const double most = std::max(bright ? params_.largest_bloom : params_.largest_misfit, of_pixels);
   const double least = candidate.hypothesis.is_element ? -kElementFrame
                        : bright                        ? -std::max(0.010, of_pixels)
@@ -303,6 +325,11 @@ const char* ModernDetector::objection(const Candidate& candidate, int level) con
     return "too wide or too narrow";
   }
   if (outline.shape == FixtureShape::kRound) {
+    // A disc of a few pixels: any dark speck or bright crumb looks like it.
+    const bool speck = outline.length / fit.metres_per_px < kLeastDisc;
+    if (speck && (!bright || fit.share(kLeftSide) < kSpeckFit)) {
+      return "too small to tell";
+    }
     const bool sound = fit.in_view[kLeftSide] >= 12 && 2 * fit.in_view[kLeftSide] >= fit.expected[kLeftSide] &&
                        fit.share(kLeftSide) >= params_.minimum_long_side_fit;
     return !sound ? "no edge all round" : !is_filled(candidate, level) ? "not filled" : nullptr;
@@ -343,10 +370,10 @@ const char* ModernDetector::objection(const Candidate& candidate, int level) con
   if (!is_filled(candidate, level)) {
     return "not filled";
   }
-  return may_be_something_else(candidate, bright) ? "may be another element" : nullptr;
+  return may_be_something_else(image, candidate, bright) ? "may be another element" : nullptr;
 }
 
-bool ModernDetector::may_be_something_else(const Candidate& candidate, bool bright) const {
+bool ModernDetector::may_be_something_else(const GreyView& image, const Candidate& candidate, bool bright) const {
   const OutlineFit& fit = candidate.fit;
   if (candidate.hypothesis.is_element || (fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd)) ||
       candidate.hypothesis.outline.shape == FixtureShape::kRound) {
@@ -361,7 +388,8 @@ bool ModernDetector::may_be_something_else(const Candidate& candidate, bool brig
     const double slack = 0.03 + 0.1 * width;
     const bool lengthwise = std::abs(element.width - width) < slack && element.length > seen - 0.03;
     const bool crosswise = std::abs(element.length - width) < slack && element.width > seen - 0.03;
-    if (lengthwise || crosswise) {
+    if ((lengthwise || crosswise) && !(element.slatted && is_surely_smooth(image, camera_, candidate.hypothesis.outline,
+                                                                           fit, contrast_.noise() * factor_))) {
       return true;
     }
   }

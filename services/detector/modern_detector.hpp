@@ -43,8 +43,8 @@ class ModernDetector {
   [[nodiscard]] std::optional<Candidate> best_candidate(const GreyView& image, const Region& region, int shrunk,
                                                         int level, DetectorTrace* trace);
   /// Why a candidate cannot be what it was guessed to be; null when nothing speaks against it.
-  [[nodiscard]] const char* objection(const Candidate& candidate, int level) const;
-  [[nodiscard]] bool may_be_something_else(const Candidate& candidate, bool bright) const;
+  [[nodiscard]] const char* objection(const GreyView& image, const Candidate& candidate, int level) const;
+  [[nodiscard]] bool may_be_something_else(const GreyView& image, const Candidate& candidate, bool bright) const;
   /// An unlit one is dark just inside of an end in view and no longer just outside.
   [[nodiscard]] bool ends_where_it_says(const Candidate& candidate, int end) const;
   [[nodiscard]] bool is_filled(const Candidate& candidate, int level) const;

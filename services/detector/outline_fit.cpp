@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "services/detector/pixel_sampling.hpp"
-
 namespace luminav {
 namespace {
 
@@ -14,10 +12,10 @@ using Matrix5d = Eigen::Matrix<double, 5, 5>;
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Eigen::Vector2d;
 
-constexpr int kLongestProfile = 64;  // [px]
 constexpr int kLeastPoints = 6;
 constexpr double kCornerStretch = 0.36;     // of the length, from the middle: beyond it a long side is next to its end
 constexpr double kLargestSideOffset = 3.2;  // [px] a joint of 12 mm, 2.5 m away
+constexpr double kLargestLensError = 2.0;   // [px] by which a side of a lit fixture may lie elsewhere as a whole
 constexpr double kJointSigma = 0.0045;      // [m] of an unlit fixture's end: it may be a joint's edge, 12 mm wide
 constexpr double kFaintest = 0.4;           // of the mean step: fainter ones belong to something else
 
@@ -36,6 +34,23 @@ bool is_hopeless(const OutlineFit& fit) {
     }
   }
   return false;
+}
+
+/// Geometric mean over both axes of the image.
+double metres_per_pixel(const CeilingCamera& camera, const Vector2d& place, double height) {
+  constexpr double kStep = 0.02;  // [m]
+  const auto here = camera.pixel_of_ceiling_point(place, height);
+  const auto ahead = camera.pixel_of_ceiling_point(place + kStep * Vector2d::UnitX(), height);
+  const auto aside = camera.pixel_of_ceiling_point(place + kStep * Vector2d::UnitY(), height);
+  if (here && ahead && aside) {
+    const Vector2d a = *ahead - *here;
+    const Vector2d b = *aside - *here;
+    const double area = std::abs(a.x() * b.y() - a.y() * b.x());
+    if (area > 1e-6) {
+      return kStep / std::sqrt(area);
+    }
+  }
+  return (height - camera.mounting().z) / std::max(camera.intrinsics().fx, 1.0);
 }
 
 struct Pass {
@@ -65,199 +80,19 @@ double OutlineFit::quality() const {
   return all == 0 ? 0.0 : static_cast<double>(good) / all;
 }
 
-void OutlineFitter::place_points(const Outline& outline, double metres_per_px, double spacing_px) {
-  points_.clear();
-  if (outline.shape == FixtureShape::kRound) {
-    const double radius = 0.5 * outline.length;
-    const int count = std::clamp(static_cast<int>(2.0 * kPi * radius / (metres_per_px * spacing_px)), 16, 64);
-    for (int i = 0; i < count; ++i) {
-      const double angle = 2.0 * kPi * i / count;
-      const Vector2d normal(std::cos(angle), std::sin(angle));
-      points_.push_back({.place = radius * normal, .normal = normal, .side = kLeftSide});
-    }
-    return;
-  }
-  const auto add_side = [&](int side, const Vector2d& middle, const Vector2d& along, const Vector2d& normal,
-                            double extent) {
-    // corners are rounded by blur and bloom: keep away from them
-    const double usable = extent - 2.0 * std::min(0.12 * extent, 5.0 * metres_per_px);
-    const int count = std::clamp(static_cast<int>(usable / (metres_per_px * spacing_px)), 5, 48);
-    for (int i = 0; i < count; ++i) {
-      const double t = usable * ((i + 0.5) / count - 0.5);
-      points_.push_back({.place = middle + t * along, .normal = normal, .side = side});
-    }
-  };
-  const double half_length = 0.5 * outline.length;
-  const double half_width = 0.5 * outline.width;
-  const Vector2d x = Vector2d::UnitX();
-  const Vector2d y = Vector2d::UnitY();
-  add_side(kLeftSide, half_width * y, x, y, outline.length);
-  add_side(kRightSide, -half_width * y, x, -y, outline.length);
-  add_side(kFarEnd, half_length * x, y, x, outline.width);
-  add_side(kNearEnd, -half_length * x, y, -x, outline.width);
-}
-
-void OutlineFitter::measure(const GreyView& image, const Outline& outline, const OutlineFitParams& params,
-                            const Pose2& pose, double swelling, double taper, const Sampling& sampling) {
-  const int search = sampling.search_px;
-  const int half_filter = sampling.half_filter;
-  const int lines = sampling.lines;
-  const double c = std::cos(pose.theta);
-  const double s = std::sin(pose.theta);
-  const double threshold = std::max(
-      sampling.least_edge, 2.5 * params.pixel_noise * std::sqrt(2.0 / static_cast<double>(half_filter * lines)));
-  const float sign = params.inside_brighter ? 1.0F : -1.0F;
-  const int reach = std::min(search + half_filter, kLongestProfile / 2 - 1);
-  const int length = 2 * reach + 1;
-  std::array<float, kLongestProfile> profile;
-  std::array<float, kLongestProfile + 1> sums;
-  std::array<float, kLongestProfile> response;
-
-  if (!params.inside_brighter) {
-    for (auto& mean : side_profiles_) {
-      mean.fill(0.0F);
-    }
-  }
-  for (Point& point : points_) {
-    point.in_view = false;
-    point.found = false;
-    const Vector2d on_outline = point.place + (swelling + taper * point.place.x()) * point.normal;
-    const Vector2d in_robot(pose.x + c * on_outline.x() - s * on_outline.y(),
-                            pose.y + s * on_outline.x() + c * on_outline.y());
-    constexpr double kAhead = 0.02;  // [m] to find the normal's direction in the image
-    const Vector2d normal_in_robot(c * point.normal.x() - s * point.normal.y(),
-                                   s * point.normal.x() + c * point.normal.y());
-    const auto pixel = camera_->pixel_of_ceiling_point(in_robot, outline.height);
-    const auto ahead = camera_->pixel_of_ceiling_point(in_robot + kAhead * normal_in_robot, outline.height);
-    if (!pixel || !ahead) {
-      continue;
-    }
-    const double px_per_step = (*ahead - *pixel).norm();
-    if (px_per_step < 1e-6) {
-      continue;
-    }
-    const Vector2d normal_px = (*ahead - *pixel) / px_per_step;
-    const Vector2d along_px(-normal_px.y(), normal_px.x());
-    const Vector2d far_corner = reach * normal_px + 0.5 * (lines - 1) * along_px;
-    const Vector2d near_corner = reach * normal_px - 0.5 * (lines - 1) * along_px;
-    if (!is_sampled(image, *pixel + far_corner) || !is_sampled(image, *pixel + near_corner) ||
-        !is_sampled(image, *pixel - far_corner) || !is_sampled(image, *pixel - near_corner)) {
-      continue;
-    }
-    point.in_view = true;
-
-    std::fill_n(profile.begin(), length, 0.0F);
-    for (int line = 0; line < lines; ++line) {
-      const Vector2d start = *pixel + (line - 0.5 * (lines - 1)) * along_px - reach * normal_px;
-      auto x = static_cast<float>(start.x());
-      auto y = static_cast<float>(start.y());
-      const auto dx = static_cast<float>(normal_px.x());
-      const auto dy = static_cast<float>(normal_px.y());
-      for (int k = 0; k < length; ++k) {
-        profile[static_cast<std::size_t>(k)] += bilinear(image, x, y);
-        x += dx;
-        y += dy;
-      }
-    }
-    if (!params.inside_brighter) {
-      std::array<float, kLongestProfile>& mean = side_profiles_[static_cast<std::size_t>(point.side)];
-      for (int k = 0; k < length; ++k) {
-        mean[static_cast<std::size_t>(k)] += profile[static_cast<std::size_t>(k)];
-      }
-    }
-    sums[0] = 0.0F;
-    for (int k = 0; k < length; ++k) {
-      sums[static_cast<std::size_t>(k) + 1] = sums[static_cast<std::size_t>(k)] + profile[static_cast<std::size_t>(k)];
-    }
-    // difference of the means of half_filter pixels inside and outside of the boundary before pixel k
-    const float scale = sign / static_cast<float>(half_filter * lines);
-    int best = -1;
-    float best_score = 0.0F;
-    const int last = length - half_filter;
-    for (int k = half_filter; k <= last; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      const auto h = static_cast<std::size_t>(half_filter);
-      response[i] = scale * (2.0F * sums[i] - sums[i - h] - sums[i + h]);
-      // of two edges of the same height, the nearer to the prediction
-      const float score = response[i] * (1.0F - 0.02F * std::abs(static_cast<float>(k - reach) - 0.5F));
-      if (score > best_score) {
-        best_score = score;
-        best = k;
-      }
-    }
-    if (best <= half_filter || best >= last || response[static_cast<std::size_t>(best)] < threshold) {
-      continue;
-    }
-    const double before = response[static_cast<std::size_t>(best) - 1];
-    const double at = response[static_cast<std::size_t>(best)];
-    const double after = response[static_cast<std::size_t>(best) + 1];
-    const double curvature = before - 2.0 * at + after;
-    const double vertex = curvature < -1e-6 ? std::clamp(0.5 * (before - after) / curvature, -1.0, 1.0) : 0.0;
-    point.found = true;
-    point.offset_px = best - 0.5 - reach + vertex;
-    point.metres_per_px = kAhead / px_per_step;
-    point.offset = point.offset_px * point.metres_per_px;
-    point.step = at;
-  }
-  if (!params.inside_brighter) {
-    take_joints_off(reach);
-  }
-}
-
-/// An unlit fixture often ends at a joint of the ceiling, which is darker still: then the strongest edge is the joint's
-/// far one, a joint's width outside of the fixture. The mean profile of a side shows it: before the step up there is
-/// one further down, from the fixture to the joint.
-void OutlineFitter::take_joints_off(int reach) {
-  constexpr int kFilter = 2;       // [px] narrower than a joint
-  constexpr int kWidestJoint = 6;  // [px]
-  constexpr double kShare = 0.35;  // of the step up
-  const int length = 2 * reach + 1;
-  for (int side = 0; side < kSides; ++side) {
-    const auto& profile = side_profiles_[static_cast<std::size_t>(side)];
-    std::array<double, kLongestProfile> rise{};
-    int outer = -1;
-    for (int k = kFilter; k + kFilter <= length; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      rise[i] = 0.5 * (profile[i] + profile[i + 1] - profile[i - 1] - profile[i - 2]);
-      if (outer < 0 || rise[i] > rise[static_cast<std::size_t>(outer)]) {
-        outer = k;
-      }
-    }
-    if (outer < 0 || rise[static_cast<std::size_t>(outer)] <= 0.0) {
-      continue;
-    }
-    int inner = outer;
-    for (int k = std::max(kFilter, outer - kWidestJoint); k < outer; ++k) {
-      if (rise[static_cast<std::size_t>(k)] < rise[static_cast<std::size_t>(inner)]) {
-        inner = k;
-      }
-    }
-    if (-rise[static_cast<std::size_t>(inner)] < kShare * rise[static_cast<std::size_t>(outer)]) {
-      continue;
-    }
-    for (Point& point : points_) {
-      if (point.side == side && point.found && std::abs(point.offset_px - (outer - 0.5 - reach)) < 2.5) {
-        point.offset_px -= outer - inner;
-        point.offset = point.offset_px * point.metres_per_px;
-      }
-    }
-  }
-}
-
 std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outline& outline,
                                              const OutlineFitParams& params, const Pose2& start) {
-  const double camera_distance = outline.height - camera_->mounting().z;
-  const double metres_per_px = camera_distance / std::max(camera_->intrinsics().fx, 1.0);
+  const double metres_per_px = metres_per_pixel(*camera_, start.position(), outline.height);
   const bool faint = params.expected_step < 8.0 * params.pixel_noise;
   // A narrow outline's opposite edge must stay out of the filter and the search.
   const double narrow_px = std::min(outline.width, outline.length) / metres_per_px;
-  const int half_filter = std::clamp(static_cast<int>(narrow_px / 4.0), 1, faint ? 4 : 2);
+  const int half_filter = std::clamp(static_cast<int>(narrow_px / 4.0), 1, faint || params.inside_brighter ? 4 : 2);
   int lines = 1;
   if (faint) {
     const double ratio = 2.5 * params.pixel_noise / (0.6 * std::max(params.expected_step, 1.0));
     lines = std::clamp(static_cast<int>(std::ceil(2.0 * ratio * ratio / half_filter)), 3, 12);
   }
-  place_points(outline, metres_per_px, std::max(6.0, lines + 1.0));
+  edges_.place(outline, metres_per_px, std::max(6.0, lines + 1.0), params.inside_brighter);
   const int widest = std::max(3, std::min(params.first_search_px, static_cast<int>(0.45 * narrow_px)));
   const std::array<Pass, 4> passes{
       {{widest, 8.0}, {std::min(widest, 6), 4.0}, {std::min(widest, 4), 2.0}, {std::min(widest, 4), 1.6}}};
@@ -268,8 +103,8 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
   double taper = 0.0;
   for (std::size_t pass = 0; pass < passes.size(); ++pass) {
     const double least_edge = std::max(params.least_edge, pass == 0 ? 0.0 : kFaintest * fit.step);
-    measure(
-        image, outline, params, pose, swelling, taper,
+    edges_.measure(
+        image, outline, params, {pose, swelling, taper},
         {.search_px = passes[pass].search_px, .half_filter = half_filter, .lines = lines, .least_edge = least_edge});
     const double cutoff = passes[pass].cutoff_px;
 
@@ -277,11 +112,11 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     // all for unlit fixtures: a joint of the ceiling beside one moves a whole side by its width and cannot always be
     // told from it.
     std::array<double, kSides> centre_px{};
-    if (pass == 0 || !params.inside_brighter) {
+    {
       for (int side = 0; side < kSides; ++side) {
         std::array<double, 64> offsets;
         std::size_t count = 0;
-        for (const Point& point : points_) {
+        for (const OutlinePoint& point : edges_.points()) {
           if (point.side == side && point.found && count < offsets.size()) {
             offsets[count++] = point.offset_px;
           }
@@ -289,7 +124,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
         if (count > 0) {
           std::nth_element(offsets.begin(), offsets.begin() + static_cast<std::ptrdiff_t>(count / 2),
                            offsets.begin() + static_cast<std::ptrdiff_t>(count));
-          const double limit = pass == 0 ? 1e9 : kLargestSideOffset;
+          const double limit = pass == 0 ? 1e9 : params.inside_brighter ? kLargestLensError : kLargestSideOffset;
           centre_px[static_cast<std::size_t>(side)] = std::clamp(offsets[count / 2], -limit, limit);
         }
       }
@@ -318,7 +153,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     double squares = 0.0;
     double steps = 0.0;
     int used = 0;
-    for (const Point& point : points_) {
+    for (const OutlinePoint& point : edges_.points()) {
       const auto side = static_cast<std::size_t>(point.side);
       ++fit.expected[side];
       if (!point.in_view) {
@@ -398,6 +233,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
   }
   fit.robot_from_outline = pose;
   fit.swelling = swelling;
+  fit.metres_per_px = metres_per_px;
   return fit;
 }
 

@@ -3,38 +3,14 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
-#include <vector>
 
-#include "services/common/building/building.hpp"
 #include "services/common/geometry/camera_model.hpp"
 #include "services/common/geometry/pose2.hpp"
 #include "services/common/image/grey_image.hpp"
+#include "services/detector/outline.hpp"
+#include "services/detector/outline_edges.hpp"
 
 namespace luminav {
-
-/// Shape on a horizontal plane whose edges are looked for in the image.
-struct Outline {
-  FixtureShape shape = FixtureShape::kRectangle;
-  double length = 1.2;  // [m] along x of the outline
-  double width = 0.3;   // [m] along y
-  double height = 2.8;  // [m] above the floor
-};
-
-/// Sides of an outline: two long ones, then the ends. A round outline has the first only.
-enum Side { kLeftSide, kRightSide, kFarEnd, kNearEnd, kSides };
-
-struct OutlineFitParams {
-  bool inside_brighter = true;
-  double least_edge = 10.0;        // [grey] step that counts as an edge
-  double expected_step = 100.0;    // [grey] about what it should be: fainter ones are averaged over longer stretches
-  double pixel_noise = 4.0;        // [grey] 1 sigma
-  double swelling_sigma = 0.01;    // [m] how much wider than it is the outline may look, 1 sigma
-  double taper_sigma = 0.01;       // [m/m] change of the swelling along the outline: bloom where the light differs
-  double edge_sigma_px = 0.15;     // [px] least error of one edge point
-  double outline_sigma_px = 0.06;  // [px] error that the points of a side share
-  double vignetting = 0.3;         // share of the light that is lost in the image's corners
-  int first_search_px = 11;        // [px] to each side of the start
-};
 
 struct OutlineFit {
   Pose2 robot_from_outline;
@@ -49,6 +25,7 @@ struct OutlineFit {
   double visible_to = 0.0;                 // [m]
   double step = 0.0;                       // [grey] mean height of the edges found
   std::array<double, kSides> side_step{};  // [grey] mean of each side's
+  double metres_per_px = 0.0;              // there, about
   double residual_px = 0.0;                // [px] RMS distance of the edges found
 
   [[nodiscard]] double share(int side) const;
@@ -63,39 +40,15 @@ struct OutlineFit {
 /// an end in view, the position along the outline.
 class OutlineFitter {
  public:
-  explicit OutlineFitter(const CeilingCamera& camera) : camera_(&camera) {}
+  explicit OutlineFitter(const CeilingCamera& camera) : camera_(&camera), edges_(camera) {}
 
   /// Nothing when too little of the outline is in view or shows edges.
   [[nodiscard]] std::optional<OutlineFit> fit(const GreyView& image, const Outline& outline,
                                               const OutlineFitParams& params, const Pose2& start);
 
  private:
-  struct Point {
-    Eigen::Vector2d place;   // [m] outline frame, on the outline
-    Eigen::Vector2d normal;  // outward
-    int side = 0;
-    bool in_view = false;
-    bool found = false;
-    double offset = 0.0;  // [m] of the edge along the normal
-    double offset_px = 0.0;
-    double metres_per_px = 0.0;
-    double step = 0.0;  // [grey]
-  };
-  struct Sampling {
-    int search_px;      // to each side of the outline
-    int half_filter;    // [px] whose means are compared
-    int lines;          // [px] along the outline over which each profile is averaged
-    double least_edge;  // [grey]
-  };
-  void take_joints_off(int reach);
-  void place_points(const Outline& outline, double metres_per_px, double spacing_px);
-  void measure(const GreyView& image, const Outline& outline, const OutlineFitParams& params, const Pose2& pose,
-               double swelling, double taper, const Sampling& sampling);
-
   const CeilingCamera* camera_;
-  std::vector<Point> points_;
-  /// Mean of the profiles of each side, from inside to outside.
-  std::array<std::array<float, 64>, kSides> side_profiles_{};
+  OutlineEdges edges_;
 };
 
 }  // namespace luminav

@@ -49,6 +49,9 @@ GreyImage draw_ceiling(const DrawnCeiling& ceiling, const CameraDescription& cam
           const double outside = signed_distance(shape, local);
           const double covered = 0.5 * std::erfc(outside / (std::sqrt(2.0) * ceiling.blur));
           double inside = background - shape.darker;
+          if (outside < -0.03) {
+            inside += shape.slats * std::cos(2.0 * kPi * local.y() / 0.05);
+          }
           double glow = 0.0;
           if (shape.state == DetectionState::kLit) {
             inside = ceiling.lamp;

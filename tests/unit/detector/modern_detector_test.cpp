@@ -99,6 +99,66 @@ TEST(ModernDetector, TakesAVentForAnElementWholeOrCut) {
   }
 }
 
+TEST(ModernDetector, TellsACutFixtureFromACutVentByItsSmoothSurface) {
+  CeilingCatalogue catalogue = test::test_catalogue();
+  for (CeilingKind& element : catalogue.elements) {
+    element.slatted = true;
+  }
+  DrawnCeiling ceiling;
+  ceiling.noise = 8.0;
+  // what is in view of it may be as long as a vent
+  const DrawnShape fixture{.pose = {1.2, 0.1, 0.1}, .state = DetectionState::kUnlit, .darker = 30.0};
+  ceiling.shapes = {fixture};
+  const auto found = detect(ceiling, test::test_camera(), catalogue);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].shape, DetectionShape::kRectangle);
+  EXPECT_NEAR(found[0].robot_from_fixture.y, fixture.pose.y, 5e-3);
+  DrawnShape vent{.pose = {0.95, 0.1, 0.1}, .length = 0.6, .state = DetectionState::kUnlit, .darker = 30.0};
+  vent.slats = 15.0;
+  ceiling.shapes = {vent};
+  for (const Detection& detection : detect(ceiling, test::test_camera(), catalogue)) {
+    EXPECT_EQ(detection.shape, DetectionShape::kElement);
+  }
+}
+
+TEST(ModernDetector, FindsALampWhoseBloomIsOverexposed) {
+  for (const double width : {0.15, 0.30}) {
+    DrawnCeiling ceiling;
+    const Pose2 truth{0.1, -0.05, 0.6};
+    ceiling.grey = 140.0;
+    ceiling.bloom = 160.0;  // saturated beyond the lamp's own edge
+    ceiling.bloom_reach = 0.035;
+    ceiling.shapes = {{.pose = truth, .width = width}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << "width " << width;
+    EXPECT_EQ(detections[0].state, DetectionState::kLit);
+    expect_at(detections[0], truth, 2e-3, radians(0.1));
+  }
+}
+
+TEST(ModernDetector, FindsAFaintUnlitFixtureInANoisyPicture) {
+  DrawnCeiling ceiling;
+  const Pose2 truth{0.1, -0.05, 0.6};
+  ceiling.noise = 10.0;
+  ceiling.shapes = {{.pose = truth, .state = DetectionState::kUnlit, .darker = 11.0}};
+  const auto detections = detect(ceiling);
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_EQ(detections[0].state, DetectionState::kUnlit);
+  expect_at(detections[0], truth, 5e-3, radians(0.2));
+}
+
+TEST(ModernDetector, TakesNoDarkSpeckForASmallRoundFixture) {
+  CeilingCatalogue catalogue = test::test_catalogue();
+  catalogue.fixtures = {{.shape = FixtureShape::kRound, .length = 0.06, .width = 0.06, .height = 2.8, .lamps = 1}};
+  DrawnCeiling ceiling;
+  DrawnShape speck{.pose = {0.1, 0.1, 0.0}, .shape = FixtureShape::kRound, .length = 0.06, .width = 0.06};
+  ceiling.shapes = {speck};
+  EXPECT_EQ(detect(ceiling, test::test_camera(), catalogue).size(), 1U);
+  ceiling.shapes[0].state = DetectionState::kUnlit;
+  catalogue.elements.clear();
+  EXPECT_TRUE(detect(ceiling, test::test_camera(), catalogue).empty());
+}
+
 TEST(ModernDetector, SeesNoFixtureInShapesOfOtherSizes) {
   const std::vector<DrawnShape> strangers{
       {.pose = {0.1, 0.1, 0.5}, .length = 0.8, .width = 0.3},                                   // a bright window

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "services/common/geometry/camera_model.hpp"
+#include "services/common/geometry/pose2.hpp"
+#include "services/common/image/grey_image.hpp"
+#include "services/detector/outline.hpp"
+
+namespace luminav {
+
+/// A place on an outline, and the edge that was found near it.
+struct OutlinePoint {
+  Eigen::Vector2d place;   // [m] outline frame, on the outline
+  Eigen::Vector2d normal;  // outward
+  int side = 0;
+  bool in_view = false;
+  bool found = false;
+  double offset = 0.0;  // [m] of the edge along the normal
+  double offset_px = 0.0;
+  double metres_per_px = 0.0;
+  double step = 0.0;  // [grey]
+
+  void take(double edge_offset_px, double edge_step) {
+    found = true;
+    offset_px = edge_offset_px;
+    offset = offset_px * metres_per_px;
+    step = edge_step;
+  }
+};
+
+/// Where an outline is thought to be.
+struct OutlinePlacement {
+  Pose2 pose;             // robot_from_outline
+  double swelling = 0.0;  // [m] by which it looks wider on every side
+  double taper = 0.0;     // [m/m] change of that along it
+};
+
+struct EdgeSearch {
+  int search_px;      // to each side of the outline
+  int half_filter;    // [px] whose means are compared
+  int lines;          // [px] along the outline over which each profile is averaged
+  double least_edge;  // [grey]
+};
+
+/// Looks for the edges of an outline: grey profiles across it, and in each the largest step.
+class OutlineEdges {
+ public:
+  explicit OutlineEdges(const CeilingCamera& camera) : camera_(&camera) {}
+
+  /// Spreads points over the sides. Corners are left out, more of them at the ends of lit fixtures.
+  void place(const Outline& outline, double metres_per_px, double spacing_px, bool lit);
+  /// Finds the edge near each point that is in view.
+  void measure(const GreyView& image, const Outline& outline, const OutlineFitParams& params,
+               const OutlinePlacement& placement, const EdgeSearch& search);
+  [[nodiscard]] const std::vector<OutlinePoint>& points() const { return points_; }
+
+ private:
+  static constexpr int kLongest = 64;  // [px]
+  using Profile = std::array<float, kLongest>;
+  struct Step {
+    double offset_px;  // from the profile's middle
+    double height;     // [grey]
+  };
+  /// Largest step between two means of `half_filter` pixels, by steepness; `weight` = sign and scale of the profile.
+  static std::optional<Step> largest_step(const Profile& profile, int length, int half_filter, float weight, int first,
+                                          int last);
+  bool sample(const GreyView& image, const Outline& outline, const OutlinePlacement& placement,
+              const EdgeSearch& search, int reach, OutlinePoint& point, Profile& profile) const;
+  void look_again(const OutlineFitParams& params, const EdgeSearch& search, int reach);
+  void take_joints_off(const OutlineFitParams& params, const EdgeSearch& search, int reach);
+  [[nodiscard]] std::ptrdiff_t count_in_view(int side) const;
+
+  const CeilingCamera* camera_;
+  std::vector<OutlinePoint> points_;
+  std::vector<Profile> profiles_;              // of the points of an unlit outline, from inside to outside
+  std::array<Profile, kSides> side_profiles_;  // their sums
+};
+
+}  // namespace luminav
