@@ -5,9 +5,12 @@
 
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/image/grey_image.hpp"
+#include "services/detector/candidate.hpp"
+#include "services/detector/candidate_checks.hpp"
 #include "services/detector/ceiling_catalogue.hpp"
 #include "services/detector/contrast_map.hpp"
 #include "services/detector/detection.hpp"
+#include "services/detector/detection_writer.hpp"
 #include "services/detector/detector_params.hpp"
 #include "services/detector/detector_trace.hpp"
 #include "services/detector/outline_fit.hpp"
@@ -29,32 +32,14 @@ class ModernDetector {
   void detect(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace);
 
  private:
-  struct Candidate {
-    OutlineHypothesis hypothesis;
-    OutlineFit fit;
-    double score = 0.0;
-  };
-  void look_for_lit(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace);
-  void look_for_unlit(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace);
+  void look_for_lit(const CeilingFrame& frame, std::vector<Detection>& detections, DetectorTrace* trace);
+  void look_for_unlit(const CeilingFrame& frame, std::vector<Detection>& detections, DetectorTrace* trace);
   [[nodiscard]] bool is_explained(const Region& region, const std::vector<Detection>& detections) const;
   void cut_out_bright(int level);
   void cut_out_dark();
   [[nodiscard]] OutlineFitParams fit_params(const Region& region, int level) const;
-  [[nodiscard]] std::optional<Candidate> best_candidate(const GreyView& image, const Region& region, int shrunk,
+  [[nodiscard]] std::optional<Candidate> best_candidate(const CeilingFrame& frame, const Region& region, int shrunk,
                                                         int level, DetectorTrace* trace);
-  /// Why a candidate cannot be what it was guessed to be; null when nothing speaks against it.
-  [[nodiscard]] const char* objection(const GreyView& image, const Candidate& candidate, int level) const;
-  [[nodiscard]] bool may_be_something_else(const GreyView& image, const Candidate& candidate, bool bright) const;
-  /// An unlit one is dark just inside of an end in view and no longer just outside.
-  [[nodiscard]] bool ends_where_it_says(const Candidate& candidate, int end) const;
-  [[nodiscard]] bool is_filled(const Candidate& candidate, int level) const;
-  /// True when one half along the outline is clearly brighter than the other.
-  [[nodiscard]] bool burns_on_one_side(const Candidate& candidate) const;
-  /// Decides whether a lit strip is a fixture of one lamp or the burning half of one of two; nothing when the picture
-  /// does not say.
-  [[nodiscard]] std::optional<Detection> resolve_strip(const GreyView& image, const Candidate& strip) const;
-  [[nodiscard]] std::array<Eigen::Vector2d, 4> corners_of(const OutlineHypothesis& hypothesis) const;
-  [[nodiscard]] Detection detection_of(const Candidate& candidate, DetectionState state) const;
   [[nodiscard]] bool overlaps(const Detection& detection, const std::vector<Detection>& others) const;
 
   ModernDetectorParams params_;
@@ -76,6 +61,8 @@ class ModernDetector {
   RegionFinder finder_;
   OutlineProposer proposer_;
   OutlineFitter fitter_;
+  CandidateChecks checks_;
+  DetectionWriter writer_;
 };
 
 }  // namespace luminav

@@ -239,7 +239,8 @@ void OutlineEdges::take_joints_off(const OutlineFitParams& params, const EdgeSea
       }
     }
     const std::ptrdiff_t in_view = count_in_view(side);
-    const double noise = params.pixel_noise * std::sqrt(static_cast<double>(search.lines) * static_cast<double>(in_view));
+    const double noise =
+        params.pixel_noise * std::sqrt(static_cast<double>(search.lines) * static_cast<double>(in_view));
     if (-rise[static_cast<std::size_t>(inner)] <
         std::max(kShare * rise[static_cast<std::size_t>(outer)], kSigmas * noise)) {
       continue;

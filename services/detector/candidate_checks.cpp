@@ -1,0 +1,175 @@
+#include "services/detector/candidate_checks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "services/detector/surface_texture.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kBlurredEdge = 2.5;  // [px] by which an outline may always miss, however coarse the pixels
+constexpr double kLeastDisc = 16.0;   // [px] across: smaller ones must be lit, with an edge nearly all round
+constexpr double kSpeckFit = 0.92;
+
+}  // namespace
+
+const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidate& candidate, int level) const {
+  const bool bright = level > 0;
+  const OutlineFit& fit = candidate.fit;
+  const Outline& outline = candidate.hypothesis.outline;
+  const double of_pixels = kBlurredEdge * fit.metres_per_px;
+  const double most = std::max(bright ? params_.largest_bloom : params_.largest_misfit, of_pixels);
+  const double least = candidate.hypothesis.is_element ? -kElementFrame
+                       : bright                        ? -std::max(0.010, of_pixels)
+                                                       : -std::max(params_.largest_misfit, of_pixels);
+  if (fit.swelling > most || fit.swelling < least) {
+    return "too wide or too narrow";
+  }
+  if (outline.shape == FixtureShape::kRound) {
+    return objection_to_disc(frame, candidate, level);
+  }
+  if (const char* why = objection_to_edges(candidate, bright)) {
+    return why;
+  }
+  if (!bright && !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
+    return "goes on beyond its end";
+  }
+  const int ends = (fit.end_visible(kFarEnd) ? 1 : 0) + (fit.end_visible(kNearEnd) ? 1 : 0);
+  if (candidate.hypothesis.is_element && ends < 2) {
+    return "an element that is cut";
+  }
+  if (outline.shape == FixtureShape::kSquare ? ends < 2
+                                             : ends < 1 && fit.visible_to - fit.visible_from < 0.4 * outline.length) {
+    return "too few ends";
+  }
+  if (!is_filled(frame, candidate, level)) {
+    return "not filled";
+  }
+  return may_be_something_else(frame, candidate, bright) ? "may be another element" : nullptr;
+}
+
+const char* CandidateChecks::objection_to_disc(const CeilingFrame& frame, const Candidate& candidate, int level) const {
+  const bool bright = level > 0;
+  const OutlineFit& fit = candidate.fit;
+  const Outline& outline = candidate.hypothesis.outline;
+  // A disc of a few pixels: any dark speck or bright crumb looks like it.
+  const bool speck = outline.length / fit.metres_per_px < kLeastDisc;
+  if (speck && (!bright || fit.share(kLeftSide) < kSpeckFit)) {
+    return "too small to tell";
+  }
+  const bool sound = fit.in_view[kLeftSide] >= 12 && 2 * fit.in_view[kLeftSide] >= fit.expected[kLeftSide] &&
+                     fit.share(kLeftSide) >= params_.minimum_long_side_fit;
+  return !sound ? "no edge all round" : !is_filled(frame, candidate, level) ? "not filled" : nullptr;
+}
+
+const char* CandidateChecks::objection_to_edges(const Candidate& candidate, bool bright) const {
+  const OutlineFit& fit = candidate.fit;
+  const Outline& outline = candidate.hypothesis.outline;
+  const double seen = fit.visible_to - fit.visible_from;
+  if (fit.in_view[kLeftSide] < 3 || fit.in_view[kRightSide] < 3 ||
+      fit.in_view[kLeftSide] + fit.in_view[kRightSide] < 10 || seen < params_.minimum_visible * outline.length * 0.8) {
+    return "too little in view";
+  }
+  if (fit.share(kLeftSide) < params_.minimum_long_side_fit || fit.share(kRightSide) < params_.minimum_long_side_fit) {
+    return "no edge along a long side";
+  }
+  // The burning half of a fixture next to its dark half looks like a whole one with one faint side.
+  if (bright && std::min(fit.side_step[kLeftSide], fit.side_step[kRightSide]) <
+                    0.5 * std::max(fit.side_step[kLeftSide], fit.side_step[kRightSide])) {
+    return "sides of different brightness";
+  }
+  for (const int end : {kFarEnd, kNearEnd}) {
+    if (fit.in_view[static_cast<std::size_t>(end)] >= 3 && fit.share(end) < params_.minimum_end_fit) {
+      return "no edge at an end";
+    }
+    // A joint between tiles may look like an end; then the long sides don't reach it.
+    const std::size_t corner = end == kFarEnd ? 0 : 1;
+    if (fit.end_visible(end) && fit.corner_on_edge[corner] < 0.6 * fit.corner_in_view[corner]) {
+      return "long sides end early";
+    }
+  }
+  return nullptr;
+}
+
+bool CandidateChecks::may_be_something_else(const CeilingFrame& frame, const Candidate& candidate, bool bright) const {
+  const OutlineFit& fit = candidate.fit;
+  if (candidate.hypothesis.is_element || (fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd)) ||
+      candidate.hypothesis.outline.shape == FixtureShape::kRound) {
+    return false;
+  }
+  const double seen = fit.visible_to - fit.visible_from;
+  const double width = candidate.hypothesis.outline.width;
+  for (const CeilingKind& element : catalogue_.elements) {
+    if (bright && !element.luminous) {
+      continue;
+    }
+    const double slack = 0.03 + 0.1 * width;
+    const bool lengthwise = std::abs(element.width - width) < slack && element.length > seen - 0.03;
+    const bool crosswise = std::abs(element.length - width) < slack && element.width > seen - 0.03;
+    if ((lengthwise || crosswise) &&
+        !(element.slatted &&
+          is_surely_smooth(frame.image, camera_, candidate.hypothesis.outline, fit, frame.pixel_noise))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const {
+  if (!candidate.fit.end_visible(end)) {
+    return true;
+  }
+  // Between 30 and 75 mm from the end: beyond blur and joints, nearer than anything else.
+  constexpr std::array<double, 3> kDistances{0.030, 0.050, 0.075};  // [m]
+  const Raster& contrast = frame.dark;
+  const Outline& outline = candidate.hypothesis.outline;
+  const double direction = end == kFarEnd ? 1.0 : -1.0;
+  std::array<double, 2> sum{};  // inside, outside
+  std::array<int, 2> count{};
+  for (const double distance : kDistances) {
+    for (const double across : {-0.3, -0.1, 0.1, 0.3}) {
+      for (const std::size_t outside : {std::size_t{0}, std::size_t{1}}) {
+        const double along = direction * (0.5 * outline.length + (outside == 1 ? distance : -distance));
+        const Vector2d place(along, across * outline.width);
+        const auto pixel = camera_.pixel_of_ceiling_point(candidate.fit.robot_from_outline * place, outline.height);
+        if (pixel && camera_.is_in_image(*pixel, frame.factor)) {
+          sum[outside] += cell_at(contrast, *pixel, frame.factor);
+          ++count[outside];
+        }
+      }
+    }
+  }
+  if (count[0] < 3 || count[1] < 3) {
+    return true;  // out of view: nothing to say against it
+  }
+  const double inside = sum[0] / count[0];
+  return inside - sum[1] / count[1] > 0.45 * std::max(inside, candidate.fit.step);
+}
+
+bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& candidate, int region_level) const {
+  const bool bright = region_level > 0;
+  const Raster& contrast = bright ? frame.reduced : frame.dark;
+  const Outline& outline = candidate.hypothesis.outline;
+  const Pose2& pose = candidate.fit.robot_from_outline;
+  const double level = bright ? region_level : 0.5 * params_.unlit_contrast;
+  int looked = 0;
+  int filled = 0;
+  for (int i = 0; i < 15; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Vector2d place(outline.length * ((i + 0.5) / 15.0 - 0.5) * 0.9, outline.width * (j - 1) * 0.3);
+      const auto pixel = camera_.pixel_of_ceiling_point(pose * place, outline.height);
+      if (!pixel || !camera_.is_in_image(*pixel, frame.factor)) {
+        continue;
+      }
+      ++looked;
+      filled += cell_at(contrast, *pixel, frame.factor) > level ? 1 : 0;
+    }
+  }
+  return looked >= 5 && filled * 100 >= looked * (bright ? 90 : 75);
+}
+
+}  // namespace luminav

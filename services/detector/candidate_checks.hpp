@@ -1,0 +1,34 @@
+#pragma once
+
+#include "services/common/geometry/camera_model.hpp"
+#include "services/detector/candidate.hpp"
+#include "services/detector/ceiling_catalogue.hpp"
+#include "services/detector/detector_params.hpp"
+
+namespace luminav {
+
+/// What speaks against a candidate: its size, sides and ends without edges, an inside that is not filled, or something
+/// else that is listed and may look the same.
+class CandidateChecks {
+ public:
+  CandidateChecks(const ModernDetectorParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue)
+      : params_(params), camera_(camera), catalogue_(catalogue) {}
+
+  /// Why a candidate cannot be what it was guessed to be; null when nothing speaks against it. `level` [grey] at which
+  /// its lit region was cut out, 0 = unlit.
+  [[nodiscard]] const char* objection(const CeilingFrame& frame, const Candidate& candidate, int level) const;
+
+ private:
+  [[nodiscard]] const char* objection_to_disc(const CeilingFrame& frame, const Candidate& candidate, int level) const;
+  [[nodiscard]] const char* objection_to_edges(const Candidate& candidate, bool bright) const;
+  [[nodiscard]] bool may_be_something_else(const CeilingFrame& frame, const Candidate& candidate, bool bright) const;
+  /// An unlit one is dark just inside of an end in view and no longer just outside.
+  [[nodiscard]] bool ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const;
+  [[nodiscard]] bool is_filled(const CeilingFrame& frame, const Candidate& candidate, int level) const;
+
+  ModernDetectorParams params_;
+  CeilingCamera camera_;
+  CeilingCatalogue catalogue_;
+};
+
+}  // namespace luminav

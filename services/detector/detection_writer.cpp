@@ -1,0 +1,188 @@
+#include "services/detector/detection_writer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "services/detector/strip_surroundings.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+
+Matrix3d turned(const Matrix3d& covariance, double theta) {
+  Matrix3d rotation = Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() << std::cos(theta), -std::sin(theta), std::sin(theta), std::cos(theta);
+  return rotation * covariance * rotation.transpose();
+}
+
+DetectionShape shape_of(const OutlineHypothesis& hypothesis) {
+  if (hypothesis.is_element) {
+    return DetectionShape::kElement;
+  }
+  switch (hypothesis.outline.shape) {
+    case FixtureShape::kSquare:
+      return DetectionShape::kSquare;
+    case FixtureShape::kRound:
+      return DetectionShape::kRound;
+    case FixtureShape::kRectangle:
+      break;
+  }
+  return DetectionShape::kRectangle;
+}
+
+}  // namespace
+
+Detection DetectionWriter::detection_of(const Candidate& candidate, DetectionState state) const {
+  const Outline& outline = candidate.hypothesis.outline;
+  const OutlineFit& fit = candidate.fit;
+  Detection detection;
+  detection.shape = shape_of(candidate.hypothesis);
+  detection.state = state;
+  detection.has_theta = outline.shape != FixtureShape::kRound;
+  detection.fit = fit.quality();
+  detection.robot_from_fixture = fit.robot_from_outline;
+  const double period = symmetry_period(outline.shape);
+  Matrix3d covariance = fit.covariance;
+
+  const bool bar = outline.shape == FixtureShape::kRectangle;
+  detection.far_end_visible = !bar || fit.end_visible(kFarEnd);
+  detection.near_end_visible = !bar || fit.end_visible(kNearEnd);
+  double seen_from = -0.5 * outline.length;
+  double seen_to = 0.5 * outline.length;
+  if (!detection.near_end_visible) {
+    seen_from = fit.visible_from;
+  }
+  if (!detection.far_end_visible) {
+    seen_to = fit.visible_to;
+  }
+  if (!detection.far_end_visible && !detection.near_end_visible) {
+    // Only a stretch is seen: the centre lies anywhere within what is left of the length.
+    const double middle = 0.5 * (seen_from + seen_to);
+    detection.robot_from_fixture = fit.robot_from_outline * Pose2{middle, 0.0, 0.0};
+    Matrix3d shift = Matrix3d::Identity();
+    shift(1, 2) = middle;
+    covariance = shift * covariance * shift.transpose();
+    covariance.row(0).setZero();
+    covariance.col(0).setZero();
+    const double free = std::max(0.0, outline.length - (seen_to - seen_from));
+    covariance(0, 0) = free * free / 12.0 + 1e-4;
+    seen_from -= middle;
+    seen_to -= middle;
+  } else if (detection.far_end_visible != detection.near_end_visible) {
+    // One end: its bloom does not cancel, and other kinds of this width may be longer or shorter.
+    covariance(0, 0) += 0.36 * fit.swelling * fit.swelling;
+    double shortest = outline.length;
+    double longest = outline.length;
+    for (const CeilingKind& kind : catalogue_.fixtures) {
+      if (!candidate.hypothesis.is_element && kind.shape == FixtureShape::kRectangle &&
+          std::abs(kind.width - outline.width) < 0.02 && kind.length > seen_to - seen_from) {
+        shortest = std::min(shortest, kind.length);
+        longest = std::max(longest, kind.length);
+      }
+    }
+    if (longest - shortest > 0.005) {
+      const double inward = detection.far_end_visible ? -1.0 : 1.0;
+      const double shift = 0.5 * inward * (0.5 * (shortest + longest) - outline.length);
+      detection.robot_from_fixture = detection.robot_from_fixture * Pose2{shift, 0.0, 0.0};
+      seen_from -= shift;
+      seen_to -= shift;
+      covariance(0, 0) += std::pow(0.25 * (longest - shortest), 2);
+    }
+  }
+  if (outline.shape == FixtureShape::kRound) {
+    covariance.row(2).setZero();
+    covariance.col(2).setZero();
+    covariance(2, 2) = kPi * kPi / 3.0;
+  }
+  detection.covariance = turned(covariance, detection.robot_from_fixture.theta);
+  detection.robot_from_fixture.theta = wrap_modulo(detection.robot_from_fixture.theta, period);
+
+  detection.length = seen_to - seen_from;
+  detection.width = outline.width + 2.0 * fit.swelling;
+  const Pose2& pose = detection.robot_from_fixture;
+  // after wrapping by a quarter or half turn the ends may have changed places
+  const double turned_by = std::abs(wrap_angle(pose.theta - fit.robot_from_outline.theta));
+  if (turned_by > 0.75 * kPi) {
+    std::swap(detection.far_end_visible, detection.near_end_visible);
+    const double from = seen_from;
+    seen_from = -seen_to;
+    seen_to = -from;
+  }
+  const double half_width = 0.5 * outline.width;
+  const std::array<Vector2d, 4> corners{Vector2d(seen_to, half_width), Vector2d(seen_from, half_width),
+                                        Vector2d(seen_from, -half_width), Vector2d(seen_to, -half_width)};
+  detection.clipped = false;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pixel = camera_.pixel_of_ceiling_point(pose * corners[i], outline.height);
+    detection.corners_px[i] = pixel.value_or(Vector2d(-1.0, -1.0));
+    detection.clipped = detection.clipped || !pixel || !camera_.is_in_image(*pixel);
+  }
+  detection.clipped = detection.clipped || !detection.far_end_visible || !detection.near_end_visible;
+  detection.centre_px = camera_.pixel_of_ceiling_point(pose.position(), outline.height).value_or(Vector2d(-1.0, -1.0));
+  return detection;
+}
+
+bool DetectionWriter::burns_on_one_side(const CeilingFrame& frame, const Candidate& candidate) const {
+  constexpr double kDifference = 25.0;  // [grey] between the halves; two burning tubes both saturate
+  const Outline& outline = candidate.hypothesis.outline;
+  std::array<double, 2> sum{};
+  std::array<int, 2> count{};
+  for (int i = 0; i < 24; ++i) {
+    for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) {
+      const Vector2d place(0.9 * outline.length * ((i + 0.5) / 24.0 - 0.5), outline.width * (half == 0 ? 0.28 : -0.28));
+      const auto pixel = camera_.pixel_of_ceiling_point(candidate.fit.robot_from_outline * place, outline.height);
+      if (pixel && camera_.is_in_image(*pixel, frame.factor)) {
+        sum[half] += cell_at(frame.reduced, *pixel, frame.factor);
+        ++count[half];
+      }
+    }
+  }
+  return count[0] >= 3 && count[1] >= 3 && std::abs(sum[0] / count[0] - sum[1] / count[1]) > kDifference;
+}
+
+std::optional<Detection> DetectionWriter::resolve_strip(const CeilingFrame& frame, const Candidate& strip) const {
+  const double width = strip.hypothesis.outline.width;
+  const CeilingKind* pair = nullptr;    // a fixture of two lamps of which this may be one
+  const CeilingKind* single = nullptr;  // a fixture that looks like this when it is whole
+  for (const CeilingKind& kind : catalogue_.fixtures) {
+    if (kind.shape != FixtureShape::kRectangle || std::abs(kind.length - strip.hypothesis.outline.length) > 0.05) {
+      continue;
+    }
+    if (std::abs(kind.width - width) < 0.03) {
+      single = &kind;
+    } else if (kind.lamps >= 2 && std::abs(0.5 * kind.width - width) < 0.03) {
+      pair = &kind;
+    }
+  }
+  if (single != nullptr && single->lamps >= 2 && burns_on_one_side(frame, strip)) {
+    Candidate fixture = strip;
+    // one side shows bloom and the other none, so the outline is off by up to the swelling
+    fixture.fit.covariance(1, 1) += std::pow(std::max(strip.fit.swelling, 0.005), 2);
+    return detection_of(fixture, DetectionState::kHalf);
+  }
+  if (pair == nullptr) {
+    return single == nullptr ? std::nullopt : std::optional(detection_of(strip, DetectionState::kLit));
+  }
+  const StripSurroundings around =
+      compare_strip_sides(frame.image, camera_, strip.hypothesis.outline, strip.fit, frame.pixel_noise);
+  // a dark half may be as bright as the ceiling over a short stretch
+  const bool too_short = strip.fit.visible_to - strip.fit.visible_from < 0.45 * strip.hypothesis.outline.length;
+  const bool one_sided = around.valid && around.asymmetry > 0.45;
+  if (one_sided && around.side != 0) {
+    Candidate fixture = strip;
+    fixture.hypothesis.outline = {FixtureShape::kRectangle, pair->length, pair->width, pair->height};
+    fixture.fit.robot_from_outline = strip.fit.robot_from_outline * Pose2{0.0, 0.5 * around.side * width, 0.0};
+    fixture.fit.covariance(1, 1) += 0.007 * 0.007;  // where the burning half ends in the middle is soft
+    return detection_of(fixture, DetectionState::kHalf);
+  }
+  // Burning halves are rare, and their dark half shows nearly always: without a sign of it the strip is a fixture.
+  if (single != nullptr && !(around.valid && around.asymmetry >= 0.2 && !too_short)) {
+    return detection_of(strip, DetectionState::kLit);
+  }
+  return std::nullopt;
+}
+
+}  // namespace luminav

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+
+#include "services/common/geometry/camera_model.hpp"
+#include "services/detector/candidate.hpp"
+#include "services/detector/ceiling_catalogue.hpp"
+#include "services/detector/detection.hpp"
+
+namespace luminav {
+
+/// Turns accepted candidates into detections: what is in view, which ends, how sure, lit wholly or by half.
+class DetectionWriter {
+ public:
+  DetectionWriter(const CeilingCamera& camera, const CeilingCatalogue& catalogue)
+      : camera_(camera), catalogue_(catalogue) {}
+
+  [[nodiscard]] Detection detection_of(const Candidate& candidate, DetectionState state) const;
+  /// Decides whether a lit strip is a fixture of one lamp or the burning half of one of two; nothing when the picture
+  /// does not say.
+  [[nodiscard]] std::optional<Detection> resolve_strip(const CeilingFrame& frame, const Candidate& strip) const;
+
+ private:
+  /// True when one half along the outline is clearly brighter than the other.
+  [[nodiscard]] bool burns_on_one_side(const CeilingFrame& frame, const Candidate& candidate) const;
+
+  CeilingCamera camera_;
+  CeilingCatalogue catalogue_;
+};
+
+}  // namespace luminav
