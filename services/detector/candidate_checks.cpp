@@ -77,9 +77,12 @@ const char* CandidateChecks::objection_to_edges(const Candidate& candidate, bool
   if (fit.share(kLeftSide) < params_.minimum_long_side_fit || fit.share(kRightSide) < params_.minimum_long_side_fit) {
     return "no edge along a long side";
   }
-  // The burning half of a fixture next to its dark half looks like a whole one with one faint side.
-  if (bright && std::min(fit.side_step[kLeftSide], fit.side_step[kRightSide]) <
-                    0.5 * std::max(fit.side_step[kLeftSide], fit.side_step[kRightSide])) {
+  // The burning half of a fixture next to its dark half looks like a whole one with one faint side; the shadow between
+  // a lamp's glow and a joint like an unlit one.
+  const bool whole = fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd);
+  const double least_share = bright ? 0.5 : whole ? 0.0 : 0.25;
+  if (std::min(fit.side_step[kLeftSide], fit.side_step[kRightSide]) <
+      least_share * std::max(fit.side_step[kLeftSide], fit.side_step[kRightSide])) {
     return "sides of different brightness";
   }
   for (const int end : {kFarEnd, kNearEnd}) {
