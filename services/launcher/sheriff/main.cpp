@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/process/channel_filter.hpp"
+#include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/launcher/deputy/rotating_log.hpp"
@@ -248,6 +250,9 @@ int run(int argc, char** argv) {
   const bool only_looks = options.observe || options.action == "status" || options.action == "log";
   Sheriff sheriff(*procman, file, {.id = make_sheriff_id(Instant::read()), .observe = only_looks});
   sheriff.listen_for_readiness(*data);
+  receive_only(*data, options.data_url,  // with its own channels, should both networks be one
+               {channels::kNodeStatus, channels::kProcmanInfo, channels::kProcmanOrders, channels::kProcmanOutput,
+                channels::kProcmanDiscover});
   Session session(*procman, data.get(), sheriff);
   if (options.action.empty()) {
     sheriff.report_notices([&](const std::string& notice) { session.print(notice); });
