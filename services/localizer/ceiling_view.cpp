@@ -81,6 +81,11 @@ bool CeilingView::is_wholly_visible(const Pose2& robot_from_fixture, const Fixtu
   if (height <= 0.1 || border_.size() < 3) {
     return false;
   }
+  // Most are out of sight: the centre lies between the samples, and the view is convex.
+  constexpr double kRounding = 1e-9;
+  if (!is_inside(robot_from_fixture.position(), height, margin - kRounding)) {
+    return false;
+  }
   const FixtureSamples samples(robot_from_fixture, fixture);
   const auto all_inside = [&](int i) {
     return is_inside(samples.at(i, 0), height, margin) && is_inside(samples.at(i, kAcross - 1), height, margin);

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <unordered_map>
 
 namespace luminav {
@@ -111,9 +112,12 @@ FrameComparison HypothesisBank::compare(const PoseBelief& belief, const Sighting
   }
   const double margin = params_.miss_margin + 2.0 * position_sigma(belief.covariance);
   const Pose2 robot_from_world = belief.pose.inverse();
+  const PointTransform to_robot(robot_from_world);
   for (const int index : near) {
     const Fixture& fixture = map_[index];
-    const Pose2 robot_from_fixture = robot_from_world * fixture.world_from_fixture;
+    const Eigen::Vector2d centre = to_robot * fixture.world_from_fixture.position();
+    const Pose2 robot_from_fixture{centre.x(), centre.y(),
+                                   wrap_angle(robot_from_world.theta + fixture.world_from_fixture.theta)};
     if (!view_.is_wholly_visible(robot_from_fixture, fixture, margin)) {
       continue;
     }
