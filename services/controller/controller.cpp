@@ -23,7 +23,7 @@ Controller::Controller(const ControllerConfig& config)
     : config_(config),
       stop_logic_(config.robot, config.stop_logic),
       follower_(config.follower, stop_logic_),
-      wander_(config.wander, stop_logic_),
+      wander_(config.wander, config.robot.sonar, stop_logic_),
       progress_(config.progress),
       ramp_(config.robot.limits, config.jerk) {}
 
@@ -185,7 +185,7 @@ DriveTwist Controller::wish(const ControlInput& input, const std::vector<Obstacl
     return escape_twist(input.now).value_or(DriveTwist{});
   }
   if (input.task == ControlTask::kWander) {
-    return wander_.step(input.now, input.odom_from_robot, obstacles, input.remembered);
+    return wander_.step({input.now, input.odom_from_robot, obstacles, input.remembered, input.firings});
   }
   return output.follow.wanted;
 }

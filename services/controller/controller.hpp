@@ -43,6 +43,7 @@ struct ControlInput {
   DriveTwist teleoperation;
   std::vector<ObstaclePoint> echoes;      // robot frame
   std::vector<ObstaclePoint> remembered;  // echoes with a longer memory, for choosing a way while wandering
+  std::vector<SonarFiring> firings;       // newest of each disc, while wandering
   SenseAges ages;
 };
 

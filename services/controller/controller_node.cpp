@@ -346,6 +346,7 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
     input.echoes = echoes_.obstacles(utime, *place);
     if (input.task == ControlTask::kWander) {
       input.remembered = echoes_.remembered(utime, *place);
+      input.firings = echoes_.newest();
     }
     input.ages.odometry = std::max(0.0, seconds_between(odometry_.back().utime, utime));
   }

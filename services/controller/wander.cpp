@@ -18,6 +18,11 @@ void Wander::clear() {
   last_step_ = 0;
   decided_at_.reset();
   is_turning_ = false;
+  map_.clear();
+  way_.clear();
+  planned_ = approached_ = 0;
+  driven_ = 0.0;
+  last_place_.reset();
   repulsive_.setZero();
 }
 
@@ -60,6 +65,11 @@ void Wander::note_failure(std::int64_t now, const Pose2& odom_from_robot, double
 
 void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
   note_failure(now, odom_from_robot, is_turning_ ? target_ : odom_from_robot.theta);
+  if (!way_.empty()) {
+    map_.block(way_.back());
+    way_.clear();
+    planned_ = 0;
+  }
   is_turning_ = false;
   decided_at_.reset();
 }
@@ -93,11 +103,68 @@ void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_ro
   }
 }
 
-DriveTwist Wander::step(std::int64_t now, const Pose2& odom_from_robot, std::span<const ObstaclePoint> obstacles,
-                        std::span<const ObstaclePoint> remembered) {
-  const double duration = last_step_ == 0 ? 0.0 : std::clamp(seconds_between(last_step_, now), 0.0, 0.5);
-  last_step_ = now;
-  visits_[square_at(odom_from_robot.position())] += duration;
+void Wander::plan(std::int64_t now, const Pose2& odom_from_robot) {
+  if (planned_ != 0 && seconds_between(planned_, now) < params_.plan_every) {
+    return;
+  }
+  planned_ = now;
+  const Eigen::Vector2d place = odom_from_robot.position();
+  auto way = map_.way_to_new_ground(place);
+  if (!way) {
+    way_.clear();
+    return;
+  }
+  const double left = 0.1 * static_cast<double>(way->size());
+  const bool is_elsewhere = way_.empty() || (way->back() - way_.back()).norm() > 1.0;
+  if (is_elsewhere || left < way_left_ - 0.2) {
+    approached_ = now;
+    way_left_ = left;
+  }
+  way_ = std::move(*way);
+  if (seconds_between(approached_, now) > params_.approach_within) {
+    map_.block(way_.back());
+    way_.clear();
+    planned_ = 0;
+  }
+}
+
+DriveTwist Wander::step(const WanderInput& input) {
+  const double duration = last_step_ == 0 ? 0.0 : std::clamp(seconds_between(last_step_, input.now), 0.0, 0.5);
+  last_step_ = input.now;
+  const Eigen::Vector2d place = input.odom_from_robot.position();
+  driven_ += last_place_ ? (place - *last_place_).norm() : 0.0;
+  last_place_ = place;
+  visits_[square_at(place)] += duration;
+  map_.visit(place);
+  map_.add(input.firings);
+  if (driven_ > params_.look_around) {
+    plan(input.now, input.odom_from_robot);
+  }
+  return way_.empty() ? explore(duration, input) : follow_way(duration, input);
+}
+
+DriveTwist Wander::follow_way(double duration, const WanderInput& input) {
+  is_turning_ = false;
+  decided_at_.reset();
+  const Eigen::Vector2d place = input.odom_from_robot.position();
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < way_.size(); ++i) {
+    nearest = (way_[i] - place).norm() < (way_[nearest] - place).norm() ? i : nearest;
+  }
+  std::size_t ahead = nearest;
+  while (ahead + 1 < way_.size() && (way_[ahead] - place).norm() < params_.look_ahead) {
+    ++ahead;
+  }
+  const Eigen::Vector2d target = input.odom_from_robot.inverse() * way_[ahead];
+  const double direction = std::atan2(target.y(), target.x());
+  if (std::abs(direction) > radians(50.0)) {
+    return {0.0, std::copysign(params_.angular, direction)};
+  }
+  return steer(direction, duration, input);
+}
+
+DriveTwist Wander::explore(double duration, const WanderInput& input) {
+  const Pose2& odom_from_robot = input.odom_from_robot;
   if (is_turning_) {
     const double error = wrap_angle(target_ - odom_from_robot.theta);
     if (std::abs(error) < radians(8.0)) {
@@ -109,22 +176,29 @@ DriveTwist Wander::step(std::int64_t now, const Pose2& odom_from_robot, std::spa
       return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_sign_ * params_.angular};
     }
   }
-  const double ahead = free_way(0.0, params_.reach, obstacles, params_.free_heading);
+  const double ahead = free_way(0.0, params_.reach, input.obstacles, params_.free_heading);
   const bool is_blocked = ahead < params_.blocked_below;
   if (is_blocked) {
-    note_failure(now, odom_from_robot, odom_from_robot.theta);
+    note_failure(input.now, odom_from_robot, odom_from_robot.theta);
   }
   const bool has_gone_far = !decided_at_ || (*decided_at_ - odom_from_robot.position()).norm() > params_.decide_every;
   if (is_blocked || has_gone_far) {
-    decide(is_blocked, now, odom_from_robot, remembered);
+    decide(is_blocked, input.now, odom_from_robot, input.remembered);
     if (is_turning_) {
       return {};
     }
   }
-  const VirtualForce force = virtual_force({1.0, 0.0}, obstacles, stop_logic_.footprint(), params_.forces);
+  return steer(0.0, duration, input);
+}
+
+// Towards a direction [rad, robot frame], pushed off by what is near.
+DriveTwist Wander::steer(double direction, double duration, const WanderInput& input) {
+  const Eigen::Vector2d attractive(std::cos(direction), std::sin(direction));
+  const VirtualForce force = virtual_force(attractive, input.obstacles, stop_logic_.footprint(), params_.forces);
   repulsive_ += std::min(1.0, duration / 0.3) * (force.repulsive - repulsive_);
-  const double wish = std::atan2(repulsive_.y(), 1.0 + repulsive_.x());
-  const double heading = choose_free_heading(wish, 0.9, 0.0, obstacles, params_.free_heading);
+  const Eigen::Vector2d sum = attractive + repulsive_;
+  const double wish = std::atan2(sum.y(), sum.x());
+  const double heading = choose_free_heading(wish, 0.9, 0.0, input.obstacles, params_.free_heading);
   const double slowing = std::clamp((radians(50.0) - std::abs(heading)) / radians(40.0), 0.0, 1.0);
   return {params_.speed * slowing, std::clamp(1.2 * heading, -params_.angular, params_.angular)};
 }

@@ -7,8 +7,10 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "services/controller/free_heading.hpp"
+#include "services/controller/search_map.hpp"
 #include "services/controller/stop_logic.hpp"
 #include "services/controller/virtual_forces.hpp"
 
@@ -24,21 +26,35 @@ struct WanderParams {
   double better_by = 1.5;          // squares' worth that another direction must offer to leave a free way
   double failure_memory = 30.0;    // [s] a direction that ended at an obstacle is avoided near that place
   double failure_radius = 1.0;     // [m]
+  double look_around = 10.0;       // [m] it first drives by free way alone, then leaves for new ground
+  double plan_every = 1.0;         // [s]
+  double look_ahead = 0.6;         // [m] along the way to new ground
+  double approach_within = 12.0;   // [s] it must have come nearer to where it goes, else it goes elsewhere
   FreeHeadingParams free_heading{.half_width = 0.28};
   VirtualForceParams forces;
+  SearchMapParams map;
 };
 
-/// Covers ground by sonar alone, until the localizer knows where it is: drives towards the direction with the most
-/// unvisited free way, keeps to the middle by virtual forces, remembers in the odometry frame where it has been and
-/// which directions led nowhere. Deterministic.
+/// What wandering goes by.
+struct WanderInput {
+  std::int64_t now = 0;  // [us]
+  Pose2 odom_from_robot;
+  std::span<const ObstaclePoint> obstacles;   // robot frame, fresh: steering goes by them
+  std::span<const ObstaclePoint> remembered;  // robot frame: directions are chosen by them
+  std::span<const SonarFiring> firings;       // newest of each disc
+};
+
+/// Covers ground by sonar alone, until the localizer knows where it is: drives to the nearest free ground that it has
+/// not been near, out by the door once a room is known. Where there is none it drives towards the direction with the
+/// most unvisited free way, remembers in the odometry frame where it has been and which directions led nowhere.
+/// Deterministic.
 class Wander {
  public:
-  Wander(const WanderParams& params, const StopLogic& stop_logic) : params_(params), stop_logic_(stop_logic) {}
+  Wander(const WanderParams& params, const SonarRing& ring, const StopLogic& stop_logic)
+      : params_(params), stop_logic_(stop_logic), map_(ring, params.map) {}
 
-  /// `now` [us]; directions are chosen by what is remembered, steering goes by what is fresh. Only a wish; the stop
-  /// logic has the last word.
-  DriveTwist step(std::int64_t now, const Pose2& odom_from_robot, std::span<const ObstaclePoint> obstacles,
-                  std::span<const ObstaclePoint> remembered);
+  /// Only a wish; the stop logic has the last word.
+  DriveTwist step(const WanderInput& input);
   /// The odometry jumped, or wandering is over.
   void clear();
   /// The current direction did not work: the stop logic refused it.
@@ -54,6 +70,10 @@ class Wander {
   [[nodiscard]] Square square_at(const Eigen::Vector2d& place) const;
   [[nodiscard]] double worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
                              std::span<const ObstaclePoint> obstacles) const;
+  void plan(std::int64_t now, const Pose2& odom_from_robot);
+  [[nodiscard]] DriveTwist follow_way(double duration, const WanderInput& input);
+  [[nodiscard]] DriveTwist explore(double duration, const WanderInput& input);
+  [[nodiscard]] DriveTwist steer(double direction, double duration, const WanderInput& input);
   void decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
               std::span<const ObstaclePoint> remembered);
   void note_failure(std::int64_t now, const Pose2& odom_from_robot, double heading);
@@ -62,6 +82,13 @@ class Wander {
   const StopLogic& stop_logic_;
   std::map<Square, double> visits_;  // [s] spent there
   std::deque<Failure> failures_;
+  SearchMap map_;
+  double driven_ = 0.0;                        // [m]
+  std::optional<Eigen::Vector2d> last_place_;  // [m] odom
+  std::vector<Eigen::Vector2d> way_;           // [m] odom, to new ground; empty: none that it knows
+  std::int64_t planned_ = 0;                   // [us]
+  std::int64_t approached_ = 0;                // [us] when it last came nearer to the end of its way
+  double way_left_ = 0.0;                      // [m] least until then
   std::int64_t last_step_ = 0;                 // [us]
   std::optional<Eigen::Vector2d> decided_at_;  // [m] odom, place of the last decision
   bool is_turning_ = false;

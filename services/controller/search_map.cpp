@@ -1,0 +1,205 @@
+#include "services/controller/search_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+namespace luminav {
+namespace {
+
+constexpr std::int8_t kStands = 2;     // evidence from which a cell counts as occupied
+constexpr std::int8_t kMostFree = -4;  // evidence is bounded, so that people who went away are forgotten
+constexpr std::int8_t kMostOccupied = 6;
+constexpr std::int8_t kFirm = 4;  // two echoes: the arc of a door post alone does not count as a wall
+constexpr std::int8_t kEcho = 2;  // what one echo says, against 1 for a free ray: walls are silent when seen at a slant
+constexpr double kConeHalf = radians(10.0);  // the part of the cone that no neighbouring disc sees better
+constexpr int kBorder = 20;                  // cells: more than the largest radius that is looked at
+constexpr int kSameSide = 18;                // [1/256 turn] 25 degrees
+
+std::int8_t in_256ths(double theta) {
+  return static_cast<std::int8_t>(std::lround(wrap_angle(theta) * 128.0 / kPi) & 0xff);
+}
+
+}  // namespace
+
+SearchMap::SearchMap(const SonarRing& ring, const SearchMapParams& params)
+    : ring_(ring),
+      params_(params),
+      columns_(static_cast<int>(std::ceil(params.side / params.cell))),
+      taken_up_(ring.robot_from_sonar.size(), 0) {}
+
+void SearchMap::clear() {
+  origin_.reset();
+  cells_.clear();
+}
+
+int SearchMap::index_of(const Eigen::Vector2d& place) const {
+  const Eigen::Vector2d inside = (place - *origin_) / params_.cell;
+  const int column = static_cast<int>(std::floor(inside.x()));
+  const int row = static_cast<int>(std::floor(inside.y()));
+  // near the border nothing is entered, so that neighbours need no check
+  const auto is_inside = [&](int i) { return i >= kBorder && i < columns_ - kBorder; };
+  return is_inside(column) && is_inside(row) ? row * columns_ + column : -1;
+}
+
+Eigen::Vector2d SearchMap::centre_of(int index) const {
+  return *origin_ + params_.cell * Eigen::Vector2d(index % columns_ + 0.5, index / columns_ + 0.5);
+}
+
+std::vector<int> SearchMap::disc_offsets(double radius) const {
+  const int reach = static_cast<int>(radius / params_.cell);
+  std::vector<int> offsets;
+  for (int row = -reach; row <= reach; ++row) {
+    for (int column = -reach; column <= reach; ++column) {
+      if (std::hypot(row, column) * params_.cell <= radius) {
+        offsets.push_back(row * columns_ + column);
+      }
+    }
+  }
+  return offsets;
+}
+
+void SearchMap::visit(const Eigen::Vector2d& place) {
+  if (!origin_ || index_of(place) < 0) {
+    origin_ = place - Eigen::Vector2d::Constant(0.5 * params_.side);
+    cells_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_), {});
+  }
+  mark_seen(place, params_.seen_around);
+  for (const int offset : disc_offsets(0.2)) {
+    cells_[static_cast<std::size_t>(index_of(place) + offset)].occupied = kMostFree;
+  }
+}
+
+void SearchMap::block(const Eigen::Vector2d& place) {
+  if (origin_) {
+    mark_seen(place, params_.blocked_around);
+  }
+}
+
+void SearchMap::mark_seen(const Eigen::Vector2d& place, double radius) {
+  const int centre = index_of(place);
+  if (centre < 0) {
+    return;
+  }
+  for (const int offset : disc_offsets(radius)) {
+    cells_[static_cast<std::size_t>(centre + offset)].is_seen = true;
+  }
+}
+
+void SearchMap::add(std::span<const SonarFiring> newest) {
+  for (const SonarFiring& firing : newest) {
+    if (firing.disc < taken_up_.size() && firing.utime > taken_up_[firing.disc]) {
+      taken_up_[firing.disc] = firing.utime;
+      if (origin_) {
+        add(firing);
+      }
+    }
+  }
+}
+
+// A ray ends at what was heard from another side: a smooth wall is silent when seen at a slant, and what is heard then
+// stands in its mirror. From about the same side it takes back what was heard.
+std::vector<int> SearchMap::free_cells(const Pose2& odom_from_sonar, double free) const {
+  constexpr int kRays = 5;
+  std::vector<int> cells;
+  for (int i = 0; i < kRays; ++i) {
+    const double angle = kConeHalf * (2.0 * i / (kRays - 1) - 1.0);
+    const std::int8_t direction = in_256ths(odom_from_sonar.theta + angle);
+    const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
+    for (double way = 0.0; way < free; way += params_.cell) {
+      const int index = index_of(odom_from_sonar * Eigen::Vector2d(way * along));
+      if (index < 0) {
+        break;
+      }
+      const Cell& cell = cells_[static_cast<std::size_t>(index)];
+      const auto apart = static_cast<std::int8_t>(direction - cell.heard);
+      if (cell.occupied >= kFirm && std::abs(apart) > kSameSide) {
+        break;
+      }
+      cells.push_back(index);
+    }
+  }
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
+}
+
+void SearchMap::add(const SonarFiring& firing) {
+  const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
+  const double range = firing.has_echo ? firing.range : params_.silent_most + params_.echo_margin;
+  for (const int index : free_cells(odom_from_sonar, std::min(params_.free_most, range - params_.echo_margin))) {
+    std::int8_t& value = cells_[static_cast<std::size_t>(index)].occupied;
+    value = std::max<std::int8_t>(kMostFree, static_cast<std::int8_t>(value - 1));
+  }
+  if (!firing.has_echo || range > params_.free_most) {
+    return;
+  }
+  const int steps = std::max(2, static_cast<int>(std::ceil(2.0 * kConeHalf * range / (0.7 * params_.cell))));
+  int last = -1;
+  for (int i = 0; i <= steps; ++i) {
+    const double angle = kConeHalf * (2.0 * i / steps - 1.0);
+    const int index = index_of(odom_from_sonar * Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle)));
+    if (index >= 0 && index != last) {
+      Cell& cell = cells_[static_cast<std::size_t>(index)];
+      cell.occupied = std::clamp<std::int8_t>(static_cast<std::int8_t>(cell.occupied + kEcho), kStands, kMostOccupied);
+      cell.heard = in_256ths(odom_from_sonar.theta + angle);
+      last = index;
+    }
+  }
+}
+
+std::optional<std::vector<Eigen::Vector2d>> SearchMap::way_to_new_ground(const Eigen::Vector2d& place) const {
+  if (!origin_) {
+    return std::nullopt;
+  }
+  for (const double clearance : params_.clearances) {
+    if (auto way = search(place, clearance)) {
+      return way;
+    }
+  }
+  return std::nullopt;
+}
+
+// Breadth first over free cells that keep the clearance, until one is not near the trail.
+std::optional<std::vector<Eigen::Vector2d>> SearchMap::search(const Eigen::Vector2d& place, double clearance) const {
+  const std::vector<int> around = disc_offsets(clearance);
+  const auto is_passable = [&](int index) {
+    return cells_[static_cast<std::size_t>(index)].occupied < 0 &&
+           std::none_of(around.begin(), around.end(), [&](int offset) {
+             return cells_[static_cast<std::size_t>(index + offset)].occupied >= kStands;
+           });
+  };
+  const int start = index_of(place);
+  if (start < 0) {
+    return std::nullopt;
+  }
+  std::vector<int> from(cells_.size(), -1);
+  std::deque<int> open;
+  // where the robot stands there is room, whatever the sonars heard
+  for (const int offset : disc_offsets(clearance)) {
+    from[static_cast<std::size_t>(start + offset)] = start;
+    open.push_back(start + offset);
+  }
+  while (!open.empty()) {
+    const int index = open.front();
+    open.pop_front();
+    if (!cells_[static_cast<std::size_t>(index)].is_seen && cells_[static_cast<std::size_t>(index)].occupied <= -2) {
+      std::vector<Eigen::Vector2d> way;
+      for (int i = index; i != start; i = from[static_cast<std::size_t>(i)]) {
+        way.push_back(centre_of(i));
+      }
+      std::reverse(way.begin(), way.end());
+      return way;
+    }
+    for (const int step : {1, -1, columns_, -columns_, columns_ + 1, columns_ - 1, -columns_ + 1, -columns_ - 1}) {
+      const int next = index + step;
+      if (from[static_cast<std::size_t>(next)] < 0 && is_passable(next)) {
+        from[static_cast<std::size_t>(next)] = index;
+        open.push_back(next);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace luminav

@@ -1,0 +1,143 @@
+#include "services/controller/search_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/unit/controller/test_robot.hpp"
+
+namespace luminav {
+namespace {
+
+using testing::test_robot;
+
+struct Wall {
+  Eigen::Vector2d from;
+  Eigen::Vector2d to;
+};
+
+/// A room of 4 m x 3 m whose south wall may have a doorway of 1 m to a corridor 2 m wide.
+std::vector<Wall> room(bool has_doorway) {
+  std::vector<Wall> walls{{{0, 0}, {0, 3}}, {{0, 3}, {4, 3}}, {{4, 3}, {4, 0}}};
+  if (has_doorway) {
+    walls.insert(walls.end(), {{{0, 0}, {1.3, 0}}, {{2.3, 0}, {4, 0}}, {{-4, -2}, {8, -2}}});
+  } else {
+    walls.push_back({{0, 0}, {4, 0}});
+  }
+  return walls;
+}
+
+double range_along(const Eigen::Vector2d& from, double theta, const std::vector<Wall>& walls) {
+  const Eigen::Vector2d along(std::cos(theta), std::sin(theta));
+  double nearest = 5.0;
+  for (const Wall& wall : walls) {
+    Eigen::Matrix2d system;
+    system << along, wall.from - wall.to;
+    if (std::abs(system.determinant()) < 1e-9) {
+      continue;
+    }
+    const Eigen::Vector2d solution = system.inverse() * (wall.from - from);
+    if (solution.x() > 0.0 && solution.y() >= 0.0 && solution.y() <= 1.0) {
+      nearest = std::min(nearest, solution.x());
+    }
+  }
+  return nearest;
+}
+
+class SearchMapTest : public ::testing::Test {
+ protected:
+  /// All discs fire once from a pose; a cone hears what is nearest in it.
+  void scan(const Pose2& odom_from_robot, const std::vector<Wall>& walls) {
+    utime_ += 320'000;
+    std::vector<SonarFiring> firings;
+    for (std::size_t disc = 0; disc < robot_.sonar.robot_from_sonar.size(); ++disc) {
+      const Pose2 odom_from_sonar = odom_from_robot * robot_.sonar.robot_from_sonar[disc];
+      double range = 5.0;
+      for (int i = -7; i <= 7; ++i) {
+        range =
+            std::min(range, range_along(odom_from_sonar.position(), odom_from_sonar.theta + radians(2.0 * i), walls));
+      }
+      firings.push_back({disc, utime_, range, range < 4.9, odom_from_robot});
+    }
+    map_.visit(odom_from_robot.position());
+    map_.add(firings);
+  }
+
+  /// Drives a round through the room, half a metre off its walls.
+  void look_round(const std::vector<Wall>& walls) {
+    for (int i = 0; i <= 30; ++i) {
+      const double x = 0.5 + 0.1 * i;
+      scan({x, 0.6, 0.0}, walls);
+      scan({x, 1.5, kPi}, walls);
+      scan({x, 2.4, kPi}, walls);
+    }
+    for (int i = 0; i <= 10; ++i) {
+      scan({1.8, 1.6 - 0.1 * i, -0.5 * kPi}, walls);
+    }
+  }
+
+  RobotDescription robot_ = test_robot();
+  SearchMap map_{robot_.sonar, SearchMapParams{}};
+  std::int64_t utime_ = 0;
+};
+
+TEST_F(SearchMapTest, KnowsNoWayBeforeItHasSeenAnything) {
+  EXPECT_FALSE(map_.way_to_new_ground({0.0, 0.0}));
+}
+
+TEST_F(SearchMapTest, LeavesAKnownRoomByItsDoorway) {
+  look_round(room(true));
+  const auto way = map_.way_to_new_ground({1.0, 2.0});
+  ASSERT_TRUE(way);
+  EXPECT_LT(way->back().y(), -0.3) << "new ground is outside";
+  EXPECT_NEAR(way->front().x(), 1.0, 0.5) << "the way begins at the robot";
+  for (const Eigen::Vector2d& place : *way) {
+    if (std::abs(place.y()) < 0.1) {
+      EXPECT_GT(place.x(), 1.4);
+      EXPECT_LT(place.x(), 2.2);
+    }
+  }
+}
+
+TEST_F(SearchMapTest, FindsNothingNewInAClosedRoomThatItKnows) {
+  look_round(room(false));
+  EXPECT_FALSE(map_.way_to_new_ground({1.0, 2.0}));
+}
+
+TEST_F(SearchMapTest, DoesNotTakeAWallForOpenThatIsSilentAtASlant) {
+  look_round(room(false));
+  // what is heard at a slant is the wall's mirror image, a metre behind it
+  for (int i = 0; i < 40; ++i) {
+    utime_ += 320'000;
+    map_.add(std::vector<SonarFiring>{{7, utime_, 2.2, true, {0.5 + 0.05 * i, 0.8, radians(40.0)}}});
+  }
+  EXPECT_FALSE(map_.way_to_new_ground({1.0, 2.0}));
+}
+
+TEST_F(SearchMapTest, GivesUpAPlaceThatCouldNotBeReached) {
+  look_round(room(true));
+  const auto way = map_.way_to_new_ground({1.0, 2.0});
+  ASSERT_TRUE(way);
+  map_.block(way->back());
+  const auto other = map_.way_to_new_ground({1.0, 2.0});
+  if (other) {
+    EXPECT_GT((other->back() - way->back()).norm(), 0.4);
+  }
+}
+
+TEST_F(SearchMapTest, SeesThatAnObstacleWentAway) {
+  std::vector<Wall> walls = room(true);
+  walls.push_back({{1.2, 0.05}, {2.4, 0.05}});  // somebody shut the door
+  look_round(walls);
+  EXPECT_FALSE(map_.way_to_new_ground({1.0, 2.0}));
+  look_round(room(true));
+  look_round(room(true));
+  EXPECT_TRUE(map_.way_to_new_ground({1.0, 2.0}));
+}
+
+}  // namespace
+}  // namespace luminav
