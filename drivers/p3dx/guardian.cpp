@@ -76,7 +76,7 @@ class WheelListener {
       while (const auto packet = parser_.next()) {
         if (const auto word =
                 is_information(packet->type) ? decode_information(packet->type, packet->payload) : std::nullopt) {
-          constexpr int kStandingSpeed = 10;  // [mm/s]
+          constexpr int kStandingSpeed = 20;  // [mm/s]
           stands_ = std::abs(word->left_mm_s) <= kStandingSpeed && std::abs(word->right_mm_s) <= kStandingSpeed;
         }
       }
@@ -101,6 +101,7 @@ void stop_robot(int line, double brake_time) {
   constexpr double kRepeat = 0.03;    // [s]
   constexpr double kOutdated = 0.15;  // [s] a packet and a half: what the robot says before is from before the STOP
   constexpr int kFarewells = 3;
+  constexpr double kBetweenFarewells = 0.01;  // [s]
   WheelListener wheels;
   const double begin = now_seconds();
   bool stands = false;
@@ -116,7 +117,7 @@ void stop_robot(int line, double brake_time) {
   }
   for (int i = 0; i < kFarewells; ++i) {
     if (i > 0) {
-      pause_for(kRepeat);
+      pause_for(kBetweenFarewells);
     }
     for (const std::vector<std::uint8_t>& frame : leave) {
       write_frame(line, frame);

@@ -2,6 +2,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <functional>
 #include <string>
 
 #include "drivers/p3dx/guardian.hpp"
@@ -19,8 +20,13 @@ class Watch {
  public:
   Watch(P3dxNode& node, Guardian& guardian, const Clock& clock) : node_(node), guardian_(guardian), clock_(clock) {}
 
+  void report_connection(std::function<void()> changed) { connection_changed_ = std::move(changed); }
   void poll() {
     node_.poll();
+    if (node_.connected() != connected_) {
+      connected_ = node_.connected();
+      connection_changed_();
+    }
     const int openings = node_.descriptor() >= 0 ? node_.link().openings() : 0;
     if (openings != guarded_) {
       guarded_ = openings;
@@ -55,6 +61,8 @@ class Watch {
   const Clock& clock_;
   std::int64_t last_beat_ = 0;  // [us]
   int guarded_ = 0;             // which opening of the line
+  bool connected_ = false;
+  std::function<void()> connection_changed_ = [] {};
   std::string said_;
 };
 
@@ -117,6 +125,7 @@ int main(int argc, char** argv) {
     loop.watch([&] { return node.descriptor(); }, [&] { watch.poll(); });
     loop.every(20'000, [&] { watch.poll(); });
     loop.report_health([&] { return watch.health(); });
+    watch.report_connection([&] { loop.check_health(); });
     const int status = loop.run();
     bring_to_rest(node, watch);
     return status;

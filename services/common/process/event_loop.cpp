@@ -99,13 +99,7 @@ EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot)
   every(
       1'000'000, [this] { publish_status(); }, kHealthSlack);
   every(
-      kHealthPeriod,
-      [this] {
-        if (state_of(current_health()) != published_state_) {
-          publish_status();  // who waits for this process need not wait for the second to pass
-        }
-      },
-      kHealthSlack);
+      kHealthPeriod, [this] { check_health(); }, kHealthSlack);
 }
 
 EventLoop::~EventLoop() = default;
@@ -179,6 +173,12 @@ int EventLoop::run() {
     }
   }
   return 0;
+}
+
+void EventLoop::check_health() {
+  if (state_of(current_health()) != published_state_) {
+    publish_status();  // who waits for this process need not wait for the second to pass
+  }
 }
 
 Health EventLoop::current_health() const {

@@ -38,6 +38,8 @@ class EventLoop {
   /// Up to `slack` [us] early when the process is awake anyway: each waking costs more than most callbacks.
   void every(std::int64_t period, std::function<void()> callback, std::int64_t slack = 0);
   void report_health(std::function<Health()> health) { health_ = std::move(health); }
+  /// Looks at the health now, and says so at once if the state is another: else it takes up to 50 ms.
+  void check_health();
 
   /// Runs until SIGINT, SIGTERM or stop(); returns 0, or 1 when LCM failed.
   int run();
