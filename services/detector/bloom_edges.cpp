@@ -23,6 +23,7 @@ constexpr double kBeyondBloom = 14.0;  // [px] from there to the middle of where
 constexpr std::size_t kDistances = 6;  // 2 px apart
 constexpr double kLevel = 0.8;         // of the way from the ceiling to saturation
 constexpr double kWhite = 255.0;
+constexpr double kUnevenGuess = 0.3;   // of the swelling's own deviation: where one side alone is seen it is a guess
 constexpr double kUnevenBloom = 0.05;  // of the swelling, 1 sigma
 constexpr double kCutoff = 1.5;        // [px] Tukey's
 
@@ -287,7 +288,9 @@ class BloomLevel {
     const Matrix4d inverse = information.inverse();
     fit.covariance = edge_sigma * edge_sigma * inverse.topLeftCorner<3, 3>();
     // What bloom does not do alike on all sides grows with its reach.
-    const double shared = std::hypot(params.outline_sigma_px * metres_per_px_, kUnevenBloom * swelling);
+    const double unknown = edge_sigma * std::sqrt(inverse(3, 3));
+    const double shared =
+        std::hypot(params.outline_sigma_px * metres_per_px_, kUnevenBloom * swelling, kUnevenGuess * unknown);
     const double lever = 0.3 * std::max(fit.visible_to - fit.visible_from, 0.5 * outline_.width);
     fit.covariance(0, 0) += shared * shared;
     fit.covariance(1, 1) += shared * shared;

@@ -47,7 +47,7 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
     return "too few ends";
   }
   if (!is_filled(frame, candidate, level)) {
-    return "not filled";
+    return kNotFilled.data();
   }
   return may_be_something_else(frame, candidate, bright) ? "may be another element" : nullptr;
 }
@@ -63,7 +63,7 @@ const char* CandidateChecks::objection_to_disc(const CeilingFrame& frame, const 
   }
   const bool sound = fit.in_view[kLeftSide] >= 12 && 2 * fit.in_view[kLeftSide] >= fit.expected[kLeftSide] &&
                      fit.share(kLeftSide) >= params_.minimum_long_side_fit;
-  return !sound ? "no edge all round" : !is_filled(frame, candidate, level) ? "not filled" : nullptr;
+  return !sound ? "no edge all round" : !is_filled(frame, candidate, level) ? kNotFilled.data() : nullptr;
 }
 
 const char* CandidateChecks::objection_to_edges(const Candidate& candidate, bool bright) const {

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <string_view>
+
 #include "services/common/geometry/camera_model.hpp"
 #include "services/detector/candidate.hpp"
 #include "services/detector/ceiling_catalogue.hpp"
 #include "services/detector/detector_params.hpp"
 
 namespace luminav {
+
+/// The objection that a region cut out at a lower level may overcome.
+inline constexpr std::string_view kNotFilled = "not filled";
 
 /// What speaks against a candidate: its size, sides and ends without edges, an inside that is not filled, or something
 /// else that is listed and may look the same.

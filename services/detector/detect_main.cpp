@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "services/common/process/command_line.hpp"
+#include "services/detector/contact_sheet.hpp"
 #include "services/detector/debug_picture.hpp"
 #include "services/detector/detector.hpp"
 #include "services/detector/detector_config.hpp"
@@ -95,12 +96,30 @@ void write_whole(const fs::path& file, const std::string& text) {
   fs::rename(temporary, file);
 }
 
-int detect_all(const DetectorConfig& config, const std::vector<std::string>& files, const std::string& json_file,
-               const std::string& debug_folder) {
-  Detector detector(config.params, config.camera, config.catalogue);
-  if (!debug_folder.empty()) {
-    fs::create_directories(debug_folder);
+struct Output {
+  std::string json_file;     // "" or "-" = standard output
+  std::string debug_folder;  // "" = none
+  std::string sheet_file;    // "" = none
+};
+
+json tried(const DetectorTrace& trace) {
+  json result = json::array();
+  for (std::size_t i = 0; i < trace.verdicts.size(); ++i) {
+    json corners = json::array();
+    for (const Eigen::Vector2d& corner : trace.rectangles[i]) {
+      corners.push_back({corner.x(), corner.y()});
+    }
+    result.push_back({{"corners_px", corners}, {"verdict", trace.verdicts[i]}});
   }
+  return result;
+}
+
+int detect_all(const DetectorConfig& config, const std::vector<std::string>& files, const Output& output) {
+  Detector detector(config.params, config.camera, config.catalogue);
+  if (!output.debug_folder.empty()) {
+    fs::create_directories(output.debug_folder);
+  }
+  ContactSheet sheet;
   json result = json::array();
   int failed = 0;
   for (const std::string& file : files) {
@@ -117,22 +136,17 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
       for (const Detection& detection : detections) {
         entry["detections"].push_back(to_json(detection));
       }
-      if (!debug_folder.empty()) {
-        entry["tried"] = json::array();
-        for (std::size_t i = 0; i < trace.verdicts.size(); ++i) {
-          json corners = json::array();
-          for (const Eigen::Vector2d& corner : trace.rectangles[i]) {
-            corners.push_back({corner.x(), corner.y()});
-          }
-          entry["tried"].push_back({{"corners_px", corners}, {"verdict", trace.verdicts[i]}});
-        }
-      }
       entry["width"] = image.width;
       entry["height"] = image.height;
       entry["median_grey"] = detector.median_grey();
-      if (!debug_folder.empty()) {
-        const fs::path name = fs::path(file).stem().string() + ".png";
-        cv::imwrite((fs::path(debug_folder) / name).string(), draw_debug_picture(image.view(), trace, detections));
+      if (!output.debug_folder.empty() || !output.sheet_file.empty()) {
+        const cv::Mat picture = draw_debug_picture(image.view(), trace, detections);
+        sheet.add(picture, fs::path(file).stem().string());
+        if (!output.debug_folder.empty()) {
+          entry["tried"] = tried(trace);
+          const fs::path name = fs::path(file).stem().string() + ".png";
+          cv::imwrite((fs::path(output.debug_folder) / name).string(), picture);
+        }
       }
     } catch (const std::exception& error) {
       std::fprintf(stderr, "detect: %s\n", error.what());
@@ -142,10 +156,14 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
     result.push_back(std::move(entry));
   }
   const std::string text = result.dump(1) + "\n";
-  if (json_file.empty() || json_file == "-") {
+  if (!output.sheet_file.empty() && !sheet.empty() &&
+      !cv::imwrite(output.sheet_file, sheet.draw(), {cv::IMWRITE_JPEG_QUALITY, 75})) {
+    throw std::runtime_error(output.sheet_file + ": cannot be written");
+  }
+  if (output.json_file.empty() || output.json_file == "-") {
     std::fputs(text.c_str(), stdout);
   } else {
-    write_whole(json_file, text);
+    write_whole(output.json_file, text);
   }
   return failed == 0 ? 0 : 1;
 }
@@ -158,14 +176,14 @@ int main(int argc, char** argv) {
     std::string robot_file;
     std::string building_file;
     std::string mode;
-    std::string json_file;
-    std::string debug_folder;
+    luminav::Output output;
     std::vector<std::string> files;
     luminav::CommandLine command_line("detect", "Finds light fixtures in pictures of ceilings.");
     command_line.robot_file(robot_file).building_file(building_file);
     command_line.text("--mode", mode, "paper or modern instead of the robot file's")
-        .text("--json", json_file, "where to write the detections (- or left out: standard output)")
-        .text("--debug", debug_folder, "folder for pictures of what was tried (green) and found (blue)")
+        .text("--json", output.json_file, "where to write the detections (- or left out: standard output)")
+        .text("--debug", output.debug_folder, "folder for pictures of what was tried (green) and found (blue)")
+        .text("--sheet", output.sheet_file, "one picture of them all")
         .positional("images", files, "PNG, JPEG, PGM, ...", true);
     if (const auto status = command_line.parse(argc, argv)) {
       return *status;
@@ -176,6 +194,6 @@ int main(int argc, char** argv) {
     } else if (!mode.empty()) {
       throw luminav::ConfigurationError("--mode = " + mode + ": must be paper or modern");
     }
-    return luminav::detect_all(config, files, json_file, debug_folder);
+    return luminav::detect_all(config, files, output);
   });
 }

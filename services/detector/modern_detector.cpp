@@ -283,6 +283,9 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
       trace->verdicts.emplace_back(verdict == nullptr ? "accepted" : verdict);
     }
     if (verdict != nullptr) {
+      if (verdict == kNotFilled) {
+        tried_.pop_back();
+      }
       continue;
     }
     // An end that is seen says more than one that is not; among equals the outline that needs the least swelling.

@@ -223,8 +223,8 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
         // a joint along one side only widens the outline and shifts it by as much
         fit.covariance(1, 1) += std::pow(sides * metres_per_px, 2) + swelling * swelling;
       } else {
-        // bloom is not quite the same on all sides
-        const double bloom = 0.1 * swelling;
+        // bloom is not quite the same on all sides, and a guess where too few of them are seen
+        const double bloom = std::hypot(0.1 * swelling, 0.3 * edge_sigma * std::sqrt(inverse(3, 3)));
         fit.covariance(0, 0) += bloom * bloom;
         fit.covariance(1, 1) += bloom * bloom;
         fit.covariance(2, 2) += 0.25 * bloom * bloom / (lever * lever);

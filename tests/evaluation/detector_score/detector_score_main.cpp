@@ -4,8 +4,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
 
 #include "services/common/process/command_line.hpp"
+#include "services/detector/contact_sheet.hpp"
 #include "services/detector/debug_picture.hpp"
 #include "tests/evaluation/detector_score/detector_score.hpp"
 
@@ -33,6 +35,30 @@ FrameListener dump_to(const std::filesystem::path& folder) {
                   (corners[1] - corners[2]).norm(), centre.x(), centre.y(), frame.trace.verdicts[i].c_str());
     }
   };
+}
+
+/// One frame of each condition, the first in which something was found.
+FrameListener keep_first(ContactSheet& sheet, const std::string& condition) {
+  return [&sheet, condition, kept = false](const ScoredFrame& frame) mutable {
+    const auto is_fixture = [](const Detection& d) { return d.shape != DetectionShape::kElement; };
+    if (!kept && std::any_of(frame.detections.begin(), frame.detections.end(), is_fixture)) {
+      sheet.add(draw_debug_picture(frame.image->view(), frame.trace, frame.detections), condition);
+      kept = true;
+    }
+  };
+}
+
+int draw_conditions(const DetectorScoreOptions& options, const std::string& sheet_file) {
+  ContactSheet sheet;
+  DetectorScoreOptions few = options;
+  few.worlds = 1;
+  for (const Condition& condition : lighting_matrix()) {
+    score_detector(few, condition, keep_first(sheet, condition.name));
+  }
+  if (!cv::imwrite(sheet_file, sheet.draw(), {cv::IMWRITE_JPEG_QUALITY, 75})) {
+    throw std::runtime_error(sheet_file + ": cannot be written");
+  }
+  return 0;
 }
 
 int run(const DetectorScoreOptions& options, const std::string& only, const std::string& folder) {
@@ -69,6 +95,7 @@ int main(int argc, char** argv) {
     std::int64_t frames = 40;
     std::string only;
     std::string folder;
+    std::string sheet;
     bool raw = false;
     luminav::CommandLine command_line("detector_score", "Measures the detector on rendered frames against the truth.");
     command_line.text("--scenario", scenario, "whose building and robot are taken")
@@ -78,6 +105,7 @@ int main(int argc, char** argv) {
         .integer("--frames", frames, "per world and condition")
         .text("--only", only, "one condition of the matrix")
         .text("--dump", folder, "folder for the frames that something is to be said against")
+        .text("--sheet", sheet, "write a picture of one frame per condition there, and measure nothing")
         .flag("--raw", raw, "without JPEG")
         .flag("--believed", options.believed_camera, "with the mounting and ceiling of the files, not the true ones");
     if (const auto status = command_line.parse(argc, argv)) {
@@ -89,6 +117,6 @@ int main(int argc, char** argv) {
     options.worlds = static_cast<int>(worlds);
     options.frames = static_cast<int>(frames);
     options.jpeg = !raw;
-    return luminav::score::run(options, only, folder);
+    return sheet.empty() ? luminav::score::run(options, only, folder) : luminav::score::draw_conditions(options, sheet);
   });
 }
