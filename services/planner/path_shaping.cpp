@@ -54,6 +54,8 @@ void relax(const ConfigurationSpace& space, const PathShapingParams& params, Pol
       5e-4;  // [m] a point that moved less stays, until a neighbour moves: most of a way is straight
   std::vector<std::uint8_t> moves(band.size(), 1);
   std::vector<std::uint8_t> moved_last(band.size(), 1);
+  Polyline pushes(band.size());  // [m] of where each point is
+  std::vector<std::uint8_t> is_pushed(band.size(), 0);
   for (int round = 0; round < params.smoothing_rounds; ++round) {
     for (std::size_t i = 1; i + 1 < band.size(); ++i) {
       // in one round the points before have moved already
@@ -62,17 +64,21 @@ void relax(const ConfigurationSpace& space, const PathShapingParams& params, Pol
         continue;
       }
       const Eigen::Vector2d pull = params.tension * (0.5 * (band[i - 1] + band[i + 1]) - band[i]);
-      const double depth = std::max(0.0, 1.0 - space.clearance_at(band[i]) / range);
-      Eigen::Vector2d push = Eigen::Vector2d::Zero();
-      if (depth > 0.0) {
-        push = params.push * depth * clearance_gradient(space, band[i]);
+      if (is_pushed[i] == 0) {
+        const double depth = std::max(0.0, 1.0 - space.clearance_at(band[i]) / range);
+        pushes[i] = Eigen::Vector2d::Zero();
+        if (depth > 0.0) {
+          pushes[i] = params.push * depth * clearance_gradient(space, band[i]);
+        }
+        is_pushed[i] = 1;
       }
-      const Eigen::Vector2d moved = band[i] + pull + push;
+      const Eigen::Vector2d moved = band[i] + pull + pushes[i];
       moves[i] = 0;
       if ((moved - band[i]).squaredNorm() > kStill * kStill && is_clear(space, band[i - 1], moved) &&
           is_clear(space, moved, band[i + 1])) {
         band[i] = moved;
         moves[i] = 1;
+        is_pushed[i] = 0;
       }
     }
     moves.front() = moves.back() = 0;
