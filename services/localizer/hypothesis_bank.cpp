@@ -3,8 +3,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
-#include <unordered_map>
+
+#include "services/localizer/place_table.hpp"
 
 namespace luminav {
 namespace {
@@ -379,46 +381,37 @@ void HypothesisBank::listen(const std::vector<Echo>& echoes) {
 }
 
 void HypothesisBank::tidy() {
-  for (Hypothesis& hypothesis : hypotheses_) {
-    score(hypothesis);
-  }
-  std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.total > b.total; });
   if (hypotheses_.empty()) {
     return;
   }
-  const double least = hypotheses_.front().total - params_.prune;
-  std::erase_if(hypotheses_, [&](const Hypothesis& h) {
+  for (Hypothesis& hypothesis : hypotheses_) {
+    score(hypothesis);
+  }
+  std::vector<std::size_t> order(hypotheses_.size());  // sorted in place of the hypotheses, which are large
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return hypotheses_[a].total > hypotheses_[b].total; });
+  const double least = hypotheses_[order.front()].total - params_.prune;
+  std::erase_if(order, [&](std::size_t i) {
+    const Hypothesis& h = hypotheses_[i];
     return h.total < least || h.walls < -15.0 || !h.belief.covariance.allFinite();
   });
-  if (hypotheses_.size() > static_cast<std::size_t>(params_.most)) {
-    hypotheses_.resize(static_cast<std::size_t>(params_.most));
+  if (order.size() > static_cast<std::size_t>(params_.most)) {
+    order.resize(static_cast<std::size_t>(params_.most));
   }
-  // the better of two that came together stays; buckets keep this linear in the number of hypotheses
-  std::unordered_map<std::int64_t, std::vector<std::size_t>> kept_in;
-  const auto key = [](std::int64_t column, std::int64_t row) { return column * 1'000'003 + row; };
+  // the better of two that came together stays
+  PlaceTable places(order.size());
   std::vector<Hypothesis> kept;
-  kept.reserve(hypotheses_.size());
-  for (Hypothesis& hypothesis : hypotheses_) {
-    const Pose2& pose = hypothesis.belief.pose;
-    const auto column = static_cast<std::int64_t>(std::floor(pose.x));
-    const auto row = static_cast<std::int64_t>(std::floor(pose.y));
-    bool is_double = false;
-    for (std::int64_t c = column - 1; c <= column + 1 && !is_double; ++c) {
-      for (std::int64_t r = row - 1; r <= row + 1 && !is_double; ++r) {
-        const auto bucket = kept_in.find(key(c, r));
-        if (bucket == kept_in.end()) {
-          continue;
-        }
-        is_double = std::any_of(bucket->second.begin(), bucket->second.end(), [&](std::size_t i) {
-          return distance(kept[i].belief.pose, pose) < params_.merge_distance &&
-                 std::abs(wrap_angle(kept[i].belief.pose.theta - pose.theta)) < params_.merge_angle;
-        });
-      }
-    }
+  kept.reserve(order.size());
+  for (const std::size_t index : order) {
+    const Pose2& pose = hypotheses_[index].belief.pose;
+    const bool is_double = places.any_near(pose, [&](std::size_t i) {
+      return distance(kept[i].belief.pose, pose) < params_.merge_distance &&
+             std::abs(wrap_angle(kept[i].belief.pose.theta - pose.theta)) < params_.merge_angle;
+    });
     if (!is_double) {
-      kept_in[key(column, row)].push_back(kept.size());
-      kept.push_back(std::move(hypothesis));
+      places.add(pose);
+      kept.push_back(std::move(hypotheses_[index]));
     }
   }
   hypotheses_ = std::move(kept);
