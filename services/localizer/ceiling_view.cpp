@@ -8,6 +8,8 @@ namespace {
 
 constexpr int kAlong = 8;  // sample points of a fixture
 constexpr int kAcross = 2;
+constexpr double kFarthest = 1.73;  // [m] per metre of height, 60 degrees off the zenith: beyond a fixture is a sliver
+constexpr int kBorderPoints = 48;   // of a view that the image's corners do not bound
 
 /// Sample points of a fixture, in the robot frame.
 class FixtureSamples {
@@ -29,15 +31,19 @@ class FixtureSamples {
 
 CeilingView::CeilingView(const CameraDescription& camera)
     : camera_(camera), model_(camera.intrinsics, camera.mounting) {
+  const Eigen::Vector2d mounting(camera.mounting.x, camera.mounting.y);
   const double right = camera.intrinsics.width - 1.0;
   const double bottom = camera.intrinsics.height - 1.0;
   // the corners alone: between them lens distortion bends the sides by less than the margins used
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(right, 0.0),
                                        Eigen::Vector2d(right, bottom), Eigen::Vector2d(0.0, bottom)}) {
     const auto point = model_.point_on_ceiling(pixel, camera.mounting.z + 1.0);
-    if (point) {
-      border_.push_back(*point - Eigen::Vector2d(camera.mounting.x, camera.mounting.y));
+    if (point && (*point - mounting).norm() < 2.0 * kFarthest) {
+      border_.push_back(*point - mounting);
     }
+  }
+  if (border_.size() < 4) {
+    border_ = wide_border();
   }
   double area = 0.0;
   for (std::size_t i = 0; i < border_.size(); ++i) {
@@ -59,6 +65,25 @@ bool CeilingView::is_inside(const Eigen::Vector2d& point, double height, double 
     const Eigen::Vector2d offset = on_unit_plane - side.start;
     return (side.along.x() * offset.y() - side.along.y() * offset.x()) * height >= margin;
   });
+}
+
+// Of a fisheye, whose corners look at walls: as far as each direction is in the image, up to the bound.
+std::vector<Eigen::Vector2d> CeilingView::wide_border() const {
+  const Eigen::Vector2d mounting(camera_.mounting.x, camera_.mounting.y);
+  std::vector<Eigen::Vector2d> border;
+  for (int i = 0; i < kBorderPoints; ++i) {
+    const double azimuth = 2.0 * kPi * i / kBorderPoints;
+    const Eigen::Vector2d along(std::cos(azimuth), std::sin(azimuth));
+    double inside = 0.0;
+    double outside = kFarthest;
+    for (int halving = 0; halving < 12; ++halving) {
+      const double middle = 0.5 * (inside + outside);
+      const auto pixel = model_.pixel_of_ceiling_point(mounting + middle * along, camera_.mounting.z + 1.0);
+      (pixel && model_.is_in_image(*pixel) ? inside : outside) = middle;
+    }
+    border.push_back(inside * along);
+  }
+  return border;
 }
 
 double CeilingView::visible_share(const Pose2& robot_from_fixture, const Fixture& fixture, double margin) const {

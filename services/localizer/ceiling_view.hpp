@@ -40,6 +40,7 @@ class CeilingView {
 
   /// Whether a point of a ceiling `height` [m] above the camera lies in the image, `margin` [m] from its border.
   [[nodiscard]] bool is_inside(const Eigen::Vector2d& point, double height, double margin) const;
+  [[nodiscard]] std::vector<Eigen::Vector2d> wide_border() const;
   [[nodiscard]] Eigen::Vector2d at_middle_row(const Eigen::Vector2d& point, double height, double linear,
                                               double angular) const;
 

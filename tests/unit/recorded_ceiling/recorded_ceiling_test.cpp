@@ -1,0 +1,111 @@
+// A real robot's drive under a real ceiling, through detector and localizer. The recording has no odometry: visual
+// increments stand in for it.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "services/common/geometry/angle.hpp"
+#include "tests/unit/recorded_ceiling/recorded_run.hpp"
+#include "tests/unit/recorded_ceiling/visual_odometry.hpp"
+
+namespace luminav::testing {
+namespace {
+
+constexpr double kFoot = 0.3048;  // [m]
+// The reference is the author's own tracker: in most images it lies 0.14 m from where the fixtures are seen.
+constexpr double kFollowed = 0.60;              // [m]
+constexpr double kFollowedTurn = radians(5.0);  // [rad]
+constexpr std::size_t kGap = 4;                 // images without a fixture, while this robot may turn by 25 degrees
+
+/// Index of the first image of a gap; their number if there is none.
+std::size_t first_gap(const RecordedRun& run) {
+  std::size_t empty = 0;
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    empty = run.frames[i].seen.sightings.empty() ? empty + 1 : 0;
+    if (empty == kGap) {
+      return i + 1 - kGap;
+    }
+  }
+  return run.frames.size();
+}
+
+const RecordedRun& recorded_run() {
+  static const RecordedRun run = read_recorded_run();
+  return run;
+}
+
+/// What the localizer says after each image.
+std::vector<LocalizerEstimate> follow(Localizer& localizer, const RecordedRun& run) {
+  VisualOdometry odometry;
+  std::vector<LocalizerEstimate> estimates;
+  for (const RecordedRun::Frame& frame : run.frames) {
+    localizer.add_odometry({frame.seen.utime, 1, odometry.step(frame.seen.sightings)});
+    localizer.add_frame(frame.seen);
+    estimates.push_back(localizer.estimate());
+  }
+  return estimates;
+}
+
+/// Visual increments are far worse than wheels.
+LocalizerConfig config_of(const RecordedRun& run) {
+  LocalizerConfig config = run.config;
+  config.errors.odometry_position = 0.15;
+  config.errors.odometry_heading = radians(8.0);
+  config.errors.camera_time_offset = 0.002;
+  config.errors.camera_tilt = radians(1.5);
+  config.errors.fixture_position = 0.05;
+  return config;
+}
+
+TEST(RecordedCeiling, FollowsTheRobotFromItsFirstPose) {
+  const RecordedRun& run = recorded_run();
+  const LocalizerConfig config = config_of(run);
+  const auto localizer = make_localizer(config);
+  localizer->add_odometry({run.frames.front().seen.utime - 10'000, 1, {}});
+  localizer->recall({run.frames.front().world_from_robot, Eigen::Vector3d(0.01, 0.01, 0.001).asDiagonal()});
+  const std::vector<LocalizerEstimate> estimates = follow(*localizer, run);
+  const std::size_t end = first_gap(run);
+  std::size_t sharp = 0;
+  double farthest = 0.0;
+  double most_turned = 0.0;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const Eigen::Vector3d offset =
+        offset_modulo_grid(estimates[i].belief.pose, run.frames[i].world_from_robot, run.pitch);
+    const double apart = offset.head<2>().norm();
+    if (i < end) {
+      sharp += apart < 0.3 * kFoot && std::abs(offset.z()) < radians(3.0) ? 1 : 0;
+      farthest = std::max(farthest, apart);
+      most_turned = std::max(most_turned, std::abs(offset.z()));
+    } else if (estimates[i].state == LocalizerState::kTracking) {
+      EXPECT_LT(apart, 0.5) << "sure of a wrong place in image " << i;
+    }
+  }
+  std::printf(
+      "images with fixtures before the first gap: %zu; within 0.3 ft and 3 degrees %zu; farthest %.2f m, %.1f "
+      "degrees\n",
+      end, sharp, farthest, degrees(most_turned));
+  EXPECT_GE(end, 95U) << "images until the detector sees nothing for a while";
+  EXPECT_LT(farthest, kFollowed);
+  EXPECT_LT(most_turned, kFollowedTurn);
+}
+
+TEST(RecordedCeiling, IsNotSureOfItsPlaceUnderAGridOfEqualFixtures) {
+  const RecordedRun& run = recorded_run();
+  const auto localizer = make_localizer(config_of(run));
+  const std::vector<LocalizerEstimate> estimates = follow(*localizer, run);
+  const auto tracking = std::count_if(estimates.begin(), estimates.end(),
+                                      [](const LocalizerEstimate& e) { return e.state == LocalizerState::kTracking; });
+  const auto ambiguous = std::count_if(estimates.begin(), estimates.end(), [](const LocalizerEstimate& e) {
+    return e.state == LocalizerState::kAmbiguous;
+  });
+  std::printf("ambiguous in %ld of %zu images\n", static_cast<long>(ambiguous), estimates.size());
+  EXPECT_EQ(tracking, 0);
+  EXPECT_GE(ambiguous, static_cast<long>(estimates.size()) - 5);
+}
+
+}  // namespace
+}  // namespace luminav::testing

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "services/localizer/fixture_sighting.hpp"
+
+namespace luminav::testing {
+
+/// Odometry from sightings alone, for recordings without wheels: constant velocity, corrected by aligning what is seen
+/// with what was seen lately. Which fixture of the building anything is does not matter to it.
+class VisualOdometry {
+ public:
+  /// Takes in the next image's sightings; returns odom_from_robot at that image.
+  Pose2 step(const std::vector<FixtureSighting>& sightings);
+
+ private:
+  struct SeenThing {
+    Pose2 odom_from_thing;
+    int last_frame = 0;
+  };
+  Pose2 align(const Pose2& predicted, const std::vector<FixtureSighting>& sightings) const;
+  [[nodiscard]] const SeenThing* thing_at(const Pose2& odom_from_sighting) const;
+
+  std::vector<SeenThing> things_;
+  Pose2 odom_from_robot_;
+  Pose2 velocity_;  // robot's motion from one image to the next
+  int frame_ = 0;
+};
+
+}  // namespace luminav::testing
