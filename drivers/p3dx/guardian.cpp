@@ -9,6 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
@@ -61,7 +62,8 @@ class WheelListener {
   /// Takes what the line has, for so long [s]; true when the newest word of the robot is that both wheels stand.
   bool listen(int line, double seconds) {
     const double end = now_seconds() + seconds;
-    for (double left = seconds; left > 0.0; left = end - now_seconds()) {
+    while (now_seconds() < end) {
+      const double left = std::max(0.0, end - now_seconds());
       pollfd readable{line, POLLIN, 0};
       if (poll(&readable, 1, static_cast<int>(1000.0 * left) + 1) <= 0) {
         break;
@@ -69,7 +71,7 @@ class WheelListener {
       std::array<std::uint8_t, 1024> bytes;
       const ssize_t count = read(line, bytes.data(), bytes.size());
       if (count <= 0) {
-        pause_for(end - now_seconds());  // hung up; the frames are sent all the same
+        pause_for(std::max(0.0, end - now_seconds()));  // hung up; the frames are sent all the same
         break;
       }
       parser_.push(std::span(bytes).first(static_cast<std::size_t>(count)));
