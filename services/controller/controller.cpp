@@ -67,7 +67,7 @@ ControlOutput Controller::step(const ControlInput& input) {
   }
   look_for_people(input.now, obstacles);
   const double unknown = nearest_unknown(obstacles);
-  const DriveTwist wanted = with_care(wish(input, obstacles, output), unknown);
+  const DriveTwist wanted = with_care(wish(input, obstacles, output), unknown, obstacles);
   DriveTwist smooth = ramp_.step(wanted, input.duration);
   if (escape_ && wanted.linear != 0.0) {
     // the arc that was found free, from the first step on: turning speeds up faster than driving
@@ -113,10 +113,24 @@ double Controller::nearest_unknown(const std::vector<ObstaclePoint>& obstacles) 
   return nearest;
 }
 
-// Something near that is on no map may be somebody about to move: slower, so that the next echo comes in time.
-DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const {
+// Something near that is on no map may be somebody about to move: slower, so that the next echo comes in time. What
+// appears ahead where nothing was may be somebody who walks towards it, and his next echo comes a third of a second and
+// half a metre later.
+DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest,
+                                 const std::vector<ObstaclePoint>& obstacles) const {
   const double share = std::clamp(nearest / config_.care_within, config_.care_least, 1.0);
-  const double linear = share * config_.robot.limits.linear;
+  double linear = share * config_.robot.limits.linear;
+  for (const ObstaclePoint& obstacle : obstacles) {
+    const double ahead = wanted.linear < 0.0 ? -obstacle.position.x() : obstacle.position.x();
+    if (obstacle.is_known || obstacle.has_stood || obstacle.age > config_.news_age ||
+        ahead < 0.5 * obstacle.position.norm()) {
+      continue;
+    }
+    const double gap = stop_logic_.footprint().distance(obstacle.position) - obstacle.age * config_.robot.limits.linear;
+    const double fraction = std::clamp((gap - config_.news_slow) / (config_.news_free - config_.news_slow), 0.0, 1.0);
+    const double most = config_.robot.limits.linear;
+    linear = std::min(linear, most - (1.0 - fraction) * std::max(0.0, most - config_.news_speed));
+  }
   const double angular = share * config_.robot.limits.angular;
   return {std::clamp(wanted.linear, -linear, linear), std::clamp(wanted.angular, -angular, angular)};
 }

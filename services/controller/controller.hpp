@@ -78,7 +78,8 @@ class Controller {
   void look_for_people(std::int64_t now, const std::vector<ObstaclePoint>& obstacles);
   [[nodiscard]] bool has_met_people(std::int64_t now) const;
   [[nodiscard]] double nearest_unknown(const std::vector<ObstaclePoint>& obstacles) const;
-  [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest) const;
+  [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest,
+                                     const std::vector<ObstaclePoint>& obstacles) const;
   void hold_still(std::int64_t now, const Pose2& odom_from_robot, const DriveTwist& wanted, double nearest,
                   StopVerdict& verdict);
   DriveTwist wish(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);

@@ -39,6 +39,10 @@ struct ControllerConfig {
   int escapes_most = 3;               // at one place; more is going in circles
   double care_within = 0.5;           // [m] of something that no map has
   double care_least = 0.4;            // share of the robot's limits left when it is that near
+  double news_slow = 0.45;            // [m] from something new ahead it drives at `news_speed`
+  double news_free = 0.95;            // [m] and at full speed
+  double news_speed = 0.20;           // [m/s] stops within the tenth of a metre that people keep
+  double news_age = 0.5;              // [s] since it was heard; a newer firing has the say then
   double hold_within = 0.35;          // [m] of something that no map has and that stops it: stands quite still
   double hold_pause = 1.0;            // [s] after that it tries by itself
 

@@ -345,6 +345,7 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
     }
     input.echoes = echoes_.obstacles(utime, *place);
     if (input.task == ControlTask::kWander) {
+      input.echoes = echoes_.obstacles_without_map(utime, *place);
       input.remembered = echoes_.remembered(utime, *place);
       input.firings = echoes_.newest();
     }

@@ -52,6 +52,18 @@ double EchoMemory::approach_speed(const SonarFiring& firing) const {
   return speed < params_.approach_least || speed > params_.approach_most ? 0.0 : speed;
 }
 
+// Is one of its points where another echo came from a while ago? Somebody who walks has gone on since.
+bool EchoMemory::was_heard_before(const Echo& echo) const {
+  const double within = params_.stands_within * params_.stands_within;
+  return std::any_of(echoes_.begin(), echoes_.end(), [&](const Echo& older) {
+    return seconds_between(older.utime, echo.utime) >= params_.stands_after &&
+           std::any_of(older.points_in_odom.begin(), older.points_in_odom.end(), [&](const Eigen::Vector2d& then) {
+             return std::any_of(echo.points_in_odom.begin(), echo.points_in_odom.end(),
+                                [&](const Eigen::Vector2d& now) { return (now - then).squaredNorm() < within; });
+           });
+  });
+}
+
 // A farther echo through the same directions takes back what was thought to stand nearer. Silence refutes only what the
 // same disc heard from the same place: a smooth wall seen at another slant is silent too.
 void EchoMemory::refute(const SonarFiring& firing) {
@@ -130,12 +142,14 @@ void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
         echo.points_in_odom.push_back(point_at(sector.right + (sector.left - sector.right) * i / steps));
       }
     }
+    echo.has_stood = echo.is_known || was_heard_before(echo);
     echoes_.push_back(std::move(echo));
   }
   newest_[firing.disc] = firing;
 }
 
-std::vector<ObstaclePoint> EchoMemory::points_of(std::int64_t now, const Pose2& odom_from_robot, double longest) const {
+std::vector<ObstaclePoint> EchoMemory::points_of(std::int64_t now, const Pose2& odom_from_robot, double longest,
+                                                 double longest_near) const {
   std::vector<ObstaclePoint> result;
   const PointTransform robot_from_odom(odom_from_robot.inverse());
   std::size_t count = 0;
@@ -145,24 +159,28 @@ std::vector<ObstaclePoint> EchoMemory::points_of(std::int64_t now, const Pose2& 
   result.reserve(count);
   for (const Echo& echo : echoes_) {
     const double age = std::max(0.0, seconds_between(echo.utime, now));
-    if (age > std::max(echo.keep, longest)) {
+    if (age > std::max(echo.keep, echo.range < params_.near ? longest_near : longest)) {
       continue;
     }
     // after half a second a newer firing has the say about who approaches
     const double approach = age < 0.5 ? echo.approach : 0.0;
     for (const Eigen::Vector2d& point : echo.points_in_odom) {
-      result.push_back({robot_from_odom * point, approach, age, echo.is_known});
+      result.push_back({robot_from_odom * point, approach, age, echo.is_known, echo.has_stood});
     }
   }
   return result;
 }
 
 std::vector<ObstaclePoint> EchoMemory::obstacles(std::int64_t now, const Pose2& odom_from_robot) const {
-  return points_of(now, odom_from_robot, 0.0);
+  return points_of(now, odom_from_robot, 0.0, 0.0);
+}
+
+std::vector<ObstaclePoint> EchoMemory::obstacles_without_map(std::int64_t now, const Pose2& odom_from_robot) const {
+  return points_of(now, odom_from_robot, 0.0, params_.remember);
 }
 
 std::vector<ObstaclePoint> EchoMemory::remembered(std::int64_t now, const Pose2& odom_from_robot) const {
-  return points_of(now, odom_from_robot, params_.remember);
+  return points_of(now, odom_from_robot, params_.remember, params_.remember);
 }
 
 }  // namespace luminav

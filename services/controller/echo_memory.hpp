@@ -16,6 +16,7 @@ struct ObstaclePoint {
   double approach = 0.0;                               // [m/s] how fast it may come nearer by itself
   double age = 0.0;                                    // [s] since it was measured
   bool is_known = false;                               // the building's map has it
+  bool has_stood = false;                              // something was heard there before: it doesn't walk
 };
 
 /// One firing of one disc.
@@ -40,6 +41,8 @@ struct EchoMemoryParams {
   double same_heading = radians(6.0);   // [rad]
   double approach_least = 0.25;         // [m/s] slower than this is noise
   double approach_most = 1.4;           // [m/s] a brisk walk
+  double stands_after = 0.5;            // [s] what was heard there this long ago stands
+  double stands_within = 0.12;          // [m]
   double approach_at_once = 1.1;        // [m] nearer than this one sign of approach is enough, farther off it takes two
 };
 
@@ -57,6 +60,9 @@ class EchoMemory {
   void add(const SonarFiring& firing, const WallTest& is_wall);
   /// Obstacles as they are seen from the robot now.
   [[nodiscard]] std::vector<ObstaclePoint> obstacles(std::int64_t now, const Pose2& odom_from_robot) const;
+  /// The same for a robot that doesn't know where it is: no map tells of the door jamb beside its rear corner, where no
+  /// disc looks, so what was near is remembered longer.
+  [[nodiscard]] std::vector<ObstaclePoint> obstacles_without_map(std::int64_t now, const Pose2& odom_from_robot) const;
   /// The same with a longer memory, for whoever looks for a way: standing things stay where they are.
   [[nodiscard]] std::vector<ObstaclePoint> remembered(std::int64_t now, const Pose2& odom_from_robot) const;
   /// Newest firing of each disc; utime 0 = never.
@@ -79,10 +85,12 @@ class EchoMemory {
     double approach = 0.0;      // [m/s]
     double axis_in_odom = 0.0;  // [rad] of the disc that heard it
     bool is_known = false;
+    bool has_stood = false;
     std::vector<Eigen::Vector2d> points_in_odom;
   };
-  [[nodiscard]] std::vector<ObstaclePoint> points_of(std::int64_t now, const Pose2& odom_from_robot,
-                                                     double longest) const;
+  [[nodiscard]] std::vector<ObstaclePoint> points_of(std::int64_t now, const Pose2& odom_from_robot, double longest,
+                                                     double longest_near) const;
+  [[nodiscard]] bool was_heard_before(const Echo& echo) const;
   [[nodiscard]] double approach_speed(const SonarFiring& firing) const;
   void refute(const SonarFiring& firing);
 

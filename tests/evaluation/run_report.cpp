@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
@@ -32,6 +33,7 @@ ordered_json json_of(const RunReport& r) {
                      {"error_m", rounded(g.error_m)},
                      {"heading_error_deg", rounded(g.heading_error_deg)},
                      {"time_s", rounded(g.time_s)},
+                     {"shortest_m", rounded(g.shortest_m)},
                      {"cause", g.cause}});
   }
   ordered_json processes = ordered_json::array();
@@ -40,6 +42,17 @@ ordered_json json_of(const RunReport& r) {
                          {"cpu_percent", rounded(p.cpu_percent)},
                          {"rss_mb", rounded(p.rss_mb)},
                          {"restarts", p.restarts}});
+  }
+  ordered_json contacts = ordered_json::array();
+  for (const ContactEvent& c : r.drive.contacts) {
+    contacts.push_back({{"at_s", rounded(c.at_s)},
+                        {"with", c.with},
+                        {"x", rounded(c.x)},
+                        {"y", rounded(c.y)},
+                        {"theta_deg", rounded(c.theta_deg)},
+                        {"linear", rounded(c.linear)},
+                        {"angular", rounded(c.angular)},
+                        {"control_state", c.control_state}});
   }
   ordered_json map = nullptr;
   if (r.map.measured) {
@@ -73,6 +86,9 @@ ordered_json json_of(const RunReport& r) {
           {"goals", goals},
           {"contacts", r.contacts},
           {"hard_contacts", r.hard_contacts},
+          {"contact_events", contacts},
+          {"oscillation_s", rounded(r.drive.oscillation_s)},
+          {"corridor_share", rounded(r.drive.corridor_share)},
           {"min_clearance_m", rounded(r.min_clearance_m)},
           {"carries", r.carries},
           {"carries_noticed", r.carries_noticed},
@@ -90,6 +106,51 @@ double quantile(std::vector<double> values, double q) {
   const auto below = static_cast<std::size_t>(position);
   const std::size_t above = std::min(below + 1, values.size() - 1);
   return values[below] + (position - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+void put_contact_classes(const std::vector<RunReport>& runs, ordered_json& summary) {
+  std::map<std::string, int> classes;
+  for (const RunReport& run : runs) {
+    for (const ContactEvent& contact : run.drive.contacts) {
+      ++classes[contact.with];
+    }
+  }
+  for (const auto& [with, count] : classes) {
+    summary["contacts_" + with] = count;
+  }
+}
+
+/// Missions that began while the pose was known, against 1.5 times the shortest way at full speed and 10 s.
+void put_mission_figures(const std::vector<RunReport>& runs, ordered_json& summary) {
+  constexpr double kSpeed = 0.5;  // [m/s]
+  std::vector<double> times;
+  std::vector<double> headings;
+  std::vector<double> corridors;
+  for (const RunReport& run : runs) {
+    for (const GoalResult& goal : run.goals) {
+      if (goal.reached && goal.shortest_m > 0.0) {
+        times.push_back(goal.time_s / (1.5 * goal.shortest_m / kSpeed + 10.0));
+      }
+      if (goal.reached) {
+        headings.push_back(goal.heading_error_deg);
+      }
+    }
+    if (run.drive.corridor_share >= 0.0) {
+      corridors.push_back(run.drive.corridor_share);
+    }
+  }
+  if (!headings.empty()) {
+    summary["goal_heading_p95_deg"] = rounded(quantile(headings, 0.95));
+  }
+  if (!times.empty()) {
+    summary["mission_time_ratio_median"] = rounded(quantile(times, 0.5));
+    summary["mission_time_ratio_p95"] = rounded(quantile(times, 0.95));
+  }
+  if (!corridors.empty()) {
+    summary["corridor_share_median"] = rounded(quantile(corridors, 0.5));
+  }
+  summary["oscillating_runs"] =
+      std::count_if(runs.begin(), runs.end(), [](const RunReport& r) { return r.drive.oscillation_s > 0.0; });
 }
 
 ordered_json summary_of(const std::vector<RunReport>& runs) {
@@ -183,11 +244,13 @@ ordered_json summary_of(const std::vector<RunReport>& runs) {
     summary["refused_right"] = refused_right;
   }
   summary["contacts"] = contacts;
+  put_contact_classes(runs, summary);
   summary["min_clearance_m"] = rounded(clearance);
   const auto drove_freely = [](const RunReport& r) { return r.mean_speed_m_s > 0.0; };
   if (count(drove_freely) > 0) {
     summary["mean_speed_m_s"] = rounded(mean([](const RunReport& r) { return r.mean_speed_m_s; }, drove_freely));
   }
+  put_mission_figures(runs, summary);
   const auto compared = [](const RunReport& r) { return r.path_efficiency > 0.0; };
   if (count(compared) > 0) {
     summary["path_efficiency"] = rounded(mean([](const RunReport& r) { return r.path_efficiency; }, compared));
@@ -310,6 +373,16 @@ std::string to_text(const RunReport& r) {
       "  contacts {}, with things sonar hardly sees {}; smallest clearance {:.2f} m; {:.2f} m/s on free stretches; "
       "path efficiency {:.2f}\n",
       r.contacts, r.hard_contacts, r.min_clearance_m, r.mean_speed_m_s, r.path_efficiency);
+  for (const ContactEvent& c : r.drive.contacts) {
+    text += fmt::format(
+        "  contact with {} after {:.1f} s at ({:.2f}, {:.2f}, {:.0f} deg), control state {}, {:.2f} m/s and {:.0f} "
+        "deg/s\n",
+        c.with, c.at_s, c.x, c.y, c.theta_deg, c.control_state, c.linear, degrees(c.angular));
+  }
+  if (r.drive.corridor_share >= 0.0 || r.drive.oscillation_s > 0.0) {
+    text += fmt::format("  in corridors {:.0f} % of the clearance there is (median); steering to and fro {:.1f} s\n",
+                        100.0 * std::max(0.0, r.drive.corridor_share), r.drive.oscillation_s);
+  }
   if (r.carries > 0) {
     text += fmt::format("  carried {} times, noticed {}, recovered {}\n", r.carries, r.carries_noticed,
                         r.carries_recovered);

@@ -18,7 +18,27 @@ struct GoalResult {
   double error_m = 0.0;            // true distance when it ended
   double heading_error_deg = 0.0;  // 0 when no heading was asked for
   double time_s = 0.0;             // from the request
-  std::string cause;               // its last sentence
+  double shortest_m = -1.0;  // octile way of a disc of 0.30 m from where it was requested; negative = not compared
+  std::string cause;         // its last sentence
+};
+
+/// The robot touched something by its own motion.
+struct ContactEvent {
+  double at_s = 0.0;  // since the start
+  std::string with;   // wall | box | person | hard (what sonar hardly sees)
+  double x = 0.0;     // [m] true pose, world
+  double y = 0.0;     // [m]
+  double theta_deg = 0.0;
+  double linear = 0.0;    // [m/s] last command
+  double angular = 0.0;   // [rad/s]
+  int control_state = 0;  // as in CONTROL_STATUS
+};
+
+/// How the robot drove.
+struct DriveResult {
+  std::vector<ContactEvent> contacts;
+  double oscillation_s = 0.0;    // in which the heading command changed its sign more than 3 times a second for 2 s
+  double corridor_share = -1.0;  // median clearance in corridors over what the middle would give; negative = in none
 };
 
 struct ProcessResult {
@@ -68,6 +88,7 @@ struct RunReport {
   int carries = 0;
   int carries_noticed = 0;    // out of TRACKING within 1 s of the first contradicting image
   int carries_recovered = 0;  // TRACKING rightly again
+  DriveResult drive;
   MapResult map;
   std::vector<ProcessResult> processes;
   std::string scenario_file;

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "services/common/process/channels.hpp"
+#include "tests/evaluation/drive_judge.hpp"
 #include "tests/evaluation/map_score.hpp"
 #include "tests/evaluation/mission.hpp"
 #include "tests/evaluation/run_judge.hpp"
@@ -102,6 +103,7 @@ RunReport conclude(const RunJudge& judge, const Mission& mission, const WorldTru
         report.goals[i].reached && !world.walls.cells.empty()
             ? octile_length(world.walls, from[i].position(), {report.goals[i].x, report.goals[i].y}, kPlanningRadius)
             : -1.0;
+    report.goals[i].shortest_m = length;
     if (length > 0.0) {
       shortest += length;
       driven += mission.driven_for_goal(i);
@@ -124,6 +126,7 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
     survey.emplace(robot.lcm(), robot.world(), robot.believed_building(), robot.believed_robot().camera, scenario.seed);
   }
   RunJudge judge(robot.lcm(), scenario, robot.world());
+  const DriveJudge drive_judge(robot.lcm(), robot.world());
   Mission mission(robot.lcm(), scenario, options.patrol);
   const RunLog log(robot.lcm());
   const Tracer tracer(robot.lcm(), judge);
@@ -152,6 +155,7 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
   if (survey) {
     *options.survey = std::move(survey->result());
   }
+  report.drive = drive_judge.result();
   report.trail = judge.trail();
   report.log = log.lines();
   report.cpu_s = thread_seconds() - cpu_start;

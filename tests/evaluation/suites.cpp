@@ -4,8 +4,10 @@
 
 #include <algorithm>
 
+#include "drivers/simulator/scenario.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "tests/evaluation/generated_worlds.hpp"
+#include "tests/evaluation/mission_scenarios.hpp"
 
 namespace luminav {
 namespace {
@@ -65,7 +67,8 @@ std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& p
 }
 
 std::string suite_names() {
-  return "quick, laboratory, office, localization, detector, mapping, navigation, endurance, worlds, scale, all";
+  return "quick, laboratory, office, localization, detector, mapping, navigation, endurance, missions, worlds, scale, "
+         "all";
 }
 
 bool has_detector_part(const std::string& suite) {
@@ -90,6 +93,12 @@ std::vector<SuiteEntry> suite_entries(const std::string& suite, const std::files
   if (suite == "scale" || suite == "all") {
     for (const auto& file : make_scale_series(generated)) {
       entries.push_back({file, 1000, suite == "all" ? 999 + kScaleSeedsInAll : 1004, "geometric", false});
+    }
+  }
+  if (suite == "missions" || suite == "all") {
+    for (const auto& file : make_missions(generated)) {
+      const std::uint64_t seed = read_scenario(file).seed;
+      entries.push_back({file, seed, seed, "geometric", false});
     }
   }
   // "all" would do some twice: the laboratory is one of the worlds too

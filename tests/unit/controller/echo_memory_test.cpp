@@ -68,6 +68,29 @@ TEST_F(EchoMemoryTest, ForgetsAfterItsTimeButLaterWhereSonarMayBeBlind) {
   EXPECT_TRUE(at(4.6).empty());
 }
 
+TEST_F(EchoMemoryTest, WithoutAMapRemembersLongerWhatIsNear) {
+  fire(0.0, kAhead, 0.3);
+  fire(0.0, kAhead + 1, 1.0);
+  EXPECT_TRUE(at(5.0).empty());
+  const auto points = memory_.obstacles_without_map(time(5.0), {});
+  ASSERT_FALSE(points.empty());
+  for (const ObstaclePoint& point : points) {
+    EXPECT_LT(point.position.x(), 0.6);
+  }
+  EXPECT_TRUE(memory_.obstacles_without_map(time(9.0), {}).empty());
+}
+
+TEST_F(EchoMemoryTest, TellsWhatStandsFromWhatWalks) {
+  fire(0.0, kAhead, 1.5);
+  EXPECT_FALSE(at(0.0).back().has_stood);
+  fire(0.32, kAhead, 1.5);
+  EXPECT_FALSE(at(0.32).back().has_stood);
+  fire(0.64, kAhead, 1.4, {0.1, 0.0, 0.0});
+  EXPECT_TRUE(at(0.64, {0.1, 0.0, 0.0}).back().has_stood);
+  fire(0.96, kAhead, 1.0, {0.1, 0.0, 0.0});
+  EXPECT_FALSE(at(0.96, {0.1, 0.0, 0.0}).back().has_stood);
+}
+
 TEST_F(EchoMemoryTest, AFartherEchoTakesBackANearerOne) {
   fire(0.0, kAhead, 1.0);
   fire(0.32, kAhead, 2.5);

@@ -40,6 +40,27 @@ TEST(Suites, EnduranceIsTenHoursOfPatrol) {
   EXPECT_EQ(read_scenario(entries[0].scenario).duration, 36'000.0);
 }
 
+TEST(Suites, MissionsAreFiveHundredGoalsSomeBehindAClosedDoor) {
+  std::size_t goals = 0;
+  int to_refuse = 0;
+  int with_people = 0;
+  for (const SuiteEntry& entry : suite_entries("missions", generated())) {
+    const Scenario scenario = read_scenario(entry.scenario);
+    EXPECT_EQ(entry.sensing, "geometric");
+    EXPECT_GE(entry.first_seed, 1000U);
+    EXPECT_TRUE(scenario.start_known);
+    goals += scenario.goals.size();
+    with_people += scenario.people.empty() ? 0 : 1;
+    for (const ScenarioGoal& goal : scenario.goals) {
+      to_refuse += goal.expect_refused ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(goals, 500U);
+  EXPECT_EQ(with_people, 75);
+  EXPECT_GT(to_refuse, 3);
+  EXPECT_LT(to_refuse, 50);
+}
+
 TEST(Suites, WorldsAreTheEightOfThem) {
   const auto entries = suite_entries("worlds", generated());
   std::set<std::string> names;
@@ -55,7 +76,7 @@ TEST(Suites, AnUnknownOneNamesThoseThereAre) {
     (void)suite_entries("nonsense", generated());
     FAIL();
   } catch (const ConfigurationError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("endurance, worlds, scale, all"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("endurance, missions, worlds, scale, all"));
   }
 }
 

@@ -1,0 +1,54 @@
+#include "services/controller/controller.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/controller/test_robot.hpp"
+
+namespace luminav {
+namespace {
+
+/// Speed [m/s] that a person gets who asks for full speed for two seconds with a thing at a place.
+double speed_with(const ObstaclePoint& obstacle) {
+  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  ControlInput input;
+  input.task = ControlTask::kTeleop;
+  input.teleoperation = {0.5, 0.0};
+  input.echoes = {obstacle};
+  input.ages = {0.05, 0.05, 0.2, 0.2, false, false};
+  double speed = 0.0;
+  for (int i = 1; i <= 40; ++i) {
+    input.now = 1'000'000 + 50'000 * i;
+    speed = controller.step(input).twist.linear;
+  }
+  return speed;
+}
+
+ObstaclePoint thing_at(double x, double y, bool has_stood) {
+  ObstaclePoint thing;
+  thing.position = {x, y};
+  thing.age = 0.1;
+  thing.has_stood = has_stood;
+  return thing;
+}
+
+TEST(Controller, SlowsDownForWhatAppearsAheadAndNotForWhatStood) {
+  // 0.75 m before the nose: the stop logic alone lets it go on at full speed
+  EXPECT_NEAR(speed_with(thing_at(0.96, 0.0, true)), 0.5, 1e-6);
+  EXPECT_LT(speed_with(thing_at(0.96, 0.0, false)), 0.40);
+  EXPECT_GT(speed_with(thing_at(0.96, 0.0, false)), 0.20);
+}
+
+TEST(Controller, DrivesOnPastWhatAppearsBehindOrOnAMap) {
+  EXPECT_NEAR(speed_with(thing_at(-1.0, 0.0, false)), 0.5, 1e-6);
+  ObstaclePoint wall = thing_at(0.96, 0.0, false);
+  wall.is_known = true;
+  EXPECT_NEAR(speed_with(wall), 0.5, 1e-6);
+}
+
+TEST(Controller, GoesOnByAndByWhereSomethingNewStands) {
+  // slow enough to stop in time, but never wedged by it
+  EXPECT_NEAR(speed_with(thing_at(0.63, 0.45, false)), 0.2, 0.05);
+}
+
+}  // namespace
+}  // namespace luminav
