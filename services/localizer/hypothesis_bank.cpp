@@ -75,7 +75,8 @@ FrameComparison HypothesisBank::compare(const PoseBelief& belief, const Sighting
   thread_local std::vector<int> near;
   near.clear();
   map_.find_near(belief.pose.position(), view_radius_ + 1.0, near);
-  std::vector<Pair> pairs;
+  thread_local std::vector<Pair> pairs;
+  pairs.clear();
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const FixtureSighting& sighting = frame.sightings[i];
     const Eigen::Vector2d place = belief.pose * sighting.robot_from_fixture.position();
@@ -99,9 +100,12 @@ FrameComparison HypothesisBank::compare(const PoseBelief& belief, const Sighting
     }
   }
   // one-to-one, the best pair first: fixtures stand so far apart that a better sum of worse pairs does not occur
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [](const Pair& a, const Pair& b) { return a.innovation.nis < b.innovation.nis; });
-  std::vector<int> taken;
+  if (pairs.size() > 1) {
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Pair& a, const Pair& b) { return a.innovation.nis < b.innovation.nis; });
+  }
+  thread_local std::vector<int> taken;
+  taken.clear();
   for (const Pair& pair : pairs) {
     if (result.fixture_of_sighting[pair.sighting] >= 0 ||
         std::find(taken.begin(), taken.end(), pair.fixture) != taken.end()) {

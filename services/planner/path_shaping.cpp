@@ -12,6 +12,25 @@ int samples_of(const ConfigurationSpace& space, const Eigen::Vector2d& from, con
   return std::max(1, static_cast<int>(std::ceil((to - from).norm() / (0.5 * space.geometry().resolution))));
 }
 
+/// Whether the rectangle of cells between two is passable, where that is a small one.
+bool is_small_and_clear(const ConfigurationSpace& space, const Cell& a, const Cell& b) {
+  constexpr int kMostCells = 9;
+  const Cell low{std::min(a.column, b.column), std::min(a.row, b.row)};
+  const Cell high{std::max(a.column, b.column), std::max(a.row, b.row)};
+  if (!space.geometry().contains(low) || !space.geometry().contains(high) || high.column - low.column >= kMostCells ||
+      (high.column - low.column + 1) * (high.row - low.row + 1) > kMostCells) {
+    return false;
+  }
+  for (int row = low.row; row <= high.row; ++row) {
+    for (int column = low.column; column <= high.column; ++column) {
+      if (!space.passable().test({column, row})) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 /// Replaces pieces of the chain by straight lines, farthest first, while they cost no more.
 Polyline shortened(const ConfigurationSpace& space, const PathShapingParams& params, const Polyline& chain) {
   std::vector<double> cost(chain.size(), 0.0);  // from the first point
@@ -106,6 +125,10 @@ double cost_of(const ConfigurationSpace& space, const Polyline& points) {
 }
 
 bool is_clear(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  // of a short line every sample lies in the rectangle of its ends; rounding keeps their order
+  if (is_small_and_clear(space, space.geometry().cell_at(from), space.geometry().cell_at(from + (to - from)))) {
+    return true;
+  }
   const int samples = samples_of(space, from, to);
   for (int i = 0; i <= samples; ++i) {
     if (space.is_blocked(space.geometry().cell_at(from + (to - from) * (static_cast<double>(i) / samples)))) {
