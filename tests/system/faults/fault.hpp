@@ -54,9 +54,7 @@ struct FaultResult {
 
   [[nodiscard]] bool stands_in_time() const { return !must_stand || bridged || (stood && *stood <= bound); }
   [[nodiscard]] bool resumes_in_time() const;
-  /// Whom the line does not reach nobody can steer: what it touches before its watchdog stops it is counted apart.
-  [[nodiscard]] bool touched_nothing() const { return contacts == blind_contacts; }
-  [[nodiscard]] bool good() const { return touched_nothing() && stands_in_time() && resumes_in_time(); }
+  [[nodiscard]] bool good() const { return contacts == 0 && stands_in_time() && resumes_in_time(); }
 };
 
 inline constexpr double kResumeWithin = 3.0;  // [s]
