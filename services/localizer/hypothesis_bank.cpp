@@ -60,8 +60,18 @@ void HypothesisBank::advance(const Pose2& delta) {
   }
 }
 
-FrameComparison HypothesisBank::compare(const PoseBelief& belief, const SightingFrame& frame, double linear,
-                                        double angular) const {
+std::vector<Eigen::Matrix3d> HypothesisBank::systematic_errors(const SightingFrame& frame, double linear,
+                                                               double angular) const {
+  std::vector<Eigen::Matrix3d> errors;
+  errors.reserve(frame.sightings.size());
+  for (const FixtureSighting& sighting : frame.sightings) {
+    errors.push_back(systematic_sighting_covariance(sighting, height_above_camera_, linear, angular, errors_));
+  }
+  return errors;
+}
+
+FrameComparison HypothesisBank::compare(const PoseBelief& belief, const SightingFrame& frame,
+                                        const std::vector<Eigen::Matrix3d>& systematic) const {
   struct Pair {
     std::size_t sighting = 0;
     int fixture = 0;
@@ -80,17 +90,13 @@ FrameComparison HypothesisBank::compare(const PoseBelief& belief, const Sighting
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const FixtureSighting& sighting = frame.sightings[i];
     const Eigen::Vector2d place = belief.pose * sighting.robot_from_fixture.position();
-    std::optional<Eigen::Matrix3d> systematic;  // the same whichever fixture it is
     for (const int index : near) {
       const Fixture& fixture = map_[index];
       if ((fixture.world_from_fixture.position() - place).squaredNorm() > 2.25 ||
           !fits_kind_and_size(sighting, fixture, KindGate{})) {
         continue;
       }
-      if (!systematic) {
-        systematic = systematic_sighting_covariance(sighting, height_above_camera_, linear, angular, errors_);
-      }
-      const Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, errors_) + *systematic;
+      const Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, errors_) + systematic[i];
       const Innovation innovation = innovate(belief, sighting, fixture, noise);
       if (innovation.nis < params_.gate) {
         pairs.push_back({i, index,
@@ -208,9 +214,10 @@ void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>&
   for (const SeenObject& object : scene.forgotten()) {
     null_settled_ += params_.misfit * std::min(1.0, static_cast<double>(object.frames) / params_.frames_for_full_vote);
   }
+  const std::vector<Eigen::Matrix3d> systematic = systematic_errors(frame, odometry.linear, odometry.angular);
   for (Hypothesis& hypothesis : hypotheses_) {
     settle(hypothesis, scene, odometer);
-    const FrameComparison comparison = compare(hypothesis.belief, frame, odometry.linear, odometry.angular);
+    const FrameComparison comparison = compare(hypothesis.belief, frame, systematic);
     for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
       const FixtureSighting& sighting = frame.sightings[i];
       const SeenObject& object = scene.objects()[static_cast<std::size_t>(object_of_sighting[i])];
@@ -227,10 +234,7 @@ void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>&
       if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
         white(2, 2) += kNoAngle;
       }
-      const Eigen::Matrix3d noise =
-          (white +
-           systematic_sighting_covariance(sighting, height_above_camera_, odometry.linear, odometry.angular, errors_)) /
-          share;
+      const Eigen::Matrix3d noise = (white + systematic[i]) / share;
       // several corrections in one image: linearise each at the pose the one before it left
       Innovation innovation = innovate(hypothesis.belief, sighting, fixture, noise);
       correct(hypothesis.belief, innovation, noise);
@@ -316,10 +320,11 @@ int HypothesisBank::seed(SceneMemory& scene, const Pose2& odom_from_robot) {
       recent.sightings.push_back(carried);
       others.push_back(&other);
     }
+    const std::vector<Eigen::Matrix3d> systematic = systematic_errors(recent, 0.0, 0.0);
     for (Hypothesis& hypothesis : born) {
       hypothesis.settled = null_settled_;
       hypothesis.sonar = best_sonar_ - 1.0;
-      const FrameComparison comparison = compare(hypothesis.belief, recent, 0.0, 0.0);
+      const FrameComparison comparison = compare(hypothesis.belief, recent, systematic);
       for (std::size_t i = 0; i < others.size(); ++i) {
         vote(hypothesis, *others[i], comparison.fixture_of_sighting[i], comparison.log_likelihood[i], 1.0);
         hypothesis.votes.back().frames = others[i]->frames;

@@ -107,11 +107,13 @@ class HypothesisBank {
   [[nodiscard]] std::vector<Hypothesis>& hypotheses() { return hypotheses_; }
   /// Score of "all that was seen is something else": what a pose not in the list would have.
   [[nodiscard]] double null_score() const { return null_settled_ + null_active_; }
-  /// Compares an image with a pose; used for hypotheses and for the tracked pose alike.
-  [[nodiscard]] FrameComparison compare(const PoseBelief& belief, const SightingFrame& frame, double linear,
-                                        double angular) const;
 
  private:
+  /// What constant errors of camera and time may do to each sighting, the same whichever fixture and pose it is.
+  [[nodiscard]] std::vector<Eigen::Matrix3d> systematic_errors(const SightingFrame& frame, double linear,
+                                                               double angular) const;
+  [[nodiscard]] FrameComparison compare(const PoseBelief& belief, const SightingFrame& frame,
+                                        const std::vector<Eigen::Matrix3d>& systematic) const;
   void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double log_likelihood, double weight);
   void settle(Hypothesis& hypothesis, const SceneMemory& scene, double odometer);
   void score(Hypothesis& hypothesis) const;

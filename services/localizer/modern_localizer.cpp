@@ -16,12 +16,11 @@ constexpr double kFastest = 3.0;                    // [m/s] beyond it odometry 
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
 constexpr double kRefuted = 6.0;                    // log-score behind the best at which a leader is one no more
 constexpr std::size_t kMostSightings = 12;          // of one image
-constexpr std::size_t kMostEchoes = 64;
-constexpr double kSamePlace = 0.5;              // [m] a guess that near
-constexpr double kSameHeading = radians(20.0);  // and so little turned means the tracked pose
-constexpr int kSureFrames = 3;                  // images of an object after which it is one
-constexpr double kMovedByHand = 0.05;           // [m] by which one image moves a pose that wheels did not move
-constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
+constexpr double kSamePlace = 0.5;                  // [m] a guess that near
+constexpr double kSameHeading = radians(20.0);      // and so little turned means the tracked pose
+constexpr int kSureFrames = 3;                      // images of an object after which it is one
+constexpr double kMovedByHand = 0.05;               // [m] by which one image moves a pose that wheels did not move
+constexpr double kTurnedByHand = radians(3.0);      // [rad] likewise
 
 }  // namespace
 
@@ -31,12 +30,13 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       map_(building.fixtures),
       view_(robot.camera),
       walls_(walls),
-      robot_(robot),
+      wheel_base_(robot.wheel_base),
       params_(params),
       bank_(map_, view_, walls_, building.ceiling_height, robot.wheel_base, robot.sonar, errors, params.hypotheses),
       filter_(std::max(0.2, building.ceiling_height - robot.camera.mounting.z),
               {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors, params.tracking),
-      watch_(map_, view_, building.ceiling_height, params.rules) {
+      watch_(map_, view_, building.ceiling_height, params.rules),
+      echoes_(robot.sonar, params.hypotheses.sonar_way, params.hypotheses.sonar_turn) {
   if (map_.size() == 0) {
     reason_ = "the building's file names no fixtures";
   }
@@ -94,16 +94,7 @@ void ModernLocalizer::add_frame(const SightingFrame& frame) {
 }
 
 void ModernLocalizer::add_sonar(const SonarScan& scan) {
-  for (const SonarEcho& reading : scan.readings) {
-    if (reading.has_echo && reading.disc >= 0 &&
-        reading.disc < static_cast<int>(robot_.sonar.robot_from_sonar.size()) &&
-        reading.range >= robot_.sonar.minimum_range && reading.range < 0.9 * robot_.sonar.maximum_range) {
-      echoes_.push_back(reading);
-    }
-  }
-  if (echoes_.size() > kMostEchoes) {
-    echoes_.erase(echoes_.begin(), echoes_.end() - kMostEchoes);
-  }
+  echoes_.add(scan);
 }
 
 void ModernLocalizer::add_base_state(const BaseState& state) {
@@ -167,10 +158,8 @@ void ModernLocalizer::add_rival(const PoseBelief& belief) {
 void ModernLocalizer::advance(const OdometryReading& odometry) {
   if (filter_odometry_) {
     const Pose2 delta = filter_odometry_->odom_from_robot.inverse() * odometry.odom_from_robot;
-    const double way = std::hypot(delta.x, delta.y);
-    odometer_ += way;
-    way_since_sonar_ += way;
-    turn_since_sonar_ += std::abs(delta.theta);
+    odometer_ += std::hypot(delta.x, delta.y);
+    echoes_.advance(delta);
     bank_.advance(delta);
     if (leader_id_ != 0) {
       filter_.predict(delta);
@@ -180,34 +169,10 @@ void ModernLocalizer::advance(const OdometryReading& odometry) {
 }
 
 void ModernLocalizer::listen(std::int64_t until_utime) {
-  if (way_since_sonar_ < params_.hypotheses.sonar_way && turn_since_sonar_ < params_.hypotheses.sonar_turn) {
-    return;
+  const std::vector<HypothesisBank::Echo> echoes = echoes_.take(until_utime, queue_.history());
+  if (!echoes.empty()) {
+    bank_.listen(echoes);
   }
-  const auto now = queue_.history().at(until_utime);
-  if (!now) {
-    return;
-  }
-  std::vector<HypothesisBank::Echo> echoes;
-  std::vector<bool> has_disc(robot_.sonar.robot_from_sonar.size(), false);
-  for (auto reading = echoes_.rbegin(); reading != echoes_.rend(); ++reading) {
-    const auto disc = static_cast<std::size_t>(reading->disc);
-    const auto then = queue_.history().at(reading->utime);
-    if (!then || reading->utime > until_utime || until_utime - reading->utime > 1'000'000 || has_disc[disc]) {
-      continue;
-    }
-    has_disc[disc] = true;  // the newest of each disc
-    const Pose2 now_from_sonar =
-        now->odom_from_robot.inverse() * then->odom_from_robot * robot_.sonar.robot_from_sonar[disc];
-    echoes.push_back(
-        {now_from_sonar.position(), now_from_sonar * Eigen::Vector2d(reading->range, 0.0), reading->range});
-  }
-  if (echoes.size() < 3) {
-    return;
-  }
-  std::erase_if(echoes_, [&](const SonarEcho& r) { return r.utime <= until_utime; });
-  way_since_sonar_ = 0.0;
-  turn_since_sonar_ = 0.0;
-  bank_.listen(echoes);
 }
 
 SightingFrame ModernLocalizer::usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const {
@@ -463,7 +428,7 @@ LocalizerEstimate ModernLocalizer::estimate() const {
   } else if (!bank_.hypotheses().empty()) {
     estimate.estimator = EstimatorKind::kHypotheses;
     estimate.belief = bank_.hypotheses().front().belief;
-    predict(estimate.belief, ahead, odometry_noise(ahead, robot_.wheel_base, ErrorParams{}));
+    predict(estimate.belief, ahead, odometry_noise(ahead, wheel_base_, ErrorParams{}));
   }
   if (state_ == LocalizerState::kAmbiguous) {
     widen_over(hypotheses(200), estimate.belief);

@@ -7,6 +7,7 @@
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/contradiction_watch.hpp"
+#include "services/localizer/echo_collector.hpp"
 #include "services/localizer/fixture_matching.hpp"
 #include "services/localizer/frame_queue.hpp"
 #include "services/localizer/hypothesis_bank.hpp"
@@ -71,18 +72,16 @@ class ModernLocalizer final : public Localizer {
   FixtureMap map_;
   CeilingView view_;
   WallField walls_;
-  RobotDescription robot_;
+  double wheel_base_;  // [m]
   ModernLocalizerParams params_;
   FrameQueue queue_;
   SceneMemory scene_;
   HypothesisBank bank_;
   TrackingFilter filter_;
   ContradictionWatch watch_;
+  EchoCollector echoes_;
   std::optional<OdometryReading> filter_odometry_;  // where bank and filter stand
   double odometer_ = 0.0;                           // [m]
-  std::vector<SonarEcho> echoes_;
-  double way_since_sonar_ = 1e9;   // [m]
-  double turn_since_sonar_ = 0.0;  // [rad]
 
   LocalizerState state_ = LocalizerState::kLost;
   std::string reason_ = "no fixture seen yet";

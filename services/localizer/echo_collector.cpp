@@ -1,0 +1,62 @@
+#include "services/localizer/echo_collector.hpp"
+
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+constexpr std::size_t kMostEchoes = 64;
+constexpr std::size_t kFewestEchoes = 3;
+constexpr std::int64_t kOldest = 1'000'000;  // [us]
+constexpr double kUsableRange = 0.9;         // of the maximum: beyond it the ring says its maximum for nothing heard
+
+}  // namespace
+
+void EchoCollector::add(const SonarScan& scan) {
+  for (const SonarEcho& reading : scan.readings) {
+    if (reading.has_echo && reading.disc >= 0 && reading.disc < static_cast<int>(sonar_.robot_from_sonar.size()) &&
+        reading.range >= sonar_.minimum_range && reading.range < kUsableRange * sonar_.maximum_range) {
+      echoes_.push_back(reading);
+    }
+  }
+  if (echoes_.size() > kMostEchoes) {
+    echoes_.erase(echoes_.begin(), echoes_.end() - kMostEchoes);
+  }
+}
+
+void EchoCollector::advance(const Pose2& delta) {
+  way_since_ += std::hypot(delta.x, delta.y);
+  turn_since_ += std::abs(delta.theta);
+}
+
+std::vector<HypothesisBank::Echo> EchoCollector::take(std::int64_t utime, const OdometryHistory& history) {
+  if (way_since_ < way_ && turn_since_ < turn_) {
+    return {};
+  }
+  const auto now = history.at(utime);
+  if (!now) {
+    return {};
+  }
+  std::vector<HypothesisBank::Echo> echoes;
+  std::vector<bool> has_disc(sonar_.robot_from_sonar.size(), false);
+  for (auto reading = echoes_.rbegin(); reading != echoes_.rend(); ++reading) {
+    const auto disc = static_cast<std::size_t>(reading->disc);
+    const auto then = history.at(reading->utime);
+    if (!then || reading->utime > utime || utime - reading->utime > kOldest || has_disc[disc]) {
+      continue;
+    }
+    has_disc[disc] = true;
+    const Pose2 now_from_sonar = now->odom_from_robot.inverse() * then->odom_from_robot * sonar_.robot_from_sonar[disc];
+    echoes.push_back(
+        {now_from_sonar.position(), now_from_sonar * Eigen::Vector2d(reading->range, 0.0), reading->range});
+  }
+  if (echoes.size() < kFewestEchoes) {
+    return {};
+  }
+  std::erase_if(echoes_, [&](const SonarEcho& reading) { return reading.utime <= utime; });
+  way_since_ = 0.0;
+  turn_since_ = 0.0;
+  return echoes;
+}
+
+}  // namespace luminav

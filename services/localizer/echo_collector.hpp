@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/localizer/hypothesis_bank.hpp"
+#include "services/localizer/localizer.hpp"
+#include "services/localizer/odometry_history.hpp"
+
+namespace luminav {
+
+/// Collects sonar echoes until the robot has moved enough for them to say something new of where it is: echoes from one
+/// place repeat each other's errors.
+class EchoCollector {
+ public:
+  /// `way` [m] or `turn` [rad]: how much the robot moves between two collections.
+  EchoCollector(const SonarRing& sonar, double way, double turn) : sonar_(sonar), way_(way), turn_(turn) {}
+
+  /// Keeps the echoes that are from a known disc and neither too near nor near the ring's end of range.
+  void add(const SonarScan& scan);
+  /// Forgets the echoes: relative motion across now is unknown.
+  void clear() { echoes_.clear(); }
+  void advance(const Pose2& delta);
+  /// The newest echo of each disc of the last second before `utime` [us], in the robot frame of that instant; empty
+  /// while the robot has not moved enough or fewer than three discs heard something.
+  [[nodiscard]] std::vector<HypothesisBank::Echo> take(std::int64_t utime, const OdometryHistory& history);
+
+ private:
+  SonarRing sonar_;
+  double way_;
+  double turn_;
+  std::vector<SonarEcho> echoes_;
+  double way_since_ = 1e9;   // [m]
+  double turn_since_ = 0.0;  // [rad]
+};
+
+}  // namespace luminav
