@@ -95,7 +95,7 @@ void ArcosLink::lose(std::int64_t now, const std::string& why) {
   state_ = State::kClosed;
   answering_ = false;
   drop_waiting();
-  const std::int64_t delay = kFirstRetry << std::clamp(failures_ - kQuickRetries, 0, 5);
+  const std::int64_t delay = kFirstRetry << std::clamp(failures_ - kQuickRetries, 0, 6);
   ++failures_;
   retry_at_ = now + std::min(delay, kLongestRetry);
 }
