@@ -19,7 +19,6 @@ namespace {
 constexpr std::int64_t kOrdersPeriod = kSecond;
 constexpr std::int64_t kDeputySilence = 5 * kSecond;
 constexpr std::int64_t kYieldTime = SheriffLease::kLength;
-constexpr std::int64_t kClockTolerance = 10 * kSecond;  // procman's deputies refuse orders a minute old
 
 }  // namespace
 
@@ -95,11 +94,13 @@ void Sheriff::on_info(const procman::procman_deputy_info_t& info) {
 }
 
 void Sheriff::check_clock(const std::string& id, Deputy& deputy) {
-  const bool wrong = std::abs(deputy.clock_ahead) > kClockTolerance;
-  const bool stepped = std::abs(deputy.clock_ahead - deputy.clock_reported.value_or(0)) > kClockTolerance;
+  constexpr auto kTolerance = static_cast<std::int64_t>(kClockTolerance * kSecond);
+  const bool wrong = std::abs(deputy.clock_ahead) > kTolerance;
+  const bool stepped = std::abs(deputy.clock_ahead - deputy.clock_reported.value_or(0)) > kTolerance;
   if (wrong && stepped) {
-    notice_(fmt::format("the clock of deputy {} is {} s {} of this machine's", id,
-                        std::abs(deputy.clock_ahead) / kSecond, deputy.clock_ahead > 0 ? "ahead" : "behind"));
+    notice_(fmt::format("the clock of deputy {} is {:.0f} s {} of this machine's", id,
+                        1e-6 * static_cast<double>(std::abs(deputy.clock_ahead)),
+                        deputy.clock_ahead > 0 ? "ahead" : "behind"));
   }
   if (!wrong || stepped) {
     deputy.clock_reported = deputy.clock_ahead;

@@ -29,6 +29,9 @@ struct SheriffConfig {
 /// An id as procman makes them; the utime says who started last.
 std::string make_sheriff_id(const Instant& now);
 
+/// [s] by which a deputy's clock may differ before a person is told; procman's deputies refuse orders a minute old.
+inline constexpr double kClockTolerance = 5.0;
+
 /// A deputy as the sheriff knows it.
 struct DeputyState {
   std::string id;

@@ -66,7 +66,7 @@ std::vector<std::string> status_table(const Sheriff& sheriff, std::size_t width)
   for (const DeputyState& deputy : sheriff.deputies()) {
     if (!deputy.heard) {
       lines.push_back(fmt::format("deputy {} is not heard", deputy.id));
-    } else if (std::abs(deputy.clock_ahead) > 10) {
+    } else if (std::abs(deputy.clock_ahead) > kClockTolerance) {
       lines.push_back(fmt::format("the clock of deputy {} is {:.0f} s {}", deputy.id, std::abs(deputy.clock_ahead),
                                   deputy.clock_ahead > 0 ? "ahead" : "behind"));
     }
