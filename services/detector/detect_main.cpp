@@ -2,11 +2,11 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/detector/contact_sheet.hpp"
 #include "services/detector/debug_picture.hpp"
@@ -84,18 +84,6 @@ GreyImage read_picture(const std::string& file) {
   return image;
 }
 
-void write_whole(const fs::path& file, const std::string& text) {
-  const fs::path temporary = file.string() + ".part";
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    out << text;
-    if (!out.flush()) {
-      throw std::runtime_error(file.string() + ": cannot be written");
-    }
-  }
-  fs::rename(temporary, file);
-}
-
 struct Output {
   std::string json_file;     // "" or "-" = standard output
   std::string debug_folder;  // "" = none
@@ -163,7 +151,7 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
   if (output.json_file.empty() || output.json_file == "-") {
     std::fputs(text.c_str(), stdout);
   } else {
-    write_whole(output.json_file, text);
+    write_whole_file(output.json_file, text);
   }
   return failed == 0 ? 0 : 1;
 }

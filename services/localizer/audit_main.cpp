@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -14,6 +13,7 @@
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/localizer/ambiguity_audit.hpp"
 
@@ -74,14 +74,7 @@ void write_json(const std::string& file, const Building& building, const Ambigui
     report["changes"].push_back(
         {{"fixture", change.fixture}, {"mean_way_m", change.mean_way}, {"never_share", change.never_share}});
   }
-  const std::string temporary = file + ".new";
-  std::ofstream out(temporary);
-  out << report.dump(1) << "\n";
-  out.close();
-  if (!out) {
-    throw std::runtime_error(file + ": cannot be written");
-  }
-  std::filesystem::rename(temporary, file);
+  write_whole_file(file, report.dump(1) + "\n");
 }
 
 cv::Scalar colour_of(const AuditPlace& place) {

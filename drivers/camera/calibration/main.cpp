@@ -7,9 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -18,6 +16,7 @@
 #include "drivers/camera/calibration/lens_file_text.hpp"
 #include "drivers/camera/calibration/live_views.hpp"
 #include "services/common/configuration/robot_file.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 
 namespace luminav {
@@ -103,28 +102,6 @@ void print(const LensCalibration& calibration, const Views& views) {
   fmt::print("\ndistortion {:.5f}\n", fmt::join(lens.distortion, " "));
 }
 
-std::string read_text(const std::string& file) {
-  std::ifstream in(file);
-  std::stringstream text;
-  text << in.rdbuf();
-  if (!in) {
-    throw std::runtime_error(file + ": cannot be read");
-  }
-  return text.str();
-}
-
-/// To a temporary file first: what was there stays whole if this ends half way.
-template <typename Write>
-void replace_file(const std::string& file, Write write) {
-  const std::filesystem::path target(file);
-  const std::string temporary =
-      (target.parent_path() / ("." + target.stem().string() + ".new")).string() + target.extension().string();
-  if (!write(temporary)) {
-    throw std::runtime_error(file + ": cannot be written");
-  }
-  std::filesystem::rename(temporary, target);
-}
-
 void write_residuals(const std::string& file, const LensCalibration& calibration, const Views& views) {
   constexpr double kScale = 40.0;
   auto pixels = draw_residuals(calibration, views.views, kScale);
@@ -132,7 +109,11 @@ void write_residuals(const std::string& file, const LensCalibration& calibration
     std::swap(pixel[0], pixel[2]);
   }
   const cv::Mat picture(views.height, views.width, CV_8UC3, pixels.data());
-  replace_file(file, [&](const std::string& temporary) { return cv::imwrite(temporary, picture); });
+  std::vector<unsigned char> encoded;
+  if (!cv::imencode(std::filesystem::path(file).extension().string(), picture, encoded)) {
+    throw std::runtime_error(file + ": cannot be written");
+  }
+  write_whole_file(file, {reinterpret_cast<const char*>(encoded.data()), encoded.size()});
 }
 
 int run(const Arguments& arguments) {
@@ -170,9 +151,8 @@ int run(const Arguments& arguments) {
     fmt::print("\n{}", with_lens("", calibration));
   } else if (!arguments.only_look) {
     const std::string target = arguments.out.empty() ? arguments.robot : arguments.out;
-    const std::string text = with_lens(read_text(arguments.robot), calibration);
-    replace_file(target,
-                 [&](const std::string& temporary) { return (std::ofstream(temporary) << text).flush().good(); });
+    const std::string text = with_lens(read_whole_file(arguments.robot), calibration);
+    write_whole_file(target, text);
     fmt::print("written to {}\n", target);
   }
   return 0;

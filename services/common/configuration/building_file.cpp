@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <set>
 #include <stdexcept>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 namespace {
@@ -161,14 +161,7 @@ void write_building(const std::filesystem::path& file, const Building& building)
         fmt::format("\n[[place]]\nname = {}\nx = {:.3f}\ny = {:.3f}\n", quoted(place.name), place.pose.x, place.pose.y);
     text += place.has_theta ? fmt::format("theta = {:.4f}\n", place.pose.theta) : "";
   }
-  const std::filesystem::path temporary = file.string() + ".tmp";
-  std::ofstream out(temporary, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) {
-    throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
-  }
-  std::filesystem::rename(temporary, file);
+  write_whole_file(file, text);
 }
 
 }  // namespace luminav

@@ -4,12 +4,11 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/localizer/calibration/drive_calibration.hpp"
 
@@ -36,29 +35,6 @@ void print(const DriveCalibration& c) {
   print("picture turned", c.yaw, degrees(1.0), "deg");
   print("picture larger", c.camera_scale, 100.0, "%");
   print("time offset", c.time_offset, 1e3, "ms");
-}
-
-std::string read_text(const std::string& file) {
-  std::ifstream in(file);
-  std::stringstream text;
-  text << in.rdbuf();
-  if (!in) {
-    throw std::runtime_error(file + ": cannot be read");
-  }
-  return text.str();
-}
-
-void write_text(const std::string& file, const std::string& text) {
-  const std::string temporary = file + ".new";
-  {
-    std::ofstream out(temporary);
-    out << text;
-    out.flush();
-    if (!out) {
-      throw std::runtime_error(file + ": cannot be written");
-    }
-  }
-  std::filesystem::rename(temporary, file);
 }
 
 int run(int argc, char** argv) {
@@ -94,7 +70,7 @@ int run(int argc, char** argv) {
   }
   if (!only_look) {
     const std::string target = out.empty() ? robot : out;
-    write_text(target, write_into(read_text(robot), calibration, config));
+    write_whole_file(target, write_into(read_whole_file(robot), calibration, config));
     fmt::print("written to {}\n", target);
   }
   return 0;

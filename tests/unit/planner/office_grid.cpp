@@ -3,26 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/bench/split_mix.hpp"
+
 namespace luminav {
 namespace {
-
-/// splitmix64 (Steele, Lea and Flood 2014)
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : state_(seed) {}
-  double uniform(double least, double most) { return least + (most - least) * uniform(); }
-
- private:
-  double uniform() {
-    state_ += 0x9E3779B97F4A7C15ULL;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    z ^= z >> 31;
-    return static_cast<double>(z >> 11) * 0x1.0p-53;
-  }
-  std::uint64_t state_;
-};
 
 class Canvas {
  public:
@@ -54,7 +38,7 @@ class Canvas {
 std::vector<std::uint8_t> office_grid(int side, double resolution) {
   const double size = side * resolution;
   constexpr double kWall = 0.2;  // [m]
-  Draw draw(1);
+  SplitMix draw(1);
   Canvas canvas(side, resolution);
   for (double by = 2.0; by < size; by += 12.0) {
     for (double bx = 2.0; bx < size; bx += 22.0) {
