@@ -145,6 +145,52 @@ TEST(Wave, StartsFromSeveralSeedsAtTheirCosts) {
             2015U + 0U);  // 10 -> 5 is 25, 1 -> 5 is 20 more than 2000: the nearer one by cost
 }
 
+// Where all cells cost the same the wave goes by other rules; the costs must be those of the general one.
+TEST(Wave, OfOnePriceCostsWhatTheGeneralWaveSays) {
+  std::mt19937 rng(5);
+  constexpr int kSide = 50;
+  std::uniform_int_distribution<int> inside(1, kSide - 2);
+  std::uniform_int_distribution<std::uint32_t> extra(0, 300);
+  std::size_t reached = 0;
+  for (int world = 0; world < 60; ++world) {
+    // from an open floor with a few posts to a maze of single cells
+    std::uniform_int_distribution<int> percent(0, 99);
+    const int blocked = world % 12 * 5;
+    Plan plan{kSide, std::vector<std::uint8_t>(kSide * kSide, 0)};
+    for (int row = 1; row + 1 < kSide; ++row) {
+      for (int column = 1; column + 1 < kSide; ++column) {
+        plan.prices[plan.at(column, row)] = percent(rng) < blocked ? 0 : 4;
+      }
+    }
+    std::vector<WaveSeed> seeds;
+    for (int i = 0; i <= world % 4; ++i) {
+      seeds.push_back({{inside(rng), inside(rng)}, world % 4 == 0 ? 0 : extra(rng)});
+    }
+    const Terrain terrain(plan);
+    const std::uint8_t one_price[] = {4};
+    WaveField even;
+    grow_wave({&terrain.passable, nullptr, one_price}, seeds, {}, even);
+    const WaveField general = wave(plan, seeds);
+    ASSERT_EQ(costs_of(even), costs_of(general)) << "world " << world;
+    for (std::size_t cell = 0; cell < even.stored.size(); ++cell) {
+      reached += even.is_reached(cell) ? 1 : 0;
+    }
+    // stopped early it is right as far as it says
+    const Cell stop{inside(rng), inside(rng)};
+    const auto index = static_cast<std::int64_t>(plan.at(stop.column, stop.row));
+    grow_wave({&terrain.passable, nullptr, one_price}, seeds, {index, 200}, even);
+    EXPECT_EQ(even.cost(static_cast<std::size_t>(index)), general.cost(static_cast<std::size_t>(index)));
+    for (std::size_t cell = 0; cell < even.stored.size(); ++cell) {
+      if (general.cost(cell) != WaveField::kUnreached && general.stored[cell] <= even.settled_to) {
+        ASSERT_EQ(even.cost(cell), general.cost(cell)) << "world " << world;
+      } else {
+        ASSERT_FALSE(even.is_reached(cell)) << "world " << world;
+      }
+    }
+  }
+  EXPECT_GT(reached, 30'000U);
+}
+
 TEST(Wave, LeavesOutBlockedSeeds) {
   const Plan plan = plan_of({"####", "#1##", "####"});
   WaveField field = wave(plan, {{{2, 1}, 0}});
