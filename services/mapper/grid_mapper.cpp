@@ -38,7 +38,11 @@ std::vector<std::uint8_t> cells_near_walls(const OccupancyGrid& grid, double dis
 }  // namespace
 
 GridMapper::GridMapper(const GridMapperParams& params, const PriorMap& prior, int discs)
-    : params_(params), grid_(prior.geometry), free_space_(params.sonar), filter_(params.filter, discs) {
+    : params_(params),
+      grid_(prior.geometry),
+      free_space_(params.sonar),
+      filter_(params.filter, discs),
+      standing_(params.standing_time, params.standing_gap) {
   if (prior.cells.size() != prior.geometry.size() || prior.geometry.size() == 0) {
     throw std::invalid_argument("grid mapper: the prior map is empty");
   }
@@ -61,6 +65,7 @@ void GridMapper::integrate(const DiscReading& reading) {
   const BeamReading beam{reading.world_from_sonar, reading.range, has_echo};
   const SliceRanges visible = visible_ranges(beam);
   free_space_.apply(beam, visible, grid_);
+  look_beside(reading);
   if (has_echo) {
     const Eigen::Vector2d end = reading.world_from_sonar * Eigen::Vector2d(reading.range, 0.0);
     if (filter_.confirm(reading.disc, reading.utime, end, reading.range)) {
@@ -97,6 +102,9 @@ SliceRanges GridMapper::visible_ranges(const BeamReading& beam) {
         continue;
       }
       last = cell;
+      if (!is_wall && !has_stood(geometry.index(cell))) {
+        continue;
+      }
       if (!is_wall) {
         const std::optional<double> incidence = incidence_at(cell, direction);
         if (!incidence || *incidence <= params_.specular_incidence) {
@@ -122,8 +130,11 @@ std::optional<double> GridMapper::incidence_at(const Cell& cell, const Eigen::Ve
   for (int dr = -kSurfaceReach; dr <= kSurfaceReach; ++dr) {
     for (int dc = -kSurfaceReach; dc <= kSurfaceReach; ++dc) {
       const Cell near{cell.column + dc, cell.row + dr};
-      if (grid_.geometry.contains(near) &&
-          (is_occupied(near) || grid_.prior[grid_.geometry.index(near)] == Prior::kOccupied)) {
+      if (!grid_.geometry.contains(near)) {
+        continue;
+      }
+      const std::size_t i = grid_.geometry.index(near);
+      if (grid_.prior[i] == Prior::kOccupied || (is_occupied(near) && has_stood(i))) {
         mean += Eigen::Vector2d(dc, dr);
         squares += Eigen::Vector2d(dc * dc, dr * dr);
         product += dc * dr;
@@ -147,6 +158,30 @@ std::optional<double> GridMapper::incidence_at(const Cell& cell, const Eigen::Ve
   const double along = 0.5 * std::atan2(2.0 * xy, xx - yy);
   const double across = std::abs(-std::sin(along) * direction.x() + std::cos(along) * direction.y());
   return std::acos(std::min(1.0, across));
+}
+
+void GridMapper::look_beside(const DiscReading& reading) {
+  const double reach = std::min(params_.lobe_range, reading.range - params_.sonar.free_margin);
+  if (reach <= 0.0) {
+    return;
+  }
+  const Eigen::Vector2d disc = reading.world_from_sonar.position();
+  const Cell low = grid_.geometry.cell_at(disc - Eigen::Vector2d(reach, reach));
+  const Cell high = grid_.geometry.cell_at(disc + Eigen::Vector2d(reach, reach));
+  for (int row = std::max(0, low.row); row <= std::min(high.row, grid_.geometry.rows - 1); ++row) {
+    for (int column = std::max(0, low.column); column <= std::min(high.column, grid_.geometry.columns - 1); ++column) {
+      const std::size_t i = grid_.geometry.index({column, row});
+      if (grid_.evidence[i] <= 0 || grid_.prior[i] != Prior::kFree || near_wall_[i] != 0) {
+        continue;
+      }
+      const Eigen::Vector2d way = grid_.geometry.centre_of({column, row}) - disc;
+      const double off_axis = wrap_angle(std::atan2(way.y(), way.x()) - reading.world_from_sonar.theta);
+      if (way.norm() <= reach && std::abs(off_axis) <= params_.lobe_angle) {
+        grid_.evidence[i] =
+            static_cast<std::int8_t>(std::max(0, grid_.evidence[i] - to_evidence(params_.lobe_log_odds)));
+      }
+    }
+  }
 }
 
 void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& visible) {
@@ -173,7 +208,7 @@ void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& vi
       continue;
     }
     const double share = known_explains && !is_occupied(candidate.cell) ? params_.explained_share : 1.0;
-    add(candidate.cell, params_.sonar.occupied_log_odds * candidate.weight * share);
+    add_echo(candidate.cell, params_.sonar.occupied_log_odds * candidate.weight * share, reading.utime);
     if (grid_.prior[i] == Prior::kDisputed && is_occupied(candidate.cell)) {
       grid_.prior[i] = Prior::kOccupied;
       disputes_.erase(i);
@@ -273,6 +308,7 @@ void GridMapper::clear_evidence() {
   std::fill(has_evidence_.begin(), has_evidence_.end(), std::uint8_t{0});
   disputes_.clear();
   filter_.clear();
+  standing_.clear();
 }
 
 bool GridMapper::is_occupied(const Cell& cell) const {
@@ -339,6 +375,20 @@ void GridMapper::add(const Cell& cell, double log_odds) {
   const int sum = value + to_evidence(log_odds);
   value = static_cast<std::int8_t>(
       std::clamp<int>(sum, to_evidence(params_.sonar.least_log_odds), to_evidence(params_.sonar.most_log_odds)));
+}
+
+void GridMapper::add_echo(const Cell& cell, double log_odds, std::int64_t utime) {
+  const std::size_t i = grid_.geometry.index(cell);
+  const std::int8_t before = grid_.evidence[i];
+  const bool stands = grid_.prior[i] != Prior::kFree || standing_.hear(i, utime, before <= 0);
+  add(cell, log_odds);
+  if (!stands) {
+    grid_.evidence[i] = std::min(grid_.evidence[i], std::max(before, to_evidence(params_.passing_log_odds)));
+  }
+}
+
+bool GridMapper::has_stood(std::size_t cell) const {
+  return grid_.prior[cell] != Prior::kFree || grid_.evidence[cell] > to_evidence(params_.passing_log_odds);
 }
 
 }  // namespace luminav

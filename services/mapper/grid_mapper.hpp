@@ -8,6 +8,7 @@
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/mapper/echo_filter.hpp"
 #include "services/mapper/sonar_model.hpp"
+#include "services/mapper/standing_cells.hpp"
 
 namespace luminav {
 
@@ -20,10 +21,16 @@ struct GridMapperParams {
   double explained_share = 0.25;         ///< vote of a cell where another on the same arc is already occupied
   double specular_incidence =
       radians(20.0);  ///< [rad] a wall seen more obliquely throws the sound away: silence says nothing about it
-  double oblique_log_odds = 0.05;  ///< taken nevertheless where the building's map knows of no wall
-  double decay_time = 90.0;        ///< [s] until occupied evidence that contradicts the building's map fades; 0 = never
-  double dispute_range = 2.0;      ///< [m] walls seen through from farther away are not disputed
-  double dispute_spacing = 0.5;    ///< [m] between poses that dispute a wall
+  double oblique_log_odds = 0.05;     ///< taken nevertheless where the building's map knows of no wall
+  double standing_time = 2.0;         ///< [s] that something must go on answering before it counts as standing there
+  double standing_gap = 1.5;          ///< [s] of silence that ends this
+  double passing_log_odds = 1.2;      ///< clamp of occupied evidence before that, where the building's map says free
+  double lobe_range = 0.45;           ///< [m] from a disc, within which anything is heard, also well off its axis:
+  double lobe_angle = radians(40.0);  ///< [rad] up to here; so near, the cones of two discs leave a gap between them
+  double lobe_log_odds = 0.10;        ///< taken there
+  double decay_time = 90.0;      ///< [s] until occupied evidence that contradicts the building's map fades; 0 = never
+  double dispute_range = 2.0;    ///< [m] walls seen through from farther away are not disputed
+  double dispute_spacing = 0.5;  ///< [m] between poses that dispute a wall
   int dispute_poses = 3;
   double robot_radius = 0.20;  ///< [m] around the robot nothing can stand
 };
@@ -72,15 +79,22 @@ class GridMapper {
   /// Angle [rad] between a beam and the normal of the surface that the occupied cells round a cell form; nothing where
   /// they form none.
   [[nodiscard]] std::optional<double> incidence_at(const Cell& cell, const Eigen::Vector2d& direction) const;
+  /// Whether an occupied cell goes on answering. What only walked past hides nothing and throws no sound away.
+  [[nodiscard]] bool has_stood(std::size_t cell) const;
+  /// Takes evidence from what ought to have answered so near to a disc.
+  void look_beside(const DiscReading& reading);
   void vote_occupied(const DiscReading& reading, const SliceRanges& visible);
   void dispute_walls(const DiscReading& reading);
   void touch(const Eigen::Vector2d& centre, double radius);
   void add(const Cell& cell, double log_odds);
+  /// Adds occupied evidence, up to a clamp that depends on how long the cell has answered.
+  void add_echo(const Cell& cell, double log_odds, std::int64_t utime);
 
   GridMapperParams params_;
   OccupancyGrid grid_;
   FreeSpaceModel free_space_;
   EchoFilter filter_;
+  StandingCells standing_;
   std::vector<std::uint8_t> near_wall_;                // within prior_tolerance of an occupied prior cell
   std::vector<std::uint8_t> touched_;                  // per tile, since take_touched_tiles
   std::vector<std::uint8_t> has_evidence_;             // per tile

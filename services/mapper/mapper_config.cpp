@@ -40,6 +40,7 @@ void read_grid_mapper(const TomlTable& table, GridMapperParams& grid) {
   grid.occupied_log_odds = table.number("occupied_threshold", grid.occupied_log_odds, {0.05, 6.0});
   grid.prior_tolerance = table.number("prior_tolerance", grid.prior_tolerance, {0.0, 1.0});
   grid.explained_share = table.number("explained_share", grid.explained_share, kFraction);
+  grid.standing_time = table.number("standing_time", grid.standing_time, {0.0, 60.0});
   grid.decay_time = table.number("decay_time", grid.decay_time, {0.0, 1e6});
   grid.dispute_range = table.number("dispute_range", grid.dispute_range, {0.0, 20.0});
 }

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
 
 namespace luminav {
 namespace {
@@ -95,6 +98,89 @@ TEST(GridMapper, ForgetsAPersonWithinTenSecondsOfSeeingThePlaceFree) {
     beam.look({4.0, 5.0, 0.0}, 4.0, 1);
   }
   EXPECT_LE(beam.utime() - left, 10'000'000);
+}
+
+/// A ring of 16 discs round a robot that stands still, and one round thing before it, or nothing.
+class StandingRing {
+ public:
+  StandingRing(GridMapper& mapper, const Pose2& world_from_robot)
+      : mapper_(mapper), world_from_robot_(world_from_robot) {}
+  void look(double seconds, const std::function<std::optional<Eigen::Vector2d>(double)>& thing_at) {
+    for (double t = 0.0; t < seconds; t += 1e-6 * kFiring) {
+      utime_ += kFiring;
+      disc_ = (disc_ + 7) % 16;
+      const double angle = (disc_ + 0.5) * 2.0 * kPi / 16;
+      const Pose2 world_from_sonar = world_from_robot_ * Pose2{kRing * std::cos(angle), kRing * std::sin(angle), angle};
+      double range = 5.0;
+      if (const std::optional<Eigen::Vector2d> thing = thing_at(t)) {
+        const Eigen::Vector2d way = world_from_sonar.inverse() * *thing;
+        if (std::abs(std::atan2(way.y(), way.x())) < radians(15.0) + std::asin(std::min(1.0, kThing / way.norm()))) {
+          range = way.norm() - kThing;
+        }
+      }
+      mapper_.integrate({disc_, utime_, world_from_robot_, world_from_sonar, range, range < 5.0});
+      mapper_.decay(utime_);
+    }
+  }
+
+ private:
+  static constexpr std::int64_t kFiring = kRound / 16;
+  static constexpr double kRing = 0.2;   // [m]
+  static constexpr double kThing = 0.2;  // [m] its radius
+  GridMapper& mapper_;
+  Pose2 world_from_robot_;
+  std::int64_t utime_ = 1'000'000;
+  int disc_ = 0;
+};
+
+int occupied_where_the_map_says_free(const GridMapper& mapper) {
+  int count = 0;
+  for (int row = 0; row < 100; ++row) {
+    for (int column = 0; column < 100; ++column) {
+      const std::size_t i = mapper.grid().geometry.index({column, row});
+      count += mapper.is_occupied({column, row}) && mapper.grid().prior[i] == Prior::kFree ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+TEST(GridMapper, ForgetsThatSomebodyWalkedPastAtArmsLengthAgainAndAgain) {
+  // the trail is a line seen at a slant, which must not pass for a smooth wall that throws the sound away
+  GridMapper mapper({}, room(), 16);
+  StandingRing ring(mapper, {5.0, 5.0, radians(-40.0)});
+  const auto walker = [](double t) { return std::optional(Eigen::Vector2d(4.0 + 0.9 * t, 5.0 - 0.9 * t + 1.6)); };
+  int most = 0;
+  for (int passage = 0; passage < 6; ++passage) {
+    for (double t = 0.0; t < 3.5; t += 0.5) {
+      ring.look(0.5, [&](double since) { return walker(t + since); });
+      most = std::max(most, occupied_where_the_map_says_free(mapper));
+    }
+    ring.look(8.0, [](double) { return std::nullopt; });
+  }
+  EXPECT_GT(most, 0);
+  ring.look(2.0, [](double) { return std::nullopt; });
+  EXPECT_EQ(occupied_where_the_map_says_free(mapper), 0);
+}
+
+TEST(GridMapper, ForgetsThatSomebodyStoodBesideTheRobot) {
+  GridMapper mapper({}, room(), 16);
+  StandingRing ring(mapper, {5.0, 5.0, radians(-40.0)});
+  ring.look(20.0, [](double) { return std::optional(Eigen::Vector2d(5.2, 5.55)); });
+  EXPECT_GT(occupied_where_the_map_says_free(mapper), 1);
+  ring.look(10.0, [](double) { return std::nullopt; });
+  EXPECT_EQ(occupied_where_the_map_says_free(mapper), 0);
+}
+
+TEST(GridMapper, KeepsABoxThatItDrivesAlong) {
+  GridMapper mapper({}, room(), 16);
+  Beam beam(mapper);
+  for (double y = 4.0; y < 6.0; y += 0.1) {
+    beam.look({4.0, y, 0.0}, 1.5, 3);  // its face, squarely
+  }
+  for (int i = 0; i < 10; ++i) {
+    beam.look({5.0, 3.0 + 0.1 * i, radians(70.0)}, 4.5, 1);  // past it, at a slant: silence proves nothing
+  }
+  EXPECT_TRUE(occupied(mapper, 5.53, 5.05));
 }
 
 TEST(GridMapper, ForgetsAPhantomAlsoWhenNothingAnswersThereAnyMore) {
