@@ -16,6 +16,7 @@
 
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/robot_file.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/launcher/network.hpp"
@@ -128,7 +129,7 @@ int demo(int argc, char** argv) {
   }
   fmt::print("{}", to_text(*report));
   if (!options.report.empty()) {
-    write_text_file(options.report, to_json(*report));
+    write_whole_file(options.report, to_json(*report));
   }
   return report->passed ? 0 : 1;
 }

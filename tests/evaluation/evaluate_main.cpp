@@ -4,17 +4,17 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "tests/evaluation/compare_reports.hpp"
 #include "tests/evaluation/detector_behaviour.hpp"
 #include "tests/evaluation/detector_suite.hpp"
 #include "tests/evaluation/evaluation_jobs.hpp"
+#include "tests/evaluation/evaluation_report.hpp"
 #include "tests/evaluation/html_report.hpp"
 #include "tests/evaluation/run_report.hpp"
 #include "tests/evaluation/sensing_agreement.hpp"
@@ -38,16 +38,6 @@ struct Request {
   std::string generated;
   std::string check_sensing;
 };
-
-std::string read_text_file(const std::string& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in || text.str().empty()) {
-    throw ConfigurationError(fmt::format("{}: cannot be read", path));
-  }
-  return text.str();
-}
 
 /// Hours of work must not end in a file that cannot be written.
 void check_writable(const std::string& flag, const std::string& path) {
@@ -82,6 +72,12 @@ void check(const Request& request) {
   }
   if (!request.fit_sensing.empty() && request.jobs.sensing == "geometric") {
     throw ConfigurationError("--fit-sensing: only rendered runs can be measured");
+  }
+  for (const auto& [flag, file] :
+       {std::pair("--compare", request.compare), {"--check-sensing", request.check_sensing}}) {
+    if (!file.empty() && !fs::is_regular_file(file)) {
+      throw ConfigurationError(fmt::format("{} {}: there is no such file", flag, file));
+    }
   }
   check_writable("--json", request.json);
   check_writable("--html", request.html);
@@ -125,7 +121,7 @@ void write_fit(const Request& request, const std::vector<EvaluationJob>& jobs,
   }
   const DetectorBehaviour behaviour =
       fit_behaviour(surveys, request.jobs.mode == "paper" ? request.jobs.mode : "modern", source);
-  write_text_file(request.fit_sensing, to_json(behaviour));
+  write_whole_file(request.fit_sensing, to_json(behaviour));
 }
 
 std::string sensing_name(const Request& request, const std::vector<SuiteEntry>& entries) {
@@ -141,8 +137,8 @@ std::string sensing_name(const Request& request, const std::vector<SuiteEntry>& 
 int evaluate(const Request& request) {
   check(request);
   const auto start = std::chrono::steady_clock::now();
-  const std::string old_report = request.compare.empty() ? "" : read_text_file(request.compare);
-  const std::string rendered_report = request.check_sensing.empty() ? "" : read_text_file(request.check_sensing);
+  const std::string old_report = request.compare.empty() ? "" : read_whole_file(request.compare);
+  const std::string rendered_report = request.check_sensing.empty() ? "" : read_whole_file(request.check_sensing);
   const std::vector<SuiteEntry> entries = entries_of(request);
   DetectorBehaviour behaviour;
   const bool geometric = needs_behaviour(entries, request.jobs);
@@ -170,18 +166,18 @@ int evaluate(const Request& request) {
                                   sensing_name(request, entries), reports, detector);
   if (!rendered_report.empty()) {
     behaviour.agreement = to_text(compare_sensings(rendered_report, all));
-    write_text_file(behaviour_file(request), to_json(behaviour));
+    write_whole_file(behaviour_file(request), to_json(behaviour));
   }
   std::string remarks = geometric ? agreement_text(behaviour) : "";
   if (!old_report.empty()) {
     remarks += to_text(compare_reports(old_report, all));
   }
   if (!request.json.empty()) {
-    write_text_file(request.json, all);
+    write_whole_file(request.json, all);
   }
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.html.empty()) {
-    write_text_file(request.html, html_report({all, remarks, wall}, reports));
+    write_whole_file(request.html, html_report({all, remarks, wall}, reports));
   }
   if (!request.fit_sensing.empty()) {
     write_fit(request, jobs, surveys);

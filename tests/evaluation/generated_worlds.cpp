@@ -4,8 +4,8 @@
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/surveyor/floor_plan.hpp"
-#include "tests/evaluation/run_report.hpp"
 
 namespace luminav {
 namespace {
@@ -34,7 +34,7 @@ fs::path write_world(const fs::path& folder, const FloorPlanParams& params, doub
   plan.building.map_file = "map.yaml";
   write_building(home / "building.toml", plan.building);
   const fs::path scenario = home / (params.name + ".toml");
-  write_text_file(scenario.string(), scenario_text(plan.building, duration));
+  write_whole_file(scenario.string(), scenario_text(plan.building, duration));
   return scenario;
 }
 

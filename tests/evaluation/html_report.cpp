@@ -6,7 +6,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "tests/evaluation/evaluation_report.hpp"
 #include "tests/evaluation/html_drawing.hpp"
+#include "tests/evaluation/run_summary.hpp"
 
 namespace luminav {
 namespace {
@@ -123,24 +125,13 @@ std::string tiles(const ordered_json& s) {
 }
 
 std::string scenario_table(const std::vector<RunReport>& runs) {
-  std::vector<std::string> order;
-  std::map<std::string, std::vector<RunReport>> by_scenario;
-  for (const RunReport& run : runs) {
-    if (by_scenario.count(run.scenario) == 0) {
-      order.push_back(run.scenario);
-    }
-    RunReport figures = run;
-    figures.trail.clear();
-    by_scenario[run.scenario].push_back(std::move(figures));
-  }
   std::string html =
       "<h2>Scenarios</h2><div class=\"wide\"><table><tr><th>scenario<th>passed<th>localized<th>after, "
       "median<th>wrong<th>TRACKING<th>RMS in view<th>95 % of "
       "mission<th>NEES<th>goals<th>contacts<th>speed<th>efficiency<th>real "
       "time";
-  for (const std::string& name : order) {
-    const auto& list = by_scenario[name];
-    const ordered_json s = ordered_json::parse(to_json("", "", "", list))["summary"];
+  for (const auto& [name, list] : by_scenario(runs)) {
+    const ordered_json s = summary_of(list);
     const auto cell = [&](const char* key, double factor, int digits, const char* unit) {
       return s.contains(key) ? number(factor * s.value(key, 0.0), unit, digits) : std::string("–");
     };

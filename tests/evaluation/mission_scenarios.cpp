@@ -9,6 +9,7 @@
 #include "drivers/simulator/world_truth.hpp"
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "tests/evaluation/generated_worlds.hpp"
 #include "tests/evaluation/map_score.hpp"
 #include "tests/evaluation/run_report.hpp"
@@ -108,7 +109,7 @@ std::vector<fs::path> make_missions(const fs::path& folder) {
   std::vector<fs::path> scenarios;
   for (int i = 0; i < kMissions; ++i) {
     scenarios.push_back(folder / "missions" / fmt::format("mission-{}.toml", kFirstSeed + i));
-    write_text_file(scenarios.back().string(), mission_text(sites[static_cast<std::size_t>(i) % sites.size()], i));
+    write_whole_file(scenarios.back().string(), mission_text(sites[static_cast<std::size_t>(i) % sites.size()], i));
   }
   return scenarios;
 }

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
-#include "tests/evaluation/detector_suite.hpp"
 #include "tests/evaluation/trail_point.hpp"
 
 namespace luminav {
@@ -99,19 +99,11 @@ struct RunReport {
   std::vector<std::string> log;
 };
 
-/// One JSON object; `indent` spaces per level, -1 = on one line.
-std::string to_json(const RunReport& report, int indent = 2);
+/// Four decimals, more than any figure here is worth.
+double rounded(double value);
+nlohmann::ordered_json json_of(const RunReport& report);
+std::string to_json(const RunReport& report);
 /// The lines a person reads at the end of a run.
 std::string to_text(const RunReport& report);
-/// `{"suite", "mode", "sensing", "summary", "runs"}` over many runs; "detector" too where its lighting matrix was
-/// measured.
-std::string to_json(const std::string& suite, const std::string& mode, const std::string& sensing,
-                    const std::vector<RunReport>& runs, const std::vector<DetectorCondition>& detector = {});
-/// A line for each scenario.
-std::string scenario_table_text(const std::vector<RunReport>& runs);
-/// The summary of such a text as lines for people.
-std::string summary_text(const std::string& json);
-/// Writes to a temporary file and renames it; throws std::runtime_error when that fails.
-void write_text_file(const std::string& path, const std::string& text);
 
 }  // namespace luminav

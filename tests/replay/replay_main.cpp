@@ -11,8 +11,8 @@
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
-#include "tests/evaluation/run_report.hpp"
 #include "tests/replay/replay_picture.hpp"
 #include "tests/replay/replay_run.hpp"
 
@@ -123,7 +123,7 @@ int replay(int argc, char** argv) {
   }
   const ReplayReport report = replay_log(options);
   if (!report_file.empty()) {
-    write_text_file(report_file, to_json(report, options));
+    write_whole_file(report_file, to_json(report, options));
   }
   if (!picture.empty()) {
     draw(picture, options, report);

@@ -2,16 +2,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/evaluation/run_report.hpp"
 #include "tests/replay/replay_run.hpp"
 
 namespace luminav {
 namespace {
 
 using nlohmann::ordered_json;
-
-double rounded(double value) {
-  return std::round(value * 1e4) / 1e4;
-}
 
 double elapsed(const ReplayReport& report, std::int64_t utime) {
   return static_cast<double>(utime - report.first_utime) * 1e-6;

@@ -9,9 +9,9 @@
 #include <memory>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/launcher/sheriff/session.hpp"
-#include "tests/evaluation/run_report.hpp"
 #include "tests/system/faults/torture_round.hpp"
 
 namespace luminav {
@@ -75,7 +75,7 @@ int torture(int argc, char** argv) {
   }
   fmt::print("\n{}", to_table(results, goals));
   if (!report.empty()) {
-    write_text_file(report, to_json(results, goals, static_cast<std::uint64_t>(seed), minutes));
+    write_whole_file(report, to_json(results, goals, static_cast<std::uint64_t>(seed), minutes));
   }
   if (keep.empty()) {
     std::filesystem::remove_all(folder);

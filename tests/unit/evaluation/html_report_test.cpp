@@ -4,6 +4,8 @@
 
 #include <luminav/pose_t.hpp>
 
+#include "tests/evaluation/evaluation_report.hpp"
+
 namespace luminav {
 namespace {
 

@@ -1,0 +1,89 @@
+#include "tests/evaluation/evaluation_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluation/run_summary.hpp"
+
+namespace luminav {
+
+using nlohmann::ordered_json;
+
+/// Runs of each scenario, in the order in which they came.
+std::vector<std::pair<std::string, std::vector<RunReport>>> by_scenario(const std::vector<RunReport>& runs) {
+  std::vector<std::pair<std::string, std::vector<RunReport>>> groups;
+  for (const RunReport& run : runs) {
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == run.scenario; });
+    if (group == groups.end()) {
+      group = groups.insert(group, {run.scenario, {}});
+    }
+    group->second.push_back(run);
+  }
+  return groups;
+}
+
+std::string to_json(const std::string& suite, const std::string& mode, const std::string& sensing,
+                    const std::vector<RunReport>& runs, const std::vector<DetectorCondition>& detector) {
+  ordered_json list = ordered_json::array();
+  for (const RunReport& run : runs) {
+    list.push_back(json_of(run));
+  }
+  ordered_json all = {
+      {"suite", suite}, {"mode", mode}, {"sensing", sensing}, {"summary", summary_of(runs)}, {"runs", list}};
+  const auto scenarios = by_scenario(runs);
+  for (std::size_t i = 0; i < scenarios.size() && scenarios.size() > 1; ++i) {
+    all["scenarios"][scenarios[i].first] = summary_of(scenarios[i].second);
+  }
+  if (!detector.empty()) {
+    ordered_json conditions = ordered_json::array();
+    for (const DetectorCondition& c : detector) {
+      conditions.push_back({{"condition", c.name},
+                            {"frames", c.frames},
+                            {"precision", rounded(c.precision)},
+                            {"recall", rounded(c.recall)},
+                            {"centre_rms_px", rounded(c.centre_rms_px)},
+                            {"orientation_rms_deg", rounded(c.orientation_rms_deg)},
+                            {"milliseconds", rounded(c.milliseconds)}});
+    }
+    for (const char* key : {"precision", "recall", "centre_rms_px", "orientation_rms_deg"}) {
+      all["summary"][key] = conditions.back()[key];
+    }
+    all["detector"] = conditions;
+  }
+  return all.dump(2) + "\n";
+}
+
+std::string summary_text(const std::string& json) {
+  std::string text;
+  const ordered_json all = ordered_json::parse(json);
+  for (const auto& [key, value] : all["summary"].items()) {
+    text += fmt::format("  {:<28} {}\n", key, value.dump());
+  }
+  return text;
+}
+
+std::string scenario_table_text(const std::vector<RunReport>& runs) {
+  std::string text =
+      fmt::format("{:<24} {:>9} {:>6} {:>8} {:>6} {:>7} {:>16} {:>16} {:>5} {:>9} {:>8} {:>6} {:>6} {:>6}\n",
+                  "scenario", "passed", "found", "after m", "wrong", "track %", "RMS in view", "95 % of mission",
+                  "NEES", "goals", "contacts", "m/s", "eff.", "x real");
+  for (const auto& [name, of_scenario] : by_scenario(runs)) {
+    const ordered_json s = summary_of(of_scenario);
+    const auto get = [&](const char* key) { return s.value(key, 0.0); };
+    text += fmt::format(
+        "{:<24} {:>9} {:>6} {:>8.1f} {:>6.0f} {:>7.2f} {:>16} {:>16} {:>5.2f} {:>9} {:>8.0f} {:>6.2f} {:>6.2f} "
+        "{:>6.0f}\n",
+        name, fmt::format("{:.0f}/{:.0f}", get("passed"), get("runs")),
+        fmt::format("{:.0f} %", 100.0 * get("localized_ratio")), get("localized_after_m_median"),
+        get("confident_wrong_runs"), 100.0 * get("tracking_ratio"),
+        fmt::format("{:.0f} mm {:.2f} deg", 1e3 * get("in_view_position_rms_m"), get("in_view_heading_rms_deg")),
+        fmt::format("{:.0f} mm {:.2f} deg", 1e3 * get("mission_position_p95_m"), get("mission_heading_p95_deg")),
+        get("nees"), fmt::format("{:.0f}/{:.0f}", get("goals_reached"), get("goals")), get("contacts"),
+        get("mean_speed_m_s"), get("path_efficiency"), get("real_time_factor"));
+  }
+  return runs.empty() ? "" : text;
+}
+
+}  // namespace luminav
