@@ -70,9 +70,9 @@ void parse(benchmark::State& state, const Bytes& stream) {
   state.counters["packets"] = benchmark::Counter(static_cast<double>(packets), benchmark::Counter::kIsRate);
 }
 
-BENCHMARK_CAPTURE(parse, clean, clean_stream());
-BENCHMARK_CAPTURE(parse, random, random_bytes());
-BENCHMARK_CAPTURE(parse, false_headers, false_headers());
+BENCHMARK_CAPTURE(parse, clean, clean_stream())->Name("arcos/parse");
+BENCHMARK_CAPTURE(parse, random, random_bytes())->Name("arcos/parse_noise");
+BENCHMARK_CAPTURE(parse, false_headers, false_headers())->Name("arcos/parse_false_headers");
 
 void decode_and_parse(benchmark::State& state) {
   const Bytes stream = clean_stream();
@@ -87,7 +87,7 @@ void decode_and_parse(benchmark::State& state) {
   }
   state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * stream.size()));
 }
-BENCHMARK(decode_and_parse);
+BENCHMARK(decode_and_parse)->Name("arcos/parse_and_decode");
 
 /// One second of driver and simulated controller together in virtual time, commanded at 50 Hz.
 void one_robot_second(benchmark::State& state) {
@@ -101,7 +101,7 @@ void one_robot_second(benchmark::State& state) {
     bench.status.clear();
   }
 }
-BENCHMARK(one_robot_second)->Unit(benchmark::kMillisecond);
+BENCHMARK(one_robot_second)->Name("arcos/robot_second")->Unit(benchmark::kMillisecond);
 
 /// From a VELOCITY_COMMAND in the driver's hands to its bytes on the line.
 void command_to_bytes(benchmark::State& state) {
@@ -117,7 +117,7 @@ void command_to_bytes(benchmark::State& state) {
     bench.lcm.handleTimeout(0);
   }
 }
-BENCHMARK(command_to_bytes)->Iterations(5000);
+BENCHMARK(command_to_bytes)->Name("arcos/command_to_bytes")->Iterations(5000);
 
 constexpr const char* kMulticast = "udpm://239.255.76.67:7655?ttl=0";
 
@@ -279,7 +279,11 @@ void command_over_multicast_to_tcp(benchmark::State& state) {
   state.counters["p50_us"] = percentile(latencies, 0.5);
   state.counters["p99_us"] = percentile(latencies, 0.99);
 }
-BENCHMARK(command_over_multicast_to_tcp)->Iterations(500)->UseManualTime()->Unit(benchmark::kMicrosecond);
+BENCHMARK(command_over_multicast_to_tcp)
+    ->Name("arcos/command_over_lcm")
+    ->Iterations(500)
+    ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace luminav

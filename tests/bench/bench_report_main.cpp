@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <optional>
-#include <thread>
 
 #include "services/common/process/command_line.hpp"
 #include "tests/bench/bench_results.hpp"
@@ -20,13 +18,13 @@ int main(int argc, char** argv) {
       .text("--demo", demo, "report of a demo: CPU and memory of its processes")
       .text("--json", json, "write all results here")
       .text("--compare", old_file, "results of an older run (--json)")
-      .number("--load", load, "load average before the benchmarks began");
+      .number("--load", load, "share of the processors' time that others took before the benchmarks began");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
   return run_guarded("bench", [&] {
     BenchResults results;
-    results.load_before = load / std::max(1U, std::thread::hardware_concurrency());
+    results.load_before = load;
     std::optional<BenchResults> old;
     if (!old_file.empty()) {
       old = read_bench_results(old_file);

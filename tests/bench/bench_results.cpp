@@ -58,15 +58,33 @@ bool is_counter(const std::string& key, const Json& value) {
          std::none_of(std::begin(kKnown), std::end(kKnown), [&](const char* known) { return key == known; });
 }
 
-std::string time_text(const BenchResult& result) {
-  if (result.unit != "ns") {
-    return fmt::format("{:.3g} {}", result.time, result.unit);
+/// Of one of the unit. All times are kept in nanoseconds, so that they can be compared.
+double nanoseconds(const std::string& unit) {
+  return unit == "us" ? 1e3 : (unit == "ms" ? 1e6 : (unit == "s" ? 1e9 : 1.0));
+}
+
+std::string time_text(double nanoseconds) {
+  // what rounds up to 1000 of a unit is 1 of the next
+  for (const auto& [unit, size] : {std::pair("ns", 1.0), {"us", 1e3}, {"ms", 1e6}}) {
+    if (nanoseconds < 999.5 * size) {
+      return fmt::format("{:.3g} {}", nanoseconds / size, unit);
+    }
   }
-  const double time = result.time;
-  return time < 1e3   ? fmt::format("{:.3g} ns", time)
-         : time < 1e6 ? fmt::format("{:.3g} us", 1e-3 * time)
-         : time < 1e9 ? fmt::format("{:.3g} ms", 1e-6 * time)
-                      : fmt::format("{:.3g} s", 1e-9 * time);
+  return fmt::format("{:.3g} s", 1e-9 * nanoseconds);
+}
+
+std::string time_text(const BenchResult& result) {
+  return result.unit == "ns" ? time_text(result.time) : fmt::format("{:.3g} {}", result.time, result.unit);
+}
+
+std::string counter_text(const std::string& name, double value) {
+  if (name.starts_with("per_")) {  // seconds
+    return fmt::format("{} {}", time_text(1e9 * value), name);
+  }
+  if (name == "bytes_per_second") {
+    return fmt::format("{:.0f} MB/s", 1e-6 * value);
+  }
+  return fmt::format("{} {:.4g}", name, value);
 }
 
 std::string change_text(const BenchResult& now, const BenchResult& before) {
@@ -106,7 +124,8 @@ void add_google_results(const std::filesystem::path& file, BenchResults& results
     } else if (entry.value("error_occurred", false)) {
       throw std::runtime_error(fmt::format("{}: {}", name, entry.value("error_message", "failed")));
     } else if (aggregate.empty() || aggregate == "median") {
-      BenchResult result{.name = name, .time = time, .unit = entry.value("time_unit", "ns"), .counters = {}};
+      BenchResult result{
+          .name = name, .time = time * nanoseconds(entry.value("time_unit", "ns")), .unit = "ns", .counters = {}};
       for (const auto& [key, value] : entry.items()) {
         if (is_counter(key, value)) {
           result.counters.emplace_back(key, value.get<double>());
@@ -217,14 +236,14 @@ std::string bench_table(const BenchResults& results, const BenchResults* old) {
       table += fmt::format(" {:.2g} x as fast as {}", peer->time / result.time, peer->name);
     }
     for (const auto& [key, value] : result.counters) {
-      table += fmt::format("  {} {:.4g}", key, value);
+      table += "  " + counter_text(key, value);
     }
     table += '\n';
   }
   if (results.is_busy()) {
-    table +=
-        fmt::format("Measured on a BUSY machine ({:.1f} runnable processes per core before it began): don't quote.\n",
-                    results.load_before);
+    table += fmt::format(
+        "Measured on a BUSY machine (others took {:.0f} % of its processors before it began): don't quote.\n",
+        100.0 * results.load_before);
   }
   return table;
 }

@@ -7,11 +7,11 @@
 
 namespace luminav {
 
-/// One benchmark: what it took, in its own unit.
+/// One benchmark: what it took.
 struct BenchResult {
   std::string name;
   double time = 0.0;  // median of the repetitions: CPU time of the thread, or wall clock where that is what is measured
-  std::string unit;   // ns, us, ms, s; percent and MB for processes
+  std::string unit;   // ns; "% of a core" for processes
   double noise = 0.0;  // coefficient of variation over the repetitions, 0 = one run only
   std::vector<std::pair<std::string, double>> counters;
 };
@@ -19,10 +19,10 @@ struct BenchResult {
 /// Results of a whole run of `scripts/bench`, in the order they ran.
 struct BenchResults {
   std::string machine;       // in general terms: cores and clock
-  double load_before = 0.0;  // runnable processes per core when it began; above 0.5 nothing can be trusted
+  double load_before = 0.0;  // share of the processors' time that others took when it began
   std::vector<BenchResult> results;
 
-  [[nodiscard]] bool is_busy() const { return load_before > 0.5; }
+  [[nodiscard]] bool is_busy() const { return load_before > 0.1; }  // nothing can be trusted then
   [[nodiscard]] const BenchResult* find(const std::string& name) const;
 };
 

@@ -43,6 +43,21 @@ TEST(BenchResults, AreComparedWithThePeerOfTheSameRun) {
   EXPECT_THAT(bench_table(google(), nullptr), HasSubstr("4 x as fast as cspace_opencv/200"));
 }
 
+TEST(BenchResults, AreInNanosecondsWhateverUnitTheyWereWrittenIn) {
+  const TemporaryFolder folder;
+  BenchResults results;
+  add_google_results(folder.write("g.json", R"({"context": {}, "benchmarks": [
+    {"name": "plan/200", "cpu_time": 50, "time_unit": "us"}, {"name": "plan_mrpt/200", "cpu_time": 0.2, "time_unit": "ms"},
+    {"name": "pf", "cpu_time": 999.7, "time_unit": "ns", "per_particle": 1.5e-8, "bytes_per_second": 2e9}]})"),
+                     results);
+  const std::string table = bench_table(results, nullptr);
+  EXPECT_THAT(table, HasSubstr("50 us"));
+  EXPECT_THAT(table, HasSubstr("4 x as fast as plan_mrpt/200"));
+  EXPECT_THAT(table, HasSubstr("1 us"));
+  EXPECT_THAT(table, HasSubstr("15 ns per_particle"));
+  EXPECT_THAT(table, HasSubstr("2000 MB/s"));
+}
+
 TEST(BenchResults, SurviveTheirFile) {
   const TemporaryFolder folder;
   write_bench_results(folder.path() / "b.json", google());
@@ -66,7 +81,7 @@ TEST(BenchResults, SayWhatGotWorseBeyondNoise) {
 TEST(BenchResults, SayThatTheMachineWasBusy) {
   BenchResults results = google();
   EXPECT_THAT(bench_table(results, nullptr), Not(HasSubstr("BUSY")));
-  results.load_before = 1.3;
+  results.load_before = 0.3;
   EXPECT_THAT(bench_table(results, nullptr), HasSubstr("BUSY"));
 }
 

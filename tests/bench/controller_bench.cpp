@@ -29,10 +29,11 @@ OccupancyGrid corridor() {
 }
 
 /// Walls of the window, as the controller takes them from the grid; radius 3 m = 61 x 61 cells.
-void walls_around(benchmark::State& state) {
+/// `radius` in cells of 0.1 m.
+void walls_around(benchmark::State& state, int radius) {
   const OccupancyGrid grid = corridor();
   LocalMapParams params;
-  params.radius = 0.1 * static_cast<double>(state.range(0));
+  params.radius = 0.1 * radius;
   const Pose2 robot{10.05, 9.95, 0.1};
   if (known_walls(grid, robot, params).empty()) {
     throw std::runtime_error("not the agreed workload: no walls");
@@ -55,10 +56,11 @@ void forces(benchmark::State& state) {
 }
 
 /// The whole step on a path: walls, look-ahead, forces, free heading, speed, ramp, stop logic.
-void control(benchmark::State& state) {
+/// `radius` of the window in cells of 0.1 m.
+void control(benchmark::State& state, int radius) {
   const OccupancyGrid grid = corridor();
   ControllerConfig config = ControllerConfig::for_robot(testing::test_robot());
-  config.local_map.radius = 0.1 * static_cast<double>(state.range(0));
+  config.local_map.radius = 0.1 * radius;
   Controller controller(config);
   FollowedPath path;
   path.sequence = 1;
@@ -87,9 +89,11 @@ void control(benchmark::State& state) {
   }
 }
 
-BENCHMARK(walls_around)->Arg(15)->Arg(30);
+BENCHMARK_CAPTURE(walls_around, window_61x61, 30)->Name("walls_around");
+BENCHMARK_CAPTURE(walls_around, window_31x31, 15)->Name("walls_around/31x31");
 BENCHMARK(forces);
-BENCHMARK(control)->Arg(15)->Arg(30);
+BENCHMARK_CAPTURE(control, window_61x61, 30)->Name("control");
+BENCHMARK_CAPTURE(control, window_31x31, 15)->Name("control/31x31");
 
 }  // namespace
 }  // namespace luminav

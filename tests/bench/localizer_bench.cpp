@@ -145,7 +145,7 @@ void particle_filter(benchmark::State& state, const ParticleParams& params, std:
   const WallField walls;
   ParticleFilter filter = start_filter(map, walls, params, work);
   const std::size_t steps = work.truth.size() - 1;
-  for (auto _ : state) {
+  while (state.KeepRunningBatch(static_cast<benchmark::IterationCount>(steps))) {  // one iteration is one update
     state.PauseTiming();
     if (scattered) {
       filter.scatter();
@@ -158,11 +158,8 @@ void particle_filter(benchmark::State& state, const ParticleParams& params, std:
     }
     benchmark::DoNotOptimize(filter.belief().pose.x);
   }
-  const double updates = static_cast<double>(params.count) * static_cast<double>(steps);
-  state.counters["per_particle"] =
-      benchmark::Counter(updates, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-  state.counters["per_update"] = benchmark::Counter(
-      static_cast<double>(steps), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_particle"] = benchmark::Counter(
+      static_cast<double>(params.count), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   state.counters["bytes_per_particle"] =
       static_cast<double>(filter.memory_bytes()) / static_cast<double>(filter.size());
 }
@@ -273,12 +270,10 @@ double kalman_rmse(const PoseWorkload& poses) {
 template <typename Filter>
 void kalman(benchmark::State& state) {
   const PoseWorkload poses = make_pose_workload();
-  for (auto _ : state) {
+  const auto steps = static_cast<benchmark::IterationCount>(poses.increment.size() - 1);
+  while (state.KeepRunningBatch(steps)) {  // one iteration is one prediction and one correction
     benchmark::DoNotOptimize(run_kalman<Filter>(poses));
   }
-  state.counters["per_step"] =
-      benchmark::Counter(static_cast<double>(poses.increment.size() - 1),
-                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 bool is_near(const char* what, double value, double expected, double tolerance) {
