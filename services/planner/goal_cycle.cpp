@@ -205,12 +205,15 @@ bool GoalCycle::is_localized(const Situation& situation) {
 void GoalCycle::update(const Situation& situation) {
   if (situation.now < now_ - 1'000'000) {  // the robot's clock started anew: nothing that was timed holds
     phase_since_ = progress_since_ = situation.now;
-    last_tracking_ = last_plan_ = hold_since_ = 0;
+    last_tracking_ = last_plan_ = last_yield_ = hold_since_ = 0;
     for (Suspect& suspect : suspects_) {
       suspect.until = situation.now;
     }
   }
   now_ = situation.now;
+  if (situation.control && situation.control->yielding) {
+    last_yield_ = now_;
+  }
   if (phase_ == Phase::kNone || phase_ == Phase::kPaused) {
     return;
   }

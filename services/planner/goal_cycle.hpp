@@ -112,6 +112,7 @@ class GoalCycle {
   double attempt_left_ = 0.0;        // [m] distance left when the attempts were counted from
   int attempts_ = 0;
   std::int64_t first_attempt_ = 0;  // [us]
+  std::int64_t last_yield_ = 0;     // [us] when it waited for somebody last
   int losses_ = 0;
   double loss_left_ = 0.0;  // [m] distance left when losses were counted from
   int arrival_failures_ = 0;

@@ -119,7 +119,11 @@ void GoalCycle::check_progress(const Situation& situation) {
   if (++attempts_ == 1) {
     first_attempt_ = now_;
   }
-  if (attempts_ > params_.attempts && seconds_since(first_attempt_) >= params_.stuck_time) {
+  // people come and go: who stands in the way is no proof that there is none
+  const double tried = seconds_since(first_attempt_);
+  const bool by_people = last_yield_ != 0 && seconds_since(last_yield_) < params_.people_memory;
+  const bool is_long = tried >= (by_people ? params_.people_time : params_.stuck_time);
+  if (attempts_ > params_.attempts && is_long) {
     const std::string why = !situation.control                  ? "the controller is silent"
                             : situation.control->reason.empty() ? "the controller does not say why"
                                                                 : situation.control->reason;
@@ -129,7 +133,7 @@ void GoalCycle::check_progress(const Situation& situation) {
                           place_of(stop()), attempts_ - 1, why));
     return;
   }
-  if (attempts_ >= 2) {
+  if (attempts_ >= 2 && !by_people) {
     suspect_ahead(situation);
   }
   ++report_.replans;

@@ -62,7 +62,9 @@ struct GoalCycleParams {
   double progress_length = 0.2;   ///< [m] of the path that count as progress
   double give_up_wait = 60.0;     ///< [s] to wait when no other way is left: people come and go
   int attempts = 5;               ///< plans without progress before the robot calls itself stuck ...
-  double stuck_time = 60.0;       ///< [s] ... and how long it must have tried
+  double stuck_time = 60.0;       ///< [s] ... and how long it must have tried, ...
+  double people_time = 180.0;     ///< [s] ... while somebody is in the way every now and then,
+  double people_memory = 20.0;    ///< [s] that is, at most so long ago
   double suspect_time = 60.0;     ///< [s] that a suspected obstacle stays
   double retry_wait = 20.0;       ///< [s] before a failed stop is tried again, policy retry
   int retries = 3;                ///< how often

@@ -38,6 +38,7 @@ void read_cycle(const TomlTable& table, GoalCycleParams& cycle) {
   cycle.no_progress_time = table.number("no_progress_time", cycle.no_progress_time, {0.5, 120.0});
   cycle.give_up_wait = table.number("give_up_wait", cycle.give_up_wait, {0.0, 3600.0});
   cycle.stuck_time = table.number("stuck_time", cycle.stuck_time, {0.0, 3600.0});
+  cycle.people_time = table.number("people_time", cycle.people_time, {0.0, 3600.0});
   cycle.attempts = table.count("attempts", cycle.attempts, {1, 100});
   cycle.retry_wait = table.number("retry_wait", cycle.retry_wait, {0.0, 3600.0});
   cycle.retries = table.count("retries", cycle.retries, {0, 1000});

@@ -251,6 +251,35 @@ TEST(PlannerNode, CallsItselfStuckInBoundedTimeWhenNothingMoves) {
   EXPECT_THAT(world.status.cause, HasSubstr("no progress"));
 }
 
+TEST(PlannerNode, HasMorePatienceWithPeopleThanWithThingsButNotForEver) {
+  PlannerWorld world;
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.wheels_blocked = true;
+  const auto meet_people = [&](double seconds) {  // they come and go, and the robot never gets anywhere
+    for (double passed = 0.0; passed < seconds && world.status.state != Status::STATE_STUCK; passed += 10.0) {
+      world.yields = true;
+      world.run(5.0);
+      world.yields = false;
+      world.run(5.0);
+    }
+  };
+  meet_people(150.0);
+  EXPECT_NE(world.status.state, Status::STATE_STUCK) << world.status.cause;
+  meet_people(300.0);
+  EXPECT_EQ(world.status.state, Status::STATE_STUCK);
+}
+
+TEST(PlannerNode, GoesOnWhenPeopleHaveGoneAtLast) {
+  PlannerWorld world;
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.wheels_blocked = world.yields = true;
+  world.run(120.0);
+  world.wheels_blocked = world.yields = false;
+  EXPECT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
 TEST(PlannerNode, NoticesASilentController) {
   PlannerWorld world;
   world.controller_runs = false;

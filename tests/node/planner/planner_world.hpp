@@ -117,6 +117,7 @@ class PlannerWorld {
   bool pose_flows = true;
   bool mapper_runs = true;
   bool wheels_blocked = false;
+  bool yields = false;  // the controller says that it waits for somebody
   bool controller_runs = true;
   bool motors = true;
 
@@ -191,6 +192,7 @@ class PlannerWorld {
       control.seconds_without_progress = standing_;
       control.state = path.count == 0             ? control_status_t::STATE_IDLE
                       : next_point_ >= path.count ? control_status_t::STATE_AT_GOAL
+                      : yields                    ? control_status_t::STATE_YIELDING
                                                   : control_status_t::STATE_FOLLOWING;
       lcm.publish(channels::kControlStatus, &control);
     }
