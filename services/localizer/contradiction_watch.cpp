@@ -6,6 +6,12 @@
 #include <cmath>
 
 namespace luminav {
+namespace {
+
+constexpr double kSameThing = 0.6;       // [m] a thing seen again within it is the same
+constexpr std::size_t kMostThings = 64;  // remembered that are no fixtures
+
+}  // namespace
 
 ContradictionWatch::ContradictionWatch(const FixtureMap& map, const CeilingView& view, double ceiling_height,
                                        const TrackingRules& rules)
@@ -21,14 +27,17 @@ std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame
     note_match(matches, odom_from_robot);
     return std::nullopt;
   }
-  const std::string unexplained = find_unexplained(frame, objects, scene, matches, belief);
-  misfit_run_ += unexplained.empty() ? 0 : 1;
+  const std::optional<Eigen::Vector2d> unexplained = find_unexplained(frame, objects, scene, belief);
+  misfit_run_ += unexplained ? 1 : 0;
   const std::optional<int> missed = count_missing(frame, belief, odom_from_robot, way_since_match);
   if (is_doubted) {
     return std::nullopt;
   }
-  if (misfit_run_ >= rules_.misfit_frames) {
-    return Contradiction{unexplained.empty() ? "what is seen fits no fixture" : unexplained, rules_.bonus_after_misfit};
+  if (misfit_run_ >= rules_.misfit_frames && unexplained) {
+    misfit_ = unexplained;
+    return Contradiction{fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none",
+                                     unexplained->x(), unexplained->y()),
+                         rules_.bonus_after_misfit, true};
   }
   if (missed) {
     missed_fixture_ = *missed;
@@ -48,7 +57,14 @@ void ContradictionWatch::confirm(bool was_doubted) {
   if (was_doubted && missed_fixture_ >= 0) {
     unreliable_.insert(missed_fixture_);
   }
+  if (was_doubted && misfit_) {
+    no_fixtures_.push_back(*misfit_);
+    if (no_fixtures_.size() > kMostThings) {
+      no_fixtures_.pop_front();
+    }
+  }
   missed_fixture_ = -1;
+  misfit_.reset();
   misfit_run_ = 0;
   missed_frames_.clear();
 }
@@ -73,17 +89,18 @@ void ContradictionWatch::note_match(const std::vector<FixtureMatch>& matches, co
   }
 }
 
-std::string ContradictionWatch::find_unexplained(const SightingFrame& frame, const std::vector<int>& objects,
-                                                 const SceneMemory& scene, const std::vector<FixtureMatch>& matches,
-                                                 const PoseBelief& belief) const {
-  std::string unexplained;
+std::optional<Eigen::Vector2d> ContradictionWatch::find_unexplained(const SightingFrame& frame,
+                                                                    const std::vector<int>& objects,
+                                                                    const SceneMemory& scene,
+                                                                    const PoseBelief& belief) const {
+  std::optional<Eigen::Vector2d> unexplained;
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
-    const bool is_matched =
-        std::any_of(matches.begin(), matches.end(), [&](const FixtureMatch& m) { return m.sighting == i; });
     const Eigen::Vector2d place = belief.pose * frame.sightings[i].robot_from_fixture.position();
-    if (!is_matched && scene.objects()[static_cast<std::size_t>(objects[i])].frames >= 2) {
-      unexplained =
-          fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none", place.x(), place.y());
+    const bool is_known = std::any_of(no_fixtures_.begin(), no_fixtures_.end(), [&](const Eigen::Vector2d& known) {
+      return (known - place).norm() < kSameThing;
+    });
+    if (!is_known && scene.objects()[static_cast<std::size_t>(objects[i])].frames >= 2) {
+      unexplained = place;
     }
   }
   return unexplained;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,7 +20,8 @@ namespace luminav {
 /// What speaks against a tracked pose.
 struct Contradiction {
   std::string reason;
-  double bonus = 0.0;  // prior that the old pose keeps nevertheless
+  double bonus = 0.0;      // prior that the old pose keeps nevertheless
+  bool is_misfit = false;  // something is seen that is no fixture, as opposed to a fixture that is not seen
 };
 
 /// Watches a tracked pose for signs that it is wrong: sightings that fit nothing, fixtures that vanish though the robot
@@ -38,15 +41,18 @@ class ContradictionWatch {
   /// The pose was put in doubt: begin to count anew.
   void reset();
   /// The pose is held for true again. With `was_doubted` it is the one doubted before: the fixture that was missed then
-  /// is dead, gone or hard to see, and is not missed again.
+  /// is dead, gone or hard to see, and is not missed again; what was seen beside all fixtures is none, and is not
+  /// wondered at again.
   void confirm(bool was_doubted);
 
  private:
   void note_pause(const Pose2& odom_from_robot);
   void note_match(const std::vector<FixtureMatch>& matches, const Pose2& odom_from_robot);
-  [[nodiscard]] std::string find_unexplained(const SightingFrame& frame, const std::vector<int>& objects,
-                                             const SceneMemory& scene, const std::vector<FixtureMatch>& matches,
-                                             const PoseBelief& belief) const;
+  /// Where [world] something is seen that is no fixture of the building.
+  [[nodiscard]] std::optional<Eigen::Vector2d> find_unexplained(const SightingFrame& frame,
+                                                                const std::vector<int>& objects,
+                                                                const SceneMemory& scene,
+                                                                const PoseBelief& belief) const;
   [[nodiscard]] std::optional<int> count_missing(const SightingFrame& frame, const PoseBelief& belief,
                                                  const Pose2& odom_from_robot, double way_since_match);
   [[nodiscard]] std::optional<int> worst_missing(double way_since_match) const;
@@ -55,16 +61,18 @@ class ContradictionWatch {
   const CeilingView& view_;
   double ceiling_height_;  // [m]
   TrackingRules rules_;
-  int misfit_run_ = 0;                // images
-  std::map<int, int> missed_frames_;  // images since the last match that ought to show a fixture and do not
-  std::set<int> unreliable_;          // fixtures that were missed though the pose was right: no longer missed
-  int missed_fixture_ = -1;           // whose absence put the pose in doubt; -1 = something else
-  std::vector<int> seen_lately_;      // fixtures of the last match
-  Pose2 odom_at_frame_;               // odom_from_robot at the image before
-  int still_frames_ = 0;              // images in a row without wheel motion
-  bool may_be_carried_ = false;       // the motors are off
-  bool paused_ = false;               // it stood still for a while since the last match
-  Pose2 odom_at_match_;               // odom_from_robot at the last match
+  int misfit_run_ = 0;                       // images
+  std::map<int, int> missed_frames_;         // images since the last match that ought to show a fixture and do not
+  std::set<int> unreliable_;                 // fixtures that were missed though the pose was right: no longer missed
+  int missed_fixture_ = -1;                  // whose absence put the pose in doubt; -1 = something else
+  std::optional<Eigen::Vector2d> misfit_;    // [world] what put the pose in doubt by being seen there
+  std::deque<Eigen::Vector2d> no_fixtures_;  // [world] places of such things while the pose was right
+  std::vector<int> seen_lately_;             // fixtures of the last match
+  Pose2 odom_at_frame_;                      // odom_from_robot at the image before
+  int still_frames_ = 0;                     // images in a row without wheel motion
+  bool may_be_carried_ = false;              // the motors are off
+  bool paused_ = false;                      // it stood still for a while since the last match
+  Pose2 odom_at_match_;                      // odom_from_robot at the last match
 };
 
 }  // namespace luminav

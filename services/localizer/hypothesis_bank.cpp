@@ -182,24 +182,46 @@ void HypothesisBank::score(Hypothesis& hypothesis) const {
   hypothesis.total = total;
 }
 
-void HypothesisBank::settle(Hypothesis& hypothesis, const SceneMemory& scene, double odometer) {
+void HypothesisBank::settle(Hypothesis& hypothesis, std::vector<ObjectVote> votes,
+                            std::vector<FixtureWatch> watches) const {
+  if (votes.empty() && watches.empty()) {
+    return;
+  }
   Hypothesis over;
+  over.votes = std::move(votes);
+  over.watches = std::move(watches);
+  over.sonar = best_sonar_;
+  score(over);
+  hypothesis.settled += over.total;
+}
+
+void HypothesisBank::settle(Hypothesis& hypothesis, const SceneMemory& scene, double odometer) {
+  std::vector<ObjectVote> votes;
   const auto is_forgotten = [&](const ObjectVote& vote) {
     return std::any_of(scene.forgotten().begin(), scene.forgotten().end(),
                        [&](const SeenObject& o) { return o.id == vote.object; });
   };
   if (!scene.forgotten().empty()) {
-    std::copy_if(hypothesis.votes.begin(), hypothesis.votes.end(), std::back_inserter(over.votes), is_forgotten);
+    std::copy_if(hypothesis.votes.begin(), hypothesis.votes.end(), std::back_inserter(votes), is_forgotten);
     std::erase_if(hypothesis.votes, is_forgotten);
   }
+  std::vector<FixtureWatch> watches;
   const auto is_passed = [&](const FixtureWatch& watch) { return odometer - watch.odometer > kPassedBy; };
-  std::copy_if(hypothesis.watches.begin(), hypothesis.watches.end(), std::back_inserter(over.watches), is_passed);
+  std::copy_if(hypothesis.watches.begin(), hypothesis.watches.end(), std::back_inserter(watches), is_passed);
   std::erase_if(hypothesis.watches, is_passed);
-  if (!over.votes.empty() || !over.watches.empty()) {
-    over.sonar = best_sonar_;
-    score(over);
-    hypothesis.settled += over.total;
+  settle(hypothesis, std::move(votes), std::move(watches));
+}
+
+void HypothesisBank::bridge(const Pose2& step, const Eigen::Matrix3d& noise) {
+  for (Hypothesis& hypothesis : hypotheses_) {
+    predict(hypothesis.belief, step, noise);
+    settle(hypothesis, std::move(hypothesis.votes), std::move(hypothesis.watches));
+    hypothesis.votes.clear();
+    hypothesis.watches.clear();
   }
+  null_settled_ += null_active_;
+  null_active_ = 0.0;
+  way_since_correction_ += params_.independent_way;
 }
 
 void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting, SceneMemory& scene,

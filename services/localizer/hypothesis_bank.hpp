@@ -86,6 +86,9 @@ class HypothesisBank {
   void clear();
   /// Moves all by an odometry step.
   void advance(const Pose2& delta);
+  /// Moves all by a step that no odometry measured, with its covariance in the frame at its beginning. The scene is to
+  /// be cleared: what is seen from now on are other objects.
+  void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
   /// One image: sightings (rolling shutter taken out) with their object in the scene.
   void observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting, SceneMemory& scene,
                const OdometryReading& odometry, double odometer);
@@ -117,6 +120,8 @@ class HypothesisBank {
   void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double log_likelihood, double weight);
   void settle(Hypothesis& hypothesis, const SceneMemory& scene, double odometer);
   void score(Hypothesis& hypothesis) const;
+  /// Score of votes and watches that are over, moved out of a hypothesis.
+  void settle(Hypothesis& hypothesis, std::vector<ObjectVote> votes, std::vector<FixtureWatch> watches) const;
   void add(Hypothesis hypothesis);
   [[nodiscard]] bool is_taken(const Pose2& pose) const;
   [[nodiscard]] bool is_possible_place(const PoseBelief& belief) const;

@@ -12,7 +12,6 @@ namespace luminav {
 namespace {
 
 constexpr double kLeastFit = 0.35;                  // outlines that fit worse are not used
-constexpr double kFastest = 3.0;                    // [m/s] beyond it odometry has jumped, no robot of ours drives so
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
 constexpr double kRefuted = 6.0;                    // log-score behind the best at which a leader is one no more
 constexpr std::size_t kMostSightings = 12;          // of one image
@@ -46,11 +45,8 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
   const OdometryHistory& history = queue_.history();
   if (!history.is_empty()) {
     const OdometryReading& last = history.newest();
-    const double elapsed = 1e-6 * static_cast<double>(reading.utime - last.utime);
-    if (reading.session != last.session) {
-      relative_motion_lost("the odometry began anew");
-    } else if (distance(reading.odom_from_robot, last.odom_from_robot) > 0.3 + kFastest * elapsed) {
-      relative_motion_lost("the odometry jumped");
+    if (const std::string why = find_gap(last, reading); !why.empty()) {
+      bridge(why, motion_gap(last, reading));
     }
   }
   queue_.add_odometry(reading);
@@ -68,21 +64,19 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
   }
 }
 
-void ModernLocalizer::relative_motion_lost(const std::string& why) {
+void ModernLocalizer::bridge(const std::string& why, const MotionGap& gap) {
   queue_.restart();
   scene_.clear();
   echoes_.clear();
   filter_odometry_.reset();
   if (leader_id_ != 0) {
-    // most likely the robot stood still: keep the pose, but do not trust it before something confirms it
-    PoseBelief belief = filter_.belief();
-    belief.covariance += Eigen::Vector3d(0.04, 0.04, 0.03).asDiagonal();
-    filter_.start(belief);
-    doubt(why, params_.rules.bonus_after_miss);
+    filter_.bridge(gap.step, gap.noise);
+  }
+  if (state_ == LocalizerState::kTracking) {
+    doubt(why, params_.rules.bonus_after_gap);
+    needed_fixtures_ = gap.may_be_carried ? params_.rules.enter_fixtures : 1;
   } else {
-    bank_.clear();
-    state_ = LocalizerState::kLost;
-    reason_ = why;
+    bank_.bridge(gap.step, gap.noise);
   }
 }
 
@@ -196,6 +190,7 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   if (leader_id_ != 0) {
     watch_.allow_carrying(!motors_enabled_);
     track(frame, objects, timed.odometry);
+    favour_what_foretold();
   }
   if (state_ != LocalizerState::kTracking) {
     bank_.seed(scene_, timed.odometry.odom_from_robot);
@@ -217,6 +212,7 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
                                          odometer_ - odometer_at_fixture_, !doubt_.empty());
   if (contradiction) {
     doubt(contradiction->reason, contradiction->bonus);
+    may_foretell_ = contradiction->is_misfit;
   }
   const Pose2 before = filter_.belief().pose;
   correct_filter(frame, matches, odometry);
@@ -225,6 +221,17 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
       (distance(before, after) > kMovedByHand || std::abs(wrap_angle(after.theta - before.theta)) > kTurnedByHand)) {
     doubt("the robot was moved by hand while its motors were off", params_.rules.bonus_after_miss);
   }
+}
+
+void ModernLocalizer::favour_what_foretold() {
+  const auto held = std::find_if(bank_.hypotheses().begin(), bank_.hypotheses().end(),
+                                 [&](const Hypothesis& h) { return h.id == leader_id_; });
+  if (!may_foretell_ || held == bank_.hypotheses().end() || held->confirmed.empty()) {
+    return;
+  }
+  // A robot put elsewhere sees a fixture where the old pose has one in perhaps one of a hundred cases.
+  may_foretell_ = false;
+  held->bonus += params_.rules.bonus_when_foretold;
 }
 
 void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
@@ -253,6 +260,8 @@ void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vect
 
 void ModernLocalizer::doubt(const std::string& why, double bonus) {
   doubt_ = why;
+  may_foretell_ = false;
+  needed_fixtures_ = 1;
   watch_.reset();
   scene_.clear();
   bank_.clear();
@@ -314,7 +323,11 @@ bool ModernLocalizer::begin_anew_if_unexplained(const SightingFrame& frame) {
     return false;
   }
   const Hypothesis& best = bank_.hypotheses().front();
-  unexplained_run_ = best.last_match == frame.utime ? 0 : unexplained_run_ + 1;
+  // a pose in doubt is not given up for a thing that is no fixture as long as others explain that
+  const auto explains = [&](const Hypothesis& h) { return h.last_match == frame.utime; };
+  const bool is_explained =
+      leader_id_ == 0 ? explains(best) : std::any_of(bank_.hypotheses().begin(), bank_.hypotheses().end(), explains);
+  unexplained_run_ = is_explained ? 0 : unexplained_run_ + 1;
   if (unexplained_run_ < params_.rules.restart_frames) {
     return false;
   }
@@ -369,7 +382,7 @@ bool ModernLocalizer::resume_tracking(const SightingFrame& frame) {
 bool ModernLocalizer::declare_tracking(const SightingFrame& frame) {
   const TrackingRules& rules = params_.rules;
   const Hypothesis best = bank_.hypotheses().front();
-  const int enough_fixtures = best.id == leader_id_ ? 1 : rules.enter_fixtures;
+  const int enough_fixtures = best.id == leader_id_ ? needed_fixtures_ : rules.enter_fixtures;
   if (margin() < rules.enter_margin || static_cast<int>(best.confirmed.size()) < enough_fixtures ||
       frame.sightings.empty() || best.last_match != frame.utime ||
       largest_position_sigma(best.belief.covariance) >= rules.enter_position_sigma) {

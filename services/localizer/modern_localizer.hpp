@@ -12,6 +12,7 @@
 #include "services/localizer/frame_queue.hpp"
 #include "services/localizer/hypothesis_bank.hpp"
 #include "services/localizer/localizer.hpp"
+#include "services/localizer/motion_gap.hpp"
 #include "services/localizer/tracking_filter.hpp"
 #include "services/localizer/tracking_rules.hpp"
 
@@ -52,10 +53,12 @@ class ModernLocalizer final : public Localizer {
   void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
   void correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                       const OdometryReading& odometry);
+  void favour_what_foretold();
   void add_rival(const PoseBelief& belief);
   void judge_recalled_pose(const std::vector<int>& objects, const std::vector<FixtureMatch>& matches);
   void doubt(const std::string& why, double bonus);
-  void relative_motion_lost(const std::string& why);
+  /// Relative motion across now is unknown: the pose is only as good as a guess of it.
+  void bridge(const std::string& why, const MotionGap& gap);
   void decide(const SightingFrame& frame);
   void drop_refuted_leader();
   [[nodiscard]] bool begin_anew_if_unexplained(const SightingFrame& frame);
@@ -85,10 +88,12 @@ class ModernLocalizer final : public Localizer {
 
   LocalizerState state_ = LocalizerState::kLost;
   std::string reason_ = "no fixture seen yet";
-  int leader_id_ = 0;         // hypothesis that the filter follows; 0 = none
-  bool wide_ = false;         // the filter's covariance is too wide to call it tracking
-  std::string doubt_;         // why the leader was put in doubt; "" = it is not
-  bool is_recalled_ = false;  // the leader comes from before a restart, and no sighting has judged it yet
+  int leader_id_ = 0;          // hypothesis that the filter follows; 0 = none
+  bool wide_ = false;          // the filter's covariance is too wide to call it tracking
+  std::string doubt_;          // why the leader was put in doubt; "" = it is not
+  bool may_foretell_ = false;  // a fixture where the doubted leader has one speaks for it
+  int needed_fixtures_ = 1;    // that must fit before the doubted leader is held for true again
+  bool is_recalled_ = false;   // the leader comes from before a restart, and no sighting has judged it yet
   bool motors_enabled_ = true;
   int doubted_id_ = 0;       // hypothesis that was put in doubt last
   int unexplained_run_ = 0;  // images

@@ -67,6 +67,13 @@ PoseBelief TrackingFilter::belief_after(const Pose2& delta) const {
   return ahead.belief();
 }
 
+void TrackingFilter::bridge(const Pose2& step, const Eigen::Matrix3d& noise) {
+  const Eigen::Matrix3d rotation =
+      Eigen::AngleAxisd(state_(2), Eigen::Vector3d::UnitZ()).toRotationMatrix();  // the same for (x, y, theta)
+  predict(step);
+  covariance_.topLeftCorner<3, 3>() += rotation * noise * rotation.transpose();
+}
+
 void TrackingFilter::predict(const Pose2& delta) {
   const Pose2 step = corrected(delta);
   const Pose2 before{state_(0), state_(1), state_(2)};

@@ -42,6 +42,8 @@ class TrackingFilter {
 
   /// Admits that the pose is less sure than thought.
   void widen(const Eigen::Vector3d& variances) { covariance_.topLeftCorner<3, 3>().diagonal() += variances; }
+  /// Moves on by a step that no odometry measured; its covariance in the frame at its beginning.
+  void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
 
   [[nodiscard]] PoseBelief belief() const;
   /// Where an odometry step would lead, this filter left as it is.

@@ -25,6 +25,8 @@ struct TrackingRules {
   double miss_share = 0.8;                    // likewise of any other fixture
   double bonus_after_misfit = 6.0;            // prior of the old pose when what was seen did not fit it
   double bonus_after_miss = 10.0;             // prior of the old pose when only something was missing
+  double bonus_after_gap = 13.0;              // prior of the old pose when only odometry was away for a while
+  double bonus_when_foretold = 5.0;           // more of it once a doubted pose foretold the next fixture
   double guess_bonus = 6.0;                   // prior of a user's guess
   int restart_frames = 12;                    // images with sightings that no hypothesis explains: begin anew
 };

@@ -1,0 +1,151 @@
+// What puts a tracked pose in doubt in a corridor where every fixture looks like the next one, and how it comes back.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "services/localizer/modern_localizer.hpp"
+#include "tests/unit/localizer/synthetic_world.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr double kPitch = 3.0;   // [m] fixtures at 1.5, 4.5, 7.5, ...
+constexpr double kMiddle = 1.2;  // [m] of the corridor
+constexpr double kSpeed = 0.4;   // [m/s]
+
+RobotDescription robot() {
+  RobotDescription robot;
+  robot.camera.mounting.z = 0.3;
+  return robot;
+}
+
+/// Drives along the corridor's middle with odometry and pictures that are exact.
+class CorridorDrive {
+ public:
+  CorridorDrive() : corridor_(testing::symmetric_corridor(10, kPitch)) {
+    localizer_.recall({{x_, kMiddle, 0.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()});
+  }
+
+  /// Drives on to a place; returns the reasons of all states that were not TRACKING on the way.
+  std::vector<std::string> drive_to(double x) {
+    std::vector<std::string> reasons;
+    while (std::abs(x - x_) > 0.5 * kSpeed * 0.1) {
+      const double linear = x > x_ ? kSpeed : -kSpeed;
+      move(linear, 0.1);
+      localizer_.add_odometry({utime_, session_, {odom_, 0.0, 0.0}, linear, 0.0});
+      localizer_.add_frame({utime_, look()});
+      if (state() != LocalizerState::kTracking) {
+        reasons.push_back(localizer_.estimate().reason);
+      }
+    }
+    return reasons;
+  }
+  /// Odometry ends, the robot drives on for a while and stands; then odometry begins anew.
+  void lose_odometry(double driving, double silent) {
+    move(kSpeed, driving);
+    utime_ += static_cast<std::int64_t>(1e6 * (silent - driving));
+    odom_ = 0.0;
+    ++session_;
+  }
+  void carry_to(double x) { x_ = x; }
+  void hang_false_fixture(double x) { false_fixtures_.push_back(x); }
+
+  [[nodiscard]] LocalizerState state() const { return localizer_.estimate().state; }
+  [[nodiscard]] double error() const { return distance(localizer_.estimate().belief.pose, {x_, kMiddle, 0.0}); }
+
+ private:
+  void move(double linear, double time) {
+    x_ += linear * time;
+    odom_ += linear * time;
+    utime_ += static_cast<std::int64_t>(1e6 * time);
+  }
+  [[nodiscard]] std::vector<FixtureSighting> look() const {
+    std::vector<FixtureSighting> sightings;
+    const auto see = [&](double at, const Fixture& fixture) {
+      if (std::abs(at - x_) < 0.5) {
+        FixtureSighting sighting;
+        sighting.robot_from_fixture = {at - x_, 0.0, 0.0};
+        sighting.covariance = Eigen::Vector3d(1e-5, 1e-5, 1e-5).asDiagonal();
+        sighting.length = fixture.length;
+        sighting.width = fixture.width;
+        sighting.state = SightingState::kLit;
+        sightings.push_back(sighting);
+      }
+    };
+    for (const Fixture& fixture : corridor_.building.fixtures) {
+      see(fixture.world_from_fixture.x, fixture);
+    }
+    for (const double x : false_fixtures_) {
+      see(x, corridor_.building.fixtures.front());
+    }
+    return sightings;
+  }
+
+  testing::TestBuilding corridor_;
+  ModernLocalizer localizer_{corridor_.building, corridor_.walls, robot(), ErrorParams{}, ModernLocalizerParams{}};
+  double x_ = 1.0;     // [m] true place along the corridor
+  double odom_ = 0.0;  // [m]
+  std::int64_t utime_ = 1'000'000'000;
+  std::int64_t session_ = 1;
+  std::vector<double> false_fixtures_;  // [m]
+};
+
+bool any_about(const std::vector<std::string>& reasons, const std::string& words) {
+  for (const std::string& reason : reasons) {
+    if (reason.find(words) != std::string::npos) {
+      return true;
+    }
+  }
+  return false;
+}
+
+TEST(Doubt, OfAPoseThatForetellsTheNextFixtureEndsThere) {
+  CorridorDrive drive;
+  drive.drive_to(8.0);
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  drive.hang_false_fixture(9.2);  // between those at 7.5 and 10.5
+  EXPECT_TRUE(any_about(drive.drive_to(9.4), "where the building has none"));
+  EXPECT_EQ(drive.state(), LocalizerState::kAmbiguous);
+  drive.drive_to(10.6);
+  EXPECT_EQ(drive.state(), LocalizerState::kTracking);
+  EXPECT_LT(drive.error(), 0.05);
+}
+
+TEST(Doubt, DoesNotComeBackAtAThingThatWasFoundOutToBeNoFixture) {
+  CorridorDrive drive;
+  drive.drive_to(8.0);
+  drive.hang_false_fixture(9.2);
+  drive.drive_to(11.0);
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  EXPECT_TRUE(drive.drive_to(7.5).empty());
+  EXPECT_TRUE(drive.drive_to(11.0).empty());
+}
+
+TEST(Doubt, ComesWithinASecondOfImagesAfterTheRobotWasPutBetweenFixtures) {
+  CorridorDrive drive;
+  drive.drive_to(8.9);  // nothing ought to be in view here
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  drive.carry_to(4.2);
+  drive.drive_to(4.6);
+  EXPECT_NE(drive.state(), LocalizerState::kTracking);
+}
+
+TEST(Doubt, AfterTheSerialLineWasCutEndsAtTheFirstFixture) {
+  for (const double driving : {0.0, 1.0, 2.2}) {
+    CorridorDrive drive;
+    drive.drive_to(8.4);
+    ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+    drive.lose_odometry(driving, 4.0);
+    EXPECT_TRUE(any_about(drive.drive_to(9.5), "odometry began anew")) << driving;
+    EXPECT_NE(drive.state(), LocalizerState::kTracking) << driving;
+    drive.drive_to(10.6);
+    EXPECT_EQ(drive.state(), LocalizerState::kTracking) << driving;
+    EXPECT_LT(drive.error(), 0.05) << driving;
+  }
+}
+
+}  // namespace
+}  // namespace luminav
