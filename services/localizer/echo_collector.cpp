@@ -29,7 +29,7 @@ void EchoCollector::advance(const Pose2& delta) {
   turn_since_ += std::abs(delta.theta);
 }
 
-std::vector<HypothesisBank::Echo> EchoCollector::take(std::int64_t utime, const OdometryHistory& history) {
+std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history) {
   if (way_since_ < way_ && turn_since_ < turn_) {
     return {};
   }
@@ -37,7 +37,7 @@ std::vector<HypothesisBank::Echo> EchoCollector::take(std::int64_t utime, const 
   if (!now) {
     return {};
   }
-  std::vector<HypothesisBank::Echo> echoes;
+  std::vector<PlacedEcho> echoes;
   std::vector<bool> has_disc(sonar_.robot_from_sonar.size(), false);
   for (auto reading = echoes_.rbegin(); reading != echoes_.rend(); ++reading) {
     const auto disc = static_cast<std::size_t>(reading->disc);

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/hypothesis_bank.hpp"
 #include "services/localizer/localizer.hpp"
 #include "services/localizer/odometry_history.hpp"
+#include "services/localizer/sonar_evidence.hpp"
 
 namespace luminav {
 
@@ -24,7 +24,7 @@ class EchoCollector {
   void advance(const Pose2& delta);
   /// The newest echo of each disc of the last second before `utime` [us], in the robot frame of that instant; empty
   /// while the robot has not moved enough or fewer than three discs heard something.
-  [[nodiscard]] std::vector<HypothesisBank::Echo> take(std::int64_t utime, const OdometryHistory& history);
+  [[nodiscard]] std::vector<PlacedEcho> take(std::int64_t utime, const OdometryHistory& history);
 
  private:
   SonarRing sonar_;

@@ -163,7 +163,7 @@ void ModernLocalizer::advance(const OdometryReading& odometry) {
 }
 
 void ModernLocalizer::listen(std::int64_t until_utime) {
-  const std::vector<HypothesisBank::Echo> echoes = echoes_.take(until_utime, queue_.history());
+  const std::vector<PlacedEcho> echoes = echoes_.take(until_utime, queue_.history());
   if (!echoes.empty()) {
     bank_.listen(echoes);
   }

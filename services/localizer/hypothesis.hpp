@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "services/common/geometry/angle.hpp"
+#include "services/localizer/pose_belief.hpp"
+#include "services/localizer/scene_memory.hpp"
+
+namespace luminav {
+
+struct HypothesisParams {
+  double gate = 16.27;                 // chi2(3) at 99.9 %
+  double misfit = -5.0;                // least log-likelihood of one object: it may be something else than a fixture
+  double miss_probability = 0.12;      // that a fixture well inside the image is overlooked during a whole pass
+  int frames_for_full_vote = 4;        // images an object needs for its full weight
+  int frames_for_full_miss = 8;        // images a fixture must have been missed in for its full weight
+  double miss_margin = 0.15;           // [m] from the image border, beside the pose's own error
+  double independent_way = 0.5;        // [m] after which a sighting's constant errors count as drawn anew
+  double wall_way = 0.3;               // [m] after which a pose in a wall counts again
+  double sonar_way = 0.3;              // [m] after which the sonars count again
+  double sonar_turn = radians(30.0);   // [rad] likewise
+  double sonar_weight = 0.3;           // of one echo: neighbouring echoes tell the same
+  double sonar_cap = 14.0;             // most that sonar alone can hold against a hypothesis
+  double prune = 20.0;                 // log-score behind the best at which a hypothesis is given up
+  double merge_distance = 0.3;         // [m] two hypotheses nearer than this and
+  double merge_angle = radians(12.0);  // [rad] this are one
+  double seed_position_sigma = 0.40;   // [m] sightings less sharp make no hypotheses
+  int most = 20000;                    // hypotheses kept
+};
+
+/// The likelihood of one object under one hypothesis, averaged over its images.
+struct ObjectVote {
+  int object = 0;
+  int fixture = -1;  // matched last; -1 = none
+  double weight = 0.0;
+  double weighted_sum = 0.0;
+  int frames = 0;
+  int matches = 0;
+};
+
+/// A fixture that a hypothesis expects to be seen.
+struct FixtureWatch {
+  int fixture = 0;
+  int expected = 0;       // images in which it should be well visible
+  int missed = 0;         // of these, nothing was there
+  double odometer = 0.0;  // [m] when last expected
+};
+
+/// One pose held for possible. Scores are logs of likelihood ratios; 0 = everything seen is explained.
+struct Hypothesis {
+  int id = 0;
+  PoseBelief belief;
+  double settled = 0.0;  // of objects and passes that are over
+  double walls = 0.0;
+  double sonar = 0.0;
+  double bonus = 0.0;  // prior: a user's guess, an earlier pose
+  double total = 0.0;  // sum of all, kept up to date by the bank
+  std::vector<ObjectVote> votes;
+  std::vector<FixtureWatch> watches;
+  std::vector<int> confirmed;   // different fixtures that fitted, at most 16
+  std::int64_t last_match = 0;  // [us]
+};
+
+/// Counts one image of an object: `fixture` is what it is taken for there, -1 = none; a weight below 1 for a cut one.
+void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double log_likelihood, double weight);
+
+/// Counts one image in which fixtures ought to be well visible; those `missed` among them are not seen.
+void watch(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer);
+
+/// Brings `total` up to date; `best_sonar` is the best sonar score of all hypotheses.
+void score(Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params);
+
+/// Moves the score of objects that the scene has forgotten and of fixtures passed by to `settled`.
+void settle_what_is_over(Hypothesis& hypothesis, const SceneMemory& scene, double odometer,
+                         const HypothesisParams& params);
+
+/// Moves the score of all objects and fixtures to `settled`.
+void settle_all(Hypothesis& hypothesis, const HypothesisParams& params);
+
+}  // namespace luminav
