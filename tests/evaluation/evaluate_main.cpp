@@ -89,7 +89,7 @@ std::vector<SuiteEntry> entries_of(const Request& request) {
   for (const std::string& given : request.scenarios) {
     for (const fs::path& file : scenario_files(given)) {
       const std::uint64_t seed = read_scenario(file).seed;
-      entries.push_back({file, seed, seed, "rendered", false});
+      entries.push_back({file, seed, seed, "rendered", false, "", ""});
     }
   }
   return entries.empty() ? suite_entries(request.suite.empty() ? "quick" : request.suite, request.generated) : entries;

@@ -112,7 +112,7 @@ std::vector<EvaluationJob> jobs_of(const std::vector<SuiteEntry>& entries, const
     // said now rather than after hours: an impossible start, an unknown fixture
     (void)draw_world(drawn, read_building(scenario.building_file), read_robot(scenario.robot_file));
     for (std::uint64_t seed = first; seed <= last; ++seed) {
-      EvaluationJob job{scenario, {}, reproduce_command(entry, seed, options)};
+      EvaluationJob job{scenario, {}, reproduce_command(entry, seed, options), entry.suite, entry.group};
       job.scenario.seed = seed;
       job.options.robot = {options.mode, options.mode, options.mode, !options.mono8,
                            sensing_of(entry, options) == "geometric" ? behaviour : nullptr};
@@ -162,6 +162,8 @@ std::vector<RunReport> run_jobs(const std::vector<EvaluationJob>& jobs, int thre
       }
       report.scenario_file = job.scenario.file.string();
       report.reproduce = job.reproduce;
+      report.suite = job.suite;
+      report.group = job.group.empty() ? report.scenario : job.group;
       const std::lock_guard lock(mutex);
       ++done;
       work_done += job.scenario.duration;

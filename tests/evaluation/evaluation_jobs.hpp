@@ -16,6 +16,8 @@ struct EvaluationJob {
   Scenario scenario;
   ScenarioRunOptions options;
   std::string reproduce;  // command that does it again
+  std::string suite;
+  std::string group;
 };
 
 struct JobOptions {

@@ -11,30 +11,21 @@ namespace luminav {
 
 using nlohmann::ordered_json;
 
-/// Runs of each scenario, in the order in which they came.
-std::vector<std::pair<std::string, std::vector<RunReport>>> by_scenario(const std::vector<RunReport>& runs) {
-  std::vector<std::pair<std::string, std::vector<RunReport>>> groups;
-  for (const RunReport& run : runs) {
-    auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == run.scenario; });
-    if (group == groups.end()) {
-      group = groups.insert(group, {run.scenario, {}});
-    }
-    group->second.push_back(run);
-  }
-  return groups;
-}
-
 std::string to_json(const std::string& suite, const std::string& mode, const std::string& sensing,
                     const std::vector<RunReport>& runs, const std::vector<DetectorCondition>& detector) {
   ordered_json list = ordered_json::array();
   for (const RunReport& run : runs) {
     list.push_back(json_of(run));
   }
-  ordered_json all = {
-      {"suite", suite}, {"mode", mode}, {"sensing", sensing}, {"summary", summary_of(runs)}, {"runs", list}};
-  const auto scenarios = by_scenario(runs);
-  for (std::size_t i = 0; i < scenarios.size() && scenarios.size() > 1; ++i) {
-    all["scenarios"][scenarios[i].first] = summary_of(scenarios[i].second);
+  ordered_json all = {{"suite", suite},
+                      {"mode", mode},
+                      {"sensing", sensing},
+                      {"summary", summary_of(pointers_to(runs))},
+                      {"runs", list}};
+  for (const auto& [key, groups] : {std::pair("suites", suites_of(runs)), {"scenarios", groups_of(runs)}}) {
+    for (std::size_t i = 0; i < groups.size() && groups.size() > 1; ++i) {
+      all[key][groups[i].name] = summary_of(groups[i].runs);
+    }
   }
   if (!detector.empty()) {
     ordered_json conditions = ordered_json::array();
@@ -69,13 +60,15 @@ std::string scenario_table_text(const std::vector<RunReport>& runs) {
       fmt::format("{:<24} {:>9} {:>6} {:>8} {:>6} {:>7} {:>16} {:>16} {:>5} {:>9} {:>8} {:>6} {:>6} {:>6}\n",
                   "scenario", "passed", "found", "after m", "wrong", "track %", "RMS in view", "95 % of mission",
                   "NEES", "goals", "contacts", "m/s", "eff.", "x real");
-  for (const auto& [name, of_scenario] : by_scenario(runs)) {
-    const ordered_json s = summary_of(of_scenario);
+  const std::vector<RunGroup> rows = rows_of(runs);
+  const bool any_suite = std::any_of(rows.begin(), rows.end(), [](const RunGroup& row) { return row.is_suite(); });
+  for (const RunGroup& row : rows) {
+    const ordered_json s = summary_of(row.runs);
     const auto get = [&](const char* key) { return s.value(key, 0.0); };
     text += fmt::format(
         "{:<24} {:>9} {:>6} {:>8.1f} {:>6.0f} {:>7.2f} {:>16} {:>16} {:>5.2f} {:>9} {:>8.0f} {:>6.2f} {:>6.2f} "
         "{:>6.0f}\n",
-        name, fmt::format("{:.0f}/{:.0f}", get("passed"), get("runs")),
+        (any_suite && !row.is_suite() ? "  " : "") + row.name, fmt::format("{:.0f}/{:.0f}", get("passed"), get("runs")),
         fmt::format("{:.0f} %", 100.0 * get("localized_ratio")), get("localized_after_m_median"),
         get("confident_wrong_runs"), 100.0 * get("tracking_ratio"),
         fmt::format("{:.0f} mm {:.2f} deg", 1e3 * get("in_view_position_rms_m"), get("in_view_heading_rms_deg")),

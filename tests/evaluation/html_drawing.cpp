@@ -203,6 +203,10 @@ std::string trajectory_svg(const RunReport& run, const std::string& map_id) {
     const bool right = goal.expect_refused ? goal.refused : goal.reached;
     mark(goal.x, goal.y, right ? "goal" : "goal missed", std::to_string(i + 1));
   }
+  for (const ContactEvent& contact : run.drive.contacts) {
+    svg += fmt::format("<path class=\"contact\" d=\"M{0:.2f} {1:.2f}l{2:.2f} {2:.2f}m0 -{2:.2f}l-{2:.2f} {2:.2f}\"/>",
+                       contact.x - frame.left - 0.4 * letter, frame.top - contact.y - 0.4 * letter, 0.8 * letter);
+  }
   return svg + "</svg>";
 }
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "tests/evaluation/evaluation_report.hpp"
+#include "drivers/simulator/scenario.hpp"
 #include "tests/evaluation/html_drawing.hpp"
 #include "tests/evaluation/run_summary.hpp"
 
@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr int kDrawnPassed = 3;  // runs of a scenario that passed
+constexpr int kDrawnPassed = 2;  // runs of a scenario that passed
 constexpr int kDrawnFailed = 25;
 
 constexpr const char* kStyle = R"(
@@ -35,7 +35,8 @@ font-size:12.5px}
 .wide{overflow-x:auto;background:var(--card);border:1px solid var(--line);border-radius:9px}
 table{border-collapse:collapse;width:100%;font-size:13px;font-variant-numeric:tabular-nums}
 th,td{padding:7px 8px;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap;vertical-align:top}
-tr:last-child td{border-bottom:0} th{color:var(--soft);font-weight:560} th:first-child,td:first-child,td.text
+tr:last-child td{border-bottom:0} tr.suite td{font-weight:620;
+border-top:2px solid var(--line)} tr.part td:first-child{padding-left:22px} th{color:var(--soft);font-weight:560} th:first-child,td:first-child,td.text
 {text-align:left} td.text{white-space:normal;min-width:16em}
 code,pre{font:12.5px/1.5 ui-monospace,"Cascadia Mono",Menlo,Consolas,monospace} code{user-select:all}
 pre{margin:8px 0 0;padding:10px;background:var(--paper);border:1px solid var(--line);border-radius:6px;overflow:auto;
@@ -47,7 +48,7 @@ svg{display:block;width:100%;height:auto} svg.way{max-height:430px} svg.error{ma
 path{fill:none;vector-effect:non-scaling-stroke;stroke-linejoin:round} .truth{stroke:var(--truth);stroke-width:4.5;
 opacity:.75} .odometry{stroke:var(--magenta);stroke-width:1} .tracking{stroke:var(--blue);stroke-width:1.8}
 .guessing{stroke:var(--green);stroke-width:1.6} .guess{fill:var(--green)} .lamp{fill:var(--lamp);opacity:.85}
-.box{fill:var(--box)} circle.start{fill:var(--truth)} circle.goal{fill:none;stroke:var(--good);stroke-width:2;
+.box{fill:var(--box)} .contact{stroke:var(--bad);stroke-width:3} circle.start{fill:var(--truth)} circle.goal{fill:none;stroke:var(--good);stroke-width:2;
 vector-effect:non-scaling-stroke} circle.missed{stroke:var(--bad)} text{fill:var(--ink);font-family:inherit}
 text.goal{fill:var(--good);font-weight:650} text.missed{fill:var(--bad)} text.axis{font-size:10.5px;fill:var(--soft)}
 .grid{stroke:var(--line)} .bound{stroke:var(--bad);stroke-dasharray:4 4;opacity:.7}
@@ -130,16 +131,19 @@ std::string scenario_table(const std::vector<RunReport>& runs) {
       "median<th>wrong<th>TRACKING<th>RMS in view<th>95 % of "
       "mission<th>NEES<th>goals<th>contacts<th>speed<th>efficiency<th>real "
       "time";
-  for (const auto& [name, list] : by_scenario(runs)) {
-    const ordered_json s = summary_of(list);
+  const std::vector<RunGroup> rows = rows_of(runs);
+  const bool any_suite = std::any_of(rows.begin(), rows.end(), [](const RunGroup& row) { return row.is_suite(); });
+  for (const RunGroup& row : rows) {
+    const ordered_json s = summary_of(row.runs);
     const auto cell = [&](const char* key, double factor, int digits, const char* unit) {
       return s.contains(key) ? number(factor * s.value(key, 0.0), unit, digits) : std::string("–");
     };
     const auto both = [&](const std::string& a, const std::string& b, const char* between) {
       return a == "–" ? a : a + between + b;
     };
-    html += fmt::format("<tr><td>{}<td class=\"{}\">{}", html_escape(name),
-                        s.value("passed", 0) == s.value("runs", 0) ? "good" : "bad",
+    html += fmt::format("<tr{}><td>{}<td class=\"{}\">{}",
+                        row.is_suite() ? " class=\"suite\"" : (any_suite ? " class=\"part\"" : ""),
+                        html_escape(row.name), s.value("passed", 0) == s.value("runs", 0) ? "good" : "bad",
                         both(cell("passed", 1, 0, ""), cell("runs", 1, 0, ""), " of "));
     for (const std::string& text :
          {cell("localized_ratio", 100, 0, " %"), cell("localized_after_m_median", 1, 1, " m"),
@@ -212,7 +216,7 @@ std::string card(const RunReport& run, const std::string& map_id) {
 }
 
 std::string run_cards(const std::vector<RunReport>& runs) {
-  std::map<std::string, std::string> map_ids;  // by scenario
+  std::map<std::string, std::string> map_ids;  // by building
   std::map<std::string, int> drawn;
   int failed = 0;
   std::string symbols;
@@ -220,29 +224,31 @@ std::string run_cards(const std::vector<RunReport>& runs) {
   for (const bool passed : {false, true}) {
     for (const RunReport& run : runs) {
       if (run.passed != passed || run.trail.empty() ||
-          (passed ? drawn[run.scenario]++ >= kDrawnPassed : failed++ >= kDrawnFailed)) {
+          (passed ? drawn[run.suite + "/" + run.group]++ >= kDrawnPassed : failed++ >= kDrawnFailed)) {
         continue;
       }
-      if (map_ids.count(run.scenario) == 0) {
+      const std::string building =
+          run.scenario_file.empty() ? "" : read_scenario(run.scenario_file).building_file.string();
+      if (map_ids.count(building) == 0) {
         const std::string id = fmt::format("map{}", map_ids.size());
-        map_ids[run.scenario] = id;
+        map_ids[building] = id;
         symbols += map_symbol(run, id);
       }
-      cards += card(run, map_ids[run.scenario]);
+      cards += card(run, map_ids[building]);
     }
   }
-  return cards.empty()
-             ? ""
-             : fmt::format(
-                   "<h2>Runs</h2><div class=\"key\"><span><i style=\"background:var(--truth)\"></i>true "
-                   "way</span><span><i "
-                   "style=\"background:var(--blue)\"></i>believed while TRACKING</span><span><i "
-                   "style=\"background:var(--green)\"></i>guessed before</span><span><i "
-                   "style=\"background:var(--magenta)\"></i>odometry alone</span><span><i "
-                   "style=\"background:var(--lamp)\"></i>fixtures as believed</span><span><i "
-                   "style=\"background:var(--box)\"></i>boxes the map does not know</span></div><svg width=\"0\" "
-                   "height=\"0\" style=\"position:absolute\">{}</svg><div class=\"runs\">{}</div>",
-                   symbols, cards);
+  return cards.empty() ? ""
+                       : fmt::format(
+                             "<h2>Runs</h2><div class=\"key\"><span><i style=\"background:var(--truth)\"></i>true "
+                             "way</span><span><i "
+                             "style=\"background:var(--blue)\"></i>believed while TRACKING</span><span><i "
+                             "style=\"background:var(--green)\"></i>guessed before</span><span><i "
+                             "style=\"background:var(--magenta)\"></i>odometry alone</span><span><i "
+                             "style=\"background:var(--lamp)\"></i>fixtures as believed</span><span><i "
+                             "style=\"background:var(--box)\"></i>boxes the map does not know</span><span><i "
+                             "style=\"background:var(--bad)\"></i>contacts</span></div><svg width=\"0\" "
+                             "height=\"0\" style=\"position:absolute\">{}</svg><div class=\"runs\">{}</div>",
+                             symbols, cards);
 }
 
 }  // namespace

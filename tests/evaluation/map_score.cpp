@@ -175,6 +175,24 @@ MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const st
   return result;
 }
 
+namespace {
+
+/// [cells] to the nearest cell that is not free.
+cv::Mat clearance_of(const PriorMap& walls) {
+  const GridGeometry& g = walls.geometry;
+  cv::Mat is_free(g.rows, g.columns, CV_8U);
+  for (int row = 0; row < g.rows; ++row) {
+    for (int column = 0; column < g.columns; ++column) {
+      is_free.at<std::uint8_t>(row, column) = walls.cells[g.index({column, row})] == Prior::kFree ? 255 : 0;
+    }
+  }
+  cv::Mat clearance;
+  cv::distanceTransform(is_free, clearance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  return clearance;
+}
+
+}  // namespace
+
 double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double radius) {
   const GridGeometry& g = walls.geometry;
   const Cell start = g.cell_at(from);
@@ -182,14 +200,7 @@ double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const E
   if (!g.contains(start) || !g.contains(goal)) {
     return -1.0;
   }
-  cv::Mat blocked(g.rows, g.columns, CV_8U);
-  for (int row = 0; row < g.rows; ++row) {
-    for (int column = 0; column < g.columns; ++column) {
-      blocked.at<std::uint8_t>(row, column) = walls.cells[g.index({column, row})] == Prior::kFree ? 255 : 0;
-    }
-  }
-  cv::Mat clearance;
-  cv::distanceTransform(blocked, clearance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  const cv::Mat clearance = clearance_of(walls);
   const float least = static_cast<float>(radius / g.resolution);
   std::vector<float> cost(g.size(), std::numeric_limits<float>::infinity());
   using Entry = std::pair<float, std::size_t>;
@@ -222,6 +233,25 @@ double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const E
     }
   }
   return -1.0;
+}
+
+std::vector<bool> reachable_cells(const PriorMap& walls, const Eigen::Vector2d& from, double radius) {
+  const GridGeometry& g = walls.geometry;
+  std::vector<bool> reachable(g.size());
+  const Cell start = g.cell_at(from);
+  const cv::Mat fits = clearance_of(walls) >= radius / g.resolution;
+  if (!g.contains(start) || fits.at<std::uint8_t>(start.row, start.column) == 0) {
+    return reachable;
+  }
+  cv::Mat labels;
+  cv::connectedComponents(fits, labels, 8);
+  const int here = labels.at<int>(start.row, start.column);
+  for (int row = 0; row < g.rows; ++row) {
+    for (int column = 0; column < g.columns; ++column) {
+      reachable[g.index({column, row})] = labels.at<int>(row, column) == here;
+    }
+  }
+  return reachable;
 }
 
 }  // namespace luminav

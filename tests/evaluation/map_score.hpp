@@ -19,4 +19,8 @@ MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const st
 /// negative number when there is none.
 double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double radius);
 
+/// Cells that the middle of a disc of the given radius can get to, 8-connected; none when the disc is outside or does
+/// not fit where it begins.
+std::vector<bool> reachable_cells(const PriorMap& walls, const Eigen::Vector2d& from, double radius);
+
 }  // namespace luminav

@@ -201,8 +201,9 @@ std::string Mission::failure() const {
     const bool as_expected = goal(i).expect_refused ? all[i].refused : all[i].reached;
     if (!as_expected) {
       return fmt::format(
-          "goal {} {}", i + 1,
-          goal(i).expect_refused ? "was not refused" : (all[i].refused ? "was refused" : "was not reached"));
+          "goal {} {}{}", i + 1,
+          goal(i).expect_refused ? "was not refused" : (all[i].refused ? "was refused" : "was not reached"),
+          all[i].cause.empty() ? "" : " (" + all[i].cause + ")");
     }
   }
   if (patrol_) {

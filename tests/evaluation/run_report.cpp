@@ -69,6 +69,8 @@ double rounded(double value) {
 ordered_json json_of(const RunReport& r) {
   return {{"scenario", r.scenario},
           {"seed", r.seed},
+          {"suite", r.suite},
+          {"group", r.group.empty() ? r.scenario : r.group},
           {"passed", r.passed},
           {"failure", r.failure},
           {"simulated_s", rounded(r.simulated_s)},

@@ -59,6 +59,8 @@ struct MapResult {
 struct RunReport {
   std::string scenario;
   std::uint64_t seed = 0;
+  std::string suite;  // that it belongs to, also within "all"; "" = none
+  std::string group;  // under which it is summed up; "" = the scenario's name
   bool passed = false;
   std::string failure;  // first reason, "" when passed
   double simulated_s = 0.0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -28,7 +29,7 @@ double quantile(std::vector<double> values, double q) {
 /// Sums the runs up, one group of figures after the other.
 class Summary {
  public:
-  explicit Summary(const std::vector<RunReport>& runs) : runs_(runs) {}
+  explicit Summary(const std::vector<const RunReport*>& runs) : runs_(runs) {}
 
   ordered_json json() {
     json_["runs"] = runs_.size();
@@ -48,22 +49,22 @@ class Summary {
 
  private:
   [[nodiscard]] std::int64_t count(const Claim& claim) const {
-    return std::count_if(runs_.begin(), runs_.end(), claim);
+    return std::count_if(runs_.begin(), runs_.end(), [&](const RunReport* run) { return claim(*run); });
   }
 
   [[nodiscard]] double sum(const Figure& figure) const {
     double sum = 0.0;
-    for (const RunReport& run : runs_) {
-      sum += figure(run);
+    for (const RunReport* run : runs_) {
+      sum += figure(*run);
     }
     return sum;
   }
 
   [[nodiscard]] std::vector<double> list(const Figure& figure, const Claim& claim) const {
     std::vector<double> values;
-    for (const RunReport& run : runs_) {
-      if (claim(run)) {
-        values.push_back(figure(run));
+    for (const RunReport* run : runs_) {
+      if (claim(*run)) {
+        values.push_back(figure(*run));
       }
     }
     return values;
@@ -112,10 +113,10 @@ class Summary {
     int carries = 0;
     int noticed = 0;
     int recovered = 0;
-    for (const RunReport& run : runs_) {
-      carries += run.carries;
-      noticed += run.carries_noticed;
-      recovered += run.carries_recovered;
+    for (const RunReport* run : runs_) {
+      carries += run->carries;
+      noticed += run->carries_noticed;
+      recovered += run->carries_recovered;
     }
     if (carries > 0) {
       json_["carries"] = carries;
@@ -130,8 +131,8 @@ class Summary {
     int to_refuse = 0;
     int refused_right = 0;
     std::vector<double> errors;
-    for (const RunReport& run : runs_) {
-      for (const GoalResult& goal : run.goals) {
+    for (const RunReport* run : runs_) {
+      for (const GoalResult& goal : run->goals) {
         (goal.expect_refused ? to_refuse : goals) += 1;
         reached += goal.reached && !goal.expect_refused ? 1 : 0;
         refused_right += goal.expect_refused && goal.refused ? 1 : 0;
@@ -155,10 +156,10 @@ class Summary {
     std::int64_t contacts = 0;
     std::map<std::string, int> classes;
     double clearance = 10.0;
-    for (const RunReport& run : runs_) {
-      contacts += run.contacts;
-      clearance = std::min(clearance, run.min_clearance_m);
-      for (const ContactEvent& contact : run.drive.contacts) {
+    for (const RunReport* run : runs_) {
+      contacts += run->contacts;
+      clearance = std::min(clearance, run->min_clearance_m);
+      for (const ContactEvent& contact : run->drive.contacts) {
         ++classes[contact.with];
       }
     }
@@ -178,8 +179,8 @@ class Summary {
         [](const RunReport& r) { return r.mean_speed_m_s > 0.0; });
     std::vector<double> times;
     std::vector<double> headings;
-    for (const RunReport& run : runs_) {
-      for (const GoalResult& goal : run.goals) {
+    for (const RunReport* run : runs_) {
+      for (const GoalResult& goal : run->goals) {
         if (goal.reached && goal.shortest_m > 0.0) {
           times.push_back(goal.time_s / (1.5 * goal.shortest_m / kSpeed + 10.0));
         }
@@ -218,21 +219,66 @@ class Summary {
     const double cpu = sum([](const RunReport& r) { return r.cpu_s; });
     json_["real_time_factor"] = rounded(cpu > 0.0 ? simulated / cpu : (wall > 0.0 ? simulated / wall : 0.0));
     if (cpu > 0.0) {
-      const auto slowest = std::max_element(runs_.begin(), runs_.end(), [](const RunReport& a, const RunReport& b) {
-        return a.worst_step_ms < b.worst_step_ms;
+      const auto slowest = std::max_element(runs_.begin(), runs_.end(), [](const RunReport* a, const RunReport* b) {
+        return a->worst_step_ms < b->worst_step_ms;
       });
-      json_["worst_step_ms"] = rounded(slowest->worst_step_ms);
+      json_["worst_step_ms"] = rounded((*slowest)->worst_step_ms);
     }
   }
 
-  const std::vector<RunReport>& runs_;
+  const std::vector<const RunReport*>& runs_;
   ordered_json json_ = ordered_json::object();
 };
 
+RunGroup& find_or_add(std::vector<RunGroup>& groups, const std::string& suite, const std::string& name) {
+  const auto found = std::find_if(groups.begin(), groups.end(),
+                                  [&](const RunGroup& group) { return group.suite == suite && group.name == name; });
+  return found == groups.end() ? groups.emplace_back(RunGroup{suite, name, {}}) : *found;
+}
+
 }  // namespace
 
-ordered_json summary_of(const std::vector<RunReport>& runs) {
+ordered_json summary_of(const std::vector<const RunReport*>& runs) {
   return Summary(runs).json();
+}
+
+std::vector<const RunReport*> pointers_to(const std::vector<RunReport>& runs) {
+  std::vector<const RunReport*> pointers;
+  for (const RunReport& run : runs) {
+    pointers.push_back(&run);
+  }
+  return pointers;
+}
+
+std::vector<RunGroup> suites_of(const std::vector<RunReport>& runs) {
+  std::vector<RunGroup> suites;
+  for (const RunReport& run : runs) {
+    find_or_add(suites, run.suite, run.suite).runs.push_back(&run);
+  }
+  return suites;
+}
+
+std::vector<RunGroup> groups_of(const std::vector<RunReport>& runs) {
+  std::vector<RunGroup> groups;
+  for (const RunReport& run : runs) {
+    find_or_add(groups, run.suite, run.group.empty() ? run.scenario : run.group).runs.push_back(&run);
+  }
+  return groups;
+}
+
+std::vector<RunGroup> rows_of(const std::vector<RunReport>& runs) {
+  const std::vector<RunGroup> suites = suites_of(runs);
+  const std::vector<RunGroup> groups = groups_of(runs);
+  std::vector<RunGroup> rows;
+  for (const RunGroup& suite : suites) {
+    const std::size_t at = rows.size();
+    std::copy_if(groups.begin(), groups.end(), std::back_inserter(rows),
+                 [&](const RunGroup& group) { return group.suite == suite.name; });
+    if (suites.size() > 1 && rows.size() - at > 1) {
+      rows.insert(rows.begin() + static_cast<std::ptrdiff_t>(at), suite);
+    }
+  }
+  return rows;
 }
 
 }  // namespace luminav

@@ -36,15 +36,45 @@ constexpr NamedEntry kEntries[] = {
     {"navigation", "navigation", 1000, 1009},
     {"endurance", "laboratory-patrol.toml", 1000, 1000, "geometric", true},
 };
-// What "all" takes of each scenario at most: half an hour on two cores.
-constexpr std::uint64_t kSeedsInAll = 10;
-constexpr std::uint64_t kScaleSeedsInAll = 2;  // two minutes for each floor with 4,000 fixtures
-constexpr const char* kMeasured[] = {"localization", "mapping", "navigation", "endurance"};
+/// What "all" takes of each scenario of a suite at most.
+struct Share {
+  const char* suite;
+  std::uint64_t seeds;
+};
+constexpr Share kAll[] = {{"localization", 10}, {"mapping", 3}, {"navigation", 5}, {"endurance", 1},
+                          {"missions", 1},      {"worlds", 4},  {"scale", 1}};
 
-void add_scenarios(const NamedEntry& entry, const std::filesystem::path& path, std::vector<SuiteEntry>& entries) {
-  for (const std::filesystem::path& file : scenario_files(path)) {
-    entries.push_back({file, entry.first_seed, entry.last_seed, entry.sensing, entry.patrol});
+std::vector<SuiteEntry> named_entries(const std::string& suite) {
+  const std::filesystem::path folder = std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch/scenarios";
+  std::vector<SuiteEntry> entries;
+  for (const NamedEntry& entry : kEntries) {
+    if (suite == entry.suite) {
+      for (const std::filesystem::path& file : scenario_files(folder / entry.scenario)) {
+        entries.push_back({file, entry.first_seed, entry.last_seed, entry.sensing, entry.patrol, suite, ""});
+      }
+    }
   }
+  return entries;
+}
+
+std::vector<SuiteEntry> made_entries(const std::string& suite, const std::filesystem::path& generated) {
+  std::vector<SuiteEntry> entries;
+  if (suite == "worlds") {
+    for (const auto& file : make_worlds(generated)) {
+      entries.push_back({file, 1000, 1019, "rendered", false, suite, ""});
+    }
+  } else if (suite == "scale") {
+    for (const auto& file : make_scale_series(generated)) {
+      entries.push_back({file, 1000, 1004, "geometric", false, suite, ""});
+    }
+  } else if (suite == "missions") {
+    for (const auto& file : make_missions(generated)) {
+      const Scenario scenario = read_scenario(file);
+      entries.push_back({file, scenario.seed, scenario.seed, "geometric", false, suite,
+                         "missions, " + scenario.building_file.parent_path().filename().string()});
+    }
+  }
+  return entries;
 }
 
 }  // namespace
@@ -76,48 +106,30 @@ bool has_detector_part(const std::string& suite) {
 }
 
 std::vector<SuiteEntry> suite_entries(const std::string& suite, const std::filesystem::path& generated) {
-  const std::filesystem::path folder = std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch/scenarios";
   std::vector<SuiteEntry> entries;
-  for (const NamedEntry& entry : kEntries) {
-    const bool in_all = suite == "all" && std::find(std::begin(kMeasured), std::end(kMeasured),
-                                                    std::string_view(entry.suite)) != std::end(kMeasured);
-    if (suite == entry.suite || in_all) {
-      add_scenarios(entry, folder / entry.scenario, entries);
-    }
-  }
-  if (suite == "worlds" || suite == "all") {
-    for (const auto& file : make_worlds(generated)) {
-      entries.push_back({file, 1000, 1019, "rendered", false});
-    }
-  }
-  if (suite == "scale" || suite == "all") {
-    for (const auto& file : make_scale_series(generated)) {
-      entries.push_back({file, 1000, suite == "all" ? 999 + kScaleSeedsInAll : 1004, "geometric", false});
-    }
-  }
-  if (suite == "missions" || suite == "all") {
-    for (const auto& file : make_missions(generated)) {
-      const std::uint64_t seed = read_scenario(file).seed;
-      entries.push_back({file, seed, seed, "geometric", false});
-    }
-  }
-  // "all" would do some twice: the laboratory is one of the worlds too
-  std::vector<SuiteEntry> once;
-  for (const SuiteEntry& entry : entries) {
-    const bool known = std::any_of(once.begin(), once.end(), [&](const SuiteEntry& other) {
-      return other.scenario == entry.scenario && other.first_seed == entry.first_seed;
-    });
-    if (!known) {
-      once.push_back(entry);
-      if (suite == "all") {
-        once.back().last_seed = std::min(entry.last_seed, entry.first_seed + kSeedsInAll - 1);
+  if (suite == "all") {
+    for (const Share& share : kAll) {
+      for (SuiteEntry entry : suite_entries(share.suite, generated)) {
+        // some are part of two suites: the laboratory is one of the worlds too
+        const bool known = std::any_of(entries.begin(), entries.end(), [&](const SuiteEntry& other) {
+          return other.scenario == entry.scenario && other.first_seed == entry.first_seed;
+        });
+        if (!known) {
+          entry.last_seed = std::min(entry.last_seed, entry.first_seed + share.seeds - 1);
+          entries.push_back(std::move(entry));
+        }
       }
     }
+    return entries;
   }
-  if (once.empty() && !has_detector_part(suite)) {
+  entries = named_entries(suite);
+  for (SuiteEntry& entry : made_entries(suite, generated)) {
+    entries.push_back(std::move(entry));
+  }
+  if (entries.empty() && !has_detector_part(suite)) {
     throw ConfigurationError(fmt::format("--suite {}: must be one of {}", suite, suite_names()));
   }
-  return once;
+  return entries;
 }
 
 }  // namespace luminav

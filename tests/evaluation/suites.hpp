@@ -14,6 +14,8 @@ struct SuiteEntry {
   std::uint64_t last_seed = 1;
   std::string sensing = "rendered";  // unless the user wants another one
   bool patrol = false;               // the goals are driven to over and over until the scenario's duration is over
+  std::string suite;                 // that it belongs to, also within "all"; "" = none
+  std::string group;                 // under which its runs are summed up; "" = the scenario's name
 };
 
 /// The scenario itself, or all scenarios of a folder, by name. Throws ConfigurationError for a folder without any.

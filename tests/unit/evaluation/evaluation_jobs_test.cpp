@@ -14,20 +14,20 @@ const std::string kLaboratory = LUMINAV_SOURCE_DIR "/launch/scenarios/laboratory
 TEST(EvaluationJobs, MakesOneForEachSeed) {
   JobOptions options;
   options.seeds = "5..7";
-  const auto jobs = jobs_of({{kLaboratory, 1, 2, "rendered", false}}, options, nullptr);
+  const auto jobs = jobs_of({{kLaboratory, 1, 2, "rendered", false, "", ""}}, options, nullptr);
   ASSERT_EQ(jobs.size(), 3U);
   EXPECT_EQ(jobs[0].scenario.seed, 5U);
   EXPECT_EQ(jobs[2].scenario.seed, 7U);
 }
 
 TEST(EvaluationJobs, KeepsTheSuitesSeedsUnlessToldOtherwise) {
-  EXPECT_EQ(jobs_of({{kLaboratory, 1, 4, "rendered", false}}, {}, nullptr).size(), 4U);
+  EXPECT_EQ(jobs_of({{kLaboratory, 1, 4, "rendered", false, "", ""}}, {}, nullptr).size(), 4U);
 }
 
 TEST(EvaluationJobs, SaysTheCommandThatDoesItAgain) {
   JobOptions options;
   options.mode = "paper";
-  const auto jobs = jobs_of({{kLaboratory, 3, 3, "geometric", true}}, options, nullptr);
+  const auto jobs = jobs_of({{kLaboratory, 3, 3, "geometric", true, "", ""}}, options, nullptr);
   EXPECT_EQ(jobs.at(0).reproduce, LUMINAV_SOURCE_DIR "/scripts/evaluate --scenario " + kLaboratory +
                                       " --seeds 3 --mode paper --sensing geometric --patrol");
 }
@@ -39,7 +39,8 @@ TEST(EvaluationJobs, RefusesSeedsThatAreNone) {
     if (std::string(seeds).empty()) {
       continue;
     }
-    EXPECT_THROW(jobs_of({{kLaboratory, 1, 1, "rendered", false}}, options, nullptr), ConfigurationError) << seeds;
+    EXPECT_THROW(jobs_of({{kLaboratory, 1, 1, "rendered", false, "", ""}}, options, nullptr), ConfigurationError)
+        << seeds;
   }
 }
 
@@ -49,12 +50,12 @@ TEST(EvaluationJobs, RefusesAStartInAWallBeforeAnythingRuns) {
     std::ofstream(file) << "building = \"" << LUMINAV_SOURCE_DIR << "/launch/buildings/laboratory/building.toml\"\n"
                         << "robot = \"" << LUMINAV_SOURCE_DIR << "/launch/robots/p3dx.toml\"\n[start]\n"
                         << start << "\ntheta = 0.0\n";
-    EXPECT_THROW(jobs_of({{file, 1, 1, "rendered", false}}, {}, nullptr), ConfigurationError) << start;
+    EXPECT_THROW(jobs_of({{file, 1, 1, "rendered", false, "", ""}}, {}, nullptr), ConfigurationError) << start;
   }
 }
 
 TEST(EvaluationJobs, ReportsARunThatThrowsAsFailed) {
-  auto jobs = jobs_of({{kLaboratory, 1, 1, "rendered", false}}, {}, nullptr);
+  auto jobs = jobs_of({{kLaboratory, 1, 1, "rendered", false, "", ""}}, {}, nullptr);
   jobs[0].scenario.start = Pose2{-50.0, -50.0, 0.0};
   const auto reports = run_jobs(jobs, 1);
   ASSERT_EQ(reports.size(), 1U);
