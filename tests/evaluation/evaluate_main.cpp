@@ -76,7 +76,7 @@ void check(const Request& request) {
   for (const auto& [flag, file] :
        {std::pair("--compare", request.compare), {"--check-sensing", request.check_sensing}}) {
     if (!file.empty() && !fs::is_regular_file(file)) {
-      throw ConfigurationError(fmt::format("{} {}: there is no such file", flag, file));
+      throw ConfigurationError(fmt::format("{} {}: cannot be read, there is no such file", flag, file));
     }
   }
   check_writable("--json", request.json);
