@@ -81,6 +81,9 @@ ordered_json json_of(const RunReport& r) {
           {"world", {{"hash", r.world_hash}, {"table", r.world_table}}},
           {"localized_s", r.localized ? ordered_json(rounded(r.localized_s)) : ordered_json(nullptr)},
           {"localized_after_m", r.localized ? ordered_json(rounded(r.localized_after_m)) : ordered_json(nullptr)},
+          {"resolvable_after_m", std::isfinite(r.resolvable_after_m) && r.resolvable_after_m >= 0.0
+                                     ? ordered_json(rounded(r.resolvable_after_m))
+                                     : ordered_json(nullptr)},
           {"tracking_ratio", rounded(r.tracking_ratio)},
           {"ambiguous_ratio", rounded(r.ambiguous_ratio)},
           {"confident_wrong_s", rounded(r.confident_wrong_s)},

@@ -1,6 +1,7 @@
 #include "tests/evaluation/run_summary.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <map>
@@ -14,6 +15,8 @@ using nlohmann::ordered_json;
 
 using Claim = std::function<bool(const RunReport&)>;
 using Figure = std::function<double(const RunReport&)>;
+
+constexpr double kLeastWay = 0.25;  // [m] the audit's places lie so far apart
 
 double quantile(std::vector<double> values, double q) {
   if (values.empty()) {
@@ -95,6 +98,7 @@ class Summary {
     const std::vector<double> distances = list([](const RunReport& r) { return r.localized_after_m; }, localized);
     put_quantile("localized_after_m_median", distances, 0.5);
     put_quantile("localized_after_m_p95", distances, 0.95);
+    put_way_ratio();
     put_mean(
         "tracking_ratio", [](const RunReport& r) { return r.tracking_ratio; }, localized);
     put_mean(
@@ -107,6 +111,20 @@ class Summary {
         "mission_heading_p95_deg", [](const RunReport& r) { return r.mission_heading_p95_deg; }, localized);
     put_mean(
         "nees", [](const RunReport& r) { return r.nees; }, localized);
+  }
+
+  /// Way driven until localized, as a multiple of the least that would tell the pose from there.
+  void put_way_ratio() {
+    const Claim known = [](const RunReport& r) {
+      return r.localized && r.resolvable_after_m >= 0.0 && std::isfinite(r.resolvable_after_m);
+    };
+    const std::vector<double> ratios =
+        list([](const RunReport& r) { return r.localized_after_m / std::max(kLeastWay, r.resolvable_after_m); }, known);
+    put_quantile("way_ratio_median", ratios, 0.5);
+    put_quantile("way_ratio_p95", ratios, 0.95);
+    put_quantile("resolvable_after_m_median", list([](const RunReport& r) { return r.resolvable_after_m; }, known),
+                 0.5);
+    put_quantile("resolvable_after_m_p95", list([](const RunReport& r) { return r.resolvable_after_m; }, known), 0.95);
   }
 
   void put_carries() {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace luminav {
@@ -98,6 +99,20 @@ TEST(RunReport, TakesTheDetectorsFiguresFromTheWholeMatrix) {
   EXPECT_EQ(s["orientation_rms_deg"], 0.2);
 }
 
+TEST(RunReport, ComparesTheWayUntilLocalizedWithTheLeastThatTellsThePose) {
+  RunReport near = run(true, true);  // 4 m
+  near.resolvable_after_m = 2.0;
+  RunReport at_once = near;
+  at_once.resolvable_after_m = 0.0;  // counts as the audit's grid, 0.25 m
+  RunReport never = near;
+  never.resolvable_after_m = std::numeric_limits<double>::infinity();
+  const json s = summary({near, near, at_once, never, run(true, true), run(false, false)});
+  EXPECT_EQ(s["way_ratio_median"], 2.0);
+  EXPECT_NEAR(s["way_ratio_p95"].get<double>(), 14.6, 1e-9);
+  EXPECT_EQ(s["resolvable_after_m_median"], 2.0);
+  EXPECT_TRUE(json::parse(to_json(never))["resolvable_after_m"].is_null());
+}
+
 TEST(RunReport, NamesWhatTheDesignNames) {
   const json r = json::parse(to_json(run(true, true)));
   for (const char* key : {"scenario",
@@ -108,6 +123,7 @@ TEST(RunReport, NamesWhatTheDesignNames) {
                           "world",
                           "localized_s",
                           "localized_after_m",
+                          "resolvable_after_m",
                           "tracking_ratio",
                           "confident_wrong_s",
                           "in_view_position_rms_m",
