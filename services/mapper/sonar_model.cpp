@@ -6,6 +6,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "services/common/geometry/rounding.hpp"
+
 namespace luminav {
 namespace {
 
@@ -13,16 +15,6 @@ constexpr int kArcCorners = 5;  // the chord stays within 0.2 % of the arc
 
 constexpr std::size_t kLanes = 16;  // cells at a time
 using Lanes = std::int8_t __attribute__((vector_size(kLanes)));
-
-/// Rounding of what is known to fit an int: the library's functions are calls on the plainest machines.
-int floor_of(double x) {
-  const int cut = static_cast<int>(x);
-  return cut - (x < cut ? 1 : 0);
-}
-int ceiling_of(double x) {
-  const int cut = static_cast<int>(x);
-  return cut + (x > cut ? 1 : 0);
-}
 
 std::int8_t lowered(std::int8_t cell, std::int8_t vote, std::int8_t least) {
   const int sum = cell + vote;
@@ -90,8 +82,8 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
     bottom = std::min(bottom, corner.y());
     top = std::max(top, corner.y());
   }
-  const int first_row = std::max(0, ceiling_of(std::clamp(bottom, -1.0, 1e6)));
-  const int last_row = std::min(geometry.rows - 1, floor_of(std::clamp(top, -1.0, 1e6)));
+  const int first_row = std::max(0, ceil_to_int(std::clamp(bottom, -1.0, 1e6)));
+  const int last_row = std::min(geometry.rows - 1, floor_to_int(std::clamp(top, -1.0, 1e6)));
   const auto rows = static_cast<std::size_t>(std::max(0, last_row - first_row + 1));
   spans.first_row = first_row;
   spans.first.assign(rows, geometry.columns);
@@ -109,15 +101,15 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
       continue;
     }
     const double slope = (high.x() - low.x()) / rise;
-    const int from = std::max(first_row, ceiling_of(std::clamp(low.y(), -1.0, 1e6)));
-    const int to = std::min(last_row, floor_of(std::clamp(high.y(), -1.0, 1e6)));
+    const int from = std::max(first_row, ceil_to_int(std::clamp(low.y(), -1.0, 1e6)));
+    const int to = std::min(last_row, floor_to_int(std::clamp(high.y(), -1.0, 1e6)));
     const double far = geometry.columns + 1.0;
     int* const first = spans.first.data() - first_row;
     int* const last = spans.last.data() - first_row;
     for (int row = from; row <= to; ++row) {
       const double x = std::min(std::max(low.x() + slope * (row - low.y()), -2.0), far);
-      first[row] = std::min(first[row], std::max(0, ceiling_of(x)));
-      last[row] = std::max(last[row], std::min(geometry.columns - 1, floor_of(x)));
+      first[row] = std::min(first[row], std::max(0, ceil_to_int(x)));
+      last[row] = std::max(last[row], std::min(geometry.columns - 1, floor_to_int(x)));
     }
   }
 }
@@ -227,7 +219,7 @@ void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry,
     const double share = std::min(1.0, std::abs(offset) / params.half_angle);
     const double weight = 1.0 - (1.0 - params.edge_weight) * share * share;
     const double in_slices = (offset + params.half_angle) / (2.0 * params.half_angle) * kSlices;
-    const int slice = std::clamp(floor_of(in_slices), 0, kSlices - 1);
+    const int slice = std::clamp(floor_to_int(in_slices), 0, kSlices - 1);
     if (!cells.empty() && cells.back().cell == cell) {
       cells.back().weight = std::max(cells.back().weight, weight);
     } else {

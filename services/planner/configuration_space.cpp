@@ -5,6 +5,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "services/common/geometry/rounding.hpp"
+
 namespace luminav {
 namespace {
 
@@ -123,7 +125,6 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, c
   widen(0, geometry_.rows);
   if (is_graded_) {
     measure({0, geometry_.columns, 0, geometry_.rows});
-    std::fill(is_measured_.begin(), is_measured_.end(), std::uint8_t{1});
   }
 }
 
@@ -179,7 +180,7 @@ void ConfigurationSpace::measure(const CellWindow& window) const {
   update_squared_distances(solid_, window, squared_distance_.get());
 }
 
-std::uint8_t ConfigurationSpace::squared_distance(const Cell& cell) const {
+void ConfigurationSpace::measure_around(const Cell& cell) const {
   const int block_columns = (geometry_.columns + kBlock - 1) / kBlock;
   std::uint8_t& is_measured =
       is_measured_[static_cast<std::size_t>(cell.row / kBlock * block_columns + cell.column / kBlock)];
@@ -189,7 +190,6 @@ std::uint8_t ConfigurationSpace::squared_distance(const Cell& cell) const {
     measure({column, std::min(column + kBlock, geometry_.columns), row, std::min(row + kBlock, geometry_.rows)});
     is_measured = 1;
   }
-  return squared_distance_[geometry_.index(cell)];
 }
 
 WaveTerrain ConfigurationSpace::terrain() const {
@@ -268,14 +268,16 @@ double ConfigurationSpace::clearance(const Cell& cell) const {
 
 double ConfigurationSpace::clearance_at(const Eigen::Vector2d& point_in_world) const {
   const Eigen::Vector2d p = (point_in_world - geometry_.origin) / geometry_.resolution - Eigen::Vector2d(0.5, 0.5);
-  const int column = static_cast<int>(std::floor(p.x()));
-  const int row = static_cast<int>(std::floor(p.y()));
+  const int column = floor_to_int(p.x());
+  const int row = floor_to_int(p.y());
   const double u = p.x() - column;
   const double v = p.y() - row;
   // most often all four lie in one block that has been measured
   const bool is_inside = column >= 0 && row >= 0 && column + 1 < geometry_.columns && row + 1 < geometry_.rows;
-  if (is_inside && column / kBlock == (column + 1) / kBlock && row / kBlock == (row + 1) / kBlock) {
-    static_cast<void>(squared_distance({column, row}));  // measures the block
+  if (is_inside && (is_graded_ || ((column + 1) % kBlock != 0 && (row + 1) % kBlock != 0))) {
+    if (!is_graded_) {
+      measure_around({column, row});
+    }
     const std::uint8_t* lower = squared_distance_.get() + geometry_.index({column, row});
     const std::uint8_t* upper = lower + geometry_.columns;
     return (1.0 - v) *

@@ -75,7 +75,14 @@ class ConfigurationSpace {
   void widen(int first_row, int last_row);
   void measure(const CellWindow& window) const;
   void forget_distances(const CellWindow& window);
-  [[nodiscard]] std::uint8_t squared_distance(const Cell& cell) const;
+  /// Measures the block of a cell unless it has been.
+  void measure_around(const Cell& cell) const;
+  [[nodiscard]] std::uint8_t squared_distance(const Cell& cell) const {
+    if (!is_graded_) {
+      measure_around(cell);
+    }
+    return squared_distance_[geometry_.index(cell)];
+  }
 
   ConfigurationSpaceParams params_;
   bool use_evidence_ = true;

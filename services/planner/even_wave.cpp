@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <vector>
@@ -44,6 +45,12 @@ class EvenWave {
     for (const Direction direction : {kNorthEast, kNorthWest, kSouthEast, kSouthWest}) {
       bucket(direction, level).add(cell);
       ++queued_;
+    }
+  }
+
+  void keep_queued(WaveField& field) const {
+    for (const Bucket& bucket : ring_) {
+      keep_pending(bucket, field);
     }
   }
 
@@ -202,7 +209,10 @@ void grow_even_wave(const BitGrid& passable, std::uint32_t price, const std::vec
   }
   if (wave.queued() == 0 && next_seed == seeds.size()) {
     field.settled_to = kUnreached;  // it came everywhere
+    return;
   }
+  wave.keep_queued(field);
+  std::make_heap(field.pending.begin(), field.pending.end(), std::greater<>());
 }
 
 }  // namespace luminav

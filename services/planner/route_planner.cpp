@@ -14,7 +14,7 @@ constexpr std::uint32_t kSeedCostPerCell =
     400;  // twenty cells of free way: a goal in an obstacle is missed by as little as possible
 constexpr std::uint32_t kEscapePrice = 60;  // of a blocked cell on the way out, beside 36 for the dearest allowed one
 constexpr std::uint32_t kFieldMargin =
-    10 * 10 * 5 * ConfigurationSpace::kFreePrice;  // 10 m of free way, at 0.1 m a cell
+    10 * 5 * ConfigurationSpace::kFreePrice;       // ten cells of free way beyond the robot, which seldom goes back
 constexpr std::size_t kFewestCellsPerChange = 20;  // where more has changed it is planned anew
 constexpr double kBlockedMargin = 0.05;            // [m] less than the hard radius before a path counts as blocked
 

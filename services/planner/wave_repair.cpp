@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <functional>
-#include <queue>
-#include <tuple>
+#include <vector>
 
 #include "services/planner/wave_steps.hpp"
 #include "services/planner/wavefront.hpp"
@@ -13,11 +13,14 @@ namespace {
 constexpr std::uint32_t kUnreached = WaveField::kUnreached;
 constexpr std::uint32_t kBlocked = WaveField::kBlocked;
 
+constexpr std::size_t kMostPendingShare = 4;  // where a quarter of the cells waits a new wave is cheaper
+constexpr std::size_t kFewestPending = 4096;
+
 /// The work of repair_wave: one queue by cost; of one cost, cells that may have lost their support come first.
 class Repair {
  public:
   Repair(const WaveTerrain& terrain, WaveField& field)
-      : terrain_(terrain), field_(field), steps_(wave_steps(terrain.columns())) {}
+      : terrain_(terrain), field_(field), queue_(field.pending), steps_(wave_steps(terrain.columns())) {}
 
   void note(const std::vector<PriceChange>& changes) {
     for (const PriceChange& change : changes) {
@@ -39,40 +42,67 @@ class Repair {
         own = kUnreached;
         find_support(change.cell);
       } else if (own != kUnreached) {
-        queue_.emplace(own, kSpread, change.cell);
+        queue(own, PendingTask::kSpread, change.cell);
       }
     }
   }
 
   [[nodiscard]] bool run(const WaveStop& stop) {
     const auto goal = static_cast<std::size_t>(stop.cell);
-    std::uint32_t limit = field_.settled_to;
-    while (!queue_.empty()) {
-      const auto [level, task, cell] = queue_.top();
+    int pops = 0, d = 0, se = 0, sp = 0;
+    auto was = field_.stored[goal];
+    std::uint32_t limit = kUnreached;
+    const std::size_t most = std::max(kFewestPending, field_.stored.size() / kMostPendingShare);
+    while (!queue_.empty() && queue_.size() <= most) {
+      const auto [level, task, cell] = pending_of(queue_.front());
       const std::uint32_t wanted = field_.stored[goal];
       if (wanted != kUnreached && wanted < level) {
-        limit = std::min(field_.settled_to, wanted + stop.margin);  // nothing queued can make it cheaper
+        limit = wanted + stop.margin;  // nothing queued can make it cheaper
+        if (level > limit) {
+          break;
+        }
       }
-      if (level > limit) {
-        break;
-      }
-      queue_.pop();
-      if (task == kSettle) {
+      std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+      queue_.pop_back();
+      ++pops;
+      if (task == PendingTask::kDoubt)
+        ++d;
+      else if (task == PendingTask::kSettle)
+        ++se;
+      else
+        ++sp;
+      if (task == PendingTask::kSettle) {
         settle(cell, level);
       } else if (field_.stored[cell] == level) {
-        task == kDoubt ? check(cell, level) : spread(cell, level);
+        task == PendingTask::kDoubt ? check(cell, level) : spread(cell, level);
       }
     }
-    if (!queue_.empty()) {
-      field_.settled_to = limit;
+    static int n;
+    if (++n < 40)
+      std::fprintf(stderr, "pops %d doubts %d settle %d spread %d before %u now %u left %zu\n", pops, d, se, sp, was,
+                   field_.stored[goal], queue_.size());
+    field_.settled_to = queue_.empty() ? kUnreached : limit;
+    if (queue_.size() > std::max(kFewestPending, 2 * field_.pending_needed)) {
+      tidy();
     }
-    const std::uint32_t reached = field_.stored[goal];
-    return field_.settled_to == kUnreached || (reached != kUnreached && reached <= field_.settled_to);
+    return queue_.size() <= most;
   }
 
  private:
-  enum Task : int { kDoubt = 0, kSettle = 1, kSpread = 2 };
-
+  // Entries that others have overtaken go; what is left, sorted, is a heap.
+  void tidy() {
+    std::erase_if(queue_, [&](std::uint64_t entry) {
+      const auto [level, task, cell] = pending_of(entry);
+      return task == PendingTask::kSettle ? field_.stored[cell] <= level : field_.stored[cell] != level;
+    });
+    std::sort(queue_.begin(), queue_.end());
+    queue_.erase(std::unique(queue_.begin(), queue_.end()), queue_.end());
+    field_.pending_needed = queue_.size();
+  }
+  void queue(std::uint32_t level, PendingTask task, std::size_t cell) {
+    queue_.push_back(pending_entry(level, task, cell));
+    std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+  }
   [[nodiscard]] bool is_passable(std::size_t cell) const {
     const auto columns = static_cast<std::size_t>(field_.columns);
     return terrain_.passable->test({static_cast<int>(cell % columns), static_cast<int>(cell / columns)});
@@ -85,7 +115,7 @@ class Repair {
     for (const WaveStep& step : steps_) {
       const std::size_t neighbour = moved(cell, step.offset);
       if (field_.stored[neighbour] == cost + price * step.length) {
-        queue_.emplace(field_.stored[neighbour], kDoubt, neighbour);
+        queue(field_.stored[neighbour], PendingTask::kDoubt, neighbour);
       }
     }
   }
@@ -105,7 +135,7 @@ class Repair {
   void find_support(std::size_t cell) {
     const std::uint32_t cost = best_offer(cell);
     if (cost != kUnreached) {
-      queue_.emplace(cost, kSettle, cell);
+      queue(cost, PendingTask::kSettle, cell);
     }
   }
   void settle(std::size_t cell, std::uint32_t level) {
@@ -116,8 +146,14 @@ class Repair {
       find_support(cell);  // who made the offer has lost its own way since
       return;
     }
-    field_.stored[cell] = level;
+    lower(cell, level);
     spread(cell, level);
+  }
+  // The work may be left before this cost is spread, and the cell be raised then: nobody would know any more that the
+  // cost before held others up.
+  void lower(std::size_t cell, std::uint32_t cost) {
+    doubt_children(cell, field_.stored[cell], terrain_.price(cell));
+    field_.stored[cell] = cost;
   }
   void check(std::size_t cell, std::uint32_t level) {
     if (best_offer(cell) == level) {
@@ -133,17 +169,16 @@ class Repair {
       const std::size_t neighbour = moved(cell, step.offset);
       const std::uint32_t cost = level + price * step.length;
       if (cost < field_.stored[neighbour]) {
-        field_.stored[neighbour] = cost;
-        queue_.emplace(cost, kSpread, neighbour);
+        lower(neighbour, cost);
+        queue(cost, PendingTask::kSpread, neighbour);
       }
     }
   }
 
-  using Entry = std::tuple<std::uint32_t, int, std::size_t>;
   const WaveTerrain& terrain_;
   WaveField& field_;
+  std::vector<std::uint64_t>& queue_;  // a heap, the least in front
   std::array<WaveStep, 8> steps_;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 
 }  // namespace

@@ -70,6 +70,42 @@ class Bucket {
   std::size_t capacity_ = 0;
 };
 
+/// What is still to be done with a cell when the wave has come to a level, in the order in which it is done.
+enum class PendingTask : std::uint32_t {
+  kDoubt = 0,   // it may have lost the neighbour that its cost came from
+  kSettle = 1,  // it is unreached and may get this cost
+  kSpread = 2,  // its neighbours have not been offered its cost
+};
+
+struct Pending {
+  std::uint32_t level;
+  PendingTask task;
+  std::size_t cell;
+};
+
+inline constexpr int kPendingCellBits = 30;
+
+/// One number, so that the entries' order is that of level, task and cell.
+inline std::uint64_t pending_entry(std::uint32_t level, PendingTask task, std::size_t cell) {
+  return std::uint64_t{level} << 32 | std::uint64_t{static_cast<std::uint32_t>(task)} << kPendingCellBits | cell;
+}
+
+inline Pending pending_of(std::uint64_t entry) {
+  const auto low = static_cast<std::uint32_t>(entry);
+  return {static_cast<std::uint32_t>(entry >> 32), static_cast<PendingTask>(low >> kPendingCellBits),
+          low & ((1U << kPendingCellBits) - 1)};
+}
+
+/// Keeps the cells of a bucket as the beginning of what is beyond where a wave was stopped.
+inline void keep_pending(const Bucket& bucket, WaveField& field) {
+  for (std::size_t i = 0; i < bucket.size(); ++i) {
+    const std::uint32_t cell = bucket.cells()[i];
+    if (field.stored[cell] > field.settled_to) {  // else a cheaper way was found after it was queued
+      field.pending.push_back(pending_entry(field.stored[cell], PendingTask::kSpread, cell));
+    }
+  }
+}
+
 /// A seed on a passable cell, by its stored cost, then its index.
 using WaitingSeed = std::pair<std::uint32_t, std::uint32_t>;
 

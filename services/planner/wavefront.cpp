@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -85,6 +86,8 @@ void clear(const BitGrid& passable, std::vector<std::uint32_t>& stored) {
 void grow_wave(const WaveTerrain& terrain, const std::vector<WaveSeed>& seeds, const WaveStop& stop, WaveField& field) {
   field.columns = terrain.columns();
   field.settled_to = kUnreached;
+  field.pending.clear();
+  field.pending_needed = 0;
   clear(*terrain.passable, field.stored);
   std::uint32_t* stored = field.stored.data();
   // seeds may cost more than one turn of the ring: they enter when the wave comes by
@@ -129,7 +132,12 @@ void grow_wave(const WaveTerrain& terrain, const std::vector<WaveSeed>& seeds, c
   }
   if (queued == 0 && next_seed == waiting.size()) {
     field.settled_to = kUnreached;  // it came everywhere
+    return;
   }
+  for (const Bucket& bucket : *ring) {
+    keep_pending(bucket, field);
+  }
+  std::make_heap(field.pending.begin(), field.pending.end(), std::greater<>());
 }
 
 }  // namespace luminav

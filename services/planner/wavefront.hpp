@@ -38,6 +38,8 @@ struct WaveField {
   int columns = 0;
   std::vector<std::uint32_t> stored;      // row-major: cost + 1, kBlocked, or kUnreached
   std::uint32_t settled_to = kUnreached;  // stored values above are not final: the wave was stopped there
+  std::vector<std::uint64_t> pending;     // what would have come next: a heap, for repair_wave
+  std::size_t pending_needed = 0;         // of these, when they were counted last
 
   [[nodiscard]] bool is_reached(std::size_t cell) const {
     return stored[cell] != kBlocked && stored[cell] != kUnreached && stored[cell] <= settled_to;
@@ -63,9 +65,10 @@ struct PriceChange {
   std::uint8_t price_before = 0;  // 0 = blocked
 };
 
-/// Makes a field of one seed right again after cells changed, at the cost of the cells whose cost changes, as far as
-/// the way from `stop.cell` may need them. The same field as a new wave up to `settled_to`. False when the way would
-/// lead beyond: then only a new wave helps. Koenig and Likhachev 2002 (LPA*), with the raised cells first.
+/// Makes a field of one seed right again after cells changed, as far as the way from `stop.cell` needs it, at the cost
+/// of the cells there whose cost changes: the same field as a new wave up to `settled_to`. What lies beyond stays
+/// pending until a way needs it. False when so much is pending that only a new wave helps. Koenig and Likhachev 2002
+/// (LPA*), with the raised cells first.
 [[nodiscard]] bool repair_wave(const WaveTerrain& terrain, const std::vector<PriceChange>& changes,
                                const WaveStop& stop, WaveField& field);
 

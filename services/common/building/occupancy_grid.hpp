@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "services/common/geometry/rounding.hpp"
+
 namespace luminav {
 
 /// Cell of a grid, counted from the lower left corner.
@@ -23,8 +25,8 @@ struct GridGeometry {
   int rows = 0;
 
   [[nodiscard]] Cell cell_at(const Eigen::Vector2d& point_in_world) const {
-    return {static_cast<int>(std::floor((point_in_world.x() - origin.x()) / resolution)),
-            static_cast<int>(std::floor((point_in_world.y() - origin.y()) / resolution))};
+    return {floor_to_int((point_in_world.x() - origin.x()) / resolution),
+            floor_to_int((point_in_world.y() - origin.y()) / resolution)};
   }
   [[nodiscard]] Eigen::Vector2d centre_of(const Cell& cell) const {
     return {origin.x() + (cell.column + 0.5) * resolution, origin.y() + (cell.row + 0.5) * resolution};
