@@ -49,11 +49,12 @@ void Controller::enter(ControlTask task, const ControlInput& input) {
 
 ControlOutput Controller::step(const ControlInput& input) {
   ControlOutput output;
-  std::vector<ObstaclePoint> obstacles = input.echoes;
+  std::vector<ObstaclePoint>& obstacles = obstacles_;
+  obstacles.assign(input.echoes.begin(), input.echoes.end());
   if (input.world_from_robot && input.grid != nullptr) {
-    const std::vector<ObstaclePoint> walls = known_walls(*input.grid, *input.world_from_robot, config_.local_map);
-    obstacles.insert(obstacles.end(), walls.begin(), walls.end());
+    add_known_walls(*input.grid, *input.world_from_robot, config_.local_map, obstacles);
   }
+  const std::span<const ObstaclePoint> echoes(obstacles.data(), input.echoes.size());
   output.clearance = stop_logic_.clearance(obstacles);
   const ControlTask task = input.halt ? ControlTask::kNone : input.task;
   if (task != task_) {
@@ -65,9 +66,10 @@ ControlOutput Controller::step(const ControlInput& input) {
     output.reason = *input.halt;
     return output;
   }
-  look_for_people(input.now, obstacles);
-  const double unknown = nearest_unknown(obstacles);
-  const DriveTwist wanted = with_care(wish(input, obstacles, output), unknown, obstacles);
+  // what the building's map knows neither walks nor is news
+  look_for_people(input.now, echoes);
+  const double unknown = nearest_unknown(echoes);
+  const DriveTwist wanted = with_care(wish(input, obstacles, output), unknown, echoes);
   DriveTwist smooth = ramp_.step(wanted, input.duration);
   if (escape_ && wanted.linear != 0.0) {
     // the arc that was found free, from the first step on: turning speeds up faster than driving
@@ -91,7 +93,7 @@ ControlOutput Controller::step(const ControlInput& input) {
   return output;
 }
 
-void Controller::look_for_people(std::int64_t now, const std::vector<ObstaclePoint>& obstacles) {
+void Controller::look_for_people(std::int64_t now, std::span<const ObstaclePoint> obstacles) {
   for (const ObstaclePoint& obstacle : obstacles) {
     if (obstacle.approach > 0.0 && obstacle.position.norm() < config_.people_within) {
       people_seen_ = now;
@@ -103,21 +105,16 @@ bool Controller::has_met_people(std::int64_t now) const {
   return people_seen_ != 0 && seconds_between(people_seen_, now) < config_.people_remembered;
 }
 
-double Controller::nearest_unknown(const std::vector<ObstaclePoint>& obstacles) const {
-  double nearest = 10.0;
-  for (const ObstaclePoint& obstacle : obstacles) {
-    if (!obstacle.is_known && !stop_logic_.footprint().is_surely_beyond(obstacle.position, nearest)) {
-      nearest = std::min(nearest, stop_logic_.footprint().distance(obstacle.position));
-    }
-  }
-  return nearest;
+double Controller::nearest_unknown(std::span<const ObstaclePoint> obstacles) const {
+  return stop_logic_.footprint().least_distance(obstacles, 10.0,
+                                                [](const ObstaclePoint& obstacle) { return !obstacle.is_known; });
 }
 
 // Something near that is on no map may be somebody about to move: slower, so that the next echo comes in time. What
 // appears ahead where nothing was may be somebody who walks towards it, and his next echo comes a third of a second and
 // half a metre later.
 DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest,
-                                 const std::vector<ObstaclePoint>& obstacles) const {
+                                 std::span<const ObstaclePoint> obstacles) const {
   const double share = std::clamp(nearest / config_.care_within, config_.care_least, 1.0);
   double linear = share * config_.robot.limits.linear;
   for (const ObstaclePoint& obstacle : obstacles) {

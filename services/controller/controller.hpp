@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -75,11 +76,11 @@ class Controller {
     std::int64_t start = 0;  // [us]
   };
   void enter(ControlTask task, const ControlInput& input);
-  void look_for_people(std::int64_t now, const std::vector<ObstaclePoint>& obstacles);
+  void look_for_people(std::int64_t now, std::span<const ObstaclePoint> obstacles);
   [[nodiscard]] bool has_met_people(std::int64_t now) const;
-  [[nodiscard]] double nearest_unknown(const std::vector<ObstaclePoint>& obstacles) const;
+  [[nodiscard]] double nearest_unknown(std::span<const ObstaclePoint> obstacles) const;
   [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest,
-                                     const std::vector<ObstaclePoint>& obstacles) const;
+                                     std::span<const ObstaclePoint> obstacles) const;
   void hold_still(std::int64_t now, const Pose2& odom_from_robot, const DriveTwist& wanted, double nearest,
                   StopVerdict& verdict);
   DriveTwist wish(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
@@ -95,6 +96,7 @@ class Controller {
   PathFollower follower_;
   Wander wander_;
   ProgressMonitor progress_;
+  std::vector<ObstaclePoint> obstacles_;  // of this step: echoes, then known walls
   CommandRamp ramp_;
   ControlTask task_ = ControlTask::kNone;
   std::optional<Escape> escape_;

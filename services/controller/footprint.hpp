@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "services/common/geometry/pose2.hpp"
@@ -29,6 +31,27 @@ class Footprint {
     constexpr double kRounding = 1e-9;
     const double reach = distance + swept_radius_ + kRounding;
     return reach > 0.0 && point.squaredNorm() > reach * reach;
+  }
+  /// The least `distance` of those things that count, or `most`. Things have a `position` [m] in the robot frame.
+  template <typename Things, typename Counts>
+  [[nodiscard]] double least_distance(const Things& things, double most, const Counts& counts) const {
+    // the one nearest to the wheel axis first: then hardly another needs more than a glance
+    double least_square = std::numeric_limits<double>::infinity();
+    const Eigen::Vector2d* nearest = nullptr;
+    for (const auto& thing : things) {
+      const double square = thing.position.squaredNorm();
+      if (square < least_square && counts(thing)) {
+        least_square = square;
+        nearest = &thing.position;
+      }
+    }
+    double least = nearest == nullptr ? most : std::min(most, distance(*nearest));
+    for (const auto& thing : things) {
+      if (!is_surely_beyond(thing.position, least) && counts(thing)) {
+        least = std::min(least, distance(thing.position));
+      }
+    }
+    return least;
   }
   /// Farthest corner from the wheel axis [m]: what a turn on the spot sweeps.
   [[nodiscard]] double swept_radius() const { return swept_radius_; }

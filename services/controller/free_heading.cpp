@@ -30,16 +30,25 @@ double choose_free_heading(double wish, double needed, std::optional<double> las
   std::vector<ObstaclePoint> near;
   std::copy_if(obstacles.begin(), obstacles.end(), std::back_inserter(near),
                [&](const ObstaclePoint& obstacle) { return obstacle.position.squaredNorm() < reach_squared; });
+  const auto cost_of = [&](int i, double missing) {
+    const double direction = wish + i * params.step;
+    const bool is_another = last && std::abs(wrap_angle(direction - *last)) > params.steadiness;
+    return std::abs(i * params.step) + params.price * missing + (is_another ? params.steadiness : 0.0);
+  };
+  const auto cost_at = [&](int i) {
+    return cost_of(i, needed - free_way(wish + i * params.step, needed, near, params));
+  };
   const int steps = static_cast<int>(params.widest / params.step);
+  // a heading that is dearer than the wish even when it is free need not be looked at: mostly that is nearly all
+  const double cost_of_wish = cost_at(0);
   double best = wish;
   double best_cost = 1e9;
   for (int i = -steps; i <= steps; ++i) {
-    const double direction = wish + i * params.step;
-    const double missing = needed - free_way(direction, needed, near, params);
-    double cost = std::abs(i * params.step) + params.price * missing;
-    if (last && std::abs(wrap_angle(direction - *last)) > params.steadiness) {
-      cost += params.steadiness;
+    if (i != 0 && cost_of(i, 0.0) > cost_of_wish + 1e-9) {
+      continue;
     }
+    const double cost = i == 0 ? cost_of_wish : cost_at(i);
+    const double direction = wish + i * params.step;
     if (cost < best_cost - 1e-9) {
       best_cost = cost;
       best = direction;

@@ -23,7 +23,10 @@ bool is_occupied(const OccupancyGrid& grid, const Cell& cell, const LocalMapPara
 /// Is there a wall of the building's map within a distance [m] of a world point?
 bool has_wall_near(const OccupancyGrid& grid, const Eigen::Vector2d& point_in_world, double distance);
 
-/// Walls of the building's map around the robot, in its frame: of each cell the point nearest to the wheel axis.
+/// Appends the walls of the building's map around the robot, in its frame, row by row: of each cell the point nearest
+/// to the wheel axis.
+void add_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, const LocalMapParams& params,
+                     std::vector<ObstaclePoint>& obstacles);
 std::vector<ObstaclePoint> known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot,
                                        const LocalMapParams& params);
 

@@ -163,12 +163,9 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
     step.wanted.angular = turn_on_the_spot(heading, situation);
     return;
   }
-  double clearance = 10.0;  // of what lies ahead; what is behind does not slow it down
-  for (const ObstaclePoint& obstacle : situation.obstacles) {
-    if (obstacle.position.x() > 0.0) {
-      clearance = std::min(clearance, stop_logic_.footprint().distance(obstacle.position));
-    }
-  }
+  // of what lies ahead; what is behind does not slow it down
+  const double clearance = stop_logic_.footprint().least_distance(
+      situation.obstacles, 10.0, [](const ObstaclePoint& obstacle) { return obstacle.position.x() > 0.0; });
   step.wanted = speed_law(heading, clearance, step.look_ahead->distance_left, params_.speed);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 namespace luminav {
 namespace {
@@ -59,26 +60,35 @@ const ObstaclePoint* StopLogic::first_in_the_way(const DriveTwist& twist, double
     return nullptr;
   }
   const int steps = std::max(1, static_cast<int>(std::ceil(corner_speed * duration / kStep)));
-  std::vector<PointTransform> end_from_start;
-  end_from_start.reserve(static_cast<std::size_t>(steps));
-  for (int i = 1; i <= steps; ++i) {
-    end_from_start.emplace_back(drive_arc(twist, duration * i / steps).inverse());
-  }
+  std::vector<PointTransform> end_from_start;  // as many as were needed so far: mostly nothing is near
   // somebody who comes stops before a robot that stands, so his own way counts until it does
   const double until_still =
       std::min(duration, params_.reaction_time + std::abs(twist.linear) / limits_.linear_deceleration);
   // A robot that stands nearer than the margin may go along the obstacle, not only away from it.
-  const double room = clearance(obstacles);
+  std::optional<double> room;
   const ObstaclePoint* first = nullptr;
   int first_step = steps + 1;
   for (const ObstaclePoint& obstacle : obstacles) {
-    const double margin = std::min(room, obstacle.is_known ? params_.known_margin : params_.margin);
-    const double sweep =
-        footprint_.swept_radius() + corner_speed * duration + margin + obstacle.approach * (obstacle.age + until_still);
-    if (obstacle.position.squaredNorm() > sweep * sweep) {
+    const double whole_margin = obstacle.is_known ? params_.known_margin : params_.margin;
+    const auto is_out_of_reach = [&](double margin) {
+      const double sweep = footprint_.swept_radius() + corner_speed * duration + margin +
+                           obstacle.approach * (obstacle.age + until_still);
+      return obstacle.position.squaredNorm() > sweep * sweep;
+    };
+    if (is_out_of_reach(whole_margin)) {
+      continue;
+    }
+    if (!room) {
+      room = clearance(obstacles);
+    }
+    const double margin = std::min(*room, whole_margin);
+    if (is_out_of_reach(margin)) {
       continue;
     }
     for (int i = 0; i < std::min(steps, first_step); ++i) {
+      if (end_from_start.size() <= static_cast<std::size_t>(i)) {
+        end_from_start.emplace_back(drive_arc(twist, duration * (i + 1) / steps).inverse());
+      }
       const Eigen::Vector2d position = end_from_start[static_cast<std::size_t>(i)] * obstacle.position;
       const double time = duration * (i + 1) / steps;
       const double nearer = obstacle.approach * (obstacle.age + std::min(time, until_still));
@@ -101,13 +111,7 @@ bool StopLogic::is_free(const DriveTwist& twist, double duration, std::span<cons
 }
 
 double StopLogic::clearance(std::span<const ObstaclePoint> obstacles) const {
-  double nearest = 10.0;
-  for (const ObstaclePoint& obstacle : obstacles) {
-    if (!footprint_.is_surely_beyond(obstacle.position, nearest)) {
-      nearest = std::min(nearest, footprint_.distance(obstacle.position));
-    }
-  }
-  return std::max(0.0, nearest);
+  return std::max(0.0, footprint_.least_distance(obstacles, 10.0, [](const ObstaclePoint&) { return true; }));
 }
 
 StopVerdict StopLogic::judge(const DriveTwist& wanted, std::span<const ObstaclePoint> obstacles,
