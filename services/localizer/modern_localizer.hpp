@@ -13,6 +13,7 @@
 #include "services/localizer/hypothesis_bank.hpp"
 #include "services/localizer/localizer.hpp"
 #include "services/localizer/motion_gap.hpp"
+#include "services/localizer/pose_verdict.hpp"
 #include "services/localizer/tracking_filter.hpp"
 #include "services/localizer/tracking_rules.hpp"
 
@@ -53,23 +54,10 @@ class ModernLocalizer final : public Localizer {
   void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
   void correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                       const OdometryReading& odometry);
-  void favour_what_foretold();
-  void add_rival(const PoseBelief& belief);
-  void judge_recalled_pose(const std::vector<int>& objects, const std::vector<FixtureMatch>& matches);
-  void doubt(const std::string& why, double bonus);
   /// Relative motion across now is unknown: the pose is only as good as a guess of it.
   void bridge(const std::string& why, const MotionGap& gap);
   void decide(const SightingFrame& frame);
-  void drop_refuted_leader();
-  [[nodiscard]] bool begin_anew_if_unexplained(const SightingFrame& frame);
-  void judge_tracked_pose();
-  [[nodiscard]] bool resume_tracking(const SightingFrame& frame);
-  [[nodiscard]] bool declare_tracking(const SightingFrame& frame);
-  void explain_ambiguity();
-  /// How far [log-score] the best hypothesis is ahead of every other pose, listed or not.
-  [[nodiscard]] double margin() const;
   [[nodiscard]] Pose2 since_filter() const;
-  [[nodiscard]] const Hypothesis* leader() const;
 
   Building building_;
   FixtureMap map_;
@@ -82,21 +70,12 @@ class ModernLocalizer final : public Localizer {
   HypothesisBank bank_;
   TrackingFilter filter_;
   ContradictionWatch watch_;
+  PoseVerdict verdict_;
   EchoCollector echoes_;
   std::optional<OdometryReading> filter_odometry_;  // where bank and filter stand
   double odometer_ = 0.0;                           // [m]
 
-  LocalizerState state_ = LocalizerState::kLost;
-  std::string reason_ = "no fixture seen yet";
-  int leader_id_ = 0;          // hypothesis that the filter follows; 0 = none
-  bool wide_ = false;          // the filter's covariance is too wide to call it tracking
-  std::string doubt_;          // why the leader was put in doubt; "" = it is not
-  bool may_foretell_ = false;  // a fixture where the doubted leader has one speaks for it
-  int needed_fixtures_ = 1;    // that must fit before the doubted leader is held for true again
-  bool is_recalled_ = false;   // the leader comes from before a restart, and no sighting has judged it yet
   bool motors_enabled_ = true;
-  int doubted_id_ = 0;       // hypothesis that was put in doubt last
-  int unexplained_run_ = 0;  // images
   std::int64_t fixture_utime_ = 0;
   double odometer_at_fixture_ = 0.0;  // [m]
   double nis_ = 0.0;

@@ -1,0 +1,250 @@
+#include "services/localizer/pose_verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+constexpr double kRefuted = 6.0;                // log-score behind the best at which a leader is one no more
+constexpr double kSamePlace = 0.5;              // [m] a guess that near
+constexpr double kSameHeading = radians(20.0);  // and so little turned means the tracked pose
+constexpr int kSureFrames = 3;                  // images of an object after which it is one
+constexpr const char* kNoFixtures = "the building's file names no fixtures";
+
+}  // namespace
+
+PoseVerdict::PoseVerdict(const FixtureMap& map, SceneMemory& scene, HypothesisBank& bank, TrackingFilter& filter,
+                         ContradictionWatch& watch, const TrackingRules& rules)
+    : map_(map), scene_(scene), bank_(bank), filter_(filter), watch_(watch), rules_(rules) {
+  if (map_.size() == 0) {
+    reason_ = kNoFixtures;
+  }
+}
+
+bool PoseVerdict::decide(const SightingFrame& frame, double way_since_fixture) {
+  if (bank_.hypotheses().empty()) {
+    drop_leader(LocalizerState::kLost);
+    reason_ = map_.size() == 0           ? kNoFixtures
+              : scene_.objects().empty() ? "no fixture seen yet"
+                                         : "what is seen fits nowhere in the building";
+    return false;
+  }
+  drop_refuted_leader();
+  if (begin_anew_if_unexplained(frame)) {
+    return false;
+  }
+  if (is_tracking()) {
+    judge_tracked_pose(way_since_fixture);
+    return false;
+  }
+  if (resume_tracking(frame)) {
+    return false;
+  }
+  const Hypothesis best = bank_.hypotheses().front();
+  if (may_declare(best, frame)) {
+    return declare_tracking(best);
+  }
+  explain_ambiguity();
+  return false;
+}
+
+void PoseVerdict::drop_leader(LocalizerState state) {
+  leader_id_ = 0;
+  doubt_.clear();
+  may_foretell_ = false;
+  state_ = state;
+}
+
+void PoseVerdict::drop_refuted_leader() {
+  if (leader_id_ == 0) {
+    return;
+  }
+  const Hypothesis* held = leader();
+  if (held == nullptr || bank_.hypotheses().front().total - held->total > kRefuted) {
+    drop_leader(LocalizerState::kAmbiguous);
+  }
+}
+
+bool PoseVerdict::begin_anew_if_unexplained(const SightingFrame& frame) {
+  if (frame.sightings.empty() || is_tracking()) {
+    return false;
+  }
+  const Hypothesis& best = bank_.hypotheses().front();
+  // a pose in doubt is not given up for a thing that is no fixture as long as others explain that
+  const auto explains = [&](const Hypothesis& h) { return h.last_match == frame.utime; };
+  const bool is_explained =
+      leader_id_ == 0 ? explains(best) : std::any_of(bank_.hypotheses().begin(), bank_.hypotheses().end(), explains);
+  unexplained_run_ = is_explained ? 0 : unexplained_run_ + 1;
+  if (unexplained_run_ < rules_.restart_frames) {
+    return false;
+  }
+  unexplained_run_ = 0;
+  const PoseBelief old = leader_id_ != 0 ? filter_.belief() : best.belief;
+  scene_.clear();
+  bank_.clear();
+  bank_.add_guess(old, 0.0);
+  drop_leader(LocalizerState::kLost);
+  reason_ = "nothing explained what was seen; searching anew";
+  return true;
+}
+
+void PoseVerdict::judge_tracked_pose(double way_since_fixture) {
+  const std::vector<Hypothesis>& all = bank_.hypotheses();
+  const Hypothesis& best = all.front();
+  const PoseBelief belief = leader_id_ != 0 ? filter_.belief() : best.belief;
+  const double sigma = largest_position_sigma(belief.covariance);
+  const double heading_sigma = std::sqrt(belief.covariance(2, 2));
+  const double second = all.size() > 1 ? all[1].total : -1e18;
+  const double ahead = (leader() != nullptr ? leader()->total : -1e18) -
+                       (all.size() > 1 ? (best.id == leader_id_ ? second : best.total) : -1e18);
+  if (ahead < rules_.leave_margin) {
+    state_ = LocalizerState::kAmbiguous;
+    reason_ = fmt::format("another of {} poses explains what is seen as well", all.size());
+  } else if (sigma > rules_.leave_position_sigma || heading_sigma > rules_.leave_heading_sigma) {
+    state_ = LocalizerState::kAmbiguous;
+    wide_ = true;
+    reason_ = fmt::format("no fixture for {:.1f} m: the pose is only known to {:.2f} m", way_since_fixture, sigma);
+  } else {
+    reason_ = fmt::format("one pose explains all that was seen; known to {:.0f} mm and {:.1f} degrees", 1e3 * sigma,
+                          degrees(heading_sigma));
+  }
+}
+
+bool PoseVerdict::resume_tracking(const SightingFrame& frame) {
+  const Hypothesis& best = bank_.hypotheses().front();
+  if (!wide_ || leader_id_ == 0 || best.id != leader_id_ || best.last_match != frame.utime || !doubt_.empty() ||
+      margin() < rules_.leave_margin ||
+      largest_position_sigma(filter_.belief().covariance) >= rules_.enter_position_sigma) {
+    return false;
+  }
+  wide_ = false;
+  state_ = LocalizerState::kTracking;
+  return true;
+}
+
+bool PoseVerdict::may_declare(const Hypothesis& best, const SightingFrame& frame) const {
+  const int enough_fixtures = best.id == leader_id_ ? needed_fixtures_ : rules_.enter_fixtures;
+  return margin() >= rules_.enter_margin && static_cast<int>(best.confirmed.size()) >= enough_fixtures &&
+         !frame.sightings.empty() && best.last_match == frame.utime &&
+         largest_position_sigma(best.belief.covariance) < rules_.enter_position_sigma;
+}
+
+bool PoseVerdict::declare_tracking(const Hypothesis& best) {
+  const bool is_new = best.id != leader_id_;
+  if (is_new) {
+    PoseBelief start = best.belief;
+    start.covariance += Eigen::Vector3d(0.01, 0.01, 0.003).asDiagonal();
+    filter_.start(start);
+    leader_id_ = best.id;
+  }
+  watch_.confirm(best.id == doubted_id_);
+  is_recalled_ = false;
+  wide_ = false;
+  doubt_.clear();
+  may_foretell_ = false;
+  state_ = LocalizerState::kTracking;
+  reason_ = fmt::format("one pose explains {} fixtures, all others fail", best.confirmed.size());
+  return is_new;
+}
+
+void PoseVerdict::explain_ambiguity() {
+  state_ = LocalizerState::kAmbiguous;
+  if (!doubt_.empty()) {
+    reason_ = doubt_;
+  } else if (!wide_) {
+    const std::vector<Hypothesis>& all = bank_.hypotheses();
+    const Hypothesis& best = all.front();
+    const auto close = std::count_if(all.begin(), all.end(),
+                                     [&](const Hypothesis& h) { return h.total > best.total - rules_.enter_margin; });
+    reason_ = close > 1 ? fmt::format("{} poses explain what was seen", close)
+                        : fmt::format("one pose is left, confirmed by {} fixtures so far", best.confirmed.size());
+  }
+}
+
+void PoseVerdict::doubt(const std::string& why, double bonus) {
+  doubt_ = why;
+  may_foretell_ = false;
+  needed_fixtures_ = 1;
+  watch_.reset();
+  scene_.clear();
+  bank_.clear();
+  PoseBelief belief = filter_.belief();
+  bank_.add_guess(belief, bonus);
+  leader_id_ = bank_.hypotheses().front().id;
+  doubted_id_ = leader_id_;
+  state_ = LocalizerState::kAmbiguous;
+  reason_ = why;
+}
+
+void PoseVerdict::doubt(const Contradiction& contradiction) {
+  doubt(contradiction.reason, contradiction.bonus);
+  may_foretell_ = contradiction.is_misfit;
+}
+
+void PoseVerdict::doubt_after_gap(const std::string& why, bool may_be_carried) {
+  doubt(why, rules_.bonus_after_gap);
+  needed_fixtures_ = may_be_carried ? rules_.enter_fixtures : 1;
+}
+
+void PoseVerdict::recall() {
+  doubt("the pose from before the restart waits for a fixture that confirms it", rules_.bonus_after_miss);
+  is_recalled_ = true;
+}
+
+void PoseVerdict::judge_recalled_pose(const std::vector<int>& objects, const std::vector<FixtureMatch>& matches) {
+  if (!matches.empty()) {
+    is_recalled_ = false;
+    return;
+  }
+  const bool is_contradicted = std::any_of(objects.begin(), objects.end(), [&](int object) {
+    return scene_.objects()[static_cast<std::size_t>(object)].frames >= kSureFrames;
+  });
+  if (is_contradicted) {
+    is_recalled_ = false;
+    bank_.clear();
+    scene_.clear();
+    drop_leader(state_);
+  }
+}
+
+void PoseVerdict::favour_what_foretold() {
+  Hypothesis* held = leader();
+  if (!may_foretell_ || held == nullptr || held->confirmed.empty()) {
+    return;
+  }
+  // A robot put elsewhere sees a fixture where the old pose has one in perhaps one of a hundred cases.
+  may_foretell_ = false;
+  held->bonus += rules_.bonus_when_foretold;
+}
+
+void PoseVerdict::add_rival(const PoseBelief& belief) {
+  const Hypothesis* held = leader();
+  const Pose2 pose = filter_.belief().pose;
+  if (held == nullptr || (distance(pose, belief.pose) < kSamePlace &&
+                          std::abs(wrap_angle(pose.theta - belief.pose.theta)) < kSameHeading)) {
+    return;  // that is where it is held to be
+  }
+  // as good as the tracked pose for now: what is seen next decides, and until then two poses are possible
+  const double total = held->total;
+  bank_.add_guess(belief, 0.0);
+  Hypothesis& rival = bank_.hypotheses().back();
+  rival.bonus = total - rival.settled;
+}
+
+Hypothesis* PoseVerdict::leader() const {
+  const auto found = std::find_if(bank_.hypotheses().begin(), bank_.hypotheses().end(),
+                                  [&](const Hypothesis& h) { return h.id == leader_id_; });
+  return found == bank_.hypotheses().end() ? nullptr : &*found;
+}
+
+double PoseVerdict::margin() const {
+  const std::vector<Hypothesis>& all = bank_.hypotheses();
+  const double second = all.size() > 1 ? all[1].total : -1e18;
+  return all.front().total - std::max(second, bank_.null_score());
+}
+
+}  // namespace luminav
