@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "services/detector/bloom_edges.hpp"
+#include "services/detector/bloom_symmetry.hpp"
+#include "services/detector/unlit_joints.hpp"
 
 namespace luminav {
 namespace {
@@ -194,6 +196,7 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
         continue;
       }
       level_bloom(frame.image, camera_, candidate->hypothesis.outline, fit_params(region, level), candidate->fit);
+      balance_bloom(frame.image, camera_, candidate->hypothesis.outline, fit_params(region, level), candidate->fit);
       const bool bar = candidate->hypothesis.outline.shape == FixtureShape::kRectangle;
       const std::optional<Detection> detection = candidate->hypothesis.is_element
                                                      ? writer_.detection_of(*candidate, DetectionState::kUnknown)
@@ -217,9 +220,12 @@ void ModernDetector::look_for_unlit(const CeilingFrame& frame, std::vector<Detec
     if (is_explained(region, detections)) {
       continue;
     }
-    const std::optional<Candidate> candidate = best_candidate(frame, region, erosion_, 0, trace);
+    std::optional<Candidate> candidate = best_candidate(frame, region, erosion_, 0, trace);
     if (!candidate) {
       continue;
+    }
+    if (!candidate->hypothesis.is_element) {
+      take_off_joints(frame.image, camera_, candidate->hypothesis.outline, fit_params(region, 0), candidate->fit);
     }
     const Detection detection = writer_.detection_of(
         *candidate, candidate->hypothesis.is_element ? DetectionState::kUnknown : DetectionState::kUnlit);

@@ -11,6 +11,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kLeastOfLitEnd = 7;  // points
+constexpr int kLeastSearch = 3;    // [px] outwards
 constexpr double kCertain = 2.5;   // sigmas of noise that a step must have
 
 }  // namespace
@@ -65,10 +66,21 @@ bool OutlineEdges::sample(const GreyView& image, const Outline& outline, const O
   }
   const Vector2d normal_px = (*ahead - *pixel) / px_per_step;
   const Vector2d along_px(-normal_px.y(), normal_px.x());
-  const Vector2d far_corner = reach * normal_px + 0.5 * (search.lines - 1) * along_px;
-  const Vector2d near_corner = reach * normal_px - 0.5 * (search.lines - 1) * along_px;
-  if (!is_sampled(image, *pixel + far_corner) || !is_sampled(image, *pixel + near_corner) ||
-      !is_sampled(image, *pixel - far_corner) || !is_sampled(image, *pixel - near_corner)) {
+  // Near the border the search ends early: what lies beyond is taken to be like the last that is seen.
+  const Vector2d half_lines = 0.5 * (search.lines - 1) * along_px;
+  const auto is_in_view = [&](double distance) {
+    const Vector2d middle = *pixel + distance * normal_px;
+    return is_sampled(image, middle + half_lines) && is_sampled(image, middle - half_lines);
+  };
+  if (!is_in_view(-reach)) {
+    return false;
+  }
+  int seen = reach;
+  const int least = std::min(reach, search.half_filter + kLeastSearch);
+  while (seen >= least && !is_in_view(seen)) {
+    --seen;
+  }
+  if (seen < least) {
     return false;
   }
   const int length = 2 * reach + 1;
@@ -79,12 +91,14 @@ bool OutlineEdges::sample(const GreyView& image, const Outline& outline, const O
     const Vector2d start = *pixel + (line - 0.5 * (search.lines - 1)) * along_px - reach * normal_px;
     auto x = static_cast<float>(start.x());
     auto y = static_cast<float>(start.y());
-    for (int k = 0; k < length; ++k) {
+    for (int k = 0; k <= reach + seen; ++k) {
       profile[static_cast<std::size_t>(k)] += bilinear(image, x, y);
       x += dx;
       y += dy;
     }
   }
+  std::fill(profile.begin() + reach + seen + 1, profile.begin() + length,
+            profile[static_cast<std::size_t>(reach + seen)]);
   point.metres_per_px = kAhead / px_per_step;
   return true;
 }

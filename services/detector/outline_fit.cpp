@@ -199,6 +199,10 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     const double c = std::cos(pose.theta);
     const double s = std::sin(pose.theta);
     pose = {pose.x + c * step(0) - s * step(1), pose.y + s * step(0) + c * step(1), wrap_angle(pose.theta + step(2))};
+    const std::array<double, kSides> moved{step(1), -step(1), step(0), -step(0)};
+    for (std::size_t side = 0; side < kSides; ++side) {
+      fit.side_edge[side] = swelling + centre_px[side] * metres_per_px - moved[side];
+    }
     swelling += step(3);
     taper += step(4);
 

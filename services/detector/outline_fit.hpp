@@ -25,6 +25,7 @@ struct OutlineFit {
   double visible_to = 0.0;                 // [m]
   double step = 0.0;                       // [grey] mean height of the edges found
   std::array<double, kSides> side_step{};  // [grey] mean of each side's
+  std::array<double, kSides> side_edge{};  // [m] median of each side's edges, outwards of the outline
   double metres_per_px = 0.0;              // there, about
   double residual_px = 0.0;                // [px] RMS distance of the edges found
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "services/detector/bloom_edges.hpp"
+#include "services/detector/bloom_symmetry.hpp"
 #include "services/detector/outline_fit.hpp"
 #include "tests/unit/detector/ceiling_picture.hpp"
 
@@ -50,6 +52,45 @@ TEST(OutlineFitter, RefusesAPlaceWithoutEdges) {
   const GreyImage image = test::draw_ceiling({}, camera, kHeight);
   OutlineFitter fitter(model);
   EXPECT_FALSE(fitter.fit(image.view(), {.length = 1.2, .width = 0.3, .height = kHeight}, {}, {0.0, 0.0, 0.0}));
+}
+
+/// A lamp whose bloom saturates, with a dark joint 18 mm beside its right side.
+struct LampBesideAJoint {
+  CameraDescription camera = test::test_camera();
+  CeilingCamera model{camera.intrinsics, camera.mounting};
+  Pose2 truth{0.1, -0.117, 0.0};
+  Outline outline{.length = 1.2, .width = 0.15, .height = kHeight};
+  OutlineFitParams params{.swelling_sigma = 0.02, .vignetting = 0.0};
+  GreyImage image;
+  OutlineFit fit;
+
+  explicit LampBesideAJoint(double joint_depth) {
+    test::DrawnCeiling ceiling;
+    ceiling.shapes = {{.pose = truth, .width = 0.15}};
+    ceiling.joint_depth = joint_depth;
+    ceiling.bloom = 250.0;
+    image = test::draw_ceiling(ceiling, camera, kHeight);
+    const auto found = OutlineFitter(model).fit(image.view(), outline, params, truth);
+    EXPECT_TRUE(found);
+    fit = found.value_or(OutlineFit{});
+    level_bloom(image.view(), model, outline, params, fit);
+  }
+};
+
+TEST(BalanceBloom, TakesAJointBesideOneSideForWhatItIs) {
+  LampBesideAJoint seen(30.0);
+  EXPECT_GT(std::abs(seen.fit.robot_from_outline.y - seen.truth.y), 1.0e-3);
+  balance_bloom(seen.image.view(), seen.model, seen.outline, seen.params, seen.fit);
+  EXPECT_NEAR(seen.fit.robot_from_outline.x, seen.truth.x, 0.9e-3);  // 4.5 mm per pixel
+  EXPECT_NEAR(seen.fit.robot_from_outline.y, seen.truth.y, 0.9e-3);
+  EXPECT_NEAR(seen.fit.robot_from_outline.theta, seen.truth.theta, radians(0.05));
+}
+
+TEST(BalanceBloom, LeavesAnOutlineInPlaceWhereTheLightIsEven) {
+  LampBesideAJoint seen(0.0);
+  balance_bloom(seen.image.view(), seen.model, seen.outline, seen.params, seen.fit);
+  EXPECT_NEAR(seen.fit.robot_from_outline.x, seen.truth.x, 0.9e-3);
+  EXPECT_NEAR(seen.fit.robot_from_outline.y, seen.truth.y, 0.9e-3);
 }
 
 }  // namespace

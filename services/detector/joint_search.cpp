@@ -1,0 +1,115 @@
+#include "services/detector/joint_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "services/detector/pixel_sampling.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kStep = 0.004;  // [m] across a joint, about a pixel
+constexpr int kMargin = 4;       // steps beyond the places searched
+constexpr std::size_t kMostSteps = 40;
+constexpr double kApart = 0.012;     // [m] between lines along the side
+constexpr int kLines = 16;           // beyond each corner
+constexpr double kLeastDepth = 3.0;  // [grey]
+constexpr double kSigmas = 4.0;
+
+struct Profile {
+  std::array<double, kMostSteps> grey{};
+  std::size_t steps = 0;
+  int lines = 0;
+};
+
+struct Line {
+  double middle;  // [steps]
+  double end;     // [steps]
+};
+
+Profile profile_beyond(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
+                       const JointSearch& search, double corner) {
+  Profile profile;
+  const double first = side.distance + search.nearest - kMargin * kStep;
+  const double span = search.farthest - search.nearest + 2.0 * kMargin * kStep;
+  profile.steps = std::min(kMostSteps, static_cast<std::size_t>(span / kStep) + 1);
+  for (int i = 0; i < kLines; ++i) {
+    const Vector2d place = corner * (side.half_length + search.from_corner + kApart * i) * side.along;
+    const auto begin = camera.pixel_of_ceiling_point(side.pose * (place + first * side.out), side.height);
+    const double length = kStep * static_cast<double>(profile.steps - 1);
+    const auto end = camera.pixel_of_ceiling_point(side.pose * (place + (first + length) * side.out), side.height);
+    if (!begin || !end || !is_sampled(image, *begin) || !is_sampled(image, *end)) {
+      continue;
+    }
+    const Vector2d step = (*end - *begin) / static_cast<double>(profile.steps - 1);
+    for (std::size_t k = 0; k < profile.steps; ++k) {
+      const Vector2d at = *begin + static_cast<double>(k) * step;
+      profile.grey[k] += bilinear(image, static_cast<float>(at.x()), static_cast<float>(at.y()));
+    }
+    ++profile.lines;
+  }
+  for (double& grey : profile.grey) {
+    grey /= std::max(profile.lines, 1);
+  }
+  return profile;
+}
+
+/// The deepest dark line of a profile.
+std::optional<Line> deepest_line(const Profile& profile, double least_depth) {
+  const auto& grey = profile.grey;
+  double deepest = least_depth;
+  std::optional<Line> line;
+  for (std::size_t k = kMargin; k + kMargin < profile.steps; ++k) {
+    const double bottom = (grey[k - 1] + grey[k] + grey[k + 1]) / 3.0;
+    const double after = 0.5 * (grey[k + 3] + grey[k + 4]);
+    const double depth = std::min(0.5 * (grey[k - 4] + grey[k - 3]), after) - bottom;
+    if (depth <= deepest) {
+      continue;
+    }
+    const double half = 0.5 * (std::min(grey[k], bottom) + after);
+    std::size_t i = k;
+    while (i + 1 < profile.steps && grey[i + 1] < half) {
+      ++i;
+    }
+    if (i + 1 < profile.steps) {
+      deepest = depth;
+      const double end = static_cast<double>(i) + (half - grey[i]) / (grey[i + 1] - grey[i]);
+      line = {static_cast<double>(k), end};
+    }
+  }
+  return line;
+}
+
+}  // namespace
+
+JointBeside find_joint_beside(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
+                              const JointSearch& search) {
+  JointBeside beside;
+  Line sum{0.0, 0.0};
+  int count = 0;
+  for (const double corner : {1.0, -1.0}) {
+    const Profile profile = profile_beyond(image, camera, side, search, corner);
+    if (profile.lines < kLines / 2) {
+      continue;
+    }
+    beside.is_in_view = true;
+    const double least = std::max(kLeastDepth, kSigmas * search.noise / std::sqrt(3.0 * profile.lines));
+    if (const auto line = deepest_line(profile, least)) {
+      sum.middle += line->middle;
+      sum.end += line->end;
+      ++count;
+    }
+  }
+  if (count > 0) {
+    beside.found = true;
+    beside.middle = search.nearest + kStep * (sum.middle / count - kMargin);
+    beside.end = search.nearest + kStep * (sum.end / count - kMargin);
+  }
+  return beside;
+}
+
+}  // namespace luminav

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "services/common/geometry/camera_model.hpp"
+#include "services/common/geometry/pose2.hpp"
+#include "services/common/image/grey_image.hpp"
+
+namespace luminav {
+
+/// One side of an outline: the line along which a joint is looked for.
+struct SideLine {
+  Pose2 pose;              // robot_from_outline
+  double height = 2.8;     // [m] above the floor
+  Eigen::Vector2d along;   // direction of the side in the outline's frame
+  Eigen::Vector2d out;     // its normal, outwards
+  double half_length = 0;  // [m] of the side
+  double distance = 0;     // [m] of the side from the outline's middle
+};
+
+struct JointSearch {
+  double nearest = -0.010;     // [m] of the joint's middle from the side, outwards
+  double farthest = 0.018;     // [m]
+  double from_corner = 0.025;  // [m] beyond a corner where to begin to look
+  double noise = 4.0;          // [grey] of a pixel
+};
+
+struct JointBeside {
+  bool is_in_view = false;  // whether it was possible to look
+  bool found = false;
+  double middle = 0.0;  // [m] of the joint, outwards of the side
+  double end = 0.0;     // [m] of its outer edge
+};
+
+/// Looks for a joint of the ceiling that runs along a side of a fixture. Beside the fixture it may hide in the edge or
+/// in bloom, but it goes on beyond the fixture's corners: there the mean profile across the side's line shows it.
+JointBeside find_joint_beside(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
+                              const JointSearch& search);
+
+}  // namespace luminav
