@@ -93,11 +93,12 @@ class BloomLevel {
 
   void project(const Pose2& pose, double swelling) {
     constexpr double kAhead = 0.02;  // [m]
+    const PointTransform to_robot(pose);
     for (int i = 0; i < count_; ++i) {
       EdgePoint& point = points_[static_cast<std::size_t>(i)];
       const Vector2d on_edge = point.place + swelling * point.normal;
-      const auto pixel = camera_.pixel_of_ceiling_point(pose * on_edge, outline_.height);
-      const auto ahead = camera_.pixel_of_ceiling_point(pose * (on_edge + kAhead * point.normal), outline_.height);
+      const auto pixel = camera_.pixel_of_ceiling_point(to_robot * on_edge, outline_.height);
+      const auto ahead = camera_.pixel_of_ceiling_point(to_robot * (on_edge + kAhead * point.normal), outline_.height);
       point.in_view = pixel && ahead;
       if (point.in_view) {
         const double step = (*ahead - *pixel).norm();

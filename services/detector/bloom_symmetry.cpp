@@ -70,8 +70,9 @@ class OppositeSides {
         length_(length),
         half_width_(half_width) {}
 
-  [[nodiscard]] Differences measure(const Pose2& pose, double step) const {
+  [[nodiscard]] Differences measure(const Pose2& robot_from_outline, double step) const {
     Differences result;
+    const PointTransform pose(robot_from_outline);
     const double usable = length_ - 2.0 * std::min(kCorner * step, 0.2 * length_);
     std::array<std::array<double, kDistances>, 2> falls{};
     std::array<int, kDistances> count{};
@@ -121,7 +122,8 @@ class OppositeSides {
 
  private:
   /// Light outwards from one side, vignetting undone; negative where saturated. False when not all of it is in view.
-  bool profile(const Pose2& pose, double place, double side, double step, std::array<float, kDistances>& light) const {
+  bool profile(const PointTransform& pose, double place, double side, double step,
+               std::array<float, kDistances>& light) const {
     constexpr double kAhead = 0.02;  // [m]
     const Vector2d on_edge = place * along_ + side * half_width_ * out_;
     const auto pixel = camera_.pixel_of_ceiling_point(pose * on_edge, height_);

@@ -130,6 +130,7 @@ bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candid
   constexpr std::array<double, 3> kDistances{0.030, 0.050, 0.075};  // [m]
   const Raster& contrast = frame.dark;
   const Outline& outline = candidate.hypothesis.outline;
+  const PointTransform pose(candidate.fit.robot_from_outline);
   const double direction = end == kFarEnd ? 1.0 : -1.0;
   std::array<double, 2> sum{};  // inside, outside
   std::array<int, 2> count{};
@@ -138,7 +139,7 @@ bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candid
       for (const std::size_t outside : {std::size_t{0}, std::size_t{1}}) {
         const double along = direction * (0.5 * outline.length + (outside == 1 ? distance : -distance));
         const Vector2d place(along, across * outline.width);
-        const auto pixel = camera_.pixel_of_ceiling_point(candidate.fit.robot_from_outline * place, outline.height);
+        const auto pixel = camera_.pixel_of_ceiling_point(pose * place, outline.height);
         if (pixel && camera_.is_in_image(*pixel, frame.factor)) {
           sum[outside] += cell_at(contrast, *pixel, frame.factor);
           ++count[outside];
@@ -157,7 +158,7 @@ bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& cand
   const bool bright = region_level > 0;
   const Raster& contrast = bright ? frame.reduced : frame.dark;
   const Outline& outline = candidate.hypothesis.outline;
-  const Pose2& pose = candidate.fit.robot_from_outline;
+  const PointTransform pose(candidate.fit.robot_from_outline);
   const double level = bright ? region_level : 0.5 * params_.unlit_contrast;
   int looked = 0;
   int filled = 0;

@@ -128,12 +128,13 @@ Detection DetectionWriter::detection_of(const Candidate& candidate, DetectionSta
 bool DetectionWriter::burns_on_one_side(const CeilingFrame& frame, const Candidate& candidate) const {
   constexpr double kDifference = 25.0;  // [grey] between the halves; two burning tubes both saturate
   const Outline& outline = candidate.hypothesis.outline;
+  const PointTransform pose(candidate.fit.robot_from_outline);
   std::array<double, 2> sum{};
   std::array<int, 2> count{};
   for (int i = 0; i < 24; ++i) {
     for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) {
       const Vector2d place(0.9 * outline.length * ((i + 0.5) / 24.0 - 0.5), outline.width * (half == 0 ? 0.28 : -0.28));
-      const auto pixel = camera_.pixel_of_ceiling_point(candidate.fit.robot_from_outline * place, outline.height);
+      const auto pixel = camera_.pixel_of_ceiling_point(pose * place, outline.height);
       if (pixel && camera_.is_in_image(*pixel, frame.factor)) {
         sum[half] += cell_at(frame.reduced, *pixel, frame.factor);
         ++count[half];

@@ -34,14 +34,15 @@ struct Line {
 Profile profile_beyond(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
                        const JointSearch& search, double corner) {
   Profile profile;
+  const PointTransform pose(side.pose);
   const double first = side.distance + search.nearest - kMargin * kStep;
   const double span = search.farthest - search.nearest + 2.0 * kMargin * kStep;
   profile.steps = std::min(kMostSteps, static_cast<std::size_t>(span / kStep) + 1);
   for (int i = 0; i < kLines; ++i) {
     const Vector2d place = corner * (side.half_length + search.from_corner + kApart * i) * side.along;
-    const auto begin = camera.pixel_of_ceiling_point(side.pose * (place + first * side.out), side.height);
+    const auto begin = camera.pixel_of_ceiling_point(pose * (place + first * side.out), side.height);
     const double length = kStep * static_cast<double>(profile.steps - 1);
-    const auto end = camera.pixel_of_ceiling_point(side.pose * (place + (first + length) * side.out), side.height);
+    const auto end = camera.pixel_of_ceiling_point(pose * (place + (first + length) * side.out), side.height);
     if (!begin || !end || !is_sampled(image, *begin) || !is_sampled(image, *end)) {
       continue;
     }

@@ -51,12 +51,12 @@ void OutlineEdges::place(const Outline& outline, double metres_per_px, double sp
 }
 
 bool OutlineEdges::sample(const GreyView& image, const Outline& outline, const OutlinePlacement& placement,
-                          const EdgeSearch& search, int reach, OutlinePoint& point, Profile& profile) const {
+                          const PointTransform& pose, const EdgeSearch& search, int reach, OutlinePoint& point,
+                          Profile& profile) const {
   constexpr double kAhead = 0.02;  // [m] to find the normal's direction in the image
   const Vector2d on_outline = point.place + (placement.swelling + placement.taper * point.place.x()) * point.normal;
-  const auto pixel = camera_->pixel_of_ceiling_point(placement.pose * on_outline, outline.height);
-  const auto ahead =
-      camera_->pixel_of_ceiling_point(placement.pose * (on_outline + kAhead * point.normal), outline.height);
+  const auto pixel = camera_->pixel_of_ceiling_point(pose * on_outline, outline.height);
+  const auto ahead = camera_->pixel_of_ceiling_point(pose * (on_outline + kAhead * point.normal), outline.height);
   if (!pixel || !ahead) {
     return false;
   }
@@ -154,12 +154,13 @@ void OutlineEdges::measure(const GreyView& image, const Outline& outline, const 
       sum.fill(0.0F);
     }
   }
+  const PointTransform pose(placement.pose);
   Profile lit_profile;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     OutlinePoint& point = points_[i];
     Profile& profile = unlit ? profiles_[i] : lit_profile;
     point.found = false;
-    point.in_view = sample(image, outline, placement, search, reach, point, profile);
+    point.in_view = sample(image, outline, placement, pose, search, reach, point, profile);
     if (!point.in_view) {
       continue;
     }

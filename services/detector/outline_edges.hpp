@@ -69,7 +69,8 @@ class OutlineEdges {
   static std::optional<Step> largest_step(const Profile& profile, int length, int half_filter, float weight, int first,
                                           int last);
   bool sample(const GreyView& image, const Outline& outline, const OutlinePlacement& placement,
-              const EdgeSearch& search, int reach, OutlinePoint& point, Profile& profile) const;
+              const PointTransform& pose, const EdgeSearch& search, int reach, OutlinePoint& point,
+              Profile& profile) const;
   void look_again(const OutlineFitParams& params, const EdgeSearch& search, int reach);
   void take_joints_off(const OutlineFitParams& params, const EdgeSearch& search, int reach);
   [[nodiscard]] std::ptrdiff_t count_in_view(int side) const;

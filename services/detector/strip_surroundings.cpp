@@ -30,12 +30,13 @@ double median(std::array<double, kDistances>& values, std::size_t count) {
 /// Median brightness along the strip, `widths` of it beyond its edge; nothing with too little in view.
 std::optional<double> level_beside(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
                                    const OutlineFit& fit, int side, double widths) {
+  const PointTransform pose(fit.robot_from_outline);
   std::array<float, kPlaces> values;
   std::size_t count = 0;
   for (int i = 0; i < kPlaces; ++i) {
     const Vector2d place(0.9 * strip.length * ((i + 0.5) / kPlaces - 0.5),
                          side * ((0.5 + widths) * strip.width + std::max(0.0, fit.swelling)));
-    const auto pixel = camera.pixel_of_ceiling_point(fit.robot_from_outline * place, strip.height);
+    const auto pixel = camera.pixel_of_ceiling_point(pose * place, strip.height);
     if (pixel && is_sampled(image, *pixel)) {
       values[count++] = bilinear(image, static_cast<float>(pixel->x()), static_cast<float>(pixel->y()));
     }

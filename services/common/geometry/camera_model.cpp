@@ -107,15 +107,16 @@ Vector3d CeilingCamera::ray_in_camera(const Vector2d& pixel) const {
 }
 
 std::optional<Vector2d> CeilingCamera::pixel_of(const Vector3d& point_in_camera) const {
-  const double planar = std::hypot(point_in_camera.x(), point_in_camera.y());
   Vector2d distorted;
   if (intrinsics_.model == LensModel::kPinhole) {
-    if (point_in_camera.z() <= 1e-6 || planar / point_in_camera.z() > largest_radius_) {
+    if (point_in_camera.z() <= 1e-6 ||
+        point_in_camera.head<2>().squaredNorm() > std::pow(largest_radius_ * point_in_camera.z(), 2)) {
       return std::nullopt;
     }
     distorted = distort_pinhole({point_in_camera.x() / point_in_camera.z(), point_in_camera.y() / point_in_camera.z()},
                                 intrinsics_.distortion);
   } else {
+    const double planar = std::hypot(point_in_camera.x(), point_in_camera.y());
     const double angle = std::atan2(planar, point_in_camera.z());
     const double scale = planar < 1e-12 ? 0.0 : fisheye_radius(angle, intrinsics_.distortion) / planar;
     distorted = {point_in_camera.x() * scale, point_in_camera.y() * scale};
