@@ -109,8 +109,13 @@ std::optional<Eigen::Vector2d> ContradictionWatch::find_unexplained(const Sighti
 std::optional<int> ContradictionWatch::count_missing(const SightingFrame& frame, const PoseBelief& belief,
                                                      const Pose2& odom_from_robot, double way_since_match) {
   const Pose2 since_match = odom_at_match_.inverse() * odom_from_robot;
-  const bool stands_still = std::hypot(since_match.x, since_match.y) < rules_.still_distance &&
-                            std::abs(since_match.theta) < rules_.still_turn;
+  const auto moved_less = [&](double way, double turn) {
+    return std::hypot(since_match.x, since_match.y) < way && std::abs(since_match.theta) < turn;
+  };
+  // who is lifted while driving has rolled on a little between the last image and being lifted
+  const bool stands_still =
+      moved_less(rules_.still_distance, rules_.still_turn) ||
+      (still_frames_ >= rules_.vanish_frames && moved_less(rules_.stop_distance, rules_.stop_turn));
   const double margin = rules_.visible_margin + 2.0 * position_sigma(belief.covariance);
   std::vector<int> near;
   map_.find_near(belief.pose.position(), view_.radius(ceiling_height_) + 1.0, near);

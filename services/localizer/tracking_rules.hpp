@@ -16,6 +16,8 @@ struct TrackingRules {
   int vanish_frames = 7;                      // images without a fixture that was there, the robot standing still
   double still_distance = 0.02;               // [m] since the last match: the robot stands still
   double still_turn = radians(1.5);           // [rad] likewise
+  double stop_distance = 0.15;                // [m] since the last match, and standing now: it has just stopped
+  double stop_turn = radians(6.0);            // [rad] likewise
   int pause_frames = 10;                      // images in a row without wheel motion: the robot may have been carried
   int miss_frames = 10;                       // images without a fixture that ought to be there
   int miss_fixtures = 2;                      // so many of them, and nothing else seen meanwhile ...

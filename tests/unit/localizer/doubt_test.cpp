@@ -51,6 +51,19 @@ class CorridorDrive {
     ++session_;
   }
   void carry_to(double x) { x_ = x; }
+  /// The wheels turn on, without an image of it.
+  void roll_on(double way) { move(kSpeed, way / kSpeed); }
+  /// Stands for a while; returns whether it was held for true all the time.
+  bool stand(double time) {
+    bool is_tracking = true;
+    for (int i = 0; i < static_cast<int>(time / 0.1); ++i) {
+      move(0.0, 0.1);
+      localizer_.add_odometry({utime_, session_, {odom_, 0.0, 0.0}, 0.0, 0.0});
+      localizer_.add_frame({utime_, look()});
+      is_tracking = is_tracking && state() == LocalizerState::kTracking;
+    }
+    return is_tracking;
+  }
   void hang_false_fixture(double x) { false_fixtures_.push_back(x); }
 
   [[nodiscard]] LocalizerState state() const { return localizer_.estimate().state; }
@@ -131,6 +144,15 @@ TEST(Doubt, ComesWithinASecondOfImagesAfterTheRobotWasPutBetweenFixtures) {
   drive.carry_to(4.2);
   drive.drive_to(4.6);
   EXPECT_NE(drive.state(), LocalizerState::kTracking);
+}
+
+TEST(Doubt, ComesWhereTheFixtureOverheadVanishesFromARobotThatHasJustStopped) {
+  CorridorDrive drive;
+  drive.drive_to(7.44);
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  drive.carry_to(6.0);  // nothing in view
+  drive.roll_on(0.06);  // lifted while its wheels turn a little further
+  EXPECT_FALSE(drive.stand(1.0));
 }
 
 TEST(Doubt, AfterTheSerialLineWasCutEndsAtTheFirstFixture) {
