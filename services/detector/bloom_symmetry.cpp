@@ -157,9 +157,13 @@ class OppositeSides {
   double half_width_;
 };
 
-double tukey_weight(double ratio) {
-  const double rest = 1.0 - ratio * ratio;
-  return rest <= 0.0 ? 0.0 : rest * rest;
+double square(double value) {
+  return value * value;
+}
+
+/// Of a squared ratio of residual and cutoff.
+double tukey_weight(double squared) {
+  return squared >= 1.0 ? 0.0 : square(1.0 - squared);
 }
 
 /// A joint of the ceiling along one side, one unit high: a dark line of 12 mm, blurred.
@@ -316,11 +320,10 @@ class Regression {
           continue;
         }
         const Vector4d row = jacobian(0.0, k).head<4>();
-        const double sigma = std::hypot(kMedianNoise, kBlurError * fall_[k]);
-        const double residual = (median_[k] - row.dot(solution)) / sigma;
+        const double variance = kMedianNoise * kMedianNoise + square(kBlurError * fall_[k]);
         // Geman and McClure's weight: it has a slope everywhere
-        const double squared = residual * residual / (kCutoff * kCutoff);
-        const double weight = (pass == 0 ? 1.0 : 1.0 / ((1.0 + squared) * (1.0 + squared))) / (sigma * sigma);
+        const double squared = square(median_[k] - row.dot(solution)) / (kCutoff * kCutoff * variance);
+        const double weight = (pass == 0 ? 1.0 : 1.0 / ((1.0 + squared) * (1.0 + squared))) / variance;
         information += weight * row * row.transpose();
         right_side += weight * median_[k] * row;
         cost += kCutoff * kCutoff * squared / (1.0 + squared);
@@ -344,9 +347,10 @@ class Regression {
             continue;
           }
           const Vector row = jacobian(place_[s], k);
-          const double sigma = std::hypot(kNoise, kBlurError * fall_[k]);
-          const double tukey = tukey_weight((differences_.value[s][k] - row.dot(solution_)) / (kCutoff * sigma));
-          const double weight = tukey / (sigma * sigma);
+          const double variance = kNoise * kNoise + square(kBlurError * fall_[k]);
+          const double residual = differences_.value[s][k] - row.dot(solution_);
+          const double tukey = tukey_weight(square(residual) / (kCutoff * kCutoff * variance));
+          const double weight = tukey / variance;
           information_ += weight * row * row.transpose();
           right_side += weight * differences_.value[s][k] * row;
           weights_ += tukey;
@@ -392,19 +396,21 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
                            .farthest = fit.swelling + (kDistances - kInside) * step,
                            .from_corner = kBloomReach + fit.swelling,
                            .noise = params.pixel_noise};
-  const auto known = [&](const Pose2& at, const Vector2d& line, const Vector2d& out, double length, double width) {
+  Pose2 pose = fit.robot_from_outline;
+  const auto known = [&](const Vector2d& line, const Vector2d& out, double length, double width) {
     const JointBeside beside =
-        find_joint_beside(image, camera, {at, outline.height, line, out, 0.5 * length, 0.5 * width}, search);
+        find_joint_beside(image, camera, {pose, outline.height, line, out, 0.5 * length, 0.5 * width}, search);
     return KnownJoint{beside.is_in_view, beside.found, (beside.middle - fit.swelling) / step + kInside};
   };
-  Pose2 pose = fit.robot_from_outline;
+  KnownJoints side_joints{known(x, y, outline.length, outline.width), known(x, -y, outline.length, outline.width)};
+  KnownJoints end_joints{known(y, x, outline.width, outline.length), known(y, -x, outline.width, outline.length)};
+  const auto move = [&](KnownJoints& joints, double shift) {
+    joints[0].place -= shift / step;
+    joints[1].place += shift / step;
+  };
   std::optional<Balance> across;
   std::optional<Balance> along;
   for (int pass = 0; pass < 3; ++pass) {
-    const KnownJoints side_joints{known(pose, x, y, outline.length, outline.width),
-                                  known(pose, x, -y, outline.length, outline.width)};
-    const KnownJoints end_joints{known(pose, y, x, outline.width, outline.length),
-                                 known(pose, y, -x, outline.width, outline.length)};
     across = regress(sides.measure(pose, step), outline.length, step, side_joints);
     along = regress(ends.measure(pose, step), outline.width, step, end_joints);
     // The edges know the direction as well: the mean of both is better than either.
@@ -414,6 +420,8 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
       return;
     }
     pose = pose * change;
+    move(side_joints, change.y);
+    move(end_joints, change.x);
     if (std::hypot(change.x, change.y) < 0.03 * step) {
       break;
     }

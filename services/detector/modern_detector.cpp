@@ -132,7 +132,7 @@ OutlineFitParams ModernDetector::fit_params(const Region& region, int level) con
   }
   return {.inside_brighter = bright,
           .least_edge = bright ? params_.lit_edge : params_.unlit_edge,
-          .expected_step = sum / std::max(region.cells, 1) - (bright ? median_grey(reduced_) : 0),
+          .expected_step = sum / std::max(region.cells, 1) - (bright ? median_ : 0),
           .pixel_noise = std::clamp(contrast_.noise() * factor_, 1.0, 14.0),
           .swelling_sigma = bright ? 0.4 * params_.largest_bloom : 0.4 * params_.largest_misfit,
           .taper_sigma = bright ? 0.5 * params_.largest_bloom : 1e-4,
@@ -170,6 +170,7 @@ void ModernDetector::detect(const GreyView& image, std::vector<Detection>& detec
     return;
   }
   reduce(image, factor_, reduced_);
+  median_ = median_grey(reduced_);
   contrast_.compute(reduced_, window_radius_, ignore_lines_);
   const CeilingFrame frame{image, reduced_, contrast_.dark(), factor_, contrast_.noise() * factor_};
   look_for_lit(frame, detections, trace);
@@ -180,10 +181,9 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
   tried_.clear();
   // A lit fixture is brighter than all around it, however the light is distributed: at some level it stands alone. The
   // highest comes first, because there bloom adds least.
-  const int median = median_grey(reduced_);
   const auto contrast = static_cast<int>(std::max(params_.lit_contrast, params_.noise_factor * contrast_.noise()));
   for (const int level : {248, 225, 200, 175, 150, 125, 100, 80, 60, 45, 35}) {
-    if (level < median + contrast) {
+    if (level < median_ + contrast) {
       break;
     }
     cut_out_bright(level);
@@ -195,8 +195,9 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
       if (!candidate) {
         continue;
       }
-      level_bloom(frame.image, camera_, candidate->hypothesis.outline, fit_params(region, level), candidate->fit);
-      balance_bloom(frame.image, camera_, candidate->hypothesis.outline, fit_params(region, level), candidate->fit);
+      const OutlineFitParams params = fit_params(region, level);
+      level_bloom(frame.image, camera_, candidate->hypothesis.outline, params, candidate->fit);
+      balance_bloom(frame.image, camera_, candidate->hypothesis.outline, params, candidate->fit);
       const bool bar = candidate->hypothesis.outline.shape == FixtureShape::kRectangle;
       const std::optional<Detection> detection = candidate->hypothesis.is_element
                                                      ? writer_.detection_of(*candidate, DetectionState::kUnknown)

@@ -50,6 +50,7 @@ class ModernDetector {
   double metres_per_px_;
   int window_radius_;  // [cells]
   int least_cells_;    // of a region
+  int median_ = 0;     // [grey] of the reduced image
   int erosion_;        // [cells] of dark regions
   bool ignore_lines_;  // between tiles
   Raster reduced_;
