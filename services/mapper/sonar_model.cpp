@@ -17,8 +17,8 @@ constexpr std::size_t kLanes = 16;  // cells at a time
 using Lanes = std::int8_t __attribute__((vector_size(kLanes)));
 
 std::int8_t lowered(std::int8_t cell, std::int8_t vote, std::int8_t least) {
-  const int sum = cell + vote;
-  return static_cast<std::int8_t>(sum < least ? std::min<int>(cell, least) : sum);
+  // no branch: half of the cells have come to the least
+  return static_cast<std::int8_t>(std::max<int>(cell + vote, std::min<int>(cell, least)));
 }
 
 /// Takes a vote from `count` cells, not below `least`; what lies below already stays. `end` is where the grid ends.
@@ -42,19 +42,125 @@ void lower(std::int8_t* cells, std::ptrdiff_t count, std::int8_t vote, std::int8
   }
 }
 
+// the widest vectors that the machine at hand has
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define LUMINAV_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define LUMINAV_VECTOR_CLONES
+#endif
+
+/// The line x = low_x + slope * (y - low_y), in cells.
+struct Edge {
+  double low_x;
+  double low_y;
+  double slope;
+};
+
+/// Widens the spans of rows [from, to] to the cells beside an edge; the same in vectors as one by one.
+LUMINAV_VECTOR_CLONES
+void cut_rows(const Edge& edge, int from, int to, int columns, int* first, int* last) {
+  constexpr int kRows = 4;
+  using Doubles = double __attribute__((vector_size(kRows * sizeof(double))));
+  using Longs = std::int64_t __attribute__((vector_size(kRows * sizeof(std::int64_t))));
+  using Ints = int __attribute__((vector_size(kRows * sizeof(int))));
+  const double far = columns + 1.0;
+  int row = from;
+  const Doubles farthest = Doubles{} + far;
+  const Doubles nearest = Doubles{} - 2.0;
+  const Ints zero{};
+  const Ints last_column = zero + (columns - 1);
+  while (row <= to && to - from >= kRows - 1) {
+    row = std::min(row, to - kRows + 1);  // some rows of the last vector are cut twice: that changes nothing
+    const Ints rows = zero + row + Ints{0, 1, 2, 3};
+    Doubles x = edge.low_x + edge.slope * (__builtin_convertvector(rows, Doubles) - edge.low_y);
+    x = x < nearest ? nearest : x;
+    x = x < farthest ? x : farthest;
+    const Ints cut = __builtin_convertvector(x, Ints);
+    const Doubles whole = __builtin_convertvector(cut, Doubles);
+    // of a comparison that holds all bits are set: -1
+    Ints up = cut - __builtin_convertvector(static_cast<Longs>(x > whole), Ints);
+    Ints down = cut + __builtin_convertvector(static_cast<Longs>(x < whole), Ints);
+    up = up > zero ? up : zero;
+    down = down < last_column ? down : last_column;
+    Ints before;
+    std::memcpy(&before, first + row, sizeof(before));
+    up = up < before ? up : before;
+    std::memcpy(first + row, &up, sizeof(up));
+    std::memcpy(&before, last + row, sizeof(before));
+    down = down > before ? down : before;
+    std::memcpy(last + row, &down, sizeof(down));
+    row += kRows;
+  }
+  for (; row <= to; ++row) {
+    const double x = std::min(std::max(edge.low_x + edge.slope * (row - edge.low_y), -2.0), far);
+    first[row] = std::min(first[row], std::max(0, ceil_to_int(x)));
+    last[row] = std::max(last[row], std::min(columns - 1, floor_to_int(x)));
+  }
+}
+
+/// Indices of cells along a line from `start` by `step`, both in cells, in a grid of so many columns.
+LUMINAV_VECTOR_CLONES
+void index_line(double start_x, double start_y, double step_x, double step_y, int columns, int from, int count,
+                int* indices) {
+  for (int k = 0; k < count; ++k) {
+    const double x = start_x + (from + k) * step_x;
+    const double y = start_y + (from + k) * step_y;
+    indices[k] = static_cast<int>(y) * columns + static_cast<int>(x);
+  }
+}
+
+constexpr int kArcChunk = 64;  // samples at a time
+
+struct ArcSampling {
+  double apex_x;  // [cells]
+  double apex_y;
+  double range;        // [cells]
+  double half;         // [rad] from the axis to the last sample
+  double half_angle;   // [rad] of the cone
+  double edge_weight;  // at its border
+  int steps;           // from the axis to the last sample
+};
+
+struct ArcSamples {
+  std::array<double, kArcChunk> x;  // unit vector before, place [cells] afterwards
+  std::array<double, kArcChunk> y;
+  std::array<double, kArcChunk> weight;
+  std::array<double, kArcChunk> slice;
+};
+
+/// Samples `from` on, counted from the axis.
+LUMINAV_VECTOR_CLONES
+void sample_arc(const ArcSampling& arc, int from, int count, ArcSamples& samples) {
+  for (int k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    samples.x[i] = arc.apex_x + arc.range * samples.x[i];
+    samples.y[i] = arc.apex_y + arc.range * samples.y[i];
+    const double offset = arc.half * (from + k) / arc.steps;
+    const double beside = std::abs(offset) / arc.half_angle;
+    const double share = beside < 1.0 ? beside : 1.0;
+    samples.weight[i] = 1.0 - (1.0 - arc.edge_weight) * share * share;
+    samples.slice[i] = (offset + arc.half_angle) / (2.0 * arc.half_angle) * kSlices;
+  }
+}
+
 /// Turns by one step after the other without asking for sines again.
 class Direction {
  public:
   Direction(double angle, double step)
-      : way_(std::cos(angle), std::sin(angle)), turn_(std::cos(step), std::sin(step)) {}
-  [[nodiscard]] const Eigen::Vector2d& get() const { return way_; }
+      : x_(std::cos(angle)), y_(std::sin(angle)), turn_x_(std::cos(step)), turn_y_(std::sin(step)) {}
+  [[nodiscard]] double x() const { return x_; }
+  [[nodiscard]] double y() const { return y_; }
   void advance() {
-    way_ = Eigen::Vector2d(way_.x() * turn_.x() - way_.y() * turn_.y(), way_.x() * turn_.y() + way_.y() * turn_.x());
+    const double x = x_ * turn_x_ - y_ * turn_y_;
+    y_ = x_ * turn_y_ + y_ * turn_x_;
+    x_ = x;
   }
 
  private:
-  Eigen::Vector2d way_;
-  Eigen::Vector2d turn_;
+  double x_;
+  double y_;
+  double turn_x_;
+  double turn_y_;
 };
 
 }  // namespace
@@ -73,7 +179,7 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
   corners[0] = to_cells(apex);
   Direction direction(from_angle, (to_angle - from_angle) / (kArcCorners - 1));
   for (std::size_t i = 1; i <= kArcCorners; ++i) {
-    corners[i] = to_cells(apex + radius * direction.get());
+    corners[i] = to_cells(apex + radius * Eigen::Vector2d(direction.x(), direction.y()));
     direction.advance();
   }
   double bottom = corners[0].y();
@@ -103,14 +209,8 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
     const double slope = (high.x() - low.x()) / rise;
     const int from = std::max(first_row, ceil_to_int(std::clamp(low.y(), -1.0, 1e6)));
     const int to = std::min(last_row, floor_to_int(std::clamp(high.y(), -1.0, 1e6)));
-    const double far = geometry.columns + 1.0;
-    int* const first = spans.first.data() - first_row;
-    int* const last = spans.last.data() - first_row;
-    for (int row = from; row <= to; ++row) {
-      const double x = std::min(std::max(low.x() + slope * (row - low.y()), -2.0), far);
-      first[row] = std::min(first[row], std::max(0, ceil_to_int(x)));
-      last[row] = std::max(last[row], std::min(geometry.columns - 1, floor_to_int(x)));
-    }
+    cut_rows({low.x(), low.y(), slope}, from, to, geometry.columns, spans.first.data() - first_row,
+             spans.last.data() - first_row);
   }
 }
 
@@ -121,6 +221,21 @@ FreeSpaceModel::FreeSpaceModel(const SonarModelParams& params) : params_(params)
   if (!(params.half_angle > 0.0 && params.half_angle < 0.5 * kPi)) {
     throw std::invalid_argument("sonar model: half_angle must be between 0 and pi/2");
   }
+  // silence takes away what is believed to stand there; it does not prove that nothing does
+  echo_ = votes_of(1.0, to_evidence(params_.least_log_odds));
+  silence_ = votes_of(params_.no_echo_share, 0);
+}
+
+FreeSpaceModel::Votes FreeSpaceModel::votes_of(double share, std::int8_t least) const {
+  Votes votes;
+  votes.least = least;
+  votes.cone = static_cast<std::int8_t>(-to_evidence(share * params_.free_log_odds));
+  votes.core = static_cast<std::int8_t>(-to_evidence(share * params_.core_log_odds));
+  for (int before = -128; before < 128; ++before) {
+    votes.of_line[static_cast<std::uint8_t>(before)] =
+        lowered(static_cast<std::int8_t>(before), static_cast<std::int8_t>(votes.cone + votes.core), least);
+  }
+  return votes;
 }
 
 void FreeSpaceModel::apply(const BeamReading& reading, const SliceRanges& limits, OccupancyGrid& grid) {
@@ -129,23 +244,20 @@ void FreeSpaceModel::apply(const BeamReading& reading, const SliceRanges& limits
   if (length <= 0.0) {
     return;
   }
-  const double share = reading.has_echo ? 1.0 : params_.no_echo_share;
-  // silence takes away what is believed to stand there; it does not prove that nothing does
-  least_ = reading.has_echo ? to_evidence(params_.least_log_odds) : std::int8_t{0};
-  const auto vote = static_cast<std::int8_t>(-to_evidence(share * params_.free_log_odds));
-  const auto core = static_cast<std::int8_t>(-to_evidence(share * params_.core_log_odds));
+  const Votes& votes = reading.has_echo ? echo_ : silence_;
   if (params_.kind == SonarModelKind::kLine) {
     const double limit = std::min(length, limits[kSlices / 2]);
-    line(grid.geometry, reading.world_from_sonar, limit, static_cast<std::int8_t>(vote + core), grid.evidence);
+    line(grid.geometry, reading.world_from_sonar, limit, votes.of_line, grid.evidence);
     return;
   }
-  sector(grid.geometry, reading.world_from_sonar, params_.half_angle, limits, length, vote, grid.evidence);
+  sector(grid.geometry, reading.world_from_sonar, params_.half_angle, limits, length, votes.cone, votes.least,
+         grid.evidence);
   sector(grid.geometry, reading.world_from_sonar, 0.5 * params_.half_angle, limits,
-         std::min(length, params_.core_range), core, grid.evidence);
+         std::min(length, params_.core_range), votes.core, votes.least, grid.evidence);
 }
 
 void FreeSpaceModel::sector(const GridGeometry& geometry, const Pose2& apex, double half_angle,
-                            const SliceRanges& ranges, double most, std::int8_t vote,
+                            const SliceRanges& ranges, double most, std::int8_t vote, std::int8_t least,
                             std::vector<std::int8_t>& evidence) {
   if (vote == 0) {
     return;
@@ -170,14 +282,14 @@ void FreeSpaceModel::sector(const GridGeometry& geometry, const Pose2& apex, dou
       const int count = spans_.last[k] - spans_.first[k] + 1;
       if (count > 0) {
         const std::size_t start = geometry.index({spans_.first[k], spans_.first_row + static_cast<int>(k)});
-        lower(evidence.data() + start, count, vote, least_, evidence.data() + evidence.size());
+        lower(evidence.data() + start, count, vote, least, evidence.data() + evidence.size());
       }
     }
   }
 }
 
-void FreeSpaceModel::line(const GridGeometry& geometry, const Pose2& apex, double length, std::int8_t vote,
-                          std::vector<std::int8_t>& evidence) {
+void FreeSpaceModel::line(const GridGeometry& geometry, const Pose2& apex, double length,
+                          const std::array<std::int8_t, 256>& table, std::vector<std::int8_t>& evidence) {
   // one step per cell of the longer axis (a digital differential analyser)
   const Eigen::Vector2d start = (apex.position() - geometry.origin) / geometry.resolution;
   const Eigen::Vector2d way =
@@ -188,12 +300,26 @@ void FreeSpaceModel::line(const GridGeometry& geometry, const Pose2& apex, doubl
   const bool is_inside = start.minCoeff() >= 0.0 && end.minCoeff() >= 0.0 &&
                          std::max(start.x(), end.x()) < geometry.columns &&
                          std::max(start.y(), end.y()) < geometry.rows;
+  std::int8_t* const cells = evidence.data();
+  if (is_inside) {
+    constexpr int kChunk = 64;
+    std::array<int, kChunk> indices;
+    for (int i = 0; i < steps; i += kChunk) {
+      const int count = std::min(kChunk, steps - i);
+      index_line(start.x(), start.y(), step.x(), step.y(), geometry.columns, i, count, indices.data());
+      for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+        std::int8_t& cell = cells[indices[k]];
+        cell = table[static_cast<std::uint8_t>(cell)];
+      }
+    }
+    return;
+  }
   for (int i = 0; i < steps; ++i) {
     const double x = start.x() + i * step.x();
     const double y = start.y() + i * step.y();
-    if (is_inside || (x >= 0.0 && y >= 0.0 && x < geometry.columns && y < geometry.rows)) {
-      std::int8_t& cell = evidence[geometry.index({static_cast<int>(x), static_cast<int>(y)})];
-      cell = lowered(cell, vote, least_);
+    if (x >= 0.0 && y >= 0.0 && x < geometry.columns && y < geometry.rows) {
+      std::int8_t& cell = cells[geometry.index({static_cast<int>(x), static_cast<int>(y)})];
+      cell = table[static_cast<std::uint8_t>(cell)];
     }
   }
 }
@@ -201,31 +327,52 @@ void FreeSpaceModel::line(const GridGeometry& geometry, const Pose2& apex, doubl
 void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry, const BeamReading& reading,
                    double widening, std::vector<ArcCell>& cells) {
   cells.clear();
+  const bool is_line = params.kind == SonarModelKind::kLine;
   // a quarter of a cell behind the reading: the surface is its front, not its middle
   const double range = reading.range + 0.25 * geometry.resolution;
-  const bool is_line = params.kind == SonarModelKind::kLine;
-  const double half = is_line ? 0.0 : params.half_angle + widening;
-  const int steps = std::max(1, static_cast<int>(std::ceil(half * range / (0.5 * geometry.resolution))));
-  Direction direction(reading.world_from_sonar.theta - half, half / steps);
   const Eigen::Vector2d apex = (reading.world_from_sonar.position() - geometry.origin) / geometry.resolution;
   const double in_cells = range / geometry.resolution;
-  for (int i = is_line ? 0 : -steps; i <= (is_line ? 0 : steps); ++i, direction.advance()) {
-    const double offset = half * i / steps;
-    const Eigen::Vector2d at = apex + in_cells * direction.get();
-    if (!(at.x() >= 0.0 && at.y() >= 0.0 && at.x() < geometry.columns && at.y() < geometry.rows)) {
-      continue;
+  const auto is_inside = [&](const Eigen::Vector2d& at) {
+    return at.x() >= 0.0 && at.y() >= 0.0 && at.x() < geometry.columns && at.y() < geometry.rows;
+  };
+  if (is_line) {
+    const double theta = reading.world_from_sonar.theta;
+    const Eigen::Vector2d at = apex + in_cells * Eigen::Vector2d(std::cos(theta), std::sin(theta));
+    if (is_inside(at)) {
+      cells.push_back({{static_cast<int>(at.x()), static_cast<int>(at.y())}, kSlices / 2, 1.0});
     }
-    const Cell cell{static_cast<int>(at.x()), static_cast<int>(at.y())};
-    const double share = std::min(1.0, std::abs(offset) / params.half_angle);
-    const double weight = 1.0 - (1.0 - params.edge_weight) * share * share;
-    const double in_slices = (offset + params.half_angle) / (2.0 * params.half_angle) * kSlices;
-    const int slice = std::clamp(floor_to_int(in_slices), 0, kSlices - 1);
-    if (!cells.empty() && cells.back().cell == cell) {
-      cells.back().weight = std::max(cells.back().weight, weight);
-    } else {
-      cells.push_back({cell, slice, weight});
+    return;
+  }
+  const double half = params.half_angle + widening;
+  const int steps = std::max(1, static_cast<int>(std::ceil(half * range / (0.5 * geometry.resolution))));
+  Direction direction(reading.world_from_sonar.theta - half, half / steps);
+  const ArcSampling sampling{apex.x(), apex.y(), in_cells, half, params.half_angle, params.edge_weight, steps};
+  cells.resize(2 * static_cast<std::size_t>(steps) + 1);
+  ArcCell* last = cells.data() - 1;
+  ArcCell cell{{-1, -1}, 0, 0.0};
+  ArcSamples samples;
+  for (int from = -steps; from <= steps; from += kArcChunk) {
+    const int count = std::min(kArcChunk, steps - from + 1);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k, direction.advance()) {
+      samples.x[k] = direction.x();
+      samples.y[k] = direction.y();
+    }
+    sample_arc(sampling, from, count, samples);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+      if (!is_inside({samples.x[k], samples.y[k]})) {
+        continue;
+      }
+      const Cell at{static_cast<int>(samples.x[k]), static_cast<int>(samples.y[k])};
+      const bool is_new = ((at.column ^ cell.cell.column) | (at.row ^ cell.cell.row)) != 0;
+      const int slice = std::clamp(floor_to_int(samples.slice[k]), 0, kSlices - 1);
+      last += is_new ? 1 : 0;
+      cell.cell = at;
+      cell.slice = is_new ? slice : cell.slice;
+      cell.weight = is_new ? samples.weight[k] : std::max(cell.weight, samples.weight[k]);
+      *last = cell;
     }
   }
+  cells.resize(static_cast<std::size_t>(last + 1 - cells.data()));
 }
 
 }  // namespace luminav

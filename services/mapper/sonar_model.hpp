@@ -64,13 +64,22 @@ class FreeSpaceModel {
   void apply(const BeamReading& reading, const SliceRanges& limits, OccupancyGrid& grid);
 
  private:
+  struct Votes {
+    std::int8_t cone = 0;
+    std::int8_t core = 0;   // beside that
+    std::int8_t least = 0;  // evidence is not taken below
+    /// What both make of each evidence: a table, since no processor guesses which cells have come to the least.
+    std::array<std::int8_t, 256> of_line{};
+  };
+  [[nodiscard]] Votes votes_of(double share, std::int8_t least) const;
   void sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, const SliceRanges& ranges,
-              double most, std::int8_t vote, std::vector<std::int8_t>& evidence);
-  void line(const GridGeometry& geometry, const Pose2& apex, double length, std::int8_t vote,
+              double most, std::int8_t vote, std::int8_t least, std::vector<std::int8_t>& evidence);
+  void line(const GridGeometry& geometry, const Pose2& apex, double length, const std::array<std::int8_t, 256>& table,
             std::vector<std::int8_t>& evidence);
   SonarModelParams params_;
   CellSpans spans_;
-  std::int8_t least_ = 0;  // evidence is not taken below
+  Votes echo_;
+  Votes silence_;
 };
 
 /// A cell that an echo may come from.
