@@ -8,19 +8,16 @@
 #include <optional>
 
 #include "services/detector/joint_search.hpp"
-#include "services/detector/pixel_sampling.hpp"
+#include "services/detector/opposite_sides.hpp"
 
 namespace luminav {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kStretches = 8;        // of a pair of sides, each averaged
-constexpr int kLinesPerStretch = 6;  // profiles in a stretch
-constexpr int kInside = 3;           // [px] of a profile that lie inside the swollen outline ...
-constexpr int kDistances = 15;       // ... of its pixels
-constexpr float kSaturated = 250.0F;
-constexpr double kCorner = 6.0;          // [px] from a corner nothing is compared
+constexpr int kStretches = Differences::kStretches;
+constexpr int kInside = Differences::kInside;
+constexpr int kDistances = Differences::kDistances;
 constexpr double kNoise = 3.0;           // [grey] of a stretch's mean
 constexpr double kMedianNoise = 1.2;     // [grey] of the median over stretches
 constexpr double kBlurError = 0.03;      // [px] by which the fall of the light may differ between sides
@@ -29,15 +26,6 @@ constexpr double kLeastInliers = 0.5;    // of the samples, by weight
 constexpr double kBloomReach = 0.05;     // [m] from a corner, beyond which a joint shows
 constexpr double kUnevenBloom = 0.02;    // of the swelling, 1 sigma
 constexpr double kLargestShift = 0.008;  // [m]
-
-/// What opposite sides differ by, as a function of the place along them and the distance from them.
-struct Differences {
-  std::array<std::array<float, kDistances>, kStretches> value{};  // [grey]
-  std::array<std::array<bool, kDistances>, kStretches> valid{};
-  std::array<double, kStretches> place{};                // [m] along the sides
-  std::array<std::array<double, kDistances>, 2> fall{};  // [grey/px] outwards, of the positive and the negative side
-  int count = 0;
-};
 
 /// What is known of a joint along one side from beyond the fixture's corners; places as in a profile.
 struct KnownJoint {
@@ -54,107 +42,6 @@ struct Balance {
   double shift = 0.0;  // [m] towards the positive side
   double turn = 0.0;   // [rad]
   Eigen::Matrix2d covariance;
-};
-
-class OppositeSides {
- public:
-  /// `along` is the direction of the sides in the outline's frame, `out` the normal of the positive one.
-  OppositeSides(const GreyView& image, const CeilingCamera& camera, const Outline& outline, double vignetting,
-                const Vector2d& along, const Vector2d& out, double length, double half_width)
-      : image_(image),
-        camera_(camera),
-        height_(outline.height),
-        vignetting_(vignetting),
-        along_(along),
-        out_(out),
-        length_(length),
-        half_width_(half_width) {}
-
-  [[nodiscard]] Differences measure(const Pose2& robot_from_outline, double step) const {
-    Differences result;
-    const PointTransform pose(robot_from_outline);
-    const double usable = length_ - 2.0 * std::min(kCorner * step, 0.2 * length_);
-    std::array<std::array<double, kDistances>, 2> falls{};
-    std::array<int, kDistances> count{};
-    for (int s = 0; s < kStretches; ++s) {
-      const auto stretch = static_cast<std::size_t>(s);
-      result.place[stretch] = usable * ((s + 0.5) / kStretches - 0.5);
-      std::array<float, kDistances> difference{};
-      std::array<int, kDistances> lines{};
-      for (int line = 0; line < kLinesPerStretch; ++line) {
-        const double place = usable * ((s * kLinesPerStretch + line + 0.5) / (kStretches * kLinesPerStretch) - 0.5);
-        std::array<std::array<float, kDistances>, 2> light;
-        if (!profile(pose, place, 1.0, step, light[0]) || !profile(pose, place, -1.0, step, light[1])) {
-          continue;
-        }
-        const auto is_valid = [&](std::size_t k) { return light[0][k] >= 0.0F && light[1][k] >= 0.0F; };
-        for (std::size_t k = 0; k < kDistances; ++k) {
-          if (is_valid(k)) {
-            difference[k] += light[0][k] - light[1][k];
-            ++lines[k];
-          }
-          const std::size_t before = k > 0 ? k - 1 : k;
-          const std::size_t after = k + 1 < kDistances ? k + 1 : k;
-          const std::size_t inner = is_valid(before) ? before : k;
-          if (is_valid(k) && is_valid(after)) {
-            for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-              falls[side][k] += (light[side][inner] - light[side][after]) / static_cast<float>(after - inner);
-            }
-            ++count[k];
-          }
-        }
-      }
-      for (std::size_t k = 0; k < kDistances; ++k) {
-        result.valid[stretch][k] = 2 * lines[k] > kLinesPerStretch;
-        if (result.valid[stretch][k]) {
-          result.value[stretch][k] = difference[k] / static_cast<float>(lines[k]);
-          ++result.count;
-        }
-      }
-    }
-    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-      for (std::size_t k = 0; k < kDistances; ++k) {
-        result.fall[side][k] = count[k] > 0 ? falls[side][k] / count[k] : 0.0;
-      }
-    }
-    return result;
-  }
-
- private:
-  /// Light outwards from one side, vignetting undone; negative where saturated. False when not all of it is in view.
-  bool profile(const PointTransform& pose, double place, double side, double step,
-               std::array<float, kDistances>& light) const {
-    constexpr double kAhead = 0.02;  // [m]
-    const Vector2d on_edge = place * along_ + side * half_width_ * out_;
-    const auto pixel = camera_.pixel_of_ceiling_point(pose * on_edge, height_);
-    const auto ahead = camera_.pixel_of_ceiling_point(pose * (on_edge + kAhead * side * out_), height_);
-    if (!pixel || !ahead) {
-      return false;
-    }
-    const Vector2d advance = (*ahead - *pixel) * (step / kAhead);
-    const Vector2d first = *pixel - kInside * advance;
-    if (!is_sampled(image_, first) || !is_sampled(image_, first + (kDistances - 1) * advance)) {
-      return false;
-    }
-    const Vector2d size(image_.width, image_.height);
-    const double corner = 0.25 * size.squaredNorm();
-    for (int k = 0; k < kDistances; ++k) {
-      const Vector2d at = first + k * advance;
-      const float grey = bilinear(image_, static_cast<float>(at.x()), static_cast<float>(at.y()));
-      const double gain = 1.0 - vignetting_ * (at - 0.5 * size).squaredNorm() / corner;
-      light[static_cast<std::size_t>(k)] = grey > kSaturated ? -1.0F : grey / static_cast<float>(gain);
-    }
-    return true;
-  }
-
-  const GreyView& image_;
-  const CeilingCamera& camera_;
-  double height_;
-  double vignetting_;
-  Vector2d along_;
-  Vector2d out_;
-  double length_;
-  double half_width_;
 };
 
 double square(double value) {

@@ -88,19 +88,20 @@ double DetectorScore::milliseconds() const {
 std::string score_table_header() {
   return fmt::format(
       "{:<20} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>5} {:>5} "
-      "{:>5} {:>6} {:>7} {:>7}",
+      "{:>5} {:>6} {:>7} {:>7} {:>7}",
       "condition", "frames", "precis", "recall", "whole", "cutuse", "px rms", "px max", "deg rms", "mm rms", "deg rob",
-      "cut mm", "cut deg", "nees", "n_al", "n_ac", "n_th", "state", "element", "ms");
+      "cut mm", "cut deg", "nees", "n_al", "n_ac", "n_th", "state", "el prec", "element", "ms");
 }
 
 std::string score_table_row(const std::string& name, const DetectorScore& s) {
   return fmt::format(
       "{:<20} {:>6} {:>7.4f} {:>7.4f} {:>7.4f} {:>7.4f} {:>7.3f} {:>7.2f} {:>7.4f} {:>7.2f} {:>7.3f} "
-      "{:>7.2f} {:>7.3f} {:>6.2f} {:>5.2f} {:>5.2f} {:>5.2f} {:>6} {:>7.3f} {:>7.3f}",
+      "{:>7.2f} {:>7.3f} {:>6.2f} {:>5.2f} {:>5.2f} {:>5.2f} {:>6} {:>7.3f} {:>7.3f} {:>7.3f}",
       name, s.frames, s.precision(), s.recall(), s.whole_recall(), s.cut_use(), s.centre_rms_px(), s.worst_px,
       s.heading_rms_deg(), s.position_rms_mm(), s.robot_heading_rms_deg(), s.cut_across_rms_mm(),
       s.cut_heading_rms_deg(), s.consistency(), ratio(s.normalised_along, s.normalised_count),
       ratio(s.normalised_across, s.normalised_count), ratio(s.normalised_heading, s.normalised_count), s.wrong_state,
+      s.elements_reported == 0 ? 1.0 : 1.0 - ratio(s.elements_wrong, s.elements_reported),
       ratio(s.elements_seen, s.elements_visible), s.milliseconds());
 }
 

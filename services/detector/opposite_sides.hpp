@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "services/common/geometry/camera_model.hpp"
+#include "services/common/geometry/pose2.hpp"
+#include "services/common/image/grey_image.hpp"
+#include "services/detector/outline.hpp"
+
+namespace luminav {
+
+/// What opposite sides differ by, as a function of the place along them and the distance from them.
+struct Differences {
+  static constexpr int kStretches = 8;   // of a pair of sides, each averaged
+  static constexpr int kInside = 3;      // [px] of a profile that lie inside the outline as it looks ...
+  static constexpr int kDistances = 15;  // ... of its pixels
+
+  std::array<std::array<float, kDistances>, kStretches> value{};  // [grey]
+  std::array<std::array<bool, kDistances>, kStretches> valid{};
+  std::array<double, kStretches> place{};                // [m] along the sides
+  std::array<std::array<double, kDistances>, 2> fall{};  // [grey/px] outwards, of the positive and the negative side
+  int count = 0;
+};
+
+/// Two opposite sides of a lit outline, to compare the light that falls off outwards from them.
+class OppositeSides {
+ public:
+  /// `along` is the direction of the sides in the outline's frame, `out` the normal of the positive one.
+  OppositeSides(const GreyView& image, const CeilingCamera& camera, const Outline& outline, double vignetting,
+                const Eigen::Vector2d& along, const Eigen::Vector2d& out, double length, double half_width)
+      : image_(image),
+        camera_(camera),
+        height_(outline.height),
+        vignetting_(vignetting),
+        along_(along),
+        out_(out),
+        length_(length),
+        half_width_(half_width) {}
+
+  /// Profiles outwards from both sides, `step` [m] between samples, vignetting undone; saturated ones are left out.
+  [[nodiscard]] Differences measure(const Pose2& robot_from_outline, double step) const;
+
+ private:
+  static constexpr int kDistances = Differences::kDistances;
+  /// Light outwards from one side, vignetting undone; negative where saturated. False when not all of it is in view.
+  bool profile(const PointTransform& pose, double place, double side, double step,
+               std::array<float, kDistances>& light) const;
+
+  const GreyView& image_;
+  const CeilingCamera& camera_;
+  double height_;
+  double vignetting_;
+  Eigen::Vector2d along_;
+  Eigen::Vector2d out_;
+  double length_;
+  double half_width_;
+};
+
+}  // namespace luminav
