@@ -32,15 +32,20 @@ void RoutePlanner::set_grid(const OccupancyGrid& grid, const std::vector<Suspect
     const bool is_weighed = params_.mode == PlannerMode::kModern && grid.geometry.size() <= params_.largest_weighed;
     space_ = ConfigurationSpace(params_.space, grid, suspected, use_evidence, is_weighed);
     uses_evidence_ = use_evidence;
-    field_goal_.reset();
-    changes_.clear();
+    forget_waves();
     return;
   }
   const ConfigurationSpace::Update update = space_.update(grid, suspected);
   changes_.insert(changes_.end(), update.changes.begin(), update.changes.end());
   if (!update.is_local || changes_.size() > grid.geometry.size() / kFewestCellsPerChange) {
-    field_goal_.reset();
+    forget_waves();
   }
+}
+
+void RoutePlanner::forget_waves() {
+  field_goal_.reset();
+  tiles_goal_.reset();
+  changes_.clear();
 }
 
 std::vector<WaveSeed> RoutePlanner::seeds_for(const RouteRequest& request) const {
@@ -147,6 +152,7 @@ std::optional<Eigen::Vector2d> RoutePlanner::nearest_reachable(const RouteReques
       }
     }
   }
+  tiles_goal_.reset();
   tiles_.grow(space_.passable(), near);
   std::optional<Eigen::Vector2d> best;
   for (int row = 0; row < geometry.rows; ++row) {
@@ -163,8 +169,12 @@ std::optional<Eigen::Vector2d> RoutePlanner::nearest_reachable(const RouteReques
 }
 
 std::vector<std::size_t> RoutePlanner::cells_by_tiles(const Cell& start, const std::vector<WaveSeed>& seeds) {
+  if (seeds.size() == 1) {
+    return cells_by_kept_tiles(start, seeds.front().cell);
+  }
   // a goal in an obstacle: the free cell nearest to it that can be reached at all
   const Cell from[] = {start};
+  tiles_goal_.reset();
   tiles_.grow(space_.passable(), from);
   const WaveSeed* best = nullptr;
   for (const WaveSeed& seed : seeds) {
@@ -183,6 +193,31 @@ std::vector<std::size_t> RoutePlanner::cells_by_tiles(const Cell& start, const s
   return cells;
 }
 
+std::vector<std::size_t> RoutePlanner::cells_by_kept_tiles(const Cell& start, const Cell& goal) {
+  const GridGeometry& geometry = space_.geometry();
+  if (tiles_goal_ == goal) {
+    std::vector<Cell> changed;
+    for (const PriceChange& change : changes_) {
+      changed.push_back({static_cast<int>(change.cell % static_cast<std::size_t>(geometry.columns)),
+                         static_cast<int>(change.cell / static_cast<std::size_t>(geometry.columns))});
+    }
+    tiles_.take_back(space_.passable(), changed);
+  } else {
+    const Cell goals[] = {goal};
+    tiles_.begin(space_.passable(), goals);
+  }
+  field_goal_.reset();  // what has changed is forgotten here
+  changes_.clear();
+  tiles_goal_ = goal;
+  std::vector<std::size_t> cells;
+  if (tiles_.grow_to(start)) {
+    for (const Cell& cell : tiles_.descend(start)) {
+      cells.push_back(geometry.index(cell));
+    }
+  }
+  return cells;
+}
+
 void RoutePlanner::refresh_field(const RouteRequest& request, const std::vector<WaveSeed>& seeds) {
   const GridGeometry& geometry = space_.geometry();
   const Cell start = geometry.cell_at(request.start);
@@ -195,8 +230,7 @@ void RoutePlanner::refresh_field(const RouteRequest& request, const std::vector<
   if (!is_kept || !repair_wave(space_.terrain(), changes_, stop, field_)) {
     grow_wave(space_.terrain(), seeds, stop, field_);
   }
-  changes_.clear();
-  field_goal_.reset();
+  forget_waves();
   if (is_repairable) {
     field_goal_ = seeds.front().cell;
   }

@@ -69,6 +69,10 @@ class RoutePlanner {
   ConfigurationSpace space_;
   /// From the start to the goal, both free, by the wave of tiles; empty when no way leads.
   [[nodiscard]] std::vector<std::size_t> cells_by_tiles(const Cell& start, const std::vector<WaveSeed>& seeds);
+  /// The same to a goal that is free itself; the wave is kept, and as far as nothing has changed used again.
+  [[nodiscard]] std::vector<std::size_t> cells_by_kept_tiles(const Cell& start, const Cell& goal);
+  /// What was kept is to be made anew.
+  void forget_waves();
   /// Brings the kept field up to date, or grows a new one.
   void refresh_field(const RouteRequest& request, const std::vector<WaveSeed>& seeds);
 
@@ -76,7 +80,8 @@ class RoutePlanner {
   TileWave tiles_;
   WaveField field_;
   std::optional<Cell> field_goal_;    // of the one seed that the field was grown from; nothing: it is not to be kept
-  std::vector<PriceChange> changes_;  // since the field was made
+  std::optional<Cell> tiles_goal_;    // of the wave of tiles, where that is to be kept
+  std::vector<PriceChange> changes_;  // since the field or the tiles were made
 };
 
 }  // namespace luminav

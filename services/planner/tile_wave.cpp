@@ -90,34 +90,96 @@ void TileWave::spread(std::uint32_t tile, bool to_eight) {
   }
 }
 
+// What was entered becomes the front.
+void TileWave::settle_entered() {
+  ++last_tick_;
+  active_.swap(entered_);
+  entered_.clear();
+  for (const std::uint32_t tile : active_) {
+    const std::uint64_t cells = next_[tile];
+    next_[tile] = 0;
+    front_[tile] = cells;
+    open_[tile] &= ~cells;
+    reached_ += std::popcount(cells);
+    entries_.push_back({cells, last_tick_, last_entry_[tile], tile});
+    last_entry_[tile] = static_cast<std::uint32_t>(entries_.size() - 1);
+  }
+}
+
+// False when the front reached nothing new.
+bool TileWave::step() {
+  for (const std::uint32_t tile : active_) {
+    spread(tile, last_tick_ % 2 == 0);
+  }
+  if (entered_.empty()) {
+    return false;
+  }
+  settle_entered();
+  return true;
+}
+
 void TileWave::grow(const BitGrid& passable, std::span<const Cell> goals) {
+  begin(passable, goals);
+  while (step()) {
+  }
+}
+
+void TileWave::begin(const BitGrid& passable, std::span<const Cell> goals) {
   cut(passable);
   reached_ = 0;
+  last_tick_ = 0;
   entries_.assign(1, {});  // the first means none
   entered_.clear();
+  active_.clear();
   for (const Cell& goal : goals) {
-    enter(static_cast<std::uint32_t>(tile_of(goal)), std::uint64_t{1} << (8 * (goal.row % 8) + goal.column % 8));
+    enter(static_cast<std::uint32_t>(tile_of(goal)), bit_of(goal));
   }
-  for (std::uint32_t tick = 1; !entered_.empty(); ++tick) {
-    active_.swap(entered_);
-    entered_.clear();
-    for (const std::uint32_t tile : active_) {
-      const std::uint64_t cells = next_[tile];
-      next_[tile] = 0;
-      front_[tile] = cells;
-      open_[tile] &= ~cells;
-      reached_ += std::popcount(cells);
-      entries_.push_back({cells, tick, last_entry_[tile]});
-      last_entry_[tile] = static_cast<std::uint32_t>(entries_.size() - 1);
+  settle_entered();
+}
+
+bool TileWave::grow_to(const Cell& cell) {
+  while (!is_reached(cell)) {
+    if (!step()) {
+      return false;
     }
-    for (const std::uint32_t tile : active_) {
-      spread(tile, tick % 2 == 0);
+  }
+  return true;
+}
+
+void TileWave::take_back(const BitGrid& passable, std::span<const Cell> changed) {
+  // the first tick at which one of them was entered, or could have been
+  std::uint32_t first = last_tick_ + 1;
+  for (const Cell& cell : changed) {
+    for (int row = cell.row - 1; row <= cell.row + 1; ++row) {
+      for (int column = cell.column - 1; column <= cell.column + 1; ++column) {
+        const std::uint32_t there = is_on_tiles({column, row}) ? tick({column, row}) : kUnreached;
+        if (there != kUnreached) {
+          first = std::min(first, Cell{column, row} == cell ? there : there + 1);
+        }
+      }
     }
+  }
+  first = std::max(first, 2U);  // the goal stays
+  for (; entries_.back().tick >= first; entries_.pop_back()) {
+    const Entry& entry = entries_.back();
+    open_[entry.tile] |= entry.cells;
+    last_entry_[entry.tile] = entry.before;
+    reached_ -= std::popcount(entry.cells);
+  }
+  for (const Cell& cell : changed) {
+    std::uint64_t& open = open_[tile_of(cell)];
+    open = passable.test(cell) && tick(cell) == kUnreached ? open | bit_of(cell) : open & ~bit_of(cell);
+  }
+  last_tick_ = first - 1;
+  active_.clear();
+  for (std::size_t i = entries_.size() - 1; entries_[i].tick == last_tick_ && i > 0; --i) {
+    active_.push_back(entries_[i].tile);
+    front_[entries_[i].tile] = entries_[i].cells;
   }
 }
 
 std::uint32_t TileWave::tick(const Cell& cell) const {
-  const std::uint64_t bit = std::uint64_t{1} << (8 * (cell.row % 8) + cell.column % 8);
+  const std::uint64_t bit = bit_of(cell);
   for (std::uint32_t i = last_entry_[tile_of(cell)]; i != 0; i = entries_[i].before) {
     if ((entries_[i].cells & bit) != 0) {
       return entries_[i].tick;

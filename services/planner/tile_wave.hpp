@@ -20,6 +20,14 @@ class TileWave {
 
   /// Grows from the goals that are passable until everything is reached. The outermost ring must not be passable.
   void grow(const BitGrid& passable, std::span<const Cell> goals);
+  /// Begins a wave, for `grow_to`.
+  void begin(const BitGrid& passable, std::span<const Cell> goals);
+  /// Goes on until a passable cell is reached, or nothing more can be; false if the cell was not. The same ticks as of
+  /// a whole wave, as far as it went.
+  bool grow_to(const Cell& cell);
+  /// Takes the wave back to before the first of these cells mattered that became passable or blocked, the goal not
+  /// among them. All others must be as they were.
+  void take_back(const BitGrid& passable, std::span<const Cell> changed);
 
   [[nodiscard]] std::int64_t reached() const { return reached_; }
   /// Of a cell that is passable.
@@ -37,12 +45,18 @@ class TileWave {
     std::uint64_t cells = 0;
     std::uint32_t tick = 0;
     std::uint32_t before = 0;  // index of the tile's entry before; 0 = none
+    std::uint32_t tile = 0;
   };
   /// Or on the ring of blocked tiles around them.
   [[nodiscard]] bool is_on_tiles(const Cell& cell) const { return cell.column >= 0 && cell.row >= 0; }
   void cut(const BitGrid& passable);
   void enter(std::uint32_t tile, std::uint64_t cells);
   void spread(std::uint32_t tile, bool to_eight);
+  void settle_entered();
+  [[nodiscard]] bool step();
+  [[nodiscard]] static std::uint64_t bit_of(const Cell& cell) {
+    return std::uint64_t{1} << (8 * (cell.row % 8) + cell.column % 8);
+  }
   [[nodiscard]] std::size_t tile_of(const Cell& cell) const {
     return static_cast<std::size_t>(cell.row / 8 + 1) * stride_ + static_cast<std::size_t>(cell.column / 8 + 1);
   }
@@ -56,6 +70,7 @@ class TileWave {
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> last_entry_;  // per tile
   std::int64_t reached_ = 0;
+  std::uint32_t last_tick_ = 0;  // of the newest entries
 };
 
 }  // namespace luminav
