@@ -115,11 +115,8 @@ void HypothesisBank::correct(Hypothesis& hypothesis, const FrameComparer& compar
   }
 }
 
-bool HypothesisBank::is_taken(const Pose2& pose) const {
-  return std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& h) {
-    return distance(h.belief.pose, pose) < params_.merge_distance &&
-           std::abs(wrap_angle(h.belief.pose.theta - pose.theta)) < params_.merge_angle;
-  });
+bool HypothesisBank::is_same_place(const Pose2& a, const Pose2& b) const {
+  return distance(a, b) < params_.merge_distance && std::abs(wrap_angle(a.theta - b.theta)) < params_.merge_angle;
 }
 
 bool HypothesisBank::is_possible_place(const PoseBelief& belief) const {
@@ -142,6 +139,13 @@ std::vector<Hypothesis> HypothesisBank::poses_from(const SeenObject& object, con
   FixtureSighting sighting = object.best;
   sighting.robot_from_fixture = odom_from_robot.inverse() * object.odom_from_object;
   const double height_above_camera = std::max(0.2, view_.height_above_camera(ceiling_height_));
+  PlaceTable taken(hypotheses_.size());
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    taken.add(hypothesis.belief.pose);
+  }
+  const auto is_taken = [&](const Pose2& pose) {
+    return taken.any_near(pose, [&](std::size_t i) { return is_same_place(hypotheses_[i].belief.pose, pose); });
+  };
   for (int index = 0; index < map_.size(); ++index) {
     const Fixture& fixture = map_[index];
     const int turns = sighting.has_theta ? static_cast<int>(std::lround(symmetric_turns(fixture.shape))) : 0;
@@ -158,7 +162,7 @@ std::vector<Hypothesis> HypothesisBank::poses_from(const SeenObject& object, con
       const Eigen::Matrix3d inverse =
           expect_sighting(hypothesis.belief.pose, fixture.world_from_fixture).jacobian.inverse();
       hypothesis.belief.covariance = inverse * noise * inverse.transpose();
-      if (is_possible_place(hypothesis.belief) && !is_taken(hypothesis.belief.pose)) {
+      if (!is_taken(hypothesis.belief.pose) && is_possible_place(hypothesis.belief)) {
         born.push_back(std::move(hypothesis));
       }
     }
@@ -260,10 +264,8 @@ void HypothesisBank::tidy() {
   kept.reserve(order.size());
   for (const std::size_t index : order) {
     const Pose2& pose = hypotheses_[index].belief.pose;
-    const bool is_double = places.any_near(pose, [&](std::size_t i) {
-      return distance(kept[i].belief.pose, pose) < params_.merge_distance &&
-             std::abs(wrap_angle(kept[i].belief.pose.theta - pose.theta)) < params_.merge_angle;
-    });
+    const bool is_double =
+        places.any_near(pose, [&](std::size_t i) { return is_same_place(kept[i].belief.pose, pose); });
     if (!is_double) {
       places.add(pose);
       kept.push_back(std::move(hypotheses_[index]));

@@ -49,7 +49,7 @@ class HypothesisBank {
   [[nodiscard]] std::vector<Hypothesis> poses_from(const SeenObject& object, const Pose2& odom_from_robot) const;
   [[nodiscard]] SightingFrame recent_sightings(const SceneMemory& scene, const Pose2& odom_from_robot) const;
   void add(Hypothesis hypothesis);
-  [[nodiscard]] bool is_taken(const Pose2& pose) const;
+  [[nodiscard]] bool is_same_place(const Pose2& a, const Pose2& b) const;
   [[nodiscard]] bool is_possible_place(const PoseBelief& belief) const;
 
   const FixtureMap& map_;
