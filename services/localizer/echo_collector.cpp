@@ -1,5 +1,6 @@
 #include "services/localizer/echo_collector.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace luminav {
@@ -8,6 +9,7 @@ namespace {
 constexpr std::size_t kMostEchoes = 64;
 constexpr std::size_t kFewestEchoes = 3;
 constexpr std::int64_t kOldest = 1'000'000;  // [us]
+constexpr std::size_t kMostPlaces = 100;     // odometry has drifted since those before
 constexpr double kUsableRange = 0.9;         // of the maximum: beyond it the ring says its maximum for nothing heard
 
 }  // namespace
@@ -29,12 +31,23 @@ void EchoCollector::advance(const Pose2& delta) {
   turn_since_ += std::abs(delta.theta);
 }
 
+void EchoCollector::clear() {
+  echoes_.clear();
+  places_.clear();
+}
+
+bool EchoCollector::has_listened_at(const Pose2& odom_from_robot) const {
+  return std::any_of(places_.begin(), places_.end(), [&](const Pose2& place) {
+    return distance(place, odom_from_robot) < way_ && std::abs(wrap_angle(place.theta - odom_from_robot.theta)) < turn_;
+  });
+}
+
 std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history) {
   if (way_since_ < way_ && turn_since_ < turn_) {
     return {};
   }
   const auto now = history.at(utime);
-  if (!now) {
+  if (!now || has_listened_at(now->odom_from_robot)) {
     return {};
   }
   std::vector<PlacedEcho> echoes;
@@ -56,6 +69,10 @@ std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHi
   std::erase_if(echoes_, [&](const SonarEcho& reading) { return reading.utime <= utime; });
   way_since_ = 0.0;
   turn_since_ = 0.0;
+  if (places_.size() >= kMostPlaces) {
+    places_.erase(places_.begin());
+  }
+  places_.push_back(now->odom_from_robot);
   return echoes;
 }
 

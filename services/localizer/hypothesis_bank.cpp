@@ -35,6 +35,7 @@ HypothesisBank::HypothesisBank(const FixtureMap& map, const CeilingView& view, c
       params_(params) {}
 
 void HypothesisBank::clear() {
+  ++beginnings_;
   hypotheses_.clear();
   null_settled_ = 0.0;
   null_active_ = 0.0;

@@ -22,6 +22,8 @@ class HypothesisBank {
                  double wheel_base, const SonarRing& sonar, const ErrorParams& errors, const HypothesisParams& params);
 
   void clear();
+  /// How often the list began anew.
+  [[nodiscard]] int beginnings() const { return beginnings_; }
   /// Moves all by an odometry step.
   void advance(const Pose2& delta);
   /// Moves all by a step that no odometry measured, with its covariance in the frame at its beginning. The scene is to
@@ -66,6 +68,7 @@ class HypothesisBank {
   double best_sonar_ = 0.0;
   double way_since_correction_ = 0.0;  // [m], turns counted in
   int next_id_ = 1;
+  int beginnings_ = 0;
 };
 
 }  // namespace luminav

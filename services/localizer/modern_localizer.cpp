@@ -123,6 +123,10 @@ void ModernLocalizer::advance(const OdometryReading& odometry) {
 }
 
 void ModernLocalizer::listen(std::int64_t until_utime) {
+  if (bank_.beginnings() != listens_since_) {
+    listens_since_ = bank_.beginnings();
+    echoes_.forget_places();  // nobody in the new list has heard them
+  }
   const std::vector<PlacedEcho> echoes = echoes_.take(until_utime, queue_.history());
   if (!echoes.empty()) {
     bank_.listen(echoes);
