@@ -32,6 +32,8 @@ struct PathFollowerParams {
   FreeHeadingParams free_heading;
   SpeedLawParams speed;
   double force_smoothing = 0.3;           // [s] time constant of the repulsion
+  double heading_smoothing = 0.2;         // [s] time constant of small changes of the heading, ...
+  double heading_jump = radians(20.0);    // [rad] ... up to here; what is more follows at once
   double arrival_radius = 0.04;           // [m] from the last point
   double arrival_heading = radians(1.5);  // [rad] from the final heading
   double stay_radius = 0.12;              // [m] once there it stays until it is farther off
@@ -98,6 +100,7 @@ class PathFollower {
   int long_way_ = 0;                                     // 0 = the short way, else the sign of the turn
   double nearest_ = 1e9;                                 // [m] that it came to the last point
   std::optional<double> last_heading_;                   // [rad] world, chosen free heading
+  std::optional<double> smooth_heading_;                 // [rad] world, the same without its jitter
   Eigen::Vector2d repulsive_ = Eigen::Vector2d::Zero();  // smoothed, robot frame
 };
 
