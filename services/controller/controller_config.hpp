@@ -8,6 +8,7 @@
 #include "services/controller/path_follower.hpp"
 #include "services/controller/progress_monitor.hpp"
 #include "services/controller/stop_logic.hpp"
+#include "services/controller/touch_memory.hpp"
 #include "services/controller/wander.hpp"
 
 namespace luminav {
@@ -16,6 +17,7 @@ namespace luminav {
 struct ControllerConfig {
   RobotDescription robot;
   EchoMemoryParams echo_memory;
+  TouchMemoryParams touch_memory;
   StopLogicParams stop_logic;
   LocalMapParams local_map;
   PathFollowerParams follower;

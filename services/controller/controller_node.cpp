@@ -36,7 +36,8 @@ ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config)
       config_(config),
       subscriber_(lcm),
       controller_(config),
-      echoes_(config.robot.sonar, config.echo_memory) {
+      echoes_(config.robot.sonar, config.echo_memory),
+      touches_(config.robot, config.touch_memory) {
   subscriber_.on(channels::kPath, &ControllerNode::on_path, this);
   subscriber_.on(channels::kNavigationStatus, &ControllerNode::on_navigation_status, this);
   subscriber_.on(channels::kGridTile, &ControllerNode::on_grid_tile, this);
@@ -119,6 +120,7 @@ void ControllerNode::on_pose(const pose_t& message) {
 void ControllerNode::restart_odometry(std::int64_t session) {
   odometry_.clear();
   echoes_.clear();
+  touches_.clear();
   controller_.forget_odometry();
   if (pose_ && pose_->session != session) {
     pose_.reset();
@@ -190,8 +192,21 @@ void ControllerNode::on_robot_status(const robot_status_t& message) {
     teleop_until_ = 0;
     teleop_.reset();
   }
+  feel(message);
   status_ = message;
   tick(message.utime);
+}
+
+void ControllerNode::feel(const robot_status_t& status) {
+  const auto is_blocked = [](const robot_status_t& s) {
+    return s.stall_left || s.stall_right || s.bumpers_front != 0 || s.bumpers_rear != 0;
+  };
+  if (!is_blocked(status) || (status_ && is_blocked(*status_))) {
+    return;
+  }
+  if (const std::optional<Pose2> place = odom_from_robot_at(status.utime)) {
+    touches_.add(status.utime, *place, output_.twist);
+  }
 }
 
 void ControllerNode::on_stop(const stop_t& message) {
@@ -348,7 +363,9 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
       input.echoes = echoes_.obstacles_without_map(utime, *place);
       input.remembered = echoes_.remembered(utime, *place);
       input.firings = echoes_.newest();
+      touches_.append(utime, *place, input.remembered);
     }
+    touches_.append(utime, *place, input.echoes);
     input.ages.odometry = std::max(0.0, seconds_between(odometry_.back().utime, utime));
   }
   judge_disc_ages(echoes_, utime, input.ages);

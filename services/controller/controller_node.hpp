@@ -50,6 +50,8 @@ class ControllerNode {
   void publish_command(std::int64_t utime);
   void publish_status(std::int64_t utime);
   void restart_odometry(std::int64_t session);
+  /// Remembers what blocks the wheels now, or presses a bumper, and did not before.
+  void feel(const robot_status_t& status);
 
   [[nodiscard]] ControlInput input_at(std::int64_t utime);
   void choose_task(std::int64_t utime, ControlInput& input) const;
@@ -63,6 +65,7 @@ class ControllerNode {
   Subscriber subscriber_;
   Controller controller_;
   EchoMemory echoes_;
+  TouchMemory touches_;
   OccupancyGrid grid_;
   std::int64_t map_session_ = 0;
   bool has_grid_ = false;

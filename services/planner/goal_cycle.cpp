@@ -241,6 +241,7 @@ void GoalCycle::update(const Situation& situation) {
   if (std::erase_if(suspects_, expired) > 0) {
     map_dirty_ = true;
   }
+  suspect_touched(situation);
   switch (phase_) {
     case Phase::kPlanning:
       plan(situation);

@@ -63,6 +63,8 @@ class GoalCycle {
   void check_progress(const Situation& situation);
   void check_path(const Situation& situation);
   void suspect_ahead(const Situation& situation);
+  void suspect_touched(const Situation& situation);
+  void suspect(const Eigen::Vector2d& place, double seconds);
 
   [[nodiscard]] Route plan_route(const Situation& situation);
   void refresh_space();
@@ -113,6 +115,7 @@ class GoalCycle {
   int attempts_ = 0;
   std::int64_t first_attempt_ = 0;  // [us]
   std::int64_t last_yield_ = 0;     // [us] when it waited for somebody last
+  bool was_blocked_ = false;        // wheels or bumpers, and stood against something
   int losses_ = 0;
   double loss_left_ = 0.0;  // [m] distance left when losses were counted from
   int arrival_failures_ = 0;

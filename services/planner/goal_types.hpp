@@ -66,6 +66,8 @@ struct GoalCycleParams {
   double people_time = 180.0;     ///< [s] ... while somebody is in the way every now and then,
   double people_memory = 20.0;    ///< [s] that is, at most so long ago
   double suspect_time = 60.0;     ///< [s] that a suspected obstacle stays
+  double touch_ahead = 0.36;      ///< [m] from the wheel axis to the middle of what the robot drove against
+  double touch_time = 180.0;      ///< [s] that it stays
   double retry_wait = 20.0;       ///< [s] before a failed stop is tried again, policy retry
   int retries = 3;                ///< how often
 };
@@ -75,6 +77,7 @@ struct ControlReport {
   bool at_goal = false;
   bool yielding = false;  // waits for somebody
   bool stuck = false;
+  bool follows = false;  // the path, forwards
   int path_sequence = 0;
   double seconds_without_progress = 0.0;  // [s]
   std::string reason;
@@ -88,6 +91,7 @@ struct Situation {
   std::string localization;              // why it is not tracking, one sentence
   bool can_move = true;                  // base connected, motors on, no stop engaged
   std::string cannot_move;               // why not
+  bool is_blocked = false;               // wheels blocked or a bumper pressed
   std::optional<ControlReport> control;  // nothing: silent for too long
 };
 

@@ -252,12 +252,15 @@ Situation PlannerNode::situation(std::int64_t now) const {
                                                 : nullptr;
     moment.can_move = why == nullptr;
     moment.cannot_move = why == nullptr ? "" : why;
+    moment.is_blocked =
+        robot_->stall_left || robot_->stall_right || robot_->bumpers_front != 0 || robot_->bumpers_rear != 0;
   }
   if (control_ && static_cast<double>(now - control_heard_) * 1e-6 <= kControlAge) {
     ControlReport report;
     report.at_goal = control_->state == control_status_t::STATE_AT_GOAL;
     report.yielding = control_->state == control_status_t::STATE_YIELDING;
     report.stuck = control_->state == control_status_t::STATE_STUCK;
+    report.follows = control_->state == control_status_t::STATE_FOLLOWING;
     report.path_sequence = control_->path_sequence;
     report.seconds_without_progress = control_->seconds_without_progress;
     report.reason = control_->reason;

@@ -251,6 +251,25 @@ TEST(PlannerNode, CallsItselfStuckInBoundedTimeWhenNothingMoves) {
   EXPECT_THAT(world.status.cause, HasSubstr("no progress"));
 }
 
+TEST(PlannerNode, GoesRoundWhatBlockedItsWheelsThoughNoSonarHeardIt) {
+  PlannerWorld world;
+  world.go(1, 4.5, 3.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  ASSERT_TRUE(world.run_until(20.0, [&] { return world.robot.x > 3.0; }));
+  const Eigen::Vector2d touched = world.robot * Eigen::Vector2d(0.36, 0.0);
+  world.wheels_blocked = world.stalled = true;
+  world.run(1.0);
+  EXPECT_GE(world.status.replans, 1);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(world.path.count); ++i) {
+    const Eigen::Vector2d point(world.path.x[i], world.path.y[i]);
+    if ((point - world.robot.position()).norm() > 0.4) {  // the way out leads past it
+      EXPECT_GT((point - touched).norm(), 0.40);
+    }
+  }
+  world.wheels_blocked = world.stalled = false;
+  EXPECT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
 TEST(PlannerNode, HasMorePatienceWithPeopleThanWithThingsButNotForEver) {
   PlannerWorld world;
   world.go(1, 9.0, 3.2);

@@ -117,7 +117,8 @@ class PlannerWorld {
   bool pose_flows = true;
   bool mapper_runs = true;
   bool wheels_blocked = false;
-  bool yields = false;  // the controller says that it waits for somebody
+  bool stalled = false;  // what blocks the wheels, they feel
+  bool yields = false;   // the controller says that it waits for somebody
   bool controller_runs = true;
   bool motors = true;
 
@@ -172,6 +173,7 @@ class PlannerWorld {
     base.utime = utime - 1;
     base.connected = 1;
     base.motors_enabled = motors;
+    base.stall_left = base.stall_right = stalled;
     lcm.publish(channels::kRobotStatus, &base);
     if (pose_flows) {
       pose_t pose{};
