@@ -237,6 +237,8 @@ std::string error_svg(const RunReport& run) {
   }
   svg += fmt::format("<line class=\"bound\" x1=\"{0:.1f}\" x2=\"{1:.1f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>", kLeft,
                      kWidth - 8.0, y_of(0.5));
+  svg += fmt::format("<text class=\"axis\" text-anchor=\"end\" x=\"{:.1f}\" y=\"{:.1f}\">error of the position</text>",
+                     kWidth - 10.0, kTop + 10.0);
   const double step = end > 3600.0 ? 3600.0 : (end > 600.0 ? 300.0 : (end > 200.0 ? 60.0 : 20.0));
   for (double time = 0.0; time <= end; time += step) {
     svg += fmt::format("<text class=\"axis\" text-anchor=\"middle\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>", x_of(time),

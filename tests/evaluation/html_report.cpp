@@ -43,7 +43,7 @@ pre{margin:8px 0 0;padding:10px;background:var(--paper);border:1px solid var(--l
 max-height:320px;white-space:pre-wrap;text-align:left}
 .runs{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,560px),1fr));gap:14px}
 .run{background:var(--card);border:1px solid var(--line);border-radius:9px;padding:12px 14px} .run h3{margin:0 0 8px;
-font-size:15px;display:flex;justify-content:space-between;gap:12px} .run p{margin:6px 0 0;font-size:13px}
+font-size:15px;display:flex;justify-content:space-between;gap:12px} .run p{margin:6px 0 0;font-size:13px} .run p.why{margin:0 0 8px}
 svg{display:block;width:100%;height:auto} svg.way{max-height:430px} svg.error{margin-top:10px}
 path{fill:none;vector-effect:non-scaling-stroke;stroke-linejoin:round} .truth{stroke:var(--truth);stroke-width:4.5;
 opacity:.75} .odometry{stroke:var(--magenta);stroke-width:1} .tracking{stroke:var(--blue);stroke-width:1.8}
@@ -206,10 +206,11 @@ std::string card(const RunReport& run, const std::string& map_id) {
   }
   return fmt::format(
       "<div class=\"run\"><h3><span>{} <span class=\"soft\">seed {}</span></span><span "
-      "class=\"{}\">{}</span></h3>{}{}<p "
-      "class=\"soft\">{} {:.0f} s, {:.0f} m; {}</p></div>",
-      html_escape(run.scenario), run.seed, run.passed ? "good" : "bad",
-      run.passed ? "passed" : html_escape(run.failure), trajectory_svg(run, map_id), error_svg(run),
+      "class=\"{}\">{}</span></h3>{}{}{}"
+      "<p class=\"soft\">{} {:.0f} s, {:.0f} m; {}</p></div>",
+      html_escape(run.scenario), run.seed, run.passed ? "good" : "bad", run.passed ? "passed" : "failed",
+      run.passed ? "" : "<p class=\"bad why\">" + html_escape(run.failure) + "</p>", trajectory_svg(run, map_id),
+      error_svg(run),
       run.localized ? fmt::format("localized after {:.1f} s and {:.1f} m;", run.localized_s, run.localized_after_m)
                     : "never localized;",
       run.simulated_s, run.driven_m, html_escape(goals));
