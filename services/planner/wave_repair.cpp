@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <functional>
 #include <vector>
 
@@ -49,8 +48,6 @@ class Repair {
 
   [[nodiscard]] bool run(const WaveStop& stop) {
     const auto goal = static_cast<std::size_t>(stop.cell);
-    int pops = 0, d = 0, se = 0, sp = 0;
-    auto was = field_.stored[goal];
     std::uint32_t limit = kUnreached;
     const std::size_t most = std::max(kFewestPending, field_.stored.size() / kMostPendingShare);
     while (!queue_.empty() && queue_.size() <= most) {
@@ -64,23 +61,12 @@ class Repair {
       }
       std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
       queue_.pop_back();
-      ++pops;
-      if (task == PendingTask::kDoubt)
-        ++d;
-      else if (task == PendingTask::kSettle)
-        ++se;
-      else
-        ++sp;
       if (task == PendingTask::kSettle) {
         settle(cell, level);
       } else if (field_.stored[cell] == level) {
         task == PendingTask::kDoubt ? check(cell, level) : spread(cell, level);
       }
     }
-    static int n;
-    if (++n < 40)
-      std::fprintf(stderr, "pops %d doubts %d settle %d spread %d before %u now %u left %zu\n", pops, d, se, sp, was,
-                   field_.stored[goal], queue_.size());
     field_.settled_to = queue_.empty() ? kUnreached : limit;
     if (queue_.size() > std::max(kFewestPending, 2 * field_.pending_needed)) {
       tidy();
