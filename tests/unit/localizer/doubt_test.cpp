@@ -169,5 +169,17 @@ TEST(Doubt, AfterTheSerialLineWasCutEndsAtTheFirstFixture) {
   }
 }
 
+TEST(Doubt, AfterALongCutInWhichTheRobotMayHaveBeenCarriedNeedsTwoFixtures) {
+  CorridorDrive drive;
+  drive.drive_to(8.4);
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  drive.lose_odometry(1.0, 20.0);
+  drive.drive_to(11.5);  // past the fixture at 10.5
+  EXPECT_EQ(drive.state(), LocalizerState::kAmbiguous);
+  drive.drive_to(13.6);  // under the next
+  EXPECT_EQ(drive.state(), LocalizerState::kTracking);
+  EXPECT_LT(drive.error(), 0.05);
+}
+
 }  // namespace
 }  // namespace luminav
