@@ -10,6 +10,13 @@
 namespace luminav {
 namespace {
 
+// the widest vectors that the machine at hand has
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define LUMINAV_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define LUMINAV_VECTOR_CLONES
+#endif
+
 constexpr int kHighestPrice = 36;  // a diagonal step of 7 * 36 still fits the bucket queue's 256
 
 constexpr int kBlock = 64;  // [cells] side of what is measured at once
@@ -62,6 +69,39 @@ void read_row(const CellReading& reading, const Prior* prior, const std::int8_t*
     unknown[first / 64] = pack_64(is_unknown);
     prior += count;
     evidence += count;
+  }
+}
+
+/// Four points, and where they lie between the centres of cells.
+struct FourPlaces {
+  std::array<double, 4> x;  // [m] world, then the part of a cell to the right of the column's centre
+  std::array<double, 4> y;
+  std::array<int, 4> column;
+  std::array<int, 4> row;
+};
+
+// The same in vectors as one by one.
+LUMINAV_VECTOR_CLONES
+void locate(double origin_x, double origin_y, double resolution, FourPlaces& places) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double x = (places.x[i] - origin_x) / resolution - 0.5;
+    const double y = (places.y[i] - origin_y) / resolution - 0.5;
+    const int column = static_cast<int>(x);
+    const int row = static_cast<int>(y);
+    places.column[i] = column - (x < column ? 1 : 0);
+    places.row[i] = row - (y < row ? 1 : 0);
+    places.x[i] = x - places.column[i];
+    places.y[i] = y - places.row[i];
+  }
+}
+
+LUMINAV_VECTOR_CLONES
+void interpolate_four(const FourPlaces& places, const std::array<float, 16>& corners, std::array<double, 4>& result) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double u = places.x[i];
+    const double v = places.y[i];
+    result[i] = (1.0 - v) * ((1.0 - u) * static_cast<double>(corners[i]) + u * static_cast<double>(corners[4 + i])) +
+                v * ((1.0 - u) * static_cast<double>(corners[8 + i]) + u * static_cast<double>(corners[12 + i]));
   }
 }
 
@@ -286,6 +326,38 @@ double ConfigurationSpace::clearance_at(const Eigen::Vector2d& point_in_world) c
   }
   return (1.0 - v) * ((1.0 - u) * clearance({column, row}) + u * clearance({column + 1, row})) +
          v * ((1.0 - u) * clearance({column, row + 1}) + u * clearance({column + 1, row + 1}));
+}
+
+std::array<double, 4> ConfigurationSpace::clearances_around(const Eigen::Vector2d& point_in_world, double step) const {
+  FourPlaces places;
+  places.x = {point_in_world.x() + step, point_in_world.x() - step, point_in_world.x(), point_in_world.x()};
+  places.y = {point_in_world.y(), point_in_world.y(), point_in_world.y() + step, point_in_world.y() - step};
+  locate(geometry_.origin.x(), geometry_.origin.y(), geometry_.resolution, places);
+  const auto [left, right] = std::minmax({places.column[0], places.column[1], places.column[2], places.column[3]});
+  const auto [below, above] = std::minmax({places.row[0], places.row[1], places.row[2], places.row[3]});
+  const bool is_inside = left >= 0 && below >= 0 && right + 1 < geometry_.columns && above + 1 < geometry_.rows;
+  const bool is_of_one_block = left / kBlock == (right + 1) / kBlock && below / kBlock == (above + 1) / kBlock;
+  if (!is_inside || (!is_graded_ && !is_of_one_block)) {
+    return {clearance_at({point_in_world.x() + step, point_in_world.y()}),
+            clearance_at({point_in_world.x() - step, point_in_world.y()}),
+            clearance_at({point_in_world.x(), point_in_world.y() + step}),
+            clearance_at({point_in_world.x(), point_in_world.y() - step})};
+  }
+  if (!is_graded_) {
+    measure_around({left, below});
+  }
+  std::array<float, 16> corners;  // of each place the lower left and right one, the upper left and right one
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::uint8_t* lower = squared_distance_.get() + geometry_.index({places.column[i], places.row[i]});
+    const std::uint8_t* upper = lower + geometry_.columns;
+    corners[i] = metres_[lower[0]];
+    corners[4 + i] = metres_[lower[1]];
+    corners[8 + i] = metres_[upper[0]];
+    corners[12 + i] = metres_[upper[1]];
+  }
+  std::array<double, 4> result;
+  interpolate_four(places, corners, result);
+  return result;
 }
 
 double ConfigurationSpace::price_at(const Eigen::Vector2d& point_in_world) const {

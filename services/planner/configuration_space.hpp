@@ -65,6 +65,8 @@ class ConfigurationSpace {
   [[nodiscard]] double clearance(const Cell& cell) const;
   /// The same between cells, bilinear [m].
   [[nodiscard]] double clearance_at(const Eigen::Vector2d& point_in_world) const;
+  /// The same to the right, to the left, above and below a point, `step` [m] away.
+  [[nodiscard]] std::array<double, 4> clearances_around(const Eigen::Vector2d& point_in_world, double step) const;
   /// Price per metre, 1 = free, at a point; that of a blocked cell is `kBlockedPrice`.
   [[nodiscard]] double price_at(const Eigen::Vector2d& point_in_world) const;
   static constexpr double kBlockedPrice = 60.0;

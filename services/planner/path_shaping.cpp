@@ -61,9 +61,8 @@ Polyline shortened(const ConfigurationSpace& space, const PathShapingParams& par
 
 Eigen::Vector2d clearance_gradient(const ConfigurationSpace& space, const Eigen::Vector2d& p) {
   const double h = space.geometry().resolution;
-  const Eigen::Vector2d gradient(
-      space.clearance_at(p + Eigen::Vector2d(h, 0.0)) - space.clearance_at(p - Eigen::Vector2d(h, 0.0)),
-      space.clearance_at(p + Eigen::Vector2d(0.0, h)) - space.clearance_at(p - Eigen::Vector2d(0.0, h)));
+  const auto [right, left, above, below] = space.clearances_around(p, h);
+  const Eigen::Vector2d gradient(right - left, above - below);
   return gradient / (2.0 * h);  // of length 1 where one obstacle is nearest, 0 in the middle between two
 }
 

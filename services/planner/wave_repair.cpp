@@ -12,8 +12,8 @@ namespace {
 constexpr std::uint32_t kUnreached = WaveField::kUnreached;
 constexpr std::uint32_t kBlocked = WaveField::kBlocked;
 
-constexpr std::size_t kMostPendingShare = 4;  // where a quarter of the cells waits a new wave is cheaper
-constexpr std::size_t kFewestPending = 4096;
+constexpr std::size_t kMostShare = 8;
+constexpr std::size_t kFewestSteps = 16384;
 
 /// The work of repair_wave: one queue by cost; of one cost, cells that may have lost their support come first.
 class Repair {
@@ -49,8 +49,12 @@ class Repair {
   [[nodiscard]] bool run(const WaveStop& stop) {
     const auto goal = static_cast<std::size_t>(stop.cell);
     std::uint32_t limit = kUnreached;
-    const std::size_t most = std::max(kFewestPending, field_.stored.size() / kMostPendingShare);
-    while (!queue_.empty() && queue_.size() <= most) {
+    // a step costs some times what a cell costs a new wave
+    const std::size_t most = std::max(kFewestSteps, field_.stored.size() / kMostShare);
+    for (std::size_t steps = 0; !queue_.empty(); ++steps) {
+      if (steps > most || queue_.size() > most) {
+        return false;
+      }
       const auto [level, task, cell] = pending_of(queue_.front());
       const std::uint32_t wanted = field_.stored[goal];
       if (wanted != kUnreached && wanted < level) {
@@ -68,10 +72,10 @@ class Repair {
       }
     }
     field_.settled_to = queue_.empty() ? kUnreached : limit;
-    if (queue_.size() > std::max(kFewestPending, 2 * field_.pending_needed)) {
+    if (queue_.size() > std::max(kFewestSteps / 4, 2 * field_.pending_needed)) {
       tidy();
     }
-    return queue_.size() <= most;
+    return true;
   }
 
  private:

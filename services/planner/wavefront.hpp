@@ -67,7 +67,8 @@ struct PriceChange {
 
 /// Makes a field of one seed right again after cells changed, as far as the way from `stop.cell` needs it, at the cost
 /// of the cells there whose cost changes: the same field as a new wave up to `settled_to`. What lies beyond stays
-/// pending until a way needs it. False when so much is pending that only a new wave helps. Koenig and Likhachev 2002
+/// pending until a way needs it. False when that is so much that a new wave is
+/// cheaper: then the field is good for nothing else. Koenig and Likhachev 2002
 /// (LPA*), with the raised cells first.
 [[nodiscard]] bool repair_wave(const WaveTerrain& terrain, const std::vector<PriceChange>& changes,
                                const WaveStop& stop, WaveField& field);
