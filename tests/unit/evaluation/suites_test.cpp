@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <map>
 #include <set>
+#include <utility>
 
 #include "drivers/simulator/scenario.hpp"
 #include "services/common/configuration/toml_table.hpp"
@@ -69,6 +71,21 @@ TEST(Suites, WorldsAreTheEightOfThem) {
   }
   EXPECT_THAT(names, testing::UnorderedElementsAre("laboratory", "symmetric-corridor", "w3-dense", "w4-sparse",
                                                    "w5-panels", "w6-mixed", "w7-high", "w8-low"));
+}
+
+TEST(Suites, AllTakesPartOfEachAndNoRunTwice) {
+  std::map<std::string, std::uint64_t> runs;
+  std::set<std::pair<std::string, std::uint64_t>> once;
+  for (const SuiteEntry& entry : suite_entries("all", generated())) {
+    for (std::uint64_t seed = entry.first_seed; seed <= entry.last_seed; ++seed) {
+      EXPECT_TRUE(once.emplace(entry.scenario, seed).second) << entry.scenario << " " << seed;
+      ++runs[entry.suite];
+    }
+  }
+  const std::map<std::string, std::uint64_t> expected = {{"localization", 30}, {"mapping", 6},    {"navigation", 40},
+                                                         {"endurance", 1},     {"missions", 100}, {"worlds", 24},
+                                                         {"scale", 5}};
+  EXPECT_EQ(runs, expected);
 }
 
 TEST(Suites, AnUnknownOneNamesThoseThereAre) {
