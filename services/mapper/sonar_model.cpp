@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "services/common/geometry/rounding.hpp"
+#include "services/common/geometry/vector_clones.hpp"
 
 namespace luminav {
 namespace {
@@ -41,13 +42,6 @@ void lower(std::int8_t* cells, std::ptrdiff_t count, std::int8_t vote, std::int8
     cells[i] = lowered(cells[i], vote, least);
   }
 }
-
-// the widest vectors that the machine at hand has
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define LUMINAV_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define LUMINAV_VECTOR_CLONES
-#endif
 
 /// The line x = low_x + slope * (y - low_y), in cells.
 struct Edge {

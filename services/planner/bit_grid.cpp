@@ -4,15 +4,10 @@
 #include <bit>
 #include <cmath>
 
+#include "services/common/geometry/vector_clones.hpp"
+
 namespace luminav {
 namespace {
-
-// the widest vectors that the machine at hand has
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define LUMINAV_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define LUMINAV_VECTOR_CLONES
-#endif
 
 /// One cell to either side. Both arrays have a word of 0 before the first and behind the last one.
 LUMINAV_VECTOR_CLONES

@@ -6,16 +6,10 @@
 #include <stdexcept>
 
 #include "services/common/geometry/rounding.hpp"
+#include "services/common/geometry/vector_clones.hpp"
 
 namespace luminav {
 namespace {
-
-// the widest vectors that the machine at hand has
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define LUMINAV_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define LUMINAV_VECTOR_CLONES
-#endif
 
 constexpr int kHighestPrice = 36;  // a diagonal step of 7 * 36 still fits the bucket queue's 256
 
