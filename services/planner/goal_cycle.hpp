@@ -57,6 +57,7 @@ class GoalCycle {
   void handle_no_route(const Situation& situation, const Route& route);
   void hold(const Situation& situation, const Polyline& way, std::size_t blocked_at, double reference_length);
   void update_hold(const Situation& situation);
+  void look_again(const Situation& situation, const Route& route);
   void follow(const Route& route);
   void update_following(const Situation& situation);
   void check_arrival(const Situation& situation);
@@ -64,7 +65,8 @@ class GoalCycle {
   void check_path(const Situation& situation);
   void suspect_ahead(const Situation& situation);
   void suspect_touched(const Situation& situation);
-  void suspect(const Eigen::Vector2d& place, double seconds);
+  void suspect(const SuspectedObstacle& obstacle, double seconds);
+  void suspect_blockage();
 
   [[nodiscard]] Route plan_route(const Situation& situation);
   void refresh_space();
@@ -124,6 +126,7 @@ class GoalCycle {
   int skipped_ = 0;
   Blockage blockage_;
   std::string hold_reason_;
+  bool has_looked_again_ = false;  // at this blockage, from as near as can be
   double reference_length_ = 0.0;  // [m] of the way that was blocked
   std::int64_t hold_since_ = 0;    // [us] when the robot began to stand before the blockage; 0 = on its way there
 };

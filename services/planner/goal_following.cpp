@@ -147,7 +147,7 @@ void GoalCycle::suspect_ahead(const Situation& situation) {
   const Eigen::Vector2d robot = situation.world_from_robot.position();
   for (std::size_t i = at_; i < path_.points.size(); ++i) {
     if ((path_.points[i] - robot).norm() >= kSuspectAhead) {
-      suspect(path_.points[i], params_.suspect_time);
+      suspect({.centre = path_.points[i]}, params_.suspect_time);
       return;
     }
   }
@@ -158,13 +158,11 @@ void GoalCycle::suspect_touched(const Situation& situation) {
   const bool begins = situation.is_blocked && !was_blocked_;
   was_blocked_ = situation.is_blocked;
   if (begins && phase_ == Phase::kFollowing && situation.control && situation.control->follows) {
-    suspect(situation.world_from_robot * Eigen::Vector2d(params_.touch_ahead, 0.0), params_.touch_time);
+    suspect({.centre = situation.world_from_robot * Eigen::Vector2d(params_.touch_ahead, 0.0)}, params_.touch_time);
   }
 }
 
-void GoalCycle::suspect(const Eigen::Vector2d& place, double seconds) {
-  SuspectedObstacle obstacle;
-  obstacle.centre = place;
+void GoalCycle::suspect(const SuspectedObstacle& obstacle, double seconds) {
   suspects_.push_back({obstacle, now_ + static_cast<std::int64_t>(seconds * 1e6)});
   map_dirty_ = true;
 }

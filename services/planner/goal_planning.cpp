@@ -119,8 +119,9 @@ void GoalCycle::hold(const Situation& situation, const Polyline& way, std::size_
   set_path(worth_driving ? approach : Polyline{});
   // no final heading, no tight tolerance: it only waits there
   path_.has_theta = false;
-  path_.tolerance = 0.3;
+  path_.tolerance = params_.hold_tolerance;
   hold_since_ = worth_driving ? 0 : now_;
+  has_looked_again_ = false;
   phase_ = Phase::kNone;  // a new blockage has a time of its own
   enter(Phase::kHolding, NavigationState::kWaiting,
         fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait));
@@ -144,6 +145,9 @@ void GoalCycle::update_hold(const Situation& situation) {
   }
   const Route route = plan_route(situation);
   if (route.outcome != RouteOutcome::kFound) {
+    if (hold_since_ != 0 && seconds_since(hold_since_) >= params_.look_again && !has_looked_again_) {
+      look_again(situation, route);
+    }
     if (hold_since_ != 0 && seconds_since(hold_since_) >= params_.give_up_wait) {
       const bool by_goal = route.outcome == RouteOutcome::kGoalBlocked;
       fail_stop(NavigationState::kBlocked,
@@ -155,9 +159,53 @@ void GoalCycle::update_hold(const Situation& situation) {
     return;
   }
   const double limit = params_.detour_ratio * reference_length_ + params_.detour_length;
-  if (waited || polyline_length(route.points) <= limit) {
+  const bool is_long = polyline_length(route.points) > limit;
+  if (waited || !is_long) {
+    if (is_long) {
+      suspect_blockage();
+    }
     ++report_.replans;
     follow(route);
+  }
+}
+
+// Seen at a slant, a smooth thing and nothing at all look alike to a sonar: what lies in the way of the goal is looked
+// at from another side, the nearest that can be reached, before it is taken for true.
+void GoalCycle::look_again(const Situation& situation, const Route& route) {
+  has_looked_again_ = true;
+  if (route.outcome != RouteOutcome::kGoalBlocked || !route.nearest_reachable) {
+    return;
+  }
+  const Route there =
+      planner_.plan({situation.world_from_robot.position(), *route.nearest_reachable, params_.hold_tolerance});
+  if (there.outcome != RouteOutcome::kFound || there.points.size() < 2) {
+    return;
+  }
+  const Eigen::Vector2d way = stop().pose.position() - *route.nearest_reachable;
+  set_path(there.points);
+  path_.has_theta = true;
+  path_.theta = std::atan2(way.y(), way.x());
+  path_.tolerance = params_.hold_tolerance;
+  hold_since_ = 0;
+  phase_since_ = now_;
+  report_.cause = fmt::format("{}; looking at it from there", hold_reason_);
+}
+
+// Sonar evidence fades or gets patchy while the robot goes the long way round: it would turn back half-way, again and
+// again. For this goal it stands by what it saw.
+void GoalCycle::suspect_blockage() {
+  const ConfigurationSpace& space = planner_.space();
+  const Cell centre = space.geometry().cell_at(blockage_.place);
+  const int reach = static_cast<int>(params_.detour_radius / space.geometry().resolution);
+  for (int row = centre.row - reach; row <= centre.row + reach; ++row) {
+    for (int column = centre.column - reach; column <= centre.column + reach; ++column) {
+      const Cell cell{column, row};
+      const Eigen::Vector2d place = space.geometry().centre_of(cell);
+      if (space.geometry().contains(cell) && (place - blockage_.place).norm() <= params_.detour_radius &&
+          space.is_solid(cell) && grid_->prior[grid_->geometry.index(cell)] == Prior::kFree) {
+        suspect({place, 0.5 * space.geometry().resolution}, params_.detour_memory);
+      }
+    }
   }
 }
 

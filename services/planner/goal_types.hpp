@@ -54,22 +54,26 @@ struct GoalCycleParams {
   double blocked_wait = 10.0;     ///< [s] to wait for whatever stands in the way before a long way round
   double detour_ratio = 1.5;      ///< a way round this much longer is taken at once,
   double detour_length = 3.0;     ///< [m] and this much beside
+  double detour_memory = 300.0;   ///< [s] after taking it, what was seen at the blockage counts as standing there
+  double detour_radius = 1.5;     ///< [m] round the blockage
   double hold_distance = 0.8;     ///< [m] before a blockage where the robot waits
+  double hold_tolerance = 0.3;    ///< [m] for getting there
   double replan_period = 0.3;     ///< [s] between two plans
   double keep_ratio = 0.85;       ///< a new way replaces a passable one when it costs less than this share of it
   double off_path = 0.6;          ///< [m] from the path before it is planned anew
   double no_progress_time = 6.0;  ///< [s] without progress before it is planned anew
   double progress_length = 0.2;   ///< [m] of the path that count as progress
-  double give_up_wait = 60.0;     ///< [s] to wait when no other way is left: people come and go
-  int attempts = 5;               ///< plans without progress before the robot calls itself stuck ...
-  double stuck_time = 60.0;       ///< [s] ... and how long it must have tried, ...
-  double people_time = 180.0;     ///< [s] ... while somebody is in the way every now and then,
-  double people_memory = 20.0;    ///< [s] that is, at most so long ago
-  double suspect_time = 60.0;     ///< [s] that a suspected obstacle stays
-  double touch_ahead = 0.36;      ///< [m] from the wheel axis to the middle of what the robot drove against
-  double touch_time = 180.0;      ///< [s] that it stays
-  double retry_wait = 20.0;       ///< [s] before a failed stop is tried again, policy retry
-  int retries = 3;                ///< how often
+  double look_again = 20.0;     ///< [s] after which a goal that lies in an obstacle is looked at from as near as can be
+  double give_up_wait = 60.0;   ///< [s] to wait when no other way is left: people come and go
+  int attempts = 5;             ///< plans without progress before the robot calls itself stuck ...
+  double stuck_time = 60.0;     ///< [s] ... and how long it must have tried, ...
+  double people_time = 180.0;   ///< [s] ... while somebody is in the way every now and then,
+  double people_memory = 20.0;  ///< [s] that is, at most so long ago
+  double suspect_time = 60.0;   ///< [s] that a suspected obstacle stays
+  double touch_ahead = 0.36;    ///< [m] from the wheel axis to the middle of what the robot drove against
+  double touch_time = 180.0;    ///< [s] that it stays
+  double retry_wait = 20.0;     ///< [s] before a failed stop is tried again, policy retry
+  int retries = 3;              ///< how often
 };
 
 /// What the controller said last.

@@ -251,6 +251,47 @@ TEST(PlannerNode, CallsItselfStuckInBoundedTimeWhenNothingMoves) {
   EXPECT_THAT(world.status.cause, HasSubstr("no progress"));
 }
 
+TEST(PlannerNode, LooksFromNearByAtWhatLiesOnTheGoalBeforeItGivesUp) {
+  PlannerWorld world;
+  world.go(1, 4.5, 3.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.obstacle(4.4, 2.9, 4.6, 3.1);
+  ASSERT_TRUE(world.run_until_state(10.0, Status::STATE_WAITING));
+  const auto distance_to_goal = [&] { return std::hypot(world.robot.x - 4.5, world.robot.y - 3.0); };
+  world.run(15.0);
+  EXPECT_EQ(world.status.state, Status::STATE_WAITING);
+  EXPECT_GT(distance_to_goal(), 0.6);
+  ASSERT_TRUE(world.run_until(30.0, [&] { return distance_to_goal() < 0.5; })) << world.status.cause;
+  EXPECT_THAT(world.status.cause, HasSubstr("lies in or beside an obstacle"));
+  ASSERT_TRUE(world.run_until_state(120.0, Status::STATE_BLOCKED)) << world.status.cause;
+}
+
+TEST(PlannerNode, ArrivesWhenTheSecondLookFindsTheGoalFree) {
+  PlannerWorld world;
+  world.go(1, 4.5, 3.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.obstacle(4.4, 2.9, 4.6, 3.1);
+  ASSERT_TRUE(world.run_until(60.0, [&] { return std::hypot(world.robot.x - 4.5, world.robot.y - 3.0) < 0.5; }));
+  world.obstacle(4.4, 2.9, 4.6, 3.1, false);
+  EXPECT_TRUE(world.run_until_state(30.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
+TEST(PlannerNode, StandsByABlockageOnTheLongWayRound) {
+  PlannerConfig config;
+  config.cycle.detour_ratio = 1.0;
+  config.cycle.detour_length = 0.0;
+  PlannerWorld world(config);
+  world.go(1, 4.5, 3.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.obstacle(3.3, 1.8, 3.5, 4.2);
+  ASSERT_TRUE(world.run_until_state(30.0, Status::STATE_WAITING)) << world.status.cause;
+  ASSERT_TRUE(world.run_until_state(60.0, Status::STATE_FOLLOWING)) << world.status.cause;
+  const std::int32_t replans = world.status.replans;
+  world.obstacle(3.3, 1.8, 3.5, 4.2, false);  // evidence fades behind the robot's back
+  ASSERT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED)) << world.status.cause;
+  EXPECT_EQ(world.status.replans, replans);
+}
+
 TEST(PlannerNode, GoesRoundWhatBlockedItsWheelsThoughNoSonarHeardIt) {
   PlannerWorld world;
   world.go(1, 4.5, 3.0);
