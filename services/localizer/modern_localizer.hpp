@@ -72,7 +72,7 @@ class ModernLocalizer final : public Localizer {
   ContradictionWatch watch_;
   PoseVerdict verdict_;
   EchoCollector echoes_;
-  int listens_since_ = 0;  // which list of hypotheses hears the echoes
+  int listens_since_ = 0;                           // which list of hypotheses hears the echoes
   std::optional<OdometryReading> filter_odometry_;  // where bank and filter stand
   double odometer_ = 0.0;                           // [m]
 
