@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <luminav/control_status_t.hpp>
 #include <luminav/velocity_command_t.hpp>
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
+#include "services/controller/controller_messages.hpp"
 
 namespace luminav {
 namespace {
@@ -17,7 +17,6 @@ constexpr std::int64_t kOdometryKept = 1'500'000;  // [us]
 constexpr std::int64_t kStatusPeriod = 100'000;    // [us] of CONTROL_STATUS
 constexpr std::int64_t kStatusMissing = 150'000;   // [us] without ROBOT_STATUS: ODOMETRY becomes the tick
 constexpr std::int64_t kTooFarAhead = 200'000;     // [us] motion is not extrapolated further
-constexpr std::size_t kMostPathPoints = 20'000;
 
 double seconds_between(std::int64_t from, std::int64_t to) {
   return 1e-6 * static_cast<double>(to - from);
@@ -57,33 +56,18 @@ Health ControllerNode::health() const {
 }
 
 void ControllerNode::on_path(const path_t& message) {
-  const auto count = static_cast<std::size_t>(std::max(0, message.count));
-  if (count > kMostPathPoints || message.x.size() < count || message.y.size() < count ||
-      !all_finite({message.tolerance, message.theta, message.heading_tolerance})) {
-    subscriber_.drop("PATH: impossible size or number");
+  std::string why;
+  const std::optional<FollowedPath> path = path_of(message, why);
+  if (!path) {
+    subscriber_.drop(why);
     return;
   }
-  FollowedPath path;
-  path.goal_id = message.goal_id;
-  path.pose_index = message.pose_index;
-  path.sequence = message.sequence;
-  path.tolerance = std::max(0.0, message.tolerance);
-  path.has_theta = message.has_theta != 0;
-  path.theta = wrap_angle(message.theta);
-  path.heading_tolerance = std::max(0.0, message.heading_tolerance);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!all_finite({message.x[i], message.y[i]})) {
-      subscriber_.drop("PATH: a point is not a number");
-      return;
-    }
-    path.points.emplace_back(message.x[i], message.y[i]);
-  }
   const FollowedPath& now = controller_.path();
-  if (now.goal_id == path.goal_id && now.sequence == path.sequence && !now.points.empty() &&
-      now.points.size() == path.points.size()) {
+  if (now.goal_id == path->goal_id && now.sequence == path->sequence && !now.points.empty() &&
+      now.points.size() == path->points.size()) {
     return;  // a repetition
   }
-  controller_.set_path(path);
+  controller_.set_path(*path);
 }
 
 void ControllerNode::on_navigation_status(const navigation_status_t& message) {
@@ -407,27 +391,9 @@ void ControllerNode::publish_command(std::int64_t utime) {
 
 void ControllerNode::publish_status(std::int64_t utime) {
   last_published_ = utime;
-  control_status_t status{};
+  control_status_t status = status_of(output_, controller_.path());
   status.utime = utime;
   status.sequence = status_sequence_++;
-  status.state = static_cast<std::int8_t>(output_.state);
-  status.reason = output_.reason;
-  status.goal_id = controller_.path().goal_id;
-  status.path_sequence = controller_.path().sequence;
-  if (output_.follow.look_ahead) {
-    status.has_look_ahead = true;
-    status.look_ahead_x = output_.follow.look_ahead->point.x();
-    status.look_ahead_y = output_.follow.look_ahead->point.y();
-    status.distance_left = output_.follow.look_ahead->distance_left;
-  }
-  status.attractive_x = output_.follow.force.attractive.x();
-  status.attractive_y = output_.follow.force.attractive.y();
-  status.repulsive_x = output_.follow.force.repulsive.x();
-  status.repulsive_y = output_.follow.force.repulsive.y();
-  status.clearance = output_.clearance;
-  status.linear = output_.twist.linear;
-  status.angular = output_.twist.angular;
-  status.seconds_without_progress = output_.seconds_without_progress;
   status.stop_engaged = stop_engaged_;
   status.stop_id = stop_id_;
   lcm_.publish(channels::kControlStatus, &status);
