@@ -1,8 +1,13 @@
 #include "drivers/p3dx/stop_latch.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
+#include <stdexcept>
 #include <system_error>
+
+#include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 namespace {
@@ -54,17 +59,13 @@ void StopLatch::save() const {
   }
   std::error_code error;
   std::filesystem::create_directories(file_.parent_path(), error);
-  const std::filesystem::path temporary = file_.string() + ".new";
-  {
-    std::ofstream out(temporary);
-    std::string line = sender_;
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    out << (engaged_ ? 1 : 0) << ' ' << id_ << ' ' << line << '\n';
-    if (!out.flush()) {
-      return;  // a full disk must not keep the robot from stopping
-    }
+  std::string line = sender_;
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  try {
+    write_whole_file(file_, fmt::format("{} {} {}\n", engaged_ ? 1 : 0, id_, line));
+  } catch (const std::runtime_error&) {
+    // a full disk must not keep the robot from stopping
   }
-  std::filesystem::rename(temporary, file_, error);
 }
 
 }  // namespace luminav

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
+#include <stdexcept>
+#include <string>
 #include <system_error>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 namespace {
@@ -58,28 +60,24 @@ bool PoseMemory::save(const RememberedPose& pose) const {
   }
   std::error_code error;
   std::filesystem::create_directories(file_.parent_path(), error);
-  const std::filesystem::path temporary = file_.string() + ".new";
-  {
-    std::ofstream out(temporary);
-    const Eigen::Matrix3d& c = pose.belief.covariance;
-    std::string name;
-    for (const char letter : pose.building) {
-      name += letter == '"' || letter == '\\' ? '_' : letter;
-    }
-    out << fmt::format(
-        "building = \"{}\"\nfixtures = {}\nsession = {}\nodom_from_robot = [{:.9f}, {:.9f}, {:.9f}]\n"
-        "world_from_robot = [{:.9f}, {:.9f}, {:.9f}]\n"
-        "covariance = [{:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}]\n",
-        name, pose.fixtures, pose.session, pose.odom_from_robot.x, pose.odom_from_robot.y, pose.odom_from_robot.theta,
-        pose.belief.pose.x, pose.belief.pose.y, pose.belief.pose.theta, c(0, 0), c(0, 1), c(0, 2), c(1, 0), c(1, 1),
-        c(1, 2), c(2, 0), c(2, 1), c(2, 2));
-    out.flush();
-    if (!out) {
-      return false;
-    }
+  const Eigen::Matrix3d& c = pose.belief.covariance;
+  std::string name;
+  for (const char letter : pose.building) {
+    name += letter == '"' || letter == '\\' ? '_' : letter;
   }
-  std::filesystem::rename(temporary, file_, error);
-  return !error;
+  try {
+    write_whole_file(
+        file_,
+        fmt::format("building = \"{}\"\nfixtures = {}\nsession = {}\nodom_from_robot = [{:.9f}, {:.9f}, {:.9f}]\n"
+                    "world_from_robot = [{:.9f}, {:.9f}, {:.9f}]\n"
+                    "covariance = [{:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}]\n",
+                    name, pose.fixtures, pose.session, pose.odom_from_robot.x, pose.odom_from_robot.y,
+                    pose.odom_from_robot.theta, pose.belief.pose.x, pose.belief.pose.y, pose.belief.pose.theta, c(0, 0),
+                    c(0, 1), c(0, 2), c(1, 0), c(1, 1), c(1, 2), c(2, 0), c(2, 1), c(2, 2)));
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+  return true;
 }
 
 void PoseMemory::forget() const {

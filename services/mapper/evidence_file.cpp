@@ -1,13 +1,15 @@
 #include "services/mapper/evidence_file.hpp"
 
-#include <fmt/format.h>
 #include <zlib.h>
 
 #include <array>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
+#include <string>
 #include <vector>
+
+#include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 namespace {
@@ -54,17 +56,9 @@ void write_evidence(const std::filesystem::path& file, const OccupancyGrid& grid
   if (file.has_parent_path()) {
     std::filesystem::create_directories(file.parent_path());
   }
-  const std::filesystem::path temporary = file.string() + ".tmp";
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(&header), sizeof header);
-    out.write(reinterpret_cast<const char*>(packed.data()), static_cast<std::streamsize>(size));
-    out.flush();
-    if (!out) {
-      throw std::runtime_error(fmt::format("{}: cannot be written", temporary.string()));
-    }
-  }
-  std::filesystem::rename(temporary, file);
+  std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
+  bytes.append(reinterpret_cast<const char*>(packed.data()), size);
+  write_whole_file(file, bytes);
 }
 
 bool read_evidence(const std::filesystem::path& file, OccupancyGrid& grid) {

@@ -37,7 +37,7 @@ void read_sonar_model(const TomlTable& table, const SonarRing& ring, SonarModelP
 void read_grid_mapper(const TomlTable& table, GridMapperParams& grid) {
   grid.filter.memory = table.number("echo_memory", grid.filter.memory, {0.05, 10.0});
   grid.filter.distance = table.number("echo_distance", grid.filter.distance, {0.01, 2.0});
-  grid.occupied_log_odds = table.number("occupied_threshold", grid.occupied_log_odds, {0.05, 6.0});
+  grid.occupied_log_odds = table.number("occupied_threshold", grid.occupied_log_odds, {0.05, grid.passing_log_odds});
   grid.prior_tolerance = table.number("prior_tolerance", grid.prior_tolerance, {0.0, 1.0});
   grid.explained_share = table.number("explained_share", grid.explained_share, kFraction);
   grid.standing_time = table.number("standing_time", grid.standing_time, {0.0, 60.0});

@@ -4,8 +4,11 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <string>
 #include <system_error>
 #include <vector>
+
+#include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 
@@ -15,22 +18,13 @@ void GoalStore::keep(const StoredGoal& stored) const {
   if (file_.empty()) {
     return;
   }
-  std::vector<char> bytes(sizeof stored.pose_index + static_cast<std::size_t>(stored.goal.getEncodedSize()));
+  std::string bytes(sizeof stored.pose_index + static_cast<std::size_t>(stored.goal.getEncodedSize()), '\0');
   std::memcpy(bytes.data(), &stored.pose_index, sizeof stored.pose_index);
   if (stored.goal.encode(bytes.data() + sizeof stored.pose_index, 0, stored.goal.getEncodedSize()) < 0) {
     throw std::runtime_error("the goal cannot be encoded");
   }
   std::filesystem::create_directories(file_.parent_path());
-  const std::filesystem::path temporary = file_.string() + ".tmp";
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    out.flush();
-    if (!out) {
-      throw std::runtime_error(temporary.string() + ": cannot be written");
-    }
-  }
-  std::filesystem::rename(temporary, file_);
+  write_whole_file(file_, bytes);
 }
 
 void GoalStore::forget() const {

@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "services/common/configuration/whole_file.hpp"
+
 namespace luminav {
 namespace {
 
@@ -196,14 +198,7 @@ void write_bench_results(const std::filesystem::path& file, const BenchResults& 
       json["results"].back()["peer"] = peer->name;
     }
   }
-  const std::filesystem::path temporary = file.string() + ".tmp";
-  std::ofstream out(temporary);
-  out << json.dump(2) << "\n";
-  out.close();
-  if (!out) {
-    throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
-  }
-  std::filesystem::rename(temporary, file);
+  write_whole_file(file, json.dump(2) + "\n");
 }
 
 const BenchResult* peer_of(const BenchResults& results, const std::string& name) {

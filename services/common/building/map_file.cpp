@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "services/common/configuration/whole_file.hpp"
+
 namespace luminav {
 namespace {
 
@@ -72,20 +74,6 @@ GreyImage read_pgm(const fs::path& file) {
   return image;
 }
 
-template <typename Write>
-void write_renamed(const fs::path& file, Write write) {
-  const fs::path temporary = file.string() + ".tmp";
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    write(out);
-    out.flush();
-    if (!out) {
-      throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
-    }
-  }
-  fs::rename(temporary, file);
-}
-
 }  // namespace
 
 PriorMap read_map(const fs::path& yaml_file) {
@@ -144,20 +132,19 @@ PriorMap read_map(const fs::path& yaml_file) {
 
 void write_map(const fs::path& yaml_file, const PriorMap& map) {
   const fs::path image_file = fs::path(yaml_file).replace_extension(".pgm");
-  write_renamed(image_file, [&](std::ostream& out) {
-    out << "P5\n" << map.geometry.columns << " " << map.geometry.rows << "\n255\n";
-    for (int row = map.geometry.rows - 1; row >= 0; --row) {
-      for (int column = 0; column < map.geometry.columns; ++column) {
-        const Prior cell = map.cells[map.geometry.index({column, row})];
-        out.put(static_cast<char>(cell == Prior::kFree ? 254 : cell == Prior::kUnknown ? 205 : 0));
-      }
+  std::string image = fmt::format("P5\n{} {}\n255\n", map.geometry.columns, map.geometry.rows);
+  for (int row = map.geometry.rows - 1; row >= 0; --row) {
+    for (int column = 0; column < map.geometry.columns; ++column) {
+      const Prior cell = map.cells[map.geometry.index({column, row})];
+      image += static_cast<char>(cell == Prior::kFree ? 254 : cell == Prior::kUnknown ? 205 : 0);
     }
-  });
-  write_renamed(yaml_file, [&](std::ostream& out) {
-    out << fmt::format(
-        "image: {}\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
-        image_file.filename().string(), map.geometry.resolution, map.geometry.origin.x(), map.geometry.origin.y());
-  });
+  }
+  write_whole_file(image_file, image);
+  write_whole_file(
+      yaml_file,
+      fmt::format(
+          "image: {}\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+          image_file.filename().string(), map.geometry.resolution, map.geometry.origin.x(), map.geometry.origin.y()));
 }
 
 }  // namespace luminav

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 
 namespace luminav {
 
@@ -18,14 +19,17 @@ std::string read_whole_file(const std::filesystem::path& file) {
 
 void write_whole_file(const std::filesystem::path& file, std::string_view bytes) {
   const std::filesystem::path temporary = file.string() + ".tmp";
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    out << bytes;
-    if (!out.flush()) {
-      throw std::runtime_error(file.string() + ": cannot be written");
-    }
+  std::ofstream out(temporary, std::ios::binary);
+  out << bytes;
+  out.close();
+  std::error_code error;
+  if (out) {
+    std::filesystem::rename(temporary, file, error);
   }
-  std::filesystem::rename(temporary, file);
+  if (!out || error) {
+    std::filesystem::remove(temporary, error);  // half a file on a full disk helps nobody
+    throw std::runtime_error(file.string() + ": cannot be written");
+  }
 }
 
 }  // namespace luminav
