@@ -105,7 +105,9 @@ std::string draw_building_svg(const Building& building, const PriorMap* map, con
   const auto y = [&](const Eigen::Vector2d& point) { return sheet.high.y() - point.y(); };
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.2f} {1:.2f}\" width=\"{2:.0f}\" "
-      "font-family=\"sans-serif\">\n<rect width=\"{0:.2f}\" height=\"{1:.2f}\" fill=\"#fff\"/>\n",
+      "font-family=\"sans-serif\">\n"
+      "<style>text {{ paint-order: stroke; stroke: #fff; stroke-width: 0.12 }}</style>\n<rect width=\"{0:.2f}\" "
+      "height=\"{1:.2f}\" fill=\"#fff\"/>\n",
       sheet.width(), sheet.height(), std::min(1600.0, 40.0 * sheet.width()));
   const auto polygon = [&](const std::vector<Eigen::Vector2d>& corners, const char* style) {
     svg += "<polygon points=\"";
@@ -173,7 +175,11 @@ void draw_building_png(const std::filesystem::path& file, const Building& buildi
   };
   const auto text = [&](cv::Point point, const std::string& words, double size, const cv::Scalar& colour) {
     const cv::Size room = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, 1, nullptr);
-    point.x = std::max(0, std::min(point.x, image.cols - room.width));
+    if (point.x + room.width > image.cols) {
+      point.x = std::max(0, point.x - room.width - 14);  // on the other side of what it names
+    }
+    // a white rim, or what is drawn below makes it unreadable
+    cv::putText(image, words, point, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar::all(255), 4, cv::LINE_AA);
     cv::putText(image, words, point, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
   };
   if (map != nullptr) {
