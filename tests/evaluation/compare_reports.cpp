@@ -86,6 +86,7 @@ std::vector<Figure> figures() {
       {"wall_median_m", -1, false, map_field("wall_median_m")},
       {"wall_recall", 1, false, map_field("wall_recall")},
       {"free_precision", 1, false, map_field("free_precision")},
+      {"explored", 1, false, map_field("explored")},
       {"precision", 1, false, field("precision")},
       {"recall", 1, false, field("recall")},
       {"centre_rms_px", -1, false, field("centre_rms_px")},

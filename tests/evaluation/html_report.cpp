@@ -112,6 +112,7 @@ std::string tiles(const ordered_json& s) {
     html += tile(number(100.0 * get("wall_median_m"), " cm", 1), "walls off, median");
     html += tile(number(100.0 * get("wall_recall"), " %", 0) + " / " + number(100.0 * get("free_precision"), " %", 1),
                  "walls found / free is free");
+    html += tile(number(100.0 * get("explored"), " %", 0), "of the floor explored");
   }
   if (s.contains("precision")) {
     html += tile(number(100.0 * get("precision"), " %", 1) + " / " + number(100.0 * get("recall"), " %", 1),

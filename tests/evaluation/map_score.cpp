@@ -15,6 +15,7 @@ namespace {
 constexpr int kOccupiedEvidence = 17;  // log-odds 0.85, probability 0.7
 constexpr double kNear = 3.0;          // [m]
 constexpr int kLeastCells = 50;
+constexpr double kRobotRadius = 0.3;  // [m] of what the robot's middle can get to
 
 /// 255 where nothing is, 0 on true surfaces: walls of the map and the obstacles the map doesn't know.
 cv::Mat free_image(const WorldTruth& world) {
@@ -118,6 +119,30 @@ cv::Mat faces_passed(const cv::Mat& free, const GridGeometry& g, const std::vect
   return passed;
 }
 
+double explored_share(const OccupancyGrid& grid, const WorldTruth& world) {
+  PriorMap furnished = world.walls;
+  const GridGeometry& g = furnished.geometry;
+  const cv::Mat free = free_image(world);
+  for (std::size_t i = 0; i < furnished.cells.size(); ++i) {
+    if (free.data[i] == 0) {
+      furnished.cells[i] = Prior::kOccupied;
+    }
+  }
+  const std::vector<bool> reachable = reachable_cells(furnished, world.start.position(), kRobotRadius);
+  std::int64_t cells = 0;
+  std::int64_t known = 0;
+  for (int row = 0; row < g.rows; ++row) {
+    for (int column = 0; column < g.columns; ++column) {
+      if (reachable[g.index({column, row})]) {
+        ++cells;
+        const Cell cell = grid.geometry.cell_at(g.centre_of({column, row}));
+        known += grid.geometry.contains(cell) && grid.evidence[grid.geometry.index(cell)] <= -kOccupiedEvidence;
+      }
+    }
+  }
+  return cells > 0 ? static_cast<double>(known) / static_cast<double>(cells) : 0.0;
+}
+
 }  // namespace
 
 MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const std::vector<TrailPoint>& trail) {
@@ -154,6 +179,7 @@ MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const st
                    distances.end());
   result.wall_median_m = distances[distances.size() / 2];
   result.free_precision = static_cast<double>(free_right) / static_cast<double>(free_cells);
+  result.explored = explored_share(grid, world);
   cv::Mat to_evidence;
   cv::distanceTransform(evidence, to_evidence, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   const cv::Mat passed = faces_passed(free, fine, trail);

@@ -11,7 +11,8 @@ namespace luminav {
 
 /// Compares the sonars' evidence with the true walls and boxes: median distance of occupied cells' centres to the
 /// nearest true face, from either side, share of wall faces that the robot passed within 3 m in line of sight and that
-/// have evidence within one cell, share of free evidence that is truly free. Not measured when there is hardly any
+/// have evidence within one cell, share of free evidence that is truly free, share of the floor within the robot's
+/// reach that is known to be free. Not measured when there is hardly any
 /// evidence.
 MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const std::vector<TrailPoint>& trail);
 

@@ -57,7 +57,8 @@ ordered_json json_of(const MapResult& map) {
   }
   return {{"wall_median_m", rounded(map.wall_median_m)},
           {"wall_recall", rounded(map.wall_recall)},
-          {"free_precision", rounded(map.free_precision)}};
+          {"free_precision", rounded(map.free_precision)},
+          {"explored", rounded(map.explored)}};
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ struct MapResult {
   double wall_median_m = 0.0;   // distance of occupied evidence to the nearest true surface
   double wall_recall = 0.0;     // share of wall faces that were near the robot and have evidence within a cell
   double free_precision = 0.0;  // share of free evidence that is truly free
+  double explored = 0.0;        // share of the floor the robot's middle can get to that has free evidence
 };
 
 /// What one run came to; the JSON keys are the field names.

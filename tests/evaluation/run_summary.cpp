@@ -228,6 +228,8 @@ class Summary {
         "wall_recall", [](const RunReport& r) { return r.map.wall_recall; }, mapped);
     put_mean(
         "free_precision", [](const RunReport& r) { return r.map.free_precision; }, mapped);
+    put_mean(
+        "explored", [](const RunReport& r) { return r.map.explored; }, mapped);
   }
 
   /// Per core: CPU time where it was measured, so that other programs on the machine do not count.

@@ -45,8 +45,9 @@ std::string to_text(const RunReport& r) {
                         r.carries_recovered);
   }
   if (r.map.measured) {
-    text += fmt::format("  map: walls {:.3f} m off (median), recall {:.1f} %, free precision {:.1f} %\n",
-                        r.map.wall_median_m, 100.0 * r.map.wall_recall, 100.0 * r.map.free_precision);
+    text += fmt::format(
+        "  map: walls {:.3f} m off (median), recall {:.1f} %, free precision {:.1f} %, {:.0f} % explored\n",
+        r.map.wall_median_m, 100.0 * r.map.wall_recall, 100.0 * r.map.free_precision, 100.0 * r.map.explored);
   }
   for (const ProcessResult& p : r.processes) {
     text += fmt::format("  {:<11} {:5.1f} % of a core, {:5.1f} MB, {} restarts\n", p.name, p.cpu_percent, p.rss_mb,

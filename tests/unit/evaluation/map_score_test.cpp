@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
+
 namespace luminav {
 namespace {
 
@@ -51,6 +54,19 @@ TEST(MapScore, FindsTheWallsThatTheRobotPassed) {
   EXPECT_GT(result.wall_recall, 0.1);  // of left, upper and lower wall only the left one has evidence
   EXPECT_LT(result.wall_recall, 0.6);
   EXPECT_EQ(result.free_precision, 1.0);
+}
+
+TEST(MapScore, SaysHowMuchOfTheFloorIsKnown) {
+  WorldTruth world = room();
+  world.start = {1.5, 2.2, 0.0};
+  OccupancyGrid grid = evidence_at(0.25);
+  EXPECT_EQ(score_map(grid, world, {}).explored, 1.0);
+  for (int row = 0; row < 44; ++row) {
+    std::fill_n(grid.evidence.begin() + static_cast<std::ptrdiff_t>(grid.geometry.index({32, row})), 27, 0);
+  }
+  EXPECT_NEAR(score_map(grid, world, {}).explored, 0.5, 0.02);
+  world.obstacles.push_back({.world_from_obstacle = Pose2{3.2, 2.2, 0.0}, .length = 0.2, .width = 4.2});
+  EXPECT_NEAR(score_map(grid, world, {}).explored, 1.0, 0.02) << "what is behind cannot be got to";
 }
 
 TEST(MapScore, MeasuresNothingWithoutEvidence) {
