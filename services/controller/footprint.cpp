@@ -20,7 +20,10 @@ Footprint::Footprint(const std::vector<Eigen::Vector2d>& corners) {
   if (corners.size() < 3) {
     throw std::invalid_argument("footprint: must have at least three corners");
   }
+  box_low_ = box_high_ = corners.front();
   for (std::size_t i = 0; i < corners.size(); ++i) {
+    box_low_ = box_low_.cwiseMin(corners[i]);
+    box_high_ = box_high_.cwiseMax(corners[i]);
     Edge edge;
     edge.start = corners[i];
     const Eigen::Vector2d step = corners[(i + 1) % corners.size()] - corners[i];

@@ -24,23 +24,26 @@ double free_way(double direction, double most, std::span<const ObstaclePoint> ob
 
 double choose_free_heading(double wish, double needed, std::optional<double> last,
                            std::span<const ObstaclePoint> obstacles, const FreeHeadingParams& params) {
+  const auto cost_of = [&](int i, double missing) {
+    const double direction = wish + i * params.step;
+    const bool is_another = last && std::abs(wrap_angle(direction - *last)) > params.steadiness;
+    return std::abs(i * params.step) + params.price * missing + (is_another ? params.steadiness : 0.0);
+  };
+  const double cost_of_wish = cost_of(0, needed - free_way(wish, needed, obstacles, params));
+  if (cost_of_wish + 1e-9 < params.step && params.steadiness >= 0.0) {
+    return wrap_angle(wish);  // the next one beside it is dearer even when it is free
+  }
   // what is farther off shortens no way of the length needed, whatever the direction
   const double ahead = std::max(0.0, needed + params.nose);
   const double reach_squared = 1.000001 * (ahead * ahead + params.half_width * params.half_width);
   std::vector<ObstaclePoint> near;
   std::copy_if(obstacles.begin(), obstacles.end(), std::back_inserter(near),
                [&](const ObstaclePoint& obstacle) { return obstacle.position.squaredNorm() < reach_squared; });
-  const auto cost_of = [&](int i, double missing) {
-    const double direction = wish + i * params.step;
-    const bool is_another = last && std::abs(wrap_angle(direction - *last)) > params.steadiness;
-    return std::abs(i * params.step) + params.price * missing + (is_another ? params.steadiness : 0.0);
-  };
   const auto cost_at = [&](int i) {
     return cost_of(i, needed - free_way(wish + i * params.step, needed, near, params));
   };
   const int steps = static_cast<int>(params.widest / params.step);
   // a heading that is dearer than the wish even when it is free need not be looked at: mostly that is nearly all
-  const double cost_of_wish = cost_at(0);
   double best = wish;
   double best_cost = 1e9;
   for (int i = -steps; i <= steps; ++i) {

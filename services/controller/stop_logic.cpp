@@ -68,23 +68,24 @@ const ObstaclePoint* StopLogic::first_in_the_way(const DriveTwist& twist, double
   std::optional<double> room;
   const ObstaclePoint* first = nullptr;
   int first_step = steps + 1;
+  const double swept = footprint_.swept_radius() + corner_speed * duration;
+  const double sweep_known = swept + params_.known_margin;
+  const double sweep_unknown = swept + params_.margin;
   for (const ObstaclePoint& obstacle : obstacles) {
+    const double own_way = obstacle.approach * (obstacle.age + until_still);
+    const double sweep = (obstacle.is_known ? sweep_known : sweep_unknown) + own_way;
+    if (obstacle.position.squaredNorm() > sweep * sweep) {
+      continue;
+    }
     const double whole_margin = obstacle.is_known ? params_.known_margin : params_.margin;
-    const auto is_out_of_reach = [&](double margin) {
-      const double sweep = footprint_.swept_radius() + corner_speed * duration + margin +
-                           obstacle.approach * (obstacle.age + until_still);
-      return obstacle.position.squaredNorm() > sweep * sweep;
-    };
-    if (is_out_of_reach(whole_margin)) {
+    // no point of the outline moves farther than its fastest corner
+    if (footprint_.is_surely_beyond(obstacle.position, corner_speed * duration + whole_margin + own_way)) {
       continue;
     }
     if (!room) {
       room = clearance(obstacles);
     }
     const double margin = std::min(*room, whole_margin);
-    if (is_out_of_reach(margin)) {
-      continue;
-    }
     for (int i = 0; i < std::min(steps, first_step); ++i) {
       if (end_from_start.size() <= static_cast<std::size_t>(i)) {
         end_from_start.emplace_back(drive_arc(twist, duration * (i + 1) / steps).inverse());

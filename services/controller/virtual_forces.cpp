@@ -21,8 +21,9 @@ VirtualForce virtual_force(const Eigen::Vector2d& goal_in_robot, std::span<const
   const double reach = footprint.swept_radius() + params.influence;
   const double surely_outside = (1.0 + 1e-12) * reach * reach;
   for (const ObstaclePoint& obstacle : obstacles) {
-    if (obstacle.position.squaredNorm() > surely_outside) {
-      continue;
+    if (obstacle.position.squaredNorm() > surely_outside ||
+        footprint.is_surely_beyond(obstacle.position, params.influence)) {
+      continue;  // it would push with nothing
     }
     const double distance = obstacle.position.norm();
     if (distance > reach || distance < 1e-6) {
