@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
+#include <tuple>
 
 #include "services/common/geometry/rounding.hpp"
 #include "services/common/geometry/vector_clones.hpp"
@@ -23,7 +25,8 @@ std::int8_t lowered(std::int8_t cell, std::int8_t vote, std::int8_t least) {
 }
 
 /// Takes a vote from `count` cells, not below `least`; what lies below already stays. `end` is where the grid ends.
-void lower(std::int8_t* cells, std::ptrdiff_t count, std::int8_t vote, std::int8_t least, const std::int8_t* end) {
+inline void lower(std::int8_t* cells, std::ptrdiff_t count, std::int8_t vote, std::int8_t least,
+                  const std::int8_t* end) {
   constexpr Lanes kLane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
   const auto lanes = static_cast<std::ptrdiff_t>(kLanes);
   const Lanes votes = Lanes{} + vote;
@@ -119,12 +122,14 @@ struct ArcSamples {
   std::array<double, kArcChunk> x;  // unit vector before, place [cells] afterwards
   std::array<double, kArcChunk> y;
   std::array<double, kArcChunk> weight;
-  std::array<double, kArcChunk> slice;
+  std::array<int, kArcChunk> slice;
+  std::array<int, kArcChunk> column;  // of places within the grid
+  std::array<int, kArcChunk> row;
 };
 
-/// Samples `from` on, counted from the axis.
+/// Samples `from` on, counted from the axis; of those within the grid their cells, too.
 LUMINAV_VECTOR_CLONES
-void sample_arc(const ArcSampling& arc, int from, int count, ArcSamples& samples) {
+void sample_arc(const ArcSampling& arc, int from, int count, bool are_inside, ArcSamples& samples) {
   for (int k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(k);
     samples.x[i] = arc.apex_x + arc.range * samples.x[i];
@@ -133,7 +138,13 @@ void sample_arc(const ArcSampling& arc, int from, int count, ArcSamples& samples
     const double beside = std::abs(offset) / arc.half_angle;
     const double share = beside < 1.0 ? beside : 1.0;
     samples.weight[i] = 1.0 - (1.0 - arc.edge_weight) * share * share;
-    samples.slice[i] = (offset + arc.half_angle) / (2.0 * arc.half_angle) * kSlices;
+    const int slice = static_cast<int>((offset + arc.half_angle) / (2.0 * arc.half_angle) * kSlices);
+    samples.slice[i] = std::min(std::max(slice, 0), kSlices - 1);
+  }
+  for (int k = 0; are_inside && k < count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    samples.column[i] = static_cast<int>(samples.x[i]);
+    samples.row[i] = static_cast<int>(samples.y[i]);
   }
 }
 
@@ -163,10 +174,14 @@ std::int8_t to_evidence(double log_odds) {
   return static_cast<std::int8_t>(std::clamp(std::lround(log_odds * kEvidencePerLogOdds), -127L, 127L));
 }
 
-void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, double from_angle, double to_angle,
-                 double radius, CellSpans& spans) {
-  // corners in cells, so that the centre of cell (c, r) is (c, r)
-  std::array<Eigen::Vector2d, kArcCorners + 1> corners;
+namespace {
+
+using Corners = std::array<Eigen::Vector2d, kArcCorners + 1>;
+
+/// Apex and corners of a sector [cells], counter-clockwise, so that the centre of cell (c, r) is (c, r).
+Corners corners_of_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, double from_angle, double to_angle,
+                          double radius) {
+  Corners corners;
   const auto to_cells = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
     return (p - geometry.origin) / geometry.resolution - Eigen::Vector2d(0.5, 0.5);
   };
@@ -176,19 +191,31 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
     corners[i] = to_cells(apex + radius * Eigen::Vector2d(direction.x(), direction.y()));
     direction.advance();
   }
+  return corners;
+}
+
+/// Rows that a sector reaches into, clipped to the grid.
+struct RowRange {
+  int first = 0;
+  int last = -1;
+};
+RowRange rows_of(const Corners& corners, int rows) {
   double bottom = corners[0].y();
   double top = corners[0].y();
   for (const auto& corner : corners) {
     bottom = std::min(bottom, corner.y());
     top = std::max(top, corner.y());
   }
-  const int first_row = std::max(0, ceil_to_int(std::clamp(bottom, -1.0, 1e6)));
-  const int last_row = std::min(geometry.rows - 1, floor_to_int(std::clamp(top, -1.0, 1e6)));
-  const auto rows = static_cast<std::size_t>(std::max(0, last_row - first_row + 1));
-  spans.first_row = first_row;
-  spans.first.assign(rows, geometry.columns);
-  spans.last.assign(rows, -1);
-  if (rows == 0) {
+  return {std::max(0, ceil_to_int(std::clamp(bottom, -1.0, 1e6))),
+          std::min(rows - 1, floor_to_int(std::clamp(top, -1.0, 1e6)))};
+}
+
+void cut_sector(const Corners& corners, const RowRange& rows, int columns, CellSpans& spans) {
+  const auto count = static_cast<std::size_t>(std::max(0, rows.last - rows.first + 1));
+  spans.first_row = rows.first;
+  spans.first.assign(count, columns);
+  spans.last.assign(count, -1);
+  if (count == 0) {
     return;
   }
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -201,11 +228,111 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
       continue;
     }
     const double slope = (high.x() - low.x()) / rise;
-    const int from = std::max(first_row, ceil_to_int(std::clamp(low.y(), -1.0, 1e6)));
-    const int to = std::min(last_row, floor_to_int(std::clamp(high.y(), -1.0, 1e6)));
-    cut_rows({low.x(), low.y(), slope}, from, to, geometry.columns, spans.first.data() - first_row,
-             spans.last.data() - first_row);
+    const int from = std::max(rows.first, ceil_to_int(std::clamp(low.y(), -1.0, 1e6)));
+    const int to = std::min(rows.last, floor_to_int(std::clamp(high.y(), -1.0, 1e6)));
+    cut_rows({low.x(), low.y(), slope}, from, to, columns, spans.first.data() - rows.first,
+             spans.last.data() - rows.first);
   }
+}
+
+constexpr int kMostRows = 250;  // of a sector that is cut without a list
+constexpr int kRowsAtOnce = 4;
+/// Columns where a sector begins and ends in each row; the vectors reach beyond the last one.
+struct SectorColumns {
+  std::array<int, kMostRows + kRowsAtOnce> first;
+  std::array<int, kMostRows + kRowsAtOnce> last;
+};
+
+/// The same as `cut_sector` for a sector of so few rows whose corners all lie within the grid, clear of the rows'
+/// middles: there one edge begins each row and one ends it, and those are the innermost of all edges, since a sector is
+/// convex. Nothing depends on where the corners lie, so that no branch has to be guessed.
+LUMINAV_VECTOR_CLONES
+void cut_inner_sector(const Corners& corners, const RowRange& rows, SectorColumns& columns) {
+  using Doubles = double __attribute__((vector_size(kRowsAtOnce * sizeof(double))));
+  using Longs = std::int64_t __attribute__((vector_size(kRowsAtOnce * sizeof(std::int64_t))));
+  using Ints = int __attribute__((vector_size(kRowsAtOnce * sizeof(int))));
+  constexpr std::size_t kCount = std::tuple_size_v<Corners>;
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  struct Line {
+    double low_x;
+    double low_y;
+    double slope;
+    double for_first;  // added where it should begin rows, 0 if it does
+    double for_last;
+  };
+  std::array<Line, kCount> lines;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const Eigen::Vector2d& a = corners[i];
+    const Eigen::Vector2d& b = corners[i + 1 == kCount ? 0 : i + 1];
+    const bool is_last = a.y() < b.y();  // counter-clockwise: upwards on the right
+    const bool is_first = b.y() < a.y();
+    const Eigen::Vector2d& low = is_last ? a : b;
+    const Eigen::Vector2d& high = is_last ? b : a;
+    lines[i] = {low.x(), low.y(), (high.x() - low.x()) / (high.y() - low.y()), is_first ? 0.0 : -kFar,
+                is_last ? 0.0 : kFar};
+  }
+  for (int row = rows.first; row <= rows.last; row += kRowsAtOnce) {
+    const Ints each = Ints{} + row + Ints{0, 1, 2, 3};
+    const Doubles y = __builtin_convertvector(each, Doubles);
+    Doubles first = Doubles{} - 2.0;
+    Doubles last = Doubles{} + 1e9;
+    for (const Line& line : lines) {
+      const Doubles x = line.low_x + line.slope * (y - line.low_y);
+      // a level edge counts on neither side, whatever it gives
+      const Doubles begin = x + line.for_first;
+      const Doubles end = x + line.for_last;
+      first = begin > first ? begin : first;
+      last = end < last ? end : last;
+    }
+    // inside the grid nothing is negative, so that cutting rounds down; -1 where a comparison holds
+    const Ints cut = __builtin_convertvector(first, Ints);
+    const Longs is_beyond = static_cast<Longs>(first > __builtin_convertvector(cut, Doubles));
+    const Ints up = cut - __builtin_convertvector(is_beyond, Ints);
+    const Ints down = __builtin_convertvector(last, Ints);
+    const auto i = static_cast<std::size_t>(row - rows.first);
+    std::memcpy(columns.first.data() + i, &up, sizeof(up));
+    std::memcpy(columns.last.data() + i, &down, sizeof(down));
+  }
+}
+
+/// May `cut_inner_sector` take it?
+bool is_plain(const Corners& corners, const RowRange& rows, const GridGeometry& geometry) {
+  bool is_plain = rows.last - rows.first < kMostRows;
+  for (const auto& corner : corners) {
+    const double from_row = corner.y() - static_cast<int>(std::clamp(corner.y(), -1.0, 1e6));
+    is_plain = is_plain & (corner.x() >= 0.001) & (corner.y() >= 0.0) & (corner.x() <= geometry.columns - 1.001) &
+               (corner.y() <= geometry.rows - 1.0) & (from_row > 1e-6) & (from_row < 1.0 - 1e-6);
+  }
+  return is_plain;
+}
+
+/// A sector to be drawn: in each of its rows the first and the last column.
+struct SectorRows {
+  const int* first;
+  const int* last;
+  int first_row;
+  int last_row;
+};
+
+LUMINAV_VECTOR_CLONES
+void lower_rows(std::vector<std::int8_t>& evidence, const GridGeometry& geometry, const SectorRows& rows,
+                std::int8_t vote, std::int8_t least) {
+  const std::int8_t* const end = evidence.data() + evidence.size();
+  for (int row = rows.first_row; row <= rows.last_row; ++row) {
+    const int first = rows.first[row - rows.first_row];
+    const int count = rows.last[row - rows.first_row] - first + 1;
+    if (count > 0) {
+      lower(evidence.data() + geometry.index({first, row}), count, vote, least, end);
+    }
+  }
+}
+
+}  // namespace
+
+void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, double from_angle, double to_angle,
+                 double radius, CellSpans& spans) {
+  const Corners corners = corners_of_sector(geometry, apex, from_angle, to_angle, radius);
+  cut_sector(corners, rows_of(corners, geometry.rows), geometry.columns, spans);
 }
 
 FreeSpaceModel::FreeSpaceModel(const SonarModelParams& params) : params_(params) {
@@ -271,14 +398,21 @@ void FreeSpaceModel::sector(const GridGeometry& geometry, const Pose2& apex, dou
     if (to <= from || range <= 0.0) {
       continue;
     }
-    fill_sector(geometry, apex.position(), apex.theta + from, apex.theta + to, range, spans_);
-    for (std::size_t k = 0; k < spans_.first.size(); ++k) {
-      const int count = spans_.last[k] - spans_.first[k] + 1;
-      if (count > 0) {
-        const std::size_t start = geometry.index({spans_.first[k], spans_.first_row + static_cast<int>(k)});
-        lower(evidence.data() + start, count, vote, least, evidence.data() + evidence.size());
-      }
+    const Corners corners = corners_of_sector(geometry, apex.position(), apex.theta + from, apex.theta + to, range);
+    const RowRange rows = rows_of(corners, geometry.rows);
+    const int* firsts;
+    const int* lasts;
+    SectorColumns columns;
+    if (is_plain(corners, rows, geometry)) {
+      cut_inner_sector(corners, rows, columns);
+      firsts = columns.first.data();
+      lasts = columns.last.data();
+    } else {
+      cut_sector(corners, rows, geometry.columns, spans_);
+      firsts = spans_.first.data();
+      lasts = spans_.last.data();
     }
+    lower_rows(evidence, geometry, {firsts, lasts, rows.first, rows.last}, vote, least);
   }
 }
 
@@ -342,8 +476,22 @@ void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry,
   Direction direction(reading.world_from_sonar.theta - half, half / steps);
   const ArcSampling sampling{apex.x(), apex.y(), in_cells, half, params.half_angle, params.edge_weight, steps};
   cells.resize(2 * static_cast<std::size_t>(steps) + 1);
+  // the whole circle within the grid: no sample needs to be asked
+  const double around = in_cells + 1.0;
+  const bool are_inside =
+      is_inside(apex - Eigen::Vector2d(around, around)) && is_inside(apex + Eigen::Vector2d(around, around));
   ArcCell* last = cells.data() - 1;
   ArcCell cell{{-1, -1}, 0, 0.0};
+  const auto take = [&](const Cell& at, int slice, double weight) {
+    // without branches: nobody guesses which sample is the first of its cell
+    const bool is_new = ((at.column ^ cell.cell.column) | (at.row ^ cell.cell.row)) != 0;
+    const std::array<double, 2> weight_before{cell.weight, -std::numeric_limits<double>::infinity()};
+    last += is_new ? 1 : 0;
+    cell.cell = at;
+    cell.slice = is_new ? slice : cell.slice;
+    cell.weight = std::max(weight_before[is_new ? 1 : 0], weight);
+    *last = cell;
+  };
   ArcSamples samples;
   for (int from = -steps; from <= steps; from += kArcChunk) {
     const int count = std::min(kArcChunk, steps - from + 1);
@@ -351,19 +499,13 @@ void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry,
       samples.x[k] = direction.x();
       samples.y[k] = direction.y();
     }
-    sample_arc(sampling, from, count, samples);
+    sample_arc(sampling, from, count, are_inside, samples);
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
-      if (!is_inside({samples.x[k], samples.y[k]})) {
-        continue;
+      if (are_inside) {
+        take({samples.column[k], samples.row[k]}, samples.slice[k], samples.weight[k]);
+      } else if (is_inside({samples.x[k], samples.y[k]})) {
+        take({static_cast<int>(samples.x[k]), static_cast<int>(samples.y[k])}, samples.slice[k], samples.weight[k]);
       }
-      const Cell at{static_cast<int>(samples.x[k]), static_cast<int>(samples.y[k])};
-      const bool is_new = ((at.column ^ cell.cell.column) | (at.row ^ cell.cell.row)) != 0;
-      const int slice = std::clamp(floor_to_int(samples.slice[k]), 0, kSlices - 1);
-      last += is_new ? 1 : 0;
-      cell.cell = at;
-      cell.slice = is_new ? slice : cell.slice;
-      cell.weight = is_new ? samples.weight[k] : std::max(cell.weight, samples.weight[k]);
-      *last = cell;
     }
   }
   cells.resize(static_cast<std::size_t>(last + 1 - cells.data()));
