@@ -23,7 +23,8 @@ Controller::Controller(const ControllerConfig& config)
     : config_(config),
       stop_logic_(config.robot, config.stop_logic),
       follower_(config.follower, stop_logic_),
-      wander_(config.wander, config.robot.sonar, stop_logic_),
+      wander_(config.wander, config.robot.sonar, stop_logic_,
+              CeilingForecast(config.building, config.walls, config.view_radius(), config.wall_clearance)),
       progress_(config.progress),
       ramp_(config.robot.limits, config.jerk) {}
 
@@ -196,7 +197,8 @@ DriveTwist Controller::wish(const ControlInput& input, const std::vector<Obstacl
     return escape_twist(input.now).value_or(DriveTwist{});
   }
   if (input.task == ControlTask::kWander) {
-    return wander_.step({input.now, input.odom_from_robot, obstacles, input.remembered, input.firings});
+    return wander_.step(
+        {input.now, input.odom_from_robot, obstacles, input.remembered, input.firings, input.alternatives});
   }
   return output.follow.wanted;
 }

@@ -42,9 +42,10 @@ struct ControlInput {
   std::optional<Pose2> world_from_robot;  // only while TRACKING
   const OccupancyGrid* grid = nullptr;    // nothing received yet: nullptr
   DriveTwist teleoperation;
-  std::vector<ObstaclePoint> echoes;      // robot frame
-  std::vector<ObstaclePoint> remembered;  // echoes with a longer memory, for choosing a way while wandering
-  std::vector<SonarFiring> firings;       // newest of each disc, while wandering
+  std::vector<ObstaclePoint> echoes;          // robot frame
+  std::vector<ObstaclePoint> remembered;      // echoes with a longer memory, for choosing a way while wandering
+  std::vector<SonarFiring> firings;           // newest of each disc, while wandering
+  std::vector<PoseAlternative> alternatives;  // poses that are possible, while wandering
   SenseAges ages;
 };
 

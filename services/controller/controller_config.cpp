@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "services/common/building/map_file.hpp"
+#include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/controller/footprint.hpp"
 
@@ -28,7 +30,14 @@ ControllerConfig ControllerConfig::for_robot(const RobotDescription& robot) {
   return config;
 }
 
-ControllerConfig read_controller_config(const std::filesystem::path& robot_file) {
+double ControllerConfig::view_radius() const {
+  const CameraIntrinsics& lens = robot.camera.intrinsics;
+  const double height = std::max(0.2, building.ceiling_height - robot.camera.mounting.z);
+  return 1.2 * 0.5 * height * std::min(lens.width / lens.fx, lens.height / lens.fy);
+}
+
+ControllerConfig read_controller_config(const std::filesystem::path& robot_file,
+                                        const std::filesystem::path& building_file) {
   const TomlTable root = TomlTable::load(robot_file);
   ControllerConfig config = ControllerConfig::for_robot(read_robot(root));
   const TomlTable table = root.table("controller");
@@ -52,6 +61,10 @@ ControllerConfig read_controller_config(const std::filesystem::path& robot_file)
   config.patience = table.number("patience", config.patience, {0.5, 60.0});
   config.stuck_after = table.number("stuck_after", config.stuck_after, {1.0, 60.0});
   table.reject_unknown();
+  if (!building_file.empty()) {
+    config.building = read_building(building_file);
+    config.walls = config.building.map_file.empty() ? PriorMap{} : resample(read_map(config.building.map_file), 0.1);
+  }
   return config;
 }
 

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "services/common/building/building.hpp"
+#include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/controller/echo_memory.hpp"
 #include "services/controller/local_map.hpp"
@@ -16,6 +18,8 @@ namespace luminav {
 /// Everything the controller is told: the robot, and table [controller] of its file.
 struct ControllerConfig {
   RobotDescription robot;
+  Building building;  // without fixtures: a robot that does not know where it is searches by sonar alone
+  PriorMap walls;     // of its map, empty = none
   EchoMemoryParams echo_memory;
   TouchMemoryParams touch_memory;
   StopLogicParams stop_logic;
@@ -47,12 +51,18 @@ struct ControllerConfig {
   double news_age = 0.5;              // [s] since it was heard; a newer firing has the say then
   double hold_within = 0.35;          // [m] of something that no map has and that stops it: stands quite still
   double hold_pause = 1.0;            // [s] after that it tries by itself
+  double wall_clearance = 0.28;       // [m] from the building's walls to where the robot's middle may be
 
   /// A configuration whose speeds follow the robot's limits.
   static ControllerConfig for_robot(const RobotDescription& robot);
+  /// From how far [m] along the floor the camera may see a fixture, whatever its heading: a little more than to the
+  /// nearer border of its image.
+  [[nodiscard]] double view_radius() const;
 };
 
 /// Reads the robot's file with its table [controller] strictly. Throws ConfigurationError.
-ControllerConfig read_controller_config(const std::filesystem::path& robot_file);
+/// With a building's file it searches by what that foretells.
+ControllerConfig read_controller_config(const std::filesystem::path& robot_file,
+                                        const std::filesystem::path& building_file = {});
 
 }  // namespace luminav

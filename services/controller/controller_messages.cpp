@@ -8,6 +8,7 @@ namespace luminav {
 namespace {
 
 constexpr std::size_t kMostPathPoints = 20'000;
+constexpr std::size_t kMostAlternatives = 10'000;
 
 }  // namespace
 
@@ -34,6 +35,27 @@ std::optional<FollowedPath> path_of(const path_t& message, std::string& why) {
     path.points.emplace_back(message.x[i], message.y[i]);
   }
   return path;
+}
+
+std::optional<std::vector<PoseAlternative>> alternatives_of(const hypotheses_t& message, const Pose2& odom_from_robot,
+                                                            std::string& why) {
+  const auto count = static_cast<std::size_t>(std::max(0, message.count));
+  if (count > kMostAlternatives || message.x.size() < count || message.y.size() < count ||
+      message.theta.size() < count || message.weight.size() < count) {
+    why = "HYPOTHESES: impossible size";
+    return std::nullopt;
+  }
+  std::vector<PoseAlternative> alternatives;
+  alternatives.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!all_finite({message.x[i], message.y[i], message.theta[i], message.weight[i]}) || message.weight[i] < 0.0F) {
+      why = "HYPOTHESES: a pose or weight that cannot be";
+      return std::nullopt;
+    }
+    const Pose2 world_from_robot{message.x[i], message.y[i], wrap_angle(message.theta[i])};
+    alternatives.push_back({world_from_robot * odom_from_robot.inverse(), message.weight[i]});
+  }
+  return alternatives;
 }
 
 control_status_t status_of(const ControlOutput& output, const FollowedPath& path) {

@@ -41,6 +41,7 @@ ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config)
   subscriber_.on(channels::kNavigationStatus, &ControllerNode::on_navigation_status, this);
   subscriber_.on(channels::kGridTile, &ControllerNode::on_grid_tile, this);
   subscriber_.on(channels::kPose, &ControllerNode::on_pose, this);
+  subscriber_.on(channels::kHypotheses, &ControllerNode::on_hypotheses, this);
   subscriber_.on(channels::kOdometry, &ControllerNode::on_odometry, this);
   subscriber_.on(channels::kSonar, &ControllerNode::on_sonar, this);
   subscriber_.on(channels::kRobotStatus, &ControllerNode::on_robot_status, this);
@@ -101,7 +102,20 @@ void ControllerNode::on_pose(const pose_t& message) {
   pose_ = message;
 }
 
+void ControllerNode::on_hypotheses(const hypotheses_t& message) {
+  std::string why;
+  const std::optional<Pose2> place = odom_from_robot_at(message.utime);
+  const std::optional<std::vector<PoseAlternative>> alternatives =
+      alternatives_of(message, place.value_or(Pose2{}), why);
+  if (!alternatives) {
+    subscriber_.drop(why);
+    return;
+  }
+  alternatives_ = place ? *alternatives : std::vector<PoseAlternative>{};
+}
+
 void ControllerNode::restart_odometry(std::int64_t session) {
+  alternatives_.clear();
   odometry_.clear();
   echoes_.clear();
   touches_.clear();
@@ -347,6 +361,7 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
       input.echoes = echoes_.obstacles_without_map(utime, *place);
       input.remembered = echoes_.remembered(utime, *place);
       input.firings = echoes_.newest();
+      input.alternatives = alternatives_;
       touches_.append(utime, *place, input.remembered);
     }
     touches_.append(utime, *place, input.echoes);

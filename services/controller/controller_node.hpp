@@ -4,6 +4,7 @@
 #include <deque>
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/grid_tile_t.hpp>
+#include <luminav/hypotheses_t.hpp>
 #include <luminav/navigation_status_t.hpp>
 #include <luminav/odometry_t.hpp>
 #include <luminav/path_t.hpp>
@@ -39,6 +40,7 @@ class ControllerNode {
   void on_navigation_status(const navigation_status_t& message);
   void on_grid_tile(const grid_tile_t& message);
   void on_pose(const pose_t& message);
+  void on_hypotheses(const hypotheses_t& message);
   void on_odometry(const odometry_t& message);
   void on_sonar(const sonar_t& message);
   void on_robot_status(const robot_status_t& message);
@@ -74,6 +76,7 @@ class ControllerNode {
   StampGuard status_guard_;
   std::deque<odometry_t> odometry_;  // the last second, oldest first
   std::optional<pose_t> pose_;
+  std::vector<PoseAlternative> alternatives_;  // of the newest HYPOTHESES
   std::optional<navigation_status_t> navigation_;
   std::int64_t navigation_heard_ = 0;  // [us] newest tick when it came
   std::optional<robot_status_t> status_;

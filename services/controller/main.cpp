@@ -6,14 +6,17 @@
 int main(int argc, char** argv) {
   return luminav::run_guarded("controller", [&] {
     std::string robot_file;
+    std::string building_file;
     std::string url;
     std::string state;
     luminav::CommandLine command_line("controller", "Drives the robot along a path and never into anything.");
-    command_line.robot_file(robot_file).lcm_url(url).state_folder(state);
+    command_line.robot_file(robot_file)
+        .text("--building", building_file, "building file (TOML): a lost robot searches by what it foretells");
+    command_line.lcm_url(url).state_folder(state);
     if (const auto status = command_line.parse(argc, argv)) {
       return *status;
     }
-    const luminav::ControllerConfig config = luminav::read_controller_config(robot_file);
+    const luminav::ControllerConfig config = luminav::read_controller_config(robot_file, building_file);
     const auto lcm = luminav::open_lcm(url);
     luminav::ControllerNode node(*lcm, config);
     luminav::receive_only(*lcm, url, node.channels());

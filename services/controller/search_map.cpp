@@ -148,6 +148,34 @@ void SearchMap::add(const SonarFiring& firing) {
   }
 }
 
+bool SearchMap::is_near_trail(const Eigen::Vector2d& place) const {
+  const int index = origin_ ? index_of(place) : -1;
+  return index >= 0 && cells_[static_cast<std::size_t>(index)].is_seen;
+}
+
+Ground SearchMap::ground_at(const Eigen::Vector2d& place) const {
+  const int index = origin_ ? index_of(place) : -1;
+  const std::int8_t occupied = index < 0 ? std::int8_t{0} : cells_[static_cast<std::size_t>(index)].occupied;
+  return occupied >= kStands ? Ground::kStands : occupied < 0 ? Ground::kFree : Ground::kUnknown;
+}
+
+bool SearchMap::stands_within(const Eigen::Vector2d& place, double radius) const {
+  const int centre = origin_ ? index_of(place) : -1;
+  if (centre < 0) {
+    return false;
+  }
+  const int reach = static_cast<int>(radius / params_.cell);
+  for (int row = -reach; row <= reach; ++row) {
+    for (int column = -reach; column <= reach; ++column) {
+      if (std::hypot(row, column) * params_.cell <= radius &&
+          cells_[static_cast<std::size_t>(centre + row * columns_ + column)].occupied >= kStands) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 std::optional<std::vector<Eigen::Vector2d>> SearchMap::way_to_new_ground(const Eigen::Vector2d& place) const {
   if (!origin_) {
     return std::nullopt;

@@ -23,6 +23,9 @@ struct SearchMapParams {
   double blocked_around = 0.5;  // [m] around a place that it could not reach
 };
 
+/// What the sonars say of a place.
+enum class Ground { kUnknown, kFree, kStands };
+
 /// What the sonars tell of the surroundings in the odometry frame, coarsely, and where the robot has been: says the way
 /// to the nearest free ground that it has not been near. That leads through a room, out by its door and on.
 class SearchMap {
@@ -38,6 +41,12 @@ class SearchMap {
   void block(const Eigen::Vector2d& place);
   /// Way to the nearest new ground [m, odom], from the robot on; nothing if all that can be reached is known.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> way_to_new_ground(const Eigen::Vector2d& place) const;
+
+  /// It has been near [m, odom], or knows that it cannot go there.
+  [[nodiscard]] bool is_near_trail(const Eigen::Vector2d& place) const;
+  [[nodiscard]] Ground ground_at(const Eigen::Vector2d& place) const;
+  /// Something stands within `radius` [m] of a place; outside of the map nothing does.
+  [[nodiscard]] bool stands_within(const Eigen::Vector2d& place, double radius) const;
 
  private:
   struct Cell {

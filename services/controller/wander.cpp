@@ -103,13 +103,18 @@ void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_ro
   }
 }
 
-void Wander::plan(std::int64_t now, const Pose2& odom_from_robot) {
+void Wander::plan(const WanderInput& input) {
+  const std::int64_t now = input.now;
   if (planned_ != 0 && seconds_between(planned_, now) < params_.plan_every) {
     return;
   }
   planned_ = now;
-  const Eigen::Vector2d place = odom_from_robot.position();
-  auto way = map_.way_to_new_ground(place);
+  const Eigen::Vector2d place = input.odom_from_robot.position();
+  auto way = disambiguation_.way(place, input.alternatives, map_,
+                                 way_.empty() ? std::nullopt : std::optional<Eigen::Vector2d>(way_.back()));
+  if (!way && driven_ > params_.look_around) {
+    way = map_.way_to_new_ground(place);
+  }
   if (!way) {
     way_.clear();
     return;
@@ -137,9 +142,7 @@ DriveTwist Wander::step(const WanderInput& input) {
   visits_[square_at(place)] += duration;
   map_.visit(place);
   map_.add(input.firings);
-  if (driven_ > params_.look_around) {
-    plan(input.now, input.odom_from_robot);
-  }
+  plan(input);
   return way_.empty() ? explore(duration, input) : follow_way(duration, input);
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "services/controller/disambiguation.hpp"
 #include "services/controller/free_heading.hpp"
 #include "services/controller/search_map.hpp"
 #include "services/controller/stop_logic.hpp"
@@ -33,25 +34,31 @@ struct WanderParams {
   FreeHeadingParams free_heading{.half_width = 0.28};
   VirtualForceParams forces;
   SearchMapParams map;
+  DisambiguationParams disambiguation;
 };
 
 /// What wandering goes by.
 struct WanderInput {
   std::int64_t now = 0;  // [us]
   Pose2 odom_from_robot;
-  std::span<const ObstaclePoint> obstacles;   // robot frame, fresh: steering goes by them
-  std::span<const ObstaclePoint> remembered;  // robot frame: directions are chosen by them
-  std::span<const SonarFiring> firings;       // newest of each disc
+  std::span<const ObstaclePoint> obstacles;       // robot frame, fresh: steering goes by them
+  std::span<const ObstaclePoint> remembered;      // robot frame: directions are chosen by them
+  std::span<const SonarFiring> firings;           // newest of each disc
+  std::span<const PoseAlternative> alternatives;  // poses that are possible
 };
 
-/// Covers ground by sonar alone, until the localizer knows where it is: drives to the nearest free ground that it has
+/// Covers ground until the localizer knows where it is: drives to where the possible poses foretell different things,
+/// and where nothing tells them apart by sonar alone to the nearest free ground that it has
 /// not been near, out by the door once a room is known. Where there is none it drives towards the direction with the
 /// most unvisited free way, remembers in the odometry frame where it has been and which directions led nowhere.
 /// Deterministic.
 class Wander {
  public:
-  Wander(const WanderParams& params, const SonarRing& ring, const StopLogic& stop_logic)
-      : params_(params), stop_logic_(stop_logic), map_(ring, params.map) {}
+  Wander(const WanderParams& params, const SonarRing& ring, const StopLogic& stop_logic, CeilingForecast forecast)
+      : params_(params),
+        stop_logic_(stop_logic),
+        map_(ring, params.map),
+        disambiguation_(std::move(forecast), params.disambiguation) {}
 
   /// Only a wish; the stop logic has the last word.
   DriveTwist step(const WanderInput& input);
@@ -70,7 +77,7 @@ class Wander {
   [[nodiscard]] Square square_at(const Eigen::Vector2d& place) const;
   [[nodiscard]] double worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
                              std::span<const ObstaclePoint> obstacles) const;
-  void plan(std::int64_t now, const Pose2& odom_from_robot);
+  void plan(const WanderInput& input);
   [[nodiscard]] DriveTwist follow_way(double duration, const WanderInput& input);
   [[nodiscard]] DriveTwist explore(double duration, const WanderInput& input);
   [[nodiscard]] DriveTwist steer(double direction, double duration, const WanderInput& input);
@@ -83,6 +90,7 @@ class Wander {
   std::map<Square, double> visits_;  // [s] spent there
   std::deque<Failure> failures_;
   SearchMap map_;
+  Disambiguation disambiguation_;
   double driven_ = 0.0;                        // [m]
   std::optional<Eigen::Vector2d> last_place_;  // [m] odom
   std::vector<Eigen::Vector2d> way_;           // [m] odom, to new ground; empty: none that it knows

@@ -40,11 +40,14 @@ void HypothesisBank::clear() {
   null_settled_ = 0.0;
   null_active_ = 0.0;
   best_sonar_ = 0.0;
+  trail_.clear();
 }
 
 void HypothesisBank::advance(const Pose2& delta) {
   const Eigen::Matrix3d noise = odometry_noise_with_systematics(delta, wheel_base_, errors_);
   const double way = std::hypot(delta.x, delta.y);
+  const bool has_stretch = trail_.advance(delta) && walls_.has_walls() && hypotheses_.size() > 1;
+  const std::vector<Eigen::Vector2d> stretch = has_stretch ? trail_.points() : std::vector<Eigen::Vector2d>{};
   way_since_correction_ += way + 0.5 * std::abs(delta.theta);
   for (Hypothesis& hypothesis : hypotheses_) {
     predict(hypothesis.belief, delta, noise);
@@ -54,10 +57,14 @@ void HypothesisBank::advance(const Pose2& delta) {
       const double sigma = std::max(0.05, position_sigma(hypothesis.belief.covariance));
       hypothesis.walls += log_of_normal_tail(room / sigma) * way / params_.wall_way;
     }
+    if (has_stretch) {
+      hypothesis.walls += log_likelihood_of_trail(hypothesis.belief, stretch, walls_);
+    }
   }
 }
 
 void HypothesisBank::bridge(const Pose2& step, const Eigen::Matrix3d& noise) {
+  trail_.clear();
   for (Hypothesis& hypothesis : hypotheses_) {
     predict(hypothesis.belief, step, noise);
     settle_all(hypothesis, params_);

@@ -5,6 +5,7 @@
 
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/ceiling_view.hpp"
+#include "services/localizer/driven_trail.hpp"
 #include "services/localizer/error_model.hpp"
 #include "services/localizer/fixture_map.hpp"
 #include "services/localizer/frame_comparison.hpp"
@@ -66,6 +67,7 @@ class HypothesisBank {
   double null_settled_ = 0.0;
   double null_active_ = 0.0;
   double best_sonar_ = 0.0;
+  DrivenTrail trail_;
   double way_since_correction_ = 0.0;  // [m], turns counted in
   int next_id_ = 1;
   int beginnings_ = 0;

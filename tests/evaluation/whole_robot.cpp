@@ -140,7 +140,8 @@ struct WholeRobot::Parts {
       planner = std::make_unique<PlannerNode>(lcm, config);
     } else if (process == "controller") {
       controller.reset();
-      controller = std::make_unique<ControllerNode>(lcm, read_controller_config(scenario.robot_file));
+      controller =
+          std::make_unique<ControllerNode>(lcm, read_controller_config(scenario.robot_file, scenario.building_file));
     } else {
       throw std::invalid_argument("whole robot: no process " + process);
     }

@@ -95,7 +95,8 @@ ReplayNodes::ReplayNodes(const ReplayNodesConfig& config) : parts_(std::make_uni
     p.planner = std::make_unique<PlannerNode>(p.lcm, read_planner_config(config.robot_file, config.building_file));
   }
   if (config.nodes.contains("controller")) {
-    p.controller = std::make_unique<ControllerNode>(p.lcm, read_controller_config(config.robot_file));
+    p.controller =
+        std::make_unique<ControllerNode>(p.lcm, read_controller_config(config.robot_file, config.building_file));
   }
 }
 

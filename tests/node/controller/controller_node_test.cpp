@@ -159,9 +159,9 @@ TEST_F(ControllerNodeTest, DropsAndCountsWhatMakesNoSense) {
   drive_off();
   const std::int64_t before = loop_.node().health().dropped_inputs;
   const std::uint8_t bytes[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
-  for (const char* channel :
-       {channels::kPath, channels::kPose, channels::kOdometry, channels::kSonar, channels::kRobotStatus,
-        channels::kStop, channels::kTeleopCommand, channels::kGridTile, channels::kNavigationStatus}) {
+  for (const char* channel : {channels::kPath, channels::kPose, channels::kOdometry, channels::kSonar,
+                              channels::kRobotStatus, channels::kStop, channels::kTeleopCommand, channels::kGridTile,
+                              channels::kNavigationStatus, channels::kHypotheses}) {
     loop_.lcm().publish(channel, bytes, sizeof(bytes));
   }
   pose_t pose{};
@@ -175,11 +175,16 @@ TEST_F(ControllerNodeTest, DropsAndCountsWhatMakesNoSense) {
   sonar_t sonar{};
   sonar.session = 7;
   loop_.lcm().publish(channels::kSonar, &sonar);
+  hypotheses_t hypotheses{};
+  hypotheses.count = 1;
+  hypotheses.x = hypotheses.y = hypotheses.theta = hypotheses.sigma = {0.0F};
+  hypotheses.weight = {-1.0F};
+  loop_.lcm().publish(channels::kHypotheses, &hypotheses);
   odometry_t odometry{};
   odometry.utime = 5;
   loop_.lcm().publish(channels::kOdometry, &odometry);
   run(0.1);
-  EXPECT_EQ(loop_.node().health().dropped_inputs - before, 9 + 4);
+  EXPECT_EQ(loop_.node().health().dropped_inputs - before, 10 + 5);
   run(1.0);
   EXPECT_GT(loop_.command_message().linear_x, 0.2);
 }

@@ -1,0 +1,131 @@
+#include "services/controller/disambiguation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/unit/controller/test_robot.hpp"
+
+namespace luminav {
+namespace {
+
+using testing::test_robot;
+
+Fixture fixture_at(double x, double y, double theta = 0.0) {
+  Fixture fixture;
+  fixture.world_from_fixture = {x, y, theta};
+  return fixture;
+}
+
+/// A map of free cells of 0.1 m from (-15, -15) to (35, 15), but for walls in some of them.
+PriorMap floor_with_walls(const std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>>& walls) {
+  PriorMap map;
+  map.geometry = {0.1, {-15.0, -15.0}, 500, 300};
+  map.cells.assign(map.geometry.size(), Prior::kFree);
+  for (const auto& [low, high] : walls) {
+    for (double x = low.x() + 0.05; x < high.x(); x += 0.1) {
+      for (double y = low.y() + 0.05; y < high.y(); y += 0.1) {
+        map.cells[map.geometry.index(map.geometry.cell_at({x, y}))] = Prior::kOccupied;
+      }
+    }
+  }
+  return map;
+}
+
+class DisambiguationTest : public ::testing::Test {
+ protected:
+  DisambiguationTest() { map_.visit(Eigen::Vector2d::Zero()); }
+
+  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> way(
+      const std::vector<Fixture>& fixtures, const PriorMap& walls, const std::vector<PoseAlternative>& alternatives,
+      const std::optional<Eigen::Vector2d>& heading_for = std::nullopt) const {
+    Building building;
+    building.fixtures = fixtures;
+    const Disambiguation disambiguation(CeilingForecast(building, walls, 1.2, 0.28), {});
+    return disambiguation.way(Eigen::Vector2d::Zero(), alternatives, map_, heading_for);
+  }
+
+  SearchMap map_{test_robot().sonar, SearchMapParams{}};
+};
+
+// The robot stands below one of two fixtures; only the second has another one 3 m to its left.
+const std::vector<Fixture> kTwoAlike{fixture_at(0, 0), fixture_at(20, 0), fixture_at(20, 3)};
+const std::vector<PoseAlternative> kBelowEither{{{0, 0, 0}, 0.5}, {{20, 0, 0}, 0.5}};
+
+TEST_F(DisambiguationTest, LeadsToWhereOneSeesAFixtureAndTheOtherDoesNot) {
+  const auto found = way(kTwoAlike, floor_with_walls({}), kBelowEither);
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->back() - Eigen::Vector2d(0, 3)).norm(), 1.0);
+  EXPECT_LT(found->front().norm(), 0.3);
+}
+
+TEST_F(DisambiguationTest, SaysTheSameInAnyOdometryFrame) {
+  // the same two places, told by a robot whose odometry is turned by a quarter: left is behind it now
+  const std::vector<PoseAlternative> turned{{{0, 0, kPi / 2}, 0.5}, {{20, 0, kPi / 2}, 0.5}};
+  const auto found = way(kTwoAlike, floor_with_walls({}), turned);
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->back() - Eigen::Vector2d(3, 0)).norm(), 1.0);
+}
+
+TEST_F(DisambiguationTest, GoesAroundAWallThatAllHave) {
+  const PriorMap walls = floor_with_walls({{{-2, 1.2}, {2, 1.4}}, {{18, 1.2}, {22, 1.4}}});
+  const auto found = way(kTwoAlike, walls, kBelowEither);
+  ASSERT_TRUE(found);
+  double farthest = 0.0;
+  for (const Eigen::Vector2d& place : *found) {
+    EXPECT_TRUE(std::abs(place.x()) > 2.0 || std::abs(place.y() - 1.3) > 0.2) << place.transpose();
+    farthest = std::max(farthest, std::abs(place.x()));
+  }
+  EXPECT_GT(farthest, 2.0);
+}
+
+TEST_F(DisambiguationTest, KnowsNoWayWhereAllForetellTheSame) {
+  const std::vector<Fixture> alike{fixture_at(0, 0), fixture_at(20, 0)};
+  EXPECT_FALSE(way(alike, floor_with_walls({}), kBelowEither));
+  EXPECT_FALSE(way(kTwoAlike, floor_with_walls({}), {}));
+  EXPECT_FALSE(way({}, floor_with_walls({}), kBelowEither));
+}
+
+TEST_F(DisambiguationTest, DoesNotLookAgainWhereItHasBeen) {
+  for (double y = 0.0; y < 4.0; y += 0.2) {
+    map_.visit({0.0, y});
+  }
+  const auto found = way(kTwoAlike, floor_with_walls({}), kBelowEither);
+  EXPECT_TRUE(!found || std::abs(found->back().x()) > 1.0) << found->back().transpose();
+}
+
+TEST_F(DisambiguationTest, StaysWithThePlaceItHeadsForWhileAnotherIsAsGood) {
+  const std::vector<Fixture> both{fixture_at(0, 0), fixture_at(20, 0), fixture_at(20, 3), fixture_at(20, -3)};
+  for (const double side : {1.0, -1.0}) {
+    const auto first = way(both, floor_with_walls({}), kBelowEither, Eigen::Vector2d(0, 2.4 * side));
+    ASSERT_TRUE(first);
+    EXPECT_GT(first->back().y() * side, 0.0);
+  }
+}
+
+TEST_F(DisambiguationTest, TakesThousandsOfAlternatives) {
+  std::vector<PoseAlternative> many;
+  for (int i = 0; i < 5000; ++i) {
+    many.push_back(i % 2 == 0 ? kBelowEither[0] : kBelowEither[1]);
+  }
+  const auto found = way(kTwoAlike, floor_with_walls({}), many);
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->back() - Eigen::Vector2d(0, 3)).norm(), 1.0);
+}
+
+TEST(CeilingForecast, KnowsTheNearestFixtureAndWhereThereIsRoom) {
+  Building building;
+  building.fixtures = {fixture_at(0, 0), fixture_at(1.5, 0)};
+  const CeilingForecast forecast(building, floor_with_walls({{{3, -1}, {3.1, 1}}}), 1.0, 0.28);
+  ASSERT_NE(forecast.fixture_above({0.9, 0.0}), nullptr);
+  EXPECT_DOUBLE_EQ(forecast.fixture_above({0.9, 0.0})->world_from_fixture.x, 1.5);
+  EXPECT_EQ(forecast.fixture_above({0.0, 1.1}), nullptr);
+  EXPECT_EQ(forecast.fixture_above({500.0, 0.0}), nullptr);
+  EXPECT_FALSE(forecast.has_room({2.85, 0.0}));
+  EXPECT_TRUE(forecast.has_room({2.5, 0.0}));
+  EXPECT_FALSE(forecast.has_room({500.0, 0.0}));
+  EXPECT_TRUE(CeilingForecast(building, PriorMap{}, 1.0, 0.28).has_room({500.0, 0.0}));
+}
+
+}  // namespace
+}  // namespace luminav
