@@ -80,7 +80,7 @@ void GridMapper::integrate(const DiscReading& reading) {
   touch(reading.world_from_sonar * Eigen::Vector2d(0.5 * reach, 0.0), 0.5 * reach + 2.0 * grid_.geometry.resolution);
 }
 
-SliceRanges GridMapper::visible_ranges(const BeamReading& beam) {
+SliceRanges GridMapper::visible_ranges(const BeamReading& beam) const {
   const GridGeometry& geometry = grid_.geometry;
   const double most = beam.has_echo ? beam.range : params_.sonar.no_echo_range;
   const double step = 0.7 * geometry.resolution;
@@ -109,10 +109,6 @@ SliceRanges GridMapper::visible_ranges(const BeamReading& beam) {
         const std::optional<double> incidence = incidence_at(cell, direction);
         if (!incidence || *incidence <= params_.specular_incidence) {
           continue;  // it would have answered: it may have gone
-        }
-        const bool is_core = std::abs(2 * slice + 1 - kSlices) <= kSlices / 3;
-        if (is_core && grid_.prior[geometry.index(cell)] == Prior::kFree && r < most - params_.sonar.free_margin) {
-          add(cell, -params_.oblique_log_odds);
         }
       }
       range = r;

@@ -21,7 +21,6 @@ struct GridMapperParams {
   double explained_share = 0.25;         ///< vote of a cell where another on the same arc is already occupied
   double specular_incidence =
       radians(20.0);  ///< [rad] a wall seen more obliquely throws the sound away: silence says nothing about it
-  double oblique_log_odds = 0.05;     ///< taken nevertheless where the building's map knows of no wall
   double standing_time = 2.0;         ///< [s] that something must go on answering before it counts as standing there
   double standing_gap = 1.5;          ///< [s] of silence that ends this
   double passing_log_odds = 1.2;      ///< clamp of occupied evidence before that, where the building's map says free
@@ -75,7 +74,7 @@ class GridMapper {
     Eigen::Vector2d position[2];
   };
   /// How far each slice of the cone reaches before something hides what is behind it.
-  [[nodiscard]] SliceRanges visible_ranges(const BeamReading& beam);
+  [[nodiscard]] SliceRanges visible_ranges(const BeamReading& beam) const;
   /// Angle [rad] between a beam and the normal of the surface that the occupied cells round a cell form; nothing where
   /// they form none.
   [[nodiscard]] std::optional<double> incidence_at(const Cell& cell, const Eigen::Vector2d& direction) const;

@@ -183,6 +183,22 @@ TEST(GridMapper, KeepsABoxThatItDrivesAlong) {
   EXPECT_TRUE(occupied(mapper, 5.53, 5.05));
 }
 
+// a gap in a cupboard across a corridor would call the robot from one end of it to the other
+TEST(GridMapper, KeepsALongFrontHoweverLongItStandsBesideOneEnd) {
+  GridMapper mapper({}, room(), 16);
+  Beam beam(mapper);
+  for (int i = 0; i <= 20; ++i) {
+    beam.look({5.0, 3.0 + 0.1 * i, 0.0}, 1.0, 4);
+  }
+  ASSERT_TRUE(occupied(mapper, 6.05, 3.75));
+  for (int i = 0; i < 60; ++i) {
+    beam.look({5.55, 3.2, radians(40.0 + i % 3 * 10.0)}, 4.0, 1);
+  }
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_TRUE(occupied(mapper, 6.05, 3.55 + 0.1 * i)) << 3.55 + 0.1 * i;
+  }
+}
+
 TEST(GridMapper, ForgetsAPhantomAlsoWhenNothingAnswersThereAnyMore) {
   GridMapper mapper({}, room(), 16);
   Beam beam(mapper);
