@@ -13,10 +13,8 @@
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kOdometryKept = 1'500'000;  // [us]
-constexpr std::int64_t kStatusPeriod = 100'000;    // [us] of CONTROL_STATUS
-constexpr std::int64_t kStatusMissing = 150'000;   // [us] without ROBOT_STATUS: ODOMETRY becomes the tick
-constexpr std::int64_t kTooFarAhead = 200'000;     // [us] motion is not extrapolated further
+constexpr std::int64_t kStatusPeriod = 100'000;   // [us] of CONTROL_STATUS
+constexpr std::int64_t kStatusMissing = 150'000;  // [us] without ROBOT_STATUS: ODOMETRY becomes the tick
 
 double seconds_between(std::int64_t from, std::int64_t to) {
   return 1e-6 * static_cast<double>(to - from);
@@ -136,13 +134,10 @@ void ControllerNode::on_odometry(const odometry_t& message) {
     return;
   }
   if (verdict == StampGuard::Verdict::kNewSession ||
-      (!odometry_.empty() && odometry_.back().session != message.session)) {
+      (!odometry_.empty() && odometry_.newest().session != message.session)) {
     restart_odometry(message.session);
   }
-  odometry_.push_back(message);
-  while (odometry_.front().utime < message.utime - kOdometryKept) {
-    odometry_.pop_front();
-  }
+  odometry_.add(message);
   if (!status_ || message.utime - newest_tick_ > kStatusMissing) {
     tick(message.utime);
   }
@@ -155,7 +150,7 @@ void ControllerNode::on_sonar(const sonar_t& message) {
     subscriber_.drop("SONAR: not the number of discs of the robot's file");
     return;
   }
-  if (odometry_.empty() || odometry_.back().session != message.session) {
+  if (odometry_.empty() || odometry_.newest().session != message.session) {
     return;  // the place of these readings is unknown
   }
   WallTest is_wall;
@@ -169,7 +164,7 @@ void ControllerNode::on_sonar(const sonar_t& message) {
     if (message.range_utime[i] <= echoes_.newest()[i].utime) {
       continue;  // told already
     }
-    const std::optional<Pose2> place = odom_from_robot_at(message.range_utime[i]);
+    const std::optional<Pose2> place = odometry_.odom_from_robot_at(message.range_utime[i]);
     if (!std::isfinite(range) || range < 0.0 || range > 50.0 || !place) {
       subscriber_.drop("SONAR: impossible range or stamp");
       continue;
@@ -196,13 +191,10 @@ void ControllerNode::on_robot_status(const robot_status_t& message) {
 }
 
 void ControllerNode::feel(const robot_status_t& status) {
-  const auto is_blocked = [](const robot_status_t& s) {
-    return s.stall_left || s.stall_right || s.bumpers_front != 0 || s.bumpers_rear != 0;
-  };
   if (!is_blocked(status) || (status_ && is_blocked(*status_))) {
     return;
   }
-  if (const std::optional<Pose2> place = odom_from_robot_at(status.utime)) {
+  if (const std::optional<Pose2> place = odometry_.odom_from_robot_at(status.utime)) {
     touches_.add(status.utime, *place, output_.twist);
   }
 }
@@ -229,34 +221,14 @@ void ControllerNode::on_teleop_command(const teleop_command_t& message) {
   }
 }
 
-std::optional<Pose2> ControllerNode::odom_from_robot_at(std::int64_t utime) const {
-  if (odometry_.empty() || utime < odometry_.front().utime - kTooFarAhead) {
-    return std::nullopt;
-  }
-  const odometry_t& newest = odometry_.back();
-  if (utime >= newest.utime) {
-    const double ahead = seconds_between(newest.utime, std::min(utime, newest.utime + kTooFarAhead));
-    return odom_from_robot(newest) * drive_arc({newest.linear, newest.angular}, ahead);
-  }
-  const auto after =
-      std::find_if(odometry_.begin(), odometry_.end(), [utime](const odometry_t& o) { return o.utime >= utime; });
-  if (after == odometry_.begin()) {
-    return odom_from_robot(*after);
-  }
-  const auto before = std::prev(after);
-  const double fraction =
-      static_cast<double>(utime - before->utime) / static_cast<double>(after->utime - before->utime);
-  return interpolate(odom_from_robot(*before), odom_from_robot(*after), fraction);
-}
-
 std::optional<std::string> ControllerNode::reason_not_to_trust_pose() const {
-  if (!pose_ || odometry_.empty() || pose_->session != odometry_.back().session) {
+  if (!pose_ || odometry_.empty() || pose_->session != odometry_.newest().session) {
     return "the localizer has not spoken yet";
   }
   if (pose_->state != pose_t::STATE_TRACKING) {
     return "the pose is not known: " + pose_->reason;
   }
-  const double age = seconds_between(pose_->utime, odometry_.back().utime);
+  const double age = seconds_between(pose_->utime, odometry_.newest().utime);
   if (age > config_.pose_stale_after) {
     return say_age("the pose", age);
   }
@@ -267,7 +239,7 @@ std::optional<Pose2> ControllerNode::world_from_odom() const {
   if (reason_not_to_trust_pose()) {
     return std::nullopt;
   }
-  const std::optional<Pose2> then = odom_from_robot_at(pose_->utime);
+  const std::optional<Pose2> then = odometry_.odom_from_robot_at(pose_->utime);
   if (!then) {
     return std::nullopt;
   }
@@ -293,7 +265,7 @@ std::optional<std::string> ControllerNode::reason_to_halt(std::int64_t utime) co
   if (status_->stall_left || status_->stall_right) {
     return status_->stall_left ? "the left wheel is blocked" : "the right wheel is blocked";
   }
-  if (odometry_.empty() || seconds_between(odometry_.back().utime, utime) > config_.stop_logic.silent_after) {
+  if (odometry_.empty() || seconds_between(odometry_.newest().utime, utime) > config_.stop_logic.silent_after) {
     return "no odometry for half a second";
   }
   return std::nullopt;
@@ -350,7 +322,7 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
   input.now = utime;
   input.duration = last_control_ == 0 ? config_.period : std::clamp(seconds_between(last_control_, utime), 0.001, 0.2);
   choose_task(utime, input);
-  if (const std::optional<Pose2> place = odom_from_robot_at(utime)) {
+  if (const std::optional<Pose2> place = odometry_.odom_from_robot_at(utime)) {
     input.odom_from_robot = *place;
     if (const std::optional<Pose2> world = world_from_odom()) {
       input.world_from_robot = *world * *place;
@@ -365,7 +337,7 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
       touches_.append(utime, *place, input.remembered);
     }
     touches_.append(utime, *place, input.echoes);
-    input.ages.odometry = std::max(0.0, seconds_between(odometry_.back().utime, utime));
+    input.ages.odometry = std::max(0.0, seconds_between(odometry_.newest().utime, utime));
   }
   judge_disc_ages(echoes_, utime, input.ages);
   input.ages.front_bumper = status_ && status_->bumpers_front != 0;

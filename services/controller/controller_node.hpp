@@ -1,12 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/grid_tile_t.hpp>
 #include <luminav/hypotheses_t.hpp>
 #include <luminav/navigation_status_t.hpp>
-#include <luminav/odometry_t.hpp>
 #include <luminav/path_t.hpp>
 #include <luminav/pose_t.hpp>
 #include <luminav/robot_status_t.hpp>
@@ -22,6 +20,7 @@
 #include "services/common/process/subscriber.hpp"
 #include "services/controller/controller.hpp"
 #include "services/controller/controller_config.hpp"
+#include "services/controller/recent_odometry.hpp"
 
 namespace luminav {
 
@@ -59,7 +58,6 @@ class ControllerNode {
   void choose_task(std::int64_t utime, ControlInput& input) const;
   [[nodiscard]] std::optional<std::string> reason_to_halt(std::int64_t utime) const;
   [[nodiscard]] std::optional<std::string> reason_not_to_trust_pose() const;
-  [[nodiscard]] std::optional<Pose2> odom_from_robot_at(std::int64_t utime) const;
   [[nodiscard]] std::optional<Pose2> world_from_odom() const;
 
   lcm::LCM& lcm_;
@@ -74,7 +72,7 @@ class ControllerNode {
 
   StampGuard odometry_guard_;
   StampGuard status_guard_;
-  std::deque<odometry_t> odometry_;  // the last second, oldest first
+  RecentOdometry odometry_;
   std::optional<pose_t> pose_;
   std::vector<PoseAlternative> alternatives_;  // of the newest HYPOTHESES
   std::optional<navigation_status_t> navigation_;

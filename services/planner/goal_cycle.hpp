@@ -55,7 +55,7 @@ class GoalCycle {
   [[nodiscard]] bool is_localized(const Situation& situation);
   void plan(const Situation& situation);
   void handle_no_route(const Situation& situation, const Route& route);
-  void hold(const Situation& situation, const Polyline& way, std::size_t blocked_at, double reference_length);
+  void hold(const Polyline& way, std::size_t blocked_at, double reference_length);
   void update_hold(const Situation& situation);
   void look_again(const Situation& situation, const Route& route);
   void follow(const Route& route);

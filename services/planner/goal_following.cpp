@@ -84,7 +84,7 @@ void GoalCycle::check_path(const Situation& situation) {
   }
   const double limit = params_.detour_ratio * report_.distance_left + params_.detour_length;
   if (blocked && polyline_length(route.points) > limit) {
-    hold(situation, left, *blocked, report_.distance_left);
+    hold(left, *blocked, report_.distance_left);
     return;
   }
   ++report_.replans;

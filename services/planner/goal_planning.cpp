@@ -81,7 +81,7 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
   }
   const auto beside = static_cast<std::size_t>(kSkipBesideRobot / planner_params_.shaping.spacing) + 1;
   const std::size_t blocked = planner_.first_blocked(way.points, beside).value_or(way.points.size() - 1);
-  hold(situation, way.points, blocked, polyline_length(way.points));
+  hold(way.points, blocked, polyline_length(way.points));
   if (route.outcome == RouteOutcome::kGoalBlocked) {
     hold_reason_ = no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance());
     report_.cause = fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait);
@@ -108,7 +108,7 @@ double GoalCycle::planned_tolerance() const {
   return std::max(0.5 * tolerance(), tolerance() - kArrivalError);
 }
 
-void GoalCycle::hold(const Situation& situation, const Polyline& way, std::size_t blocked_at, double reference_length) {
+void GoalCycle::hold(const Polyline& way, std::size_t blocked_at, double reference_length) {
   blockage_ = measure_blockage(planner_.space(), doors_, way, blocked_at, 2.0 * planner_params_.space.hard_radius);
   hold_reason_ = blockage_.sentence();
   reference_length_ = reference_length;
@@ -125,7 +125,6 @@ void GoalCycle::hold(const Situation& situation, const Polyline& way, std::size_
   phase_ = Phase::kNone;  // a new blockage has a time of its own
   enter(Phase::kHolding, NavigationState::kWaiting,
         fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait));
-  (void)situation;
 }
 
 void GoalCycle::update_hold(const Situation& situation) {

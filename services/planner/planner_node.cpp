@@ -252,8 +252,7 @@ Situation PlannerNode::situation(std::int64_t now) const {
                                                 : nullptr;
     moment.can_move = why == nullptr;
     moment.cannot_move = why == nullptr ? "" : why;
-    moment.is_blocked =
-        robot_->stall_left || robot_->stall_right || robot_->bumpers_front != 0 || robot_->bumpers_rear != 0;
+    moment.is_blocked = is_blocked(*robot_);
   }
   if (control_ && static_cast<double>(now - control_heard_) * 1e-6 <= kControlAge) {
     ControlReport report;

@@ -3,6 +3,7 @@
 #include <luminav/grid_tile_t.hpp>
 #include <luminav/odometry_t.hpp>
 #include <luminav/pose_t.hpp>
+#include <luminav/robot_status_t.hpp>
 
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/geometry/pose2.hpp"
@@ -14,6 +15,11 @@ inline Pose2 odom_from_robot(const odometry_t& message) {
 }
 inline Pose2 world_from_robot(const pose_t& message) {
   return {message.x, message.y, message.theta};
+}
+
+/// Something blocks a wheel or presses a bumper.
+inline bool is_blocked(const robot_status_t& message) {
+  return message.stall_left || message.stall_right || message.bumpers_front != 0 || message.bumpers_rear != 0;
 }
 
 /// One tile of a grid with geometry and data filled in; stamps, sessions and revision are the sender's.

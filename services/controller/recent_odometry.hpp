@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <luminav/odometry_t.hpp>
+#include <optional>
+
+#include "services/common/geometry/pose2.hpp"
+
+namespace luminav {
+
+/// The last ODOMETRY messages of one session: where the robot was at an instant, and a little beyond.
+class RecentOdometry {
+ public:
+  /// Takes up a message of the same session, not older than the last.
+  void add(const odometry_t& message);
+  void clear() { messages_.clear(); }
+
+  [[nodiscard]] bool empty() const { return messages_.empty(); }
+  /// Not when empty.
+  [[nodiscard]] const odometry_t& newest() const { return messages_.back(); }
+  /// Between two messages interpolated, after the newest driven on for 0.2 s at most; nothing before the oldest.
+  [[nodiscard]] std::optional<Pose2> odom_from_robot_at(std::int64_t utime) const;
+
+ private:
+  std::deque<odometry_t> messages_;  // oldest first
+};
+
+}  // namespace luminav
