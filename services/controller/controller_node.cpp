@@ -102,7 +102,7 @@ void ControllerNode::on_pose(const pose_t& message) {
 
 void ControllerNode::on_hypotheses(const hypotheses_t& message) {
   std::string why;
-  const std::optional<Pose2> place = odom_from_robot_at(message.utime);
+  const std::optional<Pose2> place = odometry_.odom_from_robot_at(message.utime);
   const std::optional<std::vector<PoseAlternative>> alternatives =
       alternatives_of(message, place.value_or(Pose2{}), why);
   if (!alternatives) {
