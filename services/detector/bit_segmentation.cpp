@@ -5,16 +5,10 @@
 #include <cmath>
 #include <cstddef>
 
+#include "services/common/geometry/vector_clones.hpp"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
-#endif
-
-// One binary for old and new x86-64: the loader picks the variant. Elsewhere, and under the sanitizers (which cannot
-// run before the loader is done), there is only the plain one.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define LUMINAV_VECTOR_VARIANTS __attribute__((target_clones("avx2", "default")))
-#else
-#define LUMINAV_VECTOR_VARIANTS
 #endif
 
 namespace luminav {
@@ -74,7 +68,7 @@ ThresholdRow fastest_threshold() {
 }
 
 /// a &= a shifted towards lower x by `shift` pixels; the array's last word is not written.
-LUMINAV_VECTOR_VARIANTS
+LUMINAV_VECTOR_CLONES
 void and_shifted(Word* words, std::size_t count, int shift) {
   const int rest = 64 - shift;
 #pragma GCC ivdep
@@ -83,7 +77,7 @@ void and_shifted(Word* words, std::size_t count, int shift) {
   }
 }
 
-LUMINAV_VECTOR_VARIANTS
+LUMINAV_VECTOR_CLONES
 void or_shifted(Word* words, std::size_t count, int shift) {
   const int rest = 64 - shift;
 #pragma GCC ivdep
@@ -92,7 +86,7 @@ void or_shifted(Word* words, std::size_t count, int shift) {
   }
 }
 
-LUMINAV_VECTOR_VARIANTS
+LUMINAV_VECTOR_CLONES
 void and_rows(Word* words, std::size_t count, std::size_t offset) {
 #pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
@@ -100,7 +94,7 @@ void and_rows(Word* words, std::size_t count, std::size_t offset) {
   }
 }
 
-LUMINAV_VECTOR_VARIANTS
+LUMINAV_VECTOR_CLONES
 void or_rows(Word* words, std::size_t count, std::size_t offset) {
 #pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {

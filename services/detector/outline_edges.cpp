@@ -50,57 +50,84 @@ void OutlineEdges::place(const Outline& outline, double metres_per_px, double sp
   add_side(kNearEnd, -half_length * x, y, -x, outline.width);
 }
 
-bool OutlineEdges::sample(const GreyView& image, const Outline& outline, const OutlinePlacement& placement,
-                          const PointTransform& pose, const EdgeSearch& search, int reach, OutlinePoint& point,
-                          Profile& profile) const {
+/// Projects the points and keeps those whose surroundings are in view.
+void OutlineEdges::look_at(const GreyView& image, const Outline& outline, const OutlinePlacement& placement,
+                           const EdgeSearch& search, int reach) {
   constexpr double kAhead = 0.02;  // [m] to find the normal's direction in the image
-  const Vector2d on_outline = point.place + (placement.swelling + placement.taper * point.place.x()) * point.normal;
-  const auto pixel = camera_->pixel_of_ceiling_point(pose * on_outline, outline.height);
-  const auto ahead = camera_->pixel_of_ceiling_point(pose * (on_outline + kAhead * point.normal), outline.height);
-  if (!pixel || !ahead) {
-    return false;
+  const PointTransform pose(placement.pose);
+  const std::size_t count = points_.size();
+  ceiling_points_.resize(2 * count);
+  pixels_.resize(2 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const OutlinePoint& point = points_[i];
+    const Vector2d on_outline = point.place + (placement.swelling + placement.taper * point.place.x()) * point.normal;
+    ceiling_points_[2 * i] = pose * on_outline;
+    ceiling_points_[2 * i + 1] = pose * (on_outline + kAhead * point.normal);
   }
-  const double px_per_step = (*ahead - *pixel).norm();
-  if (px_per_step < 1e-6) {
-    return false;
-  }
-  const Vector2d normal_px = (*ahead - *pixel) / px_per_step;
-  const Vector2d along_px(-normal_px.y(), normal_px.x());
-  // Near the border the search ends early: what lies beyond is taken to be like the last that is seen.
-  const Vector2d half_lines = 0.5 * (search.lines - 1) * along_px;
-  const auto is_in_view = [&](double distance) {
-    const Vector2d middle = *pixel + distance * normal_px;
-    return is_sampled(image, middle + half_lines) && is_sampled(image, middle - half_lines);
-  };
-  if (!is_in_view(-reach)) {
-    return false;
-  }
-  int seen = reach;
+  camera_->pixels_of_ceiling_points(ceiling_points_, outline.height, pixels_);
+
   const int least = std::min(reach, search.half_filter + kLeastSearch);
-  while (seen >= least && !is_in_view(seen)) {
-    --seen;
-  }
-  if (seen < least) {
-    return false;
-  }
-  const int length = 2 * reach + 1;
-  std::fill_n(profile.begin(), length, 0.0F);
-  const auto dx = static_cast<float>(normal_px.x());
-  const auto dy = static_cast<float>(normal_px.y());
-  for (int line = 0; line < search.lines; ++line) {
-    const Vector2d start = *pixel + (line - 0.5 * (search.lines - 1)) * along_px - reach * normal_px;
-    auto x = static_cast<float>(start.x());
-    auto y = static_cast<float>(start.y());
-    for (int k = 0; k <= reach + seen; ++k) {
-      profile[static_cast<std::size_t>(k)] += bilinear(image, x, y);
-      x += dx;
-      y += dy;
+  viewed_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    OutlinePoint& point = points_[i];
+    point.found = false;
+    point.in_view = false;
+    const Vector2d& pixel = pixels_[2 * i];
+    const Vector2d& ahead = pixels_[2 * i + 1];
+    const double px_per_step = (ahead - pixel).norm();
+    if (!(px_per_step >= 1e-6)) {  // or not a number
+      continue;
     }
+    const Vector2d normal_px = (ahead - pixel) / px_per_step;
+    const Vector2d along_px(-normal_px.y(), normal_px.x());
+    // Near the border the search ends early: what lies beyond is taken to be like the last that is seen.
+    const Vector2d half_lines = 0.5 * (search.lines - 1) * along_px;
+    const auto is_in_view = [&](double distance) {
+      const Vector2d middle = pixel + distance * normal_px;
+      return is_sampled(image, middle + half_lines) && is_sampled(image, middle - half_lines);
+    };
+    if (!is_in_view(-reach)) {
+      continue;
+    }
+    int seen = reach;
+    while (seen >= least && !is_in_view(seen)) {
+      --seen;
+    }
+    if (seen < least) {
+      continue;
+    }
+    point.in_view = true;
+    point.metres_per_px = kAhead / px_per_step;
+    viewed_.push_back({i, pixel, normal_px, reach + seen});
   }
-  std::fill(profile.begin() + reach + seen + 1, profile.begin() + length,
-            profile[static_cast<std::size_t>(reach + seen)]);
-  point.metres_per_px = kAhead / px_per_step;
-  return true;
+}
+
+/// Profiles of up to eight of the viewed points, from `first` on.
+void OutlineEdges::sample(const GreyView& image, const EdgeSearch& search, int reach, std::size_t first) {
+  lanes_.clear(2 * reach + 1);
+  const std::size_t count = std::min<std::size_t>(viewed_.size() - first, ProfileLanes::kLanes);
+  ProfileLanes::Lines lines;
+  for (int line = 0; line < search.lines; ++line) {
+    const double aside = line - 0.5 * (search.lines - 1);
+    for (std::size_t lane = 0; lane < ProfileLanes::kLanes; ++lane) {
+      const ViewedPoint& point = viewed_[first + std::min(lane, count - 1)];
+      const Vector2d along_px(-point.normal_px.y(), point.normal_px.x());
+      const Vector2d start = point.pixel + aside * along_px - reach * point.normal_px;
+      lines.x[lane] = static_cast<float>(start.x());
+      lines.y[lane] = static_cast<float>(start.y());
+      lines.dx[lane] = static_cast<float>(point.normal_px.x());
+      lines.dy[lane] = static_cast<float>(point.normal_px.y());
+      lines.last[lane] = point.last;
+    }
+    lanes_.add(image, lines);
+  }
+}
+
+/// Where the parabola through the steps at and beside the place `at` has its vertex.
+OutlineEdges::Step OutlineEdges::vertex_at(int at, int reach, double before, double height, double behind) {
+  const double curvature = before - 2.0 * height + behind;
+  const double vertex = curvature < -1e-6 ? std::clamp(0.5 * (before - behind) / curvature, -1.0, 1.0) : 0.0;
+  return {at - 0.5 - reach + vertex, height};
 }
 
 std::optional<OutlineEdges::Step> OutlineEdges::largest_step(const Profile& profile, int length, int half_filter,
@@ -132,12 +159,8 @@ std::optional<OutlineEdges::Step> OutlineEdges::largest_step(const Profile& prof
   if (best <= from || best >= to) {
     return std::nullopt;
   }
-  const double before = response[static_cast<std::size_t>(best) - 1];
-  const double at = response[static_cast<std::size_t>(best)];
-  const double after = response[static_cast<std::size_t>(best) + 1];
-  const double curvature = before - 2.0 * at + after;
-  const double vertex = curvature < -1e-6 ? std::clamp(0.5 * (before - after) / curvature, -1.0, 1.0) : 0.0;
-  return Step{best - 0.5 - reach + vertex, at};
+  const auto at = static_cast<std::size_t>(best);
+  return vertex_at(best, reach, response[at - 1], response[at], response[at + 1]);
 }
 
 void OutlineEdges::measure(const GreyView& image, const Outline& outline, const OutlineFitParams& params,
@@ -154,25 +177,26 @@ void OutlineEdges::measure(const GreyView& image, const Outline& outline, const 
       sum.fill(0.0F);
     }
   }
-  const PointTransform pose(placement.pose);
-  Profile lit_profile;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    OutlinePoint& point = points_[i];
-    Profile& profile = unlit ? profiles_[i] : lit_profile;
-    point.found = false;
-    point.in_view = sample(image, outline, placement, pose, search, reach, point, profile);
-    if (!point.in_view) {
-      continue;
-    }
-    if (unlit) {
-      Profile& sum = side_profiles_[static_cast<std::size_t>(point.side)];
-      for (int k = 0; k < length; ++k) {
-        sum[static_cast<std::size_t>(k)] += profile[static_cast<std::size_t>(k)];
+  look_at(image, outline, placement, search, reach);
+  for (std::size_t first = 0; first < viewed_.size(); first += ProfileLanes::kLanes) {
+    sample(image, search, reach, first);
+    const ProfileLanes::Steps steps = lanes_.largest_steps(search.half_filter, weight);
+    const std::size_t count = std::min<std::size_t>(viewed_.size() - first, ProfileLanes::kLanes);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const std::size_t index = viewed_[first + lane].index;
+      OutlinePoint& point = points_[index];
+      if (unlit) {
+        Profile& profile = profiles_[index];
+        lanes_.copy_lane(lane, profile.data());
+        Profile& sum = side_profiles_[static_cast<std::size_t>(point.side)];
+        for (int k = 0; k < length; ++k) {
+          sum[static_cast<std::size_t>(k)] += profile[static_cast<std::size_t>(k)];
+        }
       }
-    }
-    const auto step = largest_step(profile, length, search.half_filter, weight, 0, length);
-    if (step && step->height >= threshold) {
-      point.take(step->offset_px, step->height);
+      if (steps.at[lane] >= 0 && steps.height[lane] >= threshold) {
+        const Step step = vertex_at(steps.at[lane], reach, steps.before[lane], steps.height[lane], steps.behind[lane]);
+        point.take(step.offset_px, step.height);
+      }
     }
   }
   if (unlit) {

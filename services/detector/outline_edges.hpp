@@ -9,6 +9,7 @@
 #include "services/common/geometry/pose2.hpp"
 #include "services/common/image/grey_image.hpp"
 #include "services/detector/outline.hpp"
+#include "services/detector/profile_lanes.hpp"
 
 namespace luminav {
 
@@ -59,8 +60,14 @@ class OutlineEdges {
   [[nodiscard]] const std::vector<OutlinePoint>& points() const { return points_; }
 
  private:
-  static constexpr int kLongest = 64;  // [px]
+  static constexpr int kLongest = ProfileLanes::kLongest;
   using Profile = std::array<float, kLongest>;
+  struct ViewedPoint {
+    std::size_t index;  // in points_
+    Eigen::Vector2d pixel;
+    Eigen::Vector2d normal_px;  // of length 1
+    int last;                   // index in a profile of the last pixel that is in view
+  };
   struct Step {
     double offset_px;  // from the profile's middle
     double height;     // [grey]
@@ -68,15 +75,20 @@ class OutlineEdges {
   /// Largest step between two means of `half_filter` pixels, by steepness; `weight` = sign and scale of the profile.
   static std::optional<Step> largest_step(const Profile& profile, int length, int half_filter, float weight, int first,
                                           int last);
-  bool sample(const GreyView& image, const Outline& outline, const OutlinePlacement& placement,
-              const PointTransform& pose, const EdgeSearch& search, int reach, OutlinePoint& point,
-              Profile& profile) const;
+  static Step vertex_at(int at, int reach, double before, double height, double behind);
+  void look_at(const GreyView& image, const Outline& outline, const OutlinePlacement& placement,
+               const EdgeSearch& search, int reach);
+  void sample(const GreyView& image, const EdgeSearch& search, int reach, std::size_t first);
   void look_again(const OutlineFitParams& params, const EdgeSearch& search, int reach);
   void take_joints_off(const OutlineFitParams& params, const EdgeSearch& search, int reach);
   [[nodiscard]] std::ptrdiff_t count_in_view(int side) const;
 
   const CeilingCamera* camera_;
   std::vector<OutlinePoint> points_;
+  std::vector<Eigen::Vector2d> ceiling_points_;  // [m] robot frame: each point, and one ahead of it along its normal
+  std::vector<Eigen::Vector2d> pixels_;          // of these
+  std::vector<ViewedPoint> viewed_;
+  ProfileLanes lanes_;                         // of eight of these
   std::vector<Profile> profiles_;              // of the points of an unlit outline, from inside to outside
   std::array<Profile, kSides> side_profiles_;  // their sums
 };

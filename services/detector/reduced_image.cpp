@@ -4,18 +4,12 @@
 #include <array>
 #include <cstring>
 
-// One binary for old and new x86-64: the loader picks the variant. Elsewhere, and under the sanitizers (which cannot
-// run before the loader is done), there is only the plain one.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define LUMINAV_VECTOR_VARIANTS __attribute__((target_clones("avx2", "default")))
-#else
-#define LUMINAV_VECTOR_VARIANTS
-#endif
+#include "services/common/geometry/vector_clones.hpp"
 
 namespace luminav {
 namespace {
 
-LUMINAV_VECTOR_VARIANTS
+LUMINAV_VECTOR_CLONES
 void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int width, std::uint16_t* sums) {
   for (int x = 0; x < width; ++x) {
     sums[x] = first[x];
@@ -28,7 +22,7 @@ void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int width
   }
 }
 
-LUMINAV_VECTOR_VARIANTS
+LUMINAV_VECTOR_CLONES
 void fold_by_four(const std::uint16_t* sums, int cells, std::uint8_t* out) {
   for (int x = 0; x < cells; ++x) {
     const unsigned sum = static_cast<unsigned>(sums[4 * x]) + sums[4 * x + 1] + sums[4 * x + 2] + sums[4 * x + 3];
@@ -36,7 +30,7 @@ void fold_by_four(const std::uint16_t* sums, int cells, std::uint8_t* out) {
   }
 }
 
-LUMINAV_VECTOR_VARIANTS
+LUMINAV_VECTOR_CLONES
 void fold_by_two(const std::uint16_t* sums, int cells, std::uint8_t* out) {
   for (int x = 0; x < cells; ++x) {
     out[x] = static_cast<std::uint8_t>((static_cast<unsigned>(sums[2 * x]) + sums[2 * x + 1] + 2U) >> 2);
@@ -44,7 +38,7 @@ void fold_by_two(const std::uint16_t* sums, int cells, std::uint8_t* out) {
 }
 
 // The result may be written over `a` while `b` lies ahead of it: what is read was not yet written.
-LUMINAV_VECTOR_VARIANTS
+LUMINAV_VECTOR_CLONES
 void larger_of(const std::uint8_t* a, const std::uint8_t* b, int count, std::uint8_t* out) {
 #pragma GCC ivdep
   for (int i = 0; i < count; ++i) {
@@ -52,7 +46,7 @@ void larger_of(const std::uint8_t* a, const std::uint8_t* b, int count, std::uin
   }
 }
 
-LUMINAV_VECTOR_VARIANTS
+LUMINAV_VECTOR_CLONES
 void smaller_of(const std::uint8_t* a, const std::uint8_t* b, int count, std::uint8_t* out) {
 #pragma GCC ivdep
   for (int i = 0; i < count; ++i) {

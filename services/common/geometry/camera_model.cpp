@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "services/common/geometry/angle.hpp"
+#include "services/common/geometry/vector_clones.hpp"
 
 namespace luminav {
 namespace {
@@ -62,6 +63,43 @@ double radius_of_monotony(const std::array<double, 5>& k) {
     }
   }
   return std::numeric_limits<double>::infinity();
+}
+
+/// What `pixel_of_ceiling_point` does, in its order of operations, as a loop that the compiler turns into vectors.
+LUMINAV_VECTOR_CLONES
+void project_pinhole(const CameraIntrinsics& lens, const CameraMounting& mounting, const Matrix3d& robot_from_camera,
+                     double largest_radius, double height, const Vector2d* points, std::size_t count,
+                     Vector2d* pixels) {
+  const std::array<double, 5> k = lens.distortion;
+  const Matrix3d r = robot_from_camera;
+  const double oz = height - mounting.z;
+  const double mx = mounting.x;
+  const double my = mounting.y;
+  const double fx = lens.fx;
+  const double fy = lens.fy;
+  const double cx = lens.cx;
+  const double cy = lens.cy;
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  const auto* in = reinterpret_cast<const double*>(points);
+  auto* out = reinterpret_cast<double*>(pixels);
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    const double ox = in[2 * i] - mx;
+    const double oy = in[2 * i + 1] - my;
+    const double px = r(0, 0) * ox + r(1, 0) * oy + r(2, 0) * oz;
+    const double py = r(0, 1) * ox + r(1, 1) * oy + r(2, 1) * oz;
+    const double pz = r(0, 2) * ox + r(1, 2) * oy + r(2, 2) * oz;
+    const double limit = largest_radius * pz;
+    const bool seen = (pz > 1e-6) & (px * px + py * py <= limit * limit);
+    const double x = px / pz;
+    const double y = py / pz;
+    const double r2 = x * x + y * y;
+    const double radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+    const double dx = x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x);
+    const double dy = y * radial + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y;
+    out[2 * i] = seen ? fx * dx + cx : nothing;
+    out[2 * i + 1] = seen ? fy * dy + cy : nothing;
+  }
 }
 
 }  // namespace
@@ -136,6 +174,19 @@ std::optional<Vector2d> CeilingCamera::point_on_ceiling(const Vector2d& pixel, d
 std::optional<Vector2d> CeilingCamera::pixel_of_ceiling_point(const Vector2d& point_in_robot, double height) const {
   const Vector3d offset(point_in_robot.x() - mounting_.x, point_in_robot.y() - mounting_.y, height - mounting_.z);
   return pixel_of(robot_from_camera_.transpose() * offset);
+}
+
+void CeilingCamera::pixels_of_ceiling_points(std::span<const Vector2d> points, double height,
+                                             std::span<Vector2d> pixels) const {
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  if (intrinsics_.model == LensModel::kPinhole) {
+    project_pinhole(intrinsics_, mounting_, robot_from_camera_, largest_radius_, height, points.data(), points.size(),
+                    pixels.data());
+    return;
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    pixels[i] = pixel_of_ceiling_point(points[i], height).value_or(Vector2d(nothing, nothing));
+  }
 }
 
 bool CeilingCamera::is_in_image(const Vector2d& pixel, double margin) const {

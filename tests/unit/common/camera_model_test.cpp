@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "services/common/geometry/angle.hpp"
 
 namespace luminav {
@@ -62,6 +65,27 @@ TEST(CeilingCamera, DoesNotFoldFarPointsBackIntoTheImage) {
   const CeilingCamera camera(barrel, CameraMounting{});
   EXPECT_FALSE(camera.pixel_of({3.0, 0.0, 1.0}));
   EXPECT_FALSE(camera.pixel_of({0.0, 0.0, -1.0}));
+}
+
+TEST(CeilingCamera, TakesManyPointsAsItTakesOne) {
+  CameraIntrinsics fisheye;
+  fisheye.model = LensModel::kFisheye;
+  for (const CameraIntrinsics& lens : {webcam(), fisheye}) {
+    const CeilingCamera camera(lens, CameraMounting{0.1, -0.05, 0.3, 0.02, -0.03, 0.7});
+    std::vector<Eigen::Vector2d> points;
+    for (int i = 0; i < 101; ++i) {
+      points.emplace_back(20.0 * std::sin(i), 3.0 * std::cos(3.7 * i));
+    }
+    std::vector<Eigen::Vector2d> pixels(points.size());
+    camera.pixels_of_ceiling_points(points, 2.8, pixels);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto one = camera.pixel_of_ceiling_point(points[i], 2.8);
+      EXPECT_EQ(one.has_value(), pixels[i].allFinite());
+      if (one) {
+        EXPECT_EQ(*one, pixels[i]);  // to the last bit
+      }
+    }
+  }
 }
 
 TEST(CeilingCamera, KnowsItsBorder) {
