@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
+#include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/joint_search.hpp"
 #include "services/detector/opposite_sides.hpp"
 
@@ -48,14 +50,69 @@ double square(double value) {
   return value * value;
 }
 
-/// Of a squared ratio of residual and cutoff.
-double tukey_weight(double squared) {
-  return squared >= 1.0 ? 0.0 : square(1.0 - squared);
-}
-
 /// A joint of the ceiling along one side, one unit high: a dark line of 12 mm, blurred.
 double joint_at(double distance_px, double sigma) {
   return std::exp(-0.5 * distance_px * distance_px / (sigma * sigma));
+}
+
+/// What does not change along the sides, by distance from them.
+struct Samples {
+  static constexpr std::size_t kCount = 16;  // the distances, and one to fill the vectors
+  static_assert(kDistances <= static_cast<int>(kCount));
+  alignas(32) std::array<double, kCount> fall{};
+  alignas(32) std::array<double, kCount> outwards{};
+  alignas(32) std::array<double, kCount> joint{};
+  alignas(32) std::array<double, kCount> variance{};
+};
+
+/// Normal equations of the unknowns below: columns of the information, filled up to two vectors.
+struct Sums {
+  alignas(32) std::array<std::array<double, 8>, 6> information{};
+  alignas(32) std::array<double, 8> right_side{};
+  double weights = 0.0;
+};
+
+/// Adds the differences of one stretch, whose place is a share of the length; all of a side at once, and then all the
+/// sums at once.
+LUMINAV_VECTOR_CLONES
+void add_stretch(const Samples& samples, const float* values, const bool* valid, double place, const double* solution,
+                 Sums& sums) {
+  constexpr std::size_t kCount = Samples::kCount;
+  alignas(32) std::array<double, kCount> value{};
+  for (std::size_t k = 0; k < kDistances; ++k) {
+    value[k] = values[k];
+  }
+  alignas(32) std::array<double, kCount> tukey;
+  alignas(32) std::array<double, kCount> weight;
+  for (std::size_t k = 0; k < kCount; ++k) {
+    const double fall = samples.fall[k];
+    const double predicted = (fall * solution[0] + (samples.outwards[k] * solution[2] + fall * place * solution[4])) +
+                             (solution[1] + (samples.joint[k] * solution[3] + place * solution[5]));
+    const double residual = value[k] - predicted;
+    const double squared = residual * residual / (kCutoff * kCutoff * samples.variance[k]);
+    const double rest = 1.0 - squared;
+    tukey[k] = squared >= 1.0 ? 0.0 : rest * rest;
+    weight[k] = tukey[k] / samples.variance[k];
+  }
+  Sums total = sums;
+  for (std::size_t k = 0; k < kDistances; ++k) {
+    if (!valid[k]) {
+      continue;
+    }
+    const double fall = samples.fall[k];
+    alignas(32) const std::array<double, 8> row{fall, 1.0, samples.outwards[k], samples.joint[k], fall * place, place};
+    const double height = weight[k] * value[k];
+    for (std::size_t j = 0; j < 6; ++j) {
+      for (std::size_t i = 0; i < 8; ++i) {
+        total.information[j][i] += weight[k] * row[i] * row[j];
+      }
+    }
+    for (std::size_t i = 0; i < 8; ++i) {
+      total.right_side[i] += height * row[i];
+    }
+    total.weights += tukey[k];
+  }
+  sums = total;
 }
 
 /// A shift by s [px] of the outline makes the difference 2 s x fall. A ceiling that is brighter on one side adds a
@@ -223,26 +280,31 @@ class Regression {
   }
 
   void fit_all() {
+    Samples samples;
+    for (std::size_t k = 0; k < kDistances; ++k) {
+      samples.fall[k] = fall_[k];
+      samples.outwards[k] = static_cast<double>(k) / kDistances - 0.5;
+      samples.joint[k] = joint_[k];
+      samples.variance[k] = kNoise * kNoise + square(kBlurError * fall_[k]);
+    }
     for (int pass = 0; pass < 4; ++pass) {
-      information_.setZero();
-      information_.diagonal() << 1e-1, 1e-6, 1.0 / 36.0, kJointPrior, 1e-2, 1e-4;
-      Vector right_side = Vector::Zero();
-      weights_ = 0.0;
+      Sums sums;
+      Vector right_side;
+      for (const auto& [i, prior] :
+           {std::pair{0, 1e-1}, {1, 1e-6}, {2, 1.0 / 36.0}, {3, kJointPrior}, {4, 1e-2}, {5, 1e-4}}) {
+        sums.information[i][i] = prior;
+      }
       for (std::size_t s = 0; s < kStretches; ++s) {
-        for (std::size_t k = 0; k < kDistances; ++k) {
-          if (!differences_.valid[s][k]) {
-            continue;
-          }
-          const Vector row = jacobian(place_[s], k);
-          const double variance = kNoise * kNoise + square(kBlurError * fall_[k]);
-          const double residual = differences_.value[s][k] - row.dot(solution_);
-          const double tukey = tukey_weight(square(residual) / (kCutoff * kCutoff * variance));
-          const double weight = tukey / variance;
-          information_ += weight * row * row.transpose();
-          right_side += weight * differences_.value[s][k] * row;
-          weights_ += tukey;
+        add_stretch(samples, differences_.value[s].data(), differences_.valid[s].data(), place_[s], solution_.data(),
+                    sums);
+      }
+      for (int i = 0; i < kUnknowns; ++i) {
+        right_side(i) = sums.right_side[i];
+        for (int j = 0; j < kUnknowns; ++j) {
+          information_(i, j) = sums.information[j][i];
         }
       }
+      weights_ = sums.weights;
       solution_ = information_.ldlt().solve(right_side);
     }
   }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <span>
 
 #include "services/common/geometry/camera_model.hpp"
 #include "services/common/geometry/pose2.hpp"
@@ -26,6 +27,10 @@ struct Differences {
 /// Two opposite sides of a lit outline, to compare the light that falls off outwards from them.
 class OppositeSides {
  public:
+  static constexpr int kPadded = 16;  // the distances, filled up to whole vectors
+  using Lights = std::array<float, kPadded>;
+  using SideLights = std::array<Lights, 2>;  // of the positive and the negative side
+
   /// `along` is the direction of the sides in the outline's frame, `out` the normal of the positive one.
   OppositeSides(const GreyView& image, const CeilingCamera& camera, const Outline& outline, double vignetting,
                 const Eigen::Vector2d& along, const Eigen::Vector2d& out, double length, double half_width)
@@ -42,10 +47,16 @@ class OppositeSides {
   [[nodiscard]] Differences measure(const Pose2& robot_from_outline, double step) const;
 
  private:
-  static constexpr int kDistances = Differences::kDistances;
-  /// Light outwards from one side, vignetting undone; negative where saturated. False when not all of it is in view.
-  bool profile(const PointTransform& pose, double place, double side, double step,
-               std::array<float, kDistances>& light) const;
+  /// A profile outwards from one side.
+  struct LineEnds {
+    Eigen::Vector2d first;    // [px]
+    Eigen::Vector2d advance;  // [px] from one distance to the next
+    bool is_in_view = false;
+  };
+  /// Lines evenly along both sides, by turns.
+  void project(const PointTransform& pose, double usable, double step, std::span<LineEnds> lines) const;
+  /// Light along a line, vignetting undone; negative where saturated.
+  void light_along(const LineEnds& line, Lights& light) const;
 
   const GreyView& image_;
   const CeilingCamera& camera_;

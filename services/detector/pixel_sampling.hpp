@@ -26,4 +26,7 @@ inline bool is_sampled(const GreyView& image, const Eigen::Vector2d& pixel) {
   return pixel.x() >= 1.0 && pixel.y() >= 1.0 && pixel.x() < image.width - 2.0 && pixel.y() < image.height - 2.0;
 }
 
+/// Grey levels at many places, with the same results to the last bit; `count` is a multiple of 8.
+void bilinear_at(const GreyView& image, const float* x, const float* y, std::size_t count, float* grey);
+
 }  // namespace luminav

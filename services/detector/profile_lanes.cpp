@@ -8,7 +8,7 @@
 #include "services/detector/pixel_sampling.hpp"
 
 #if defined(__x86_64__)
-#include <immintrin.h>
+#include "services/detector/pixel_sampling_avx2.hpp"
 #endif
 
 namespace luminav {
@@ -41,29 +41,9 @@ __attribute__((target("avx2"))) void add_avx2(const GreyView& image, const Lines
   const __m256 dx = _mm256_loadu_ps(lines.dx.data());
   const __m256 dy = _mm256_loadu_ps(lines.dy.data());
   const __m256i last = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(lines.last.data()));
-  const __m256i width = _mm256_set1_epi32(image.width);
-  const __m256i byte = _mm256_set1_epi32(0xFF);
-  // Four bytes are read for two pixels: in the upper row those behind, in the lower row those before, never beyond
-  // the image.
-  const auto* upper = reinterpret_cast<const int*>(image.pixels.data());
-  const auto* lower = reinterpret_cast<const int*>(image.pixels.data() + image.width - 2);
+  const PixelGather pixels(image);
   for (int k = 0; k < length; ++k) {
-    const __m256i column = _mm256_cvttps_epi32(x);
-    const __m256i row = _mm256_cvttps_epi32(y);
-    const __m256 fx = _mm256_sub_ps(x, _mm256_cvtepi32_ps(column));
-    const __m256 fy = _mm256_sub_ps(y, _mm256_cvtepi32_ps(row));
-    const __m256i offset = _mm256_add_epi32(_mm256_mullo_epi32(row, width), column);
-    const __m256i p = _mm256_i32gather_epi32(upper, offset, 1);
-    const __m256i q = _mm256_i32gather_epi32(lower, offset, 1);
-    const __m256i p0 = _mm256_and_si256(p, byte);
-    const __m256i p1 = _mm256_and_si256(_mm256_srli_epi32(p, 8), byte);
-    const __m256i q0 = _mm256_and_si256(_mm256_srli_epi32(q, 16), byte);
-    const __m256i q1 = _mm256_srli_epi32(q, 24);
-    const __m256 top =
-        _mm256_add_ps(_mm256_cvtepi32_ps(p0), _mm256_mul_ps(fx, _mm256_cvtepi32_ps(_mm256_sub_epi32(p1, p0))));
-    const __m256 bottom =
-        _mm256_add_ps(_mm256_cvtepi32_ps(q0), _mm256_mul_ps(fx, _mm256_cvtepi32_ps(_mm256_sub_epi32(q1, q0))));
-    const __m256 here = _mm256_add_ps(top, _mm256_mul_ps(fy, _mm256_sub_ps(bottom, top)));
+    const __m256 here = pixels.bilinear(x, y);
     _mm256_storeu_ps(grey[k].data(), _mm256_add_ps(_mm256_loadu_ps(grey[k].data()), here));
     const __m256 on = _mm256_castsi256_ps(_mm256_cmpgt_epi32(last, _mm256_set1_epi32(k)));
     x = _mm256_add_ps(x, _mm256_and_ps(on, dx));
