@@ -94,33 +94,57 @@ class BloomLevel {
   void project(const Pose2& pose, double swelling) {
     constexpr double kAhead = 0.02;  // [m]
     const PointTransform to_robot(pose);
-    for (int i = 0; i < count_; ++i) {
-      EdgePoint& point = points_[static_cast<std::size_t>(i)];
+    std::array<Vector2d, 2 * kMostPoints> places;
+    std::array<Vector2d, 2 * kMostPoints> pixels;
+    const auto count = static_cast<std::size_t>(count_);
+    for (std::size_t i = 0; i < count; ++i) {
+      const EdgePoint& point = points_[i];
       const Vector2d on_edge = point.place + swelling * point.normal;
-      const auto pixel = camera_.pixel_of_ceiling_point(to_robot * on_edge, outline_.height);
-      const auto ahead = camera_.pixel_of_ceiling_point(to_robot * (on_edge + kAhead * point.normal), outline_.height);
-      point.in_view = pixel && ahead;
+      places[2 * i] = to_robot * on_edge;
+      places[2 * i + 1] = to_robot * (on_edge + kAhead * point.normal);
+    }
+    camera_.pixels_of_ceiling_points({places.data(), 2 * count}, outline_.height, {pixels.data(), 2 * count});
+    for (std::size_t i = 0; i < count; ++i) {
+      EdgePoint& point = points_[i];
+      const Vector2d& pixel = pixels[2 * i];
+      const Vector2d& ahead = pixels[2 * i + 1];
+      point.in_view = pixel.allFinite() && ahead.allFinite();
       if (point.in_view) {
-        const double step = (*ahead - *pixel).norm();
-        point.pixel = *pixel;
-        point.normal_px = (*ahead - *pixel) / step;
+        const double step = (ahead - pixel).norm();
+        point.pixel = pixel;
+        point.normal_px = (ahead - pixel) / step;
         point.metres_per_px = kAhead / step;
-        point.in_view = is_sampled(image_, *pixel + (kSearch + 1) * point.normal_px) &&
-                        is_sampled(image_, *pixel - (kSearch + 1) * point.normal_px);
+        point.in_view = is_sampled(image_, pixel + (kSearch + 1) * point.normal_px) &&
+                        is_sampled(image_, pixel - (kSearch + 1) * point.normal_px);
       }
     }
   }
 
-  /// Mean of three pixels along the edge, `distance` [px] outside of it.
-  [[nodiscard]] float grey(const EdgePoint& point, double distance) const {
-    const Vector2d middle = point.pixel + distance * point.normal_px;
-    const Vector2d along(-point.normal_px.y(), point.normal_px.x());
-    float sum = 0.0F;
-    for (const double shift : {-1.0, 0.0, 1.0}) {
-      const Vector2d at = middle + shift * along;
-      sum += bilinear(image_, static_cast<float>(at.x()), static_cast<float>(at.y()));
+  /// Means of three pixels along the edge, `count` of them from `first` [px] outside of it on, `step` [px] apart.
+  static constexpr std::size_t kMostMeans = 16;
+  void means_across(const EdgePoint& point, double first, double step, std::size_t count,
+                    std::array<float, kMostMeans>& means) const {
+    alignas(32) std::array<float, 3 * kMostMeans> x;
+    alignas(32) std::array<float, 3 * kMostMeans> y;
+    alignas(32) std::array<float, 3 * kMostMeans> grey;
+    const std::size_t padded = count <= 8 ? 8 : kMostMeans;
+    const double along_x = -point.normal_px.y();
+    const double along_y = point.normal_px.x();
+    for (std::size_t i = 0; i < padded; ++i) {
+      const double distance = first + step * static_cast<double>(std::min(i, count - 1));
+      const double middle_x = point.pixel.x() + distance * point.normal_px.x();
+      const double middle_y = point.pixel.y() + distance * point.normal_px.y();
+      x[i] = static_cast<float>(middle_x - along_x);
+      y[i] = static_cast<float>(middle_y - along_y);
+      x[padded + i] = static_cast<float>(middle_x);
+      y[padded + i] = static_cast<float>(middle_y);
+      x[2 * padded + i] = static_cast<float>(middle_x + along_x);
+      y[2 * padded + i] = static_cast<float>(middle_y + along_y);
     }
-    return sum / 3.0F;
+    bilinear_at(image_, x.data(), y.data(), 3 * padded, grey.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      means[i] = (grey[i] + grey[padded + i] + grey[2 * padded + i]) / 3.0F;
+    }
   }
 
   /// Share of the light that the lens lets through there.
@@ -145,8 +169,10 @@ class BloomLevel {
         continue;
       }
       const auto n = static_cast<std::size_t>(counts[side]++);
+      std::array<float, kMostMeans> means;
+      means_across(point, kBeyondBloom - (kDistances - 1.0), 2.0, kDistances, means);
       for (std::size_t k = 0; k < kDistances; ++k) {
-        levels[side][k][n] = grey(point, kBeyondBloom + 2.0 * (static_cast<double>(k) - 0.5 * (kDistances - 1)));
+        levels[side][k][n] = means[k];
       }
     }
     double mean = 0.0;
@@ -205,10 +231,13 @@ class BloomLevel {
   [[nodiscard]] std::optional<double> crossing(const EdgePoint& point) const {
     const Line& ceiling = ceiling_[static_cast<std::size_t>(point.side)];
     const double level = ceiling.level + ceiling.slope * coordinate(point) + height_ * gain_at(point.pixel);
+    std::array<float, kMostMeans> means;
+    static_assert(2 * kSearch + 1 <= kMostMeans);
+    means_across(point, -kSearch, 1.0, 2 * kSearch + 1, means);
     std::optional<double> nearest;
-    float before = grey(point, -kSearch);
+    float before = means[0];
     for (int k = -kSearch + 1; k <= kSearch; ++k) {
-      const float here = grey(point, k);
+      const float here = means[static_cast<std::size_t>(k + kSearch)];
       if (before >= level && here < level) {
         const double at = k - 1 + (before - level) / (before - here);
         if (!nearest || std::abs(at) < std::abs(*nearest)) {

@@ -15,6 +15,7 @@ using Eigen::Vector2d;
 constexpr double kStep = 0.004;  // [m] across a joint, about a pixel
 constexpr int kMargin = 4;       // steps beyond the places searched
 constexpr std::size_t kMostSteps = 40;
+static_assert(kMostSteps % 8 == 0);
 constexpr double kApart = 0.012;     // [m] between lines along the side
 constexpr int kLines = 16;           // beyond each corner
 constexpr double kLeastDepth = 3.0;  // [grey]
@@ -38,18 +39,35 @@ Profile profile_beyond(const GreyView& image, const CeilingCamera& camera, const
   const double first = side.distance + search.nearest - kMargin * kStep;
   const double span = search.farthest - search.nearest + 2.0 * kMargin * kStep;
   profile.steps = std::min(kMostSteps, static_cast<std::size_t>(span / kStep) + 1);
-  for (int i = 0; i < kLines; ++i) {
-    const Vector2d place = corner * (side.half_length + search.from_corner + kApart * i) * side.along;
-    const auto begin = camera.pixel_of_ceiling_point(pose * (place + first * side.out), side.height);
-    const double length = kStep * static_cast<double>(profile.steps - 1);
-    const auto end = camera.pixel_of_ceiling_point(pose * (place + (first + length) * side.out), side.height);
-    if (!begin || !end || !is_sampled(image, *begin) || !is_sampled(image, *end)) {
+  const double length = kStep * static_cast<double>(profile.steps - 1);
+  std::array<Vector2d, 2 * kLines> places;
+  for (std::size_t i = 0; i < kLines; ++i) {
+    const Vector2d place =
+        corner * (side.half_length + search.from_corner + kApart * static_cast<double>(i)) * side.along;
+    places[2 * i] = pose * (place + first * side.out);
+    places[2 * i + 1] = pose * (place + (first + length) * side.out);
+  }
+  std::array<Vector2d, 2 * kLines> pixels;
+  camera.pixels_of_ceiling_points(places, side.height, pixels);
+  for (std::size_t i = 0; i < kLines; ++i) {
+    const Vector2d& begin = pixels[2 * i];
+    const Vector2d& end = pixels[2 * i + 1];
+    if (!is_sampled(image, begin) || !is_sampled(image, end)) {  // or there is no pixel
       continue;
     }
-    const Vector2d step = (*end - *begin) / static_cast<double>(profile.steps - 1);
+    const Vector2d step = (end - begin) / static_cast<double>(profile.steps - 1);
+    alignas(32) std::array<float, kMostSteps> x;
+    alignas(32) std::array<float, kMostSteps> y;
+    alignas(32) std::array<float, kMostSteps> grey;
+    const std::size_t padded = (profile.steps + 7) / 8 * 8;
+    for (std::size_t k = 0; k < padded; ++k) {
+      const auto at = static_cast<double>(std::min(k, profile.steps - 1));
+      x[k] = static_cast<float>(begin.x() + at * step.x());
+      y[k] = static_cast<float>(begin.y() + at * step.y());
+    }
+    bilinear_at(image, x.data(), y.data(), padded, grey.data());
     for (std::size_t k = 0; k < profile.steps; ++k) {
-      const Vector2d at = *begin + static_cast<double>(k) * step;
-      profile.grey[k] += bilinear(image, static_cast<float>(at.x()), static_cast<float>(at.y()));
+      profile.grey[k] += grey[k];
     }
     ++profile.lines;
   }

@@ -33,12 +33,17 @@ std::optional<double> level_beside(const GreyView& image, const CeilingCamera& c
   const PointTransform pose(fit.robot_from_outline);
   std::array<float, kPlaces> values;
   std::size_t count = 0;
+  std::array<Vector2d, kPlaces> places;
   for (int i = 0; i < kPlaces; ++i) {
-    const Vector2d place(0.9 * strip.length * ((i + 0.5) / kPlaces - 0.5),
-                         side * ((0.5 + widths) * strip.width + std::max(0.0, fit.swelling)));
-    const auto pixel = camera.pixel_of_ceiling_point(pose * place, strip.height);
-    if (pixel && is_sampled(image, *pixel)) {
-      values[count++] = bilinear(image, static_cast<float>(pixel->x()), static_cast<float>(pixel->y()));
+    places[static_cast<std::size_t>(i)] =
+        pose * Vector2d(0.9 * strip.length * ((i + 0.5) / kPlaces - 0.5),
+                        side * ((0.5 + widths) * strip.width + std::max(0.0, fit.swelling)));
+  }
+  std::array<Vector2d, kPlaces> pixels;
+  camera.pixels_of_ceiling_points(places, strip.height, pixels);
+  for (const Vector2d& pixel : pixels) {
+    if (is_sampled(image, pixel)) {
+      values[count++] = bilinear(image, static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
     }
   }
   if (count < 6) {

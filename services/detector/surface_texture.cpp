@@ -28,6 +28,7 @@ struct Stretch {
 template <typename PlaceOf>
 double roughness(const GreyView& image, const CeilingCamera& camera, const Outline& outline, const Pose2& pose,
                  const Stretch& along, const Stretch& across, PlaceOf place_of) {
+  const PointTransform to_robot(pose);
   std::array<double, kMostPlaces> profile{};
   const int places = std::min(kMostPlaces, static_cast<int>((along.to - along.from) / kStep));
   int count = 0;
@@ -35,11 +36,16 @@ double roughness(const GreyView& image, const CeilingCamera& camera, const Outli
     const double u = along.from + (i + 0.5) * kStep;
     double sum = 0.0;
     int sampled = 0;
+    std::array<Vector2d, kLines> points;
     for (int line = 0; line < kLines; ++line) {
       const double v = across.from + (across.to - across.from) * (line + 0.5) / kLines;
-      const auto pixel = camera.pixel_of_ceiling_point(pose * place_of(u, v), outline.height);
-      if (pixel && is_sampled(image, *pixel)) {
-        sum += bilinear(image, static_cast<float>(pixel->x()), static_cast<float>(pixel->y()));
+      points[static_cast<std::size_t>(line)] = to_robot * place_of(u, v);
+    }
+    std::array<Vector2d, kLines> pixels;
+    camera.pixels_of_ceiling_points(points, outline.height, pixels);
+    for (const Vector2d& pixel : pixels) {
+      if (is_sampled(image, pixel)) {
+        sum += bilinear(image, static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
         ++sampled;
       }
     }
