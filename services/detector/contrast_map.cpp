@@ -4,12 +4,15 @@
 #include <array>
 #include <cstdlib>
 
+#include "services/common/geometry/vector_clones.hpp"
+
 namespace luminav {
 namespace {
 
 constexpr int kCap = 6;  // [grey] by which the ceiling may rise above its own opening (tiles, their joints)
 
 /// Twice the size in x and y by linear interpolation between cell centres; nothing is invented beyond the border.
+LUMINAV_VECTOR_CLONES
 void enlarge(const Raster& half, int width, int height, Raster& result) {
   result.resize(width, height);
   for (int y = 0; y < height; ++y) {
@@ -39,6 +42,7 @@ void enlarge(const Raster& half, int width, int height, Raster& result) {
 
 /// Continues the image beyond its borders point-symmetrically, so that a slope stays a slope there. Without it the
 /// surroundings of a border cell would all lie on one side, and shading alone would give it contrast.
+LUMINAV_VECTOR_CLONES
 void continue_beyond(const Raster& image, int margin, Raster& result) {
   result.resize(image.width + 2 * margin, image.height + 2 * margin);
   const auto continued = [](int edge, int mirrored) {
@@ -69,49 +73,107 @@ void continue_beyond(const Raster& image, int margin, Raster& result) {
   }
 }
 
+/// Quotients, rounded; each quotient is below 256.
+LUMINAV_VECTOR_CLONES
+void divide(const std::uint32_t* sums, const std::uint32_t* areas, int count, std::uint8_t* out) {
+  for (int x = 0; x < count; ++x) {
+    // Exact: both are below 2^24, and no quotient comes nearer to the next whole number than a float resolves.
+    const auto sum = static_cast<float>(static_cast<std::int32_t>(sums[x] + areas[x] / 2));
+    out[x] = static_cast<std::uint8_t>(
+        static_cast<std::int32_t>(sum / static_cast<float>(static_cast<std::int32_t>(areas[x]))));
+  }
+}
+
+LUMINAV_VECTOR_CLONES
+void subtract(const std::uint32_t* a, const std::uint32_t* b, int count, std::uint32_t* out) {
+#pragma GCC ivdep
+  for (int x = 0; x < count; ++x) {
+    out[x] = a[x] - b[x];
+  }
+}
+
 /// Means over 2 radius + 1 cells in x and y; beyond the border the window is cut off on both sides alike, so that a
 /// slope is its own mean everywhere.
 void average(const Raster& image, int radius, Raster& result, std::vector<std::uint32_t>& sums) {
   const int width = image.width;
   const int height = image.height;
   const auto stride = static_cast<std::size_t>(width) + 1;
-  sums.assign(stride * (static_cast<std::size_t>(height) + 1), 0);
+  const std::size_t table = stride * (static_cast<std::size_t>(height) + 1);
+  sums.resize(table + 3 * stride);
+  std::fill_n(sums.begin(), stride, 0U);
   for (int y = 0; y < height; ++y) {
     const std::uint8_t* in = image.row(y);
     const std::uint32_t* above = sums.data() + static_cast<std::size_t>(y) * stride;
     std::uint32_t* below = sums.data() + static_cast<std::size_t>(y + 1) * stride;
+    below[0] = 0;
     std::uint32_t row_sum = 0;
     for (int x = 0; x < width; ++x) {
       row_sum += in[x];
       below[x + 1] = above[x + 1] + row_sum;
     }
   }
+  std::uint32_t* columns = sums.data() + table;  // sums of the window's rows, from the left border on
+  std::uint32_t* windows = columns + stride;
+  std::uint32_t* areas = windows + stride;
+  const int reach = std::min(radius, (width - 1) / 2);
+  const bool small = static_cast<std::int64_t>(2 * radius + 1) * (2 * radius + 1) < (1 << 16);
   result.resize(width, height);
   for (int y = 0; y < height; ++y) {
     const int ry = std::min({radius, y, height - 1 - y});
-    const std::uint32_t* top = sums.data() + static_cast<std::size_t>(y - ry) * stride;
-    const std::uint32_t* bottom = sums.data() + static_cast<std::size_t>(y + ry + 1) * stride;
+    const auto rows = static_cast<std::uint32_t>(2 * ry + 1);
+    subtract(sums.data() + static_cast<std::size_t>(y + ry + 1) * stride,
+             sums.data() + static_cast<std::size_t>(y - ry) * stride, width + 1, columns);
+    for (int x = 0; x < reach; ++x) {
+      const int mirrored = width - 1 - x;
+      windows[x] = columns[2 * x + 1];
+      windows[mirrored] = columns[width] - columns[mirrored - x];
+      areas[x] = areas[mirrored] = static_cast<std::uint32_t>(2 * x + 1) * rows;
+    }
+    subtract(columns + 2 * reach + 1, columns, width - 2 * reach, windows + reach);
+    std::fill_n(areas + reach, width - 2 * reach, static_cast<std::uint32_t>(2 * reach + 1) * rows);
     std::uint8_t* out = result.row(y);
-    for (int x = 0; x < width; ++x) {
-      const int rx = std::min({radius, x, width - 1 - x});
-      const std::uint32_t sum = bottom[x + rx + 1] - bottom[x - rx] - top[x + rx + 1] + top[x - rx];
-      const auto area = static_cast<std::uint32_t>((2 * rx + 1) * (2 * ry + 1));
-      out[x] = static_cast<std::uint8_t>((sum + area / 2) / area);
+    if (small) {
+      divide(windows, areas, width, out);
+    } else {
+      for (int x = 0; x < width; ++x) {
+        out[x] = static_cast<std::uint8_t>((windows[x] + areas[x] / 2) / areas[x]);
+      }
     }
   }
 }
 
 constexpr int kFlatLevel = 128;  // [grey] of a flattened image
 
-void flatten(Raster& image, const Raster& mean) {
-  for (std::size_t i = 0; i < image.cells.size(); ++i) {
-    image.cells[i] = static_cast<std::uint8_t>(std::clamp(kFlatLevel + image.cells[i] - mean.cells[i], 0, 255));
+LUMINAV_VECTOR_CLONES
+void flatten(std::uint8_t* image, const std::uint8_t* mean, std::size_t count) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    image[i] = static_cast<std::uint8_t>(std::clamp(kFlatLevel + image[i] - mean[i], 0, 255));
   }
 }
 
-void unflatten(Raster& image, const Raster& mean) {
-  for (std::size_t i = 0; i < image.cells.size(); ++i) {
-    image.cells[i] = static_cast<std::uint8_t>(std::clamp(image.cells[i] + mean.cells[i] - kFlatLevel, 0, 255));
+LUMINAV_VECTOR_CLONES
+void unflatten(std::uint8_t* image, const std::uint8_t* mean, std::size_t count) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    image[i] = static_cast<std::uint8_t>(std::clamp(image[i] + mean[i] - kFlatLevel, 0, 255));
+  }
+}
+
+LUMINAV_VECTOR_CLONES
+void difference(const std::uint8_t* a, const std::uint8_t* b, std::size_t count, std::uint8_t* out) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    out[i] = static_cast<std::uint8_t>(std::max(a[i], b[i]) - b[i]);
+  }
+}
+
+LUMINAV_VECTOR_CLONES
+void cap(const std::uint8_t* image, const std::uint8_t* level, std::size_t count, std::uint8_t* out) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto top = static_cast<std::uint8_t>(std::min<std::uint8_t>(level[i], 255 - kCap) + kCap);
+    out[i] = std::min(image[i], top);
   }
 }
 
@@ -124,24 +186,11 @@ void cut_margin(const Raster& image, int margin, Raster& result) {
 
 void saturating_difference(const Raster& minuend, const Raster& subtrahend, Raster& result) {
   result.resize(minuend.width, minuend.height);
-  const std::uint8_t* a = minuend.cells.data();
-  const std::uint8_t* b = subtrahend.cells.data();
-  std::uint8_t* out = result.cells.data();
-  const std::size_t count = result.cells.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    out[i] = static_cast<std::uint8_t>(a[i] > b[i] ? a[i] - b[i] : 0);
-  }
-}
-
-void cap(const Raster& image, const Raster& level, Raster& result) {
-  result.resize(image.width, image.height);
-  const std::size_t count = result.cells.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    result.cells[i] = static_cast<std::uint8_t>(std::min<int>(image.cells[i], std::min(level.cells[i] + kCap, 255)));
-  }
+  difference(minuend.cells.data(), subtrahend.cells.data(), result.cells.size(), result.cells.data());
 }
 
 /// Means of 3 x 3 cells, the border repeated.
+LUMINAV_VECTOR_CLONES
 void smooth(const Raster& image, Raster& result) {
   result.resize(image.width, image.height);
   std::array<std::uint16_t, 8192> sums;
@@ -203,25 +252,20 @@ void ContrastMap::compute(const Raster& image, int radius, bool ignore_lines) {
   continue_beyond(half_, margin, wide_);
   erode(wide_, half_radius, eroded_, scratch_);
   dilate(eroded_, half_radius, wide_opened_, scratch_);
-  cap(wide_, wide_opened_, capped_);
+  capped_.resize(wide_.width, wide_.height);
+  const std::size_t count = wide_.cells.size();
+  cap(wide_.cells.data(), wide_opened_.cells.data(), count, capped_.cells.data());
   // A closing fills a hollow only up to its lowest rim: without its slope, the rim is the same all round.
   average(capped_, 2 * half_radius, mean_, sums_);
-  flatten(capped_, mean_);
+  flatten(capped_.cells.data(), mean_.cells.data(), count);
   dilate(capped_, half_radius, eroded_, scratch_);
   erode(eroded_, half_radius, closed_, scratch_);
-  unflatten(closed_, mean_);
-  cut_margin(wide_opened_, margin, opened_);
+  unflatten(closed_.cells.data(), mean_.cells.data(), count);
   cut_margin(closed_, margin, wide_);
   std::swap(wide_, closed_);
-  enlarge(opened_, image.width, image.height, opened_full_);
   enlarge(closed_, image.width, image.height, closed_full_);
-  saturating_difference(*clean, opened_full_, bright_);
   smooth(*clean, smooth_);
   saturating_difference(closed_full_, smooth_, dark_);
-
-  saturating_difference(half_, opened_, eroded_);
-  dilate(eroded_, half_radius / 2, peak_, scratch_);
-  enlarge(peak_, image.width, image.height, bright_peak_);
 
   // Not of single cells: the peak is to be that of something as wide as a fixture.
   saturating_difference(closed_, half_, peak_);

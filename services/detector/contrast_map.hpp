@@ -7,20 +7,16 @@
 
 namespace luminav {
 
-/// How far each cell of a reduced image rises above, and sinks below, its surroundings. The surroundings are what is
-/// left when everything narrower than a window is taken away (top hat and its dual, Serra 1982), so shading, pools of
-/// light and daylight from a window drop out. The dark side is measured after the lamps were cut off, or every strip
-/// between a lamp and the image border would look dark.
+/// How far each cell of a reduced image sinks below its surroundings. These are what is left when everything narrower
+/// than a window is filled up (closing top hat, Serra 1982), so shading, pools of light and daylight from a window drop
+/// out. It is measured after the lamps were cut off, or every strip between a lamp and the image border would look dark.
 class ContrastMap {
  public:
   /// `radius` [cells of `image`]: half the window; things wider than 2 radius + 1 cells have no contrast.
   /// `ignore_lines`: dark lines thinner than 4 cells (joints between tiles) do not count as surroundings.
   void compute(const Raster& image, int radius, bool ignore_lines);
 
-  [[nodiscard]] const Raster& bright() const { return bright_; }
   [[nodiscard]] const Raster& dark() const { return dark_; }
-  /// Largest bright() within the window round each cell.
-  [[nodiscard]] const Raster& bright_peak() const { return bright_peak_; }
   /// Largest dark() of something broad within the window round each cell.
   [[nodiscard]] const Raster& dark_peak() const { return dark_peak_; }
   /// Noise of one cell of the reduced image [grey], from the median difference of neighbours.
@@ -33,17 +29,13 @@ class ContrastMap {
   Raster wide_;  // continued beyond the borders
   Raster eroded_;
   Raster wide_opened_;
-  Raster opened_;
   Raster capped_;
   Raster mean_;
   std::vector<std::uint32_t> sums_;
   Raster closed_;
   Raster peak_;
   Raster scratch_;
-  Raster opened_full_;
   Raster closed_full_;
-  Raster bright_;
-  Raster bright_peak_;
   Raster dark_;
   Raster dark_peak_;
   double noise_ = 1.0;

@@ -1,11 +1,11 @@
 #include "services/detector/detector.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include "services/detector/grey_counts.hpp"
 #include "services/detector/modern_detector.hpp"
 #include "services/detector/paper_detector.hpp"
 
@@ -16,24 +16,16 @@ constexpr int kLeastSide = 64;  // [px]
 constexpr double kAspectTolerance = 0.01;
 
 /// Over every third pixel of every fourth row: 25,600 of a webcam's image.
-double median_of(const GreyView& image) {
-  std::array<int, 256> histogram{};
-  int count = 0;
-  for (int y = 1; y < image.height; y += 4) {
-    const std::uint8_t* row = image.pixels.data() + static_cast<std::ptrdiff_t>(y) * image.width;
-    for (int x = 1; x < image.width; x += 3) {
-      ++histogram[row[x]];
-      ++count;
+double median_of(const GreyView& image, double guess) {
+  const int count = (image.height + 2) / 4 * ((image.width + 1) / 3);
+  return median_level(static_cast<int>(guess), [&](int level) {
+    int below = 0;
+    for (int y = 1; y < image.height; y += 4) {
+      below += count_thirds_up_to(image.pixels.data() + static_cast<std::ptrdiff_t>(y) * image.width,
+                                  static_cast<std::size_t>(image.width), static_cast<std::uint8_t>(level));
     }
-  }
-  int below = 0;
-  for (std::size_t level = 0; level < histogram.size(); ++level) {
-    below += histogram[level];
-    if (2 * below >= count) {
-      return static_cast<double>(level);
-    }
-  }
-  return 255.0;
+    return 2 * below >= count;
+  });
 }
 
 void check(bool holds, const std::string& what) {
@@ -109,7 +101,7 @@ std::vector<Detection> Detector::detect(const GreyView& image, DetectorTrace* tr
     return detections;
   }
   prepare_for(image.width, image.height);
-  median_grey_ = median_of(image);
+  median_grey_ = median_of(image, median_grey_);
   if (paper_) {
     paper_->detect(image, median_grey_, detections, trace);
   } else {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/bloom_edges.hpp"
 #include "services/detector/bloom_symmetry.hpp"
+#include "services/detector/grey_counts.hpp"
 #include "services/detector/unlit_joints.hpp"
 
 namespace luminav {
@@ -68,16 +70,38 @@ int reduction_factor(const CeilingCamera& camera, const CeilingCatalogue& catalo
   return narrowest_px >= 20.0 ? 4 : narrowest_px >= 10.0 ? 2 : 1;
 }
 
-int median_grey(const Raster& image) {
-  std::array<int, 256> histogram{};
-  for (const std::uint8_t grey : image.cells) {
-    ++histogram[grey];
+LUMINAV_VECTOR_CLONES
+std::uint8_t largest(const std::uint8_t* cells, std::size_t count) {
+  std::uint8_t most = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    most = std::max(most, cells[i]);
   }
-  int level = 0;
-  for (int below = histogram[0]; 2 * below < static_cast<int>(image.cells.size()) && level < 255;) {
-    below += histogram[static_cast<std::size_t>(++level)];
+  return most;
+}
+
+LUMINAV_VECTOR_CLONES
+void cut_above(const std::uint8_t* cells, std::size_t count, std::uint8_t level, std::uint8_t* mask) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    mask[i] = cells[i] > level ? 1 : 0;
   }
-  return level;
+}
+
+/// Deeper than `least` and than a share [1/256] of the depth nearby.
+LUMINAV_VECTOR_CLONES
+void cut_deep(const std::uint8_t* depth, const std::uint8_t* peak, std::size_t count, int least, int share,
+              std::uint8_t* mask) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    mask[i] = depth[i] > std::max(least, (share * peak[i]) >> 8) ? 1 : 0;
+  }
+}
+
+int median_grey(const Raster& image, int guess) {
+  const auto size = static_cast<int>(image.cells.size());
+  return median_level(guess, [&](int level) {
+    return 2 * count_up_to(image.cells.data(), image.cells.size(), static_cast<std::uint8_t>(level)) >= size;
+  });
 }
 
 /// The fit takes both to the same place.
@@ -142,26 +166,22 @@ OutlineFitParams ModernDetector::fit_params(const Region& region, int level) con
           .first_search_px = 11};
 }
 
+/// Only the rows that reach the level: those above stay empty, and the levels fall.
 void ModernDetector::cut_out_bright(int level) {
-  mask_.resize(reduced_.width, reduced_.height);
-  const std::size_t count = mask_.cells.size();
-  const std::uint8_t* grey = reduced_.cells.data();
-  std::uint8_t* out = mask_.cells.data();
-  for (std::size_t i = 0; i < count; ++i) {
-    out[i] = grey[i] > level ? 1 : 0;
+  for (int y = 0; y < reduced_.height; ++y) {
+    if (row_peaks_[static_cast<std::size_t>(y)] > level) {
+      cut_above(reduced_.row(y), static_cast<std::size_t>(reduced_.width), static_cast<std::uint8_t>(level),
+                mask_.row(y));
+    }
   }
 }
 
 void ModernDetector::cut_out_dark() {
   const Raster& dark = contrast_.dark();
   const auto least = static_cast<int>(std::max(params_.unlit_contrast, params_.noise_factor * contrast_.noise()) + 0.5);
-  const Raster& peak = contrast_.dark_peak();
   const auto share = static_cast<int>(params_.unlit_level_share * 256.0);
   mask_.resize(dark.width, dark.height);
-  const std::size_t count = mask_.cells.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    mask_.cells[i] = dark.cells[i] > std::max(least, (share * peak.cells[i]) >> 8) ? 1 : 0;
-  }
+  cut_deep(dark.cells.data(), contrast_.dark_peak().cells.data(), dark.cells.size(), least, share, mask_.cells.data());
 }
 
 void ModernDetector::detect(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace) {
@@ -170,7 +190,7 @@ void ModernDetector::detect(const GreyView& image, std::vector<Detection>& detec
     return;
   }
   reduce(image, factor_, reduced_);
-  median_ = median_grey(reduced_);
+  median_ = median_grey(reduced_, median_);
   contrast_.compute(reduced_, window_radius_, ignore_lines_);
   const CeilingFrame frame{image, reduced_, contrast_.dark(), factor_, contrast_.noise() * factor_};
   look_for_lit(frame, detections, trace);
@@ -179,6 +199,12 @@ void ModernDetector::detect(const GreyView& image, std::vector<Detection>& detec
 
 void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detection>& detections, DetectorTrace* trace) {
   tried_.clear();
+  row_peaks_.resize(static_cast<std::size_t>(reduced_.height));
+  for (int y = 0; y < reduced_.height; ++y) {
+    row_peaks_[static_cast<std::size_t>(y)] = largest(reduced_.row(y), static_cast<std::size_t>(reduced_.width));
+  }
+  mask_.resize(reduced_.width, reduced_.height);
+  std::fill(mask_.cells.begin(), mask_.cells.end(), std::uint8_t{0});
   // A lit fixture is brighter than all around it, however the light is distributed: at some level it stands alone. The
   // highest comes first, because there bloom adds least.
   const auto contrast = static_cast<int>(std::max(params_.lit_contrast, params_.noise_factor * contrast_.noise()));

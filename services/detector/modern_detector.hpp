@@ -54,6 +54,7 @@ class ModernDetector {
   int erosion_;        // [cells] of dark regions
   bool ignore_lines_;  // between tiles
   Raster reduced_;
+  std::vector<std::uint8_t> row_peaks_;  // of the reduced image
   Raster mask_;
   Raster eroded_;
   Raster scratch_;

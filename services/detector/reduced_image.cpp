@@ -6,6 +6,10 @@
 
 #include "services/common/geometry/vector_clones.hpp"
 
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
 namespace luminav {
 namespace {
 
@@ -56,41 +60,100 @@ void smaller_of(const std::uint8_t* a, const std::uint8_t* b, int count, std::ui
 
 using Combine = void (*)(const std::uint8_t*, const std::uint8_t*, int, std::uint8_t*);
 
+using CombineRows = void (*)(const std::uint8_t*, const std::uint8_t*, int, int, int, std::uint8_t*);
+
+LUMINAV_VECTOR_CLONES
+void larger_of_rows(const std::uint8_t* a, const std::uint8_t* b, int stride, int rows, int width, std::uint8_t* out) {
+  for (int y = 0; y < rows; ++y, a += stride, b += stride, out += width) {
+#pragma GCC ivdep
+    for (int x = 0; x < width; ++x) {
+      out[x] = std::max(a[x], b[x]);
+    }
+  }
+}
+
+LUMINAV_VECTOR_CLONES
+void smaller_of_rows(const std::uint8_t* a, const std::uint8_t* b, int stride, int rows, int width, std::uint8_t* out) {
+  for (int y = 0; y < rows; ++y, a += stride, b += stride, out += width) {
+#pragma GCC ivdep
+    for (int x = 0; x < width; ++x) {
+      out[x] = std::min(a[x], b[x]);
+    }
+  }
+}
+
 /// Running extreme over 2 radius + 1 cells in x, then in y. Windows of 1, 2, 4, ... cells are combined from two of half
-/// the size, so the cost grows with the logarithm of the radius and every step is one straight loop.
-void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Combine combine, Raster& result,
-                     Raster& padded) {
+/// the size, so the cost grows with the logarithm of the radius; every step is one straight loop over all rows. What it
+/// mixes from the next row lands in columns that are no longer read.
+void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Combine combine, CombineRows combine_rows,
+                     Raster& result, Raster& padded) {
   const int window = 2 * radius + 1;
   const int width = image.width;
   const int height = image.height;
   padded.resize(width + 2 * radius, height + 2 * radius);
-  std::fill(padded.cells.begin(), padded.cells.end(), neutral);
-  const auto inner = static_cast<std::size_t>(width);
-  for (int y = 0; y < height; ++y) {
-    std::uint8_t* row = padded.row(y + radius);
-    std::memcpy(row + radius, image.row(y), inner);
-    int size = 1;
-    int count = padded.width;
-    for (; 2 * size <= window; size *= 2) {
-      count -= size;
-      combine(row, row + size, count, row);
-    }
-    combine(row, row + (window - size), width, row);
-  }
   const int stride = padded.width;
+  std::uint8_t* cells = padded.cells.data();
+  std::memset(cells, neutral, padded.cells.size());
+  for (int y = 0; y < height; ++y) {
+    std::memcpy(padded.row(y + radius) + radius, image.row(y), static_cast<std::size_t>(width));
+  }
+  int count = static_cast<int>(padded.cells.size());
+  const auto combine_with = [&](int ahead) {
+    count -= ahead;
+    combine(cells, cells + ahead, count, cells);
+  };
   int size = 1;
-  int rows = padded.height;
   for (; 2 * size <= window; size *= 2) {
-    rows -= size;
-    for (int y = 0; y < rows; ++y) {
-      std::uint8_t* row = padded.row(y);
-      combine(row, row + static_cast<std::ptrdiff_t>(size) * stride, width, row);
-    }
+    combine_with(size);
+  }
+  if (window > size) {
+    combine_with(window - size);
+  }
+  count = (height + 2 * radius) * stride;
+  for (size = 1; 2 * size <= window; size *= 2) {
+    combine_with(size * stride);
   }
   result.resize(width, height);
-  for (int y = 0; y < height; ++y) {
-    combine(padded.row(y), padded.row(y + window - size), width, result.row(y));
+  combine_rows(cells, padded.row(window - size), stride, height, width, result.row(0));
+}
+
+#if defined(__x86_64__)
+/// Cells of four by four pixels; returns how many were done, the first of the row.
+__attribute__((target("avx2"))) int fold_four_rows_avx2(const std::uint8_t* first, std::size_t stride, int cells,
+                                                        std::uint8_t* out) {
+  const __m256i one_byte = _mm256_set1_epi8(1);
+  const __m256i one_word = _mm256_set1_epi16(1);
+  const __m256i half = _mm256_set1_epi32(8);
+  const __m256i in_order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+  int done = 0;
+  for (; done + 32 <= cells; done += 32) {
+    __m256i sums[4];
+    for (int part = 0; part < 4; ++part) {
+      const std::uint8_t* p = first + 4 * done + 32 * part;
+      __m256i pairs = _mm256_setzero_si256();
+      for (int y = 0; y < 4; ++y, p += stride) {
+        const __m256i row = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p));
+        pairs = _mm256_add_epi16(pairs, _mm256_maddubs_epi16(row, one_byte));
+      }
+      sums[part] = _mm256_srli_epi32(_mm256_add_epi32(_mm256_madd_epi16(pairs, one_word), half), 4);
+    }
+    const __m256i bytes =
+        _mm256_packus_epi16(_mm256_packs_epi32(sums[0], sums[1]), _mm256_packs_epi32(sums[2], sums[3]));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + done), _mm256_permutevar8x32_epi32(bytes, in_order));
   }
+  return done;
+}
+#endif
+
+/// As many as are worth it; the rest is done by those above.
+int fold_four_rows(const std::uint8_t* first, std::size_t stride, int cells, std::uint8_t* out) {
+#if defined(__x86_64__)
+  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
+  if (has_avx2) {
+    return fold_four_rows_avx2(first, stride, cells, out);
+  }
+#endif
+  return 0;
 }
 
 }  // namespace
@@ -107,9 +170,14 @@ void reduce(const GreyView& image, int factor, Raster& result) {
   const int width = std::min(result.width * factor, kWidest);
   for (int y = 0; y < result.height; ++y) {
     const std::uint8_t* first = image.pixels.data() + static_cast<std::size_t>(y * factor) * stride;
-    add_rows(first, stride, factor, width, sums.data());
+    const int done = factor == 4 ? fold_four_rows(first, stride, width / 4, result.row(y)) : 0;
+    const int left = width - factor * done;
+    if (left == 0) {
+      continue;
+    }
+    add_rows(first + factor * done, stride, factor, left, sums.data());
     if (factor == 4) {
-      fold_by_four(sums.data(), width / 4, result.row(y));
+      fold_by_four(sums.data(), left / 4, result.row(y) + done);
     } else {
       fold_by_two(sums.data(), width / 2, result.row(y));
     }
@@ -117,11 +185,11 @@ void reduce(const GreyView& image, int factor, Raster& result) {
 }
 
 void dilate(const Raster& image, int radius, Raster& result, Raster& scratch) {
-  running_extreme(image, radius, 0, larger_of, result, scratch);
+  running_extreme(image, radius, 0, larger_of, larger_of_rows, result, scratch);
 }
 
 void erode(const Raster& image, int radius, Raster& result, Raster& scratch) {
-  running_extreme(image, radius, 255, smaller_of, result, scratch);
+  running_extreme(image, radius, 255, smaller_of, smaller_of_rows, result, scratch);
 }
 
 }  // namespace luminav

@@ -1,14 +1,23 @@
 #include "services/detector/regions.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace luminav {
 namespace {
 
 /// First cell at or after `x` that is set (or not set), `width` when there is none. Masks are mostly empty, so empty
-/// stretches are crossed eight cells at a time.
+/// stretches are crossed many cells at a time.
 int next_set(const std::uint8_t* row, int x, int width) {
+  while (x + 32 <= width) {
+    std::array<std::uint64_t, 4> many;
+    std::memcpy(many.data(), row + x, sizeof many);
+    if ((many[0] | many[1] | many[2] | many[3]) != 0) {
+      break;
+    }
+    x += 32;
+  }
   while (x + 8 <= width) {
     std::uint64_t eight;
     std::memcpy(&eight, row + x, sizeof eight);

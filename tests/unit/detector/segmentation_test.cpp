@@ -4,6 +4,7 @@
 #include <random>
 
 #include "services/detector/contrast_map.hpp"
+#include "services/detector/grey_counts.hpp"
 #include "services/detector/reduced_image.hpp"
 #include "services/detector/regions.hpp"
 
@@ -107,6 +108,36 @@ TEST(RegionFinder, LeavesOutWhatIsTooSmall) {
   EXPECT_TRUE(finder.find(raster_of({".....", "....."}), 1).empty());
 }
 
+TEST(GreyCounts, FindTheMedianFromAnyGuess) {
+  for (const int levels : {1, 3, 256}) {
+    Raster image = random_raster(640, 31, 7);
+    for (std::uint8_t& cell : image.cells) {
+      cell = static_cast<std::uint8_t>(levels == 256 ? cell : cell % levels);
+    }
+    std::vector<std::uint8_t> all(image.cells.begin(), image.cells.end() - 7);  // fills no whole vectors
+    std::vector<std::uint8_t> thirds;
+    for (std::size_t i = 1; i < all.size(); i += 3) {
+      thirds.push_back(all[i]);
+    }
+    for (const std::uint8_t level : {0, 1, 2, 77, 254, 255}) {
+      const auto below = [&](std::uint8_t grey) { return grey <= level; };
+      EXPECT_EQ(count_up_to(all.data(), all.size(), level), std::count_if(all.begin(), all.end(), below));
+      EXPECT_EQ(count_thirds_up_to(all.data(), all.size(), level), std::count_if(thirds.begin(), thirds.end(), below));
+    }
+    const int size = static_cast<int>(all.size());
+    const auto reached = [&](int level) {
+      return 2 * count_up_to(all.data(), all.size(), static_cast<std::uint8_t>(level)) >= size;
+    };
+    int median = 0;
+    while (!reached(median)) {
+      ++median;
+    }
+    for (const int guess : {0, 1, 2, 3, 100, 127, 128, 254, 255}) {
+      EXPECT_EQ(median_level(guess, reached), median);
+    }
+  }
+}
+
 TEST(RegionFinder, FindsNothingNewInTheSameMaskTwice) {
   RegionFinder finder;
   Raster mask = random_raster(64, 48, 5);
@@ -127,11 +158,10 @@ TEST(ContrastMap, IsBlindForASlopeAndForUniformGrey) {
   }
   ContrastMap map;
   map.compute(image, 8, true);
-  EXPECT_LE(*std::max_element(map.bright().cells.begin(), map.bright().cells.end()), 4);
   EXPECT_LE(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 4);
 }
 
-TEST(ContrastMap, MeasuresADarkAndABrightPatch) {
+TEST(ContrastMap, MeasuresADarkPatchBesideABrightOne) {
   Raster image;
   image.resize(80, 60);
   std::fill(image.cells.begin(), image.cells.end(), std::uint8_t{100});
@@ -144,9 +174,7 @@ TEST(ContrastMap, MeasuresADarkAndABrightPatch) {
   ContrastMap map;
   map.compute(image, 8, true);
   EXPECT_NEAR(map.dark().row(30)[16], 20, 4);
-  EXPECT_EQ(map.bright().row(30)[54], 150);
   EXPECT_LE(map.dark().row(30)[35], 4);
-  EXPECT_EQ(map.bright().row(30)[35], 0);
 }
 
 TEST(ContrastMap, SeesNoDarkStripBetweenALampAndTheBorder) {
