@@ -9,7 +9,8 @@ namespace luminav {
 
 /// How far each cell of a reduced image sinks below its surroundings. These are what is left when everything narrower
 /// than a window is filled up (closing top hat, Serra 1982), so shading, pools of light and daylight from a window drop
-/// out. It is measured after the lamps were cut off, or every strip between a lamp and the image border would look dark.
+/// out. It is measured after the lamps were cut off, or every strip between a lamp and the image border would look
+/// dark.
 class ContrastMap {
  public:
   /// `radius` [cells of `image`]: half the window; things wider than 2 radius + 1 cells have no contrast.

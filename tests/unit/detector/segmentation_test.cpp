@@ -119,7 +119,8 @@ TEST(GreyCounts, FindTheMedianFromAnyGuess) {
     for (std::size_t i = 1; i < all.size(); i += 3) {
       thirds.push_back(all[i]);
     }
-    for (const std::uint8_t level : {0, 1, 2, 77, 254, 255}) {
+    for (const int value : {0, 1, 2, 77, 254, 255}) {
+      const auto level = static_cast<std::uint8_t>(value);
       const auto below = [&](std::uint8_t grey) { return grey <= level; };
       EXPECT_EQ(count_up_to(all.data(), all.size(), level), std::count_if(all.begin(), all.end(), below));
       EXPECT_EQ(count_thirds_up_to(all.data(), all.size(), level), std::count_if(thirds.begin(), thirds.end(), below));
