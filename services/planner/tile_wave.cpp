@@ -128,6 +128,9 @@ void TileWave::begin(const BitGrid& passable, std::span<const Cell> goals) {
   cut(passable);
   reached_ = 0;
   last_tick_ = 0;
+  // office floors need 7 or 8 a tile; memory is touched only as it is used, while a list that moves needs it twice
+  constexpr std::size_t kEntriesPerTile = 10;
+  entries_.reserve(kEntriesPerTile * open_.size());
   entries_.assign(1, {});  // the first means none
   entered_.clear();
   active_.clear();
