@@ -172,6 +172,7 @@ bool GoalCycle::is_localized(const Situation& situation) {
     if (phase_ == Phase::kLocalizing) {
       enter(Phase::kPlanning, NavigationState::kPlanning, "");
       last_plan_ = 0;
+      attempts_ = 0;  // it has been elsewhere since; `losses` bounds this
       // it stands there already: no need to drive off and lose the pose again
       if (losses_ > 0 && is_at_stop(situation.world_from_robot)) {
         reached_stop();

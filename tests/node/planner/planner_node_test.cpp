@@ -98,6 +98,23 @@ TEST(PlannerNode, GivesUpWhenThePoseGetsLostAgainAndAgainAtOnePlace) {
   EXPECT_THAT(world.status.cause, HasSubstr("lost its place 10 times"));
 }
 
+TEST(PlannerNode, CountsNoAttemptsFromBeforeItGotLost) {
+  PlannerWorld world;
+  world.go(1, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.wheels_blocked = true;
+  world.run(55.0);
+  ASSERT_NE(world.status.state, Status::STATE_STUCK);
+  world.tracking = false;
+  world.run(3.0);
+  ASSERT_EQ(world.status.state, Status::STATE_LOCALIZING);
+  world.robot = {2.0, 1.0, 1.0};  // it searched elsewhere
+  world.tracking = true;
+  world.run(30.0);
+  EXPECT_NE(world.status.state, Status::STATE_STUCK) << world.status.cause;
+  EXPECT_TRUE(world.run_until_state(120.0, Status::STATE_STUCK)) << "it still ends";
+}
+
 TEST(PlannerNode, HasArrivedWhenItFindsItselfAtTheGoal) {
   PlannerWorld world;
   world.go(1, 4.0, 1.5);
