@@ -276,8 +276,10 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
   }
   // to and fro between escape and obstacle is no progress
   const bool goes_in_circles = escapes_ >= config_.escapes_most;
-  output.seconds_without_progress = progress_.update(input.now, input.odom_from_robot);
-  if (goes_in_circles) {
+  const double without_progress = progress_.update(input.now, input.odom_from_robot);
+  output.seconds_without_progress = without_progress;
+  // who drives freely again after the last escape is let drive: the next escape would only turn it back
+  if (goes_in_circles && (verdict.blocked || without_progress > 0.5 * config_.stuck_after)) {
     output.seconds_without_progress = seconds_between(escape_since_, input.now);
   }
   if (escape_ && (verdict.blocked || !escape_twist(input.now))) {
@@ -305,7 +307,7 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
   const double patience = waits_for_people ? config_.patience : config_.patience_with_things;
   const bool is_stuck = output.seconds_without_progress > config_.stuck_after;
   const bool is_waiting = standing > 0.0 && standing < patience;
-  if ((standing > patience || is_stuck) && !is_waiting && input.now >= next_escape_) {
+  if ((standing > patience || without_progress > config_.stuck_after) && !is_waiting && input.now >= next_escape_) {
     if (input.task == ControlTask::kWander) {
       wander_.give_up(input.now, input.odom_from_robot);
     }
@@ -317,9 +319,12 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
     output.state = ControlState::kYielding;
   } else if (!escape_ && is_stuck && !is_waiting) {
     output.state = ControlState::kStuck;
-    if (output.reason.empty()) {
-      output.reason = goes_in_circles ? "several attempts to get round led back here" : "the way ahead leads nowhere";
+    if (output.reason.empty() && !goes_in_circles) {
+      output.reason = "the way ahead leads nowhere";
     }
+  }
+  if (output.reason.empty() && goes_in_circles) {
+    output.reason = "several attempts to get round led back here";
   }
 }
 
