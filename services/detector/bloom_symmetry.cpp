@@ -94,25 +94,39 @@ void add_stretch(const Samples& samples, const float* values, const bool* valid,
     tukey[k] = squared >= 1.0 ? 0.0 : rest * rest;
     weight[k] = tukey[k] / samples.variance[k];
   }
-  Sums total = sums;
+  alignas(32) std::array<std::array<double, 8>, kCount> rows;
+  for (std::size_t k = 0; k < kDistances; ++k) {
+    const double fall = samples.fall[k];
+    rows[k] = {fall, 1.0, samples.outwards[k], samples.joint[k], fall * place, place};
+  }
+  // Columns three by three: as many sums as there are registers.
+  for (const std::size_t first : {std::size_t{0}, std::size_t{3}}) {
+    std::array<std::array<double, 8>, 3> columns{sums.information[first], sums.information[first + 1],
+                                                 sums.information[first + 2]};
+    for (std::size_t k = 0; k < kDistances; ++k) {
+      if (!valid[k]) {
+        continue;
+      }
+      for (std::size_t j = 0; j < 3; ++j) {
+        for (std::size_t i = 0; i < 8; ++i) {
+          columns[j][i] += weight[k] * rows[k][i] * rows[k][first + j];
+        }
+      }
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+      sums.information[first + j] = columns[j];
+    }
+  }
   for (std::size_t k = 0; k < kDistances; ++k) {
     if (!valid[k]) {
       continue;
     }
-    const double fall = samples.fall[k];
-    alignas(32) const std::array<double, 8> row{fall, 1.0, samples.outwards[k], samples.joint[k], fall * place, place};
     const double height = weight[k] * value[k];
-    for (std::size_t j = 0; j < 6; ++j) {
-      for (std::size_t i = 0; i < 8; ++i) {
-        total.information[j][i] += weight[k] * row[i] * row[j];
-      }
-    }
     for (std::size_t i = 0; i < 8; ++i) {
-      total.right_side[i] += height * row[i];
+      sums.right_side[i] += height * rows[k][i];
     }
-    total.weights += tukey[k];
+    sums.weights += tukey[k];
   }
-  sums = total;
 }
 
 /// A shift by s [px] of the outline makes the difference 2 s x fall. A ceiling that is brighter on one side adds a
