@@ -50,6 +50,7 @@ GridMapper::GridMapper(const GridMapperParams& params, const PriorMap& prior, in
     throw std::invalid_argument("grid mapper: dispute_poses must be 1, 2 or 3");
   }
   grid_.prior = prior.cells;
+  views_.resize(static_cast<std::size_t>(discs));
   near_wall_ = cells_near_walls(grid_, params_.prior_tolerance);
   const auto tiles = static_cast<std::size_t>(grid_.tile_columns()) * static_cast<std::size_t>(grid_.tile_rows());
   touched_.assign(tiles, 0);
@@ -189,17 +190,29 @@ void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& vi
   });
   bool wall_explains = false;
   bool known_explains = false;
+  double uncharted = 0.0;  // odds of all cells of which the building's map knows nothing
   for (const ArcCell& candidate : arc_) {
     const std::size_t i = grid_.geometry.index(candidate.cell);
     wall_explains = wall_explains || near_wall_[i] != 0;
     known_explains = known_explains || is_occupied(candidate.cell);
+    if (grid_.prior[i] == Prior::kUnknown) {
+      uncharted += candidate.weight * odds_of(grid_.evidence[i], reading.range);
+    }
   }
+  const bool is_new = is_new_view(reading);
   for (const ArcCell& candidate : arc_) {
     const std::size_t i = grid_.geometry.index(candidate.cell);
     if (wall_explains) {
       if (grid_.prior[i] == Prior::kOccupied || grid_.prior[i] == Prior::kDisputed) {
         add(candidate.cell, params_.sonar.occupied_log_odds * candidate.weight);
         disputes_.erase(i);
+      }
+      continue;
+    }
+    if (grid_.prior[i] == Prior::kUnknown) {
+      if (is_new && uncharted > 0.0) {  // the echo came from one of them, most likely from where others came from
+        const double share = candidate.weight * odds_of(grid_.evidence[i], reading.range) / uncharted;
+        add(candidate.cell, params_.sonar.occupied_log_odds * std::min(1.0, params_.surface_cells * share));
       }
       continue;
     }
@@ -210,6 +223,23 @@ void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& vi
       disputes_.erase(i);
     }
   }
+}
+
+double GridMapper::odds_of(std::int8_t evidence, double range) const {
+  const double most = range > params_.narrow_range ? params_.sonar.most_log_odds : params_.known_log_odds;
+  return std::exp(params_.arc_sharpness * std::min(evidence / kEvidencePerLogOdds, most));
+}
+
+bool GridMapper::is_new_view(const DiscReading& reading) {
+  View& last = views_[static_cast<std::size_t>(reading.disc)];
+  const bool is_new =
+      (last.world_from_sonar.position() - reading.world_from_sonar.position()).norm() >= params_.view_distance ||
+      std::abs(wrap_angle(last.world_from_sonar.theta - reading.world_from_sonar.theta)) >= params_.view_angle ||
+      std::abs(last.range - reading.range) >= params_.view_distance;
+  if (is_new) {
+    last = {reading.world_from_sonar, reading.range};
+  }
+  return is_new;
 }
 
 void GridMapper::dispute_walls(const DiscReading& reading) {
@@ -305,6 +335,7 @@ void GridMapper::clear_evidence() {
   disputes_.clear();
   filter_.clear();
   standing_.clear();
+  std::fill(views_.begin(), views_.end(), View{});
 }
 
 bool GridMapper::is_occupied(const Cell& cell) const {

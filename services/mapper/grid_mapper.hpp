@@ -31,7 +31,13 @@ struct GridMapperParams {
   double dispute_range = 2.0;    ///< [m] walls seen through from farther away are not disputed
   double dispute_spacing = 0.5;  ///< [m] between poses that dispute a wall
   int dispute_poses = 3;
-  double robot_radius = 0.20;  ///< [m] around the robot nothing can stand
+  double surface_cells = 5.0;        ///< cells of a surface that one echo may draw where the building's map is silent
+  double arc_sharpness = 2.0;        ///< power to which their odds decide which cells of an arc these are
+  double known_log_odds = 0.8;       ///< no cell counts as likelier than that, so that a wall may go on beside itself,
+  double narrow_range = 3.0;         ///< [m] up to here; the arcs of farther echoes are wider than a door
+  double view_distance = 0.05;       ///< [m] that a disc moves, or its reading changes, before it votes there again
+  double view_angle = radians(3.0);  ///< [rad] or that it turns
+  double robot_radius = 0.20;        ///< [m] around the robot nothing can stand
 };
 
 /// A reading of one disc of the ring.
@@ -73,6 +79,10 @@ class GridMapper {
     int poses = 0;
     Eigen::Vector2d position[2];
   };
+  struct View {
+    Pose2 world_from_sonar;
+    double range = 0.0;  // [m]
+  };
   /// How far each slice of the cone reaches before something hides what is behind it.
   [[nodiscard]] SliceRanges visible_ranges(const BeamReading& beam) const;
   /// Angle [rad] between a beam and the normal of the surface that the occupied cells round a cell form; nothing where
@@ -83,6 +93,10 @@ class GridMapper {
   /// Takes evidence from what ought to have answered so near to a disc.
   void look_beside(const DiscReading& reading);
   void vote_occupied(const DiscReading& reading, const SliceRanges& visible);
+  /// How likely an echo from so far away [m] came from a cell with that evidence, beside others on its arc.
+  [[nodiscard]] double odds_of(std::int8_t evidence, double range) const;
+  /// Whether a reading says more than the last vote of its disc: seen again from the same place it is the same.
+  [[nodiscard]] bool is_new_view(const DiscReading& reading);
   void dispute_walls(const DiscReading& reading);
   void touch(const Eigen::Vector2d& centre, double radius);
   void add(const Cell& cell, double log_odds);
@@ -99,6 +113,7 @@ class GridMapper {
   std::vector<std::uint8_t> has_evidence_;             // per tile
   std::unordered_map<std::size_t, Dispute> disputes_;  // by cell; never iterated
   std::vector<ArcCell> arc_;
+  std::vector<View> views_;         // per disc, the last that voted
   std::int64_t decayed_until_ = 0;  // [us]
 };
 

@@ -40,6 +40,11 @@ void read_grid_mapper(const TomlTable& table, GridMapperParams& grid) {
   grid.occupied_log_odds = table.number("occupied_threshold", grid.occupied_log_odds, {0.05, grid.passing_log_odds});
   grid.prior_tolerance = table.number("prior_tolerance", grid.prior_tolerance, {0.0, 1.0});
   grid.explained_share = table.number("explained_share", grid.explained_share, kFraction);
+  grid.surface_cells = table.number("surface_cells", grid.surface_cells, {0.0, 100.0});
+  grid.arc_sharpness = table.number("arc_sharpness", grid.arc_sharpness, {0.0, 10.0});
+  grid.known_log_odds = table.number("known_log_odds", grid.known_log_odds, {-1.0, 10.0});
+  grid.narrow_range = table.number("narrow_range", grid.narrow_range, {0.0, 20.0});
+  grid.view_distance = table.number("view_distance", grid.view_distance, {0.0, 10.0});
   grid.standing_time = table.number("standing_time", grid.standing_time, {0.0, 60.0});
   grid.decay_time = table.number("decay_time", grid.decay_time, {0.0, 1e6});
   grid.dispute_range = table.number("dispute_range", grid.dispute_range, {0.0, 20.0});
