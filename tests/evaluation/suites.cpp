@@ -21,7 +21,8 @@ struct NamedEntry {
   bool patrol = false;
 };
 
-// Seeds of 1000 and above are for measuring only; what is tuned is tuned on smaller ones. As many as end within minutes;
+// Seeds of 1000 and above are for measuring only; what is tuned is tuned on smaller ones. As many as end within
+// minutes;
 // --seeds takes more.
 constexpr NamedEntry kEntries[] = {
     {"quick", "laboratory.toml", 1, 2},
@@ -37,7 +38,8 @@ constexpr NamedEntry kEntries[] = {
     {"navigation", "navigation", 1000, 1004},
     {"endurance", "laboratory-patrol.toml", 1000, 1000, "geometric", true},
 };
-/// What "all" is made of, apart from the detector's part: all seeds, but for the worlds, which would take half of its time.
+/// What "all" is made of, apart from the detector's part: all seeds, but for the worlds, which would take half of its
+/// time.
 constexpr const char* kAll[] = {"localization", "mapping", "navigation", "endurance", "missions", "worlds", "scale"};
 constexpr std::uint64_t kWorldSeedsInAll = 4;
 
