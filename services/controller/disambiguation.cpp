@@ -7,38 +7,35 @@
 #include "services/controller/way_lattice.hpp"
 
 namespace luminav {
-namespace {
-
-constexpr double kMostWorth = 1.0;
-
-}  // namespace
-
 // Every n-th by weight, so that many alike weights are represented as fairly as few heavy ones.
-std::vector<PoseAlternative> Disambiguation::chosen(std::span<const PoseAlternative> alternatives) const {
+std::vector<Disambiguation::LookedAt> Disambiguation::chosen(std::span<const PoseAlternative> alternatives) const {
   double sum = 0.0;
   for (const PoseAlternative& alternative : alternatives) {
     sum += std::pow(alternative.weight, params_.flattening);
   }
-  std::vector<PoseAlternative> result;
+  std::vector<LookedAt> result;
+  const auto look_at = [&](const PoseAlternative& alternative, double weight) {
+    result.push_back({PointTransform(alternative.world_from_odom), alternative.world_from_odom.inverse(), weight});
+  };
   double passed = 0.0;
   double next = 0.5;  // in shares of 1 / most
   for (const PoseAlternative& alternative : alternatives) {
     const double share = sum > 0.0 ? std::pow(alternative.weight, params_.flattening) / sum : 0.0;
     passed += share * params_.most;
     if (static_cast<int>(alternatives.size()) <= params_.most) {
-      result.push_back({alternative.world_from_odom, share});
+      look_at(alternative, share);
     } else if (passed > next) {
       const double count = std::ceil(passed - next);
-      result.push_back({alternative.world_from_odom, count / params_.most});
+      look_at(alternative, count / params_.most);
       next += count;
     }
   }
   return result;
 }
 
-double Disambiguation::free_share(const Eigen::Vector2d& place, std::span<const PoseAlternative> alternatives) const {
+double Disambiguation::free_share(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives) const {
   double share = 0.0;
-  for (const PoseAlternative& alternative : alternatives) {
+  for (const LookedAt& alternative : alternatives) {
     share += forecast_.has_room(alternative.world_from_odom * place) ? alternative.weight : 0.0;
   }
   return share;
@@ -56,18 +53,18 @@ bool Disambiguation::look_alike(const View& a, const View& b) const {
 }
 
 // Chance that the truth and a rival, both drawn by weight, are told apart there.
-double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const PoseAlternative> alternatives,
-                             bool is_known_floor, std::vector<View>& views) const {
+double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives, bool is_known_floor,
+                             std::vector<View>& views) const {
   views.clear();
   double with_fixture = 0.0;
-  for (const PoseAlternative& alternative : alternatives) {
+  for (const LookedAt& alternative : alternatives) {
     const Eigen::Vector2d there = alternative.world_from_odom * place;
     View view;
     view.weight = alternative.weight;
     view.is_wall = !is_known_floor && !forecast_.has_room(there);
     view.fixture = view.is_wall ? nullptr : forecast_.fixture_above(there);
     if (view.fixture != nullptr) {
-      view.odom_from_fixture = alternative.world_from_odom.inverse() * view.fixture->world_from_fixture;
+      view.odom_from_fixture = alternative.odom_from_world * view.fixture->world_from_fixture;
       if ((view.fixture->world_from_fixture.position() - there).norm() >
           params_.sure_within * forecast_.view_radius()) {
         continue;  // at the border of the image: it may be seen or not
@@ -95,13 +92,16 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const PoseA
   return worth;
 }
 
-double Disambiguation::price(const Eigen::Vector2d& place, std::span<const PoseAlternative> alternatives,
+double Disambiguation::price(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives,
                              const SearchMap& map) const {
   const Ground ground = map.ground_at(place);
+  if (ground == Ground::kStands) {
+    return std::numeric_limits<double>::infinity();
+  }
   const bool is_narrow = map.stands_within(place, params_.clearance);
   const double share = ground == Ground::kFree && !is_narrow ? 1.0 : free_share(place, alternatives);
   // echoes from door posts close doorways: where the alternatives have one it is open until they have not
-  if (ground == Ground::kStands || share < (is_narrow ? params_.least_free_in_narrows : params_.least_free)) {
+  if (share < (is_narrow ? params_.least_free_in_narrows : params_.least_free)) {
     return std::numeric_limits<double>::infinity();
   }
   const double narrowness = is_narrow ? 4.0 : map.stands_within(place, params_.comfortable) ? 2.0 : 1.0;
@@ -115,13 +115,14 @@ std::optional<std::vector<Eigen::Vector2d>> Disambiguation::way(
   if (forecast_.is_empty() || alternatives.empty()) {
     return std::nullopt;
   }
-  const std::vector<PoseAlternative> looked_at = chosen(alternatives);
+  const std::vector<LookedAt> looked_at = chosen(alternatives);
   WayLattice lattice(place, params_.reach, params_.step);
+  const double most_worth = std::max({params_.seen_and_not, params_.missed, params_.wall}) + params_.any_fixture;
   double best_score = 0.0;
   int best = -1;
   std::vector<View> views;
   while (const auto visit = lattice.next()) {
-    if (kMostWorth * params_.faithfulness / (visit->way + params_.head_start) < best_score) {
+    if (most_worth * params_.faithfulness / (visit->way + params_.head_start) < best_score) {
       break;
     }
     const Eigen::Vector2d here = lattice.place_of(visit->node);

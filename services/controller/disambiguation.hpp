@@ -61,13 +61,19 @@ class Disambiguation {
     bool is_wall = false;
     double weight = 0.0;
   };
-  [[nodiscard]] std::vector<PoseAlternative> chosen(std::span<const PoseAlternative> alternatives) const;
-  [[nodiscard]] double free_share(const Eigen::Vector2d& place, std::span<const PoseAlternative> alternatives) const;
+  /// An alternative ready to map thousands of places.
+  struct LookedAt {
+    PointTransform world_from_odom;
+    Pose2 odom_from_world;
+    double weight = 0.0;
+  };
+  [[nodiscard]] std::vector<LookedAt> chosen(std::span<const PoseAlternative> alternatives) const;
+  [[nodiscard]] double free_share(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives) const;
   /// Metres that a metre there counts for; infinite: no way leads through.
-  [[nodiscard]] double price(const Eigen::Vector2d& place, std::span<const PoseAlternative> alternatives,
+  [[nodiscard]] double price(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives,
                              const SearchMap& map) const;
-  [[nodiscard]] double worth(const Eigen::Vector2d& place, std::span<const PoseAlternative> alternatives,
-                             bool is_known_floor, std::vector<View>& views) const;
+  [[nodiscard]] double worth(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives, bool is_known_floor,
+                             std::vector<View>& views) const;
   [[nodiscard]] bool look_alike(const View& a, const View& b) const;
 
   CeilingForecast forecast_;

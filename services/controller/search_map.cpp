@@ -165,9 +165,10 @@ bool SearchMap::stands_within(const Eigen::Vector2d& place, double radius) const
     return false;
   }
   const int reach = static_cast<int>(radius / params_.cell);
+  const int most = static_cast<int>(radius * radius / (params_.cell * params_.cell) + 1e-6);  // [cells squared]
   for (int row = -reach; row <= reach; ++row) {
     for (int column = -reach; column <= reach; ++column) {
-      if (std::hypot(row, column) * params_.cell <= radius &&
+      if (row * row + column * column <= most &&
           cells_[static_cast<std::size_t>(centre + row * columns_ + column)].occupied >= kStands) {
         return true;
       }

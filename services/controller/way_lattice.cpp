@@ -13,6 +13,7 @@ WayLattice::WayLattice(const Eigen::Vector2d& place, double reach, double step) 
   corner_ = (place / step).array().round().matrix() * step - Eigen::Vector2d::Constant(half * step);
   const auto count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_);
   way_.assign(count, std::numeric_limits<double>::infinity());
+  price_.assign(count, -1.0);
   from_.assign(count, -1);
   way_[static_cast<std::size_t>(start_)] = 0.0;
   open_.push({start_, 0.0});
@@ -41,7 +42,10 @@ void WayLattice::expand(const Visit& visit, const std::function<double(const Eig
     if (visit.way + length >= way_[next]) {
       continue;  // whatever it costs
     }
-    const double way = visit.way + length * price(place_of(visit.node + step));
+    if (price_[next] < 0.0) {
+      price_[next] = price(place_of(visit.node + step));
+    }
+    const double way = visit.way + length * price_[next];
     if (way < way_[next]) {
       way_[next] = way;
       from_[next] = visit.node;

@@ -23,7 +23,8 @@ class WayLattice {
 
   /// The nearest place not yet returned; nothing when all that can be reached was.
   [[nodiscard]] std::optional<Visit> next();
-  /// Goes on from a place to its neighbours. `price` says what a metre counts for at a place, infinite = blocked.
+  /// Goes on from a place to its neighbours. `price` says what a metre counts for at a place, infinite = blocked; it is
+  /// asked once for each.
   void expand(const Visit& visit, const std::function<double(const Eigen::Vector2d&)>& price);
 
   [[nodiscard]] Eigen::Vector2d place_of(int node) const;
@@ -39,6 +40,7 @@ class WayLattice {
   int start_;
   Eigen::Vector2d corner_;  // [m]
   std::vector<double> way_;
+  std::vector<double> price_;  // negative = not yet asked
   std::vector<int> from_;
   std::priority_queue<Visit, std::vector<Visit>, IsFarther> open_;
 };
