@@ -34,6 +34,7 @@ constexpr NamedEntry kEntries[] = {
     {"localization", "symmetric-corridor.toml", 1000, 1009},
     {"mapping", "laboratory-mapping.toml", 1000, 1002},
     {"mapping", "office.toml", 1000, 1002},
+    {"mapping", "office-mapping.toml", 1000, 1000, "geometric"},
     {"navigation", "laboratory-crowd.toml", 1000, 1004},
     {"navigation", "navigation", 1000, 1004},
     {"endurance", "laboratory-patrol.toml", 1000, 1000, "geometric", true},
