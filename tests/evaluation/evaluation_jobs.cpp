@@ -15,6 +15,7 @@
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
+#include "tests/evaluation/start_resolvability.hpp"
 
 namespace luminav {
 namespace {
@@ -142,6 +143,7 @@ std::vector<RunReport> run_jobs(const std::vector<EvaluationJob>& jobs, int thre
   std::size_t done = 0;
   double work_done = 0.0;
   std::mutex mutex;
+  StartResolvability resolvability;
   const auto start = std::chrono::steady_clock::now();
   // the longest first, so that no worker is left alone with one of them in the end
   std::vector<std::size_t> order(jobs.size());
@@ -155,6 +157,10 @@ std::vector<RunReport> run_jobs(const std::vector<EvaluationJob>& jobs, int thre
       RunReport report;
       try {
         report = run_scenario(job.scenario, job.options);
+        if (!report.trail.empty()) {
+          report.resolvable_after_m = resolvability.way(job.scenario.building_file, job.scenario.robot_file,
+                                                        report.trail.front().truth.position());
+        }
       } catch (const std::exception& error) {
         report.scenario = job.scenario.name;
         report.seed = job.scenario.seed;

@@ -17,7 +17,6 @@
 #include "tests/evaluation/run_log.hpp"
 #include "tests/evaluation/run_picture.hpp"
 #include "tests/evaluation/sensing_survey.hpp"
-#include "tests/evaluation/start_resolvability.hpp"
 
 namespace luminav {
 namespace {
@@ -155,10 +154,6 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
   RunReport report = conclude(judge, mission, robot.world());
   if (survey) {
     *options.survey = std::move(survey->result());
-  }
-  if (!judge.trail().empty()) {
-    report.resolvable_after_m = resolvable_way(robot.believed_building(), robot.believed_robot().camera,
-                                               judge.trail().front().truth.position());
   }
   report.drive = drive_judge.result();
   report.trail = judge.trail();

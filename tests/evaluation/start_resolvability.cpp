@@ -3,27 +3,41 @@
 #include <algorithm>
 
 #include "services/common/building/map_file.hpp"
-#include "services/localizer/ambiguity_audit.hpp"
+#include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/robot_file.hpp"
 
 namespace luminav {
 namespace {
 
-constexpr std::size_t kMostFixtures = 1000;  // beyond, the audit takes longer than the run
+constexpr std::size_t kMostFixtures = 1000;  // beyond, the audit takes longer than all runs
 constexpr double kNearEnough = 0.75;         // [m] from the start to the next place: it may stand nearer to a wall
+
+std::vector<AuditPlace> audited_places(const std::filesystem::path& building_file,
+                                       const std::filesystem::path& robot_file) {
+  const Building building = read_building(building_file);
+  if (building.fixtures.empty() || building.fixtures.size() > kMostFixtures) {
+    return {};
+  }
+  const PriorMap walls = building.map_file.empty() ? PriorMap{} : read_map(building.map_file);
+  return AmbiguityAudit(building, walls, read_robot(robot_file).camera, AuditParams{}).places();
+}
 
 }  // namespace
 
-double resolvable_way(const Building& building, const CameraDescription& camera, const Eigen::Vector2d& start) {
-  if (building.fixtures.empty() || building.fixtures.size() > kMostFixtures) {
-    return -1.0;
+double StartResolvability::way(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
+                               const Eigen::Vector2d& start) {
+  Audit* audit = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    audit = &audits_[{building_file, robot_file}];
   }
-  const PriorMap walls = building.map_file.empty() ? PriorMap{} : read_map(building.map_file);
-  const AmbiguityAudit audit(building, walls, camera, AuditParams{});
+  // outside of the lock: who asks for another building need not wait
+  std::call_once(audit->is_made, [&] { audit->places = audited_places(building_file, robot_file); });
   const auto distance_to = [&](const AuditPlace& place) { return (place.point - start).norm(); };
   const auto nearest =
-      std::min_element(audit.places().begin(), audit.places().end(),
+      std::min_element(audit->places.begin(), audit->places.end(),
                        [&](const AuditPlace& a, const AuditPlace& b) { return distance_to(a) < distance_to(b); });
-  return nearest == audit.places().end() || distance_to(*nearest) > kNearEnough ? -1.0 : nearest->way;
+  return nearest == audit->places.end() || distance_to(*nearest) > kNearEnough ? -1.0 : nearest->way;
 }
 
 }  // namespace luminav

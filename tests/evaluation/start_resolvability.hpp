@@ -1,16 +1,33 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <utility>
+#include <vector>
 
-#include "services/common/building/building.hpp"
-#include "services/common/configuration/robot_file.hpp"
+#include "services/localizer/ambiguity_audit.hpp"
 
 namespace luminav {
 
-/// Way [m] that a robot must drive from a start at least until the ceiling tells its pose, as scripts/audit has it:
-/// straight to where its last twin is refuted, whatever its heading. Infinite: never; negative: not known, for a floor
-/// of more than a thousand fixtures or a start outside of the places looked at.
-[[nodiscard]] double resolvable_way(const Building& building, const CameraDescription& camera,
-                                    const Eigen::Vector2d& start);
+/// How far a robot must drive at least until the ceiling tells its pose, as scripts/audit has it. A building is audited
+/// once for all runs in it, which takes longer than many of them; any thread may ask.
+class StartResolvability {
+ public:
+  /// Way [m] from a start straight to where its last twin is refuted, whatever its heading. Infinite: never; negative:
+  /// not known, for a floor of more than a thousand fixtures or a start outside of the places looked at. Throws
+  /// ConfigurationError for files that cannot be used.
+  [[nodiscard]] double way(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
+                           const Eigen::Vector2d& start);
+
+ private:
+  struct Audit {
+    std::once_flag is_made;
+    std::vector<AuditPlace> places;
+  };
+  std::mutex mutex_;
+  std::map<std::pair<std::filesystem::path, std::filesystem::path>, Audit> audits_;  // by building's and robot's file
+};
 
 }  // namespace luminav

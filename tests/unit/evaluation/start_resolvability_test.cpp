@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-#include "services/common/configuration/building_file.hpp"
-#include "services/common/configuration/robot_file.hpp"
+#include "services/common/configuration/toml_table.hpp"
 
 namespace luminav {
 namespace {
@@ -13,8 +12,8 @@ namespace {
 const std::filesystem::path kLaunch = std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch";
 
 double way_from(const std::string& building, const Eigen::Vector2d& start) {
-  return resolvable_way(read_building(kLaunch / "buildings" / building / "building.toml"),
-                        read_robot(kLaunch / "robots/p3dx.toml").camera, start);
+  StartResolvability resolvability;
+  return resolvability.way(kLaunch / "buildings" / building / "building.toml", kLaunch / "robots/p3dx.toml", start);
 }
 
 TEST(StartResolvability, IsSomeMetresInTheLaboratory) {
@@ -29,6 +28,18 @@ TEST(StartResolvability, IsNeverGivenInTheSymmetricCorridor) {
 
 TEST(StartResolvability, IsNotKnownOutsideOfTheBuilding) {
   EXPECT_LT(way_from("laboratory", {-50.0, 9.4}), 0.0);
+}
+
+TEST(StartResolvability, AnswersEachBuildingOfMany) {
+  StartResolvability resolvability;
+  const auto ask = [&](const std::string& building, const Eigen::Vector2d& start) {
+    return resolvability.way(kLaunch / "buildings" / building / "building.toml", kLaunch / "robots/p3dx.toml", start);
+  };
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_EQ(ask("laboratory", {14.0, 9.4}), way_from("laboratory", {14.0, 9.4}));
+    EXPECT_TRUE(std::isinf(ask("symmetric-corridor", {6.0, 1.2})));
+  }
+  EXPECT_THROW((void)ask("no-such-building", {1.0, 1.0}), ConfigurationError);
 }
 
 }  // namespace
