@@ -3,32 +3,48 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <stdexcept>
 
 #include "services/common/geometry/vector_clones.hpp"
 
 namespace luminav {
 namespace {
 
-/// One cell to either side. Both arrays have a word of 0 before the first and behind the last one.
+using Word = std::uint64_t;
+
+/// One cell to either side. The words before the first and behind the last one are read, too.
 LUMINAV_VECTOR_CLONES
-void widen(const std::uint64_t* bits, std::size_t words, std::uint64_t* result) {
+void widen(const Word* bits, std::size_t words, Word* result) {
+#pragma GCC ivdep
   for (std::size_t i = 0; i < words; ++i) {
     result[i] = bits[i] | bits[i] << 1 | bits[i] >> 1 | bits[i - 1] >> 63 | bits[i + 1] << 63;
   }
 }
 
 LUMINAV_VECTOR_CLONES
-void unite(const std::uint64_t* bits, std::size_t words, std::uint64_t* result) {
+void unite(const Word* bits, std::size_t words, Word* result) {
+#pragma GCC ivdep
   for (std::size_t i = 0; i < words; ++i) {
     result[i] |= bits[i];
   }
+}
+
+/// Rows of a disc, counted from its middle, by how much wider the widest is to either side.
+std::vector<std::vector<int>> rows_by_width(double radius) {
+  const int reach = static_cast<int>(std::floor(radius + 1e-9));
+  std::vector<std::vector<int>> rows(static_cast<std::size_t>(reach) + 1);
+  for (int row = -reach; row <= reach; ++row) {
+    const int half_width = static_cast<int>(std::floor(std::sqrt(radius * radius + 1e-6 - row * row)));
+    rows[static_cast<std::size_t>(reach - half_width)].push_back(row);
+  }
+  return rows;
 }
 
 }  // namespace
 
 std::int64_t BitGrid::count() const {
   std::int64_t bits = 0;
-  for (const std::uint64_t word : words_) {
+  for (const Word word : words_) {
     bits += std::popcount(word);
   }
   return bits;
@@ -42,15 +58,15 @@ CellWindow CellWindow::grown(int cells, int columns, int rows) const {
 CellWindow difference(const BitGrid& a, const BitGrid& b) {
   CellWindow window{a.columns(), 0, a.rows(), 0};
   for (int row = 0; row < a.rows(); ++row) {
-    const std::uint64_t* left = a.row(row);
-    const std::uint64_t* right = b.row(row);
+    const Word* left = a.row(row);
+    const Word* right = b.row(row);
     if (std::equal(left, left + a.words_per_row(), right)) {
       continue;
     }
     window.first_row = std::min(window.first_row, row);
     window.last_row = row + 1;
     for (std::size_t i = 0; i < a.words_per_row(); ++i) {
-      const std::uint64_t changed = left[i] ^ right[i];
+      const Word changed = left[i] ^ right[i];
       if (changed != 0) {
         const int column = static_cast<int>(64 * i);
         window.first_column = std::min(window.first_column, column + std::countr_zero(changed));
@@ -61,44 +77,51 @@ CellWindow difference(const BitGrid& a, const BitGrid& b) {
   return window;
 }
 
+// What is as wide as the widest row of the disc is united and widened once, then what is one narrower is added, and so
+// on (Horner's scheme), over as many rows at once as stay in the cache. What is widened beyond a row's end stays in the
+// word behind it.
 void dilate(const BitGrid& solid, double radius, int first_row, int last_row, BitGrid& result) {
-  const int reach = static_cast<int>(std::floor(radius + 1e-9));
-  std::vector<int> half_width;  // of the disc, by rows from its middle
-  for (int dr = 0; dr <= reach; ++dr) {
-    half_width.push_back(static_cast<int>(std::floor(std::sqrt(radius * radius + 1e-6 - dr * dr))));
+  if (!(radius >= 0.0 && radius < 63.0)) {
+    throw std::invalid_argument("dilate: the radius must be between 0 and 63 cells");
   }
-  const std::size_t words = solid.words_per_row();
+  if (solid.columns() == 0) {
+    return;
+  }
+  constexpr std::size_t kWordsAtOnce = 1200;
+  const std::size_t stride = solid.stride();
+  const int rows_at_once = static_cast<int>(std::max<std::size_t>(1, kWordsAtOnce / stride));
+  const std::vector<std::vector<int>> rows = rows_by_width(radius);
   const int past = solid.columns() % 64;
-  const std::uint64_t inside = past == 0 ? ~std::uint64_t{0} : (std::uint64_t{1} << past) - 1;
-  for (int row = first_row; row < last_row; ++row) {
-    std::fill(result.row(row), result.row(row) + words, std::uint64_t{0});
-  }
-  std::vector<std::uint64_t> narrow(words + 2, 0);
-  std::vector<std::uint64_t> wide(words + 2, 0);
-  for (int row = std::max(0, first_row - reach); row < std::min(solid.rows(), last_row + reach); ++row) {
-    const std::uint64_t* source = solid.row(row);
-    if (std::all_of(source, source + words, [](std::uint64_t word) { return word == 0; })) {
-      continue;
+  const Word inside = past == 0 ? ~Word{0} : (Word{1} << past) - 1;
+  const std::size_t most_words = stride * static_cast<std::size_t>(rows_at_once);
+  std::vector<Word> one(most_words + 2, 0);  // with a word of 0 before the first and behind the last
+  std::vector<Word> other(most_words + 2, 0);
+  for (int first = first_row; first < last_row; first += rows_at_once) {
+    const int last = std::min(first + rows_at_once, last_row);
+    const std::size_t words = stride * static_cast<std::size_t>(last - first);
+    Word* const target = result.row(first);
+    Word* now = one.data() + 1;
+    Word* next = other.data() + 1;
+    std::fill_n(rows.size() == 1 ? target : now, words, Word{0});
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      if (k > 0) {
+        std::swap(now, next);
+        widen(next, words, k + 1 == rows.size() ? target : now);
+      }
+      Word* const united = k + 1 == rows.size() ? target : now;
+      for (const int row : rows[k]) {
+        const int from = std::max(first + row, 0);
+        const int to = std::min(last + row, solid.rows());
+        if (from < to) {
+          unite(solid.row(from), stride * static_cast<std::size_t>(to - from),
+                united + stride * static_cast<std::size_t>(from - row - first));
+        }
+      }
     }
-    // the row itself, then ever wider; each goes to the rows where the disc is that wide
-    std::copy(source, source + words, narrow.begin() + 1);
-    for (int width = 0; width <= reach; ++width) {
-      for (int dr = reach; dr >= 0; --dr) {
-        if (half_width[static_cast<std::size_t>(dr)] != width) {
-          continue;
-        }
-        if (row - dr >= first_row && row - dr < last_row) {
-          unite(narrow.data() + 1, words, result.row(row - dr));
-        }
-        if (dr != 0 && row + dr >= first_row && row + dr < last_row) {
-          unite(narrow.data() + 1, words, result.row(row + dr));
-        }
-      }
-      if (width < reach) {
-        widen(narrow.data() + 1, words, wide.data() + 1);
-        wide[words] &= inside;
-        narrow.swap(wide);
-      }
+    for (int row = first; row < last; ++row) {
+      Word* const bits = result.row(row);
+      bits[stride - 2] &= inside;
+      bits[stride - 1] = 0;
     }
   }
 }

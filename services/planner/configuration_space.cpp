@@ -7,6 +7,7 @@
 
 #include "services/common/geometry/rounding.hpp"
 #include "services/common/geometry/vector_clones.hpp"
+#include "services/planner/cell_reading.hpp"
 
 namespace luminav {
 namespace {
@@ -14,57 +15,6 @@ namespace {
 constexpr int kHighestPrice = 36;  // a diagonal step of 7 * 36 still fits the bucket queue's 256
 
 constexpr int kBlock = 64;  // [cells] side of what is measured at once
-
-/// What makes a cell solid or unknown.
-struct CellReading {
-  int occupied = 0;
-  int free = 0;
-  std::array<std::uint8_t, 4> wall{};  // by Prior
-  bool unknown_blocks = true;
-  bool use_evidence = true;
-};
-
-/// Eight bytes of 0 or 1 to eight bits: the product gathers them in its highest byte.
-std::uint64_t pack(const std::uint8_t* bytes) {
-  std::uint64_t word = 0;
-  std::memcpy(&word, bytes, 8);
-  return word * 0x0102040810204080ULL >> 56;
-}
-
-std::uint64_t pack_64(const std::array<std::uint8_t, 64>& bytes) {
-  std::uint64_t word = 0;
-  for (std::size_t i = 0; i < 8; ++i) {
-    word |= pack(bytes.data() + 8 * i) << (8 * i);
-  }
-  return word;
-}
-
-void read_row(const CellReading& reading, const Prior* prior, const std::int8_t* evidence, int columns,
-              std::uint64_t* solid, std::uint64_t* unknown) {
-  const std::uint8_t disputed = reading.wall[static_cast<std::size_t>(Prior::kDisputed)];
-  const auto occupied = static_cast<std::int8_t>(reading.use_evidence ? std::min(reading.occupied, 127) : 127);
-  const auto free = static_cast<std::int8_t>(reading.use_evidence ? std::max(reading.free, -128) : -128);
-  const std::uint8_t unknown_blocks = reading.unknown_blocks ? 1 : 0;
-  std::array<std::uint8_t, 64> is_solid{};
-  std::array<std::uint8_t, 64> is_unknown{};
-  for (int first = 0; first < columns; first += 64) {
-    const auto count = static_cast<std::size_t>(std::min(64, columns - first));
-    is_solid.fill(0);
-    is_unknown.fill(0);
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto known = static_cast<std::uint8_t>(prior[i]);
-      const auto is_wall =
-          static_cast<std::uint8_t>((known == static_cast<std::uint8_t>(Prior::kOccupied) ? 1 : 0) |
-                                    (known == static_cast<std::uint8_t>(Prior::kDisputed) ? disputed : 0));
-      is_solid[i] = static_cast<std::uint8_t>(is_wall | (evidence[i] > occupied ? 1 : 0));
-      is_unknown[i] = static_cast<std::uint8_t>((known == 0 ? unknown_blocks : 0) & (evidence[i] > free ? 1 : 0));
-    }
-    solid[first / 64] = pack_64(is_solid);
-    unknown[first / 64] = pack_64(is_unknown);
-    prior += count;
-    evidence += count;
-  }
-}
 
 /// Four points, and where they lie between the centres of cells.
 struct FourPlaces {
@@ -143,9 +93,9 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, c
       use_evidence_(use_evidence),
       is_graded_(is_weighed && params.clearance_weight > 0.0),
       geometry_(grid.geometry),
-      solid_(geometry_.columns, geometry_.rows),
-      unknown_(geometry_.columns, geometry_.rows),
-      passable_(geometry_.columns, geometry_.rows) {
+      solid_(BitGrid::unfilled(geometry_.columns, geometry_.rows)),
+      unknown_(BitGrid::unfilled(geometry_.columns, geometry_.rows)),
+      passable_(BitGrid::unfilled(geometry_.columns, geometry_.rows)) {
   check(params, geometry_.resolution);
   price_ = price_table(params, geometry_.resolution);
   for (int square = 0; square < 256; ++square) {
@@ -155,31 +105,43 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, c
   squared_distance_ = std::make_unique_for_overwrite<std::uint8_t[]>(geometry_.size());
   const auto blocks = [](int cells) { return static_cast<std::size_t>((cells + kBlock - 1) / kBlock); };
   is_measured_.assign(blocks(geometry_.columns) * blocks(geometry_.rows), 0);
-  read(grid, suspected, solid_, unknown_);
-  widen(0, geometry_.rows);
+  // some rows at a time: what has just been read is still in the cache when it is widened
+  constexpr int kRowsAtOnce = 64;
+  for (int first = 0, read_to = 0; first < geometry_.rows; first += kRowsAtOnce) {
+    const int last = std::min(first + kRowsAtOnce, geometry_.rows);
+    const int needed = std::min(last + kDistanceReach, geometry_.rows);
+    read(grid, suspected, read_to, needed, solid_, unknown_);
+    read_to = needed;
+    widen(first, last);
+  }
   if (is_graded_) {
     measure({0, geometry_.columns, 0, geometry_.rows});
   }
 }
 
-void ConfigurationSpace::read(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected,
-                              BitGrid& solid, BitGrid& unknown) const {
+void ConfigurationSpace::read(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected, int first_row,
+                              int last_row, BitGrid& solid, BitGrid& unknown) const {
+  const auto evidence_of = [&](double log_odds) {
+    const long evidence = std::lround(log_odds * kEvidencePerLogOdds);
+    return static_cast<std::int8_t>(std::clamp(evidence, -128L, 127L));
+  };
   CellReading reading;
-  reading.occupied = static_cast<int>(std::lround(params_.occupied_log_odds * kEvidencePerLogOdds));
-  reading.free = static_cast<int>(std::lround(params_.free_log_odds * kEvidencePerLogOdds));
-  reading.wall[static_cast<std::size_t>(Prior::kOccupied)] = 1;
-  reading.wall[static_cast<std::size_t>(Prior::kDisputed)] = params_.disputed_is_free ? 0 : 1;
+  reading.disputed_is_wall = !params_.disputed_is_free;
   reading.unknown_blocks = !params_.unknown_is_free;
-  reading.use_evidence = use_evidence_;
-  for (int row = 0; row < geometry_.rows; ++row) {
+  if (use_evidence_) {
+    reading.occupied = evidence_of(params_.occupied_log_odds);
+    reading.not_free = evidence_of(params_.free_log_odds);
+  }
+  for (int row = first_row; row < last_row; ++row) {
     const std::size_t first = geometry_.index({0, row});
-    read_row(reading, grid.prior.data() + first, grid.evidence.data() + first, geometry_.columns, solid.row(row),
-             unknown.row(row));
+    read_cells(reading, grid.prior.data() + first, grid.evidence.data() + first, geometry_.columns, solid.row(row),
+               unknown.row(row));
+    solid.row(row)[solid.words_per_row()] = unknown.row(row)[unknown.words_per_row()] = 0;
   }
   for (const SuspectedObstacle& disc : suspected) {
     const Cell centre = geometry_.cell_at(disc.centre);
     const int reach = static_cast<int>(std::ceil(disc.radius / geometry_.resolution));
-    for (int row = centre.row - reach; row <= centre.row + reach; ++row) {
+    for (int row = std::max(first_row, centre.row - reach); row <= std::min(last_row - 1, centre.row + reach); ++row) {
       for (int column = centre.column - reach; column <= centre.column + reach; ++column) {
         const Cell cell{column, row};
         if (geometry_.contains(cell) && (geometry_.centre_of(cell) - disc.centre).norm() <= disc.radius) {
@@ -244,9 +206,9 @@ ConfigurationSpace::Update ConfigurationSpace::update(const OccupancyGrid& grid,
     *this = ConfigurationSpace(params_, grid, suspected, use_evidence_, is_graded_);
     return {};
   }
-  BitGrid solid(geometry_.columns, geometry_.rows);
-  BitGrid unknown(geometry_.columns, geometry_.rows);
-  read(grid, suspected, solid, unknown);
+  BitGrid solid = BitGrid::unfilled(geometry_.columns, geometry_.rows);
+  BitGrid unknown = BitGrid::unfilled(geometry_.columns, geometry_.rows);
+  read(grid, suspected, 0, geometry_.rows, solid, unknown);
   const CellWindow in_solid = difference(solid, solid_);
   const CellWindow in_unknown = difference(unknown, unknown_);
   if (in_solid.is_empty() && in_unknown.is_empty()) {

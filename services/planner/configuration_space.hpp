@@ -72,8 +72,8 @@ class ConfigurationSpace {
   static constexpr double kBlockedPrice = 60.0;
 
  private:
-  void read(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected, BitGrid& solid,
-            BitGrid& unknown) const;
+  void read(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected, int first_row, int last_row,
+            BitGrid& solid, BitGrid& unknown) const;
   void widen(int first_row, int last_row);
   void measure(const CellWindow& window) const;
   void forget_distances(const CellWindow& window);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdlib>
+#include <numeric>
 
 namespace luminav {
 namespace {
@@ -18,6 +20,53 @@ std::uint64_t beside(std::uint64_t cells) {
 std::uint64_t above_and_below(std::uint64_t cells) {
   return cells << 8 | cells >> 8;
 }
+
+/// Ticks of the cells up to two steps away from one.
+class TicksAround {
+ public:
+  TicksAround(const TileWave& wave, const Cell& middle) : wave_(wave), middle_(middle) {
+    for (int row = -kReach; row <= kReach; ++row) {
+      for (int column = -kReach; column <= kReach; ++column) {
+        look(column, row);
+      }
+    }
+  }
+  [[nodiscard]] std::uint32_t at(int column, int row) const {
+    return ticks_[static_cast<std::size_t>(kSide * (row + kReach) + column + kReach)];
+  }
+  /// By one step; most of the ticks were around the cell before, too.
+  void move(int column_step, int row_step) {
+    const std::array<std::uint32_t, kSide* kSide> before = ticks_;
+    middle_ = {middle_.column + column_step, middle_.row + row_step};
+    for (int row = -kReach; row <= kReach; ++row) {
+      for (int column = -kReach; column <= kReach; ++column) {
+        const int old_row = row + row_step;
+        const int old_column = column + column_step;
+        if (std::abs(old_row) <= kReach && std::abs(old_column) <= kReach) {
+          place(column, row) = before[static_cast<std::size_t>(kSide * (old_row + kReach) + old_column + kReach)];
+        } else {
+          look(column, row);
+        }
+      }
+    }
+  }
+
+ private:
+  static constexpr int kReach = 2;
+  static constexpr int kSide = 2 * kReach + 1;
+  [[nodiscard]] std::uint32_t& place(int column, int row) {
+    return ticks_[static_cast<std::size_t>(kSide * (row + kReach) + column + kReach)];
+  }
+  void look(int column, int row) {
+    const Cell cell{middle_.column + column, middle_.row + row};
+    // a ring of blocked tiles lies around the grid
+    place(column, row) = cell.column >= 0 && cell.row >= 0 ? wave_.tick(cell) : TileWave::kUnreached;
+  }
+
+  const TileWave& wave_;
+  Cell middle_;
+  std::array<std::uint32_t, kSide * kSide> ticks_;
+};
 
 }  // namespace
 
@@ -100,7 +149,6 @@ void TileWave::settle_entered() {
     next_[tile] = 0;
     front_[tile] = cells;
     open_[tile] &= ~cells;
-    reached_ += std::popcount(cells);
     entries_.push_back({cells, last_tick_, last_entry_[tile], tile});
     last_entry_[tile] = static_cast<std::uint32_t>(entries_.size() - 1);
   }
@@ -126,7 +174,6 @@ void TileWave::grow(const BitGrid& passable, std::span<const Cell> goals) {
 
 void TileWave::begin(const BitGrid& passable, std::span<const Cell> goals) {
   cut(passable);
-  reached_ = 0;
   last_tick_ = 0;
   // office floors need 7 or 8 a tile; memory is touched only as it is used, while a list that moves needs it twice
   constexpr std::size_t kEntriesPerTile = 10;
@@ -167,7 +214,6 @@ void TileWave::take_back(const BitGrid& passable, std::span<const Cell> changed)
     const Entry& entry = entries_.back();
     open_[entry.tile] |= entry.cells;
     last_entry_[entry.tile] = entry.before;
-    reached_ -= std::popcount(entry.cells);
   }
   for (const Cell& cell : changed) {
     std::uint64_t& open = open_[tile_of(cell)];
@@ -179,6 +225,11 @@ void TileWave::take_back(const BitGrid& passable, std::span<const Cell> changed)
     active_.push_back(entries_[i].tile);
     front_[entries_[i].tile] = entries_[i].cells;
   }
+}
+
+std::int64_t TileWave::reached() const {
+  return std::accumulate(entries_.begin(), entries_.end(), std::int64_t{0},
+                         [](std::int64_t cells, const Entry& entry) { return cells + std::popcount(entry.cells); });
 }
 
 std::uint32_t TileWave::tick(const Cell& cell) const {
@@ -209,17 +260,8 @@ std::vector<Cell> TileWave::descend(const Cell& start) const {
   }
   cells.push_back(cell);
   Cell last{0, 0};
-  std::array<std::uint32_t, 25> around{};  // ticks of the cells up to two steps away, row by row
-  const auto around_at = [&](int column, int row) -> std::uint32_t& {
-    return around[static_cast<std::size_t>(5 * (row + 2) + column + 2)];
-  };
+  TicksAround around(*this, cell);
   while (here > 1) {
-    for (int row = -2; row <= 2; ++row) {
-      for (int column = -2; column <= 2; ++column) {
-        const Cell near{cell.column + column, cell.row + row};
-        around_at(column, row) = is_on_tiles(near) ? tick(near) : kUnreached;
-      }
-    }
     Cell best = cell;
     std::uint32_t best_fall = 0;
     std::uint32_t best_length = 1;
@@ -235,7 +277,7 @@ std::vector<Cell> TileWave::descend(const Cell& start) const {
     };
     for (const Step& step : kSteps) {
       const Cell first{cell.column + step.column, cell.row + step.row};
-      const std::uint32_t there = around_at(step.column, step.row);
+      const std::uint32_t there = around.at(step.column, step.row);
       if (there == kUnreached || there >= here) {
         continue;
       }
@@ -243,7 +285,7 @@ std::vector<Cell> TileWave::descend(const Cell& start) const {
         consider(first, there, here - there, step.length);
       }
       for (const Step& second : kSteps) {
-        const std::uint32_t beyond = around_at(step.column + second.column, step.row + second.row);
+        const std::uint32_t beyond = around.at(step.column + second.column, step.row + second.row);
         if (beyond != kUnreached && beyond < there) {
           consider(first, there, here - beyond, step.length + second.length);
         }
@@ -253,6 +295,7 @@ std::vector<Cell> TileWave::descend(const Cell& start) const {
     cell = best;
     here = best_tick;
     cells.push_back(cell);
+    around.move(last.column, last.row);
   }
   return cells;
 }

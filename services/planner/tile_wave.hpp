@@ -29,7 +29,8 @@ class TileWave {
   /// among them. All others must be as they were.
   void take_back(const BitGrid& passable, std::span<const Cell> changed);
 
-  [[nodiscard]] std::int64_t reached() const { return reached_; }
+  /// Cells, counted one entry after the other.
+  [[nodiscard]] std::int64_t reached() const;
   /// Of a cell that is passable.
   [[nodiscard]] bool is_reached(const Cell& cell) const {
     return (open_[tile_of(cell)] >> (8 * (cell.row % 8) + cell.column % 8) & 1U) == 0;
@@ -69,8 +70,7 @@ class TileWave {
   std::vector<std::uint32_t> entered_;
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> last_entry_;  // per tile
-  std::int64_t reached_ = 0;
-  std::uint32_t last_tick_ = 0;  // of the newest entries
+  std::uint32_t last_tick_ = 0;            // of the newest entries
 };
 
 }  // namespace luminav

@@ -29,12 +29,10 @@ BitGrid bits_of(const std::vector<std::uint8_t>& cells, int columns) {
 
 int by_hand(const std::vector<std::uint8_t>& cells, int columns, int rows, int column, int row) {
   int best = kNothingNear;
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < columns; ++c) {
-      const int square = (r - row) * (r - row) + (c - column) * (c - column);
-      const bool in_reach = std::abs(r - row) <= kDistanceReach && std::abs(c - column) <= kDistanceReach;
-      if (cells[static_cast<std::size_t>(r * columns + c)] != 0 && in_reach) {
-        best = std::min(best, square);
+  for (int r = std::max(0, row - kDistanceReach); r <= std::min(rows - 1, row + kDistanceReach); ++r) {
+    for (int c = std::max(0, column - kDistanceReach); c <= std::min(columns - 1, column + kDistanceReach); ++c) {
+      if (cells[static_cast<std::size_t>(r * columns + c)] != 0) {
+        best = std::min(best, (r - row) * (r - row) + (c - column) * (c - column));
       }
     }
   }
@@ -75,6 +73,7 @@ TEST(Dilate, SetsTheExactDisc) {
                                                        {129, 33, 0.003, 3.0},
                                                        {64, 50, 0.002, 10.0},
                                                        {5, 60, 0.05, 3.9},
+                                                       {2000, 90, 0.0005, 4.5},
                                                        {40, 40, 0.01, 0.0}}) {
     const auto cells = random_cells(columns, rows, density, 21);
     BitGrid wide(columns, rows);
