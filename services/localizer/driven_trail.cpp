@@ -51,12 +51,16 @@ std::vector<Eigen::Vector2d> DrivenTrail::points() const {
 
 double log_likelihood_of_trail(const PoseBelief& belief, const std::vector<Eigen::Vector2d>& trail,
                                const WallField& walls) {
+  if (!walls.has_walls()) {
+    return 0.0;
+  }
+  const PointTransform world_from_robot(belief.pose);
   const auto is_possible = [&](const Eigen::Vector2d& shift) {
     return std::all_of(trail.begin(), trail.end(), [&](const Eigen::Vector2d& point) {
-      return walls.distance_to_wall(belief.pose * point + shift) >= kLeastRoom;
+      return walls.distance_to_wall(world_from_robot * point + shift) >= kLeastRoom;
     });
   };
-  if (!walls.has_walls() || is_possible(Eigen::Vector2d::Zero())) {
+  if (is_possible(Eigen::Vector2d::Zero())) {
     return 0.0;
   }
   const Eigen::Matrix2d information =

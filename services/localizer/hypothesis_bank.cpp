@@ -13,7 +13,8 @@ namespace {
 
 double log_of_normal_tail(double deviations) {
   // log of the normal distribution function; below -5 nothing is told apart any more
-  return std::log(std::max(3e-7, 0.5 * std::erfc(-deviations / std::sqrt(2.0))));
+  constexpr double kCertain = 8.5;  // beyond it the function is 1 to the last bit
+  return deviations > kCertain ? 0.0 : std::log(std::max(3e-7, 0.5 * std::erfc(-deviations / std::sqrt(2.0))));
 }
 
 double symmetric_turns(FixtureShape shape) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <luminav/hypotheses_t.hpp>
 #include <luminav/pose_t.hpp>
+#include <utility>
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
@@ -22,13 +23,14 @@ constexpr int kMostDetections = 200;  // beyond it the detector has gone mad
 
 }  // namespace
 
-LocalizerNode::LocalizerNode(lcm::LCM& lcm, const LocalizerConfig& config)
+LocalizerNode::LocalizerNode(lcm::LCM& lcm, LocalizerConfig config)
     : lcm_(lcm),
-      config_(config),
-      localizer_(make_localizer(config)),
-      wheels_(config.wheels, config.robot.wheel_base),
-      memory_(config.state_dir),
+      config_(std::move(config)),
+      localizer_(make_localizer(config_)),
+      wheels_(config_.wheels, config_.robot.wheel_base),
+      memory_(config_.state_dir),
       subscriber_(lcm) {
+  config_.walls = {};
   subscriber_.on<odometry_t>(channels::kOdometry, &LocalizerNode::on_odometry, this);
   subscriber_.on<fixture_detections_t>(channels::kFixtureDetections, &LocalizerNode::on_fixture_detections, this);
   subscriber_.on<sonar_t>(channels::kSonar, &LocalizerNode::on_sonar, this);

@@ -25,7 +25,7 @@ namespace luminav {
 /// most five times a second out.
 class LocalizerNode {
  public:
-  LocalizerNode(lcm::LCM& lcm, const LocalizerConfig& config);
+  LocalizerNode(lcm::LCM& lcm, LocalizerConfig config);
 
   [[nodiscard]] Health health() const;
   /// What it listens to.
@@ -44,7 +44,7 @@ class LocalizerNode {
   void publish_hypotheses(std::int64_t utime);
 
   lcm::LCM& lcm_;
-  LocalizerConfig config_;
+  LocalizerConfig config_;  // without the walls: the localizer has them in its own form
   std::unique_ptr<Localizer> localizer_;
   CorrectedOdometry wheels_;
   std::int64_t wheels_session_ = 0;

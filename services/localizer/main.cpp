@@ -1,4 +1,5 @@
 #include <string>
+#include <utility>
 
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
@@ -18,11 +19,13 @@ int main(int argc, char** argv) {
       return *status;
     }
     luminav::LocalizerConfig config = luminav::read_localizer_config(robot, building);
+    config.walls = luminav::resample(config.walls, luminav::WallField::kResolution);  // all that is needed of them
     config.state_dir = state + "/" + config.robot.name;
+    const std::string robot_name = config.robot.name;
     const auto lcm = luminav::open_lcm(url);
-    luminav::LocalizerNode node(*lcm, config);
+    luminav::LocalizerNode node(*lcm, std::move(config));
     luminav::receive_only(*lcm, url, node.channels());
-    luminav::EventLoop loop(*lcm, "localizer", config.robot.name);
+    luminav::EventLoop loop(*lcm, "localizer", robot_name);
     loop.report_health([&] { return node.health(); });
     return loop.run();
   });

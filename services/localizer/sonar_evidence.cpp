@@ -1,37 +1,43 @@
 #include "services/localizer/sonar_evidence.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace luminav {
 namespace {
 
-constexpr double kFromWall = 0.6;  // share of echoes that come from the building's walls
+constexpr double kFromWall = 0.6;                 // share of echoes that come from the building's walls
+constexpr std::array kAcross = {-0.7, 0.0, 0.7};  // where a beam is looked at, in half angles
 
 }  // namespace
 
 double log_likelihood_of_echoes(const PoseBelief& belief, std::span<const PlacedEcho> echoes, const WallField& walls,
                                 double half_angle) {
-  const Pose2& pose = belief.pose;
+  const PointTransform world_from_robot(belief.pose);
   const double sigma = 0.12 + position_sigma(belief.covariance);
+  std::array<Eigen::Vector2d, kAcross.size()> fan;  // directions beside a beam's axis, as cosine and sine
+  for (std::size_t i = 0; i < fan.size(); ++i) {
+    fan[i] = {std::cos(kAcross[i] * half_angle), std::sin(kAcross[i] * half_angle)};
+  }
   double sum = 0.0;
   for (const PlacedEcho& echo : echoes) {
     const Eigen::Vector2d axis = echo.end - echo.disc;
+    const Eigen::Vector2d disc = world_from_robot * echo.disc;
+    // an echo from behind a wall, on all of the beam: only a map that is wrong there explains it
+    const double behind = echo.range - 0.3 - 2.0 * sigma;
+    bool is_behind = behind > 0.0;
     double nearest = 1e9;
-    double farthest_wall = 0.0;
-    const Eigen::Vector2d disc = pose * echo.disc;
-    for (const double across : {-0.7, 0.0, 0.7}) {
-      const double turn = across * half_angle;
-      const Eigen::Vector2d offset(std::cos(turn) * axis.x() - std::sin(turn) * axis.y(),
-                                   std::sin(turn) * axis.x() + std::cos(turn) * axis.y());
-      const Eigen::Vector2d end = pose * Eigen::Vector2d(echo.disc + offset);
+    for (const Eigen::Vector2d& turn : fan) {
+      const Eigen::Vector2d offset(turn.x() * axis.x() - turn.y() * axis.y(),
+                                   turn.y() * axis.x() + turn.x() * axis.y());
+      const Eigen::Vector2d end = world_from_robot * Eigen::Vector2d(echo.disc + offset);
       nearest = std::min(nearest, walls.distance_to_wall(end));
-      farthest_wall = std::max(farthest_wall, walls.range_to_wall(disc, (end - disc).normalized(), echo.range));
+      is_behind = is_behind && walls.range_to_wall(disc, (end - disc).normalized(), behind) < behind;
     }
     const double hit = nearest / sigma;
     sum += std::log(1.0 + kFromWall / (1.0 - kFromWall) * std::exp(-0.5 * hit * hit));
-    // an echo from behind a wall: only a map that is wrong there explains it
-    if (farthest_wall < echo.range - 0.3 - 2.0 * sigma) {
+    if (is_behind) {
       sum -= 0.7;
     }
   }

@@ -7,8 +7,6 @@
 namespace luminav {
 namespace {
 
-constexpr double kResolution = 0.1;  // [m]
-
 /// Squared distances along one line, in cells: lower envelope of parabolas, Felzenszwalb and Huttenlocher 2012.
 void transform_line(const std::vector<float>& source, std::vector<float>& target, std::vector<int>& apex,
                     std::vector<float>& border) {
@@ -52,34 +50,30 @@ WallField::WallField(const PriorMap& map) : map_(resample(map, kResolution)) {
   if (columns == 0 || rows == 0) {
     return;
   }
-  constexpr float kNone = 1e8F;
-  std::vector<float> squared(columns * rows);
-  for (std::size_t i = 0; i < squared.size(); ++i) {
-    squared[i] = map_.cells[i] == Prior::kOccupied ? 0.0F : kNone;
+  // along the columns first, [cells]; a wall so far off that a byte does not hold it is none
+  constexpr int kNone = 255;
+  distance_.resize(columns * rows);
+  const auto one_farther = [&](std::size_t i) { return std::min(kNone, distance_[i] + 1); };
+  for (std::size_t i = 0; i < distance_.size(); ++i) {
+    const int below = i >= columns ? one_farther(i - columns) : kNone;
+    distance_[i] = static_cast<std::uint8_t>(map_.cells[i] == Prior::kOccupied ? 0 : below);
   }
-  const std::size_t longest = std::max(columns, rows);
-  std::vector<int> apex(longest + 1);
-  std::vector<float> border(longest + 2);
-  std::vector<float> line(rows);
-  std::vector<float> result(rows);
-  for (std::size_t column = 0; column < columns; ++column) {
-    for (std::size_t row = 0; row < rows; ++row) {
-      line[row] = squared[row * columns + column];
-    }
-    transform_line(line, result, apex, border);
-    for (std::size_t row = 0; row < rows; ++row) {
-      squared[row * columns + column] = result[row];
-    }
+  for (std::size_t i = distance_.size() - columns; i-- > 0;) {
+    distance_[i] = static_cast<std::uint8_t>(std::min<int>(distance_[i], one_farther(i + columns)));
   }
-  line.resize(columns);
-  result.resize(columns);
-  distance_.resize(squared.size());
+  std::vector<int> apex(columns + 1);
+  std::vector<float> border(columns + 2);
+  std::vector<float> line(columns);
+  std::vector<float> result(columns);
   for (std::size_t row = 0; row < rows; ++row) {
-    std::copy_n(squared.begin() + static_cast<std::ptrdiff_t>(row * columns), columns, line.begin());
+    std::uint8_t* const distances = &distance_[row * columns];
+    std::transform(distances, distances + columns, line.begin(), [](std::uint8_t cells) {
+      return cells == kNone ? 1e8F : static_cast<float>(cells) * static_cast<float>(cells);
+    });
     transform_line(line, result, apex, border);
     for (std::size_t column = 0; column < columns; ++column) {
       const double centimetres = 100.0 * map_.geometry.resolution * std::sqrt(static_cast<double>(result[column]));
-      distance_[row * columns + column] = static_cast<std::uint8_t>(std::min(250.0, centimetres));
+      distances[column] = static_cast<std::uint8_t>(std::min(250.0, centimetres));
     }
   }
 }

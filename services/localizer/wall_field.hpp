@@ -26,7 +26,8 @@ class WallField {
   /// The map at 0.1 m.
   [[nodiscard]] const PriorMap& map() const { return map_; }
 
-  static constexpr double kFarthest = 2.5;  // [m]
+  static constexpr double kFarthest = 2.5;    // [m]
+  static constexpr double kResolution = 0.1;  // [m]
 
  private:
   PriorMap map_;

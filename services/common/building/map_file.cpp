@@ -16,11 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct GreyImage {
+/// What stands before a picture's pixels, which follow row by row from the top left.
+struct PictureHeader {
   int width = 0;
   int height = 0;
   int maximum = 255;
-  std::vector<std::uint8_t> pixels;  // row-major from the top left
 };
 
 /// Next number of a PGM header; comments run from # to the end of the line.
@@ -43,17 +43,13 @@ int read_header_number(std::istream& in, const fs::path& file) {
   return number;
 }
 
-GreyImage read_pgm(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
-    throw std::runtime_error(fmt::format("{}: cannot be read", file.string()));
-  }
+PictureHeader read_pgm_header(std::istream& in, const fs::path& file) {
   char magic[2] = {};
   in.read(magic, 2);
   if (magic[0] != 'P' || magic[1] != '5') {
     throw std::runtime_error(fmt::format("{}: not a binary PGM picture (P5)", file.string()));
   }
-  GreyImage image;
+  PictureHeader image;
   image.width = read_header_number(in, file);
   image.height = read_header_number(in, file);
   image.maximum = read_header_number(in, file);
@@ -65,12 +61,6 @@ GreyImage read_pgm(const fs::path& file) {
         fmt::format("{}: {} x {} px, must be at most 20000 x 20000", file.string(), image.width, image.height));
   }
   in.get();
-  const auto expected = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-  image.pixels.resize(expected);
-  in.read(reinterpret_cast<char*>(image.pixels.data()), static_cast<std::streamsize>(expected));
-  if (static_cast<std::size_t>(in.gcount()) != expected) {
-    throw std::runtime_error(fmt::format("{}: cut off, {} of {} pixels", file.string(), in.gcount(), expected));
-  }
   return image;
 }
 
@@ -112,15 +102,26 @@ PriorMap read_map(const fs::path& yaml_file) {
     throw std::runtime_error(
         fmt::format("{}: resolution = {}, must be in (0, 10] m", yaml_file.string(), map.geometry.resolution));
   }
-  const GreyImage image = read_pgm(image_file.is_absolute() ? image_file : yaml_file.parent_path() / image_file);
+  const fs::path picture = image_file.is_absolute() ? image_file : yaml_file.parent_path() / image_file;
+  std::ifstream in(picture, std::ios::binary);
+  if (!in) {
+    throw std::runtime_error(fmt::format("{}: cannot be read", picture.string()));
+  }
+  const PictureHeader image = read_pgm_header(in, picture);
   map.geometry.columns = image.width;
   map.geometry.rows = image.height;
   map.cells.resize(map.geometry.size());
-  for (int row = 0; row < image.height; ++row) {
+  const auto columns = static_cast<std::size_t>(image.width);
+  std::vector<std::uint8_t> pixels(columns);  // a row at a time: the picture may be larger than all else in memory
+  for (int row = image.height - 1; row >= 0; --row) {
+    in.read(reinterpret_cast<char*>(pixels.data()), image.width);
+    if (in.gcount() != image.width) {
+      const std::size_t read = static_cast<std::size_t>(image.height - 1 - row) * columns;
+      throw std::runtime_error(fmt::format("{}: cut off, {} of {} pixels", picture.string(),
+                                           read + static_cast<std::size_t>(in.gcount()), map.geometry.size()));
+    }
     for (int column = 0; column < image.width; ++column) {
-      const auto source = static_cast<std::size_t>(image.height - 1 - row) * static_cast<std::size_t>(image.width) +
-                          static_cast<std::size_t>(column);
-      const double brightness = static_cast<double>(image.pixels[source]) / image.maximum;
+      const double brightness = static_cast<double>(pixels[static_cast<std::size_t>(column)]) / image.maximum;
       const double occupancy = negate ? brightness : 1.0 - brightness;
       map.cells[map.geometry.index({column, row})] = occupancy > occupied_threshold ? Prior::kOccupied
                                                      : occupancy < free_threshold   ? Prior::kFree
