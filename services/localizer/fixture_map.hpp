@@ -13,6 +13,7 @@ struct KindGate {
   double length_tolerance = 0.15;  // [m]
   double width_tolerance = 0.05;   // [m]
   double relative = 0.10;          // fraction of the side, added to the tolerances
+  double bloom = 0.06;             // [m] that a burning lamp may look wider beyond, most in dark rooms: long exposure
 };
 
 /// The building's fixtures with an index by place: asking costs what lies near, not what the building has.

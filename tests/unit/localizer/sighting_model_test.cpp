@@ -120,6 +120,23 @@ TEST(FixtureMap, TellsOneLampFromTwoLampFixtures) {
   EXPECT_TRUE(fits_kind_and_size(half, two_lamps, KindGate{}));
 }
 
+TEST(FixtureMap, TakesABloomingLampForNoWiderFixture) {
+  Fixture two_lamps;
+  Fixture one_lamp;
+  one_lamp.width = 0.15;
+  FixtureSighting blooming = sighting_at(0, 0, 0);
+  blooming.width = 0.24;  // of 0.15, as measured in a room of few lamps
+  EXPECT_FALSE(fits_kind_and_size(blooming, one_lamp, KindGate{}));
+  blooming.state = SightingState::kLit;
+  EXPECT_TRUE(fits_kind_and_size(blooming, one_lamp, KindGate{}));
+  EXPECT_FALSE(fits_kind_and_size(blooming, two_lamps, KindGate{}));
+  blooming.width = 0.39;  // of 0.30
+  EXPECT_TRUE(fits_kind_and_size(blooming, two_lamps, KindGate{}));
+  EXPECT_FALSE(fits_kind_and_size(blooming, one_lamp, KindGate{}));
+  blooming.clipped = true;
+  EXPECT_TRUE(fits_kind_and_size(blooming, two_lamps, KindGate{}));
+}
+
 TEST(CeilingView, SeesAllOfAFixtureOverheadAndNothingFarAway) {
   CameraDescription camera;
   camera.mounting.z = 0.3;
