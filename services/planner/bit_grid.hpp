@@ -12,6 +12,18 @@
 
 namespace luminav {
 
+/// Rows [first, last) and columns [first, last) of a grid.
+struct CellWindow {
+  int first_column = 0;
+  int last_column = 0;
+  int first_row = 0;
+  int last_row = 0;
+
+  [[nodiscard]] bool is_empty() const { return first_column >= last_column || first_row >= last_row; }
+  /// Grown by some cells to all sides, clipped to a grid.
+  [[nodiscard]] CellWindow grown(int cells, int columns, int rows) const;
+};
+
 /// Leaves new elements of a vector as they are, to be written before they are read.
 template <typename T>
 struct UnfilledAllocator : std::allocator<T> {
@@ -62,6 +74,18 @@ class BitGrid {
   void set(const Cell& cell) {
     row(cell.row)[static_cast<std::size_t>(cell.column) / 64] |= std::uint64_t{1} << (cell.column % 64);
   }
+  /// Are all cells of a window set that is at most 64 columns wide and lies inside?
+  [[nodiscard]] bool has_all(const CellWindow& window) const {
+    const std::size_t word = static_cast<std::size_t>(window.first_column) / 64;
+    const int shift = window.first_column % 64;
+    const std::uint64_t wanted = ~std::uint64_t{0} >> (64 - (window.last_column - window.first_column));
+    std::uint64_t missing = 0;
+    for (int r = window.first_row; r < window.last_row; ++r) {
+      const std::uint64_t* words = row(r) + word;
+      missing |= ~(words[0] >> shift | words[1] << 1 << (63 - shift)) & wanted;
+    }
+    return missing == 0;
+  }
   [[nodiscard]] std::int64_t count() const;
   friend bool operator==(const BitGrid&, const BitGrid&) = default;
 
@@ -70,18 +94,6 @@ class BitGrid {
   int rows_ = 0;
   std::size_t words_per_row_ = 0;
   std::vector<std::uint64_t, UnfilledAllocator<std::uint64_t>> words_;
-};
-
-/// Rows [first, last) and columns [first, last) of a grid.
-struct CellWindow {
-  int first_column = 0;
-  int last_column = 0;
-  int first_row = 0;
-  int last_row = 0;
-
-  [[nodiscard]] bool is_empty() const { return first_column >= last_column || first_row >= last_row; }
-  /// Grown by some cells to all sides, clipped to a grid.
-  [[nodiscard]] CellWindow grown(int cells, int columns, int rows) const;
 };
 
 /// The smallest window with all bits in which two grids of one size differ; empty when they are the same.

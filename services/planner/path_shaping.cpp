@@ -17,18 +17,9 @@ bool is_small_and_clear(const ConfigurationSpace& space, const Cell& a, const Ce
   constexpr int kMostCells = 9;
   const Cell low{std::min(a.column, b.column), std::min(a.row, b.row)};
   const Cell high{std::max(a.column, b.column), std::max(a.row, b.row)};
-  if (!space.geometry().contains(low) || !space.geometry().contains(high) || high.column - low.column >= kMostCells ||
-      (high.column - low.column + 1) * (high.row - low.row + 1) > kMostCells) {
-    return false;
-  }
-  for (int row = low.row; row <= high.row; ++row) {
-    for (int column = low.column; column <= high.column; ++column) {
-      if (!space.passable().test({column, row})) {
-        return false;
-      }
-    }
-  }
-  return true;
+  return space.geometry().contains(low) && space.geometry().contains(high) &&
+         (high.column - low.column + 1) * (high.row - low.row + 1) <= kMostCells &&
+         space.passable().has_all({low.column, high.column + 1, low.row, high.row + 1});
 }
 
 /// Replaces pieces of the chain by straight lines, farthest first, while they cost no more.

@@ -12,8 +12,11 @@ namespace {
 constexpr std::uint32_t kUnreached = WaveField::kUnreached;
 constexpr std::uint32_t kBlocked = WaveField::kBlocked;
 
+// a step costs some times what a cell costs a wave
 constexpr std::size_t kMostShare = 8;
 constexpr std::size_t kFewestSteps = 16384;
+constexpr std::size_t kRegrownShare = 5;
+constexpr std::size_t kFewestStepsBeforeRegrowing = 256;
 
 /// The work of repair_wave: one queue by cost; of one cost, cells that may have lost their support come first.
 class Repair {
@@ -46,13 +49,13 @@ class Repair {
     }
   }
 
-  [[nodiscard]] bool run(const WaveStop& stop) {
+  /// False when it is not done after so many steps.
+  [[nodiscard]] bool run(const WaveStop& stop, std::size_t most) {
     const auto goal = static_cast<std::size_t>(stop.cell);
     std::uint32_t limit = kUnreached;
-    // a step costs some times what a cell costs a new wave
-    const std::size_t most = std::max(kFewestSteps, field_.stored.size() / kMostShare);
+    const std::size_t queued_before = queue_.size();
     for (std::size_t steps = 0; !queue_.empty(); ++steps) {
-      if (steps > most || queue_.size() > most) {
+      if (steps > most || queue_.size() > most + queued_before) {
         return false;
       }
       const auto [level, task, cell] = pending_of(queue_.front());
@@ -171,13 +174,50 @@ class Repair {
   std::array<WaveStep, 8> steps_;
 };
 
+/// The highest level that no change can touch: the changed cells and all around them were reached later.
+std::uint32_t untouched_level(const std::vector<PriceChange>& changes, const WaveField& field) {
+  std::uint32_t lowest = field.settled_to == kUnreached ? kUnreached : field.settled_to + 1;
+  const std::array<WaveStep, 8> steps = wave_steps(field.columns);
+  const auto count = [&](std::uint32_t stored) { lowest = stored == kBlocked ? lowest : std::min(lowest, stored); };
+  for (const PriceChange& change : changes) {
+    count(field.stored[change.cell]);
+    for (const WaveStep& step : steps) {
+      count(field.stored[moved(change.cell, step.offset)]);
+    }
+  }
+  return lowest - 1;
+}
+
+/// Cells whose level is above one and at most another.
+std::size_t count_between(const WaveField& field, std::uint32_t above, std::uint32_t most) {
+  std::uint32_t cells = 0;
+  for (const std::uint32_t stored : field.stored) {
+    cells += stored - above - 1 < most - above ? 1 : 0;
+  }
+  return cells;
+}
+
 }  // namespace
 
 bool repair_wave(const WaveTerrain& terrain, const std::vector<PriceChange>& changes, const WaveStop& stop,
                  WaveField& field) {
+  const std::uint32_t untouched = untouched_level(changes, field);
+  const bool is_regrowable = terrain.classes != nullptr && untouched > 0 && untouched < kUnreached - 1;
+  const std::uint32_t wanted = field.stored[static_cast<std::size_t>(stop.cell)];
+  std::size_t most = std::max(kFewestSteps, field.stored.size() / kMostShare);
+  if (is_regrowable && wanted != kUnreached && wanted > untouched) {
+    const std::size_t cells = count_between(field, untouched, wanted + stop.margin);
+    most = std::min(most, std::max(kFewestStepsBeforeRegrowing, cells / kRegrownShare));
+  }
   Repair repair(terrain, field);
   repair.note(changes);
-  return repair.run(stop);
+  if (repair.run(stop, most)) {
+    return true;
+  }
+  if (is_regrowable) {
+    regrow_wave(terrain, untouched, stop, field);
+  }
+  return is_regrowable;
 }
 
 }  // namespace luminav

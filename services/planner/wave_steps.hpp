@@ -113,4 +113,8 @@ using WaitingSeed = std::pair<std::uint32_t, std::uint32_t>;
 void grow_even_wave(const BitGrid& passable, std::uint32_t price, const std::vector<WaitingSeed>& seeds,
                     const WaveStop& stop, WaveField& field);
 
+/// Grows a field of one seed anew beyond a level: what is stored up to `kept_to`, the seed at least, stays and must be
+/// right. The terrain has prices by class.
+void regrow_wave(const WaveTerrain& terrain, std::uint32_t kept_to, const WaveStop& stop, WaveField& field);
+
 }  // namespace luminav

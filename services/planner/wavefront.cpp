@@ -58,6 +58,43 @@ std::size_t spread_level(const WaveTerrain& terrain, std::uint32_t level, Ring& 
   return queued;
 }
 
+/// Goes on with what is queued, `queued` cells from `level` on, and with seeds that wait.
+void run_wave(const WaveTerrain& terrain, const std::vector<WaitingSeed>& waiting, std::uint32_t level,
+              std::size_t queued, const WaveStop& stop, Ring& ring, WaveField& field) {
+  std::uint32_t* stored = field.stored.data();
+  std::size_t next_seed = 0;
+  while ((queued > 0 || next_seed < waiting.size()) && level <= field.settled_to) {
+    if (queued == 0) {
+      level = std::max(level, waiting[next_seed].first);
+    }
+    Bucket& bucket = ring[level % kBuckets];
+    for (; next_seed < waiting.size() && waiting[next_seed].first <= level; ++next_seed) {
+      const auto [cost, cell] = waiting[next_seed];
+      if (cost < stored[cell]) {
+        stored[cell] = cost;
+        *bucket.room_for(1) = cell;
+        queued += bucket.take_to(bucket.cells() + bucket.size() + 1);
+      }
+    }
+    // a cell's own step costs at least 5, so the bucket does not grow while it is read
+    queued += spread_level(terrain, level, ring, stored);
+    if (stop.cell >= 0 && stored[stop.cell] == level) {
+      field.settled_to = level + stop.margin;
+    }
+    queued -= bucket.size();
+    bucket.clear();
+    ++level;
+  }
+  if (queued == 0 && next_seed == waiting.size()) {
+    field.settled_to = kUnreached;  // it came everywhere
+    return;
+  }
+  for (const Bucket& bucket : ring) {
+    keep_pending(bucket, field);
+  }
+  std::make_heap(field.pending.begin(), field.pending.end(), std::greater<>());
+}
+
 // every passable cell unreached, every other blocked
 void clear(const BitGrid& passable, std::vector<std::uint32_t>& stored) {
   const auto columns = static_cast<std::size_t>(passable.columns());
@@ -105,39 +142,38 @@ void grow_wave(const WaveTerrain& terrain, const std::vector<WaveSeed>& seeds, c
     return;
   }
   const auto ring = std::make_unique<Ring>();
-  std::size_t next_seed = 0;
+  run_wave(terrain, waiting, waiting.empty() ? 0 : waiting.front().first, 0, stop, *ring, field);
+}
+
+void regrow_wave(const WaveTerrain& terrain, std::uint32_t kept_to, const WaveStop& stop, WaveField& field) {
+  std::uint32_t* stored = field.stored.data();
+  // whose neighbours may have been reached beyond
+  const std::uint32_t first = kept_to + 1 < kBuckets ? 1 : kept_to + 1 - kBuckets + 1;
+  const auto ring = std::make_unique<Ring>();
   std::size_t queued = 0;
-  std::uint32_t level = waiting.empty() ? 0 : waiting.front().first;
-  while ((queued > 0 || next_seed < waiting.size()) && level <= field.settled_to) {
-    if (queued == 0) {
-      level = std::max(level, waiting[next_seed].first);
+  const std::size_t cells = field.stored.size();
+  constexpr std::size_t kAtOnce = 16;
+  for (std::size_t from = 0; from < cells; from += kAtOnce) {
+    const std::size_t to = std::min(from + kAtOnce, cells);
+    std::uint32_t is_front = 0;
+    for (std::size_t i = from; i < to; ++i) {
+      is_front |= stored[i] - first <= kept_to - first ? 1U : 0U;
+      stored[i] = stored[i] > kept_to ? kUnreached : stored[i];
     }
-    Bucket& bucket = (*ring)[level % kBuckets];
-    for (; next_seed < waiting.size() && waiting[next_seed].first <= level; ++next_seed) {
-      const auto [cost, cell] = waiting[next_seed];
-      if (cost < stored[cell]) {
-        stored[cell] = cost;
-        *bucket.room_for(1) = cell;
-        queued += bucket.take_to(bucket.cells() + bucket.size() + 1);
+    for (std::size_t i = from; is_front != 0 && i < to; ++i) {
+      if (stored[i] - first <= kept_to - first) {
+        (*ring)[stored[i] % kBuckets].add(static_cast<std::uint32_t>(i));
+        ++queued;
       }
     }
-    // a cell's own step costs at least 5, so the bucket does not grow while it is read
-    queued += spread_level(terrain, level, *ring, stored);
-    if (stop.cell >= 0 && stored[stop.cell] == level) {
-      field.settled_to = level + stop.margin;
-    }
-    queued -= bucket.size();
-    bucket.clear();
-    ++level;
   }
-  if (queued == 0 && next_seed == waiting.size()) {
-    field.settled_to = kUnreached;  // it came everywhere
-    return;
+  field.settled_to = kUnreached;
+  field.pending.clear();
+  field.pending_needed = 0;
+  if (stop.cell >= 0 && stored[stop.cell] != kUnreached) {
+    field.settled_to = std::max(kept_to, stored[stop.cell] + stop.margin);
   }
-  for (const Bucket& bucket : *ring) {
-    keep_pending(bucket, field);
-  }
-  std::make_heap(field.pending.begin(), field.pending.end(), std::greater<>());
+  run_wave(terrain, {}, first, queued, stop, *ring, field);
 }
 
 }  // namespace luminav

@@ -65,11 +65,11 @@ struct PriceChange {
   std::uint8_t price_before = 0;  // 0 = blocked
 };
 
-/// Makes a field of one seed right again after cells changed, as far as the way from `stop.cell` needs it, at the cost
-/// of the cells there whose cost changes: the same field as a new wave up to `settled_to`. What lies beyond stays
-/// pending until a way needs it. False when that is so much that a new wave is
-/// cheaper: then the field is good for nothing else. Koenig and Likhachev 2002
-/// (LPA*), with the raised cells first.
+/// Makes a field of one seed right again after cells changed, as far as the way from `stop.cell` needs it: the same
+/// field as a new wave up to `settled_to`. What lies beyond stays pending until a way needs it. First at the cost of
+/// the cells there whose cost changes (Koenig and Likhachev 2002, LPA*, with the raised cells first); where that is too
+/// many the wave grows anew from the last level before the changes. False when neither is possible: then the field is
+/// good for nothing else.
 [[nodiscard]] bool repair_wave(const WaveTerrain& terrain, const std::vector<PriceChange>& changes,
                                const WaveStop& stop, WaveField& field);
 
