@@ -325,6 +325,9 @@ class BloomLevel {
     fit.covariance(0, 0) += shared * shared;
     fit.covariance(1, 1) += shared * shared;
     fit.covariance(2, 2) += 0.1 * shared * shared / (lever * lever);
+    if (fit.only_side()) {
+      fit.covariance(2, 2) += kOneSideTaper * kOneSideTaper;
+    }
     return true;
   }
 

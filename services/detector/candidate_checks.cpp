@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
+#include "services/detector/one_side.hpp"
 #include "services/detector/surface_texture.hpp"
 
 namespace luminav {
@@ -14,6 +16,11 @@ using Eigen::Vector2d;
 constexpr double kBlurredEdge = 2.5;  // [px] by which an outline may always miss, however coarse the pixels
 constexpr double kLeastDisc = 16.0;   // [px] across: smaller ones must be lit, with an edge nearly all round
 constexpr double kSpeckFit = 0.92;
+// Of a fixture whose other long side is out of view:
+constexpr double kLeastStretch = 0.4;  // of the side that is seen
+constexpr double kOneSideFit = 0.85;   // share of it that must show its edge
+constexpr double kMostAcross = 0.030;  // [m] 1 sigma
+constexpr double kMostHeading = radians(0.7);
 
 }  // namespace
 
@@ -32,7 +39,9 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   if (outline.shape == FixtureShape::kRound) {
     return objection_to_disc(frame, candidate, level);
   }
-  if (const char* why = objection_to_edges(candidate, bright)) {
+  const std::optional<Side> only_side = fit.only_side();
+  if (const char* why =
+          only_side ? objection_to_one_side(candidate, *only_side, bright) : objection_to_edges(candidate, bright)) {
     return why;
   }
   if (!bright && !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
@@ -48,6 +57,12 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   }
   if (!is_filled(frame, candidate, level)) {
     return kNotFilled.data();
+  }
+  if (only_side) {
+    const PieceFromOneSide piece(frame, camera_, candidate, *only_side, bright);
+    return !piece.stands_out()                ? "no brighter or darker than its surroundings"
+           : piece.may_be_another(catalogue_) ? "may be another kind"
+                                              : nullptr;
   }
   return may_be_something_else(frame, candidate, bright) ? "may be another element" : nullptr;
 }
@@ -85,6 +100,32 @@ const char* CandidateChecks::objection_to_edges(const Candidate& candidate, bool
       least_share * std::max(fit.side_step[kLeftSide], fit.side_step[kRightSide])) {
     return "sides of different brightness";
   }
+  return objection_to_ends(fit);
+}
+
+const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, Side side, bool bright) const {
+  const OutlineFit& fit = candidate.fit;
+  if (candidate.hypothesis.is_element || candidate.hypothesis.half_width) {
+    return "one long side alone";
+  }
+  if (fit.in_view[static_cast<std::size_t>(side)] < 10 ||
+      fit.visible_to - fit.visible_from < kLeastStretch * candidate.hypothesis.outline.length) {
+    return "too little in view";
+  }
+  if (fit.share(side) < std::max(kOneSideFit, params_.minimum_long_side_fit)) {
+    return "no edge along a long side";
+  }
+  const int ends = (fit.end_visible(kFarEnd) ? 1 : 0) + (fit.end_visible(kNearEnd) ? 1 : 0);
+  if (ends < (bright ? 1 : 2)) {
+    return "too few ends";
+  }
+  if (fit.covariance(1, 1) > kMostAcross * kMostAcross || fit.covariance(2, 2) > kMostHeading * kMostHeading) {
+    return "too uncertain";
+  }
+  return objection_to_ends(fit);
+}
+
+const char* CandidateChecks::objection_to_ends(const OutlineFit& fit) const {
   for (const int end : {kFarEnd, kNearEnd}) {
     if (fit.in_view[static_cast<std::size_t>(end)] >= 3 && fit.share(end) < params_.minimum_end_fit) {
       return "no edge at an end";

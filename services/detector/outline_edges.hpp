@@ -58,6 +58,7 @@ class OutlineEdges {
   void measure(const GreyView& image, const Outline& outline, const OutlineFitParams& params,
                const OutlinePlacement& placement, const EdgeSearch& search);
   [[nodiscard]] const std::vector<OutlinePoint>& points() const { return points_; }
+  [[nodiscard]] std::ptrdiff_t count_in_view(int side) const;
 
  private:
   static constexpr int kLongest = ProfileLanes::kLongest;
@@ -81,7 +82,6 @@ class OutlineEdges {
   void sample(const GreyView& image, const EdgeSearch& search, int reach, std::size_t first);
   void look_again(const OutlineFitParams& params, const EdgeSearch& search, int reach);
   void take_joints_off(const OutlineFitParams& params, const EdgeSearch& search, int reach);
-  [[nodiscard]] std::ptrdiff_t count_in_view(int side) const;
 
   const CeilingCamera* camera_;
   std::vector<OutlinePoint> points_;

@@ -67,7 +67,18 @@ double OutlineFit::share(int side) const {
 
 bool OutlineFit::end_visible(int side) const {
   const auto s = static_cast<std::size_t>(side);
-  return expected[s] > 0 && in_view[s] >= 3 && 2 * in_view[s] >= expected[s];
+  // half of an end, or less of it where the border cuts off a long side
+  const bool one_side = in_view[kLeftSide] == 0 || in_view[kRightSide] == 0;
+  return expected[s] > 0 && in_view[s] >= 3 && (one_side ? 3 : 2) * in_view[s] >= expected[s];
+}
+
+std::optional<Side> OutlineFit::only_side() const {
+  const bool left = in_view[kLeftSide] >= 3;
+  const bool right = in_view[kRightSide] >= 3;
+  if (left == right || expected[kRightSide] == 0) {
+    return std::nullopt;
+  }
+  return left ? kLeftSide : kRightSide;
 }
 
 double OutlineFit::quality() const {
@@ -139,8 +150,13 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     information(2, 2) = sigma * sigma / (kPi * kPi);
     information(3, 3) = sigma * sigma / (params.swelling_sigma * params.swelling_sigma);
     right_side(3) = -information(3, 3) * swelling;
-    information(4, 4) = sigma * sigma / (params.taper_sigma * params.taper_sigma);
+    // one side cannot tell a turn from bloom that changes along it
+    const bool one_side = outline.shape != FixtureShape::kRound &&
+                          (edges_.count_in_view(kLeftSide) < 3 || edges_.count_in_view(kRightSide) < 3);
+    const double taper_sigma = one_side ? std::min(kOneSideTaper, params.taper_sigma) : params.taper_sigma;
+    information(4, 4) = sigma * sigma / (taper_sigma * taper_sigma);
     right_side(4) = -information(4, 4) * taper;
+    const Matrix5d prior = information;
 
     fit.in_view.fill(0);
     fit.on_edge.fill(0);
@@ -214,7 +230,9 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     if (pass + 1 == passes.size()) {
       const double edge_sigma = std::max(params.edge_sigma_px, fit.residual_px) * metres_per_px;
       const Matrix5d inverse = information.inverse();
-      fit.covariance = edge_sigma * edge_sigma * inverse.topLeftCorner<3, 3>();
+      // Edges that scatter say less; what is known beforehand says as much as ever.
+      const Matrix5d scattered = edge_sigma * edge_sigma * (information - prior) + sigma * sigma * prior;
+      fit.covariance = (inverse * scattered * inverse).topLeftCorner<3, 3>();
       const double shared = params.outline_sigma_px * metres_per_px;
       const double lever = 0.3 * std::max(fit.visible_to - fit.visible_from, 0.5 * outline.width);
       fit.covariance(0, 0) += shared * shared;
@@ -231,7 +249,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
         const double bloom = std::hypot(0.1 * swelling, 0.3 * edge_sigma * std::sqrt(inverse(3, 3)));
         fit.covariance(0, 0) += bloom * bloom;
         fit.covariance(1, 1) += bloom * bloom;
-        fit.covariance(2, 2) += 0.25 * bloom * bloom / (lever * lever);
+        fit.covariance(2, 2) += one_side ? 0.0 : 0.25 * bloom * bloom / (lever * lever);
       }
     }
   }

@@ -12,6 +12,9 @@
 
 namespace luminav {
 
+/// Change of a lit outline's swelling along it [m/m], 1 sigma, where one long side alone is seen.
+inline constexpr double kOneSideTaper = 0.005;
+
 struct OutlineFit {
   Pose2 robot_from_outline;
   double swelling = 0.0;                // [m] by which the edges lie outside the outline, on every side
@@ -31,6 +34,8 @@ struct OutlineFit {
 
   [[nodiscard]] double share(int side) const;
   [[nodiscard]] bool end_visible(int side) const;
+  /// The long side in view where the other one is not; nothing when both or none are, or when it is round.
+  [[nodiscard]] std::optional<Side> only_side() const;
   /// Share of the visible outline that shows an edge.
   [[nodiscard]] double quality() const;
 };

@@ -36,6 +36,15 @@ void convex_hull(const std::vector<Vector2i>& points, std::vector<Vector2i>& hul
   }
 }
 
+// Of a fixture of which one long side is out of view: less leaves open what it is a piece of.
+constexpr double kLeastDepth = 0.3;    // of its width
+constexpr double kLeastStretch = 0.4;  // of its length
+
+bool fits(double seen, double side, const SizeTolerance& tolerance) {
+  const double slack = tolerance.absolute + tolerance.share * side;
+  return seen > side - slack && seen < side + slack + tolerance.bloom;
+}
+
 }  // namespace
 
 CellPlane::CellPlane(const CeilingCamera& camera, int factor, double height)
@@ -158,6 +167,17 @@ void OutlineProposer::choose_directions() {
   }
 }
 
+void OutlineProposer::add(const CeilingKind& kind, const Placing& placing, double along, double across) {
+  const Vector2d axis(std::cos(placing.theta), std::sin(placing.theta));
+  const Vector2d on_reference = along * axis + across * Vector2d(-axis.y(), axis.x());
+  const Vector2d centre = plane_->camera_foot() + placing.scale * (on_reference - plane_->camera_foot());
+  hypotheses_.push_back({.kind = placing.index,
+                         .is_element = !kind.is_fixture,
+                         .half_width = placing.half_width,
+                         .outline = {kind.shape, kind.length, placing.width, kind.height},
+                         .start = {centre.x(), centre.y(), wrap_axis(placing.theta)}});
+}
+
 void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half_width, double theta,
                                    const SizeTolerance& tolerance) {
   const double width = half_width ? 0.5 * kind.width : kind.width;
@@ -165,42 +185,69 @@ void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half
   const Extents e = extents(theta);
   const double seen_length = scale * (e.most_along - e.least_along);
   const double seen_width = scale * (e.most_across - e.least_across);
-  const auto fits = [&](double seen, double side) {
-    const double slack = tolerance.absolute + tolerance.share * side;
-    return seen > side - slack && seen < side + slack + tolerance.bloom;
-  };
-  if (!fits(seen_width, width)) {
+  if (!fits(seen_width, width, tolerance)) {
     return;
   }
-  const bool whole = fits(seen_length, kind.length);
+  const bool whole = fits(seen_length, kind.length, tolerance);
   const bool cut = touches_border_ && kind.is_fixture && kind.shape == FixtureShape::kRectangle &&
                    seen_length < kind.length + tolerance.absolute + tolerance.bloom &&
                    seen_length > tolerance.least_visible * kind.length;
   if (!whole && !cut) {
     return;
   }
-  const Vector2d along(std::cos(theta), std::sin(theta));
-  const Vector2d across(-along.y(), along.x());
+  const Placing placing{theta, scale, width, index, half_width};
   const double middle_across = 0.5 * (e.least_across + e.most_across);
   const double half_length = 0.5 * kind.length / scale;
-  const auto add = [&](double middle_along) {
-    const Vector2d on_reference = middle_along * along + middle_across * across;
-    const Vector2d centre = plane_->camera_foot() + scale * (on_reference - plane_->camera_foot());
-    hypotheses_.push_back({.kind = index,
-                           .is_element = !kind.is_fixture,
-                           .half_width = half_width,
-                           .outline = {kind.shape, kind.length, width, kind.height},
-                           .start = {centre.x(), centre.y(), wrap_axis(theta)}});
-  };
   if (whole) {
-    add(0.5 * (e.least_along + e.most_along));
+    add(kind, placing, 0.5 * (e.least_along + e.most_along), middle_across);
   }
   if (cut) {
     const double half_bloom = 0.25 * tolerance.bloom;
-    add(e.least_along + half_bloom + half_length);
-    add(e.most_along - half_bloom - half_length);
+    add(kind, placing, e.least_along + half_bloom + half_length, middle_across);
+    add(kind, placing, e.most_along - half_bloom - half_length, middle_across);
     if (!whole) {
-      add(0.5 * (e.least_along + e.most_along));
+      add(kind, placing, 0.5 * (e.least_along + e.most_along), middle_across);
+    }
+  }
+}
+
+bool OutlineProposer::is_cut_off(const Vector2d& direction) const {
+  double farthest = -1e9;
+  for (const Corner& corner : corners_) {
+    farthest = std::max(farthest, direction.dot(corner.place));
+  }
+  return std::all_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
+    return corner.at_border || direction.dot(corner.place) < farthest - 2.0 * grow_;
+  });
+}
+
+void OutlineProposer::propose_from_one_side(const CeilingKind& kind, int index, double theta,
+                                            const SizeTolerance& tolerance) {
+  const double scale = (kind.height - plane_->camera_height()) / (plane_->ceiling_height() - plane_->camera_height());
+  const Extents e = extents(theta);
+  const double seen_length = scale * (e.most_along - e.least_along);
+  const double seen_width = scale * (e.most_across - e.least_across);
+  const double most = tolerance.absolute + tolerance.bloom;
+  if (seen_width < kLeastDepth * kind.width || seen_width > kind.width + most ||
+      seen_length < kLeastStretch * kind.length || seen_length > kind.length + tolerance.share * kind.length + most) {
+    return;
+  }
+  const Placing placing{theta, scale, kind.width, index, false};
+  const double half_bloom = 0.25 * tolerance.bloom;
+  const double half_length = 0.5 * kind.length / scale;
+  const double half_width = 0.5 * kind.width / scale;
+  const Vector2d across(-std::sin(theta), std::cos(theta));
+  for (const double side : {1.0, -1.0}) {  // the one in view
+    if (is_cut_off(side * across) || !is_cut_off(-side * across)) {
+      continue;
+    }
+    const double edge = side > 0.0 ? e.most_across : e.least_across;
+    const double middle_across = edge - side * (half_bloom + half_width);
+    if (fits(seen_length, kind.length, tolerance)) {
+      add(kind, placing, 0.5 * (e.least_along + e.most_along), middle_across);
+    } else {
+      add(kind, placing, e.least_along + half_bloom + half_length, middle_across);
+      add(kind, placing, e.most_along - half_bloom - half_length, middle_across);
     }
   }
 }
@@ -223,6 +270,9 @@ const std::vector<OutlineHypothesis>& OutlineProposer::propose(const Region& reg
         propose_kind(kind, static_cast<int>(i), false, theta + turn, tolerance);
         if (bright && kind.shape == FixtureShape::kRectangle && kind.lamps >= 2) {
           propose_kind(kind, static_cast<int>(i), true, theta + turn, tolerance);
+        }
+        if (touches_border_ && kind.shape != FixtureShape::kRound) {
+          propose_from_one_side(kind, static_cast<int>(i), theta + turn, tolerance);
         }
       }
     }

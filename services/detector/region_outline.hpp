@@ -56,7 +56,8 @@ struct SizeTolerance {
 
 /// Turns regions into guesses: the convex hull is taken to the ceiling, its main directions are tried, and the extents
 /// along and across are compared with what hangs on this ceiling. Where the image border cuts the hull, an outline is
-/// tried at each end that may be in view, and one for which only the sides count.
+/// tried at each end that may be in view, and one for which only the sides count; where it cuts off a long side, one
+/// that starts from the other.
 class OutlineProposer {
  public:
   OutlineProposer(const CellPlane& plane, const CeilingCatalogue& catalogue) : plane_(&plane), catalogue_(&catalogue) {}
@@ -75,10 +76,23 @@ class OutlineProposer {
   struct Extents {
     double least_along, most_along, least_across, most_across;
   };
+  /// An outline with its middle there, `across` and `along` [m] on the reference ceiling, in direction `theta`.
+  struct Placing {
+    double theta;
+    double scale;  // from the reference ceiling to the kind's height
+    double width;  // [m]
+    int index;     // of the kind
+    bool half_width;
+  };
   bool take_hull(const Region& region);
   [[nodiscard]] Extents extents(double theta) const;
   void choose_directions();
   void propose_kind(const CeilingKind& kind, int index, bool half_width, double theta, const SizeTolerance& tolerance);
+  /// Outlines of which one long side is beyond the image border.
+  void propose_from_one_side(const CeilingKind& kind, int index, double theta, const SizeTolerance& tolerance);
+  void add(const CeilingKind& kind, const Placing& placing, double along, double across);
+  /// True when what reaches farthest in a direction is all of it cut off by the border, false when some of it is.
+  [[nodiscard]] bool is_cut_off(const Eigen::Vector2d& direction) const;
 
   const CellPlane* plane_;
   const CeilingCatalogue* catalogue_;

@@ -73,6 +73,25 @@ TEST(ModernDetector, SaysOfACutFixtureOnlyWhatIsSeen) {
   EXPECT_LT(detections[0].length, 0.9);
 }
 
+TEST(ModernDetector, PlacesAFixtureByOneLongSideAndItsEndsWhereTheOtherIsBeyondTheBorder) {
+  for (const DetectionState state : {DetectionState::kLit, DetectionState::kUnlit}) {
+    DrawnCeiling ceiling;
+    const Pose2 truth{0.98, 0.1, 0.5 * kPi + 0.03};  // its outer side lies beyond the upper border, 1.08 m ahead
+    ceiling.shapes = {{.pose = truth, .state = state, .darker = 40.0}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U);
+    EXPECT_TRUE(detections[0].clipped);
+    EXPECT_EQ(detections[0].state, state);
+    expect_at(detections[0], truth, 10e-3, radians(1.0));
+  }
+}
+
+TEST(ModernDetector, LeavesOutAPieceThatIsNoDeeperThanANarrowerFixture) {
+  DrawnCeiling ceiling;
+  ceiling.shapes = {{.pose = {1.13, 0.1, 0.5 * kPi}}};  // 0.1 m of it is in view, and fixtures of 0.15 m are listed
+  EXPECT_TRUE(detect(ceiling).empty());
+}
+
 TEST(ModernDetector, LeavesTheCentreOpenWhenNoEndIsSeen) {
   CeilingCatalogue catalogue = test::test_catalogue();
   catalogue.fixtures = {{.length = 3.0, .width = 0.3, .height = 2.8, .lamps = 2}};

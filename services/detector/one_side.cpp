@@ -1,0 +1,115 @@
+#include "services/detector/one_side.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/detector/surface_texture.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kSameSide = 0.06;      // [m] bloom and the fit's error, at most
+constexpr double kBloomReach = 6.0;     // [px] from the edge of a lamp its light is clearly less than its own
+constexpr double kAsBright = 0.88;      // of the inside
+constexpr double kAsDark = 0.5;         // of the depth inside
+constexpr double kBlurredReach = 0.03;  // [m] from the edge of something dark, in cells of the reduced image
+constexpr double kLeastStep = 30.0;     // [grey] of a lamp above the ceiling that it lights
+constexpr int kPlaces = 32;             // along the side
+constexpr int kLeastPlaces = 6;
+
+}  // namespace
+
+std::optional<double> PieceFromOneSide::level_at(const Vector2d& place) const {
+  const auto pixel = camera_.pixel_of_ceiling_point(PointTransform(candidate_.fit.robot_from_outline) * place,
+                                                    candidate_.hypothesis.outline.height);
+  if (!pixel || !camera_.is_in_image(*pixel)) {
+    return std::nullopt;
+  }
+  return cell_at(bright_ ? frame_.reduced : frame_.dark, *pixel, frame_.factor);
+}
+
+std::optional<double> PieceFromOneSide::difference(Side side) const {
+  const Outline& outline = candidate_.hypothesis.outline;
+  const bool is_end = side == kFarEnd || side == kNearEnd;
+  const double outwards = side == kLeftSide || side == kFarEnd ? 1.0 : -1.0;
+  const double extent = is_end ? outline.width : outline.length;
+  const double half = 0.5 * (is_end ? outline.length : outline.width);
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double along = 0.9 * extent * ((i + 0.5) / kPlaces - 0.5);
+    for (const double distance : {0.035, 0.055}) {  // [m] beyond blur and joints
+      const auto place = [&](double off) {
+        const double out = outwards * (half + off);
+        return is_end ? Vector2d(out, along) : Vector2d(along, out);
+      };
+      const auto inside = level_at(place(-distance));
+      const auto outside = level_at(place(std::max(candidate_.fit.swelling, 0.0) + distance));
+      if (inside && outside) {
+        sum += *inside - *outside;
+        ++count;
+      }
+    }
+  }
+  return count < kLeastPlaces ? std::nullopt : std::optional(sum / count);
+}
+
+bool PieceFromOneSide::stands_out() const {
+  const OutlineFit& fit = candidate_.fit;
+  const auto is_clear = [&](Side side) {
+    const auto step = difference(side);
+    return step && *step > (bright_ ? kLeastStep : kAsDark * fit.step);
+  };
+  return is_clear(side_) && (!fit.end_visible(kFarEnd) || is_clear(kFarEnd)) &&
+         (!fit.end_visible(kNearEnd) || is_clear(kNearEnd));
+}
+
+bool PieceFromOneSide::goes_on_beyond(double width) const {
+  const Outline& outline = candidate_.hypothesis.outline;
+  const OutlineFit& fit = candidate_.fit;
+  const double outwards = side_ == kLeftSide ? 1.0 : -1.0;
+  const double margin = bright_ ? std::max(fit.swelling, 0.0) + kBloomReach * fit.metres_per_px : kBlurredReach;
+  int looked = 0;
+  int alike = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double along = 0.92 * outline.length * ((i + 0.5) / kPlaces - 0.5);
+    const auto inside = level_at({along, outwards * (0.5 * outline.width - 0.5 * width)});
+    const auto beyond = level_at({along, outwards * (0.5 * outline.width - width - margin)});
+    if (inside && beyond) {
+      ++looked;
+      alike += *beyond > (bright_ ? kAsBright : kAsDark) * *inside ? 1 : 0;
+    }
+  }
+  return looked >= kLeastPlaces && 10 * alike >= 9 * looked;
+}
+
+bool PieceFromOneSide::may_be(double length, double width) const {
+  const Outline& outline = candidate_.hypothesis.outline;
+  const OutlineFit& fit = candidate_.fit;
+  const bool same = std::abs(length - outline.length) < kSameSide && std::abs(width - outline.width) < 0.02;
+  const bool too_short = fit.visible_to - fit.visible_from > length + kSameSide;
+  const bool both_ends = fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd);
+  const bool other_length = both_ends && std::abs(length - outline.length) > kSameSide;
+  return !same && !too_short && !other_length && !(width < outline.width - 0.02 && goes_on_beyond(width));
+}
+
+bool PieceFromOneSide::is_rather(const CeilingKind& kind) const {
+  return kind.shape != FixtureShape::kRound && (may_be(kind.length, kind.width) || may_be(kind.width, kind.length));
+}
+
+bool PieceFromOneSide::may_be_another(const CeilingCatalogue& catalogue) const {
+  const auto is_or_half_is = [&](const CeilingKind& kind) {
+    return is_rather(kind) || (bright_ && kind.lamps >= 2 && may_be(kind.length, 0.5 * kind.width));
+  };
+  const auto element_is = [&](const CeilingKind& kind) {
+    return (kind.luminous || !bright_) && is_rather(kind) &&
+           !(kind.slatted && is_surely_smooth(frame_.image, camera_, candidate_.hypothesis.outline, candidate_.fit,
+                                              frame_.pixel_noise));
+  };
+  return std::any_of(catalogue.fixtures.begin(), catalogue.fixtures.end(), is_or_half_is) ||
+         std::any_of(catalogue.elements.begin(), catalogue.elements.end(), element_is);
+}
+
+}  // namespace luminav
