@@ -26,6 +26,8 @@ void OutlineEdges::place(const Outline& outline, double metres_per_px, double sp
       const Vector2d normal(std::cos(angle), std::sin(angle));
       points_.push_back({.place = radius * normal, .normal = normal, .side = kLeftSide});
     }
+    first_of_side_.fill(points_.size());
+    first_of_side_[kLeftSide] = 0;
     return;
   }
   const auto add_side = [&](int side, const Vector2d& middle, const Vector2d& along, const Vector2d& normal,
@@ -39,6 +41,7 @@ void OutlineEdges::place(const Outline& outline, double metres_per_px, double sp
       const double t = usable * ((i + 0.5) / count - 0.5);
       points_.push_back({.place = middle + t * along, .normal = normal, .side = side});
     }
+    first_of_side_[static_cast<std::size_t>(side) + 1] = points_.size();
   };
   const double half_length = 0.5 * outline.length;
   const double half_width = 0.5 * outline.width;
@@ -55,11 +58,12 @@ void OutlineEdges::look_at(const GreyView& image, const Outline& outline, const 
                            const EdgeSearch& search, int reach) {
   constexpr double kAhead = 0.02;  // [m] to find the normal's direction in the image
   const PointTransform pose(placement.pose);
-  const std::size_t count = points_.size();
+  const std::size_t first = first_of(search.first_side);
+  const std::size_t count = first_of(search.last_side + 1) - first;
   ceiling_points_.resize(2 * count);
   pixels_.resize(2 * count);
   for (std::size_t i = 0; i < count; ++i) {
-    const OutlinePoint& point = points_[i];
+    const OutlinePoint& point = points_[first + i];
     const Vector2d on_outline = point.place + (placement.swelling + placement.taper * point.place.x()) * point.normal;
     ceiling_points_[2 * i] = pose * on_outline;
     ceiling_points_[2 * i + 1] = pose * (on_outline + kAhead * point.normal);
@@ -67,9 +71,11 @@ void OutlineEdges::look_at(const GreyView& image, const Outline& outline, const 
   camera_->pixels_of_ceiling_points(ceiling_points_, outline.height, pixels_);
 
   const int least = std::min(reach, search.half_filter + kLeastSearch);
+  const double half_lines = 0.5 * (search.lines - 1);
+  const double margin = reach + half_lines + 2.0;  // to the border, where all is in view
   viewed_.clear();
   for (std::size_t i = 0; i < count; ++i) {
-    OutlinePoint& point = points_[i];
+    OutlinePoint& point = points_[first + i];
     point.found = false;
     point.in_view = false;
     const Vector2d& pixel = pixels_[2 * i];
@@ -79,26 +85,27 @@ void OutlineEdges::look_at(const GreyView& image, const Outline& outline, const 
       continue;
     }
     const Vector2d normal_px = (ahead - pixel) / px_per_step;
-    const Vector2d along_px(-normal_px.y(), normal_px.x());
-    // Near the border the search ends early: what lies beyond is taken to be like the last that is seen.
-    const Vector2d half_lines = 0.5 * (search.lines - 1) * along_px;
-    const auto is_in_view = [&](double distance) {
-      const Vector2d middle = pixel + distance * normal_px;
-      return is_sampled(image, middle + half_lines) && is_sampled(image, middle - half_lines);
-    };
-    if (!is_in_view(-reach)) {
-      continue;
-    }
     int seen = reach;
-    while (seen >= least && !is_in_view(seen)) {
-      --seen;
-    }
-    if (seen < least) {
-      continue;
+    if (!camera_->is_in_image(pixel, margin)) {
+      const Vector2d aside = half_lines * Vector2d(-normal_px.y(), normal_px.x());
+      // Near the border the search ends early: what lies beyond is taken to be like the last that is seen.
+      const auto is_in_view = [&](double distance) {
+        const Vector2d middle = pixel + distance * normal_px;
+        return is_sampled(image, middle + aside) && is_sampled(image, middle - aside);
+      };
+      if (!is_in_view(-reach)) {
+        continue;
+      }
+      while (seen >= least && !is_in_view(seen)) {
+        --seen;
+      }
+      if (seen < least) {
+        continue;
+      }
     }
     point.in_view = true;
     point.metres_per_px = kAhead / px_per_step;
-    viewed_.push_back({i, pixel, normal_px, reach + seen});
+    viewed_.push_back({first + i, pixel, normal_px, reach + seen});
   }
 }
 
@@ -173,8 +180,8 @@ void OutlineEdges::measure(const GreyView& image, const Outline& outline, const 
   const bool unlit = !params.inside_brighter;
   if (unlit) {
     profiles_.resize(std::max(profiles_.size(), points_.size()));
-    for (Profile& sum : side_profiles_) {
-      sum.fill(0.0F);
+    for (int side = search.first_side; side <= search.last_side; ++side) {
+      side_profiles_[static_cast<std::size_t>(side)].fill(0.0F);
     }
   }
   look_at(image, outline, placement, search, reach);
@@ -208,8 +215,8 @@ void OutlineEdges::measure(const GreyView& image, const Outline& outline, const 
 }
 
 std::ptrdiff_t OutlineEdges::count_in_view(int side) const {
-  return std::count_if(points_.begin(), points_.end(),
-                       [&](const OutlinePoint& point) { return point.side == side && point.in_view; });
+  const std::span<const OutlinePoint> points = points_of(side);
+  return std::count_if(points.begin(), points.end(), [](const OutlinePoint& point) { return point.in_view; });
 }
 
 /// Where single profiles are too noisy, the mean of all of a side still shows its edge; then a fainter step there will
@@ -222,7 +229,7 @@ void OutlineEdges::look_again(const OutlineFitParams& params, const EdgeSearch& 
   const int length = 2 * reach + 1;
   const double noise = params.pixel_noise * std::sqrt(2.0 / static_cast<double>(search.half_filter * search.lines));
   const float weight = -1.0F / static_cast<float>(search.lines);
-  for (int side = 0; side < kSides; ++side) {
+  for (int side = search.first_side; side <= search.last_side; ++side) {
     const std::ptrdiff_t in_view = count_in_view(side);
     if (in_view < 5) {
       continue;
@@ -235,9 +242,9 @@ void OutlineEdges::look_again(const OutlineFitParams& params, const EdgeSearch& 
       continue;
     }
     const int middle = reach + static_cast<int>(std::lround(mean->offset_px + 0.5));
-    for (std::size_t i = 0; i < points_.size(); ++i) {
+    for (std::size_t i = first_of(side); i < first_of(side + 1); ++i) {
       OutlinePoint& point = points_[i];
-      if (point.side != side || !point.in_view || point.found) {
+      if (!point.in_view || point.found) {
         continue;
       }
       const auto step = largest_step(profiles_[i], length, search.half_filter, weight, middle - kNear, middle + kNear);
@@ -257,7 +264,7 @@ void OutlineEdges::take_joints_off(const OutlineFitParams& params, const EdgeSea
   constexpr double kShare = 0.35;  // of the step up
   constexpr double kSigmas = 4.0;  // of noise that the step down must have
   const int length = 2 * reach + 1;
-  for (int side = 0; side < kSides; ++side) {
+  for (int side = search.first_side; side <= search.last_side; ++side) {
     const auto& profile = side_profiles_[static_cast<std::size_t>(side)];
     std::array<double, kLongest> rise{};
     int outer = -1;
@@ -284,8 +291,8 @@ void OutlineEdges::take_joints_off(const OutlineFitParams& params, const EdgeSea
         std::max(kShare * rise[static_cast<std::size_t>(outer)], kSigmas * noise)) {
       continue;
     }
-    for (OutlinePoint& point : points_) {
-      if (point.side == side && point.found && std::abs(point.offset_px - (outer - 0.5 - reach)) < 2.5) {
+    for (OutlinePoint& point : own_points_of(side)) {
+      if (point.found && std::abs(point.offset_px - (outer - 0.5 - reach)) < 2.5) {
         point.offset_px -= outer - inner;
         point.offset = point.offset_px * point.metres_per_px;
       }

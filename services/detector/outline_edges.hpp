@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "services/common/geometry/camera_model.hpp"
@@ -45,6 +46,8 @@ struct EdgeSearch {
   int half_filter;    // [px] whose means are compared
   int lines;          // [px] along the outline over which each profile is averaged
   double least_edge;  // [grey]
+  int first_side = kLeftSide;
+  int last_side = kNearEnd;
 };
 
 /// Looks for the edges of an outline: grey profiles across it, and in each the largest step.
@@ -54,10 +57,13 @@ class OutlineEdges {
 
   /// Spreads points over the sides. Corners are left out, more of them at the ends of lit fixtures.
   void place(const Outline& outline, double metres_per_px, double spacing_px, bool lit);
-  /// Finds the edge near each point that is in view.
+  /// Finds the edge near each point of the sides searched that is in view.
   void measure(const GreyView& image, const Outline& outline, const OutlineFitParams& params,
                const OutlinePlacement& placement, const EdgeSearch& search);
-  [[nodiscard]] const std::vector<OutlinePoint>& points() const { return points_; }
+  [[nodiscard]] std::span<const OutlinePoint> points() const { return points_; }
+  [[nodiscard]] std::span<const OutlinePoint> points_of(int side) const {
+    return points().subspan(first_of(side), first_of(side + 1) - first_of(side));
+  }
   [[nodiscard]] std::ptrdiff_t count_in_view(int side) const;
 
  private:
@@ -82,9 +88,14 @@ class OutlineEdges {
   void sample(const GreyView& image, const EdgeSearch& search, int reach, std::size_t first);
   void look_again(const OutlineFitParams& params, const EdgeSearch& search, int reach);
   void take_joints_off(const OutlineFitParams& params, const EdgeSearch& search, int reach);
+  [[nodiscard]] std::size_t first_of(int side) const { return first_of_side_[static_cast<std::size_t>(side)]; }
+  [[nodiscard]] std::span<OutlinePoint> own_points_of(int side) {
+    return {points_.data() + first_of(side), first_of(side + 1) - first_of(side)};
+  }
 
   const CeilingCamera* camera_;
-  std::vector<OutlinePoint> points_;
+  std::vector<OutlinePoint> points_;                     // side after side
+  std::array<std::size_t, kSides + 1> first_of_side_{};  // of the points
   std::vector<Eigen::Vector2d> ceiling_points_;  // [m] robot frame: each point, and one ahead of it along its normal
   std::vector<Eigen::Vector2d> pixels_;          // of these
   std::vector<ViewedPoint> viewed_;

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace luminav {
 namespace {
@@ -17,23 +18,13 @@ constexpr double kCornerStretch = 0.36;     // of the length, from the middle: b
 constexpr double kLargestSideOffset = 3.2;  // [px] a joint of 12 mm, 2.5 m away
 constexpr double kLargestLensError = 2.0;   // [px] by which a side of a lit fixture may lie elsewhere as a whole
 constexpr double kJointSigma = 0.0045;      // [m] of an unlit fixture's end: it may be a joint's edge, 12 mm wide
+constexpr double kLeastShare = 0.45;        // of the points of a long side that must lie on edges
 constexpr double kFaintest = 0.4;           // of the mean step: fainter ones belong to something else
 
 double tukey_weight(double residual, double cutoff) {
   const double ratio = residual / cutoff;
   const double rest = 1.0 - ratio * ratio;
   return rest <= 0.0 ? 0.0 : rest * rest;
-}
-
-/// True when a side in view shows so few edges that the outline cannot be there: most guesses end here, early.
-bool is_hopeless(const OutlineFit& fit) {
-  constexpr double kLeastShare = 0.45;
-  for (const int side : {kLeftSide, kRightSide}) {
-    if (fit.in_view[static_cast<std::size_t>(side)] >= 5 && fit.share(side) < kLeastShare) {
-      return true;
-    }
-  }
-  return false;
 }
 
 /// Geometric mean over both axes of the image.
@@ -51,6 +42,34 @@ double metres_per_pixel(const CeilingCamera& camera, const Vector2d& place, doub
     }
   }
   return (height - camera.mounting().z) / std::max(camera.intrinsics().fx, 1.0);
+}
+
+/// Of the edges found; 0 where there is none.
+double median_offset(std::span<const OutlinePoint> points) {
+  std::array<double, 64> offsets;
+  std::size_t count = 0;
+  for (const OutlinePoint& point : points) {
+    if (point.found && count < offsets.size()) {
+      offsets[count++] = point.offset_px;
+    }
+  }
+  if (count == 0) {
+    return 0.0;
+  }
+  std::nth_element(offsets.begin(), offsets.begin() + static_cast<std::ptrdiff_t>(count / 2),
+                   offsets.begin() + static_cast<std::ptrdiff_t>(count));
+  return offsets[count / 2];
+}
+
+/// True when a side in view shows so few edges that the outline cannot be there.
+bool has_few_edges(std::span<const OutlinePoint> points, double centre_px, double cutoff_px) {
+  int in_view = 0;
+  int on_edge = 0;
+  for (const OutlinePoint& point : points) {
+    in_view += point.in_view ? 1 : 0;
+    on_edge += point.found && tukey_weight(point.offset_px - centre_px, cutoff_px) > 0.0 ? 1 : 0;
+  }
+  return in_view >= 5 && static_cast<double>(on_edge) / in_view < kLeastShare;
 }
 
 struct Pass {
@@ -113,32 +132,35 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
   double swelling = 0.0;
   double taper = 0.0;
   for (std::size_t pass = 0; pass < passes.size(); ++pass) {
-    const double least_edge = std::max(params.least_edge, pass == 0 ? 0.0 : kFaintest * fit.step);
-    edges_.measure(
-        image, outline, params, {pose, swelling, taper},
-        {.search_px = passes[pass].search_px, .half_filter = half_filter, .lines = lines, .least_edge = least_edge});
     const double cutoff = passes[pass].cutoff_px;
-
+    EdgeSearch search{.search_px = passes[pass].search_px,
+                      .half_filter = half_filter,
+                      .lines = lines,
+                      .least_edge = std::max(params.least_edge, pass == 0 ? 0.0 : kFaintest * fit.step)};
     // The first pass tolerates a start that is off as a whole: residuals are judged against their side's median. So do
     // all for unlit fixtures: a joint of the ceiling beside one moves a whole side by its width and cannot always be
     // told from it.
+    const double limit = pass == 0 ? 1e9 : params.inside_brighter ? kLargestLensError : kLargestSideOffset;
     std::array<double, kSides> centre_px{};
-    {
-      for (int side = 0; side < kSides; ++side) {
-        std::array<double, 64> offsets;
-        std::size_t count = 0;
-        for (const OutlinePoint& point : edges_.points()) {
-          if (point.side == side && point.found && count < offsets.size()) {
-            offsets[count++] = point.offset_px;
-          }
-        }
-        if (count > 0) {
-          std::nth_element(offsets.begin(), offsets.begin() + static_cast<std::ptrdiff_t>(count / 2),
-                           offsets.begin() + static_cast<std::ptrdiff_t>(count));
-          const double limit = pass == 0 ? 1e9 : params.inside_brighter ? kLargestLensError : kLargestSideOffset;
-          centre_px[static_cast<std::size_t>(side)] = std::clamp(offsets[count / 2], -limit, limit);
+    const auto may_be_there = [&](int first_side, int last_side) {
+      search.first_side = first_side;
+      search.last_side = last_side;
+      edges_.measure(image, outline, params, {pose, swelling, taper}, search);
+      for (int side = first_side; side <= last_side; ++side) {
+        const auto points = edges_.points_of(side);
+        const double centre = std::clamp(median_offset(points), -limit, limit);
+        centre_px[static_cast<std::size_t>(side)] = centre;
+        if ((side == kLeftSide || side == kRightSide) && has_few_edges(points, centre, cutoff)) {
+          return false;
         }
       }
+      return true;
+    };
+    // Most guesses are refuted by one long side, at once: the others need not be looked at then.
+    if (pass == 0 ? !may_be_there(kLeftSide, kLeftSide) || !may_be_there(kRightSide, kRightSide) ||
+                        !may_be_there(kFarEnd, kNearEnd)
+                  : !may_be_there(kLeftSide, kNearEnd)) {
+      return std::nullopt;
     }
 
     // Priors: the swelling is about zero, and what no edge holds stays where it is.
@@ -205,7 +227,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
       fit.side_step[side] += point.step;
       ++used;
     }
-    if (used < kLeastPoints || is_hopeless(fit)) {
+    if (used < kLeastPoints) {
       return std::nullopt;
     }
     const Vector5d step = information.ldlt().solve(right_side);
