@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/pixel_sampling.hpp"
@@ -15,9 +16,30 @@ constexpr int kStretches = Differences::kStretches;
 constexpr int kDistances = Differences::kDistances;
 constexpr int kLinesPerStretch = 6;  // profiles in a stretch
 constexpr int kLines = kStretches * kLinesPerStretch;
-constexpr int kPadded = OppositeSides::kPadded;
+constexpr int kPadded = 16;  // the distances, filled up to whole vectors
 constexpr float kSaturated = 250.0F;
 constexpr double kCorner = 6.0;  // [px] from a corner nothing is compared
+
+constexpr std::size_t kRow = kPadded + 16;  // a line's lights with room for the neighbours of the first and last
+constexpr std::size_t kFirst = 8;           // of them
+
+/// What the lens takes of the light towards the image's corners.
+struct Vignetting {
+  double share;
+  double middle_x;  // [px]
+  double middle_y;
+  double corner;  // [px^2] squared distance from the middle
+};
+
+/// The lines of one stretch in pairs, from the positive and from the negative side.
+struct StretchLines {
+  static constexpr std::size_t kSamples = std::size_t{2} * kLinesPerStretch * kPadded;
+  alignas(32) std::array<float, kSamples> x;  // [px]
+  alignas(32) std::array<float, kSamples> y;
+  alignas(32) std::array<float, kSamples> gain;
+  alignas(32) std::array<float, kSamples> grey;
+  alignas(32) std::array<float, 2 * kLinesPerStretch * kRow> light{};
+};
 
 /// Over the lines of one stretch.
 struct DifferenceSums {
@@ -31,54 +53,84 @@ struct Falls {
   alignas(32) std::array<int, kPadded> count{};
 };
 
-LUMINAV_VECTOR_CLONES
-void undo_vignetting(const double* x, const double* y, std::array<int, 2> size, double vignetting, float* light) {
-  const double middle_x = 0.5 * size[0];
-  const double middle_y = 0.5 * size[1];
-  const double width = size[0];
-  const double height = size[1];
-  const double corner = 0.25 * (width * width + height * height);
+constexpr std::array<double, kPadded> count_up_to_last() {
+  std::array<double, kPadded> steps{};
   for (int k = 0; k < kPadded; ++k) {
-    const double dx = x[k] - middle_x;
-    const double dy = y[k] - middle_y;
-    const double gain = 1.0 - vignetting * (dx * dx + dy * dy) / corner;
-    light[k] = light[k] > kSaturated ? -1.0F : light[k] / static_cast<float>(gain);
+    steps[static_cast<std::size_t>(k)] = std::min(k, kDistances - 1);
+  }
+  return steps;
+}
+
+LUMINAV_VECTOR_CLONES
+void place_along(const Vector2d& first, const Vector2d& advance, const Vignetting& lens, float* x, float* y,
+                 float* gain) {
+  static constexpr std::array<double, kPadded> kSteps = count_up_to_last();
+  const double first_x = first.x();
+  const double first_y = first.y();
+  const double advance_x = advance.x();
+  const double advance_y = advance.y();
+  const Vignetting v = lens;
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < kPadded; ++k) {
+    const double at_x = first_x + kSteps[k] * advance_x;
+    const double at_y = first_y + kSteps[k] * advance_y;
+    const double dx = at_x - v.middle_x;
+    const double dy = at_y - v.middle_y;
+    x[k] = static_cast<float>(at_x);
+    y[k] = static_cast<float>(at_y);
+    gain[k] = static_cast<float>(1.0 - v.share * (dx * dx + dy * dy) / v.corner);
   }
 }
 
-/// Adds what two opposite lines differ by and how the light falls along each, between the neighbours that are valid.
+/// Undoes vignetting; negative where one of a pair is saturated.
 LUMINAV_VECTOR_CLONES
-void compare(const OppositeSides::SideLights& lights, DifferenceSums& sums, Falls& falls) {
-  // the first and the last are their own neighbours
-  alignas(32) std::array<std::array<float, kPadded + 2>, 2> light;
-  alignas(32) std::array<int, kPadded + 2> valid;
-  for (std::size_t side = 0; side < 2; ++side) {
+void unveil(const float* grey, const float* gain, std::size_t pairs, float* light) {
+  for (std::size_t pair = 0; pair < pairs; ++pair, grey += 2 * kPadded, gain += 2 * kPadded, light += 2 * kRow) {
+    float* a = light + kFirst;
+    float* b = a + kRow;
+#pragma GCC ivdep
     for (std::size_t k = 0; k < kPadded; ++k) {
-      light[side][k + 1] = lights[side][k];
+      const bool saturated = std::max(grey[k], grey[kPadded + k]) > kSaturated;
+      a[k] = saturated ? -1.0F : grey[k] / gain[k];
+      b[k] = saturated ? -1.0F : grey[kPadded + k] / gain[kPadded + k];
     }
-    light[side][0] = lights[side][0];
-    light[side][kDistances + 1] = lights[side][kDistances - 1];
+    a[-1] = a[0];
+    b[-1] = b[0];
   }
-  for (std::size_t k = 0; k < kPadded + 1; ++k) {
-    valid[k] = (light[0][k] >= 0.0F) & (light[1][k] >= 0.0F) ? 1 : 0;
-  }
-  alignas(32) std::array<float, kPadded> from_before;  // [px] to the one after
-  alignas(32) std::array<float, kPadded> from_here;
-  from_before.fill(2.0F);
-  from_here.fill(1.0F);
-  from_before[0] = from_before[kDistances - 1] = 1.0F;
-  from_here[kDistances - 1] = 0.0F;
-  for (std::size_t k = 0; k < kDistances; ++k) {
-    sums.difference[k] += valid[k + 1] != 0 ? light[0][k + 1] - light[1][k + 1] : 0.0F;
-    sums.lines[k] += valid[k + 1];
-    falls.count[k] += valid[k + 1] & valid[k + 2];
-  }
-  for (std::size_t side = 0; side < 2; ++side) {
-    for (std::size_t k = 0; k < kDistances; ++k) {
-      const float inner = valid[k] != 0 ? light[side][k] : light[side][k + 1];
-      const float apart = valid[k] != 0 ? from_before[k] : from_here[k];
-      const float fall = (inner - light[side][k + 2]) / apart;
-      falls.sum[side][k] += (valid[k + 1] & valid[k + 2]) != 0 ? static_cast<double>(fall) : 0.0;
+}
+
+/// Adds what opposite lines differ by and how the light falls along each, between the neighbours that are valid. The
+/// first of a line is its own neighbour, and so is the last: the samples beyond it are the same.
+LUMINAV_VECTOR_CLONES
+void compare(const float* light, std::size_t pairs, DifferenceSums& sums, Falls& falls) {
+  alignas(32) std::array<float, kPadded> by_two;  // [1/px] where the one before is valid, to the one after
+  alignas(32) std::array<float, kPadded> by_one;
+  by_two.fill(0.5F);
+  by_one.fill(1.0F);
+  by_two[0] = by_two[kDistances - 1] = 1.0F;
+  by_one[kDistances - 1] = std::numeric_limits<float>::infinity();
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    const float* a = light + 2 * pair * kRow + kFirst;
+    const float* b = a + kRow;
+    alignas(32) std::array<std::array<float, kPadded>, 2> fall;
+    for (std::ptrdiff_t k = 0; k < kPadded; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const bool before = a[k - 1] >= 0.0F;
+      const bool here = a[k] >= 0.0F;
+      const bool falls_on = here & (a[k + 1] >= 0.0F);
+      const float per_px = before ? by_two[i] : by_one[i];
+      const float fall_a = ((before ? a[k - 1] : a[k]) - a[k + 1]) * per_px;
+      const float fall_b = ((before ? b[k - 1] : b[k]) - b[k + 1]) * per_px;
+      sums.difference[i] += here ? a[k] - b[k] : 0.0F;
+      sums.lines[i] += here ? 1 : 0;
+      falls.count[i] += falls_on ? 1 : 0;
+      fall[0][i] = falls_on ? fall_a : 0.0F;
+      fall[1][i] = falls_on ? fall_b : 0.0F;
+    }
+    for (std::size_t side = 0; side < 2; ++side) {
+      for (std::size_t k = 0; k < kPadded; ++k) {
+        falls.sum[side][k] += static_cast<double>(fall[side][k]);
+      }
     }
   }
 }
@@ -90,21 +142,30 @@ Differences OppositeSides::measure(const Pose2& robot_from_outline, double step)
   const double usable = length_ - 2.0 * std::min(kCorner * step, 0.2 * length_);
   std::array<LineEnds, 2 * kLines> lines;
   project(PointTransform(robot_from_outline), usable, step, lines);
+  const double width = image_.width;
+  const double height = image_.height;
+  const Vignetting lens{vignetting_, 0.5 * width, 0.5 * height, 0.25 * (width * width + height * height)};
   Falls falls;
+  StretchLines seen;
   for (int s = 0; s < kStretches; ++s) {
     const auto stretch = static_cast<std::size_t>(s);
     result.place[stretch] = usable * ((s + 0.5) / kStretches - 0.5);
     DifferenceSums sums;
+    std::size_t pairs = 0;
     for (std::size_t line = stretch * kLinesPerStretch; line < (stretch + 1) * kLinesPerStretch; ++line) {
       if (!lines[2 * line].is_in_view || !lines[2 * line + 1].is_in_view) {
         continue;
       }
-      SideLights lights;
       for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-        light_along(lines[2 * line + side], lights[side]);
+        const LineEnds& ends = lines[2 * line + side];
+        const std::size_t first = (2 * pairs + side) * kPadded;
+        place_along(ends.first, ends.advance, lens, &seen.x[first], &seen.y[first], &seen.gain[first]);
       }
-      compare(lights, sums, falls);
+      ++pairs;
     }
+    bilinear_at(image_, seen.x.data(), seen.y.data(), 2 * pairs * kPadded, seen.grey.data());
+    unveil(seen.grey.data(), seen.gain.data(), pairs, seen.light.data());
+    compare(seen.light.data(), pairs, sums, falls);
     for (std::size_t k = 0; k < kDistances; ++k) {
       result.valid[stretch][k] = 2 * sums.lines[k] > kLinesPerStretch;
       if (result.valid[stretch][k]) {
@@ -145,23 +206,6 @@ void OppositeSides::project(const PointTransform& pose, double usable, double st
     line.is_in_view =
         is_sampled(image_, line.first) && is_sampled(image_, line.first + (kDistances - 1) * line.advance);
   }
-}
-
-void OppositeSides::light_along(const LineEnds& line, Lights& light) const {
-  alignas(32) std::array<double, kPadded> x;
-  alignas(32) std::array<double, kPadded> y;
-  alignas(32) std::array<float, kPadded> fx;
-  alignas(32) std::array<float, kPadded> fy;
-  for (int i = 0; i < kPadded; ++i) {
-    const int k = std::min(i, kDistances - 1);
-    const auto n = static_cast<std::size_t>(i);
-    x[n] = line.first.x() + k * line.advance.x();
-    y[n] = line.first.y() + k * line.advance.y();
-    fx[n] = static_cast<float>(x[n]);
-    fy[n] = static_cast<float>(y[n]);
-  }
-  bilinear_at(image_, fx.data(), fy.data(), kPadded, light.data());
-  undo_vignetting(x.data(), y.data(), {image_.width, image_.height}, vignetting_, light.data());
 }
 
 }  // namespace luminav

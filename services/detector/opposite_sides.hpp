@@ -27,10 +27,6 @@ struct Differences {
 /// Two opposite sides of a lit outline, to compare the light that falls off outwards from them.
 class OppositeSides {
  public:
-  static constexpr int kPadded = 16;  // the distances, filled up to whole vectors
-  using Lights = std::array<float, kPadded>;
-  using SideLights = std::array<Lights, 2>;  // of the positive and the negative side
-
   /// `along` is the direction of the sides in the outline's frame, `out` the normal of the positive one.
   OppositeSides(const GreyView& image, const CeilingCamera& camera, const Outline& outline, double vignetting,
                 const Eigen::Vector2d& along, const Eigen::Vector2d& out, double length, double half_width)
@@ -55,8 +51,6 @@ class OppositeSides {
   };
   /// Lines evenly along both sides, by turns.
   void project(const PointTransform& pose, double usable, double step, std::span<LineEnds> lines) const;
-  /// Light along a line, vignetting undone; negative where saturated.
-  void light_along(const LineEnds& line, Lights& light) const;
 
   const GreyView& image_;
   const CeilingCamera& camera_;
