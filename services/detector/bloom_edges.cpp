@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
 
+#include "services/detector/edge_means.hpp"
 #include "services/detector/pixel_sampling.hpp"
 
 namespace luminav {
@@ -35,6 +39,27 @@ struct EdgePoint {
   Vector2d normal_px;  // of length 1
   double metres_per_px = 0.0;
   bool in_view = false;
+};
+
+/// Some of the points.
+class SomePoints {
+ public:
+  using AllMeans = std::array<EdgeMeans::Means, kMostPoints>;
+
+  void add(std::size_t index, const EdgePoint& point) {
+    places_[count_] = {point.pixel, point.normal_px};
+    indices_[count_++] = index;
+  }
+  [[nodiscard]] std::span<const std::size_t> indices() const { return {indices_.data(), count_}; }
+  /// In the order in which the points were added.
+  void sample(const GreyView& image, const EdgeMeans::Distances& distances, AllMeans& means) const {
+    sample_edge_means(image, {places_.data(), count_}, distances, means.data());
+  }
+
+ private:
+  std::array<EdgeMeans::Place, kMostPoints> places_;
+  std::array<std::size_t, kMostPoints> indices_;
+  std::size_t count_ = 0;
 };
 
 struct Line {  // level along a side: value at the middle, slope per metre
@@ -120,33 +145,6 @@ class BloomLevel {
     }
   }
 
-  /// Means of three pixels along the edge, `count` of them from `first` [px] outside of it on, `step` [px] apart.
-  static constexpr std::size_t kMostMeans = 16;
-  void means_across(const EdgePoint& point, double first, double step, std::size_t count,
-                    std::array<float, kMostMeans>& means) const {
-    alignas(32) std::array<float, 3 * kMostMeans> x;
-    alignas(32) std::array<float, 3 * kMostMeans> y;
-    alignas(32) std::array<float, 3 * kMostMeans> grey;
-    const std::size_t padded = count <= 8 ? 8 : kMostMeans;
-    const double along_x = -point.normal_px.y();
-    const double along_y = point.normal_px.x();
-    for (std::size_t i = 0; i < padded; ++i) {
-      const double distance = first + step * static_cast<double>(std::min(i, count - 1));
-      const double middle_x = point.pixel.x() + distance * point.normal_px.x();
-      const double middle_y = point.pixel.y() + distance * point.normal_px.y();
-      x[i] = static_cast<float>(middle_x - along_x);
-      y[i] = static_cast<float>(middle_y - along_y);
-      x[padded + i] = static_cast<float>(middle_x);
-      y[padded + i] = static_cast<float>(middle_y);
-      x[2 * padded + i] = static_cast<float>(middle_x + along_x);
-      y[2 * padded + i] = static_cast<float>(middle_y + along_y);
-    }
-    bilinear_at(image_, x.data(), y.data(), 3 * padded, grey.data());
-    for (std::size_t i = 0; i < count; ++i) {
-      means[i] = (grey[i] + grey[padded + i] + grey[2 * padded + i]) / 3.0F;
-    }
-  }
-
   /// Share of the light that the lens lets through there.
   [[nodiscard]] double gain_at(const Vector2d& pixel) const {
     const Vector2d size(image_.width, image_.height);
@@ -162,17 +160,24 @@ class BloomLevel {
   bool measure_ceiling() {
     std::array<std::array<std::array<float, kMostPoints>, kDistances>, kSides> levels;
     std::array<int, kSides> counts{};
-    for (int i = 0; i < count_; ++i) {
-      const EdgePoint& point = points_[static_cast<std::size_t>(i)];
-      const auto side = static_cast<std::size_t>(point.side);
-      if (!point.in_view || !is_sampled(image_, point.pixel + (kBeyondBloom + 2.0 * kDistances) * point.normal_px)) {
-        continue;
+    SomePoints seen;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+      const EdgePoint& point = points_[i];
+      if (point.in_view && is_sampled(image_, point.pixel + (kBeyondBloom + 2.0 * kDistances) * point.normal_px)) {
+        seen.add(i, point);
       }
+    }
+    EdgeMeans::Distances distances;
+    for (std::size_t k = 0; k < distances.size(); ++k) {
+      distances[k] = kBeyondBloom - (kDistances - 1.0) + 2.0 * static_cast<double>(std::min(k, kDistances - 1));
+    }
+    SomePoints::AllMeans means;
+    seen.sample(image_, distances, means);
+    for (std::size_t i = 0; i < seen.indices().size(); ++i) {
+      const auto side = static_cast<std::size_t>(points_[seen.indices()[i]].side);
       const auto n = static_cast<std::size_t>(counts[side]++);
-      std::array<float, kMostMeans> means;
-      means_across(point, kBeyondBloom - (kDistances - 1.0), 2.0, kDistances, means);
       for (std::size_t k = 0; k < kDistances; ++k) {
-        levels[side][k][n] = means[k];
+        levels[side][k][n] = means[i][k];
       }
     }
     double mean = 0.0;
@@ -227,19 +232,20 @@ class BloomLevel {
     return true;
   }
 
-  /// Distance [px] beyond the swollen outline at which the light falls to its level; the nearest such place.
-  [[nodiscard]] std::optional<double> crossing(const EdgePoint& point) const {
+  [[nodiscard]] double level_at(const EdgePoint& point) const {
     const Line& ceiling = ceiling_[static_cast<std::size_t>(point.side)];
-    const double level = ceiling.level + ceiling.slope * coordinate(point) + height_ * gain_at(point.pixel);
-    std::array<float, kMostMeans> means;
-    static_assert(2 * kSearch + 1 <= kMostMeans);
-    means_across(point, -kSearch, 1.0, 2 * kSearch + 1, means);
+    return ceiling.level + ceiling.slope * coordinate(point) + height_ * gain_at(point.pixel);
+  }
+
+  /// Distance [px] beyond the swollen outline at which the light falls to `level`, the nearest such place; `means` are
+  /// 1 px apart from `first` on.
+  static std::optional<double> crossing(std::span<const float> means, int first, double level) {
     std::optional<double> nearest;
     float before = means[0];
-    for (int k = -kSearch + 1; k <= kSearch; ++k) {
-      const float here = means[static_cast<std::size_t>(k + kSearch)];
+    for (std::size_t i = 1; i < means.size(); ++i) {
+      const float here = means[i];
       if (before >= level && here < level) {
-        const double at = k - 1 + (before - level) / (before - here);
+        const double at = first + static_cast<int>(i) - 1 + (before - level) / (before - here);
         if (!nearest || std::abs(at) < std::abs(*nearest)) {
           nearest = at;
         }
@@ -247,6 +253,43 @@ class BloomLevel {
       before = here;
     }
     return nearest;
+  }
+
+  /// Where the light crosses its level at each point; not a number where it does not or is out of view. Mostly that is
+  /// near the edge: the rest of a profile is looked at only where it is not.
+  void find_crossings(std::array<double, kMostPoints>& offsets) const {
+    constexpr EdgeMeans::Distances kNear{-4, -3, -2, -1, 0, 1, 2, 3};
+    constexpr EdgeMeans::Distances kFar{-6, -5, 4, 5, 6, 6, 6, 6};
+    constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+    offsets.fill(kNothing);
+    SomePoints seen;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+      if (points_[i].in_view) {
+        seen.add(i, points_[i]);
+      }
+    }
+    SomePoints::AllMeans near_means;
+    seen.sample(image_, kNear, near_means);
+    SomePoints open;
+    std::array<std::array<float, 2 * kSearch + 1>, kMostPoints> profiles;
+    for (std::size_t n = 0; n < seen.indices().size(); ++n) {
+      const std::size_t i = seen.indices()[n];
+      const auto nearest = crossing(near_means[n], -4, level_at(points_[i]));
+      if (nearest && std::abs(*nearest) <= 3.0) {
+        offsets[i] = *nearest;
+        continue;
+      }
+      std::copy(near_means[n].begin(), near_means[n].end(), profiles[open.indices().size()].begin() + 2);
+      open.add(i, points_[i]);
+    }
+    SomePoints::AllMeans far_means;
+    open.sample(image_, kFar, far_means);
+    for (std::size_t n = 0; n < open.indices().size(); ++n) {
+      std::copy_n(far_means[n].begin(), 2, profiles[n].begin());
+      std::copy_n(far_means[n].begin() + 2, 3, profiles[n].end() - 3);
+      const std::size_t i = open.indices()[n];
+      offsets[i] = crossing(profiles[n], -kSearch, level_at(points_[i])).value_or(kNothing);
+    }
   }
 
   bool step(const OutlineFitParams& params, Pose2& pose, double& swelling, OutlineFit& fit) const {
@@ -261,22 +304,17 @@ class BloomLevel {
     double squares = 0.0;
     double weights = 0.0;
     int used = 0;
-    std::array<double, kMostPoints> offsets{};
-    std::array<bool, kMostPoints> found{};
+    std::array<double, kMostPoints> offsets;
+    find_crossings(offsets);
     // Judged against their side's median: the fit before may have been off by a side's width of error.
     std::array<double, kSides> centre{};
     for (int side = 0; side < kSides; ++side) {
       std::array<double, kMostPoints> of_side{};
       int count = 0;
       for (int i = 0; i < count_; ++i) {
-        const EdgePoint& point = points_[static_cast<std::size_t>(i)];
-        if (point.side != side || !point.in_view) {
-          continue;
-        }
-        if (const auto offset = crossing(point)) {
-          offsets[static_cast<std::size_t>(i)] = *offset;
-          found[static_cast<std::size_t>(i)] = true;
-          of_side[static_cast<std::size_t>(count++)] = *offset;
+        const double offset = offsets[static_cast<std::size_t>(i)];
+        if (points_[static_cast<std::size_t>(i)].side == side && !std::isnan(offset)) {
+          of_side[static_cast<std::size_t>(count++)] = offset;
         }
       }
       if (count > 0) {
@@ -286,12 +324,9 @@ class BloomLevel {
     }
     for (int i = 0; i < count_; ++i) {
       const EdgePoint& point = points_[static_cast<std::size_t>(i)];
-      if (!found[static_cast<std::size_t>(i)]) {
-        continue;
-      }
       const double offset = offsets[static_cast<std::size_t>(i)];
       const double ratio = (offset - centre[static_cast<std::size_t>(point.side)]) / kCutoff;
-      if (std::abs(ratio) >= 1.0) {
+      if (!(std::abs(ratio) < 1.0)) {  // or not found
         continue;
       }
       const double weight = (1.0 - ratio * ratio) * (1.0 - ratio * ratio);
