@@ -80,12 +80,10 @@ void FixtureMap::find_near(const Eigen::Vector2d& point_in_world, double radius,
 
 bool fits_kind_and_size(const FixtureSighting& sighting, const Fixture& fixture, const KindGate& gate) {
   const double length_tolerance = gate.length_tolerance + gate.relative * fixture.length;
-  const bool is_lit = sighting.state == SightingState::kLit;
-  // of a half-lit fixture only one tube may be seen; a burning lamp blooms, and never looks narrower than it is
-  const double most_narrower = is_lit ? gate.width_tolerance
-                                      : gate.width_tolerance + gate.relative * fixture.width +
-                                            (sighting.state == SightingState::kHalf ? 0.5 * fixture.width : 0.0);
-  const double most_wider = is_lit ? gate.width_tolerance + gate.relative * fixture.width + gate.bloom : most_narrower;
+  // of a half-lit fixture only one tube may be seen
+  const double most_narrower = gate.width_tolerance + gate.relative * fixture.width +
+                               (sighting.state == SightingState::kHalf ? 0.5 * fixture.width : 0.0);
+  const double most_wider = most_narrower + (sighting.state == SightingState::kLit ? gate.bloom : 0.0);
   if (sighting.clipped) {
     // what the border leaves of a rectangle may look like a square or lie across: only its sides' upper bounds count
     return sighting.shape == FixtureShape::kRound
