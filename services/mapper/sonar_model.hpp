@@ -6,6 +6,7 @@
 
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/geometry/pose2.hpp"
+#include "services/mapper/cone_sector.hpp"
 
 namespace luminav {
 
@@ -38,19 +39,6 @@ struct BeamReading {
   bool has_echo = false;
 };
 
-/// Rows of a filled convex region: for each row the first and last column, both included; empty where last < first.
-struct CellSpans {
-  int first_row = 0;
-  std::vector<int> first;
-  std::vector<int> last;
-};
-
-/// Cells whose centre lies in the piece of a circle round `apex` between two angles [rad, world], less than half a turn
-/// apart; clipped to the grid. Pieces that touch share no cell but those exactly on the line between them. The spans
-/// are overwritten.
-void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, double from_angle, double to_angle,
-                 double radius, CellSpans& spans);
-
 /// The cone is looked at in this many slices: at 3 m one is a cell wide.
 inline constexpr int kSlices = 15;
 /// How far each slice of the cone can be seen into [m], from the right border to the left one.
@@ -65,15 +53,14 @@ class FreeSpaceModel {
 
  private:
   struct Votes {
-    std::int8_t cone = 0;
-    std::int8_t core = 0;   // beside that
-    std::int8_t least = 0;  // evidence is not taken below
+    EvidenceVote cone;
+    EvidenceVote core;  // beside that
     /// What both make of each evidence: a table, since no processor guesses which cells have come to the least.
     std::array<std::int8_t, 256> of_line{};
   };
   [[nodiscard]] Votes votes_of(double share, std::int8_t least) const;
   void sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, const SliceRanges& ranges,
-              double most, std::int8_t vote, std::int8_t least, std::vector<std::int8_t>& evidence);
+              double most, const EvidenceVote& vote, std::vector<std::int8_t>& evidence);
   void line(const GridGeometry& geometry, const Pose2& apex, double length, const std::array<std::int8_t, 256>& table,
             std::vector<std::int8_t>& evidence);
   SonarModelParams params_;

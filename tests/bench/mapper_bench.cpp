@@ -62,7 +62,10 @@ SonarModelParams model_params(SonarModelKind kind) {
 
 /// The model alone: votes of one scan into the grid.
 void sonar(benchmark::State& state, SonarModelKind kind, double least_cells, double most_cells) {
-  const std::vector<DiscReading> readings = scans();
+  std::vector<BeamReading> readings;
+  for (const DiscReading& reading : scans()) {
+    readings.push_back({reading.world_from_sonar, reading.range, reading.has_echo});
+  }
   const SonarModelParams params = model_params(kind);
   FreeSpaceModel model(params);
   OccupancyGrid grid(empty_map().geometry);
@@ -72,7 +75,7 @@ void sonar(benchmark::State& state, SonarModelKind kind, double least_cells, dou
   const std::int8_t vote = to_evidence(params.occupied_log_odds);
   const auto scan = [&](std::size_t first) {
     for (std::size_t i = first; i < first + kBeams; ++i) {
-      const BeamReading beam{readings[i].world_from_sonar, readings[i].range, readings[i].has_echo};
+      const BeamReading& beam = readings[i];
       model.apply(beam, open, grid);
       if (beam.has_echo) {
         cells_of_echo(params, grid.geometry, beam, 0.0, arc);
@@ -86,9 +89,8 @@ void sonar(benchmark::State& state, SonarModelKind kind, double least_cells, dou
   double cells = 0.0;  // touched by each of the first scans, on a clean grid
   for (std::size_t k = 0; k < 50; ++k) {
     for (std::size_t beam = 0; beam < kBeams; ++beam) {
-      const DiscReading& reading = readings[(40 * k) * kBeams + beam];
       std::fill(grid.evidence.begin(), grid.evidence.end(), std::int8_t{10});
-      model.apply({reading.world_from_sonar, reading.range, reading.has_echo}, open, grid);
+      model.apply(readings[(40 * k) * kBeams + beam], open, grid);
       cells += static_cast<double>(
           std::count_if(grid.evidence.begin(), grid.evidence.end(), [](auto v) { return v != 10; }));
     }

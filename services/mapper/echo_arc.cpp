@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "services/common/geometry/rounding.hpp"
+#include "services/common/geometry/vector_clones.hpp"
+#include "services/mapper/sonar_model.hpp"
+#include "services/mapper/turning_direction.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr int kArcChunk = 64;  // samples at a time
+
+struct ArcSampling {
+  double apex_x;  // [cells]
+  double apex_y;
+  double range;        // [cells]
+  double half;         // [rad] from the axis to the last sample
+  double half_angle;   // [rad] of the cone
+  double edge_weight;  // at its border
+  int steps;           // from the axis to the last sample
+};
+
+struct ArcSamples {
+  std::array<double, kArcChunk> x;  // [cells]
+  std::array<double, kArcChunk> y;
+  std::array<double, kArcChunk> weight;
+  std::array<int, kArcChunk> slice;
+};
+
+constexpr int kAtOnce = 4;
+using Doubles = double __attribute__((vector_size(kAtOnce * sizeof(double))));
+using Ints = int __attribute__((vector_size(kAtOnce * sizeof(int))));
+static_assert(kArcChunk % kAtOnce == 0);
+
+/// Samples `from` on, counted from the axis, and up to three more.
+inline void sample_arc(const ArcSampling& arc, int from, int count, TurningDirection& direction, ArcSamples& samples) {
+  for (int k = 0; k < count; k += kAtOnce) {
+    const auto i = static_cast<std::size_t>(k);
+    Doubles x;
+    Doubles y;
+    for (int j = 0; j < kAtOnce; ++j, direction.advance()) {
+      x[j] = direction.x();
+      y[j] = direction.y();
+    }
+    x = arc.apex_x + arc.range * x;
+    y = arc.apex_y + arc.range * y;
+    std::memcpy(&samples.x[i], &x, sizeof(x));
+    std::memcpy(&samples.y[i], &y, sizeof(y));
+    const Ints number = Ints{0, 1, 2, 3} + (from + k);
+    const Doubles offset = arc.half * __builtin_convertvector(number, Doubles) / static_cast<double>(arc.steps);
+    const Doubles beside = (offset < 0.0 ? -offset : offset) / arc.half_angle;
+    const Doubles border = Doubles{} + 1.0;
+    const Doubles share = beside < border ? beside : border;
+    const Doubles weight = 1.0 - (1.0 - arc.edge_weight) * share * share;
+    std::memcpy(&samples.weight[i], &weight, sizeof(weight));
+    const Doubles across = (offset + arc.half_angle) / (2.0 * arc.half_angle) * static_cast<double>(kSlices);
+    const Ints cut = __builtin_convertvector(across, Ints);
+    const Ints first{};
+    const Ints last = first + (kSlices - 1);
+    const Ints from_first = cut > first ? cut : first;
+    const Ints slice = from_first < last ? from_first : last;
+    std::memcpy(&samples.slice[i], &slice, sizeof(slice));
+  }
+}
+
+/// The cells of a whole arc of at most kArcChunk samples within the grid: each cell once, with the slice of its first
+/// sample, and the weight of the one nearest to the axis, which is the highest. In loops that wait for nothing: nobody
+/// guesses which sample is the first of its cell.
+LUMINAV_VECTOR_CLONES
+void cells_of_whole_arc(const ArcSampling& arc, TurningDirection direction, std::vector<ArcCell>& cells) {
+  const auto steps = static_cast<std::size_t>(arc.steps);
+  const std::size_t count = 2 * steps + 1;
+  ArcSamples samples;
+  sample_arc(arc, -arc.steps, static_cast<int>(count), direction, samples);
+  std::array<int, kArcChunk> column;
+  std::array<int, kArcChunk> row;
+  for (std::size_t i = 0; i < count; i += kAtOnce) {
+    Doubles x;
+    Doubles y;
+    std::memcpy(&x, &samples.x[i], sizeof(x));
+    std::memcpy(&y, &samples.y[i], sizeof(y));
+    const Ints columns = __builtin_convertvector(x, Ints);
+    const Ints rows = __builtin_convertvector(y, Ints);
+    std::memcpy(&column[i], &columns, sizeof(columns));
+    std::memcpy(&row[i], &rows, sizeof(rows));
+  }
+  std::array<std::uint32_t, kArcChunk> place;  // among the cells, of each sample
+  place[0] = 0;
+  for (std::size_t i = 1; i < count; ++i) {
+    place[i] = place[i - 1] + (((column[i] ^ column[i - 1]) | (row[i] ^ row[i - 1])) != 0 ? 1 : 0);
+  }
+  cells.resize(place[count - 1] + 1);
+  // where several samples share a cell the one that is written last stays
+  for (std::size_t i = count; i-- > 0;) {
+    cells[place[i]] = {{column[i], row[i]}, samples.slice[i], samples.weight[i]};
+  }
+  for (std::size_t i = 0; i <= steps; ++i) {
+    cells[place[i]].weight = samples.weight[i];
+  }
+}
+
+}  // namespace
+
+void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry, const BeamReading& reading,
+                   double widening, std::vector<ArcCell>& cells) {
+  cells.clear();
+  const bool is_line = params.kind == SonarModelKind::kLine;
+  // a quarter of a cell behind the reading: the surface is its front, not its middle
+  const double range = reading.range + 0.25 * geometry.resolution;
+  const Eigen::Vector2d apex = (reading.world_from_sonar.position() - geometry.origin) / geometry.resolution;
+  const double in_cells = range / geometry.resolution;
+  const auto is_inside = [&](const Eigen::Vector2d& at) {
+    return at.x() >= 0.0 && at.y() >= 0.0 && at.x() < geometry.columns && at.y() < geometry.rows;
+  };
+  if (is_line) {
+    const Eigen::Vector2d at = apex + in_cells * unit_vector(reading.world_from_sonar.theta);
+    if (is_inside(at)) {
+      cells.push_back({{static_cast<int>(at.x()), static_cast<int>(at.y())}, kSlices / 2, 1.0});
+    }
+    return;
+  }
+  const double half = params.half_angle + widening;
+  const int steps = std::max(1, ceil_to_int(half * range / (0.5 * geometry.resolution)));
+  TurningDirection direction(reading.world_from_sonar.theta - half, half / steps);
+  const ArcSampling sampling{apex.x(), apex.y(), in_cells, half, params.half_angle, params.edge_weight, steps};
+  const auto sample_count = 2 * static_cast<std::size_t>(steps) + 1;
+  // the whole circle within the grid: no sample needs to be asked
+  const double around = in_cells + 1.0;
+  const bool are_inside =
+      is_inside(apex - Eigen::Vector2d(around, around)) && is_inside(apex + Eigen::Vector2d(around, around));
+  if (are_inside && sample_count <= kArcChunk && params.edge_weight <= 1.0) {
+    cells_of_whole_arc(sampling, direction, cells);
+    return;
+  }
+  cells.resize(sample_count);
+  ArcCell* last = cells.data() - 1;
+  ArcCell cell{{-1, -1}, 0, 0.0};
+  const auto take = [&](const Cell& at, int slice, double weight) {
+    const bool is_new = ((at.column ^ cell.cell.column) | (at.row ^ cell.cell.row)) != 0;
+    last += is_new ? 1 : 0;
+    cell.cell = at;
+    cell.slice = is_new ? slice : cell.slice;
+    cell.weight = is_new ? weight : std::max(cell.weight, weight);
+    *last = cell;
+  };
+  ArcSamples samples;
+  for (int from = -steps; from <= steps; from += kArcChunk) {
+    const int count = std::min(kArcChunk, steps - from + 1);
+    sample_arc(sampling, from, count, direction, samples);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+      if (is_inside({samples.x[k], samples.y[k]})) {
+        take({static_cast<int>(samples.x[k]), static_cast<int>(samples.y[k])}, samples.slice[k], samples.weight[k]);
+      }
+    }
+  }
+  cells.resize(static_cast<std::size_t>(last + 1 - cells.data()));
+}
+
+}  // namespace luminav

@@ -1,0 +1,31 @@
+#include "services/mapper/turning_direction.hpp"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace luminav {
+
+Eigen::Vector2d unit_vector(double angle) {
+  struct Kept {
+    std::uint64_t angle;  // its bits
+    Eigen::Vector2d vector;
+  };
+  constexpr std::size_t kKept = 64;
+  static thread_local auto kept = [] {
+    std::array<Kept, kKept> none;
+    none.fill({0, {1.0, 0.0}});
+    return none;
+  }();
+  const auto bits = std::bit_cast<std::uint64_t>(angle);
+  Kept& place = kept[bits * 0x9E3779B97F4A7C15ULL >> 58];
+  static_assert(kKept == std::size_t{1} << (64 - 58));
+  if (place.angle != bits) {
+    place = {bits, {std::cos(angle), std::sin(angle)}};
+  }
+  return place.vector;
+}
+
+}  // namespace luminav
