@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "services/common/geometry/rounding.hpp"
-#include "services/common/geometry/vector_clones.hpp"
 #include "services/planner/cell_reading.hpp"
 
 namespace luminav {
@@ -16,37 +15,22 @@ constexpr int kHighestPrice = 36;  // a diagonal step of 7 * 36 still fits the b
 
 constexpr int kBlock = 64;  // [cells] side of what is measured at once
 
-/// Four points, and where they lie between the centres of cells.
-struct FourPlaces {
-  std::array<double, 4> x;  // [m] world, then the part of a cell to the right of the column's centre
-  std::array<double, 4> y;
-  std::array<int, 4> column;
-  std::array<int, 4> row;
+/// Places along one axis: the cells whose centres lie before them, and the parts of a cell to there.
+template <std::size_t kCount>
+struct AxisPlaces {
+  std::array<int, kCount> cell;
+  std::array<double, kCount> part;
 };
 
-// The same in vectors as one by one.
-LUMINAV_VECTOR_CLONES
-void locate(double origin_x, double origin_y, double resolution, FourPlaces& places) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double x = (places.x[i] - origin_x) / resolution - 0.5;
-    const double y = (places.y[i] - origin_y) / resolution - 0.5;
-    const int column = static_cast<int>(x);
-    const int row = static_cast<int>(y);
-    places.column[i] = column - (x < column ? 1 : 0);
-    places.row[i] = row - (y < row ? 1 : 0);
-    places.x[i] = x - places.column[i];
-    places.y[i] = y - places.row[i];
+template <std::size_t kCount>
+AxisPlaces<kCount> locate(const std::array<double, kCount>& in_world, double origin, double resolution) {
+  AxisPlaces<kCount> places;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double at = (in_world[i] - origin) / resolution - 0.5;
+    places.cell[i] = floor_to_int(at);
+    places.part[i] = at - places.cell[i];
   }
-}
-
-LUMINAV_VECTOR_CLONES
-void interpolate_four(const FourPlaces& places, const std::array<float, 16>& corners, std::array<double, 4>& result) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double u = places.x[i];
-    const double v = places.y[i];
-    result[i] = (1.0 - v) * ((1.0 - u) * static_cast<double>(corners[i]) + u * static_cast<double>(corners[4 + i])) +
-                v * ((1.0 - u) * static_cast<double>(corners[8 + i]) + u * static_cast<double>(corners[12 + i]));
-  }
+  return places;
 }
 
 CellWindow united(const CellWindow& a, const CellWindow& b) {
@@ -262,6 +246,13 @@ double ConfigurationSpace::clearance(const Cell& cell) const {
   return geometry_.contains(cell) ? static_cast<double>(metres_[squared_distance(cell)]) : 0.0;
 }
 
+inline double ConfigurationSpace::between_cells(const Cell& cell, double u, double v) const {
+  const std::uint8_t* lower = squared_distance_.get() + geometry_.index(cell);
+  const std::uint8_t* upper = lower + geometry_.columns;
+  return (1.0 - v) * ((1.0 - u) * static_cast<double>(metres_[lower[0]]) + u * static_cast<double>(metres_[lower[1]])) +
+         v * ((1.0 - u) * static_cast<double>(metres_[upper[0]]) + u * static_cast<double>(metres_[upper[1]]));
+}
+
 double ConfigurationSpace::clearance_at(const Eigen::Vector2d& point_in_world) const {
   const Eigen::Vector2d p = (point_in_world - geometry_.origin) / geometry_.resolution - Eigen::Vector2d(0.5, 0.5);
   const int column = floor_to_int(p.x());
@@ -274,45 +265,38 @@ double ConfigurationSpace::clearance_at(const Eigen::Vector2d& point_in_world) c
     if (!is_graded_) {
       measure_around({column, row});
     }
-    const std::uint8_t* lower = squared_distance_.get() + geometry_.index({column, row});
-    const std::uint8_t* upper = lower + geometry_.columns;
-    return (1.0 - v) *
-               ((1.0 - u) * static_cast<double>(metres_[lower[0]]) + u * static_cast<double>(metres_[lower[1]])) +
-           v * ((1.0 - u) * static_cast<double>(metres_[upper[0]]) + u * static_cast<double>(metres_[upper[1]]));
+    return between_cells({column, row}, u, v);
   }
   return (1.0 - v) * ((1.0 - u) * clearance({column, row}) + u * clearance({column + 1, row})) +
          v * ((1.0 - u) * clearance({column, row + 1}) + u * clearance({column + 1, row + 1}));
 }
 
-std::array<double, 4> ConfigurationSpace::clearances_around(const Eigen::Vector2d& point_in_world, double step) const {
-  FourPlaces places;
-  places.x = {point_in_world.x() + step, point_in_world.x() - step, point_in_world.x(), point_in_world.x()};
-  places.y = {point_in_world.y(), point_in_world.y(), point_in_world.y() + step, point_in_world.y() - step};
-  locate(geometry_.origin.x(), geometry_.origin.y(), geometry_.resolution, places);
-  const auto [left, right] = std::minmax({places.column[0], places.column[1], places.column[2], places.column[3]});
-  const auto [below, above] = std::minmax({places.row[0], places.row[1], places.row[2], places.row[3]});
+std::array<double, 5> ConfigurationSpace::clearances_around(const Eigen::Vector2d& point_in_world, double step) const {
+  // the point itself, then the one beyond it on the axis, and the one before
+  const double x = point_in_world.x();
+  const double y = point_in_world.y();
+  const AxisPlaces<3> columns = locate<3>({x, x + step, x - step}, geometry_.origin.x(), geometry_.resolution);
+  const AxisPlaces<3> rows = locate<3>({y, y + step, y - step}, geometry_.origin.y(), geometry_.resolution);
+  const int left = columns.cell[2];
+  const int right = columns.cell[1];
+  const int below = rows.cell[2];
+  const int above = rows.cell[1];
   const bool is_inside = left >= 0 && below >= 0 && right + 1 < geometry_.columns && above + 1 < geometry_.rows;
   const bool is_of_one_block = left / kBlock == (right + 1) / kBlock && below / kBlock == (above + 1) / kBlock;
   if (!is_inside || (!is_graded_ && !is_of_one_block)) {
-    return {clearance_at({point_in_world.x() + step, point_in_world.y()}),
-            clearance_at({point_in_world.x() - step, point_in_world.y()}),
-            clearance_at({point_in_world.x(), point_in_world.y() + step}),
-            clearance_at({point_in_world.x(), point_in_world.y() - step})};
+    return {clearance_at(point_in_world), clearance_at({x + step, y}), clearance_at({x - step, y}),
+            clearance_at({x, y + step}), clearance_at({x, y - step})};
   }
   if (!is_graded_) {
     measure_around({left, below});
   }
-  std::array<float, 16> corners;  // of each place the lower left and right one, the upper left and right one
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::uint8_t* lower = squared_distance_.get() + geometry_.index({places.column[i], places.row[i]});
-    const std::uint8_t* upper = lower + geometry_.columns;
-    corners[i] = metres_[lower[0]];
-    corners[4 + i] = metres_[lower[1]];
-    corners[8 + i] = metres_[upper[0]];
-    corners[12 + i] = metres_[upper[1]];
+  constexpr std::array<std::size_t, 5> kColumn = {0, 1, 2, 0, 0};
+  constexpr std::array<std::size_t, 5> kRow = {0, 0, 0, 1, 2};
+  std::array<double, 5> result;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] =
+        between_cells({columns.cell[kColumn[i]], rows.cell[kRow[i]]}, columns.part[kColumn[i]], rows.part[kRow[i]]);
   }
-  std::array<double, 4> result;
-  interpolate_four(places, corners, result);
   return result;
 }
 

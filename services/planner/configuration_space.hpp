@@ -65,8 +65,8 @@ class ConfigurationSpace {
   [[nodiscard]] double clearance(const Cell& cell) const;
   /// The same between cells, bilinear [m].
   [[nodiscard]] double clearance_at(const Eigen::Vector2d& point_in_world) const;
-  /// The same to the right, to the left, above and below a point, `step` [m] away.
-  [[nodiscard]] std::array<double, 4> clearances_around(const Eigen::Vector2d& point_in_world, double step) const;
+  /// The same at a point, then to its right and left, above and below it, `step` [m] away.
+  [[nodiscard]] std::array<double, 5> clearances_around(const Eigen::Vector2d& point_in_world, double step) const;
   /// Price per metre, 1 = free, at a point; that of a blocked cell is `kBlockedPrice`.
   [[nodiscard]] double price_at(const Eigen::Vector2d& point_in_world) const;
   static constexpr double kBlockedPrice = 60.0;
@@ -75,6 +75,9 @@ class ConfigurationSpace {
   void read(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected, int first_row, int last_row,
             BitGrid& solid, BitGrid& unknown) const;
   void widen(int first_row, int last_row);
+  /// Clearance [m] between a cell's centre and those to its right and above, by parts of a cell; all have been
+  /// measured.
+  [[nodiscard]] double between_cells(const Cell& cell, double u, double v) const;
   void measure(const CellWindow& window) const;
   void forget_distances(const CellWindow& window);
   /// Measures the block of a cell unless it has been.

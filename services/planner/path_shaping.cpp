@@ -50,19 +50,46 @@ Polyline shortened(const ConfigurationSpace& space, const PathShapingParams& par
   return result;
 }
 
-Eigen::Vector2d clearance_gradient(const ConfigurationSpace& space, const Eigen::Vector2d& p) {
+/// `is_clear` of a piece whose start is known to lie in a cell.
+bool is_clear_from(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Cell& cell,
+                   const Eigen::Vector2d& to) {
+  // of a short line every sample lies in the rectangle of its ends; rounding keeps their order
+  if (is_small_and_clear(space, cell, space.geometry().cell_at(from + (to - from)))) {
+    return true;
+  }
+  const int samples = samples_of(space, from, to);
+  for (int i = 0; i <= samples; ++i) {
+    if (space.is_blocked(space.geometry().cell_at(from + (to - from) * (static_cast<double>(i) / samples)))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// How far obstacles push a point in one round [m]: away from the nearest one, the nearer the more.
+Eigen::Vector2d push_of(const ConfigurationSpace& space, const PathShapingParams& params, const Eigen::Vector2d& p) {
+  const double range = 1.2;  // [m] obstacles farther away do not push
   const double h = space.geometry().resolution;
-  const auto [right, left, above, below] = space.clearances_around(p, h);
-  const Eigen::Vector2d gradient(right - left, above - below);
-  return gradient / (2.0 * h);  // of length 1 where one obstacle is nearest, 0 in the middle between two
+  const auto [here, right, left, above, below] = space.clearances_around(p, h);
+  const double depth = std::max(0.0, 1.0 - here / range);
+  if (depth <= 0.0) {
+    return Eigen::Vector2d::Zero();
+  }
+  const Eigen::Vector2d difference(right - left, above - below);
+  const Eigen::Vector2d gradient =
+      difference / (2.0 * h);  // of length 1 where one obstacle is nearest, 0 in the middle between two
+  return params.push * depth * gradient;
 }
 
 void relax(const ConfigurationSpace& space, const PathShapingParams& params, Polyline& band) {
-  const double range = 1.2;  // [m] obstacles farther away do not push
   constexpr double kStill =
       5e-4;  // [m] a point that moved less stays, until a neighbour moves: most of a way is straight
   std::vector<std::uint8_t> moves(band.size(), 1);
   std::vector<std::uint8_t> moved_last(band.size(), 1);
+  std::vector<Cell> cells;  // of the points
+  for (const Eigen::Vector2d& point : band) {
+    cells.push_back(space.geometry().cell_at(point));
+  }
   Polyline pushes(band.size());  // [m] of where each point is
   std::vector<std::uint8_t> is_pushed(band.size(), 0);
   for (int round = 0; round < params.smoothing_rounds; ++round) {
@@ -74,18 +101,19 @@ void relax(const ConfigurationSpace& space, const PathShapingParams& params, Pol
       }
       const Eigen::Vector2d pull = params.tension * (0.5 * (band[i - 1] + band[i + 1]) - band[i]);
       if (is_pushed[i] == 0) {
-        const double depth = std::max(0.0, 1.0 - space.clearance_at(band[i]) / range);
-        pushes[i] = Eigen::Vector2d::Zero();
-        if (depth > 0.0) {
-          pushes[i] = params.push * depth * clearance_gradient(space, band[i]);
-        }
+        pushes[i] = push_of(space, params, band[i]);
         is_pushed[i] = 1;
       }
       const Eigen::Vector2d moved = band[i] + pull + pushes[i];
       moves[i] = 0;
-      if ((moved - band[i]).squaredNorm() > kStill * kStill && is_clear(space, band[i - 1], moved) &&
-          is_clear(space, moved, band[i + 1])) {
+      if ((moved - band[i]).squaredNorm() <= kStill * kStill ||
+          !is_clear_from(space, band[i - 1], cells[i - 1], moved)) {
+        continue;
+      }
+      const Cell cell = space.geometry().cell_at(moved);
+      if (is_clear_from(space, moved, cell, band[i + 1])) {
         band[i] = moved;
+        cells[i] = cell;
         moves[i] = 1;
         is_pushed[i] = 0;
       }
@@ -115,17 +143,7 @@ double cost_of(const ConfigurationSpace& space, const Polyline& points) {
 }
 
 bool is_clear(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  // of a short line every sample lies in the rectangle of its ends; rounding keeps their order
-  if (is_small_and_clear(space, space.geometry().cell_at(from), space.geometry().cell_at(from + (to - from)))) {
-    return true;
-  }
-  const int samples = samples_of(space, from, to);
-  for (int i = 0; i <= samples; ++i) {
-    if (space.is_blocked(space.geometry().cell_at(from + (to - from) * (static_cast<double>(i) / samples)))) {
-      return false;
-    }
-  }
-  return true;
+  return is_clear_from(space, from, space.geometry().cell_at(from), to);
 }
 
 double polyline_length(const Polyline& points) {
