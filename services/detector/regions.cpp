@@ -1,30 +1,35 @@
 #include "services/detector/regions.hpp"
 
 #include <algorithm>
-#include <array>
+#include <bit>
+#include <cstdint>
 #include <cstring>
 
 namespace luminav {
 namespace {
 
+static_assert(std::endian::native == std::endian::little);  // the first of eight cells is the lowest byte
+
+std::uint64_t eight_cells(const std::uint8_t* cells) {
+  std::uint64_t eight;
+  std::memcpy(&eight, cells, sizeof eight);
+  return eight;
+}
+
 /// First cell at or after `x` that is set (or not set), `width` when there is none. Masks are mostly empty, so empty
 /// stretches are crossed many cells at a time.
 int next_set(const std::uint8_t* row, int x, int width) {
   while (x + 32 <= width) {
-    std::array<std::uint64_t, 4> many;
-    std::memcpy(many.data(), row + x, sizeof many);
-    if ((many[0] | many[1] | many[2] | many[3]) != 0) {
+    const std::uint8_t* many = row + x;
+    if ((eight_cells(many) | eight_cells(many + 8) | eight_cells(many + 16) | eight_cells(many + 24)) != 0) {
       break;
     }
     x += 32;
   }
-  while (x + 8 <= width) {
-    std::uint64_t eight;
-    std::memcpy(&eight, row + x, sizeof eight);
-    if (eight != 0) {
-      break;
+  for (; x + 8 <= width; x += 8) {
+    if (const std::uint64_t eight = eight_cells(row + x); eight != 0) {
+      return x + std::countr_zero(eight) / 8;
     }
-    x += 8;
   }
   while (x < width && row[x] == 0) {
     ++x;
@@ -33,6 +38,14 @@ int next_set(const std::uint8_t* row, int x, int width) {
 }
 
 int next_clear(const std::uint8_t* row, int x, int width) {
+  constexpr std::uint64_t kOnes = 0x0101010101010101;
+  for (; x + 8 <= width; x += 8) {
+    const std::uint64_t eight = eight_cells(row + x);
+    // the lowest bit that is left stands in the first empty cell (Mycroft 1987)
+    if (const std::uint64_t clear = (eight - kOnes) & ~eight & (kOnes << 7); clear != 0) {
+      return x + std::countr_zero(clear) / 8;
+    }
+  }
   while (x < width && row[x] != 0) {
     ++x;
   }
