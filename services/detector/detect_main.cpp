@@ -120,7 +120,7 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
                                  " x " + std::to_string(config.camera.intrinsics.height));
       }
       DetectorTrace trace;
-      const std::vector<Detection> detections = detector.detect(image.view(), &trace);
+      const std::vector<Detection>& detections = detector.detect(image.view(), &trace);
       for (const Detection& detection : detections) {
         entry["detections"].push_back(to_json(detection));
       }

@@ -95,19 +95,19 @@ void Detector::prepare_for(int width, int height) {
   }
 }
 
-std::vector<Detection> Detector::detect(const GreyView& image, DetectorTrace* trace) {
-  std::vector<Detection> detections;
+const std::vector<Detection>& Detector::detect(const GreyView& image, DetectorTrace* trace) {
+  detections_.clear();
   if (!accepts(image)) {
-    return detections;
+    return detections_;
   }
   prepare_for(image.width, image.height);
   median_grey_ = median_of(image, median_grey_);
   if (paper_) {
-    paper_->detect(image, median_grey_, detections, trace);
+    paper_->detect(image, median_grey_, detections_, trace);
   } else {
-    modern_->detect(image, detections, trace);
+    modern_->detect(image, detections_, trace);
   }
-  return detections;
+  return detections_;
 }
 
 }  // namespace luminav

@@ -26,9 +26,10 @@ class Detector {
   Detector(Detector&&) noexcept;
   Detector& operator=(Detector&&) noexcept;
 
-  /// Everything seen in an image; empty also for an image that `accepts` refuses.
+  /// Everything seen in an image; empty also for an image that `accepts` refuses. Valid until the next call. The modern
+  /// mode allocates nothing once it is warm.
   /// `trace`, when given, collects what was looked at on the way.
-  [[nodiscard]] std::vector<Detection> detect(const GreyView& image, DetectorTrace* trace = nullptr);
+  [[nodiscard]] const std::vector<Detection>& detect(const GreyView& image, DetectorTrace* trace = nullptr);
   /// True when the image is whole and its aspect fits the calibration within 1 %.
   [[nodiscard]] bool accepts(const GreyView& image) const;
   /// Median grey level of the last image.
@@ -45,6 +46,7 @@ class Detector {
   int height_ = 0;  // [px]
   std::unique_ptr<PaperDetector> paper_;
   std::unique_ptr<ModernDetector> modern_;
+  std::vector<Detection> detections_;  // of the last image
   double median_grey_ = 0.0;
 };
 

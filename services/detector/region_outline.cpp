@@ -86,8 +86,6 @@ bool OutlineProposer::take_hull(const Region& region) {
       points_.emplace_back(run.last, run.row);
     }
   }
-  std::sort(points_.begin(), points_.end(),
-            [](const Vector2i& a, const Vector2i& b) { return a.y() != b.y() ? a.y() < b.y() : a.x() < b.x(); });
   if (points_.size() < 3) {
     return false;
   }
@@ -125,13 +123,7 @@ OutlineProposer::Extents OutlineProposer::extents(double theta) const {
 /// The direction of the smallest rectangle round the hull, and those of its longest edges that are the region's own.
 void OutlineProposer::choose_directions() {
   directions_.clear();
-  struct Edge {
-    double length;
-    double theta;
-    bool own;
-  };
-  std::vector<Edge> edges;
-  edges.reserve(corners_.size());
+  edges_.clear();
   double smallest = 1e18;
   double direction_of_smallest = 0.0;
   for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -139,7 +131,7 @@ void OutlineProposer::choose_directions() {
     const Corner& b = corners_[(i + 1) % corners_.size()];
     const Vector2d edge = b.place - a.place;
     const double theta = std::atan2(edge.y(), edge.x());
-    edges.push_back({edge.norm(), theta, !(a.at_border && b.at_border)});
+    edges_.push_back({edge.norm(), theta, !(a.at_border && b.at_border)});
     const Extents e = extents(theta);
     const double area = (e.most_along - e.least_along) * (e.most_across - e.least_across);
     if (area < smallest) {
@@ -158,8 +150,8 @@ void OutlineProposer::choose_directions() {
   };
   add(direction_of_smallest);
   if (touches_border_) {
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.length > b.length; });
-    for (const Edge& edge : edges) {
+    std::sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) { return a.length > b.length; });
+    for (const Edge& edge : edges_) {
       if (edge.own && directions_.size() < 4) {
         add(edge.theta);
       }

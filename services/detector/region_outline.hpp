@@ -73,6 +73,11 @@ class OutlineProposer {
     Eigen::Vector2d place;  // [m] on the reference ceiling
     bool at_border;
   };
+  struct Edge {  // of the hull
+    double length;
+    double theta;
+    bool own;  // not along the image border
+  };
   struct Extents {
     double least_along, most_along, least_across, most_across;
   };
@@ -99,6 +104,7 @@ class OutlineProposer {
   std::vector<Eigen::Vector2i> points_;
   std::vector<Eigen::Vector2i> hull_;
   std::vector<Corner> corners_;
+  std::vector<Edge> edges_;
   std::vector<double> directions_;
   std::vector<OutlineHypothesis> hypotheses_;
   bool touches_border_ = false;

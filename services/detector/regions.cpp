@@ -92,14 +92,17 @@ const std::vector<Region>& RegionFinder::find(const Raster& mask, int least_cell
 
   const std::size_t count = runs_.size();
   cells_.assign(count, 0);
+  run_counts_.assign(count, 0);
   for (std::size_t i = 0; i < count; ++i) {
-    cells_[static_cast<std::size_t>(root(static_cast<int>(i)))] += runs_[i].last - runs_[i].first + 1;
-  }
-  for (Region& region : regions_) {
-    spare_.push_back(std::move(region));
+    const auto top = static_cast<std::size_t>(root(static_cast<int>(i)));
+    cells_[top] += runs_[i].last - runs_[i].first + 1;
+    ++run_counts_[top];
   }
   regions_.clear();
+  runs_end_.clear();
+  runs_by_region_.resize(count);
   region_of_root_.assign(count, -1);
+  std::size_t taken = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const auto top = static_cast<std::size_t>(root(static_cast<int>(i)));
     if (cells_[top] < least_cells) {
@@ -107,21 +110,21 @@ const std::vector<Region>& RegionFinder::find(const Raster& mask, int least_cell
     }
     if (region_of_root_[top] < 0) {
       region_of_root_[top] = static_cast<int>(regions_.size());
-      if (spare_.empty()) {
-        regions_.emplace_back();
-      } else {
-        regions_.push_back(std::move(spare_.back()));
-        spare_.pop_back();
-      }
-      Region& fresh = regions_.back();
-      fresh.runs.clear();
-      fresh.cells = cells_[top];
-      fresh.left = fresh.top = mask.width + mask.height;
-      fresh.right = fresh.bottom = -1;
+      const auto run_count = static_cast<std::size_t>(run_counts_[top]);
+      const int beyond = mask.width + mask.height;
+      regions_.push_back({.cells = cells_[top],
+                          .left = beyond,
+                          .right = -1,
+                          .top = beyond,
+                          .bottom = -1,
+                          .runs = std::span(runs_by_region_).subspan(taken, run_count)});
+      runs_end_.push_back(taken);
+      taken += run_count;
     }
-    Region& region = regions_[static_cast<std::size_t>(region_of_root_[top])];
+    const auto index = static_cast<std::size_t>(region_of_root_[top]);
+    Region& region = regions_[index];
     const Run& run = runs_[i];
-    region.runs.push_back(run);
+    runs_by_region_[runs_end_[index]++] = run;
     region.left = std::min(region.left, run.first);
     region.right = std::max(region.right, run.last);
     region.top = std::min(region.top, run.row);

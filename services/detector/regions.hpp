@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "services/detector/reduced_image.hpp"
@@ -21,7 +22,7 @@ struct Region {
   int right = 0;
   int top = 0;
   int bottom = 0;
-  std::vector<Run> runs;  // from the top
+  std::span<const Run> runs;  // from the top, each row's from the left
 };
 
 /// Finds the connected parts of a mask from its runs: the cost follows the number of runs, not of cells.
@@ -36,9 +37,11 @@ class RegionFinder {
   std::vector<Run> runs_;
   std::vector<int> parent_;
   std::vector<int> region_of_root_;
-  std::vector<int> cells_;
+  std::vector<int> cells_;             // per root
+  std::vector<int> run_counts_;        // per root
+  std::vector<Run> runs_by_region_;    // region after region
+  std::vector<std::size_t> runs_end_;  // per region: of those filled in
   std::vector<Region> regions_;
-  std::vector<Region> spare_;  // keep their memory from frame to frame
 };
 
 }  // namespace luminav
