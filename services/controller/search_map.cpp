@@ -70,6 +70,12 @@ void SearchMap::visit(const Eigen::Vector2d& place) {
   }
 }
 
+void SearchMap::fade() {
+  for (Cell& cell : cells_) {
+    cell.occupied = cell.occupied > 0 ? static_cast<std::int8_t>(cell.occupied - 1) : cell.occupied;
+  }
+}
+
 void SearchMap::block(const Eigen::Vector2d& place) {
   if (origin_) {
     mark_seen(place, params_.blocked_around);

@@ -37,6 +37,9 @@ class SearchMap {
   void add(std::span<const SonarFiring> newest);
   /// The robot is there [m, odom].
   void visit(const Eigen::Vector2d& place);
+  /// Trusts echoes that were not heard again a little less: odometry drifts, and a wall that is entered twice closes
+  /// the doors beside it.
+  void fade();
   /// A place could not be reached: it is new ground no more.
   void block(const Eigen::Vector2d& place);
   /// Way to the nearest new ground [m, odom], from the robot on; nothing if all that can be reached is known.

@@ -21,7 +21,7 @@ void Wander::clear() {
   map_.clear();
   way_.clear();
   planned_ = approached_ = 0;
-  driven_ = 0.0;
+  driven_ = faded_at_ = 0.0;
   last_place_.reset();
   repulsive_.setZero();
 }
@@ -142,6 +142,10 @@ DriveTwist Wander::step(const WanderInput& input) {
   visits_[square_at(place)] += duration;
   map_.visit(place);
   map_.add(input.firings);
+  if (driven_ - std::max(faded_at_, params_.look_around) > params_.fade_every) {
+    faded_at_ = driven_;
+    map_.fade();
+  }
   plan(input);
   return way_.empty() ? explore(duration, input) : follow_way(duration, input);
 }

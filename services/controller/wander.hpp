@@ -29,6 +29,7 @@ struct WanderParams {
   double failure_radius = 1.0;     // [m]
   double look_around = 10.0;       // [m] it first drives by free way alone, then leaves for new ground
   double plan_every = 1.0;         // [s]
+  double fade_every = 5.0;         // [m] beyond `look_around` after which old echoes count less
   double look_ahead = 0.6;         // [m] along the way to new ground
   double approach_within = 12.0;   // [s] it must have come nearer to where it goes, else it goes elsewhere
   FreeHeadingParams free_heading{.half_width = 0.28};
@@ -92,6 +93,7 @@ class Wander {
   SearchMap map_;
   Disambiguation disambiguation_;
   double driven_ = 0.0;                        // [m]
+  double faded_at_ = 0.0;                      // [m] of it
   std::optional<Eigen::Vector2d> last_place_;  // [m] odom
   std::vector<Eigen::Vector2d> way_;           // [m] odom, to new ground; empty: none that it knows
   std::int64_t planned_ = 0;                   // [us]

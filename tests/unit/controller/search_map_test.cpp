@@ -139,5 +139,19 @@ TEST_F(SearchMapTest, SeesThatAnObstacleWentAway) {
   EXPECT_TRUE(map_.way_to_new_ground({1.0, 2.0}));
 }
 
+TEST_F(SearchMapTest, FadesWhatItDoesNotHearAgain) {
+  look_round(room(false));
+  const auto look_once = [&] { scan({1.8, 1.0, -0.5 * kPi}, room(true)); };
+  look_once();
+  EXPECT_EQ(map_.ground_at({1.8, 0.0}), Ground::kStands);
+  for (int i = 0; i < 6; ++i) {
+    map_.fade();
+  }
+  EXPECT_EQ(map_.ground_at({1.8, 0.0}), Ground::kUnknown);
+  EXPECT_EQ(map_.ground_at({1.8, 1.0}), Ground::kFree) << "what was free stays so";
+  look_once();
+  EXPECT_EQ(map_.ground_at({1.8, 0.0}), Ground::kFree);
+}
+
 }  // namespace
 }  // namespace luminav
