@@ -47,6 +47,7 @@ void read_hypotheses(const TomlTable& table, HypothesisParams& params) {
 }
 
 void read_rules(const TomlTable& table, TrackingRules& rules) {
+  rules.first_margin = table.number("first_margin", rules.first_margin, {0.0, 100.0});
   rules.enter_margin = table.number("enter_margin", rules.enter_margin, {0.0, 100.0});
   rules.leave_margin = table.number("leave_margin", rules.leave_margin, {0.0, 100.0});
   rules.enter_fixtures = table.count("enter_fixtures", rules.enter_fixtures, {1, 16});

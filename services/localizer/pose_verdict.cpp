@@ -128,7 +128,7 @@ bool PoseVerdict::resume_tracking(const SightingFrame& frame) {
 
 bool PoseVerdict::may_declare(const Hypothesis& best, const SightingFrame& frame) const {
   const int enough_fixtures = best.id == leader_id_ ? needed_fixtures_ : rules_.enter_fixtures;
-  return margin() >= rules_.enter_margin && static_cast<int>(best.confirmed.size()) >= enough_fixtures &&
+  return margin() >= needed_margin() && static_cast<int>(best.confirmed.size()) >= enough_fixtures &&
          !frame.sightings.empty() && best.last_match == frame.utime &&
          largest_position_sigma(best.belief.covariance) < rules_.enter_position_sigma;
 }
@@ -142,6 +142,7 @@ bool PoseVerdict::declare_tracking(const Hypothesis& best) {
     leader_id_ = best.id;
   }
   watch_.confirm(best.id == doubted_id_);
+  was_tracking_ = true;
   is_recalled_ = false;
   wide_ = false;
   doubt_.clear();
@@ -159,13 +160,14 @@ void PoseVerdict::explain_ambiguity() {
     const std::vector<Hypothesis>& all = bank_.hypotheses();
     const Hypothesis& best = all.front();
     const auto close = std::count_if(all.begin(), all.end(),
-                                     [&](const Hypothesis& h) { return h.total > best.total - rules_.enter_margin; });
+                                     [&](const Hypothesis& h) { return h.total > best.total - needed_margin(); });
     reason_ = close > 1 ? fmt::format("{} poses explain what was seen", close)
                         : fmt::format("one pose is left, confirmed by {} fixtures so far", best.confirmed.size());
   }
 }
 
 void PoseVerdict::doubt(const std::string& why, double bonus) {
+  was_tracking_ = true;  // so too a pose from before a restart
   doubt_ = why;
   may_foretell_ = false;
   needed_fixtures_ = 1;

@@ -61,6 +61,7 @@ class PoseVerdict {
   void explain_ambiguity();
   /// How far [log-score] the best hypothesis is ahead of every other pose, listed or not.
   [[nodiscard]] double margin() const;
+  [[nodiscard]] double needed_margin() const { return was_tracking_ ? rules_.enter_margin : rules_.first_margin; }
   [[nodiscard]] Hypothesis* leader() const;
 
   const FixtureMap& map_;
@@ -72,6 +73,7 @@ class PoseVerdict {
 
   LocalizerState state_ = LocalizerState::kLost;
   std::string reason_ = "no fixture seen yet";
+  bool was_tracking_ = false;  // a pose was held for true before
   int leader_id_ = 0;          // hypothesis that the filter follows; 0 = none
   bool wide_ = false;          // the filter's covariance is too wide to call it tracking
   std::string doubt_;          // why the leader was put in doubt; "" = it is not

@@ -6,7 +6,8 @@ namespace luminav {
 
 /// When one hypothesis counts as the truth, and when no longer.
 struct TrackingRules {
-  double enter_margin = 9.0;                  // log-score ahead of every other pose, listed or not
+  double first_margin = 5.0;                  // log-score ahead of every other pose, listed or not, at first
+  double enter_margin = 9.0;                  // likewise once a pose was held for true: it may have been wrong
   double leave_margin = 3.0;                  // below this another pose is possible again
   int enter_fixtures = 2;                     // different fixtures that must have fitted
   double enter_position_sigma = 0.14;         // [m] largest axis

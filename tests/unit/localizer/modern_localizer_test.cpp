@@ -24,9 +24,10 @@ RobotDescription robot() {
   return robot;
 }
 
-TrialResult drive(const TestBuilding& building, const SyntheticOptions& options, const TrialPlan& plan) {
+TrialResult drive(const TestBuilding& building, const SyntheticOptions& options, const TrialPlan& plan,
+                  const ModernLocalizerParams& params = {}) {
   SyntheticWorld world(building.building, building.walls, robot(), options);
-  ModernLocalizer localizer(building.building, building.walls, robot(), ErrorParams{}, ModernLocalizerParams{});
+  ModernLocalizer localizer(building.building, building.walls, robot(), ErrorParams{}, params);
   return run_trial(world, localizer, plan);
 }
 
@@ -56,6 +57,19 @@ TEST(ModernLocalizer, NoticesThatItWasCarriedAndRecovers) {
     recovered += result.recovered;
   }
   EXPECT_GE(recovered, 5.0);
+}
+
+TEST(ModernLocalizer, MayAskForMoreOnceItsPoseWasInDoubt) {
+  const TestBuilding building = testing::two_rooms();
+  ModernLocalizerParams params;
+  params.rules.enter_margin = 1000.0;
+  const SyntheticOptions options{.seed = 1002, .clutter = 0};
+  const TrialPlan plan{.duration = 240.0, .carries = {120.0}};
+  const TrialResult result = drive(building, options, plan, params);
+  EXPECT_TRUE(result.localized);
+  EXPECT_EQ(result.recovered, 0.0);
+  params.rules.first_margin = 1000.0;
+  EXPECT_FALSE(drive(building, options, plan, params).localized);
 }
 
 TEST(ModernLocalizer, StaysAmbiguousWhereBothEndsLookAlike) {
