@@ -55,6 +55,9 @@ double joint_at(double distance_px, double sigma) {
   return std::exp(-0.5 * distance_px * distance_px / (sigma * sigma));
 }
 
+/// Four numbers that one instruction works on, where the processor can.
+using Four [[gnu::vector_size(4 * sizeof(double))]] = double;
+
 /// What does not change along the sides, by distance from them.
 struct Samples {
   static constexpr std::size_t kCount = 16;  // the distances, and one to fill the vectors
@@ -63,12 +66,13 @@ struct Samples {
   alignas(32) std::array<double, kCount> outwards{};
   alignas(32) std::array<double, kCount> joint{};
   alignas(32) std::array<double, kCount> variance{};
+  std::array<Four, kCount> row{};  // of the regression: fall, 1, outwards, joint
 };
 
-/// Normal equations of the unknowns below: columns of the information, filled up to two vectors.
+/// Normal equations of the unknowns below: columns of the information, each filled up to two times four.
 struct Sums {
-  alignas(32) std::array<std::array<double, 8>, 6> information{};
-  alignas(32) std::array<double, 8> right_side{};
+  std::array<std::array<Four, 2>, 6> information{};
+  std::array<Four, 2> right_side{};
   double weights = 0.0;
 };
 
@@ -94,37 +98,33 @@ void add_stretch(const Samples& samples, const float* values, const bool* valid,
     tukey[k] = squared >= 1.0 ? 0.0 : rest * rest;
     weight[k] = tukey[k] / samples.variance[k];
   }
-  alignas(32) std::array<std::array<double, 8>, kCount> rows;
+  // Of the second four, only fall x place and place are used.
+  std::array<std::array<Four, 2>, 6> information = sums.information;
   for (std::size_t k = 0; k < kDistances; ++k) {
-    const double fall = samples.fall[k];
-    rows[k] = {fall, 1.0, samples.outwards[k], samples.joint[k], fall * place, place};
-  }
-  // Columns three by three: as many sums as there are registers.
-  for (const std::size_t first : {std::size_t{0}, std::size_t{3}}) {
-    std::array<std::array<double, 8>, 3> columns{sums.information[first], sums.information[first + 1],
-                                                 sums.information[first + 2]};
-    for (std::size_t k = 0; k < kDistances; ++k) {
-      if (!valid[k]) {
-        continue;
-      }
-      for (std::size_t j = 0; j < 3; ++j) {
-        for (std::size_t i = 0; i < 8; ++i) {
-          columns[j][i] += weight[k] * rows[k][i] * rows[k][first + j];
-        }
-      }
+    if (!valid[k]) {
+      continue;
     }
-    for (std::size_t j = 0; j < 3; ++j) {
-      sums.information[first + j] = columns[j];
+    const Four row = samples.row[k];
+    const Four along = row * place;
+    const Four weighted = weight[k] * row;
+    const Four weighted_along = weight[k] * along;
+    for (std::size_t j = 0; j < 4; ++j) {
+      information[j][0] += weighted * row[j];
+      information[j][1] += weighted_along * row[j];
+    }
+    for (std::size_t j = 0; j < 2; ++j) {
+      information[4 + j][0] += weighted * along[j];
+      information[4 + j][1] += weighted_along * along[j];
     }
   }
+  sums.information = information;
   for (std::size_t k = 0; k < kDistances; ++k) {
     if (!valid[k]) {
       continue;
     }
     const double height = weight[k] * value[k];
-    for (std::size_t i = 0; i < 8; ++i) {
-      sums.right_side[i] += height * rows[k][i];
-    }
+    sums.right_side[0] += height * samples.row[k];
+    sums.right_side[1] += height * (samples.row[k] * place);
     sums.weights += tukey[k];
   }
 }
@@ -300,22 +300,23 @@ class Regression {
       samples.outwards[k] = static_cast<double>(k) / kDistances - 0.5;
       samples.joint[k] = joint_[k];
       samples.variance[k] = kNoise * kNoise + square(kBlurError * fall_[k]);
+      samples.row[k] = Four{fall_[k], 1.0, samples.outwards[k], joint_[k]};
     }
     for (int pass = 0; pass < 4; ++pass) {
       Sums sums;
       Vector right_side;
       for (const auto& [i, prior] :
            {std::pair{0, 1e-1}, {1, 1e-6}, {2, 1.0 / 36.0}, {3, kJointPrior}, {4, 1e-2}, {5, 1e-4}}) {
-        sums.information[i][i] = prior;
+        sums.information[i][i / 4][i % 4] = prior;
       }
       for (std::size_t s = 0; s < kStretches; ++s) {
         add_stretch(samples, differences_.value[s].data(), differences_.valid[s].data(), place_[s], solution_.data(),
                     sums);
       }
       for (int i = 0; i < kUnknowns; ++i) {
-        right_side(i) = sums.right_side[i];
+        right_side(i) = sums.right_side[i / 4][i % 4];
         for (int j = 0; j < kUnknowns; ++j) {
-          information_(i, j) = sums.information[j][i];
+          information_(i, j) = sums.information[j][i / 4][i % 4];
         }
       }
       weights_ = sums.weights;
