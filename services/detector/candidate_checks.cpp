@@ -13,13 +13,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBlurredEdge = 2.5;  // [px] by which an outline may always miss, however coarse the pixels
-constexpr double kLeastDisc = 16.0;   // [px] across: smaller ones must be lit, with an edge nearly all round
+constexpr double kBlurredEdge = 2.5;   // [px] by which an outline may always miss, however coarse the pixels
+constexpr double kFitted = 0.020;      // [m] by which bloom may be wider than it was proposed
+constexpr double kMostAcross = 0.030;  // [m] 1 sigma of its place across
+constexpr double kLeastDisc = 16.0;    // [px] across: smaller ones must be lit, with an edge nearly all round
 constexpr double kSpeckFit = 0.92;
 // Of a fixture whose other long side is out of view:
 constexpr double kLeastStretch = 0.4;  // of the side that is seen
 constexpr double kOneSideFit = 0.85;   // share of it that must show its edge
-constexpr double kMostAcross = 0.030;  // [m] 1 sigma
 constexpr double kMostHeading = radians(0.7);
 
 }  // namespace
@@ -29,7 +30,7 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   const OutlineFit& fit = candidate.fit;
   const Outline& outline = candidate.hypothesis.outline;
   const double of_pixels = kBlurredEdge * fit.metres_per_px;
-  const double most = std::max(bright ? params_.largest_bloom : params_.largest_misfit, of_pixels);
+  const double most = std::max(bright ? params_.largest_bloom + kFitted : params_.largest_misfit, of_pixels);
   const double least = candidate.hypothesis.is_element ? -kElementFrame
                        : bright                        ? -std::max(0.010, of_pixels)
                                                        : -std::max(params_.largest_misfit, of_pixels);
@@ -41,7 +42,7 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   }
   const std::optional<Side> only_side = fit.only_side();
   if (const char* why =
-          only_side ? objection_to_one_side(candidate, *only_side, bright) : objection_to_edges(candidate, bright)) {
+          only_side ? objection_to_one_side(candidate, *only_side) : objection_to_edges(candidate, bright)) {
     return why;
   }
   if (!bright && !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
@@ -57,6 +58,9 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   }
   if (!is_filled(frame, candidate, level)) {
     return kNotFilled.data();
+  }
+  if (!candidate.hypothesis.is_element && fit.covariance(1, 1) > kMostAcross * kMostAcross) {
+    return "too uncertain";
   }
   if (only_side) {
     const PieceFromOneSide piece(frame, camera_, candidate, *only_side, bright);
@@ -103,7 +107,7 @@ const char* CandidateChecks::objection_to_edges(const Candidate& candidate, bool
   return objection_to_ends(fit);
 }
 
-const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, Side side, bool bright) const {
+const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, Side side) const {
   const OutlineFit& fit = candidate.fit;
   if (candidate.hypothesis.is_element || candidate.hypothesis.half_width) {
     return "one long side alone";
@@ -116,10 +120,10 @@ const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, S
     return "no edge along a long side";
   }
   const int ends = (fit.end_visible(kFarEnd) ? 1 : 0) + (fit.end_visible(kNearEnd) ? 1 : 0);
-  if (ends < (bright ? 1 : 2)) {
+  if (ends < 1) {
     return "too few ends";
   }
-  if (fit.covariance(1, 1) > kMostAcross * kMostAcross || fit.covariance(2, 2) > kMostHeading * kMostHeading) {
+  if (fit.covariance(2, 2) > kMostHeading * kMostHeading) {
     return "too uncertain";
   }
   return objection_to_ends(fit);

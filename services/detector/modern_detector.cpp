@@ -14,7 +14,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kVignetting = 0.30;  // share of the light lost in the image's corners; webcams lose 0.2 to 0.4
+constexpr double kRaggedEdges = 0.04;   // [m] by which noise and joints may widen an unlit region, in total
+constexpr double kWideBloom = 0.03;     // [m]
+constexpr double kWidestBloom = 0.065;  // [m]
+constexpr double kSlowFall = 0.5;       // of the least step otherwise
+constexpr double kVignetting = 0.30;    // share of the light lost in the image's corners; webcams lose 0.2 to 0.4
 
 double narrowest_side(const CeilingCatalogue& catalogue) {
   double side = 0.3;
@@ -279,7 +283,7 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
   const bool bright = level > 0;
   const SizeTolerance tolerance{.absolute = params_.size_tolerance,
                                 .share = params_.size_tolerance_share,
-                                .bloom = bright ? 2.0 * params_.largest_bloom : 0.0,
+                                .bloom = bright ? 2.0 * params_.largest_bloom : kRaggedEdges,
                                 .least_visible = 0.7 * params_.minimum_visible};
   const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(region, shrunk, bright, tolerance);
   if (trace != nullptr) {
@@ -289,7 +293,8 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
     }
     trace->contours.push_back(std::move(contour));
   }
-  const OutlineFitParams of_fixture = fit_params(region, level);
+  OutlineFitParams of_fixture = fit_params(region, level);
+  const double expected_step = of_fixture.expected_step;
   OutlineFitParams of_element = of_fixture;
   of_element.swelling_sigma = 0.5 * kElementFrame;
   std::optional<Candidate> best;
@@ -300,6 +305,11 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
       continue;
     }
     tried_.push_back(hypothesis);
+    // A lamp in its bloom may look twice as wide as it is, and its light then falls off slowly.
+    const bool wide_bloom = bright && hypothesis.swelling > kWideBloom;
+    of_fixture.first_swelling = wide_bloom ? std::min(hypothesis.swelling, kWidestBloom) : 0.0;
+    of_fixture.least_edge = bright ? params_.lit_edge * (wide_bloom ? kSlowFall : 1.0) : params_.unlit_edge;
+    of_fixture.expected_step = wide_bloom ? 0.7 * params_.lit_edge : expected_step;
     const std::optional<OutlineFit> fit =
         fitter_.fit(frame.image, hypothesis.outline, hypothesis.is_element ? of_element : of_fixture, hypothesis.start);
     if (!fit) {

@@ -20,6 +20,7 @@ struct OutlineFitParams {
   double least_edge = 10.0;        // [grey] step that counts as an edge
   double expected_step = 100.0;    // [grey] about what it should be: fainter ones are averaged over longer stretches
   double pixel_noise = 4.0;        // [grey] 1 sigma
+  double first_swelling = 0.0;     // [m] where the search begins
   double swelling_sigma = 0.01;    // [m] how much wider than it is the outline may look, 1 sigma
   double taper_sigma = 0.01;       // [m/m] change of the swelling along the outline: bloom where the light differs
   double edge_sigma_px = 0.15;     // [px] least error of one edge point

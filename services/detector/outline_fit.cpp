@@ -129,7 +129,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
 
   OutlineFit fit;
   Pose2 pose = start;
-  double swelling = 0.0;
+  double swelling = params.first_swelling;
   double taper = 0.0;
   for (std::size_t pass = 0; pass < passes.size(); ++pass) {
     const double cutoff = passes[pass].cutoff_px;

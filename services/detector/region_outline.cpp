@@ -167,7 +167,8 @@ void OutlineProposer::add(const CeilingKind& kind, const Placing& placing, doubl
                          .is_element = !kind.is_fixture,
                          .half_width = placing.half_width,
                          .outline = {kind.shape, kind.length, placing.width, kind.height},
-                         .start = {centre.x(), centre.y(), wrap_axis(placing.theta)}});
+                         .start = {centre.x(), centre.y(), wrap_axis(placing.theta)},
+                         .swelling = placing.swelling});
 }
 
 void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half_width, double theta,
@@ -187,7 +188,7 @@ void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half
   if (!whole && !cut) {
     return;
   }
-  const Placing placing{theta, scale, width, index, half_width};
+  const Placing placing{theta, scale, width, index, half_width, 0.5 * (seen_width - width)};
   const double middle_across = 0.5 * (e.least_across + e.most_across);
   const double half_length = 0.5 * kind.length / scale;
   if (whole) {
@@ -224,7 +225,7 @@ void OutlineProposer::propose_from_one_side(const CeilingKind& kind, int index, 
       seen_length < kLeastStretch * kind.length || seen_length > kind.length + tolerance.share * kind.length + most) {
     return;
   }
-  const Placing placing{theta, scale, kind.width, index, false};
+  const Placing placing{theta, scale, kind.width, index, false, 0.0};
   const double half_bloom = 0.25 * tolerance.bloom;
   const double half_length = 0.5 * kind.length / scale;
   const double half_width = 0.5 * kind.width / scale;

@@ -45,6 +45,7 @@ struct OutlineHypothesis {
   bool half_width = false;  // one lamp's half of a fixture of two
   Outline outline;
   Pose2 start;
+  double swelling = 0.0;  // [m] by which the region is wider on each side
 };
 
 struct SizeTolerance {
@@ -88,6 +89,7 @@ class OutlineProposer {
     double width;  // [m]
     int index;     // of the kind
     bool half_width;
+    double swelling = 0.0;  // [m]
   };
   bool take_hull(const Region& region);
   [[nodiscard]] Extents extents(double theta) const;
