@@ -16,6 +16,7 @@ constexpr std::uint32_t kBlocked = WaveField::kBlocked;
 constexpr std::size_t kMostShare = 8;
 constexpr std::size_t kFewestSteps = 16384;
 constexpr std::size_t kRegrownShare = 5;
+constexpr std::size_t kRegrownAnyway = 8192;  // cells: too few to be worth more than a try
 constexpr std::size_t kFewestStepsBeforeRegrowing = 256;
 
 /// The work of repair_wave: one queue by cost; of one cost, cells that may have lost their support come first.
@@ -207,7 +208,8 @@ bool repair_wave(const WaveTerrain& terrain, const std::vector<PriceChange>& cha
   std::size_t most = std::max(kFewestSteps, field.stored.size() / kMostShare);
   if (is_regrowable && wanted != kUnreached && wanted > untouched) {
     const std::size_t cells = count_between(field, untouched, wanted + stop.margin);
-    most = std::min(most, std::max(kFewestStepsBeforeRegrowing, cells / kRegrownShare));
+    const std::size_t worth = cells < kRegrownAnyway ? 0 : cells / kRegrownShare;
+    most = std::min(most, std::max(kFewestStepsBeforeRegrowing, worth));
   }
   Repair repair(terrain, field);
   repair.note(changes);

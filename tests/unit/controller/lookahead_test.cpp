@@ -45,14 +45,14 @@ TEST(LookAhead, NeverGoesBackWhereAPathCrossesItself) {
 }
 
 TEST(LookAhead, TakesAPathOfOnePoint) {
-  const LookAhead result = find_look_ahead({{1.0, 1.0}}, 0.0, {0.0, 1.0}, {}, kAllFree);
+  const LookAhead result = find_look_ahead(std::vector<Eigen::Vector2d>{{1.0, 1.0}}, 0.0, {0.0, 1.0}, {}, kAllFree);
   EXPECT_NEAR(result.point.x(), 1.0, 1e-12);
   EXPECT_NEAR(result.distance_left, 1.0, 1e-12);
 }
 
 TEST(LookAhead, BearsDoublePoints) {
-  const LookAhead result =
-      find_look_ahead({{0.0, 0.0}, {0.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}}, 0.0, {0.5, 0.0}, {}, kAllFree);
+  const LookAhead result = find_look_ahead(std::vector<Eigen::Vector2d>{{0.0, 0.0}, {0.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}},
+                                           0.0, {0.5, 0.0}, {}, kAllFree);
   EXPECT_NEAR(result.travelled, 0.5, 1e-12);
   EXPECT_NEAR(result.point.x(), 1.0, 1e-12);
 }
