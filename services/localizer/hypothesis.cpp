@@ -12,7 +12,8 @@ constexpr std::size_t kMostConfirmed = 16;
 
 }  // namespace
 
-void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double log_likelihood, double weight) {
+void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double log_likelihood, double weight,
+          int images) {
   auto found = std::find_if(hypothesis.votes.begin(), hypothesis.votes.end(),
                             [&](const ObjectVote& v) { return v.object == object.id; });
   if (found == hypothesis.votes.end()) {
@@ -22,10 +23,10 @@ void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double 
   }
   found->weight += weight;
   found->weighted_sum += weight * log_likelihood;
-  ++found->frames;
+  found->frames += images;
   found->fixture = fixture;
   if (fixture >= 0) {
-    ++found->matches;
+    found->matches += images;
     if (found->matches >= 3 && 2 * found->matches > found->frames && hypothesis.confirmed.size() < kMostConfirmed &&
         std::find(hypothesis.confirmed.begin(), hypothesis.confirmed.end(), fixture) == hypothesis.confirmed.end()) {
       hypothesis.confirmed.push_back(fixture);
@@ -33,7 +34,8 @@ void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double 
   }
 }
 
-void watch(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer) {
+void watch(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer,
+           int images) {
   for (const int index : expected) {
     auto watch = std::find_if(hypothesis.watches.begin(), hypothesis.watches.end(),
                               [&](const FixtureWatch& w) { return w.fixture == index; });
@@ -41,13 +43,13 @@ void watch(Hypothesis& hypothesis, std::span<const int> expected, std::span<cons
       hypothesis.watches.push_back({index, 0, 0, odometer});
       watch = hypothesis.watches.end() - 1;
     }
-    ++watch->expected;
+    watch->expected += images;
     watch->odometer = odometer;
-    watch->missed += std::find(missed.begin(), missed.end(), index) != missed.end() ? 1 : 0;
+    watch->missed += std::find(missed.begin(), missed.end(), index) != missed.end() ? images : 0;
   }
 }
 
-void score(Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params) {
+double score_of(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params) {
   double total = hypothesis.settled + hypothesis.walls + hypothesis.bonus +
                  std::max(-params.sonar_cap, std::min(0.0, hypothesis.sonar - best_sonar));
   for (const ObjectVote& vote : hypothesis.votes) {
@@ -59,7 +61,11 @@ void score(Hypothesis& hypothesis, double best_sonar, const HypothesisParams& pa
     total += std::log(1.0 - (1.0 - params.miss_probability) * share) *
              std::min(1.0, static_cast<double>(watch.expected) / params.frames_for_full_miss);
   }
-  hypothesis.total = total;
+  return total;
+}
+
+bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params) {
+  return distance(a, b) < params.merge_distance && std::abs(wrap_angle(a.theta - b.theta)) < params.merge_angle;
 }
 
 namespace {
@@ -72,20 +78,18 @@ void settle(Hypothesis& hypothesis, std::vector<ObjectVote> votes, std::vector<F
   Hypothesis over;
   over.votes = std::move(votes);
   over.watches = std::move(watches);
-  score(over, 0.0, params);
-  hypothesis.settled += over.total;
+  hypothesis.settled += score_of(over, 0.0, params);
 }
 
 }  // namespace
 
-void settle_what_is_over(Hypothesis& hypothesis, const SceneMemory& scene, double odometer,
+void settle_what_is_over(Hypothesis& hypothesis, std::span<const SeenObject> forgotten, double odometer,
                          const HypothesisParams& params) {
   std::vector<ObjectVote> votes;
   const auto is_forgotten = [&](const ObjectVote& vote) {
-    return std::any_of(scene.forgotten().begin(), scene.forgotten().end(),
-                       [&](const SeenObject& o) { return o.id == vote.object; });
+    return std::any_of(forgotten.begin(), forgotten.end(), [&](const SeenObject& o) { return o.id == vote.object; });
   };
-  if (!scene.forgotten().empty()) {
+  if (!forgotten.empty()) {
     std::copy_if(hypothesis.votes.begin(), hypothesis.votes.end(), std::back_inserter(votes), is_forgotten);
     std::erase_if(hypothesis.votes, is_forgotten);
   }

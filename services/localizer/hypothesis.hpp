@@ -28,6 +28,7 @@ struct HypothesisParams {
   double merge_angle = radians(12.0);  // [rad] this are one
   double seed_position_sigma = 0.40;   // [m] sightings less sharp make no hypotheses
   int most = 20000;                    // hypotheses kept
+  int work = 8000;                     // units of work in one step, see WorkBudget
 };
 
 /// The likelihood of one object under one hypothesis, averaged over its images.
@@ -63,17 +64,24 @@ struct Hypothesis {
   std::int64_t last_match = 0;  // [us]
 };
 
-/// Counts one image of an object: `fixture` is what it is taken for there, -1 = none; a weight below 1 for a cut one.
-void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double log_likelihood, double weight);
+/// Counts an image of an object: `fixture` is what it is taken for there, -1 = none; a weight below 1 for a cut one. It
+/// stands for as many `images`.
+void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double log_likelihood, double weight,
+          int images);
 
-/// Counts one image in which fixtures ought to be well visible; those `missed` among them are not seen.
-void watch(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer);
+/// Counts an image in which fixtures ought to be well visible; those `missed` among them are not seen. It stands for as
+/// many `images`.
+void watch(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer,
+           int images);
 
-/// Brings `total` up to date; `best_sonar` is the best sonar score of all hypotheses.
-void score(Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params);
+/// What `total` should be; `best_sonar` is the best sonar score of all hypotheses.
+[[nodiscard]] double score_of(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params);
 
-/// Moves the score of objects that the scene has forgotten and of fixtures passed by to `settled`.
-void settle_what_is_over(Hypothesis& hypothesis, const SceneMemory& scene, double odometer,
+/// Two poses so near each other that they are one hypothesis.
+[[nodiscard]] bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params);
+
+/// Moves the score of objects that were `forgotten` and of fixtures passed by to `settled`.
+void settle_what_is_over(Hypothesis& hypothesis, std::span<const SeenObject> forgotten, double odometer,
                          const HypothesisParams& params);
 
 /// Moves the score of all objects and fixtures to `settled`.

@@ -1,28 +1,43 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/ceiling_view.hpp"
 #include "services/localizer/driven_trail.hpp"
 #include "services/localizer/error_model.hpp"
+#include "services/localizer/evidence_round.hpp"
 #include "services/localizer/fixture_map.hpp"
 #include "services/localizer/frame_comparison.hpp"
 #include "services/localizer/hypothesis.hpp"
+#include "services/localizer/hypothesis_births.hpp"
+#include "services/localizer/hypothesis_ranking.hpp"
 #include "services/localizer/sonar_evidence.hpp"
 #include "services/localizer/wall_field.hpp"
+#include "services/localizer/work_budget.hpp"
 
 namespace luminav {
 
 /// All poses that explain what was seen, each with a small Kalman filter and a score. Objects vote once each, however
 /// many images showed them; walls, sonar and missing fixtures count beside.
+///
+/// Work goes in rounds: one image is compared with every hypothesis, new ones are born of it, the list is sorted. Few
+/// hypotheses take one step for that; with thousands a round takes several, each with bounded work, and the images that
+/// pass meanwhile are left out. In between the list is that of the round before: nothing is to be concluded from it.
 class HypothesisBank {
  public:
+  /// Everything given by reference must outlive this.
   HypothesisBank(const FixtureMap& map, const CeilingView& view, const WallField& walls, double ceiling_height,
                  double wheel_base, const SonarRing& sonar, const ErrorParams& errors, const HypothesisParams& params);
+  HypothesisBank(const HypothesisBank&) = delete;
+  HypothesisBank& operator=(const HypothesisBank&) = delete;
 
   void clear();
+  /// The work allowed in one step begins anew.
+  void begin_step() { budget_.renew(); }
   /// How often the list began anew.
   [[nodiscard]] int beginnings() const { return beginnings_; }
   /// Moves all by an odometry step.
@@ -30,30 +45,50 @@ class HypothesisBank {
   /// Moves all by a step that no odometry measured, with its covariance in the frame at its beginning. The scene is to
   /// be cleared: what is seen from now on are other objects.
   void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
-  /// One image: sightings (rolling shutter taken out) with their object in the scene.
+  /// Echoes for the next round, in the robot frame of its image.
+  void listen(const std::vector<PlacedEcho>& echoes);
+  /// One image: sightings (rolling shutter taken out) with their object in the scene. Begins a round with it, or goes
+  /// on with the one begun.
   void observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting, SceneMemory& scene,
                const OdometryReading& odometry, double odometer);
-  /// New poses from objects of the scene that have not yet been used for it. Returns how many.
-  int seed(SceneMemory& scene, const Pose2& odom_from_robot);
-  void listen(const std::vector<PlacedEcho>& echoes);
-  /// A guess from outside.
-  void add_guess(const PoseBelief& belief, double bonus);
-  /// Sorts by score, merges doubles, gives up what is far behind.
+  /// The same without an image.
+  void wait();
+  /// New poses from objects of the scene that have not yet been used for it.
+  void seed(SceneMemory& scene);
+  /// Sorts by score, merges doubles, gives up what is far behind. Ends the round.
   void tidy();
+  /// A round has begun and has not ended: some hypotheses have not seen its image, or are still to be born.
+  [[nodiscard]] bool is_busy() const { return phase_ != Phase::kIdle; }
+  /// The image of the round that is going on or ended last.
+  [[nodiscard]] const SightingFrame& frame() const { return round_.frame; }
+
+  /// A guess from outside, of where the robot is now.
+  void add_guess(const PoseBelief& belief, double bonus);
+  /// Takes a belief of where the robot is now for that of a hypothesis. While the list lags behind nothing is done.
+  void follow(int id, const PoseBelief& belief);
 
   [[nodiscard]] const std::vector<Hypothesis>& hypotheses() const { return hypotheses_; }
   [[nodiscard]] std::vector<Hypothesis>& hypotheses() { return hypotheses_; }
+  /// Belief of a hypothesis carried to now; its own may be that of the round's image.
+  [[nodiscard]] PoseBelief belief_now(std::size_t index) const;
+  [[nodiscard]] Pose2 pose_now(std::size_t index) const;
   /// Score of "all that was seen is something else": what a pose not in the list would have.
   [[nodiscard]] double null_score() const { return null_settled_ + null_active_; }
+  /// Units of work done in this step.
+  [[nodiscard]] int work_done() const { return budget_.spent(); }
 
  private:
-  void correct(Hypothesis& hypothesis, const FrameComparer& comparer, const FrameComparison& comparison,
-               const SightingFrame& frame, double share) const;
-  [[nodiscard]] std::vector<Hypothesis> poses_from(const SeenObject& object, const Pose2& odom_from_robot) const;
-  [[nodiscard]] SightingFrame recent_sightings(const SceneMemory& scene, const Pose2& odom_from_robot) const;
+  enum class Phase { kIdle, kCompare, kCompared, kBear, kRank };
+
+  void begin_round();
+  void compare_next();
+  void visit(Hypothesis& hypothesis) const;
+  void move(Hypothesis& hypothesis) const;
+  void compare(Hypothesis& hypothesis) const;
+  void correct(Hypothesis& hypothesis, const FrameComparison& comparison) const;
+  void bear_next();
   void add(Hypothesis hypothesis);
-  [[nodiscard]] bool is_same_place(const Pose2& a, const Pose2& b) const;
-  [[nodiscard]] bool is_possible_place(const PoseBelief& belief) const;
+  [[nodiscard]] bool awaits_visit(std::size_t index) const { return phase_ == Phase::kCompare && index >= next_; }
 
   const FixtureMap& map_;
   const CeilingView& view_;
@@ -67,10 +102,30 @@ class HypothesisBank {
   double null_settled_ = 0.0;
   double null_active_ = 0.0;
   double best_sonar_ = 0.0;
-  DrivenTrail trail_;
-  double way_since_correction_ = 0.0;  // [m], turns counted in
   int next_id_ = 1;
   int beginnings_ = 0;
+
+  // the round
+  Phase phase_ = Phase::kIdle;
+  EvidenceRound round_;
+  std::optional<FrameComparer> comparer_;
+  std::size_t next_ = 0;  // hypothesis to be compared with the image
+  HypothesisBirths births_;
+  double least_total_ = 0.0;  // what is born with less would be given up at once
+  HypothesisRanking ranking_;
+  WorkBudget budget_;
+
+  // what the next round begins with
+  bool has_moved_ = false;
+  PoseBelief lag_;    // motion since the round's image, in the robot frame there
+  double way_ = 0.0;  // [m] of it
+  bool settles_ = false;
+  std::vector<PlacedEcho> echoes_;
+  std::vector<SeenObject> forgotten_;
+  int images_ = 0;
+  DrivenTrail trail_;
+  bool has_stretch_ = false;
+  double way_since_correction_ = 0.0;  // [m], turns counted in
 };
 
 }  // namespace luminav

@@ -35,6 +35,7 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       echoes_(robot.sonar, params.hypotheses.sonar_way, params.hypotheses.sonar_turn) {}
 
 void ModernLocalizer::add_odometry(const OdometryReading& reading) {
+  bank_.begin_step();
   const OdometryHistory& history = queue_.history();
   if (!history.is_empty()) {
     const OdometryReading& last = history.newest();
@@ -51,6 +52,7 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
     if (const auto behind = history.at(reading.utime - kCameraSilence / 2)) {
       advance(*behind);
       listen(behind->utime);
+      bank_.wait();
       bank_.tidy();
       decide({});
     }
@@ -73,6 +75,7 @@ void ModernLocalizer::bridge(const std::string& why, const MotionGap& gap) {
 }
 
 void ModernLocalizer::add_frame(const SightingFrame& frame) {
+  bank_.begin_step();
   queue_.add_frame(frame);
   while (const auto timed = queue_.next()) {
     step(*timed);
@@ -100,6 +103,7 @@ void ModernLocalizer::add_guess(const PoseGuess& guess) {
     return;
   }
   guess_id_ = guess.id;
+  bank_.begin_step();
   if (verdict_.is_tracking()) {
     verdict_.add_rival(guess.belief);
   } else {
@@ -123,6 +127,9 @@ void ModernLocalizer::advance(const OdometryReading& odometry) {
 }
 
 void ModernLocalizer::listen(std::int64_t until_utime) {
+  if (bank_.is_busy()) {
+    return;  // echoes are placed where the next round begins
+  }
   if (bank_.beginnings() != listens_since_) {
     listens_since_ = bank_.beginnings();
     echoes_.forget_places();  // nobody in the new list has heard them
@@ -157,7 +164,7 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
     verdict_.favour_what_foretold();
   }
   if (!verdict_.is_tracking()) {
-    bank_.seed(scene_, timed.odometry.odom_from_robot);
+    bank_.seed(scene_);
   }
   bank_.tidy();
   decide(frame);
@@ -203,15 +210,13 @@ void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vect
     fixture_utime_ = frame.utime;
     odometer_at_fixture_ = odometer_;
   }
-  for (Hypothesis& hypothesis : bank_.hypotheses()) {
-    if (hypothesis.id == verdict_.leader_id()) {
-      hypothesis.belief = filter_.belief();
-    }
-  }
+  bank_.follow(verdict_.leader_id(), filter_.belief());
 }
 
 void ModernLocalizer::decide(const SightingFrame& frame) {
-  if (verdict_.decide(frame, odometer_ - odometer_at_fixture_)) {
+  // While a round goes on some poses have not seen its image: no more can be said than without one.
+  const bool has_image = frame.utime != 0 && !bank_.is_busy();
+  if (verdict_.decide(has_image ? bank_.frame() : SightingFrame{}, odometer_ - odometer_at_fixture_)) {
     correct_filter(frame, match_sightings(filter_, map_, frame, *filter_odometry_, params_.tracking.gate),
                    *filter_odometry_);
   }
@@ -238,7 +243,7 @@ LocalizerEstimate ModernLocalizer::estimate() const {
     estimate.belief = filter_.belief_after(ahead);
   } else if (!bank_.hypotheses().empty()) {
     estimate.estimator = EstimatorKind::kHypotheses;
-    estimate.belief = bank_.hypotheses().front().belief;
+    estimate.belief = bank_.belief_now(0);
     predict(estimate.belief, ahead, odometry_noise(ahead, wheel_base_, ErrorParams{}));
   }
   if (estimate.state == LocalizerState::kAmbiguous) {
@@ -251,7 +256,7 @@ LocalizerEstimate ModernLocalizer::estimate() const {
 }
 
 std::vector<WeightedPose> ModernLocalizer::hypotheses(std::size_t most) const {
-  return weigh(bank_.hypotheses(), since_filter(), most);
+  return weigh(bank_, since_filter(), most);
 }
 
 }  // namespace luminav

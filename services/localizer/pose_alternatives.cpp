@@ -1,10 +1,12 @@
 #include "services/localizer/pose_alternatives.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace luminav {
 
-std::vector<WeightedPose> weigh(const std::vector<Hypothesis>& hypotheses, const Pose2& ahead, std::size_t most) {
+std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, std::size_t most) {
+  const std::vector<Hypothesis>& hypotheses = bank.hypotheses();
   std::vector<WeightedPose> result;
   if (hypotheses.empty()) {
     return result;
@@ -14,12 +16,9 @@ std::vector<WeightedPose> weigh(const std::vector<Hypothesis>& hypotheses, const
   for (const Hypothesis& hypothesis : hypotheses) {
     sum += std::exp(hypothesis.total - best);
   }
-  for (const Hypothesis& hypothesis : hypotheses) {
-    if (result.size() >= most) {
-      break;
-    }
-    result.push_back({hypothesis.belief.pose * ahead, std::exp(hypothesis.total - best) / sum,
-                      position_sigma(hypothesis.belief.covariance)});
+  for (std::size_t i = 0; i < std::min(most, hypotheses.size()); ++i) {
+    result.push_back({bank.pose_now(i) * ahead, std::exp(hypotheses[i].total - best) / sum,
+                      position_sigma(hypotheses[i].belief.covariance)});
   }
   return result;
 }

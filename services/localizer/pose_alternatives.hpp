@@ -7,8 +7,8 @@
 
 namespace luminav {
 
-/// The first `most` of the sorted hypotheses as shares of all, each carried `ahead` by odometry.
-std::vector<WeightedPose> weigh(const std::vector<Hypothesis>& hypotheses, const Pose2& ahead, std::size_t most);
+/// The first `most` of the bank's sorted hypotheses as shares of all, each carried `ahead` by odometry.
+std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, std::size_t most);
 
 /// Makes a belief as wide as the poses that are still possible lie apart.
 void widen_over(const std::vector<WeightedPose>& possible, PoseBelief& belief);

@@ -83,7 +83,7 @@ bool PoseVerdict::begin_anew_if_unexplained(const SightingFrame& frame) {
     return false;
   }
   unexplained_run_ = 0;
-  const PoseBelief old = leader_id_ != 0 ? filter_.belief() : best.belief;
+  const PoseBelief old = leader_id_ != 0 ? filter_.belief() : bank_.belief_now(0);
   scene_.clear();
   bank_.clear();
   bank_.add_guess(old, 0.0);
@@ -136,7 +136,7 @@ bool PoseVerdict::may_declare(const Hypothesis& best, const SightingFrame& frame
 bool PoseVerdict::declare_tracking(const Hypothesis& best) {
   const bool is_new = best.id != leader_id_;
   if (is_new) {
-    PoseBelief start = best.belief;
+    PoseBelief start = bank_.belief_now(0);
     start.covariance += Eigen::Vector3d(0.01, 0.01, 0.003).asDiagonal();
     filter_.start(start);
     leader_id_ = best.id;

@@ -15,6 +15,9 @@ struct PlacedEcho {
   double range = 0.0;  // [m]
 };
 
+/// Units of work, see WorkBudget, that one echo takes.
+inline constexpr int kUnitsPerEcho = 2;
+
 /// Log of the likelihood ratio of echoes under a pose against echoes from anything: near a wall of the map, or from
 /// behind one. `half_angle` [rad] of the sonar's beam.
 double log_likelihood_of_echoes(const PoseBelief& belief, std::span<const PlacedEcho> echoes, const WallField& walls,

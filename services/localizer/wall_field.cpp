@@ -52,28 +52,30 @@ WallField::WallField(const PriorMap& map) : map_(resample(map, kResolution)) {
   }
   // along the columns first, [cells]; a wall so far off that a byte does not hold it is none
   constexpr int kNone = 255;
-  distance_.resize(columns * rows);
-  const auto one_farther = [&](std::size_t i) { return std::min(kNone, distance_[i] + 1); };
-  for (std::size_t i = 0; i < distance_.size(); ++i) {
+  std::vector<std::uint8_t> distance(columns * rows);
+  const auto one_farther = [&](std::size_t i) { return std::min(kNone, distance[i] + 1); };
+  for (std::size_t i = 0; i < distance.size(); ++i) {
     const int below = i >= columns ? one_farther(i - columns) : kNone;
-    distance_[i] = static_cast<std::uint8_t>(map_.cells[i] == Prior::kOccupied ? 0 : below);
+    distance[i] = static_cast<std::uint8_t>(map_.cells[i] == Prior::kOccupied ? 0 : below);
   }
-  for (std::size_t i = distance_.size() - columns; i-- > 0;) {
-    distance_[i] = static_cast<std::uint8_t>(std::min<int>(distance_[i], one_farther(i + columns)));
+  for (std::size_t i = distance.size() - columns; i-- > 0;) {
+    distance[i] = static_cast<std::uint8_t>(std::min<int>(distance[i], one_farther(i + columns)));
   }
   std::vector<int> apex(columns + 1);
   std::vector<float> border(columns + 2);
   std::vector<float> line(columns);
   std::vector<float> result(columns);
+  tile_columns_ = (columns + kTile - 1) / kTile;
+  tiles_.assign(tile_columns_ * ((rows + kTile - 1) / kTile) * kTile * kTile, 0);
   for (std::size_t row = 0; row < rows; ++row) {
-    std::uint8_t* const distances = &distance_[row * columns];
-    std::transform(distances, distances + columns, line.begin(), [](std::uint8_t cells) {
+    const auto first = distance.begin() + static_cast<std::ptrdiff_t>(row * columns);
+    std::transform(first, first + static_cast<std::ptrdiff_t>(columns), line.begin(), [](std::uint8_t cells) {
       return cells == kNone ? 1e8F : static_cast<float>(cells) * static_cast<float>(cells);
     });
     transform_line(line, result, apex, border);
     for (std::size_t column = 0; column < columns; ++column) {
       const double centimetres = 100.0 * map_.geometry.resolution * std::sqrt(static_cast<double>(result[column]));
-      distances[column] = static_cast<std::uint8_t>(std::min(250.0, centimetres));
+      tiles_[tiled(column, row)] = static_cast<std::uint8_t>(std::min(250.0, centimetres));
     }
   }
 }
@@ -91,10 +93,8 @@ double WallField::distance_to_wall(const Eigen::Vector2d& point_in_world) const 
   const auto r = static_cast<std::size_t>(row);
   const double u = column - static_cast<double>(c);
   const double v = row - static_cast<double>(r);
-  const std::size_t i = r * static_cast<std::size_t>(map_.geometry.columns) + c;
-  const std::size_t above = i + static_cast<std::size_t>(map_.geometry.columns);
-  const double centimetres = (1.0 - v) * ((1.0 - u) * distance_[i] + u * distance_[i + 1]) +
-                             v * ((1.0 - u) * distance_[above] + u * distance_[above + 1]);
+  const double centimetres = (1.0 - v) * ((1.0 - u) * tiles_[tiled(c, r)] + u * tiles_[tiled(c + 1, r)]) +
+                             v * ((1.0 - u) * tiles_[tiled(c, r + 1)] + u * tiles_[tiled(c + 1, r + 1)]);
   return 0.01 * centimetres;
 }
 

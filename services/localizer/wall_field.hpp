@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -15,7 +16,7 @@ class WallField {
   WallField() = default;
   explicit WallField(const PriorMap& map);
 
-  [[nodiscard]] bool has_walls() const { return !distance_.empty(); }
+  [[nodiscard]] bool has_walls() const { return !tiles_.empty(); }
   /// [m] to the nearest occupied cell, 0 inside one, at most kFarthest; bilinear between cell centres. Outside the map
   /// kFarthest.
   [[nodiscard]] double distance_to_wall(const Eigen::Vector2d& point_in_world) const;
@@ -30,8 +31,14 @@ class WallField {
   static constexpr double kResolution = 0.1;  // [m]
 
  private:
+  static constexpr std::size_t kTile = 8;  // cells on a side: a line of the cache, whatever direction a ray has
+  [[nodiscard]] std::size_t tiled(std::size_t column, std::size_t row) const {
+    return ((row / kTile * tile_columns_ + column / kTile) * kTile + row % kTile) * kTile + column % kTile;
+  }
+
   PriorMap map_;
-  std::vector<std::uint8_t> distance_;  // [cm] to the nearest occupied cell's centre, row-major from the lower left
+  std::vector<std::uint8_t> tiles_;  // [cm] to the nearest occupied cell's centre, row-major in tiles and of tiles
+  std::size_t tile_columns_ = 0;
 };
 
 }  // namespace luminav
