@@ -213,6 +213,9 @@ void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& vi
       if (is_new && uncharted > 0.0) {  // the echo came from one of them, most likely from where others came from
         const double share = candidate.weight * odds_of(grid_.evidence[i], reading.range) / uncharted;
         add(candidate.cell, params_.sonar.occupied_log_odds * std::min(1.0, params_.surface_cells * share));
+        if (is_occupied(candidate.cell) && reading.range <= params_.narrow_range) {
+          forget_behind(reading.world_from_sonar.position(), candidate.cell);
+        }
       }
       continue;
     }
@@ -222,6 +225,17 @@ void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& vi
       grid_.prior[i] = Prior::kOccupied;
       disputes_.erase(i);
     }
+  }
+}
+
+// Oblique walls are mirrors: before a wall was drawn, echoes of what they show were placed behind it, and the way there
+// was called free. What is true of it will be seen again from the other side.
+void GridMapper::forget_behind(const Eigen::Vector2d& disc, const Cell& wall) {
+  const Eigen::Vector2d centre = grid_.geometry.centre_of(wall);
+  const Cell behind = grid_.geometry.cell_at(centre + grid_.geometry.resolution * (centre - disc).normalized());
+  if (grid_.geometry.contains(behind)) {
+    std::int8_t& evidence = grid_.evidence[grid_.geometry.index(behind)];
+    evidence = std::max(evidence, std::int8_t{0});
   }
 }
 

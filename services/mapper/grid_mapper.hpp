@@ -93,6 +93,8 @@ class GridMapper {
   /// Takes evidence from what ought to have answered so near to a disc.
   void look_beside(const DiscReading& reading);
   void vote_occupied(const DiscReading& reading, const SliceRanges& visible);
+  /// Makes the cell behind one that answered unknown where it was called free.
+  void forget_behind(const Eigen::Vector2d& disc, const Cell& wall);
   /// How likely an echo from so far away [m] came from a cell with that evidence, beside others on its arc.
   [[nodiscard]] double odds_of(std::int8_t evidence, double range) const;
   /// Whether a reading says more than the last vote of its disc: seen again from the same place it is the same.

@@ -33,6 +33,8 @@ void GoalCycle::begin(const GoalRequest& goal, int stop_index, std::int64_t now)
   report_.stop_count = static_cast<int>(goal.stops.size());
   report_.target = stop();
   suspects_.clear();
+  looked_at_.clear();
+  has_looked_twice_ = false;
   map_dirty_ = true;
   last_tracking_ = 0;
   last_plan_ = 0;
@@ -130,6 +132,8 @@ void GoalCycle::next_stop() {
   report_.target = stop();
   attempts_ = losses_ = arrival_failures_ = retries_ = 0;
   suspects_.clear();
+  looked_at_.clear();
+  has_looked_twice_ = false;
   map_dirty_ = true;
   last_plan_ = 0;
   enter(Phase::kPlanning, NavigationState::kPlanning, "");

@@ -58,6 +58,9 @@ class GoalCycle {
   void hold(const Polyline& way, std::size_t blocked_at, double reference_length);
   void update_hold(const Situation& situation);
   void look_again(const Situation& situation, const Route& route);
+  /// Where no building's map tells walls from what sonars draw wrongly: drives to the gap that would make the way much
+  /// shorter, or possible, to look at it from near. False when there is none left.
+  bool look_at_gap(const Situation& situation, const Route& route);
   void follow(const Route& route);
   void update_following(const Situation& situation);
   void check_arrival(const Situation& situation);
@@ -126,9 +129,12 @@ class GoalCycle {
   int skipped_ = 0;
   Blockage blockage_;
   std::string hold_reason_;
-  bool has_looked_again_ = false;  // at this blockage, from as near as can be
-  double reference_length_ = 0.0;  // [m] of the way that was blocked
-  std::int64_t hold_since_ = 0;    // [us] when the robot began to stand before the blockage; 0 = on its way there
+  std::vector<SuspectedObstacle> looked_at_;  // gaps of this goal that stayed shut when seen from near
+  bool has_looked_twice_ = false;             // all of them
+  bool looks_at_gap_ = false;                 // what it holds before is one
+  bool has_looked_again_ = false;             // at this blockage, from as near as can be
+  double reference_length_ = 0.0;             // [m] of the way that was blocked
+  std::int64_t hold_since_ = 0;  // [us] when the robot began to stand before the blockage; 0 = on its way there
 };
 
 }  // namespace luminav

@@ -72,6 +72,9 @@ void GoalCycle::check_path(const Situation& situation) {
   }
   const std::optional<std::size_t> blocked = planner_.first_blocked(left, beside);
   const Route route = planner_.plan({robot, stop().pose.position(), planned_tolerance()});
+  if (blocked && look_at_gap(situation, route)) {
+    return;
+  }
   if (route.outcome != RouteOutcome::kFound) {
     if (blocked || off_path) {
       handle_no_route(situation, route);

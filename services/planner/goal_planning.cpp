@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "services/planner/goal_sentences.hpp"
 
@@ -11,8 +12,11 @@ namespace luminav {
 namespace {
 
 constexpr double kShortestHold = 0.4;   // [m] a way to a blockage shorter than that is not worth driving
+constexpr double kShortestLook = 0.15;  // [m] the same where looking at it is what it drives for
+constexpr double kNearEnough = 0.5;     // [m] from it: nearer it would creep into what stands there
 constexpr double kHoldReached = 0.4;    // [m] from the end of that way
 constexpr double kSlowestSpeed = 0.1;   // [m/s] that a way to a blockage may take
+constexpr double kGapRadius = 0.25;     // [m] round a gap that is not looked at twice
 constexpr double kArrivalError = 0.04;  // [m] the controller stops within this of a path's end
 
 }  // namespace
@@ -51,6 +55,9 @@ void GoalCycle::plan(const Situation& situation) {
     return;
   }
   const Route route = plan_route(situation);
+  if (look_at_gap(situation, route)) {
+    return;
+  }
   if (route.outcome == RouteOutcome::kFound) {
     follow(route);
   } else {
@@ -113,15 +120,24 @@ void GoalCycle::hold(const Polyline& way, std::size_t blocked_at, double referen
   hold_reason_ = blockage_.sentence();
   reference_length_ = reference_length;
   Polyline approach(way.begin(), way.begin() + static_cast<std::ptrdiff_t>(blocked_at) + 1);
-  const auto back = static_cast<std::size_t>(params_.hold_distance / planner_params_.shaping.spacing);
+  const bool is_drawn = planner_params_.space.unknown_is_free;  // by this robot alone: worth a look from near
+  const double distance = is_drawn ? params_.gap_distance : params_.hold_distance;
+  const auto back = static_cast<std::size_t>(distance / planner_params_.shaping.spacing);
   approach.resize(approach.size() > back ? approach.size() - back : 0);
-  const bool worth_driving = approach.size() >= 2 && polyline_length(approach) > kShortestHold;
+  const bool is_near = is_drawn && (way[blocked_at] - way.front()).norm() < kNearEnough;
+  const bool worth_driving =
+      !is_near && approach.size() >= 2 && polyline_length(approach) > (is_drawn ? kShortestLook : kShortestHold);
   set_path(worth_driving ? approach : Polyline{});
   // no final heading, no tight tolerance: it only waits there
-  path_.has_theta = false;
-  path_.tolerance = params_.hold_tolerance;
+  path_.has_theta = is_drawn && worth_driving;
+  path_.tolerance = is_drawn ? params_.gap_distance : params_.hold_tolerance;
+  if (path_.has_theta) {
+    const Eigen::Vector2d ahead = way[blocked_at] - approach.back();
+    path_.theta = std::atan2(ahead.y(), ahead.x());
+  }
   hold_since_ = worth_driving ? 0 : now_;
   has_looked_again_ = false;
+  looks_at_gap_ = false;
   phase_ = Phase::kNone;  // a new blockage has a time of its own
   enter(Phase::kHolding, NavigationState::kWaiting,
         fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait));
@@ -138,11 +154,19 @@ void GoalCycle::update_hold(const Situation& situation) {
   if (hold_since_ == 0 && (there || seconds_since(phase_since_) > drive_time)) {
     hold_since_ = now_;
   }
-  const bool waited = hold_since_ != 0 && seconds_since(hold_since_) >= params_.blocked_wait;
+  const double wait = looks_at_gap_ ? params_.gap_wait : params_.blocked_wait;
+  const bool waited = hold_since_ != 0 && seconds_since(hold_since_) >= wait;
   if (!waited && (!map_dirty_ || seconds_since(last_plan_) < params_.replan_period)) {
     return;
   }
   const Route route = plan_route(situation);
+  if (waited && looks_at_gap_) {  // it stayed shut, or opened: the next one
+    if (!look_at_gap(situation, route)) {
+      enter(Phase::kPlanning, NavigationState::kPlanning, "");
+      plan(situation);
+    }
+    return;
+  }
   if (route.outcome != RouteOutcome::kFound) {
     if (hold_since_ != 0 && seconds_since(hold_since_) >= params_.look_again && !has_looked_again_) {
       look_again(situation, route);
@@ -166,6 +190,53 @@ void GoalCycle::update_hold(const Situation& situation) {
     ++report_.replans;
     follow(route);
   }
+}
+
+// Far, oblique echoes draw wide arcs from door posts, so that doors look narrow or shut on the robot's own map until it
+// has looked at them from near.
+bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
+  const bool is_found = route.outcome == RouteOutcome::kFound;
+  if (!planner_params_.space.unknown_is_free || static_cast<int>(looked_at_.size()) >= params_.gap_looks ||
+      (!is_found && route.outcome != RouteOutcome::kUnreachable && route.outcome != RouteOutcome::kGoalBlocked)) {
+    return false;
+  }
+  const Eigen::Vector2d robot = situation.world_from_robot.position();
+  const auto worth = [&](double through) { return params_.detour_ratio * through + params_.detour_length; };
+  const double length = is_found ? polyline_length(route.points) : std::numeric_limits<double>::infinity();
+  if (length < worth((stop().pose.position() - robot).norm())) {
+    return false;
+  }
+  Route way;
+  for (const double occupied : {params_.doubtful_log_odds, params_.sure_log_odds}) {
+    RoutePlannerParams doubting = planner_params_;
+    doubting.space.hard_radius = planner_params_.body_radius;
+    doubting.space.occupied_log_odds = occupied;
+    RoutePlanner by_what_is_sure(doubting);
+    by_what_is_sure.set_grid(*grid_, looked_at_);
+    way = by_what_is_sure.plan({robot, stop().pose.position(), planned_tolerance()});
+    if (way.outcome == RouteOutcome::kFound && length > worth(polyline_length(way.points))) {
+      break;
+    }
+    way.points.clear();
+  }
+  if (way.points.empty()) {
+    if (is_found || has_looked_twice_ || looked_at_.empty()) {
+      return false;
+    }
+    has_looked_twice_ = true;  // from elsewhere they may look otherwise
+    looked_at_.clear();
+    return look_at_gap(situation, route);
+  }
+  const auto beside = static_cast<std::size_t>(kSkipBesideRobot / planner_params_.shaping.spacing) + 1;
+  const std::optional<std::size_t> blocked = planner_.first_blocked(way.points, beside);
+  if (!blocked) {
+    return false;
+  }
+  hold(way.points, *blocked, polyline_length(way.points));
+  looks_at_gap_ = true;
+  looked_at_.push_back({way.points[*blocked], kGapRadius});
+  report_.cause = fmt::format("{}; looking at it from near", hold_reason_);
+  return true;
 }
 
 // Seen at a slant, a smooth thing and nothing at all look alike to a sonar: what lies in the way of the goal is looked

@@ -27,6 +27,8 @@ std::string no_path_sentence(const Route& route, const GridGeometry& geometry, c
                          geometry.origin.y() + geometry.rows * geometry.resolution);
     case RouteOutcome::kStartOutside:
       return "the robot stands outside the map";
+    case RouteOutcome::kStartEnclosed:
+      return fmt::format("the robot's own place is enclosed: no way leads out of it to {}", place_of(stop));
     case RouteOutcome::kGoalBlocked:
       return fmt::format("goal {} lies in or beside an obstacle: {}", place_of(stop), nearest);
     default:

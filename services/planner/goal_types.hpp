@@ -63,17 +63,22 @@ struct GoalCycleParams {
   double off_path = 0.6;          ///< [m] from the path before it is planned anew
   double no_progress_time = 6.0;  ///< [s] without progress before it is planned anew
   double progress_length = 0.2;   ///< [m] of the path that count as progress
-  double look_again = 20.0;     ///< [s] after which a goal that lies in an obstacle is looked at from as near as can be
-  double give_up_wait = 60.0;   ///< [s] to wait when no other way is left: people come and go
-  int attempts = 5;             ///< plans without progress before the robot calls itself stuck ...
-  double stuck_time = 60.0;     ///< [s] ... and how long it must have tried, ...
-  double people_time = 180.0;   ///< [s] ... while somebody is in the way every now and then,
-  double people_memory = 20.0;  ///< [s] that is, at most so long ago
-  double suspect_time = 60.0;   ///< [s] that a suspected obstacle stays
-  double touch_ahead = 0.36;    ///< [m] from the wheel axis to the middle of what the robot drove against
-  double touch_time = 180.0;    ///< [s] that it stays
-  double retry_wait = 20.0;     ///< [s] before a failed stop is tried again, policy retry
-  int retries = 3;              ///< how often
+  double look_again = 20.0;  ///< [s] after which a goal that lies in an obstacle is looked at from as near as can be
+  double doubtful_log_odds = 1.8;  ///< where there is no building's map, evidence below is a gap worth a look from near
+  double sure_log_odds = 2.4;      ///< when there is none: evidence below this
+  double gap_distance = 0.25;      ///< [m] before it: from farther away its posts are all that is heard
+  double gap_wait = 4.0;           ///< [s] to look at it
+  int gap_looks = 12;              ///< how many of them for one goal
+  double give_up_wait = 60.0;      ///< [s] to wait when no other way is left: people come and go
+  int attempts = 5;                ///< plans without progress before the robot calls itself stuck ...
+  double stuck_time = 60.0;        ///< [s] ... and how long it must have tried, ...
+  double people_time = 180.0;      ///< [s] ... while somebody is in the way every now and then,
+  double people_memory = 20.0;     ///< [s] that is, at most so long ago
+  double suspect_time = 60.0;      ///< [s] that a suspected obstacle stays
+  double touch_ahead = 0.36;       ///< [m] from the wheel axis to the middle of what the robot drove against
+  double touch_time = 180.0;       ///< [s] that it stays
+  double retry_wait = 20.0;        ///< [s] before a failed stop is tried again, policy retry
+  int retries = 3;                 ///< how often
 };
 
 /// What the controller said last.

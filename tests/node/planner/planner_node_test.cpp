@@ -293,6 +293,56 @@ TEST(PlannerNode, ArrivesWhenTheSecondLookFindsTheGoalFree) {
   EXPECT_TRUE(world.run_until_state(30.0, Status::STATE_ARRIVED)) << world.status.cause;
 }
 
+/// The two rooms as the robot has drawn them itself, with a thin leaf in the door that is not there.
+void draw_by_sonar(PlannerWorld& world) {
+  for (std::size_t i = 0; i < world.grid.prior.size(); ++i) {
+    world.grid.evidence[i] = world.grid.prior[i] == Prior::kOccupied ? 50 : -20;
+    world.grid.prior[i] = Prior::kUnknown;
+  }
+  for (int row = 28; row < 37; ++row) {
+    world.grid.evidence[world.grid.geometry.index({61, row})] = 30;
+  }
+}
+
+PlannerConfig mapping_config() {
+  PlannerConfig config;
+  config.route.space.unknown_is_free = true;
+  config.route.space.hard_radius = 0.25;
+  return config;
+}
+
+TEST(PlannerNode, LooksFromNearAtADoorThatItDrewShut) {
+  PlannerWorld world(mapping_config());
+  draw_by_sonar(world);
+  world.robot = {2.0, 5.4, 0.0};
+  world.go(1, 10.0, 5.4);
+  const auto stands_before_it = [&] { return std::hypot(world.robot.x - 6.1, world.robot.y - 3.2) < 0.8; };
+  ASSERT_TRUE(world.run_until(30.0, stands_before_it)) << world.status.cause;
+  EXPECT_THAT(world.status.cause, HasSubstr("looking at it from near"));
+  world.obstacle(6.1, 2.8, 6.2, 3.7, false);  // so near the leaf is seen through
+  EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
+TEST(PlannerNode, GivesUpWhenTheDoorThatItDrewStaysShut) {
+  PlannerWorld world(mapping_config());
+  draw_by_sonar(world);
+  world.go(1, 10.0, 5.4);
+  ASSERT_TRUE(world.run_until_state(180.0, Status::STATE_BLOCKED)) << world.status.cause;
+  EXPECT_THAT(world.status.cause, HasSubstr("is blocked"));
+}
+
+TEST(PlannerNode, SaysThatItsOwnPlaceIsEnclosed) {
+  PlannerWorld world;
+  world.robot = {2.05, 3.05, 0.0};
+  world.wall(17, 27, 24, 28);
+  world.wall(17, 33, 24, 34);
+  world.wall(17, 27, 18, 34);
+  world.wall(23, 27, 24, 34);
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(10.0, Status::STATE_NO_PATH));
+  EXPECT_THAT(world.status.cause, HasSubstr("the robot's own place is enclosed"));
+}
+
 TEST(PlannerNode, StandsByABlockageOnTheLongWayRound) {
   PlannerConfig config;
   config.cycle.detour_ratio = 1.0;

@@ -296,6 +296,22 @@ TEST(GridMapper, ClearsAllEvidence) {
   }
 }
 
+TEST(GridMapper, DoesNotKnowWhatLiesBehindAWallThatItDraws) {
+  GridMapper mapper({}, room(Prior::kUnknown), 16);
+  Beam beam(mapper);
+  const auto evidence = [&](double x) {
+    return mapper.grid().evidence[mapper.grid().geometry.index(mapper.grid().geometry.cell_at({x, 5.05}))];
+  };
+  beam.look({4.0, 5.05, 0.0}, 2.5, 20);  // by a mirror that was no wall yet
+  ASSERT_LT(evidence(5.15), 0);
+  for (double x = 4.0; x < 4.5; x += 0.06) {
+    beam.look({x, 5.05, 0.0}, 5.05 - x, 2);
+  }
+  EXPECT_TRUE(occupied(mapper, 5.05, 5.05));
+  EXPECT_GE(evidence(5.15), 0);
+  EXPECT_LT(evidence(4.45), 0);
+}
+
 TEST(GridMapper, SurvivesPosesFarOutsideTheMap) {
   GridMapper mapper({}, room(), 16);
   Beam beam(mapper);
