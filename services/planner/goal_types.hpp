@@ -69,7 +69,8 @@ struct GoalCycleParams {
   double gap_distance = 0.25;      ///< [m] before it: from farther away its posts are all that is heard
   double gap_wait = 4.0;           ///< [s] to look at it
   int gap_looks = 12;              ///< how many of them for one goal
-  double give_up_wait = 60.0;      ///< [s] to wait when no other way is left: people come and go
+  double give_up_wait = 100.0;     ///< [s] to wait when no other way is left: people come and go, and the mapper
+                                   ///< forgets within 90 s (its decay_time) what nobody sees any more
   int attempts = 5;                ///< plans without progress before the robot calls itself stuck ...
   double stuck_time = 60.0;        ///< [s] ... and how long it must have tried, ...
   double people_time = 180.0;      ///< [s] ... while somebody is in the way every now and then,
