@@ -307,7 +307,10 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
   const double patience = waits_for_people ? config_.patience : config_.patience_with_things;
   const bool is_stuck = output.seconds_without_progress > config_.stuck_after;
   const bool is_waiting = standing > 0.0 && standing < patience;
-  if ((standing > patience || without_progress > config_.stuck_after) && !is_waiting && input.now >= next_escape_) {
+  // who is only to turn where it stands does not leave its place for that
+  const bool only_turns = input.task == ControlTask::kFollow && follower_.path().points.size() == 1;
+  if ((standing > patience || without_progress > config_.stuck_after) && !is_waiting && !only_turns &&
+      input.now >= next_escape_) {
     if (input.task == ControlTask::kWander) {
       wander_.give_up(input.now, input.odom_from_robot);
     }

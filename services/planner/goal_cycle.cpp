@@ -38,7 +38,7 @@ void GoalCycle::begin(const GoalRequest& goal, int stop_index, std::int64_t now)
   map_dirty_ = true;
   last_tracking_ = 0;
   last_plan_ = 0;
-  attempts_ = losses_ = arrival_failures_ = retries_ = failures_in_a_row_ = skipped_ = 0;
+  attempts_ = losses_ = doubts_ = arrival_failures_ = retries_ = failures_in_a_row_ = skipped_ = 0;
   set_path({});
   enter(Phase::kLocalizing, NavigationState::kLocalizing, "");
 }
@@ -96,6 +96,7 @@ void GoalCycle::enter(Phase phase, NavigationState state, const std::string& cau
   phase_ = phase;
   report_.state = state;
   report_.cause = cause;
+  cause_before_.reset();
 }
 
 void GoalCycle::finish(NavigationState state, const std::string& cause) {
@@ -130,7 +131,7 @@ void GoalCycle::next_stop() {
   stop_ = (stop_ + 1) % report_.stop_count;
   report_.stop_index = stop_;
   report_.target = stop();
-  attempts_ = losses_ = arrival_failures_ = retries_ = 0;
+  attempts_ = losses_ = doubts_ = arrival_failures_ = retries_ = 0;
   suspects_.clear();
   looked_at_.clear();
   has_looked_twice_ = false;
@@ -173,6 +174,10 @@ void GoalCycle::lose_place(const std::string& why) {
 bool GoalCycle::is_localized(const Situation& situation) {
   if (situation.tracking) {
     last_tracking_ = now_;
+    if (cause_before_) {
+      report_.cause = *cause_before_;
+      cause_before_.reset();
+    }
     if (phase_ == Phase::kLocalizing) {
       enter(Phase::kPlanning, NavigationState::kPlanning, "");
       last_plan_ = 0;
@@ -187,6 +192,9 @@ bool GoalCycle::is_localized(const Situation& situation) {
   }
   if (phase_ != Phase::kLocalizing) {
     if (last_tracking_ != 0 && seconds_since(last_tracking_) < params_.tracking_grace) {
+      if (!cause_before_) {
+        cause_before_ = report_.cause;
+      }
       report_.cause = situation.localization;
       return false;
     }
@@ -249,6 +257,7 @@ void GoalCycle::update(const Situation& situation) {
   suspect_touched(situation);
   switch (phase_) {
     case Phase::kPlanning:
+    case Phase::kDoubting:
       plan(situation);
       break;
     case Phase::kFollowing:

@@ -42,7 +42,7 @@ class GoalCycle {
   static constexpr double kSkipBesideRobot = 0.35;   // [m] of the path: what is that near is the controller's business
   static constexpr double kAttemptsForgotten = 1.0;  // [m] of progress after which failures count from zero again
 
-  enum class Phase { kNone, kLocalizing, kPlanning, kFollowing, kHolding, kDwelling, kRetrying, kPaused };
+  enum class Phase { kNone, kLocalizing, kPlanning, kDoubting, kFollowing, kHolding, kDwelling, kRetrying, kPaused };
 
   void begin(const GoalRequest& goal, int stop_index, std::int64_t now);
   void enter(Phase phase, NavigationState state, const std::string& cause);
@@ -55,6 +55,9 @@ class GoalCycle {
   [[nodiscard]] bool is_localized(const Situation& situation);
   void plan(const Situation& situation);
   void handle_no_route(const Situation& situation, const Route& route);
+  /// Where the building's map has the robot walled in, the pose is wrong rather than the goal out of reach: stands
+  /// still, then looks round. False when that has gone on for too long.
+  bool doubt_place(const Situation& situation);
   void hold(const Polyline& way, std::size_t blocked_at, double reference_length);
   void update_hold(const Situation& situation);
   void look_again(const Situation& situation, const Route& route);
@@ -107,6 +110,7 @@ class GoalCycle {
   Phase phase_ = Phase::kNone;
   Phase paused_phase_ = Phase::kNone;
   NavigationReport report_;
+  std::optional<std::string> cause_before_;  // of the report, before the pose was lost for a moment
   GoalPath path_;
   std::size_t at_ = 0;  // index of the path's point nearest to the robot
 
@@ -123,6 +127,8 @@ class GoalCycle {
   bool was_blocked_ = false;        // wheels or bumpers, and stood against something
   int losses_ = 0;
   double loss_left_ = 0.0;  // [m] distance left when losses were counted from
+  int doubts_ = 0;          // how often its place could not be, on the way to this stop
+  int looks_round_ = 0;     // thirds of a turn, of this doubt
   int arrival_failures_ = 0;
   int retries_ = 0;
   int failures_in_a_row_ = 0;

@@ -11,13 +11,14 @@
 namespace luminav {
 namespace {
 
-constexpr double kShortestHold = 0.4;   // [m] a way to a blockage shorter than that is not worth driving
-constexpr double kShortestLook = 0.15;  // [m] the same where looking at it is what it drives for
-constexpr double kNearEnough = 0.5;     // [m] from it: nearer it would creep into what stands there
-constexpr double kHoldReached = 0.4;    // [m] from the end of that way
-constexpr double kSlowestSpeed = 0.1;   // [m/s] that a way to a blockage may take
-constexpr double kGapRadius = 0.25;     // [m] round a gap that is not looked at twice
-constexpr double kArrivalError = 0.04;  // [m] the controller stops within this of a path's end
+constexpr double kShortestHold = 0.4;           // [m] a way to a blockage shorter than that is not worth driving
+constexpr double kShortestLook = 0.15;          // [m] the same where looking at it is what it drives for
+constexpr double kNearEnough = 0.5;             // [m] from it: nearer it would creep into what stands there
+constexpr double kHoldReached = 0.4;            // [m] from the end of that way
+constexpr double kSlowestSpeed = 0.1;           // [m/s] that a way to a blockage may take
+constexpr double kLookRound = 2.0 * kPi / 3.0;  // [rad] turned at a time; less than half a turn, so that it goes on
+constexpr double kGapRadius = 0.25;             // [m] round a gap that is not looked at twice
+constexpr double kArrivalError = 0.04;          // [m] the controller stops within this of a path's end
 
 }  // namespace
 
@@ -72,6 +73,9 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
     enter(Phase::kPlanning, NavigationState::kPlanning, "");
     return;
   }
+  if (route.outcome == RouteOutcome::kStartOutside && doubt_place(situation)) {
+    return;
+  }
   if (route.outcome == RouteOutcome::kGoalOutside || route.outcome == RouteOutcome::kStartOutside) {
     fail_stop(NavigationState::kNoPath,
               no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance()));
@@ -81,6 +85,9 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
   RoutePlanner by_map(planner_params_);
   by_map.set_grid(*grid_, {}, false);
   const Route way = by_map.plan({situation.world_from_robot.position(), stop().pose.position(), planned_tolerance()});
+  if (way.outcome == RouteOutcome::kStartEnclosed && doubt_place(situation)) {
+    return;
+  }
   if (way.outcome != RouteOutcome::kFound) {
     fail_stop(NavigationState::kNoPath,
               no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance()));
@@ -93,6 +100,30 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
     hold_reason_ = no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance());
     report_.cause = fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait);
   }
+}
+
+bool GoalCycle::doubt_place(const Situation& situation) {
+  const Pose2& robot = situation.world_from_robot;
+  if (phase_ != Phase::kDoubting) {
+    if (++doubts_ > params_.losses) {
+      return false;
+    }
+    set_path({});
+    looks_round_ = 0;
+    enter(Phase::kDoubting, NavigationState::kWaiting,
+          fmt::format("the map leaves a robot no room at ({:.1f}, {:.1f}), where it seems to be; looking round for "
+                      "{:.0f} s",
+                      robot.x, robot.y, params_.doubt_time));
+  }
+  const double doubted = seconds_since(phase_since_);
+  if (doubted >= params_.doubt_still + looks_round_ * params_.doubt_turn) {
+    ++looks_round_;
+    set_path({robot.position()});
+    path_.has_theta = true;
+    path_.theta = wrap_angle(robot.theta + kLookRound);
+    path_.tolerance = params_.hold_tolerance;
+  }
+  return doubted < params_.doubt_time;
 }
 
 void GoalCycle::follow(const Route& route) {

@@ -51,6 +51,9 @@ struct GoalCycleParams {
   double lost_timeout = 600.0;              ///< [s] of searching before the goal is given up
   int losses = 10;                ///< how often the pose may get lost without progress before the goal is given up
   double map_timeout = 15.0;      ///< [s] to wait for all tiles of the map
+  double doubt_time = 25.0;       ///< [s] to doubt a place in a wall of the building's map before a goal is refused,
+  double doubt_still = 4.0;       ///< [s] of it standing still, since somebody may be carrying the robot,
+  double doubt_turn = 4.0;        ///< [s] then for each third of a turn in which it looks round
   double blocked_wait = 10.0;     ///< [s] to wait for whatever stands in the way before a long way round
   double detour_ratio = 1.5;      ///< a way round this much longer is taken at once,
   double detour_length = 3.0;     ///< [m] and this much beside

@@ -339,8 +339,54 @@ TEST(PlannerNode, SaysThatItsOwnPlaceIsEnclosed) {
   world.wall(17, 27, 18, 34);
   world.wall(23, 27, 24, 34);
   world.go(1, 9.0, 3.2);
-  ASSERT_TRUE(world.run_until_state(10.0, Status::STATE_NO_PATH));
+  ASSERT_TRUE(world.run_until_state(40.0, Status::STATE_NO_PATH));
   EXPECT_THAT(world.status.cause, HasSubstr("the robot's own place is enclosed"));
+}
+
+TEST(PlannerNode, DoubtsItsPlaceInAWallBeforeItRefusesTheGoal) {
+  PlannerWorld world;
+  world.wall(58, 0, 68, 28);
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  const Pose2 before = world.robot;
+  world.robot = {6.3, 1.5, 0.0};  // somebody carries it, and the pose follows through the wall
+  world.run(3.0);
+  EXPECT_EQ(world.status.state, Status::STATE_WAITING);
+  EXPECT_THAT(world.status.cause, HasSubstr("the map leaves a robot no room at (6."));
+  EXPECT_EQ(world.path.count, 0) << "it stands still at first";
+  world.robot = before;
+  EXPECT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
+TEST(PlannerNode, LooksRoundWhileItDoubtsItsPlace) {
+  PlannerWorld world;
+  world.wall(58, 0, 68, 28);
+  world.robot = {6.3, 1.5, 0.0};
+  world.go(1, 9.0, 3.2);
+  double turned = 0.0;
+  double last = world.robot.theta;
+  ASSERT_TRUE(world.run_until(40.0, [&] {
+    turned += wrap_angle(world.robot.theta - last);
+    last = world.robot.theta;
+    return world.status.state == Status::STATE_NO_PATH;
+  }));
+  EXPECT_GT(turned, 2.0 * kPi);
+  EXPECT_NEAR(world.robot.x, 6.3, 0.01);
+}
+
+TEST(PlannerNode, SaysWhyItWaitsAgainOnceThePoseIsBack) {
+  PlannerWorld world;
+  world.obstacle(6.1, 2.8, 6.2, 3.7);
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(20.0, Status::STATE_WAITING));
+  const std::string cause = world.status.cause;
+  world.tracking = false;
+  world.run(0.5);
+  EXPECT_EQ(world.status.cause, "no fixture seen yet");
+  world.tracking = true;
+  world.run(0.5);
+  EXPECT_EQ(world.status.state, Status::STATE_WAITING);
+  EXPECT_EQ(world.status.cause, cause);
 }
 
 TEST(PlannerNode, StandsByABlockageOnTheLongWayRound) {

@@ -50,5 +50,24 @@ TEST(Controller, GoesOnByAndByWhereSomethingNewStands) {
   EXPECT_NEAR(speed_with(thing_at(0.63, 0.45, false)), 0.2, 0.05);
 }
 
+TEST(Controller, DoesNotLeaveItsPlaceWhenItIsOnlyToTurnThere) {
+  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  controller.set_path({.points = {{0.0, 0.0}}, .has_theta = true, .theta = 0.5 * kPi});
+  ControlInput input;
+  input.task = ControlTask::kFollow;
+  input.world_from_robot = Pose2{};
+  input.ages = {0.05, 0.05, 0.2, 0.2, false, false};
+  for (const double y : {-0.28, 0.28}) {  // beside the corners, which swing out
+    input.echoes.push_back(thing_at(-0.28, y, true));
+    input.echoes.push_back(thing_at(0.18, y, true));
+  }
+  for (int i = 1; i <= 400; ++i) {
+    input.now = 1'000'000 + 50'000 * i;
+    const ControlOutput output = controller.step(input);
+    ASSERT_NE(output.state, ControlState::kEscaping) << output.reason;
+    ASSERT_EQ(output.twist.linear, 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace luminav
