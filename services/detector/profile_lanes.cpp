@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/pixel_sampling.hpp"
@@ -63,44 +64,48 @@ AddLines fastest_add() {
   return add_plain;
 }
 
+/// One number of each lane, all of which one instruction works on, where the processor can. The compiler does not find
+/// that in loops over the lanes.
+using EachFloat [[gnu::vector_size(kLanes * sizeof(float))]] = float;
+using EachInt [[gnu::vector_size(kLanes * sizeof(int))]] = int;
+
 LUMINAV_VECTOR_CLONES
 void find_steps(const Lanes* grey, int length, int half_filter, float scale, ProfileLanes::Steps& steps) {
-  constexpr int kLongest = ProfileLanes::kLongest;
-  alignas(32) std::array<std::array<float, kLanes>, kLongest + 1> sums;
-  sums[0].fill(0.0F);
-  for (int k = 0; k < length; ++k) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      sums[static_cast<std::size_t>(k) + 1][lane] = sums[static_cast<std::size_t>(k)][lane] + grey[k][lane];
-    }
+  std::array<EachFloat, ProfileLanes::kLongest + 1> sums;
+  EachFloat sum{};
+  sums[0] = sum;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(length); ++k) {
+    EachFloat here;
+    std::memcpy(&here, grey[k].data(), sizeof here);
+    sum += here;
+    sums[k + 1] = sum;
   }
   const auto h = static_cast<std::size_t>(half_filter);
-  const auto response = [&](std::size_t i, std::size_t lane) {
-    return scale * (2.0F * sums[i][lane] - sums[i - h][lane] - sums[i + h][lane]);
-  };
   const int reach = length / 2;
-  alignas(32) Lanes best_score{};
-  alignas(32) std::array<int, kLanes> best;
-  best.fill(-1);
+  EachFloat best_score{};
+  EachInt best = EachInt{} - 1;
   const int from = half_filter;
   const int to = length - half_filter;
   for (int k = from; k <= to; ++k) {
     const auto i = static_cast<std::size_t>(k);
     // of two edges of the same height, the nearer to the prediction
     const float nearness = 1.0F - 0.02F * std::abs(static_cast<float>(k - reach) - 0.5F);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const float score = scale * (2.0F * sums[i][lane] - sums[i - h][lane] - sums[i + h][lane]) * nearness;
-      const bool better = score > best_score[lane];
-      best_score[lane] = better ? score : best_score[lane];
-      best[lane] = better ? k : best[lane];
-    }
+    const EachFloat score = scale * (2.0F * sums[i] - sums[i - h] - sums[i + h]) * nearness;
+    const EachInt better = score > best_score;
+    best_score = better ? score : best_score;
+    best = better ? EachInt{} + k : best;
   }
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    steps.at[lane] = best[lane] <= from || best[lane] >= to ? -1 : best[lane];
+    const int at = best[lane];
+    steps.at[lane] = at <= from || at >= to ? -1 : at;
     if (steps.at[lane] >= 0) {
-      const auto i = static_cast<std::size_t>(best[lane]);
-      steps.before[lane] = response(i - 1, lane);
-      steps.height[lane] = response(i, lane);
-      steps.behind[lane] = response(i + 1, lane);
+      const auto i = static_cast<std::size_t>(at);
+      const auto response = [&](std::size_t j) {
+        return scale * (2.0F * sums[j][lane] - sums[j - h][lane] - sums[j + h][lane]);
+      };
+      steps.before[lane] = response(i - 1);
+      steps.height[lane] = response(i);
+      steps.behind[lane] = response(i + 1);
     }
   }
 }

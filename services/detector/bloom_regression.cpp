@@ -1,0 +1,266 @@
+#include "services/detector/bloom_regression.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "services/detector/regression_sums.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr int kStretches = Differences::kStretches;
+constexpr int kDistances = Differences::kDistances;
+constexpr double kNoise = 3.0;         // [grey] of a stretch's mean
+constexpr double kMedianNoise = 1.2;   // [grey] of the median over stretches
+constexpr double kBlurError = 0.03;    // [px] by which the fall of the light may differ between sides
+constexpr double kCutoff = 3.0;        // sigmas, Tukey's
+constexpr double kLeastInliers = 0.5;  // of the samples, by weight
+// [px] 1 sigma of a joint's profile, and of one that is not quite parallel
+constexpr std::array<double, 2> kJointSigmas{1.15, 1.6};
+
+double square(double value) {
+  return value * value;
+}
+
+/// A joint of the ceiling along one side, one unit high: a dark line of 12 mm, blurred.
+double joint_at(double distance_px, double sigma) {
+  return std::exp(-0.5 * distance_px * distance_px / (sigma * sigma));
+}
+
+/// At distances of 0, 0.5, 1, ... px.
+using JointProfiles = std::array<std::array<double, 2 * kDistances - 1>, kJointSigmas.size()>;
+
+JointProfiles joint_profiles() {
+  JointProfiles profiles{};
+  for (std::size_t width = 0; width < profiles.size(); ++width) {
+    for (std::size_t half = 0; half < profiles[width].size(); ++half) {
+      profiles[width][half] = joint_at(0.5 * static_cast<double>(half), kJointSigmas[width]);
+    }
+  }
+  return profiles;
+}
+
+/// A shift by s [px] of the outline makes the difference 2 s x fall. A ceiling that is brighter on one side adds a
+/// constant, one that grows along the sides or away from them a slope, a joint beside one of them a narrow peak. Where
+/// the joint lies is tried; the fall of the light is then taken from the other side.
+class Regression {
+ public:
+  static constexpr int kUnknowns = 6;  // shift [px], constant, outwards, joint; turn, along
+  using Vector = Eigen::Matrix<double, kUnknowns, 1>;
+  using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+  Regression(const Differences& differences, double length, const KnownJoints& joints)
+      : differences_(differences), joints_(joints) {
+    for (std::size_t s = 0; s < kStretches; ++s) {
+      place_[s] = differences.place[s] / length;
+    }
+    for (std::size_t k = 0; k < kDistances; ++k) {
+      samples_.outwards[k] = static_cast<double>(k) / kDistances - 0.5;
+    }
+    samples_.variance.fill(1.0);
+  }
+
+  std::optional<Balance> solve(double length, double step) {
+    if (differences_.count < 40) {
+      return std::nullopt;
+    }
+    take_medians();
+    suppose_no_joint();
+    const double cost = fit_medians();
+    if (cost > kPriceOfJoint) {
+      look_for_joint(cost);
+    }
+    fit_all();
+    if (!solution_.allFinite() || weights_ < kLeastInliers * differences_.count) {
+      return std::nullopt;
+    }
+    const Matrix covariance = information_.inverse();
+    Balance balance;
+    balance.shift = step * (solution_(0) + joint_pull_);
+    balance.turn = step * solution_(4) / length;
+    balance.covariance << step * step * (covariance(0, 0) + joint_variance_), step * step / length * covariance(0, 4),
+        step * step / length * covariance(0, 4), step * step / (length * length) * covariance(4, 4);
+    return balance;
+  }
+
+ private:
+  static constexpr double kPriceOfJoint = 4.0;
+  static constexpr double kJointPrior = 1.0 / (22.0 * 22.0);  // [1/grey^2]
+  static constexpr std::array<double, kUnknowns> kPriors{1e-1, 1e-6, 1.0 / 36.0, kJointPrior, 1e-2, 1e-4};
+  static constexpr double kTemperature = 3.0;  // costs this much apart are e times as likely
+
+  void take_medians() {
+    SortedStretches sorted;
+    sort_stretches(differences_, sorted);
+    for (std::size_t k = 0; k < kDistances; ++k) {
+      std::size_t count = 0;
+      for (std::size_t s = 0; s < kStretches; ++s) {
+        count += differences_.valid[s][k] ? 1 : 0;
+      }
+      has_median_[k] = 2 * count >= kStretches;
+      if (has_median_[k]) {
+        median_[k] = 0.5 * (sorted[(count - 1) / 2][k] + sorted[count / 2][k]);
+      }
+    }
+  }
+
+  /// The mean of all places where a joint may lie, weighted by how well each explains the medians; what is known of the
+  /// rest comes from the best.
+  void look_for_joint(double cost_without) {
+    double least = cost_without;
+    double weights = 1.0;  // relative to the best so far
+    double mean = solution_(0);
+    double squares = 0.0;  // weighted, about the mean
+    int best_half = -1;
+    std::size_t best_width = 0;
+    std::size_t best_side = 0;
+    for (int half = 0; half < 2 * kDistances - 1; ++half) {
+      for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+        if (!joints_[side].may_be_at(0.5 * half)) {
+          continue;
+        }
+        for (std::size_t width = 0; width < kJointSigmas.size(); ++width) {
+          suppose_joint(half, width, side);
+          const double cost = fit_medians() + kPriceOfJoint;
+          if (side == 0 ? solution_(3) >= 0.0 : solution_(3) <= 0.0) {
+            continue;  // joints are dark
+          }
+          if (cost < least) {
+            const double fade = std::exp((cost - least) / kTemperature);
+            weights *= fade;
+            squares *= fade;
+            least = cost;
+            best_half = half;
+            best_width = width;
+            best_side = side;
+          }
+          const double weight = std::exp((least - cost) / kTemperature);
+          const double off = solution_(0) - mean;
+          weights += weight;
+          mean += weight / weights * off;
+          squares += weight * off * (solution_(0) - mean);
+        }
+      }
+    }
+    if (best_half >= 0) {
+      suppose_joint(best_half, best_width, best_side);
+    } else {
+      suppose_no_joint();
+    }
+    fit_medians();
+    joint_pull_ = mean - solution_(0);
+    joint_variance_ = squares / weights;
+  }
+
+  void suppose_no_joint() {
+    for (std::size_t k = 0; k < kDistances; ++k) {
+      samples_.fall[k] = differences_.fall[0][k] + differences_.fall[1][k];
+    }
+    samples_.joint.fill(0.0);
+    samples_.fill_rows();
+    take_variances(kMedianNoise);
+  }
+
+  /// `half` [0.5 px] from the first distance.
+  void suppose_joint(int half, std::size_t width, std::size_t side) {
+    static const JointProfiles kProfiles = joint_profiles();
+    for (int k = 0; k < kDistances; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      samples_.fall[i] = 2.0 * differences_.fall[1 - side][i];
+      samples_.joint[i] = kProfiles[width][static_cast<std::size_t>(std::abs(2 * k - half))];
+    }
+    samples_.fill_rows();
+    take_variances(kMedianNoise);
+  }
+
+  void take_variances(double noise) {
+    for (std::size_t k = 0; k < kDistances; ++k) {
+      samples_.variance[k] = noise * noise + square(kBlurError * samples_.fall[k]);
+    }
+  }
+
+  /// Fits all but what varies along the sides; the robust sum of squares.
+  double fit_medians() {
+    using Matrix4d = Eigen::Matrix4d;
+    using Vector4d = Eigen::Vector4d;
+    Vector4d solution = Vector4d::Zero();
+    double cost = 0.0;
+    for (int pass = 0; pass < 3; ++pass) {
+      MedianSums sums;
+      for (std::size_t i = 0; i < 4; ++i) {
+        sums.information[i][i] = kPriors[i];
+      }
+      sums.add(samples_, median_, has_median_, solution.data(), kCutoff, pass == 0);
+      Matrix4d information;
+      Vector4d right_side;
+      for (int i = 0; i < 4; ++i) {
+        right_side(i) = sums.right_side[i];
+        for (int j = 0; j < 4; ++j) {
+          information(i, j) = sums.information[static_cast<std::size_t>(j)][i];
+        }
+      }
+      solution = information.ldlt().solve(right_side);
+      cost = sums.cost + (solution(3) * solution(3) * kJointPrior + solution(2) * solution(2) / 36.0);
+    }
+    solution_ << solution, 0.0, 0.0;
+    return cost;
+  }
+
+  void fit_all() {
+    take_variances(kNoise);
+    constexpr int kPasses = 4;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      RegressionSums sums;
+      for (std::size_t i = 0; i < 4; ++i) {
+        sums.information[i][i] = kPriors[i];
+      }
+      sums.corner[0] = kPriors[4];
+      sums.corner[3] = kPriors[5];
+      for (std::size_t s = 0; s < kStretches; ++s) {
+        sums.add_stretch(samples_, differences_.value[s].data(), differences_.valid[s].data(), place_[s],
+                         solution_.data(), kCutoff, pass + 1 == kPasses);
+      }
+      Vector right_side;
+      for (int i = 0; i < 4; ++i) {
+        right_side(i) = sums.right_side[i];
+        for (int j = 0; j < 4; ++j) {
+          information_(i, j) = sums.information[static_cast<std::size_t>(j)][i];
+        }
+      }
+      for (int i = 0; i < 2; ++i) {
+        right_side(4 + i) = sums.right_side_along[i];
+        for (int j = 0; j < 4; ++j) {
+          information_(4 + i, j) = sums.below[static_cast<std::size_t>(j / 2)][2 * (j % 2) + i];
+          information_(j, 4 + i) = sums.above[static_cast<std::size_t>(i)][j];
+        }
+        for (int j = 0; j < 2; ++j) {
+          information_(4 + i, 4 + j) = sums.corner[2 * j + i];
+        }
+      }
+      weights_ = sums.weights;
+      solution_ = information_.ldlt().solve(right_side);  // reads what is below the diagonal
+    }
+  }
+
+  const Differences& differences_;
+  KnownJoints joints_;
+  std::array<double, RegressionSamples::kCount> median_{};  // [grey] of the stretches
+  std::array<bool, RegressionSamples::kCount> has_median_{};
+  RegressionSamples samples_;
+  std::array<double, kStretches> place_{};  // of the length
+  Vector solution_ = Vector::Zero();
+  Matrix information_;
+  double weights_ = 0.0;
+  double joint_pull_ = 0.0;      // [px] of the mean over joints from the best one
+  double joint_variance_ = 0.0;  // [px^2] of that mean
+};
+
+}  // namespace
+
+std::optional<Balance> balance_sides(const Differences& differences, double length, double step,
+                                     const KnownJoints& joints) {
+  return Regression(differences, length, joints).solve(length, step);
+}
+
+}  // namespace luminav
