@@ -95,9 +95,14 @@ void cut_above(const std::uint8_t* cells, std::size_t count, std::uint8_t level,
 LUMINAV_VECTOR_CLONES
 void cut_deep(const std::uint8_t* depth, const std::uint8_t* peak, std::size_t count, int least, int share,
               std::uint8_t* mask) {
+  // from 255 on nothing is deep enough
+  const auto floor = static_cast<std::uint8_t>(std::clamp(least, 0, 255));
+  const auto factor = static_cast<std::uint16_t>(std::clamp(share, 0, 257));
 #pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
-    mask[i] = depth[i] > std::max(least, (share * peak[i]) >> 8) ? 1 : 0;
+    const auto product = static_cast<std::uint16_t>(factor * peak[i]);
+    const auto part = static_cast<std::uint8_t>(product >> 8);
+    mask[i] = depth[i] > std::max(floor, part) ? 1 : 0;
   }
 }
 
