@@ -49,14 +49,16 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     joints[0].place -= shift / step;
     joints[1].place += shift / step;
   };
+  const double middle = 0.5 * (fit.visible_from + fit.visible_to);
   std::optional<Balance> across;
   std::optional<Balance> along;
   for (int pass = 0; pass < 3; ++pass) {
     across = balance_sides(sides.measure(pose, step), outline.length, step, side_joints);
     along = balance_sides(ends.measure(pose, step), outline.width, step, end_joints);
     // The edges know the direction as well: the mean of both is better than either.
-    const Pose2 change{along ? along->shift : 0.0, across ? across->shift : 0.0,
-                       across && pass == 0 ? 0.5 * across->turn : 0.0};
+    const double turn = across && pass == 0 ? 0.5 * across->turn : 0.0;
+    // What is left of the turn must not move what is seen of the sides.
+    const Pose2 change{along ? along->shift : 0.0, across ? across->shift + (across->turn - turn) * middle : 0.0, turn};
     if (std::abs(change.x) > kLargestShift || std::abs(change.y) > kLargestShift || std::abs(change.theta) > 0.02) {
       return;
     }
@@ -68,9 +70,10 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     }
   }
   fit.robot_from_outline = pose;
-  const auto variance = [&](const Balance& balance) {
-    return balance.covariance(0, 0) + std::pow(params.outline_sigma_px * step, 2) +
-           std::pow(kUnevenBloom * fit.swelling, 2);
+  // Of the place `at` [m] along the sides.
+  const auto variance = [&](const Balance& balance, double at) {
+    return balance.covariance(0, 0) + 2.0 * at * balance.covariance(0, 1) + at * at * balance.covariance(1, 1) +
+           std::pow(params.outline_sigma_px * step, 2) + std::pow(kUnevenBloom * fit.swelling, 2);
   };
   if (across) {
     const double lever = 0.3 * std::max(fit.visible_to - fit.visible_from, 0.5 * outline.width);
@@ -78,13 +81,17 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     fit.covariance.col(1).setZero();
     fit.covariance.row(2).setZero();
     fit.covariance.col(2).setZero();
-    fit.covariance(1, 1) = variance(*across);
-    fit.covariance(2, 2) = across->covariance(1, 1) + 0.1 * variance(*across) / (lever * lever);
+    const double of_middle = variance(*across, middle);
+    const double of_turn = across->covariance(1, 1) + 0.1 * of_middle / (lever * lever);
+    // The outline turns about the middle of what is seen of it.
+    fit.covariance(1, 1) = of_middle + middle * middle * of_turn;
+    fit.covariance(1, 2) = fit.covariance(2, 1) = -middle * of_turn;
+    fit.covariance(2, 2) = of_turn;
   }
   if (along) {
     fit.covariance.row(0).setZero();
     fit.covariance.col(0).setZero();
-    fit.covariance(0, 0) = variance(*along);
+    fit.covariance(0, 0) = variance(*along, 0.0);
   }
 }
 

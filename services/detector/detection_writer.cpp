@@ -12,6 +12,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
+constexpr double kUnevenEnd = 0.13;  // of the swelling, 1 sigma, by which that of an end differs from that of the sides
+
 Matrix3d turned(const Matrix3d& covariance, double theta) {
   Matrix3d rotation = Matrix3d::Identity();
   rotation.topLeftCorner<2, 2>() << std::cos(theta), -std::sin(theta), std::sin(theta), std::cos(theta);
@@ -73,7 +75,7 @@ Detection DetectionWriter::detection_of(const Candidate& candidate, DetectionSta
     seen_to -= middle;
   } else if (detection.far_end_visible != detection.near_end_visible) {
     // One end: its bloom does not cancel, and other kinds of this width may be longer or shorter.
-    covariance(0, 0) += 0.36 * fit.swelling * fit.swelling;
+    covariance(0, 0) += std::pow(kUnevenEnd * fit.swelling, 2);
     double shortest = outline.length;
     double longest = outline.length;
     for (const CeilingKind& kind : catalogue_.fixtures) {

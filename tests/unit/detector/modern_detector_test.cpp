@@ -74,6 +74,20 @@ TEST(ModernDetector, SaysOfACutFixtureOnlyWhatIsSeen) {
   EXPECT_LT(detections[0].length, 0.9);
 }
 
+TEST(ModernDetector, IsSurestOfThePartThatIsSeen) {
+  for (const DetectionState state : {DetectionState::kLit, DetectionState::kUnlit}) {
+    DrawnCeiling ceiling;
+    ceiling.shapes = {{.pose = {0.9, 0.1, 0.0}, .state = state, .darker = 40.0}};  // in view up to x = 1.08 m
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U);
+    const Eigen::Matrix3d& covariance = detections[0].covariance;
+    const double arm = 0.5 * detections[0].length - 0.6;  // from the centre to the middle of what is seen
+    const Eigen::Vector3d across(0.0, 1.0, arm);
+    EXPECT_LT(across.dot(covariance * across), covariance(1, 1)) << static_cast<int>(state);
+    EXPECT_LT(std::sqrt(covariance(0, 0)), state == DetectionState::kLit ? 1.5e-3 : 5e-3) << "one end is seen";
+  }
+}
+
 TEST(ModernDetector, PlacesAFixtureByOneLongSideAndItsEndsWhereTheOtherIsBeyondTheBorder) {
   for (const DetectionState state : {DetectionState::kLit, DetectionState::kUnlit}) {
     DrawnCeiling ceiling;
