@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/pixel_sampling.hpp"
 
 namespace luminav {
@@ -31,6 +32,38 @@ struct Line {
   double middle;  // [steps]
   double end;     // [steps]
 };
+
+constexpr std::array<double, kMostSteps> count_up() {
+  std::array<double, kMostSteps> steps{};
+  for (std::size_t k = 0; k < kMostSteps; ++k) {
+    steps[k] = static_cast<double>(k);
+  }
+  return steps;
+}
+
+/// `count` places from `begin` on, those after the `last` like that one.
+LUMINAV_VECTOR_CLONES
+void place_across(const Vector2d& begin, const Vector2d& step, double last, std::size_t count, float* x, float* y) {
+  static constexpr std::array<double, kMostSteps> kSteps = count_up();
+  const double begin_x = begin.x();
+  const double begin_y = begin.y();
+  const double step_x = step.x();
+  const double step_y = step.y();
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < count; ++k) {
+    const double at = kSteps[k] < last ? kSteps[k] : last;
+    x[k] = static_cast<float>(begin_x + at * step_x);
+    y[k] = static_cast<float>(begin_y + at * step_y);
+  }
+}
+
+LUMINAV_VECTOR_CLONES
+void add_up(const float* grey, std::size_t count, double* sums) {
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < count; ++k) {
+    sums[k] += static_cast<double>(grey[k]);
+  }
+}
 
 Profile profile_beyond(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
                        const JointSearch& search, double corner) {
@@ -60,15 +93,9 @@ Profile profile_beyond(const GreyView& image, const CeilingCamera& camera, const
     alignas(32) std::array<float, kMostSteps> y;
     alignas(32) std::array<float, kMostSteps> grey;
     const std::size_t padded = (profile.steps + 7) / 8 * 8;
-    for (std::size_t k = 0; k < padded; ++k) {
-      const auto at = static_cast<double>(std::min(k, profile.steps - 1));
-      x[k] = static_cast<float>(begin.x() + at * step.x());
-      y[k] = static_cast<float>(begin.y() + at * step.y());
-    }
+    place_across(begin, step, static_cast<double>(profile.steps - 1), padded, x.data(), y.data());
     bilinear_at(image, x.data(), y.data(), padded, grey.data());
-    for (std::size_t k = 0; k < profile.steps; ++k) {
-      profile.grey[k] += grey[k];
-    }
+    add_up(grey.data(), profile.steps, profile.grey.data());
     ++profile.lines;
   }
   for (double& grey : profile.grey) {
