@@ -34,7 +34,7 @@ void GoalCycle::begin(const GoalRequest& goal, int stop_index, std::int64_t now)
   report_.target = stop();
   suspects_.clear();
   looked_at_.clear();
-  has_looked_twice_ = false;
+  has_looked_twice_ = has_left_people_ = false;
   map_dirty_ = true;
   last_tracking_ = 0;
   last_plan_ = 0;
@@ -134,7 +134,7 @@ void GoalCycle::next_stop() {
   attempts_ = losses_ = doubts_ = arrival_failures_ = retries_ = 0;
   suspects_.clear();
   looked_at_.clear();
-  has_looked_twice_ = false;
+  has_looked_twice_ = has_left_people_ = false;
   map_dirty_ = true;
   last_plan_ = 0;
   enter(Phase::kPlanning, NavigationState::kPlanning, "");

@@ -70,6 +70,7 @@ class GoalCycle {
   void check_progress(const Situation& situation);
   void check_path(const Situation& situation);
   void suspect_ahead(const Situation& situation);
+  void suspect_people(const Situation& situation);
   void suspect_touched(const Situation& situation);
   void suspect(const SuspectedObstacle& obstacle, double seconds);
   void suspect_blockage();
@@ -124,6 +125,7 @@ class GoalCycle {
   int attempts_ = 0;
   std::int64_t first_attempt_ = 0;  // [us]
   std::int64_t last_yield_ = 0;     // [us] when it waited for somebody last
+  bool has_left_people_ = false;    // to go round, on the way to this stop
   bool was_blocked_ = false;        // wheels or bumpers, and stood against something
   int losses_ = 0;
   double loss_left_ = 0.0;  // [m] distance left when losses were counted from

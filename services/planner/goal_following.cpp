@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kArrivalFailures = 3;     // the controller says "there" and the pose says "no"
 constexpr double kSuspectAhead = 0.45;  // [m] on the path where something stopped the robot
+constexpr double kPeopleAhead = 1.3;    // [m] on the path: the middle of where people are who do not let it pass,
+constexpr double kPeopleRadius = 0.9;  // [m] with which they fill a corridor of 2.4 m and leave the robot its own place
 
 }  // namespace
 
@@ -138,6 +140,9 @@ void GoalCycle::check_progress(const Situation& situation) {
   }
   if (attempts_ >= 2 && !by_people) {
     suspect_ahead(situation);
+  } else if (by_people && tried >= params_.stuck_time && !has_left_people_) {
+    has_left_people_ = true;
+    suspect_people(situation);
   }
   ++report_.replans;
   map_dirty_ = true;
@@ -151,6 +156,19 @@ void GoalCycle::suspect_ahead(const Situation& situation) {
   for (std::size_t i = at_; i < path_.points.size(); ++i) {
     if ((path_.points[i] - robot).norm() >= kSuspectAhead) {
       suspect({.centre = path_.points[i]}, params_.suspect_time);
+      return;
+    }
+  }
+}
+
+// Who has met the same people for a minute leaves them the corridor and goes round, if there is another way; where
+// there is none, what is only suspected is dropped again.
+void GoalCycle::suspect_people(const Situation& situation) {
+  const Eigen::Vector2d robot = situation.world_from_robot.position();
+  for (std::size_t i = at_; i < path_.points.size(); ++i) {
+    if ((path_.points[i] - robot).norm() >= kPeopleAhead) {
+      suspect({path_.points[i], kPeopleRadius}, params_.detour_memory);
+      attempts_ = 0;
       return;
     }
   }

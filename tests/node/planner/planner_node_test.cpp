@@ -443,6 +443,24 @@ TEST(PlannerNode, HasMorePatienceWithPeopleThanWithThingsButNotForEver) {
   EXPECT_EQ(world.status.state, Status::STATE_STUCK);
 }
 
+TEST(PlannerNode, GoesRoundPeopleWhoDoNotLetItPassForAMinute) {
+  PlannerWorld world;
+  world.wall(61, 50, 63, 60, Prior::kFree);  // another door
+  world.robot = {4.6, 3.2, 0.0};
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.wheels_blocked = true;
+  world.yields = true;
+  const auto leads_by_the_other_door = [&] {
+    return *std::max_element(world.path.y.begin(), world.path.y.end()) > 5.0F;
+  };
+  EXPECT_FALSE(world.run_until(55.0, leads_by_the_other_door)) << "people come and go";
+  ASSERT_TRUE(world.run_until(60.0, leads_by_the_other_door)) << world.status.cause;
+  world.wheels_blocked = false;
+  world.yields = false;
+  EXPECT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
 TEST(PlannerNode, GoesOnWhenPeopleHaveGoneAtLast) {
   PlannerWorld world;
   world.go(1, 9.0, 3.2);
