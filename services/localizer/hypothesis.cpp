@@ -49,9 +49,13 @@ void watch(Hypothesis& hypothesis, std::span<const int> expected, std::span<cons
   }
 }
 
+double held_by_sonar(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params) {
+  return std::max(-params.sonar_cap, std::min(0.0, hypothesis.sonar - best_sonar));
+}
+
 double score_of(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params) {
-  double total = hypothesis.settled + hypothesis.walls + hypothesis.bonus +
-                 std::max(-params.sonar_cap, std::min(0.0, hypothesis.sonar - best_sonar));
+  double total =
+      hypothesis.settled + hypothesis.walls + hypothesis.bonus + held_by_sonar(hypothesis, best_sonar, params);
   for (const ObjectVote& vote : hypothesis.votes) {
     total += vote.weighted_sum / std::max(1e-9, vote.weight) *
              std::min(1.0, static_cast<double>(vote.frames) / params.frames_for_full_vote);

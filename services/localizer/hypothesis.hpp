@@ -74,6 +74,9 @@ void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double 
 void watch(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer,
            int images);
 
+/// What the sonars hold against a hypothesis, at most 0; `best_sonar` is the best sonar score of all hypotheses.
+[[nodiscard]] double held_by_sonar(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params);
+
 /// What `total` should be; `best_sonar` is the best sonar score of all hypotheses.
 [[nodiscard]] double score_of(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params);
 

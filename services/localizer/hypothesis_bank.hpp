@@ -74,6 +74,10 @@ class HypothesisBank {
   [[nodiscard]] Pose2 pose_now(std::size_t index) const;
   /// Score of "all that was seen is something else": what a pose not in the list would have.
   [[nodiscard]] double null_score() const { return null_settled_ + null_active_; }
+  /// Part of a hypothesis' score: what the sonars hold against it, at most 0.
+  [[nodiscard]] double sonar_score(const Hypothesis& hypothesis) const {
+    return held_by_sonar(hypothesis, best_sonar_, params_);
+  }
   /// Units of work done in this step.
   [[nodiscard]] int work_done() const { return budget_.spent(); }
 

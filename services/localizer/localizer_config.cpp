@@ -49,6 +49,8 @@ void read_hypotheses(const TomlTable& table, HypothesisParams& params) {
 void read_rules(const TomlTable& table, TrackingRules& rules) {
   rules.first_margin = table.number("first_margin", rules.first_margin, {0.0, 100.0});
   rules.enter_margin = table.number("enter_margin", rules.enter_margin, {0.0, 100.0});
+  rules.first_without_sonar = table.number("first_without_sonar", rules.first_without_sonar, {-100.0, 100.0});
+  rules.enter_without_sonar = table.number("enter_without_sonar", rules.enter_without_sonar, {-100.0, 100.0});
   rules.leave_margin = table.number("leave_margin", rules.leave_margin, {0.0, 100.0});
   rules.enter_fixtures = table.count("enter_fixtures", rules.enter_fixtures, {1, 16});
   rules.enter_position_sigma = table.number("enter_position_sigma", rules.enter_position_sigma, {0.01, 5.0});

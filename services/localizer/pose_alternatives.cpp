@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace luminav {
+namespace {
+
+// Sonar alone never declares: whoever drives to tell poses apart must not take those for done that only it holds down.
+constexpr double kMostBySonar = 2.0;
+
+}  // namespace
 
 std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, std::size_t most) {
   const std::vector<Hypothesis>& hypotheses = bank.hypotheses();
@@ -11,13 +17,20 @@ std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, 
   if (hypotheses.empty()) {
     return result;
   }
-  const double best = hypotheses.front().total;
+  const auto score = [&](const Hypothesis& hypothesis) {
+    const double sonar = bank.sonar_score(hypothesis);
+    return hypothesis.total - sonar + std::max(-kMostBySonar, sonar);
+  };
+  double best = score(hypotheses.front());
+  for (const Hypothesis& hypothesis : hypotheses) {
+    best = std::max(best, score(hypothesis));
+  }
   double sum = 0.0;
   for (const Hypothesis& hypothesis : hypotheses) {
-    sum += std::exp(hypothesis.total - best);
+    sum += std::exp(score(hypothesis) - best);
   }
   for (std::size_t i = 0; i < std::min(most, hypotheses.size()); ++i) {
-    result.push_back({bank.pose_now(i) * ahead, std::exp(hypotheses[i].total - best) / sum,
+    result.push_back({bank.pose_now(i) * ahead, std::exp(score(hypotheses[i]) - best) / sum,
                       position_sigma(hypotheses[i].belief.covariance)});
   }
   return result;

@@ -7,7 +7,8 @@
 
 namespace luminav {
 
-/// The first `most` of the bank's sorted hypotheses as shares of all, each carried `ahead` by odometry.
+/// The first `most` of the bank's sorted hypotheses as shares of all, each carried `ahead` by odometry. What only the
+/// sonars hold against a pose counts little.
 std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, std::size_t most);
 
 /// Makes a belief as wide as the poses that are still possible lie apart.

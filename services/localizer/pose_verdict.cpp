@@ -128,9 +128,8 @@ bool PoseVerdict::resume_tracking(const SightingFrame& frame) {
 
 bool PoseVerdict::may_declare(const Hypothesis& best, const SightingFrame& frame) const {
   const int enough_fixtures = best.id == leader_id_ ? needed_fixtures_ : rules_.enter_fixtures;
-  return margin() >= needed_margin() && static_cast<int>(best.confirmed.size()) >= enough_fixtures &&
-         !frame.sightings.empty() && best.last_match == frame.utime &&
-         largest_position_sigma(best.belief.covariance) < rules_.enter_position_sigma;
+  return is_far_ahead() && static_cast<int>(best.confirmed.size()) >= enough_fixtures && !frame.sightings.empty() &&
+         best.last_match == frame.utime && largest_position_sigma(best.belief.covariance) < rules_.enter_position_sigma;
 }
 
 bool PoseVerdict::declare_tracking(const Hypothesis& best) {
@@ -162,7 +161,9 @@ void PoseVerdict::explain_ambiguity() {
     const auto close = std::count_if(all.begin(), all.end(),
                                      [&](const Hypothesis& h) { return h.total > best.total - needed_margin(); });
     reason_ = close > 1 ? fmt::format("{} poses explain what was seen", close)
-                        : fmt::format("one pose is left, confirmed by {} fixtures so far", best.confirmed.size());
+              : margin() >= needed_margin() && !is_far_ahead()
+                  ? "several poses explain what was seen, only the sonars tell them apart"
+                  : fmt::format("one pose is left, confirmed by {} fixtures so far", best.confirmed.size());
   }
 }
 
@@ -247,6 +248,20 @@ double PoseVerdict::margin() const {
   const std::vector<Hypothesis>& all = bank_.hypotheses();
   const double second = all.size() > 1 ? all[1].total : -1e18;
   return all.front().total - std::max(second, bank_.null_score());
+}
+
+bool PoseVerdict::is_far_ahead() const {
+  if (margin() < needed_margin()) {
+    return false;
+  }
+  // Boxes that no map knows sound like walls: who goes to and fro beside one in a room that has a twin hears for
+  // minutes that it is the other.
+  const std::vector<Hypothesis>& all = bank_.hypotheses();
+  const auto without_sonar = [&](const Hypothesis& h) { return h.total - bank_.sonar_score(h); };
+  const double least =
+      without_sonar(all.front()) - (was_tracking_ ? rules_.enter_without_sonar : rules_.first_without_sonar);
+  return std::all_of(all.begin() + 1, all.end(),
+                     [&](const Hypothesis& rival) { return without_sonar(rival) <= least; });
 }
 
 }  // namespace luminav

@@ -94,6 +94,37 @@ TEST(ModernLocalizer, ListsBothTrueAlternativesOfASymmetricCorridor) {
   }
 }
 
+TEST(ModernLocalizer, IsNotSureAgainBySonarAloneOnceItWasWrong) {
+  // the ceiling looks the same from both ends, one half is narrower
+  TestBuilding building = testing::symmetric_corridor(6, 3.0);
+  const GridGeometry& geometry = building.walls.geometry;
+  for (int row = 0; row < geometry.rows; ++row) {
+    for (int column = 0; column < geometry.columns; ++column) {
+      const Eigen::Vector2d place = geometry.centre_of({column, row});
+      if (place.x() < 9.0 && std::abs(place.y() - 1.2) > 0.8) {
+        building.walls.cells[geometry.index({column, row})] = Prior::kOccupied;
+      }
+    }
+  }
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const auto is_sure = [&](const ModernLocalizerParams& params) {
+      SyntheticWorld world(building.building, building.walls, robot(),
+                           {.seed = seed, .perfect = true, .clutter = 0, .unknown_boxes = 0});
+      ModernLocalizer localizer(building.building, building.walls, robot(), ErrorParams{}, params);
+      localizer.recall({{-50.0, -50.0, 0.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()});
+      const bool is_localized = run_trial(world, localizer, {.duration = 120.0}).localized;
+      const auto poses = localizer.hypotheses(2);
+      EXPECT_TRUE(is_localized || (poses.size() == 2 && poses[1].weight > 0.05)) << "the other end is to be looked at";
+      EXPECT_TRUE(is_localized || localizer.estimate().reason.find("only the sonars") != std::string::npos);
+      return is_localized;
+    };
+    EXPECT_FALSE(is_sure({})) << "seed " << seed;
+    ModernLocalizerParams params;
+    params.rules.enter_without_sonar = params.rules.first_without_sonar;
+    EXPECT_TRUE(is_sure(params)) << "seed " << seed;
+  }
+}
+
 TEST(ModernLocalizer, SaysThatABuildingWithoutFixturesCannotBeUsed) {
   ModernLocalizer localizer({}, {}, robot(), ErrorParams{}, ModernLocalizerParams{});
   localizer.add_odometry({1'000'000, 1, {}, 0.0, 0.0});
