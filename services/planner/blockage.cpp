@@ -78,4 +78,37 @@ Blockage measure_blockage(const ConfigurationSpace& space, const std::vector<Doo
   return blockage;
 }
 
+std::optional<Eigen::Vector2d> what_blocks(const ConfigurationSpace& space, const OccupancyGrid& grid,
+                                           const Polyline& path, double radius) {
+  const GridGeometry& geometry = space.geometry();
+  const int reach = static_cast<int>(std::ceil(radius / geometry.resolution));
+  for (const Eigen::Vector2d& point : path) {
+    const Cell middle = geometry.cell_at(point);
+    if (!geometry.contains(middle) || !space.is_blocked(middle)) {
+      continue;
+    }
+    std::optional<Eigen::Vector2d> nearest;
+    for (int row = middle.row - reach; row <= middle.row + reach; ++row) {
+      for (int column = middle.column - reach; column <= middle.column + reach; ++column) {
+        const Cell cell{column, row};
+        const Eigen::Vector2d place = geometry.centre_of(cell);
+        if (!geometry.contains(cell) || !space.is_solid(cell) ||
+            (place - geometry.centre_of(middle)).norm() > radius + 1e-6) {
+          continue;
+        }
+        const std::size_t i = geometry.index(cell);
+        const bool is_wall = grid.prior[i] == Prior::kOccupied || grid.prior[i] == Prior::kDisputed;
+        if (!is_wall && grid.evidence[i] > 0 &&
+            (!nearest || (place - path.front()).squaredNorm() < (*nearest - path.front()).squaredNorm())) {
+          nearest = place;
+        }
+      }
+    }
+    if (nearest) {
+      return nearest;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace luminav

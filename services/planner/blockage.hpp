@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,5 +24,11 @@ struct Blockage {
 /// Measures the gap across a path where it is blocked first (at `index`); along the opening where a door is near.
 Blockage measure_blockage(const ConfigurationSpace& space, const std::vector<Door>& doors, const Polyline& path,
                           std::size_t index, double need);
+
+/// The centre [m, world] of the cell that blocks a path first and is no wall of the building's map: of those within
+/// `radius` [m] of the first blocked point that has any, the one nearest to the path's start. Only what sonars have
+/// drawn counts; nothing where all is wall, unknown or merely suspected.
+std::optional<Eigen::Vector2d> what_blocks(const ConfigurationSpace& space, const OccupancyGrid& grid,
+                                           const Polyline& path, double radius);
 
 }  // namespace luminav

@@ -61,6 +61,8 @@ class GoalCycle {
   void hold(const Polyline& way, std::size_t blocked_at, double reference_length);
   void update_hold(const Situation& situation);
   void look_again(const Situation& situation, const Route& route);
+  /// Turns the robot, where it stands and waits, towards what blocks its way.
+  void face_blockage(const Situation& situation);
   /// Where no building's map tells walls from what sonars draw wrongly: drives to the gap that would make the way much
   /// shorter, or possible, to look at it from near. False when there is none left.
   bool look_at_gap(const Situation& situation, const Route& route);
@@ -83,6 +85,10 @@ class GoalCycle {
   /// What a path may end from the stop so that the robot, stopping there, is within the tolerance [m].
   [[nodiscard]] double planned_tolerance() const;
   [[nodiscard]] bool is_at_stop(const Pose2& pose) const;
+  /// The controller says that it has come to the end of the newest path.
+  [[nodiscard]] bool is_at_end(const Situation& situation) const {
+    return situation.control && situation.control->at_goal && situation.control->path_sequence == path_.sequence;
+  }
   [[nodiscard]] double tolerance() const { return goal_.tolerance > 0.0 ? goal_.tolerance : params_.tolerance; }
   [[nodiscard]] double heading_tolerance() const {
     return goal_.heading_tolerance > 0.0 ? goal_.heading_tolerance : params_.heading_tolerance;
@@ -136,6 +142,8 @@ class GoalCycle {
   int failures_in_a_row_ = 0;
   int skipped_ = 0;
   Blockage blockage_;
+  Polyline blocked_way_;          // that it leads through
+  std::int64_t last_facing_ = 0;  // [us] when the robot was last told to turn towards it
   std::string hold_reason_;
   std::vector<SuspectedObstacle> looked_at_;  // gaps of this goal that stayed shut when seen from near
   bool has_looked_twice_ = false;             // all of them

@@ -42,7 +42,7 @@ bool GoalCycle::is_at_stop(const Pose2& pose) const {
 }
 
 void GoalCycle::check_arrival(const Situation& situation) {
-  if (!situation.control || !situation.control->at_goal || situation.control->path_sequence != path_.sequence) {
+  if (!is_at_end(situation)) {
     return;
   }
   if (is_at_stop(situation.world_from_robot)) {

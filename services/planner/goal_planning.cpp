@@ -167,6 +167,8 @@ void GoalCycle::hold(const Polyline& way, std::size_t blocked_at, double referen
     path_.theta = std::atan2(ahead.y(), ahead.x());
   }
   hold_since_ = worth_driving ? 0 : now_;
+  blocked_way_ = way;
+  last_facing_ = 0;
   has_looked_again_ = false;
   looks_at_gap_ = false;
   phase_ = Phase::kNone;  // a new blockage has a time of its own
@@ -178,9 +180,9 @@ void GoalCycle::update_hold(const Situation& situation) {
   if (!path_.points.empty()) {
     at_ = nearest_ahead(path_.points, at_, situation.world_from_robot.position());
   }
-  const bool there =
-      path_.points.empty() || (path_.points.back() - situation.world_from_robot.position()).norm() < kHoldReached ||
-      (situation.control && situation.control->at_goal && situation.control->path_sequence == path_.sequence);
+  const bool there = path_.points.empty() ||
+                     (path_.points.back() - situation.world_from_robot.position()).norm() < kHoldReached ||
+                     is_at_end(situation);
   const double drive_time = params_.blocked_wait + polyline_length(path_.points) / kSlowestSpeed;
   if (hold_since_ == 0 && (there || seconds_since(phase_since_) > drive_time)) {
     hold_since_ = now_;
@@ -209,7 +211,9 @@ void GoalCycle::update_hold(const Situation& situation) {
                             by_goal ? no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance())
                                     : hold_reason_,
                             params_.give_up_wait));
+      return;
     }
+    face_blockage(situation);
     return;
   }
   const double limit = params_.detour_ratio * reference_length_ + params_.detour_length;
@@ -220,7 +224,35 @@ void GoalCycle::update_hold(const Situation& situation) {
     }
     ++report_.replans;
     follow(route);
+    return;
   }
+  face_blockage(situation);
+}
+
+// Between two cones nothing is heard: evidence there would outlive whoever stood in the way.
+void GoalCycle::face_blockage(const Situation& situation) {
+  if (hold_since_ == 0 || seconds_since(hold_since_) < params_.facing_after || looks_at_gap_ ||
+      (last_facing_ != 0 && seconds_since(last_facing_) < params_.facing_period)) {
+    return;
+  }
+  const Pose2& robot = situation.world_from_robot;
+  Polyline way = blocked_way_;
+  way.front() = robot.position();
+  const std::optional<Eigen::Vector2d> place =
+      what_blocks(planner_.space(), *grid_, way, planner_params_.space.hard_radius);
+  if (!place) {
+    return;
+  }
+  const Eigen::Vector2d towards = *place - robot.position();
+  const double theta = std::atan2(towards.y(), towards.x());
+  if (std::abs(wrap_angle(theta - robot.theta)) < params_.facing_angle) {
+    return;
+  }
+  last_facing_ = now_;
+  set_path({robot.position()});
+  path_.has_theta = true;
+  path_.theta = theta;
+  path_.tolerance = params_.hold_tolerance;
 }
 
 // Far, oblique echoes draw wide arcs from door posts, so that doors look narrow or shut on the robot's own map until it

@@ -61,6 +61,9 @@ struct GoalCycleParams {
   double detour_radius = 1.5;     ///< [m] round the blockage
   double hold_distance = 0.8;     ///< [m] before a blockage where the robot waits
   double hold_tolerance = 0.3;    ///< [m] for getting there
+  double facing_after = 10.0;     ///< [s] of waiting after which it looks whether what blocks it is still there,
+  double facing_period = 3.0;     ///< [s] between two turns for that
+  double facing_angle = 0.21;     ///< [rad] off its heading, which are none: so far ahead the cones leave no gap
   double replan_period = 0.3;     ///< [s] between two plans
   double keep_ratio = 0.85;       ///< a new way replaces a passable one when it costs less than this share of it
   double off_path = 0.6;          ///< [m] from the path before it is planned anew

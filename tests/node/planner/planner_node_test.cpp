@@ -247,6 +247,23 @@ TEST(PlannerNode, WaitsBeforeAClosedDoorAndGoesOnWhenItOpens) {
   ASSERT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED));
 }
 
+TEST(PlannerNode, TurnsTowardsWhatBlocksItWhileItWaits) {
+  PlannerWorld world;
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.obstacle(6.1, 2.8, 6.2, 3.7);
+  ASSERT_TRUE(world.run_until_state(20.0, Status::STATE_WAITING));
+  world.run(8.0);                      // to the door
+  world.robot.theta += radians(69.0);  // between two cones
+  world.run(15.0);
+  EXPECT_EQ(world.status.state, Status::STATE_WAITING);
+  const double towards_door = std::atan2(3.2 - world.robot.y, 6.15 - world.robot.x);
+  EXPECT_LT(std::abs(wrap_angle(world.robot.theta - towards_door)), radians(30.0));
+  EXPECT_LT(world.robot.x, 5.8) << "it only turns";
+  world.obstacle(6.1, 2.8, 6.2, 3.7, false);  // seen, it is gone
+  EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
 TEST(PlannerNode, CallsADoorThatStaysClosedBlockedInBoundedTime) {
   PlannerConfig config;
   config.doors = {{1, {6.2, 3.25, 0.5 * kPi}, 0.9}};

@@ -37,5 +37,23 @@ TEST(Blockage, MeasuresAcrossTheWayWhereNoDoorIs) {
   EXPECT_NEAR(blockage.free_width, 0.3, 0.05);
 }
 
+TEST(Blockage, SaysWhatTheSonarsHaveDrawnInTheWay) {
+  OccupancyGrid grid = empty_room(6.0, 2.0);
+  build_wall(grid, 2.0, 0.0, 2.2, 1.0);  // of the building, beside the way
+  grid.evidence[grid.geometry.index(grid.geometry.cell_at({4.05, 1.55}))] = 50;
+  grid.evidence[grid.geometry.index(grid.geometry.cell_at({4.45, 1.35}))] = 50;
+  const ConfigurationSpace space({}, grid, {});
+  Polyline path;
+  for (int i = 0; i < 25; ++i) {
+    path.emplace_back(0.6 + 0.2 * i, 1.35);
+  }
+  const auto place = what_blocks(space, grid, path, 0.30);
+  ASSERT_TRUE(place);
+  EXPECT_NEAR(place->x(), 4.05, 1e-6);
+  EXPECT_NEAR(place->y(), 1.55, 1e-6);
+  const ConfigurationSpace suspected({}, empty_room(6.0, 2.0), {{{4.0, 1.35}, 0.3}});
+  EXPECT_FALSE(what_blocks(suspected, empty_room(6.0, 2.0), path, 0.30)) << "no sonar drew it";
+}
+
 }  // namespace
 }  // namespace luminav
