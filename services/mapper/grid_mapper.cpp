@@ -108,7 +108,8 @@ SliceRanges GridMapper::visible_ranges(const BeamReading& beam) const {
       }
       if (!is_wall) {
         const std::optional<double> incidence = incidence_at(cell, direction);
-        if (!incidence || *incidence <= params_.specular_incidence) {
+        const bool may_be_mirror = !beam.has_echo && grid_.prior[geometry.index(cell)] == Prior::kUnknown;
+        if (incidence ? *incidence <= params_.specular_incidence : !may_be_mirror) {
           continue;  // it would have answered: it may have gone
         }
       }

@@ -33,8 +33,8 @@ void GoalCycle::begin(const GoalRequest& goal, int stop_index, std::int64_t now)
   report_.stop_count = static_cast<int>(goal.stops.size());
   report_.target = stop();
   suspects_.clear();
-  looked_at_.clear();
-  has_looked_twice_ = has_left_people_ = false;
+  search_ = {};
+  has_left_people_ = false;
   map_dirty_ = true;
   last_tracking_ = 0;
   last_plan_ = 0;
@@ -133,8 +133,8 @@ void GoalCycle::next_stop() {
   report_.target = stop();
   attempts_ = losses_ = doubts_ = arrival_failures_ = retries_ = 0;
   suspects_.clear();
-  looked_at_.clear();
-  has_looked_twice_ = has_left_people_ = false;
+  search_ = {};
+  has_left_people_ = false;
   map_dirty_ = true;
   last_plan_ = 0;
   enter(Phase::kPlanning, NavigationState::kPlanning, "");
@@ -253,6 +253,11 @@ void GoalCycle::update(const Situation& situation) {
   const auto expired = [&](const Suspect& suspect) { return suspect.until <= now_; };
   if (std::erase_if(suspects_, expired) > 0) {
     map_dirty_ = true;
+  }
+  if (searches_in_vain(situation)) {
+    fail_stop(NavigationState::kNoPath, fmt::format("no way to {} found in {:.0f} m of driving, {:.1f} m were expected",
+                                                    place_of(stop()), search_.driven, search_.first_length));
+    return;
   }
   suspect_touched(situation);
   switch (phase_) {

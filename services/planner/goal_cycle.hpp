@@ -71,6 +71,10 @@ class GoalCycle {
   void check_arrival(const Situation& situation);
   void check_progress(const Situation& situation);
   void check_path(const Situation& situation);
+  /// Length [m] of a way, more of it where nobody has seen what is there.
+  [[nodiscard]] double length_with_unknown(const Polyline& points) const;
+  /// True once it has driven so much without finding a way that the stop is given up.
+  [[nodiscard]] bool searches_in_vain(const Situation& situation);
   void suspect_ahead(const Situation& situation);
   void suspect_people(const Situation& situation);
   void suspect_touched(const Situation& situation);
@@ -95,6 +99,17 @@ class GoalCycle {
   }
   [[nodiscard]] double seconds_since(std::int64_t utime) const { return static_cast<double>(now_ - utime) * 1e-6; }
   [[nodiscard]] const GoalStop& stop() const { return goal_.stops[static_cast<std::size_t>(stop_)]; }
+
+  /// How a stop is looked for where no building's map says what is behind a wall.
+  struct Search {
+    std::vector<SuspectedObstacle> looked_at;  // gaps that stayed shut when seen from near
+    bool has_looked_twice = false;             // at all of them
+    double first_length = 0.0;                 // [m] of the first way
+    double driven = 0.0;                       // [m]
+    std::optional<Eigen::Vector2d> last;       // where the robot was seen last
+
+    void expect(double length) { first_length = first_length > 0.0 ? first_length : length; }
+  };
 
   struct Suspect {
     SuspectedObstacle obstacle;
@@ -145,12 +160,11 @@ class GoalCycle {
   Polyline blocked_way_;          // that it leads through
   std::int64_t last_facing_ = 0;  // [us] when the robot was last told to turn towards it
   std::string hold_reason_;
-  std::vector<SuspectedObstacle> looked_at_;  // gaps of this goal that stayed shut when seen from near
-  bool has_looked_twice_ = false;             // all of them
-  bool looks_at_gap_ = false;                 // what it holds before is one
-  bool has_looked_again_ = false;             // at this blockage, from as near as can be
-  double reference_length_ = 0.0;             // [m] of the way that was blocked
-  std::int64_t hold_since_ = 0;  // [us] when the robot began to stand before the blockage; 0 = on its way there
+  Search search_;                  // for the stop at hand
+  bool looks_at_gap_ = false;      // what it holds before is one
+  bool has_looked_again_ = false;  // at this blockage, from as near as can be
+  double reference_length_ = 0.0;  // [m] of the way that was blocked
+  std::int64_t hold_since_ = 0;    // [us] when the robot began to stand before the blockage; 0 = on its way there
 };
 
 }  // namespace luminav

@@ -131,6 +131,7 @@ void GoalCycle::follow(const Route& route) {
   progress_since_ = now_;
   progress_left_ = polyline_length(route.points);
   report_.distance_left = progress_left_;
+  search_.expect(progress_left_);
   if (attempts_ == 0) {
     attempt_left_ = progress_left_;
   }
@@ -150,6 +151,7 @@ void GoalCycle::hold(const Polyline& way, std::size_t blocked_at, double referen
   blockage_ = measure_blockage(planner_.space(), doors_, way, blocked_at, 2.0 * planner_params_.space.hard_radius);
   hold_reason_ = blockage_.sentence();
   reference_length_ = reference_length;
+  search_.expect(reference_length);
   Polyline approach(way.begin(), way.begin() + static_cast<std::ptrdiff_t>(blocked_at) + 1);
   const bool is_drawn = planner_params_.space.unknown_is_free;  // by this robot alone: worth a look from near
   const double distance = is_drawn ? params_.gap_distance : params_.hold_distance;
@@ -259,47 +261,75 @@ void GoalCycle::face_blockage(const Situation& situation) {
 // has looked at them from near.
 bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
   const bool is_found = route.outcome == RouteOutcome::kFound;
-  if (!planner_params_.space.unknown_is_free || static_cast<int>(looked_at_.size()) >= params_.gap_looks ||
+  if (!planner_params_.space.unknown_is_free || static_cast<int>(search_.looked_at.size()) >= params_.gap_looks ||
       (!is_found && route.outcome != RouteOutcome::kUnreachable && route.outcome != RouteOutcome::kGoalBlocked)) {
     return false;
   }
   const Eigen::Vector2d robot = situation.world_from_robot.position();
-  const auto worth = [&](double through) { return params_.detour_ratio * through + params_.detour_length; };
-  const double length = is_found ? polyline_length(route.points) : std::numeric_limits<double>::infinity();
+  const auto worth = [&](double through) { return params_.gap_ratio * through + params_.gap_detour; };
+  const double length = is_found ? length_with_unknown(route.points) : std::numeric_limits<double>::infinity();
   if (length < worth((stop().pose.position() - robot).norm())) {
     return false;
   }
-  Route way;
-  for (const double occupied : {params_.doubtful_log_odds, params_.sure_log_odds}) {
+  const auto beside = static_cast<std::size_t>(kSkipBesideRobot / planner_params_.shaping.spacing) + 1;
+  Polyline best;
+  double best_length = length;
+  std::size_t best_blocked = 0;
+  for (const double occupied : {params_.doubtful_log_odds, params_.sure_log_odds, params_.surest_log_odds}) {
     RoutePlannerParams doubting = planner_params_;
     doubting.space.hard_radius = planner_params_.body_radius;
     doubting.space.occupied_log_odds = occupied;
     RoutePlanner by_what_is_sure(doubting);
-    by_what_is_sure.set_grid(*grid_, looked_at_);
-    way = by_what_is_sure.plan({robot, stop().pose.position(), planned_tolerance()});
-    if (way.outcome == RouteOutcome::kFound && length > worth(polyline_length(way.points))) {
-      break;
+    by_what_is_sure.set_grid(*grid_, search_.looked_at);
+    const Route way = by_what_is_sure.plan({robot, stop().pose.position(), planned_tolerance()});
+    if (way.outcome != RouteOutcome::kFound) {
+      continue;
     }
-    way.points.clear();
+    const double through = worth(length_with_unknown(way.points));  // of two, the one with less doubt if about as long
+    const std::optional<std::size_t> blocked = planner_.first_blocked(way.points, beside);
+    if (blocked && through < best_length) {
+      best = way.points;
+      best_length = through;
+      best_blocked = *blocked;
+    }
   }
-  if (way.points.empty()) {
-    if (is_found || has_looked_twice_ || looked_at_.empty()) {
+  if (best.empty()) {
+    if (is_found || search_.has_looked_twice || search_.looked_at.empty()) {
       return false;
     }
-    has_looked_twice_ = true;  // from elsewhere they may look otherwise
-    looked_at_.clear();
+    search_.has_looked_twice = true;  // from elsewhere they may look otherwise
+    search_.looked_at.clear();
     return look_at_gap(situation, route);
   }
-  const auto beside = static_cast<std::size_t>(kSkipBesideRobot / planner_params_.shaping.spacing) + 1;
-  const std::optional<std::size_t> blocked = planner_.first_blocked(way.points, beside);
-  if (!blocked) {
-    return false;
-  }
-  hold(way.points, *blocked, polyline_length(way.points));
+  hold(best, best_blocked, polyline_length(best));
   looks_at_gap_ = true;
-  looked_at_.push_back({way.points[*blocked], kGapRadius});
+  search_.looked_at.push_back({best[best_blocked], kGapRadius});
   report_.cause = fmt::format("{}; looking at it from near", hold_reason_);
   return true;
+}
+
+double GoalCycle::length_with_unknown(const Polyline& points) const {
+  double length = 0.0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double step = (points[i] - points[i - 1]).norm();
+    const Cell cell = grid_->geometry.cell_at(points[i]);
+    const std::size_t k = grid_->geometry.index(cell);
+    const bool is_unknown =
+        !grid_->geometry.contains(cell) || (grid_->prior[k] == Prior::kUnknown && grid_->evidence[k] == 0);
+    length += is_unknown ? params_.unknown_ratio * step : step;
+  }
+  return length;
+}
+
+bool GoalCycle::searches_in_vain(const Situation& situation) {
+  if (!planner_params_.space.unknown_is_free) {
+    return false;
+  }
+  const Eigen::Vector2d robot = situation.world_from_robot.position();
+  search_.driven += (robot - search_.last.value_or(robot)).norm();
+  search_.last = robot;
+  return search_.first_length > 0.0 &&
+         search_.driven > params_.search_ratio * search_.first_length + params_.search_length;
 }
 
 // Seen at a slant, a smooth thing and nothing at all look alike to a sonar: what lies in the way of the goal is looked

@@ -71,10 +71,16 @@ struct GoalCycleParams {
   double progress_length = 0.2;   ///< [m] of the path that count as progress
   double look_again = 20.0;  ///< [s] after which a goal that lies in an obstacle is looked at from as near as can be
   double doubtful_log_odds = 1.8;  ///< where there is no building's map, evidence below is a gap worth a look from near
-  double sure_log_odds = 2.4;      ///< when there is none: evidence below this
+  double sure_log_odds = 2.4;      ///< when there is none: evidence below this,
+  double surest_log_odds = 3.2;    ///< and then this
   double gap_distance = 0.25;      ///< [m] before it: from farther away its posts are all that is heard
   double gap_wait = 4.0;           ///< [s] to look at it
   int gap_looks = 12;              ///< how many of them for one goal
+  double gap_ratio = 1.2;          ///< a way round the gap this much longer than through it is not taken before,
+  double gap_detour = 1.0;         ///< [m] and this much beside: it leads through what nobody has seen
+  double unknown_ratio = 3.0;      ///< a way through what nobody has seen counts so many times as long: walls are there
+  double search_ratio = 4.0;       ///< where there is no building's map, a goal is given up after driving so many times
+  double search_length = 60.0;     ///< [m] its first way and this: each room has walls where a way was hoped for
   double give_up_wait = 100.0;     ///< [s] to wait when no other way is left: people come and go, and the mapper
                                    ///< forgets within 90 s (its decay_time) what nobody sees any more
   int attempts = 5;                ///< plans without progress before the robot calls itself stuck ...

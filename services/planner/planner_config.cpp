@@ -36,6 +36,7 @@ void read_cycle(const TomlTable& table, GoalCycleParams& cycle) {
   cycle.detour_length = table.number("detour_length", cycle.detour_length, {0.0, 1000.0});
   cycle.replan_period = table.number("replan_period", cycle.replan_period, {0.05, 10.0});
   cycle.no_progress_time = table.number("no_progress_time", cycle.no_progress_time, {0.5, 120.0});
+  cycle.search_length = table.number("search_length", cycle.search_length, {0.0, 10000.0});
   cycle.give_up_wait = table.number("give_up_wait", cycle.give_up_wait, {0.0, 3600.0});
   cycle.stuck_time = table.number("stuck_time", cycle.stuck_time, {0.0, 3600.0});
   cycle.people_time = table.number("people_time", cycle.people_time, {0.0, 3600.0});

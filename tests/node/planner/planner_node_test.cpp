@@ -340,11 +340,41 @@ TEST(PlannerNode, LooksFromNearAtADoorThatItDrewShut) {
   EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED)) << world.status.cause;
 }
 
+TEST(PlannerNode, LooksAtTheDoorBeforeItGoesRoundThroughWhatNobodyHasSeen) {
+  PlannerWorld world(mapping_config());
+  draw_by_sonar(world);
+  for (int row = 44; row < 64; ++row) {
+    for (int column = 61; column < 124; ++column) {
+      world.grid.evidence[world.grid.geometry.index({column, row})] = 0;  // the wall ends, or was not seen there
+    }
+  }
+  world.robot = {4.0, 2.0, 0.0};
+  world.go(1, 8.5, 2.0);  // 8.5 m round, 5 m through the door
+  const auto looks = [&] { return world.status.cause.find("looking at it from near") != std::string::npos; };
+  EXPECT_TRUE(world.run_until(2.0, looks)) << world.status.cause;
+}
+
+TEST(PlannerNode, GivesUpAGoalThatItsOwnMapLeadsItRoundFor) {
+  PlannerConfig config = mapping_config();
+  config.cycle.search_ratio = 1.0;
+  config.cycle.search_length = 8.0;
+  PlannerWorld world(config);
+  world.go(1, 10.0, 3.2);
+  const auto carries_on = [&] {
+    if (world.robot.x > 5.0) {
+      world.robot.x = 2.0;  // as if each way had led it back
+    }
+    return world.status.state == Status::STATE_NO_PATH;
+  };
+  ASSERT_TRUE(world.run_until(60.0, carries_on)) << world.status.cause;
+  EXPECT_THAT(world.status.cause, HasSubstr("m of driving, 8."));
+}
+
 TEST(PlannerNode, GivesUpWhenTheDoorThatItDrewStaysShut) {
   PlannerWorld world(mapping_config());
   draw_by_sonar(world);
   world.go(1, 10.0, 5.4);
-  ASSERT_TRUE(world.run_until_state(180.0, Status::STATE_BLOCKED)) << world.status.cause;
+  ASSERT_TRUE(world.run_until_state(400.0, Status::STATE_BLOCKED)) << world.status.cause;
   EXPECT_THAT(world.status.cause, HasSubstr("is blocked"));
 }
 

@@ -236,6 +236,22 @@ TEST(GridMapper, TakesAReadingAtTheMaximumForNoEcho) {
   EXPECT_FALSE(occupied(mapper, 8.03, 5.05));
 }
 
+TEST(GridMapper, LetsSilenceTakeAwayOnlyWhatWouldHaveAnsweredWhereNoMapIsKnown) {
+  const PriorMap map = room(Prior::kUnknown);
+  OccupancyGrid drawn(map.geometry);
+  drawn.evidence[map.geometry.index({50, 20})] = 60;  // alone: it may be a bit of a slanted wall, which is a mirror
+  for (int row = 76; row < 85; ++row) {
+    drawn.evidence[map.geometry.index({50, row})] = 60;  // a surface, and seen from right before it
+  }
+  GridMapper mapper({}, map, 16);
+  ASSERT_TRUE(mapper.restore_evidence(drawn));
+  Beam beam(mapper);
+  beam.look({4.0, 2.05, 0.0}, 5.0, 100, false);
+  beam.look({4.0, 8.05, 0.0}, 5.0, 100, false);
+  EXPECT_TRUE(occupied(mapper, 5.05, 2.05));
+  EXPECT_FALSE(occupied(mapper, 5.05, 8.05));
+}
+
 TEST(GridMapper, DoesNotDrawFreeSpaceThroughAWallOfTheMap) {
   GridMapper mapper({}, room(), 16);
   Beam(mapper).look({8.5, 5.0, 0.9}, 5.0, 50, false);
