@@ -26,6 +26,7 @@ Controller::Controller(const ControllerConfig& config)
       wander_(config.wander, config.robot.sonar, stop_logic_,
               CeilingForecast(config.building, config.walls, config.view_radius(), config.wall_clearance)),
       progress_(config.progress),
+      obstacles_(stop_logic_.footprint()),
       ramp_(config.robot.limits, config.jerk) {}
 
 void Controller::forget_odometry() {
@@ -50,13 +51,12 @@ void Controller::enter(ControlTask task, const ControlInput& input) {
 
 ControlOutput Controller::step(const ControlInput& input) {
   ControlOutput output;
-  std::vector<ObstaclePoint>& obstacles = obstacles_;
-  obstacles.assign(input.echoes.begin(), input.echoes.end());
+  walls_.clear();
   if (input.world_from_robot && input.grid != nullptr) {
-    add_known_walls(*input.grid, *input.world_from_robot, config_.local_map, obstacles);
+    find_known_walls(*input.grid, *input.world_from_robot, config_.local_map, walls_);
   }
-  const std::span<const ObstaclePoint> echoes(obstacles.data(), input.echoes.size());
-  output.clearance = stop_logic_.clearance(obstacles);
+  obstacles_.set(input.echoes, walls_);
+  output.clearance = stop_logic_.clearance(obstacles_);
   const ControlTask task = input.halt ? ControlTask::kNone : input.task;
   if (task != task_) {
     enter(task, input);
@@ -67,16 +67,15 @@ ControlOutput Controller::step(const ControlInput& input) {
     output.reason = *input.halt;
     return output;
   }
-  // what the building's map knows neither walks nor is news
-  look_for_people(input.now, echoes);
-  const double unknown = nearest_unknown(echoes);
-  const DriveTwist wanted = with_care(wish(input, obstacles, output), unknown, echoes);
+  look_for_people(input.now);
+  const double unknown = obstacles_.least_unknown_distance(10.0);
+  const DriveTwist wanted = with_care(wish(input, output), unknown);
   DriveTwist smooth = ramp_.step(wanted, input.duration);
   if (escape_ && wanted.linear != 0.0) {
     // the arc that was found free, from the first step on: turning speeds up faster than driving
     smooth.angular = wanted.angular * smooth.linear / wanted.linear;
   }
-  StopVerdict verdict = stop_logic_.judge(smooth, obstacles, input.ages);
+  StopVerdict verdict = stop_logic_.judge(smooth, obstacles_, input.ages);
   hold_still(input.now, input.odom_from_robot, wanted, unknown, verdict);
   if (verdict.limited && is_still(verdict.twist)) {
     verdict.twist = {};  // who waits stands still: creeping into people is no waiting
@@ -89,13 +88,14 @@ ControlOutput Controller::step(const ControlInput& input) {
   if (task == ControlTask::kFollow || task == ControlTask::kWander) {
     StopVerdict of_wish = verdict;
     of_wish.blocked = (!is_still(wanted) || hold_since_ != 0) && is_still(verdict.twist) && verdict.limited;
-    wait_or_escape(input, of_wish, obstacles, output);
+    wait_or_escape(input, of_wish, output);
   }
   return output;
 }
 
-void Controller::look_for_people(std::int64_t now, std::span<const ObstaclePoint> obstacles) {
-  for (const ObstaclePoint& obstacle : obstacles) {
+// What the building's map knows neither walks nor is news.
+void Controller::look_for_people(std::int64_t now) {
+  for (const ObstaclePoint& obstacle : obstacles_.measured()) {
     if (obstacle.approach > 0.0 && obstacle.position.norm() < config_.people_within) {
       people_seen_ = now;
     }
@@ -106,25 +106,23 @@ bool Controller::has_met_people(std::int64_t now) const {
   return people_seen_ != 0 && seconds_between(people_seen_, now) < config_.people_remembered;
 }
 
-double Controller::nearest_unknown(std::span<const ObstaclePoint> obstacles) const {
-  return stop_logic_.footprint().least_distance(obstacles, 10.0,
-                                                [](const ObstaclePoint& obstacle) { return !obstacle.is_known; });
-}
-
 // Something near that is on no map may be somebody about to move: slower, so that the next echo comes in time. What
 // appears ahead where nothing was may be somebody who walks towards it, and his next echo comes a third of a second and
 // half a metre later.
-DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest,
-                                 std::span<const ObstaclePoint> obstacles) const {
+DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const {
   const double share = std::clamp(nearest / config_.care_within, config_.care_least, 1.0);
   double linear = share * config_.robot.limits.linear;
-  for (const ObstaclePoint& obstacle : obstacles) {
+  for (const ObstaclePoint& obstacle : obstacles_.measured()) {
     const double ahead = wanted.linear < 0.0 ? -obstacle.position.x() : obstacle.position.x();
     if (obstacle.is_known || obstacle.has_stood || obstacle.age > config_.news_age ||
         ahead < 0.5 * obstacle.position.norm()) {
       continue;
     }
-    const double gap = stop_logic_.footprint().distance(obstacle.position) - obstacle.age * config_.robot.limits.linear;
+    const double come_nearer = obstacle.age * config_.robot.limits.linear;
+    if (stop_logic_.footprint().is_surely_beyond(obstacle.position, config_.news_free + come_nearer)) {
+      continue;
+    }
+    const double gap = stop_logic_.footprint().distance(obstacle.position) - come_nearer;
     const double fraction = std::clamp((gap - config_.news_slow) / (config_.news_free - config_.news_slow), 0.0, 1.0);
     const double most = config_.robot.limits.linear;
     linear = std::min(linear, most - (1.0 - fraction) * std::max(0.0, most - config_.news_speed));
@@ -167,8 +165,7 @@ void Controller::hold_still(std::int64_t now, const Pose2& odom_from_robot, cons
   }
 }
 
-DriveTwist Controller::wish(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles,
-                            ControlOutput& output) {
+DriveTwist Controller::wish(const ControlInput& input, ControlOutput& output) {
   output.reason = input.task_reason;
   switch (input.task) {
     case ControlTask::kNone:
@@ -184,7 +181,7 @@ DriveTwist Controller::wish(const ControlInput& input, const std::vector<Obstacl
         output.state = ControlState::kStopped;
         return {};
       }
-      follow(input, obstacles, output);
+      follow(input, output);
       if (output.follow.phase == FollowPhase::kAtGoal || output.follow.phase == FollowPhase::kNoPath) {
         escape_.reset();
         return {};
@@ -198,15 +195,13 @@ DriveTwist Controller::wish(const ControlInput& input, const std::vector<Obstacl
   }
   if (input.task == ControlTask::kWander) {
     return wander_.step(
-        {input.now, input.odom_from_robot, obstacles, input.remembered, input.firings, input.alternatives});
+        {input.now, input.odom_from_robot, obstacles_, input.remembered, input.firings, input.alternatives});
   }
   return output.follow.wanted;
 }
 
-void Controller::follow(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output) {
-  FollowSituation situation;
-  situation.world_from_robot = *input.world_from_robot;
-  situation.obstacles = obstacles;
+void Controller::follow(const ControlInput& input, ControlOutput& output) {
+  FollowSituation situation{.obstacles = obstacles_, .world_from_robot = *input.world_from_robot};
   situation.may_back = input.ages.rear_sonar < config_.stop_logic.disc_silent_after;
   situation.duration = input.duration;
   situation.is_line_free = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
@@ -242,14 +237,13 @@ std::optional<DriveTwist> Controller::escape_twist(std::int64_t now) const {
   return std::nullopt;
 }
 
-void Controller::begin_escape(const ControlInput& input, bool by_unknown, const std::vector<ObstaclePoint>& obstacles,
-                              ControlOutput& output) {
+void Controller::begin_escape(const ControlInput& input, bool by_unknown, ControlOutput& output) {
   EscapeSituation situation;
   situation.attempt = escapes_;
   situation.wish = output.follow.heading_error;
   situation.may_back = input.ages.rear_sonar < config_.stop_logic.disc_silent_after;
   situation.by_unknown = by_unknown;
-  if (const auto move = choose_escape(situation, obstacles, stop_logic_)) {
+  if (const auto move = choose_escape(situation, obstacles_, stop_logic_)) {
     escape_ = Escape{*move, input.now};
     output.state = ControlState::kEscaping;
     output.reason = move->name;
@@ -261,8 +255,7 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, const 
   next_escape_ = input.now + microseconds(config_.escape_pause);
 }
 
-void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& verdict,
-                                const std::vector<ObstaclePoint>& obstacles, ControlOutput& output) {
+void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output) {
   const bool has_work = output.state != ControlState::kAtGoal && output.state != ControlState::kIdle &&
                         output.state != ControlState::kStopped;
   if (!has_work) {
@@ -314,7 +307,7 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
     if (input.task == ControlTask::kWander) {
       wander_.give_up(input.now, input.odom_from_robot);
     }
-    begin_escape(input, verdict.by_unknown, obstacles, output);
+    begin_escape(input, verdict.by_unknown, output);
   }
   // somebody who stands about is no reason to give up a goal, for a while
   const bool is_patient = has_met_people(input.now) && output.seconds_without_progress < config_.stuck_after_people;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -77,27 +76,24 @@ class Controller {
     std::int64_t start = 0;  // [us]
   };
   void enter(ControlTask task, const ControlInput& input);
-  void look_for_people(std::int64_t now, std::span<const ObstaclePoint> obstacles);
+  void look_for_people(std::int64_t now);
   [[nodiscard]] bool has_met_people(std::int64_t now) const;
-  [[nodiscard]] double nearest_unknown(std::span<const ObstaclePoint> obstacles) const;
-  [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest,
-                                     std::span<const ObstaclePoint> obstacles) const;
+  [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest) const;
   void hold_still(std::int64_t now, const Pose2& odom_from_robot, const DriveTwist& wanted, double nearest,
                   StopVerdict& verdict);
-  DriveTwist wish(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
-  void follow(const ControlInput& input, const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
+  DriveTwist wish(const ControlInput& input, ControlOutput& output);
+  void follow(const ControlInput& input, ControlOutput& output);
   [[nodiscard]] std::optional<DriveTwist> escape_twist(std::int64_t now) const;
-  void begin_escape(const ControlInput& input, bool by_unknown, const std::vector<ObstaclePoint>& obstacles,
-                    ControlOutput& output);
-  void wait_or_escape(const ControlInput& input, const StopVerdict& verdict,
-                      const std::vector<ObstaclePoint>& obstacles, ControlOutput& output);
+  void begin_escape(const ControlInput& input, bool by_unknown, ControlOutput& output);
+  void wait_or_escape(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output);
 
   ControllerConfig config_;
   StopLogic stop_logic_;
   PathFollower follower_;
   Wander wander_;
   ProgressMonitor progress_;
-  std::vector<ObstaclePoint> obstacles_;  // of this step: echoes, then known walls
+  PlanePoints walls_;    // of this step: known ones, robot frame
+  Obstacles obstacles_;  // of this step: echoes and these walls
   CommandRamp ramp_;
   ControlTask task_ = ControlTask::kNone;
   std::optional<Escape> escape_;

@@ -7,17 +7,9 @@
 
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/geometry/pose2.hpp"
+#include "services/controller/obstacles.hpp"
 
 namespace luminav {
-
-/// Something the robot must not touch, in the robot frame.
-struct ObstaclePoint {
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // [m] robot frame
-  double approach = 0.0;                               // [m/s] how fast it may come nearer by itself
-  double age = 0.0;                                    // [s] since it was measured
-  bool is_known = false;                               // the building's map has it
-  bool has_stood = false;                              // something was heard there before: it doesn't walk
-};
 
 /// One firing of one disc.
 struct SonarFiring {

@@ -11,10 +11,11 @@ namespace {
 using Moves = std::vector<EscapeMove>;
 
 // Openness of a side [m]; the wish decides between equals.
-double openness(double sign, double wish, std::span<const ObstaclePoint> obstacles) {
+double openness(double sign, double wish, const Obstacles& obstacles) {
   const FreeHeadingParams strip;
+  const PlanePoints& points = obstacles.points();
   const double beside =
-      free_way(sign * radians(60.0), 2.0, obstacles, strip) + free_way(sign * radians(110.0), 2.0, obstacles, strip);
+      free_way(sign * radians(60.0), 2.0, points, strip) + free_way(sign * radians(110.0), 2.0, points, strip);
   return beside + (sign * wish > 0.0 ? 0.3 : 0.0);
 }
 
@@ -56,24 +57,20 @@ Moves inchings(double side) {
           {{{{0.10, 0.0}, 1.2}}, "inching ahead"}};
 }
 
-bool is_course_free(const EscapeMove& move, bool may_back, std::span<const ObstaclePoint> obstacles,
-                    const StopLogic& stop_logic) {
-  std::vector<ObstaclePoint> seen(obstacles.begin(), obstacles.end());
+bool is_course_free(const EscapeMove& move, bool may_back, const Obstacles& obstacles, const StopLogic& stop_logic) {
+  Obstacles seen = obstacles;
   for (const EscapeMove::Arc& arc : move.arcs) {
     if ((arc.twist.linear < 0.0 && !may_back) || !stop_logic.is_free(arc.twist, arc.duration + 0.2, seen)) {
       return false;
     }
-    const Pose2 end_from_start = drive_arc(arc.twist, arc.duration).inverse();
-    for (ObstaclePoint& obstacle : seen) {
-      obstacle.position = end_from_start * obstacle.position;
-    }
+    seen = seen.seen_from(drive_arc(arc.twist, arc.duration).inverse());
   }
   return true;
 }
 
 }  // namespace
 
-std::optional<EscapeMove> choose_escape(const EscapeSituation& situation, std::span<const ObstaclePoint> obstacles,
+std::optional<EscapeMove> choose_escape(const EscapeSituation& situation, const Obstacles& obstacles,
                                         const StopLogic& stop_logic) {
   const double side =
       openness(1.0, situation.wish, obstacles) >= openness(-1.0, situation.wish, obstacles) ? 1.0 : -1.0;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -28,7 +27,7 @@ struct EscapeSituation {
 
 /// The first manoeuvre whose whole course is free: make room sideways for people, back the way it came, turn towards
 /// the more open side, inch ahead in an arc. Nothing where nothing is free.
-std::optional<EscapeMove> choose_escape(const EscapeSituation& situation, std::span<const ObstaclePoint> obstacles,
+std::optional<EscapeMove> choose_escape(const EscapeSituation& situation, const Obstacles& obstacles,
                                         const StopLogic& stop_logic);
 
 }  // namespace luminav

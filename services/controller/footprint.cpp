@@ -5,7 +5,34 @@
 #include <limits>
 #include <stdexcept>
 
+#include "services/common/geometry/vector_clones.hpp"
+
 namespace luminav {
+namespace {
+
+/// Squares of how far points lie outside a box, whole lanes of them.
+LUMINAV_VECTOR_CLONES
+void square_beside(const PlanePoints& points, const Eigen::Vector2d& low, const Eigen::Vector2d& high,
+                   double* squared) {
+  for (std::size_t i = 0; i < points.size(); i += kLanes) {
+    Doubles x;
+    Doubles y;
+    load(points.x() + i, x);
+    load(points.y() + i, y);
+    const Doubles left = low.x() - x;
+    const Doubles right = x - high.x();
+    const Doubles below = low.y() - y;
+    const Doubles above = y - high.y();
+    const Doubles nearer_x = left > right ? left : right;
+    const Doubles nearer_y = below > above ? below : above;
+    const Doubles beside_x = nearer_x > 0.0 ? nearer_x : Doubles{};
+    const Doubles beside_y = nearer_y > 0.0 ? nearer_y : Doubles{};
+    const Doubles sum = beside_x * beside_x + beside_y * beside_y;
+    std::memcpy(squared + i, &sum, sizeof(sum));
+  }
+}
+
+}  // namespace
 
 Pose2 drive_arc(const DriveTwist& twist, double duration) {
   const double angle = twist.angular * duration;
@@ -38,6 +65,15 @@ Footprint::Footprint(const std::vector<Eigen::Vector2d>& corners) {
       throw std::invalid_argument("footprint: must be convex, its corners counter-clockwise");
     }
   }
+  for (const double x : {box_low_.x(), box_high_.x()}) {
+    for (const double y : {box_low_.y(), box_high_.y()}) {
+      most_inside_box_ = std::max(most_inside_box_, distance({x, y}));
+    }
+  }
+}
+
+void Footprint::measure_from_box(const PlanePoints& points, double* squared) const {
+  square_beside(points, box_low_, box_high_, squared);
 }
 
 double Footprint::distance(const Eigen::Vector2d& point) const {

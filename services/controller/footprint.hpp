@@ -1,11 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "services/common/geometry/pose2.hpp"
+#include "services/controller/plane_points.hpp"
 
 namespace luminav {
 
@@ -31,34 +30,15 @@ class Footprint {
     const double reach = distance + kRounding;
     return reach > 0.0 && squared_from_box(point) > reach * reach;
   }
-  /// The least `distance` of those things that count, or `most`. Things have a `position` [m] in the robot frame.
-  template <typename Things, typename Counts>
-  [[nodiscard]] double least_distance(const Things& things, double most, const Counts& counts) const {
-    // the one nearest to the box first: then hardly another needs more than a glance
-    double least_square = std::numeric_limits<double>::infinity();
-    double second_square = least_square;
-    const Eigen::Vector2d* nearest = nullptr;
-    for (const auto& thing : things) {
-      const double square = squared_from_box(thing.position);
-      if (square < second_square && counts(thing)) {
-        second_square = std::max(square, least_square);
-        nearest = square < least_square ? &thing.position : nearest;
-        least_square = std::min(square, least_square);
-      }
-    }
-    double least = nearest == nullptr ? most : std::min(most, distance(*nearest));
-    if (least > 0.0 && second_square > (least + kRounding) * (least + kRounding)) {
-      return least;
-    }
-    for (const auto& thing : things) {
-      if (!is_surely_beyond(thing.position, least) && counts(thing)) {
-        least = std::min(least, distance(thing.position));
-      }
-    }
-    return least;
-  }
+  /// Squared distance [m^2] of each point from the upright box around the outline: no point is nearer to the outline
+  /// than to that. Room for a multiple of `kLanes` is needed.
+  void measure_from_box(const PlanePoints& points, double* squared) const;
+  /// How much farther [m] a point may be from the outline than from the box.
+  [[nodiscard]] double most_inside_box() const { return most_inside_box_; }
   /// Farthest corner from the wheel axis [m]: what a turn on the spot sweeps.
   [[nodiscard]] double swept_radius() const { return swept_radius_; }
+
+  static constexpr double kRounding = 1e-9;  // [m] far more than what a distance may be wrong by
 
  private:
   struct Edge {
@@ -67,9 +47,7 @@ class Footprint {
     Eigen::Vector2d normal;  // unit, outward
     double length = 0.0;     // [m]
   };
-  static constexpr double kRounding = 1e-9;  // [m] far more than what a distance may be wrong by
-
-  /// From the upright box around the outline, which no point is nearer to the outline than: [m^2].
+  /// From the upright box around the outline [m^2].
   [[nodiscard]] double squared_from_box(const Eigen::Vector2d& point) const {
     const Eigen::Vector2d beside = (box_low_ - point).cwiseMax(point - box_high_).cwiseMax(0.0);
     return beside.squaredNorm();
@@ -77,6 +55,7 @@ class Footprint {
 
   std::vector<Edge> edges_;
   double swept_radius_ = 0.0;                           // [m]
+  double most_inside_box_ = 0.0;                        // [m]
   Eigen::Vector2d box_low_ = Eigen::Vector2d::Zero();   // [m] corners of the upright box around the outline
   Eigen::Vector2d box_high_ = Eigen::Vector2d::Zero();  // [m]
 };

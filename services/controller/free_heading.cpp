@@ -2,28 +2,58 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <vector>
+#include <cstring>
+#include <limits>
+
+#include "services/common/geometry/angle.hpp"
+#include "services/common/geometry/vector_clones.hpp"
 
 namespace luminav {
 
-double free_way(double direction, double most, std::span<const ObstaclePoint> obstacles,
-                const FreeHeadingParams& params) {
-  const double c = std::cos(direction);
-  const double s = std::sin(direction);
-  double way = most;
-  for (const ObstaclePoint& obstacle : obstacles) {
-    const double ahead = c * obstacle.position.x() + s * obstacle.position.y();
-    const double beside = -s * obstacle.position.x() + c * obstacle.position.y();
-    if (ahead > 0.0 && std::abs(beside) < params.half_width) {
-      way = std::min(way, ahead - params.nose);
-    }
+namespace {
+
+/// A strip to both sides of a line from the wheel axis.
+struct Strip {
+  double c;  // of the line's direction
+  double s;
+  double half_width;  // [m]
+};
+
+/// Distance [m] along the strip to the nearest point in it; infinite where there is none.
+LUMINAV_VECTOR_CLONES
+double nearest_in(const Strip& strip, const PlanePoints& points) {
+  const std::size_t in_vectors = points.size() / kLanes * kLanes;
+  const Doubles kNone = Doubles{} + std::numeric_limits<double>::infinity();
+  Doubles nearest = kNone;
+  for (std::size_t i = 0; i < in_vectors; i += kLanes) {
+    Doubles x;
+    Doubles y;
+    load(points.x() + i, x);
+    load(points.y() + i, y);
+    const Doubles ahead = strip.c * x + strip.s * y;
+    const Doubles beside = -strip.s * x + strip.c * y;
+    const auto is_in = (ahead > 0.0) & (beside < strip.half_width) & (beside > -strip.half_width);
+    const Doubles way = is_in ? ahead : kNone;
+    nearest = way < nearest ? way : nearest;
   }
-  return std::max(0.0, way);
+  double least = std::min(std::min(nearest[0], nearest[1]), std::min(nearest[2], nearest[3]));
+  for (std::size_t i = in_vectors; i < points.size(); ++i) {
+    const double ahead = strip.c * points.x()[i] + strip.s * points.y()[i];
+    const double beside = -strip.s * points.x()[i] + strip.c * points.y()[i];
+    least = ahead > 0.0 && std::abs(beside) < strip.half_width ? std::min(least, ahead) : least;
+  }
+  return least;
 }
 
-double choose_free_heading(double wish, double needed, std::optional<double> last,
-                           std::span<const ObstaclePoint> obstacles, const FreeHeadingParams& params) {
+}  // namespace
+
+double free_way(double direction, double most, const PlanePoints& obstacles, const FreeHeadingParams& params) {
+  const Strip strip{std::cos(direction), std::sin(direction), params.half_width};
+  return std::max(0.0, std::min(most, nearest_in(strip, obstacles) - params.nose));
+}
+
+double choose_free_heading(double wish, double needed, std::optional<double> last, const PlanePoints& obstacles,
+                           const FreeHeadingParams& params) {
   const auto cost_of = [&](int i, double missing) {
     const double direction = wish + i * params.step;
     const bool is_another = last && std::abs(wrap_angle(direction - *last)) > params.steadiness;
@@ -36,9 +66,13 @@ double choose_free_heading(double wish, double needed, std::optional<double> las
   // what is farther off shortens no way of the length needed, whatever the direction
   const double ahead = std::max(0.0, needed + params.nose);
   const double reach_squared = 1.000001 * (ahead * ahead + params.half_width * params.half_width);
-  std::vector<ObstaclePoint> near;
-  std::copy_if(obstacles.begin(), obstacles.end(), std::back_inserter(near),
-               [&](const ObstaclePoint& obstacle) { return obstacle.position.squaredNorm() < reach_squared; });
+  PlanePoints near;
+  near.reserve(obstacles.size());
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    if (obstacles[i].squaredNorm() < reach_squared) {
+      near.add(obstacles[i]);
+    }
+  }
   const auto cost_at = [&](int i) {
     return cost_of(i, needed - free_way(wish + i * params.step, needed, near, params));
   };

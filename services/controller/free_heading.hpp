@@ -1,9 +1,8 @@
 #pragma once
 
 #include <optional>
-#include <span>
 
-#include "services/controller/echo_memory.hpp"
+#include "services/controller/plane_points.hpp"
 
 namespace luminav {
 
@@ -17,13 +16,12 @@ struct FreeHeadingParams {
 };
 
 /// Way [m] that the robot's strip is free in a direction [rad, robot frame], at most `most`.
-double free_way(double direction, double most, std::span<const ObstaclePoint> obstacles,
-                const FreeHeadingParams& params);
+double free_way(double direction, double most, const PlanePoints& obstacles, const FreeHeadingParams& params);
 
 /// The heading [rad, robot frame] nearest to the wish along which the strip is free for `needed` metres; where no
 /// heading is, the best compromise. `last` is the heading chosen before, in today's robot frame: keeping to it avoids
 /// dithering between two ways round.
-double choose_free_heading(double wish, double needed, std::optional<double> last,
-                           std::span<const ObstaclePoint> obstacles, const FreeHeadingParams& params);
+double choose_free_heading(double wish, double needed, std::optional<double> last, const PlanePoints& obstacles,
+                           const FreeHeadingParams& params);
 
 }  // namespace luminav

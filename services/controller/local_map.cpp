@@ -6,6 +6,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <vector>
+
+#include "services/common/geometry/vector_clones.hpp"
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -14,6 +18,7 @@
 namespace luminav {
 namespace {
 
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kGroup = 16;  // cells that are read at once
 
 /// Which of a group of cells are walls of the building's map, a bit each.
@@ -68,16 +73,15 @@ std::uint64_t wall_bits(const OccupancyGrid& grid, const WordColumn& word, int r
   return bits;
 }
 
-/// Faces of the walls in a column of words, a word per row, `stride` words apart: the inside of a thick wall is behind.
+/// Faces of the walls in a column of words, a word per row: the inside of a thick wall is behind.
 template <int kGroups>
-void find_faces(const OccupancyGrid& grid, const WordColumn& word, int first_row, int last_row, std::size_t stride,
-                std::uint64_t* faces) {
+void find_faces(const OccupancyGrid& grid, const WordColumn& word, int first_row, int last_row, std::uint64_t* faces) {
   const int first = word.first_column - 1;
   const bool is_clipped = first < 0 || first + kGroup * kGroups > grid.geometry.columns;
   const std::uint64_t asked = ((std::uint64_t{1} << word.count) - 1) << 1;
   std::uint64_t below = wall_bits<kGroups>(grid, word, first_row - 1, is_clipped);
   std::uint64_t here = wall_bits<kGroups>(grid, word, first_row, is_clipped);
-  for (int row = first_row; row <= last_row; ++row, faces += stride) {
+  for (int row = first_row; row <= last_row; ++row, ++faces) {
     const std::uint64_t above = wall_bits<kGroups>(grid, word, row + 1, is_clipped);
     *faces = here & ~(here << 1 & here >> 1 & below & above) & asked;
     below = here;
@@ -85,17 +89,90 @@ void find_faces(const OccupancyGrid& grid, const WordColumn& word, int first_row
   }
 }
 
-/// Walls of up to 62 columns as the robot sees them, without what depends on the row.
-struct FaceColumns {
-  std::array<double, 64> square;     // [m^2] of the way along x
-  std::array<double, 64> x_by_face;  // [m] robot frame
-  std::array<double, 64> y_by_face;  // [m]
-};
-
 /// The side of a cell that is turned to the robot: the wall's face may be anywhere in it.
 double towards(double robot_at, double centre, double half_cell) {
   return std::min(std::max(robot_at, centre - half_cell), centre + half_cell);
 }
+
+/// The largest number whose square root is at most this: distances are compared without roots.
+double largest_square(double root) {
+  double square = root * root;
+  while (std::sqrt(square) > root) {
+    square = std::nextafter(square, 0.0);
+  }
+  for (double next = square; std::sqrt(next) <= root; next = std::nextafter(next, kInfinite)) {
+    square = next;
+  }
+  return square;
+}
+
+/// Walls in a column of words as the robot sees them, without what depends on the row.
+struct FaceColumns {
+  std::array<double, 64> square;              // [m^2] of the way along x, by bit; least beside the robot
+  std::array<double, 64 + kLanes> x_by_face;  // [m] robot frame; a run is read in whole lanes
+  std::array<double, 64 + kLanes> y_by_face;  // [m]
+};
+
+LUMINAV_VECTOR_CLONES
+void look_along(const GridGeometry& geometry, const WordColumn& word, double robot_x,
+                const PointTransform& robot_from_world, FaceColumns& columns) {
+  for (int k = 0; k < word.count; ++k) {
+    const double centre_x = geometry.origin.x() + (word.first_column + k + 0.5) * geometry.resolution;
+    const double face_x = towards(robot_x, centre_x, 0.5 * geometry.resolution);
+    const double away_x = face_x - robot_x;
+    const auto bit = static_cast<std::size_t>(k + 1);
+    columns.square[bit] = away_x * away_x;
+    const Eigen::Vector2d by_face = robot_from_world * Eigen::Vector2d(face_x, 0.0);
+    columns.x_by_face[bit] = by_face.x();
+    columns.y_by_face[bit] = by_face.y();
+  }
+}
+
+/// Adds the walls of a row whose bits are set, a run of them at once.
+LUMINAV_VECTOR_CLONES
+void add_row(const FaceColumns& columns, std::uint64_t bits, const Eigen::Vector2d& by_row, PlanePoints& walls) {
+  while (bits != 0) {
+    const int start = std::countr_zero(bits);
+    const int length = std::countr_one(bits >> start);
+    walls.add_shifted(columns.x_by_face.data() + start, columns.y_by_face.data() + start,
+                      static_cast<std::size_t>(length), by_row);
+    bits &= bits + (std::uint64_t{1} << start);
+  }
+}
+
+/// The columns within the radius, row by row: a run about the robot that hardly changes from one row to the next.
+class ColumnsWithin {
+ public:
+  /// `nearest` is the bit of the column beside the robot.
+  ColumnsWithin(const FaceColumns& columns, int count, int nearest)
+      : columns_(columns), count_(count), nearest_(nearest), last_(count) {}
+
+  /// Bits of the columns whose square and another together are at most so much.
+  std::uint64_t of_row(double other_square, double most) {
+    const auto is_within = [&](int bit) {
+      return columns_.square[static_cast<std::size_t>(bit)] + other_square <= most;
+    };
+    if (!is_within(nearest_)) {
+      return 0;
+    }
+    for (; !is_within(first_); ++first_) {
+    }
+    for (; first_ > 1 && is_within(first_ - 1); --first_) {
+    }
+    for (; !is_within(last_); --last_) {
+    }
+    for (; last_ < count_ && is_within(last_ + 1); ++last_) {
+    }
+    return (std::uint64_t{2} << last_) - (std::uint64_t{1} << first_);
+  }
+
+ private:
+  const FaceColumns& columns_;
+  int count_;
+  int nearest_;
+  int first_ = 1;
+  int last_;
+};
 
 /// Is there nothing in the cells between two points, both included, as far as the grid goes?
 bool is_box_free(const OccupancyGrid& grid, const Eigen::Vector2d& low_in_world, const Eigen::Vector2d& high_in_world,
@@ -160,88 +237,44 @@ bool has_wall_near(const OccupancyGrid& grid, const Eigen::Vector2d& point_in_wo
   return false;
 }
 
-void add_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, const LocalMapParams& params,
-                     std::vector<ObstaclePoint>& obstacles) {
+void find_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, const LocalMapParams& params,
+                      PlanePoints& walls) {
+  const GridGeometry& geometry = grid.geometry;
   const Eigen::Vector2d robot = world_from_robot.position();
   const Eigen::Vector2d reach(params.radius, params.radius);
-  const Cell low = grid.geometry.cell_at(robot - reach);
-  const Cell high = grid.geometry.cell_at(robot + reach);
+  const Cell low = geometry.cell_at(robot - reach);
+  const Cell high = geometry.cell_at(robot + reach);
   const int first_row = std::max(0, low.row);
-  const int last_row = std::min(grid.geometry.rows - 1, high.row);
+  const int last_row = std::min(geometry.rows - 1, high.row);
   const int first_column = std::max(0, low.column);
-  const int last_column = std::min(grid.geometry.columns - 1, high.column);
+  const int last_column = std::min(geometry.columns - 1, high.column);
   if (first_row > last_row || first_column > last_column) {
     return;
   }
   const auto rows = static_cast<std::size_t>(last_row - first_row + 1);
-  const auto words = static_cast<std::size_t>((last_column - first_column) / kInner + 1);
+  walls.reserve(walls.size() + rows * static_cast<std::size_t>(last_column - first_column + 1));
   std::array<std::uint64_t, 128> few_faces;
-  std::vector<std::uint64_t> many_faces(rows * words > few_faces.size() ? rows * words : 0);
+  std::vector<std::uint64_t> many_faces(rows > few_faces.size() ? rows : 0);
   std::uint64_t* const faces = many_faces.empty() ? few_faces.data() : many_faces.data();
-  const auto word_at = [&](std::size_t i) {
-    const int column = first_column + kInner * static_cast<int>(i);
-    return WordColumn{column, std::min(kInner, last_column + 1 - column)};
-  };
-  for (std::size_t i = 0; i < words; ++i) {
-    const WordColumn word = word_at(i);
+  const PointTransform robot_from_world = PointTransform::inverse_of(world_from_robot);
+  const double most = largest_square(params.radius);
+  for (int column = first_column; column <= last_column; column += kInner) {
+    const WordColumn word{column, std::min(kInner, last_column + 1 - column)};
     const bool is_narrow = word.count + 2 <= 3 * kGroup;
-    (is_narrow ? find_faces<3> : find_faces<4>)(grid, word, first_row, last_row, words, faces + i);
-  }
-  const Pose2 robot_from_world = world_from_robot.inverse();
-  const double c = std::cos(robot_from_world.theta);
-  const double s = std::sin(robot_from_world.theta);
-  const double half_cell = 0.5 * grid.geometry.resolution;
-  // squares this near to the radius's are left to the square root
-  const double surely_inside = (1.0 - 1e-12) * params.radius * params.radius;
-  const double surely_outside = (1.0 + 1e-12) * params.radius * params.radius;
-  FaceColumns columns;
-  const auto look_along = [&](const WordColumn& word) {
-    for (int k = 0; k < word.count; ++k) {
-      const double centre_x = grid.geometry.origin.x() + (word.first_column + k + 0.5) * grid.geometry.resolution;
-      const double face_x = towards(robot.x(), centre_x, half_cell);
-      const double away_x = face_x - robot.x();
-      const auto bit = static_cast<std::size_t>(k + 1);
-      columns.square[bit] = away_x * away_x;
-      columns.x_by_face[bit] = robot_from_world.x + c * face_x;
-      columns.y_by_face[bit] = robot_from_world.y + s * face_x;
-    }
-  };
-  const auto add_faces = [&](std::uint64_t bits, int row) {
-    const double centre_y = grid.geometry.origin.y() + (row + 0.5) * grid.geometry.resolution;
-    const double face_y = towards(robot.y(), centre_y, half_cell);
-    const double away_y = face_y - robot.y();
-    const double square_y = away_y * away_y;
-    const double x_by_row = s * face_y;
-    const double y_by_row = c * face_y;
-    for (; bits != 0; bits &= bits - 1) {
-      const auto bit = static_cast<std::size_t>(std::countr_zero(bits));
-      const double squared = columns.square[bit] + square_y;
-      if (squared < surely_inside || (squared <= surely_outside && std::sqrt(squared) <= params.radius)) {
-        ObstaclePoint& wall = obstacles.emplace_back();  // in its place: a copy would wait for its parts
-        wall.position = {columns.x_by_face[bit] - x_by_row, columns.y_by_face[bit] + y_by_row};
-        wall.is_known = true;
+    (is_narrow ? find_faces<3> : find_faces<4>)(grid, word, first_row, last_row, faces);
+    FaceColumns columns;
+    look_along(geometry, word, robot.x(), robot_from_world, columns);
+    ColumnsWithin within(columns, word.count, std::clamp(geometry.cell_at(robot).column - column + 1, 1, word.count));
+    for (int row = first_row; row <= last_row; ++row) {
+      const std::uint64_t in_row = faces[row - first_row];
+      if (in_row != 0) {
+        const double centre_y = geometry.origin.y() + (row + 0.5) * geometry.resolution;
+        const double face_y = towards(robot.y(), centre_y, 0.5 * geometry.resolution);
+        const double away_y = face_y - robot.y();
+        add_row(columns, in_row & within.of_row(away_y * away_y, most), robot_from_world.turned({0.0, face_y}), walls);
       }
     }
-  };
-  if (words == 1) {
-    look_along(word_at(0));
   }
-  for (std::size_t k = 0; k < rows * words; ++k) {
-    if (faces[k] != 0) {
-      if (words > 1) {
-        look_along(word_at(k % words));
-      }
-      add_faces(faces[k], first_row + static_cast<int>(k / words));
-    }
-  }
-}
-
-std::vector<ObstaclePoint> known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot,
-                                       const LocalMapParams& params) {
-  std::vector<ObstaclePoint> walls;
-  walls.reserve(256);
-  add_known_walls(grid, world_from_robot, params, walls);
-  return walls;
 }
 
 bool is_line_free(const OccupancyGrid& grid, const Eigen::Vector2d& from_in_world, const Eigen::Vector2d& to_in_world,

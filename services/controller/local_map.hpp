@@ -1,11 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/geometry/pose2.hpp"
-#include "services/controller/echo_memory.hpp"
+#include "services/controller/plane_points.hpp"
 
 namespace luminav {
 
@@ -23,12 +22,10 @@ bool is_occupied(const OccupancyGrid& grid, const Cell& cell, const LocalMapPara
 /// Is there a wall of the building's map within a distance [m] of a world point?
 bool has_wall_near(const OccupancyGrid& grid, const Eigen::Vector2d& point_in_world, double distance);
 
-/// Appends the walls of the building's map around the robot, in its frame, row by row: of each cell the point nearest
-/// to the wheel axis.
-void add_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, const LocalMapParams& params,
-                     std::vector<ObstaclePoint>& obstacles);
-std::vector<ObstaclePoint> known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot,
-                                       const LocalMapParams& params);
+/// Adds the walls of the building's map around the robot, in its frame: of each cell the point nearest to the wheel
+/// axis.
+void find_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, const LocalMapParams& params,
+                      PlanePoints& walls);
 
 /// Is a strip of the robot's width free between two world points? Outside the grid it is.
 bool is_line_free(const OccupancyGrid& grid, const Eigen::Vector2d& from_in_world, const Eigen::Vector2d& to_in_world,

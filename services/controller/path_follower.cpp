@@ -142,7 +142,7 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
   is_backing_ = false;
   const Pose2& robot = situation.world_from_robot;
   const Eigen::Vector2d goal = robot.inverse() * step.look_ahead->point;
-  step.force = virtual_force(goal, situation.obstacles, stop_logic_.footprint(), params_.forces);
+  step.force = virtual_force(goal, situation.obstacles, params_.forces);
   const double blend = std::min(1.0, situation.duration / params_.force_smoothing);
   repulsive_ += blend * (step.force.repulsive - repulsive_);
   step.force.repulsive = repulsive_;
@@ -151,7 +151,7 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
   const std::optional<double> last =
       last_heading_ ? std::optional(wrap_angle(*last_heading_ - robot.theta)) : std::nullopt;
   const double needed = std::min(1.0, goal.norm());
-  const double chosen = choose_free_heading(wish, needed, last, situation.obstacles, params_.free_heading);
+  const double chosen = choose_free_heading(wish, needed, last, situation.obstacles.points(), params_.free_heading);
   last_heading_ = wrap_angle(robot.theta + chosen);
   // between door posts each echo shifts the chosen heading by a degree or two: steering after all of them is jitter
   const double change = smooth_heading_ ? wrap_angle(*last_heading_ - *smooth_heading_) : 1e9;
@@ -173,8 +173,7 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
     return;
   }
   // of what lies ahead; what is behind does not slow it down
-  const double clearance = stop_logic_.footprint().least_distance(
-      situation.obstacles, 10.0, [](const ObstaclePoint& obstacle) { return obstacle.position.x() > 0.0; });
+  const double clearance = situation.obstacles.least_distance_ahead(params_.speed.wide);
   step.wanted = speed_law(heading, clearance, step.look_ahead->distance_left, params_.speed);
 }
 

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -47,11 +46,11 @@ struct PathFollowerParams {
 
 /// What the follower sees.
 struct FollowSituation {
-  Pose2 world_from_robot;
-  std::span<const ObstaclePoint> obstacles;
-  LineTest is_line_free;   // in the world's grid
-  bool may_back = false;   // rear sonars see
-  double duration = 0.05;  // [s] since the last step
+  const Obstacles& obstacles;
+  Pose2 world_from_robot = {};
+  LineTest is_line_free = {};  // in the world's grid
+  bool may_back = false;       // rear sonars see
+  double duration = 0.05;      // [s] since the last step
 };
 
 enum class FollowPhase { kNoPath, kDriving, kTurning, kAtGoal };

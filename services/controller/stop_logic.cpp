@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <optional>
 
 namespace luminav {
 namespace {
@@ -53,42 +52,42 @@ double StopLogic::look_ahead_time(const DriveTwist& twist) const {
   return std::max(params_.time_to_contact, braking);
 }
 
-const ObstaclePoint* StopLogic::first_in_the_way(const DriveTwist& twist, double duration,
-                                                 std::span<const ObstaclePoint> obstacles) const {
+std::optional<std::size_t> StopLogic::first_in_the_way(const DriveTwist& twist, double duration,
+                                                       const Obstacles& obstacles) const {
   const double corner_speed = std::abs(twist.linear) + footprint_.swept_radius() * std::abs(twist.angular);
   if (corner_speed <= 0.0) {
-    return nullptr;
+    return std::nullopt;
   }
   const int steps = std::max(1, static_cast<int>(std::ceil(corner_speed * duration / kStep)));
   std::vector<PointTransform> end_from_start;  // as many as were needed so far: mostly nothing is near
   // somebody who comes stops before a robot that stands, so his own way counts until it does
   const double until_still =
       std::min(duration, params_.reaction_time + std::abs(twist.linear) / limits_.linear_deceleration);
+  double longest_own_way = 0.0;
+  for (const ObstaclePoint& obstacle : obstacles.measured()) {
+    longest_own_way = std::max(longest_own_way, obstacle.approach * (obstacle.age + until_still));
+  }
   // A robot that stands nearer than the margin may go along the obstacle, not only away from it.
   std::optional<double> room;
-  const ObstaclePoint* first = nullptr;
-  int first_step = steps + 1;
-  const double swept = footprint_.swept_radius() + corner_speed * duration;
-  const double sweep_known = swept + params_.known_margin;
-  const double sweep_unknown = swept + params_.margin;
-  for (const ObstaclePoint& obstacle : obstacles) {
+  std::optional<std::size_t> first;
+  int first_step = steps;
+  // no point of the outline moves farther than its fastest corner
+  const double sweep = corner_speed * duration;
+  const double widest_margin = std::max(params_.margin, params_.known_margin);
+  obstacles.visit_within(sweep + widest_margin + longest_own_way, [&](std::size_t index) {
+    const ObstaclePoint obstacle = obstacles[index];
     const double own_way = obstacle.approach * (obstacle.age + until_still);
-    const double sweep = (obstacle.is_known ? sweep_known : sweep_unknown) + own_way;
-    if (obstacle.position.squaredNorm() > sweep * sweep) {
-      continue;
-    }
     const double whole_margin = obstacle.is_known ? params_.known_margin : params_.margin;
-    // no point of the outline moves farther than its fastest corner
-    if (footprint_.is_surely_beyond(obstacle.position, corner_speed * duration + whole_margin + own_way)) {
-      continue;
+    if (footprint_.is_surely_beyond(obstacle.position, sweep + whole_margin + own_way)) {
+      return;
     }
     if (!room) {
       room = clearance(obstacles);
     }
     const double margin = std::min(*room, whole_margin);
-    for (int i = 0; i < std::min(steps, first_step); ++i) {
+    for (int i = 0; i < first_step; ++i) {
       if (end_from_start.size() <= static_cast<std::size_t>(i)) {
-        end_from_start.emplace_back(drive_arc(twist, duration * (i + 1) / steps).inverse());
+        end_from_start.push_back(PointTransform::inverse_of(drive_arc(twist, duration * (i + 1) / steps)));
       }
       const Eigen::Vector2d position = end_from_start[static_cast<std::size_t>(i)] * obstacle.position;
       const double time = duration * (i + 1) / steps;
@@ -98,25 +97,24 @@ const ObstaclePoint* StopLogic::first_in_the_way(const DriveTwist& twist, double
       }
       const double later = footprint_.distance(position);
       if (later - nearer < margin && later < footprint_.distance(obstacle.position) - kCloser) {
-        first = &obstacle;
+        first = index;
         first_step = i;
         break;
       }
     }
-  }
+  });
   return first;
 }
 
-bool StopLogic::is_free(const DriveTwist& twist, double duration, std::span<const ObstaclePoint> obstacles) const {
-  return first_in_the_way(twist, duration, obstacles) == nullptr;
+bool StopLogic::is_free(const DriveTwist& twist, double duration, const Obstacles& obstacles) const {
+  return !first_in_the_way(twist, duration, obstacles);
 }
 
-double StopLogic::clearance(std::span<const ObstaclePoint> obstacles) const {
-  return std::max(0.0, footprint_.least_distance(obstacles, 10.0, [](const ObstaclePoint&) { return true; }));
+double StopLogic::clearance(const Obstacles& obstacles) const {
+  return std::max(0.0, obstacles.least_distance(10.0));
 }
 
-StopVerdict StopLogic::judge(const DriveTwist& wanted, std::span<const ObstaclePoint> obstacles,
-                             const SenseAges& ages) const {
+StopVerdict StopLogic::judge(const DriveTwist& wanted, const Obstacles& obstacles, const SenseAges& ages) const {
   StopVerdict verdict;
   if (ages.odometry > params_.silent_after || ages.sonar > params_.silent_after) {
     verdict.limited = verdict.blocked = true;
@@ -137,15 +135,15 @@ StopVerdict StopLogic::judge(const DriveTwist& wanted, std::span<const ObstacleP
   }
   verdict.limited = !verdict.reason.empty();
   const double duration = look_ahead_time(possible);
-  const ObstaclePoint* in_the_way = first_in_the_way(possible, duration, obstacles);
-  if (in_the_way == nullptr) {
+  const std::optional<std::size_t> in_the_way = first_in_the_way(possible, duration, obstacles);
+  if (!in_the_way) {
     verdict.twist = possible;
     verdict.blocked = verdict.limited;
     return verdict;
   }
   verdict.limited = true;
-  verdict.by_unknown = !in_the_way->is_known;
-  verdict.reason = describe(*in_the_way);
+  verdict.by_unknown = !obstacles[*in_the_way].is_known;
+  verdict.reason = describe(obstacles[*in_the_way]);
   for (const double share : kShares) {
     const DriveTwist slower{share * possible.linear, share * possible.angular};
     if (share < 1.0 && is_free(slower, duration, obstacles)) {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <span>
+#include <optional>
 #include <string>
 
 #include "services/common/configuration/robot_file.hpp"
 #include "services/controller/echo_memory.hpp"
-#include "services/controller/footprint.hpp"
+#include "services/controller/obstacles.hpp"
 
 namespace luminav {
 
@@ -46,19 +46,18 @@ class StopLogic {
  public:
   StopLogic(const RobotDescription& robot, const StopLogicParams& params);
 
-  [[nodiscard]] StopVerdict judge(const DriveTwist& wanted, std::span<const ObstaclePoint> obstacles,
-                                  const SenseAges& ages) const;
+  [[nodiscard]] StopVerdict judge(const DriveTwist& wanted, const Obstacles& obstacles, const SenseAges& ages) const;
   /// Does the arc of a twist, driven for a time [s], keep the margins?
-  [[nodiscard]] bool is_free(const DriveTwist& twist, double duration, std::span<const ObstaclePoint> obstacles) const;
+  [[nodiscard]] bool is_free(const DriveTwist& twist, double duration, const Obstacles& obstacles) const;
   /// Distance [m] from the outline to the nearest obstacle; 10 = none.
-  [[nodiscard]] double clearance(std::span<const ObstaclePoint> obstacles) const;
+  [[nodiscard]] double clearance(const Obstacles& obstacles) const;
 
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
 
  private:
   /// The first obstacle in the way of an arc, or nothing.
-  [[nodiscard]] const ObstaclePoint* first_in_the_way(const DriveTwist& twist, double duration,
-                                                      std::span<const ObstaclePoint> obstacles) const;
+  [[nodiscard]] std::optional<std::size_t> first_in_the_way(const DriveTwist& twist, double duration,
+                                                            const Obstacles& obstacles) const;
   [[nodiscard]] double look_ahead_time(const DriveTwist& twist) const;
 
   Footprint footprint_;

@@ -1,10 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
 
-#include "services/controller/echo_memory.hpp"
-#include "services/controller/footprint.hpp"
+#include "services/common/geometry/angle.hpp"
+#include "services/controller/obstacles.hpp"
 
 namespace luminav {
 
@@ -25,7 +24,7 @@ struct VirtualForce {
 /// The goal pulls with 1; in each of 24 directions the nearest obstacle pushes, quadratically more the nearer it is to
 /// the outline. One push per direction, so that a wall of many cells does not outweigh a post. Borenstein and Koren
 /// 1989.
-VirtualForce virtual_force(const Eigen::Vector2d& goal_in_robot, std::span<const ObstaclePoint> obstacles,
-                           const Footprint& footprint, const VirtualForceParams& params);
+VirtualForce virtual_force(const Eigen::Vector2d& goal_in_robot, const Obstacles& obstacles,
+                           const VirtualForceParams& params);
 
 }  // namespace luminav

@@ -33,7 +33,7 @@ Wander::Square Wander::square_at(const Eigen::Vector2d& place) const {
 
 // Free way counts by how little it was visited: a square never seen 1, one where it spent 4 s a half.
 double Wander::worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
-                     std::span<const ObstaclePoint> obstacles) const {
+                     const PlanePoints& obstacles) const {
   const double way = free_way(direction, params_.reach, obstacles, params_.free_heading);
   if (way < params_.blocked_below) {
     return -10.0 + way;
@@ -76,12 +76,13 @@ void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
 
 void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
                     std::span<const ObstaclePoint> remembered) {
+  const Obstacles obstacles(stop_logic_.footprint(), remembered);
   decided_at_ = odom_from_robot.position();
   double best = 0.0;
-  double best_worth = is_blocked ? -100.0 : worth(0.0, now, odom_from_robot, remembered) + params_.better_by;
+  double best_worth = is_blocked ? -100.0 : worth(0.0, now, odom_from_robot, obstacles.points()) + params_.better_by;
   for (int i = -17; i <= 18; ++i) {
     const double direction = radians(10.0 * i);
-    const double value = worth(direction, now, odom_from_robot, remembered);
+    const double value = worth(direction, now, odom_from_robot, obstacles.points());
     if (std::abs(direction) > radians(25.0) && value > best_worth) {
       best_worth = value;
       best = direction;
@@ -96,7 +97,7 @@ void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_ro
   // the short way unless only the long one is free
   const auto is_turn_free = [&](double angle) {
     return stop_logic_.is_free({0.0, std::copysign(params_.angular, angle)}, std::abs(angle) / params_.angular,
-                               remembered);
+                               obstacles);
   };
   if (!is_turn_free(best) && is_turn_free(best - turn_sign_ * 2.0 * kPi)) {
     turn_sign_ = -turn_sign_;
@@ -183,7 +184,7 @@ DriveTwist Wander::explore(double duration, const WanderInput& input) {
       return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_sign_ * params_.angular};
     }
   }
-  const double ahead = free_way(0.0, params_.reach, input.obstacles, params_.free_heading);
+  const double ahead = free_way(0.0, params_.reach, input.obstacles.points(), params_.free_heading);
   const bool is_blocked = ahead < params_.blocked_below;
   if (is_blocked) {
     note_failure(input.now, odom_from_robot, odom_from_robot.theta);
@@ -201,11 +202,11 @@ DriveTwist Wander::explore(double duration, const WanderInput& input) {
 // Towards a direction [rad, robot frame], pushed off by what is near.
 DriveTwist Wander::steer(double direction, double duration, const WanderInput& input) {
   const Eigen::Vector2d attractive(std::cos(direction), std::sin(direction));
-  const VirtualForce force = virtual_force(attractive, input.obstacles, stop_logic_.footprint(), params_.forces);
+  const VirtualForce force = virtual_force(attractive, input.obstacles, params_.forces);
   repulsive_ += std::min(1.0, duration / 0.3) * (force.repulsive - repulsive_);
   const Eigen::Vector2d sum = attractive + repulsive_;
   const double wish = std::atan2(sum.y(), sum.x());
-  const double heading = choose_free_heading(wish, 0.9, 0.0, input.obstacles, params_.free_heading);
+  const double heading = choose_free_heading(wish, 0.9, 0.0, input.obstacles.points(), params_.free_heading);
   const double slowing = std::clamp((radians(50.0) - std::abs(heading)) / radians(40.0), 0.0, 1.0);
   return {params_.speed * slowing, std::clamp(1.2 * heading, -params_.angular, params_.angular)};
 }

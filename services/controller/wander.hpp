@@ -42,7 +42,7 @@ struct WanderParams {
 struct WanderInput {
   std::int64_t now = 0;  // [us]
   Pose2 odom_from_robot;
-  std::span<const ObstaclePoint> obstacles;       // robot frame, fresh: steering goes by them
+  const Obstacles& obstacles;                     // fresh: steering goes by them
   std::span<const ObstaclePoint> remembered;      // robot frame: directions are chosen by them
   std::span<const SonarFiring> firings;           // newest of each disc
   std::span<const PoseAlternative> alternatives;  // poses that are possible
@@ -77,7 +77,7 @@ class Wander {
   using Square = std::pair<int, int>;
   [[nodiscard]] Square square_at(const Eigen::Vector2d& place) const;
   [[nodiscard]] double worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
-                             std::span<const ObstaclePoint> obstacles) const;
+                             const PlanePoints& obstacles) const;
   void plan(const WanderInput& input);
   [[nodiscard]] DriveTwist follow_way(double duration, const WanderInput& input);
   [[nodiscard]] DriveTwist explore(double duration, const WanderInput& input);

@@ -35,11 +35,15 @@ void walls_around(benchmark::State& state, int radius) {
   LocalMapParams params;
   params.radius = 0.1 * radius;
   const Pose2 robot{10.05, 9.95, 0.1};
-  if (known_walls(grid, robot, params).empty()) {
+  PlanePoints walls;
+  find_known_walls(grid, robot, params, walls);
+  if (walls.empty()) {
     throw std::runtime_error("not the agreed workload: no walls");
   }
   for (auto _ : state) {
-    benchmark::DoNotOptimize(known_walls(grid, robot, params));
+    walls.clear();
+    find_known_walls(grid, robot, params, walls);
+    benchmark::DoNotOptimize(walls.x());
   }
 }
 
@@ -47,10 +51,12 @@ void forces(benchmark::State& state) {
   const OccupancyGrid grid = corridor();
   LocalMapParams params;
   params.radius = 3.0;
-  const std::vector<ObstaclePoint> walls = known_walls(grid, {10.05, 9.95, 0.1}, params);
-  const Footprint footprint(testing::test_robot().footprint);
+  PlanePoints walls;
+  find_known_walls(grid, {10.05, 9.95, 0.1}, params, walls);
+  Obstacles obstacles{Footprint(testing::test_robot().footprint)};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(virtual_force({2.0, 0.3}, walls, footprint, {}));
+    obstacles.set({}, walls);
+    benchmark::DoNotOptimize(virtual_force({2.0, 0.3}, obstacles, {}));
   }
   state.counters["obstacles"] = static_cast<double>(walls.size());
 }

@@ -7,6 +7,7 @@
 namespace luminav {
 namespace {
 
+using testing::around;
 using testing::wall;
 
 const StopLogic kLogic(testing::test_robot(), {});
@@ -20,41 +21,41 @@ EscapeSituation situation(int attempt, bool may_back = true, bool by_unknown = f
 }
 
 TEST(Escape, BacksAwayFromAWallAhead) {
-  const auto move = choose_escape(situation(0), wall({0.25, -0.5}, {0.25, 0.5}), kLogic);
+  const auto move = choose_escape(situation(0), around(wall({0.25, -0.5}, {0.25, 0.5})), kLogic);
   ASSERT_TRUE(move);
   EXPECT_LT(move->arcs.front().twist.linear, 0.0);
 }
 
 TEST(Escape, DoesNotBackWhereNothingLooks) {
-  const auto move = choose_escape(situation(0, false), {}, kLogic);
+  const auto move = choose_escape(situation(0, false), around(), kLogic);
   ASSERT_TRUE(move);
   EXPECT_GE(move->arcs.front().twist.linear, 0.0);
 }
 
 TEST(Escape, DoesNotBackIntoAWall) {
   const auto behind = wall({-0.40, -0.6}, {-0.40, 0.6});
-  const auto move = choose_escape(situation(0), behind, kLogic);
+  const auto move = choose_escape(situation(0), around(behind), kLogic);
   ASSERT_TRUE(move);
   for (const EscapeMove::Arc& arc : move->arcs) {
-    EXPECT_TRUE(kLogic.is_free(arc.twist, arc.duration, behind));
+    EXPECT_TRUE(kLogic.is_free(arc.twist, arc.duration, around(behind)));
   }
 }
 
 TEST(Escape, TurnsTowardsTheOpenSide) {
   const auto left = wall({-1.0, 0.7}, {1.0, 0.7});
-  const auto move = choose_escape(situation(1), left, kLogic);
+  const auto move = choose_escape(situation(1), around(left), kLogic);
   ASSERT_TRUE(move);
   EXPECT_LT(move->arcs.front().twist.angular, 0.0);
 }
 
 TEST(Escape, StepsAsideForPeople) {
-  const auto move = choose_escape(situation(0, true, true), wall({0.32, -0.1}, {0.32, 0.1}), kLogic);
+  const auto move = choose_escape(situation(0, true, true), around(wall({0.32, -0.1}, {0.32, 0.1})), kLogic);
   ASSERT_TRUE(move);
   EXPECT_EQ(move->arcs.size(), 2U);
 }
 
 TEST(Escape, TriesSomethingElseTheNextTime) {
-  EXPECT_NE(choose_escape(situation(0), {}, kLogic)->name, choose_escape(situation(1), {}, kLogic)->name);
+  EXPECT_NE(choose_escape(situation(0), around(), kLogic)->name, choose_escape(situation(1), around(), kLogic)->name);
 }
 
 TEST(Escape, SaysSoWhereThereIsNone) {
@@ -63,7 +64,7 @@ TEST(Escape, SaysSoWhereThereIsNone) {
        {wall({-0.35, -0.26}, {-0.35, 0.26}), wall({-0.35, 0.26}, {0.26, 0.26}), wall({-0.35, -0.26}, {0.26, -0.26})}) {
     cage.insert(cage.end(), side.begin(), side.end());
   }
-  EXPECT_FALSE(choose_escape(situation(0), cage, kLogic));
+  EXPECT_FALSE(choose_escape(situation(0), around(cage), kLogic));
 }
 
 }  // namespace

@@ -20,10 +20,10 @@ FollowedPath straight(double length) {
   return path;
 }
 
-FollowSituation at(const Pose2& pose, std::span<const ObstaclePoint> obstacles = {}) {
-  FollowSituation situation;
-  situation.world_from_robot = pose;
-  situation.obstacles = obstacles;
+const Obstacles kNothing = testing::around();
+
+FollowSituation at(const Pose2& pose, const Obstacles& obstacles = kNothing) {
+  FollowSituation situation{.obstacles = obstacles, .world_from_robot = pose};
   situation.is_line_free = [](const Eigen::Vector2d&, const Eigen::Vector2d&) { return true; };
   situation.may_back = true;
   return situation;
@@ -64,7 +64,7 @@ TEST(PathFollower, TurnsTheLongWayRoundWhereTheShortOneIsBlocked) {
   // A post that the rear corner would hit turning right, with room to turn left up to it.
   PathFollower follower({}, kLogic);
   follower.set_path(straight(5.0));
-  const std::vector<ObstaclePoint> post{testing::obstacle_at(-0.20, 0.285)};
+  const Obstacles post = testing::around({testing::obstacle_at(-0.20, 0.285)});
   ASSERT_FALSE(kLogic.is_free({0.0, -1.0}, 1.8, post));
   const FollowStep step = follower.step(at({1.0, 0.0, radians(100.0)}, post));
   if (kLogic.is_free({0.0, 1.0}, 4.5, post)) {

@@ -9,6 +9,7 @@
 namespace luminav {
 namespace {
 
+using testing::around;
 using testing::obstacle_at;
 using testing::wall;
 
@@ -22,21 +23,21 @@ const RobotDescription kRobot = testing::test_robot();
 const StopLogic kLogic(kRobot, {});
 
 TEST(StopLogic, LetsPassWhatIsFree) {
-  const StopVerdict verdict = kLogic.judge({0.5, 0.2}, {}, fresh());
+  const StopVerdict verdict = kLogic.judge({0.5, 0.2}, around(), fresh());
   EXPECT_FALSE(verdict.limited);
   EXPECT_DOUBLE_EQ(verdict.twist.linear, 0.5);
   EXPECT_DOUBLE_EQ(verdict.twist.angular, 0.2);
 }
 
 TEST(StopLogic, ClampsToTheRobotsLimits) {
-  const StopVerdict verdict = kLogic.judge({3.0, -9.0}, {}, fresh());
+  const StopVerdict verdict = kLogic.judge({3.0, -9.0}, around(), fresh());
   EXPECT_DOUBLE_EQ(verdict.twist.linear, kRobot.limits.linear);
   EXPECT_DOUBLE_EQ(verdict.twist.angular, -kRobot.limits.angular);
 }
 
 TEST(StopLogic, StopsBeforeAWallAhead) {
   const auto ahead = wall({0.29, -0.1}, {0.29, 0.1});
-  const StopVerdict verdict = kLogic.judge({0.5, 0.0}, ahead, fresh());
+  const StopVerdict verdict = kLogic.judge({0.5, 0.0}, around(ahead), fresh());
   EXPECT_TRUE(verdict.limited);
   EXPECT_LT(verdict.twist.linear, 0.04);
   EXPECT_NE(verdict.reason.find("ahead"), std::string::npos);
@@ -45,7 +46,8 @@ TEST(StopLogic, StopsBeforeAWallAhead) {
 TEST(StopLogic, SlowsDownWithTheWayLeft) {
   double last = 0.0;
   for (const double distance : {0.3, 0.4, 0.5, 0.6, 0.9}) {
-    const double speed = kLogic.judge({0.5, 0.0}, wall({distance, -1.0}, {distance, 1.0}), fresh()).twist.linear;
+    const double speed =
+        kLogic.judge({0.5, 0.0}, around(wall({distance, -1.0}, {distance, 1.0})), fresh()).twist.linear;
     EXPECT_GE(speed, last);
     // what is left of the way lasts for the time to contact
     EXPECT_LE(speed * StopLogicParams{}.time_to_contact, distance - 0.21 - 0.06 + 0.03);
@@ -57,26 +59,26 @@ TEST(StopLogic, SlowsDownWithTheWayLeft) {
 TEST(StopLogic, SeesTheRearCornerSwing) {
   // Beside the rear, outside the outline but inside the circle that the corner sweeps.
   const std::vector<ObstaclePoint> beside{obstacle_at(-0.20, 0.30)};
-  EXPECT_GT(kLogic.clearance(beside), 0.08);
-  EXPECT_FALSE(kLogic.is_free({0.0, -1.0}, 1.5, beside));
-  EXPECT_TRUE(kLogic.is_free({0.3, 0.0}, 1.5, beside));
+  EXPECT_GT(kLogic.clearance(around(beside)), 0.08);
+  EXPECT_FALSE(kLogic.is_free({0.0, -1.0}, 1.5, around(beside)));
+  EXPECT_TRUE(kLogic.is_free({0.3, 0.0}, 1.5, around(beside)));
 }
 
 TEST(StopLogic, AlwaysAllowsToLeave) {
   // inside the margin on the front: backing must go, driving on must not
   const auto ahead = wall({0.23, -0.4}, {0.23, 0.4});
-  EXPECT_DOUBLE_EQ(kLogic.judge({-0.2, 0.0}, ahead, fresh()).twist.linear, -0.2);
-  EXPECT_DOUBLE_EQ(kLogic.judge({0.2, 0.0}, ahead, fresh()).twist.linear, 0.0);
+  EXPECT_DOUBLE_EQ(kLogic.judge({-0.2, 0.0}, around(ahead), fresh()).twist.linear, -0.2);
+  EXPECT_DOUBLE_EQ(kLogic.judge({0.2, 0.0}, around(ahead), fresh()).twist.linear, 0.0);
 }
 
 TEST(StopLogic, SlidesAlongAWallItTouchesAlmost) {
   const auto beside = wall({-2.0, 0.23}, {2.0, 0.23});
-  EXPECT_DOUBLE_EQ(kLogic.judge({0.3, 0.0}, beside, fresh()).twist.linear, 0.3);
+  EXPECT_DOUBLE_EQ(kLogic.judge({0.3, 0.0}, around(beside), fresh()).twist.linear, 0.3);
 }
 
 TEST(StopLogic, TurnsWhereDrivingIsBlocked) {
   const auto ahead = wall({0.32, -0.1}, {0.32, 0.1});
-  const StopVerdict verdict = kLogic.judge({0.3, 0.8}, ahead, fresh());
+  const StopVerdict verdict = kLogic.judge({0.3, 0.8}, around(ahead), fresh());
   EXPECT_TRUE(verdict.limited);
   EXPECT_LT(verdict.twist.linear, 0.1);
 }
@@ -86,27 +88,27 @@ TEST(StopLogic, PassesADoorOf90Centimetres) {
   for (const ObstaclePoint& point : wall({0.4, -0.45}, {0.6, -0.45}, true)) {
     door.push_back(point);
   }
-  EXPECT_FALSE(kLogic.judge({0.3, 0.0}, door, fresh()).limited);
-  EXPECT_FALSE(kLogic.judge({0.3, 0.2}, door, fresh()).limited);
+  EXPECT_FALSE(kLogic.judge({0.3, 0.0}, around(door), fresh()).limited);
+  EXPECT_FALSE(kLogic.judge({0.3, 0.2}, around(door), fresh()).limited);
 }
 
 TEST(StopLogic, StopsEarlierForSomebodyWhoComes) {
   std::vector<ObstaclePoint> somebody{obstacle_at(1.25, 0.0)};
-  EXPECT_FALSE(kLogic.judge({0.5, 0.0}, somebody, fresh()).limited);
+  EXPECT_FALSE(kLogic.judge({0.5, 0.0}, around(somebody), fresh()).limited);
   somebody[0].approach = 0.8;
   somebody[0].age = 0.3;
-  EXPECT_LT(kLogic.judge({0.5, 0.0}, somebody, fresh()).twist.linear, 0.4);
+  EXPECT_LT(kLogic.judge({0.5, 0.0}, around(somebody), fresh()).twist.linear, 0.4);
   somebody[0].position.x() = 0.7;
-  EXPECT_LT(kLogic.judge({0.5, 0.0}, somebody, fresh()).twist.linear, 0.05);
+  EXPECT_LT(kLogic.judge({0.5, 0.0}, around(somebody), fresh()).twist.linear, 0.05);
 }
 
 TEST(StopLogic, StopsWhenASenseFallsSilent) {
   SenseAges ages = fresh();
   ages.odometry = 0.6;
-  EXPECT_TRUE(kLogic.judge({0.3, 0.3}, {}, ages).blocked);
+  EXPECT_TRUE(kLogic.judge({0.3, 0.3}, around(), ages).blocked);
   ages = fresh();
   ages.sonar = 0.6;
-  const StopVerdict verdict = kLogic.judge({0.3, 0.3}, {}, ages);
+  const StopVerdict verdict = kLogic.judge({0.3, 0.3}, around(), ages);
   EXPECT_DOUBLE_EQ(verdict.twist.linear, 0.0);
   EXPECT_DOUBLE_EQ(verdict.twist.angular, 0.0);
   EXPECT_NE(verdict.reason.find("sonar"), std::string::npos);
@@ -115,17 +117,17 @@ TEST(StopLogic, StopsWhenASenseFallsSilent) {
 TEST(StopLogic, DoesNotBackWhereNothingLooks) {
   SenseAges ages = fresh();
   ages.rear_sonar = 1e9;
-  const StopVerdict verdict = kLogic.judge({-0.2, 0.3}, {}, ages);
+  const StopVerdict verdict = kLogic.judge({-0.2, 0.3}, around(), ages);
   EXPECT_DOUBLE_EQ(verdict.twist.linear, 0.0);
   EXPECT_DOUBLE_EQ(verdict.twist.angular, 0.3);
-  EXPECT_DOUBLE_EQ(kLogic.judge({0.2, 0.3}, {}, ages).twist.linear, 0.2);
+  EXPECT_DOUBLE_EQ(kLogic.judge({0.2, 0.3}, around(), ages).twist.linear, 0.2);
 }
 
 TEST(StopLogic, DoesNotPushAgainstAPressedBumper) {
   SenseAges ages = fresh();
   ages.front_bumper = true;
-  EXPECT_DOUBLE_EQ(kLogic.judge({0.2, 0.0}, {}, ages).twist.linear, 0.0);
-  EXPECT_DOUBLE_EQ(kLogic.judge({-0.2, 0.0}, {}, ages).twist.linear, -0.2);
+  EXPECT_DOUBLE_EQ(kLogic.judge({0.2, 0.0}, around(), ages).twist.linear, 0.0);
+  EXPECT_DOUBLE_EQ(kLogic.judge({-0.2, 0.0}, around(), ages).twist.linear, -0.2);
 }
 
 TEST(StopLogic, NeverLetsTheOutlineTouchWhateverIsWished) {
@@ -151,7 +153,7 @@ TEST(StopLogic, NeverLetsTheOutlineTouchWhateverIsWished) {
         for (ObstaclePoint& post : seen) {
           post.position = robot.inverse() * post.position;
         }
-        robot = robot * drive_arc(kLogic.judge(wanted, seen, fresh()).twist, 0.04);
+        robot = robot * drive_arc(kLogic.judge(wanted, around(seen), fresh()).twist, 0.04);
         for (const ObstaclePoint& post : posts) {
           ASSERT_GT(footprint.distance(robot.inverse() * post.position), 0.03);
         }

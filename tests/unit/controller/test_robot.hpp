@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "services/common/configuration/robot_file.hpp"
-#include "services/controller/echo_memory.hpp"
+#include "services/controller/obstacles.hpp"
 
 namespace luminav::testing {
 
@@ -24,6 +24,11 @@ inline RobotDescription test_robot() {
     robot.sonar.robot_from_sonar.push_back({disc[0], disc[1], radians(disc[2])});
   }
   return robot;
+}
+
+/// What stands around the test robot.
+inline Obstacles around(const std::vector<ObstaclePoint>& points = {}) {
+  return Obstacles(Footprint(test_robot().footprint), points);
 }
 
 inline ObstaclePoint obstacle_at(double x, double y, bool is_known = false) {

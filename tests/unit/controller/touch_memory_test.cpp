@@ -43,11 +43,11 @@ TEST(TouchMemory, LetsTheRobotLeaveButNotComeBack) {
   touches.add(10 * kSecond, kPlace, {0.3, 0.0});
   const StopLogic stop_logic(testing::test_robot(), StopLogicParams{});
   const auto here = felt(touches, 11 * kSecond, kPlace);
-  EXPECT_EQ(stop_logic.judge({0.3, 0.0}, here, fresh()).twist.linear, 0.0);
-  EXPECT_LT(stop_logic.judge({-0.15, 0.0}, here, fresh()).twist.linear, -0.1);
+  EXPECT_EQ(stop_logic.judge({0.3, 0.0}, testing::around(here), fresh()).twist.linear, 0.0);
+  EXPECT_LT(stop_logic.judge({-0.15, 0.0}, testing::around(here), fresh()).twist.linear, -0.1);
   // a metre back it may drive on, and stops before the same place
   const auto from_afar = felt(touches, 20 * kSecond, kPlace * Pose2{-1.0, 0.0, 0.0});
-  EXPECT_GT(stop_logic.judge({0.3, 0.0}, from_afar, fresh()).twist.linear, 0.2);
+  EXPECT_GT(stop_logic.judge({0.3, 0.0}, testing::around(from_afar), fresh()).twist.linear, 0.2);
   EXPECT_NEAR(from_afar.front().position.x(), 1.24, 1e-9);
 }
 

@@ -1,0 +1,120 @@
+#include "services/controller/obstacles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "services/common/geometry/vector_clones.hpp"
+
+namespace luminav {
+namespace {
+
+using Longs = std::int64_t __attribute__((vector_size(kLanes * sizeof(std::int64_t))));
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+/// Bit i: squares[i] <= most, for 64 of them.
+LUMINAV_VECTOR_CLONES
+std::uint64_t at_most(const double* squares, double most) {
+  Longs flag = {1, 2, 4, 8};
+  Longs found{};
+  for (std::size_t i = 0; i < 64; i += kLanes, flag <<= kLanes) {
+    Doubles four;
+    load(squares + i, four);
+    found |= (four <= most) & flag;
+  }
+  return static_cast<std::uint64_t>(found[0] | found[1] | found[2] | found[3]);
+}
+
+/// The least of `count` numbers, a multiple of 16 and not 0.
+LUMINAV_VECTOR_CLONES
+double least_of(const double* numbers, std::size_t count) {
+  constexpr std::size_t kChains = 4;  // one alone would wait for itself
+  std::array<Doubles, kChains> least;
+  std::memcpy(least.data(), numbers, sizeof(least));
+  for (std::size_t i = kChains * kLanes; i < count; i += kChains * kLanes) {
+    for (std::size_t chain = 0; chain < kChains; ++chain) {
+      Doubles four;
+      load(numbers + i + chain * kLanes, four);
+      least[chain] = four < least[chain] ? four : least[chain];
+    }
+  }
+  std::array<double, kChains * kLanes> all;
+  std::memcpy(all.data(), least.data(), sizeof(all));
+  return *std::min_element(all.begin(), all.end());
+}
+
+}  // namespace
+
+void Obstacles::set(std::span<const ObstaclePoint> measured, const PlanePoints& walls) {
+  measured_.assign(measured.begin(), measured.end());
+  points_.clear();
+  points_.reserve(measured.size() + walls.size());
+  for (const ObstaclePoint& obstacle : measured) {
+    points_.add(obstacle.position);
+  }
+  points_.add(walls);
+  measure();
+}
+
+Obstacles Obstacles::seen_from(const Pose2& there_from_here) const {
+  const PointTransform transform(there_from_here);
+  Obstacles seen = *this;
+  seen.points_.clear();
+  for (std::size_t i = 0; i < size(); ++i) {
+    seen.points_.add(transform * points_[i]);
+  }
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
+    seen.measured_[i].position = seen.points_[i];
+  }
+  seen.measure();
+  return seen;
+}
+
+void Obstacles::measure() {
+  const std::size_t whole_blocks = (size() + kBlock - 1) / kBlock * kBlock;
+  squared_from_box_.resize(whole_blocks);
+  footprint_.measure_from_box(points_, squared_from_box_.data());
+  std::fill(squared_from_box_.begin() + static_cast<std::ptrdiff_t>(size()), squared_from_box_.end(), kInfinite);
+}
+
+std::uint64_t Obstacles::within(std::size_t first, double squared) const {
+  return at_most(squared_from_box_.data() + first, squared);
+}
+
+double Obstacles::least_distance(double most) const {
+  if (points_.empty()) {
+    return most;
+  }
+  const double nearest = std::sqrt(least_of(squared_from_box_.data(), squared_from_box_.size()));
+  double least = most;
+  visit_within(std::min(most, nearest + footprint_.most_inside_box()),
+               [&](std::size_t i) { least = std::min(least, footprint_.distance(points_[i])); });
+  return least;
+}
+
+double Obstacles::least_distance_ahead(double most) const {
+  double least = most;
+  visit_within(most, [&](std::size_t i) {
+    if (points_[i].x() > 0.0) {
+      least = std::min(least, footprint_.distance(points_[i]));
+    }
+  });
+  return least;
+}
+
+double Obstacles::least_unknown_distance(double most) const {
+  double least_squared = kInfinite;
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
+    least_squared = measured_[i].is_known ? least_squared : std::min(least_squared, squared_from_box_[i]);
+  }
+  double least = most;
+  visit_within(std::min(most, std::sqrt(least_squared) + footprint_.most_inside_box()), [&](std::size_t i) {
+    if (i < measured_.size() && !measured_[i].is_known) {
+      least = std::min(least, footprint_.distance(points_[i]));
+    }
+  });
+  return least;
+}
+
+}  // namespace luminav

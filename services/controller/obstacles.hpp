@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "services/controller/footprint.hpp"
+#include "services/controller/plane_points.hpp"
+
+namespace luminav {
+
+/// Something the robot must not touch, in the robot frame.
+struct ObstaclePoint {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // [m] robot frame
+  double approach = 0.0;                               // [m/s] how fast it may come nearer by itself
+  double age = 0.0;                                    // [s] since it was measured
+  bool is_known = false;                               // the building's map has it
+  bool has_stood = false;                              // something was heard there before: it doesn't walk
+};
+
+/// All that stands around the robot in one step of control: what was measured, then the walls of the building's map.
+/// The step looks at it again and again, mostly for what is near, so each point's distance from the upright box around
+/// the outline, which is never more than that from the outline itself, is taken once.
+class Obstacles {
+ public:
+  explicit Obstacles(const Footprint& footprint) : footprint_(footprint) {}
+  Obstacles(const Footprint& footprint, std::span<const ObstaclePoint> measured) : footprint_(footprint) {
+    set(measured, {});
+  }
+
+  /// Takes the place of all before. Walls are points [m] in the robot frame.
+  void set(std::span<const ObstaclePoint> measured, const PlanePoints& walls);
+  /// The same from another place.
+  [[nodiscard]] Obstacles seen_from(const Pose2& there_from_here) const;
+
+  [[nodiscard]] std::size_t size() const { return points_.size(); }
+  [[nodiscard]] const PlanePoints& points() const { return points_; }
+  [[nodiscard]] Eigen::Vector2d position(std::size_t i) const { return points_[i]; }
+  [[nodiscard]] ObstaclePoint operator[](std::size_t i) const {
+    return i < measured_.size() ? measured_[i] : wall_at(points_[i]);
+  }
+  [[nodiscard]] std::span<const ObstaclePoint> measured() const { return measured_; }
+  [[nodiscard]] const Footprint& footprint() const { return footprint_; }
+
+  /// Distance [m] from the outline to the nearest, negative inside; `most` where nothing is nearer.
+  [[nodiscard]] double least_distance(double most) const;
+  /// The same of what is before the wheel axis; meant for a small `most`.
+  [[nodiscard]] double least_distance_ahead(double most) const;
+  /// The same of what is on no map.
+  [[nodiscard]] double least_unknown_distance(double most) const;
+  /// Calls `visit(i)` for all that are at most `distance` [m] from the outline, in order, and for a few more.
+  template <typename Visit>
+  void visit_within(double distance, const Visit& visit) const {
+    const double reach = std::max(0.0, distance + Footprint::kRounding);
+    for (std::size_t first = 0; first < points_.size(); first += kBlock) {
+      for (std::uint64_t near = within(first, reach * reach); near != 0; near &= near - 1) {
+        visit(first + static_cast<std::size_t>(std::countr_zero(near)));
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kBlock = 64;  // points, one bit each
+
+  static ObstaclePoint wall_at(const Eigen::Vector2d& position) { return {position, 0.0, 0.0, true, false}; }
+  /// Which of a block's points have at most this squared distance [m^2] from the box.
+  [[nodiscard]] std::uint64_t within(std::size_t first, double squared) const;
+  void measure();
+
+  Footprint footprint_;
+  std::vector<ObstaclePoint> measured_;
+  PlanePoints points_;                    // of all
+  std::vector<double> squared_from_box_;  // [m^2] of each point; whole blocks, infinite beyond the last point
+};
+
+}  // namespace luminav
