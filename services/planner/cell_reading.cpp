@@ -13,6 +13,8 @@ namespace luminav {
 namespace {
 
 constexpr int kWord = 64;  // cells a word
+// [bytes] fetched ahead, two pages: over a grid that no cache holds each new page was waited for
+constexpr int kAhead = 8192;
 
 /// Eight bytes of 0 or 1 to eight bits: the product gathers them in its highest byte.
 std::uint64_t pack(const std::uint8_t* bytes) {
@@ -64,6 +66,8 @@ __attribute__((target("avx2"))) void read_words_avx2(const CellReading& reading,
   for (int word = 0; word < words; ++word) {
     std::uint64_t solid_bits = 0;
     std::uint64_t unknown_bits = 0;
+    _mm_prefetch(reinterpret_cast<const char*>(prior) + kAhead, _MM_HINT_T0);
+    _mm_prefetch(reinterpret_cast<const char*>(evidence) + kAhead, _MM_HINT_T0);
     for (int half = 0; half < 2; ++half, prior += kWord / 2, evidence += kWord / 2) {
       const __m256i known = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(prior));
       const __m256i seen = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(evidence));
