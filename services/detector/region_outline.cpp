@@ -171,7 +171,7 @@ void OutlineProposer::add(const CeilingKind& kind, const Placing& placing, doubl
                          .swelling = placing.swelling});
 }
 
-void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half_width, double theta,
+void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half_width, bool bright, double theta,
                                    const SizeTolerance& tolerance) {
   const double width = half_width ? 0.5 * kind.width : kind.width;
   const double scale = (kind.height - plane_->camera_height()) / (plane_->ceiling_height() - plane_->camera_height());
@@ -182,7 +182,9 @@ void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half
     return;
   }
   const bool whole = fits(seen_length, kind.length, tolerance);
-  const bool cut = touches_border_ && kind.is_fixture && kind.shape == FixtureShape::kRectangle &&
+  // Noise and joints may break the region of an unlit fixture.
+  const bool may_be_part = touches_border_ || !bright;
+  const bool cut = may_be_part && kind.is_fixture && kind.shape == FixtureShape::kRectangle &&
                    seen_length < kind.length + tolerance.absolute + tolerance.bloom &&
                    seen_length > tolerance.least_visible * kind.length;
   if (!whole && !cut) {
@@ -198,7 +200,7 @@ void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half
     const double half_bloom = 0.25 * tolerance.bloom;
     add(kind, placing, e.least_along + half_bloom + half_length, middle_across);
     add(kind, placing, e.most_along - half_bloom - half_length, middle_across);
-    if (!whole) {
+    if (!whole && touches_border_) {
       add(kind, placing, 0.5 * (e.least_along + e.most_along), middle_across);
     }
   }
@@ -260,9 +262,9 @@ const std::vector<OutlineHypothesis>& OutlineProposer::propose(const Region& reg
         if (kind.shape != FixtureShape::kRectangle && turn > 0.0) {
           continue;
         }
-        propose_kind(kind, static_cast<int>(i), false, theta + turn, tolerance);
+        propose_kind(kind, static_cast<int>(i), false, bright, theta + turn, tolerance);
         if (bright && kind.shape == FixtureShape::kRectangle && kind.lamps >= 2) {
-          propose_kind(kind, static_cast<int>(i), true, theta + turn, tolerance);
+          propose_kind(kind, static_cast<int>(i), true, bright, theta + turn, tolerance);
         }
         if (touches_border_ && kind.shape != FixtureShape::kRound) {
           propose_from_one_side(kind, static_cast<int>(i), theta + turn, tolerance);
@@ -273,7 +275,7 @@ const std::vector<OutlineHypothesis>& OutlineProposer::propose(const Region& reg
   if (!bright) {
     for (std::size_t i = 0; i < catalogue_->elements.size(); ++i) {
       for (const double turn : {0.0, 0.5 * kPi}) {
-        propose_kind(catalogue_->elements[i], static_cast<int>(i), false, directions_.front() + turn, tolerance);
+        propose_kind(catalogue_->elements[i], static_cast<int>(i), false, false, directions_.front() + turn, tolerance);
       }
     }
   }

@@ -94,7 +94,8 @@ class OutlineProposer {
   bool take_hull(const Region& region);
   [[nodiscard]] Extents extents(double theta) const;
   void choose_directions();
-  void propose_kind(const CeilingKind& kind, int index, bool half_width, double theta, const SizeTolerance& tolerance);
+  void propose_kind(const CeilingKind& kind, int index, bool half_width, bool bright, double theta,
+                    const SizeTolerance& tolerance);
   /// Outlines of which one long side is beyond the image border.
   void propose_from_one_side(const CeilingKind& kind, int index, double theta, const SizeTolerance& tolerance);
   void add(const CeilingKind& kind, const Placing& placing, double along, double across);

@@ -88,6 +88,19 @@ TEST(ModernDetector, IsSurestOfThePartThatIsSeen) {
   }
 }
 
+TEST(ModernDetector, FindsAnUnlitFixtureOfWhichOnlyAPartStandsOut) {
+  DrawnCeiling ceiling;
+  const Pose2 truth{0.1, 0.05, 0.3};
+  // its far third is so little darker than the ceiling that the region ends there
+  ceiling.shapes = {
+      {.pose = truth, .state = DetectionState::kUnlit, .darker = 5.0},
+      {.pose = truth * Pose2{-0.2, 0.0, 0.0}, .length = 0.8, .state = DetectionState::kUnlit, .darker = 15.0}};
+  const auto detections = detect(ceiling);
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_EQ(detections[0].shape, DetectionShape::kRectangle);
+  expect_at(detections[0], truth, 10e-3, radians(0.3));
+}
+
 TEST(ModernDetector, PlacesAFixtureByOneLongSideAndItsEndsWhereTheOtherIsBeyondTheBorder) {
   for (const DetectionState state : {DetectionState::kLit, DetectionState::kUnlit}) {
     DrawnCeiling ceiling;
