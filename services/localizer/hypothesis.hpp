@@ -56,8 +56,9 @@ struct Hypothesis {
   double settled = 0.0;  // of objects and passes that are over
   double walls = 0.0;
   double sonar = 0.0;
-  double bonus = 0.0;  // prior: a user's guess, an earlier pose
-  double total = 0.0;  // sum of all, kept up to date by the bank
+  double bonus = 0.0;       // prior: a user's guess, an earlier pose
+  double total = 0.0;       // sum of all when ranked last
+  double sonar_part = 0.0;  // of that: what the sonars hold against it, at most 0
   std::vector<ObjectVote> votes;
   std::vector<FixtureWatch> watches;
   std::vector<int> confirmed;   // different fixtures that fitted, at most 16

@@ -131,9 +131,7 @@ void HypothesisBank::begin_round() {
   if (!walls_.has_walls() || hypotheses_.empty()) {
     round_.echoes.clear();
   }
-  if (!round_.echoes.empty()) {
-    best_sonar_ = -1e18;
-  }
+  round_best_sonar_ = -1e18;
   const bool has_stretch = std::exchange(has_stretch_, false) && walls_.has_walls() && hypotheses_.size() > 1;
   round_.stretch = has_stretch ? trail_.points() : std::vector<Eigen::Vector2d>{};
   round_.has_moved = std::exchange(has_moved_, false);
@@ -178,10 +176,11 @@ void HypothesisBank::compare_next() {
     }
     budget_.spend(cost);
     visit(hypotheses_[next_]);
-    if (!round_.echoes.empty()) {
-      best_sonar_ = std::max(best_sonar_, hypotheses_[next_].sonar);
-    }
+    round_best_sonar_ = std::max(round_best_sonar_, hypotheses_[next_].sonar);
     ++next_;
+  }
+  if (!round_.echoes.empty()) {
+    best_sonar_ = round_best_sonar_;
   }
   phase_ = Phase::kCompared;
 }
@@ -249,7 +248,8 @@ void HypothesisBank::correct(Hypothesis& hypothesis, const FrameComparison& comp
 }
 
 void HypothesisBank::seed(SceneMemory& scene) {
-  if (phase_ == Phase::kCompared) {
+  // a round without an image has the objects of the last one, which have been used
+  if (phase_ == Phase::kCompared && round_.has_image) {
     births_.begin(round_, scene);
     least_total_ = hypotheses_.empty() ? -1e18 : score_of(hypotheses_.front(), best_sonar_, params_) - params_.prune;
     phase_ = Phase::kBear;
@@ -275,6 +275,7 @@ void HypothesisBank::bear_next() {
 void HypothesisBank::add(Hypothesis hypothesis) {
   hypothesis.id = next_id_++;
   hypothesis.total = score_of(hypothesis, best_sonar_, params_);
+  hypothesis.sonar_part = held_by_sonar(hypothesis, best_sonar_, params_);
   hypotheses_.push_back(std::move(hypothesis));
 }
 

@@ -74,10 +74,6 @@ class HypothesisBank {
   [[nodiscard]] Pose2 pose_now(std::size_t index) const;
   /// Score of "all that was seen is something else": what a pose not in the list would have.
   [[nodiscard]] double null_score() const { return null_settled_ + null_active_; }
-  /// Part of a hypothesis' score: what the sonars hold against it, at most 0.
-  [[nodiscard]] double sonar_score(const Hypothesis& hypothesis) const {
-    return held_by_sonar(hypothesis, best_sonar_, params_);
-  }
   /// Units of work done in this step.
   [[nodiscard]] int work_done() const { return budget_.spent(); }
 
@@ -113,7 +109,8 @@ class HypothesisBank {
   Phase phase_ = Phase::kIdle;
   EvidenceRound round_;
   std::optional<FrameComparer> comparer_;
-  std::size_t next_ = 0;  // hypothesis to be compared with the image
+  std::size_t next_ = 0;           // hypothesis to be compared with the image
+  double round_best_sonar_ = 0.0;  // of those that have heard the round's echoes
   HypothesisBirths births_;
   double least_total_ = 0.0;  // what is born with less would be given up at once
   HypothesisRanking ranking_;

@@ -29,7 +29,7 @@ bool HypothesisRanking::advance(std::vector<Hypothesis>& hypotheses, double best
     return false;
   }
   budget.spend(count / 2);
-  arrange(hypotheses);
+  arrange(hypotheses, best_sonar);
   begin();
   return true;
 }
@@ -82,13 +82,14 @@ void HypothesisRanking::merge_next(const std::vector<Hypothesis>& hypotheses, Wo
   stage_ = Stage::kArrange;
 }
 
-void HypothesisRanking::arrange(std::vector<Hypothesis>& hypotheses) {
+void HypothesisRanking::arrange(std::vector<Hypothesis>& hypotheses, double best_sonar) {
   // from[i]: whose place i takes; those that are not kept go to the end. Along its cycles each moves once.
   std::vector<std::uint32_t> from;
   from.reserve(hypotheses.size());
   std::vector<bool> is_kept(hypotheses.size(), false);
   for (const Ranked& kept : kept_) {
     hypotheses[kept.index].total = kept.total;
+    hypotheses[kept.index].sonar_part = held_by_sonar(hypotheses[kept.index], best_sonar, params_);
     is_kept[kept.index] = true;
     from.push_back(kept.index);
   }

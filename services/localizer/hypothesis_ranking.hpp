@@ -30,7 +30,7 @@ class HypothesisRanking {
   void score_next(const std::vector<Hypothesis>& hypotheses, double best_sonar, WorkBudget& budget);
   void sort(WorkBudget& budget);
   void merge_next(const std::vector<Hypothesis>& hypotheses, WorkBudget& budget);
-  void arrange(std::vector<Hypothesis>& hypotheses);
+  void arrange(std::vector<Hypothesis>& hypotheses, double best_sonar);
 
   const HypothesisParams& params_;
   Stage stage_ = Stage::kScore;

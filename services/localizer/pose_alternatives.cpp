@@ -18,8 +18,7 @@ std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, 
     return result;
   }
   const auto score = [&](const Hypothesis& hypothesis) {
-    const double sonar = bank.sonar_score(hypothesis);
-    return hypothesis.total - sonar + std::max(-kMostBySonar, sonar);
+    return hypothesis.total - hypothesis.sonar_part + std::max(-kMostBySonar, hypothesis.sonar_part);
   };
   double best = score(hypotheses.front());
   for (const Hypothesis& hypothesis : hypotheses) {

@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <random>
+#include <utility>
 
 #include "services/localizer/modern_localizer.hpp"
 #include "tests/unit/localizer/synthetic_world.hpp"
@@ -69,6 +71,7 @@ class HypothesisBankInAHall : public ::testing::Test {
     Pose2 truth;
     int most_work = 0;      // [units] in one step
     int longest_round = 0;  // [steps]
+    int torn = 0;           // parts by sonar that changed without the score they are part of
   };
 
   Drive drive(int work, const SyntheticOptions& options, double duration) {
@@ -78,6 +81,7 @@ class HypothesisBankInAHall : public ::testing::Test {
     Drive drive;
     drive.localizer = std::make_unique<ModernLocalizer>(hall_.building, hall_.walls, robot(), ErrorParams{}, params);
     int busy = 0;
+    std::map<int, std::pair<double, double>> sonar_parts;  // by hypothesis, behind what they are part of
     for (int step = 0; step < static_cast<int>(30.0 * duration); ++step) {
       const SyntheticWorld::Output output = world.step();
       if (output.sonar) {
@@ -92,6 +96,12 @@ class HypothesisBankInAHall : public ::testing::Test {
       drive.localizer->add_odometry(*output.odometry);
       const HypothesisBank& bank = drive.localizer->bank();
       drive.most_work = std::max(drive.most_work, bank.work_done());
+      for (const Hypothesis& hypothesis : bank.hypotheses()) {
+        const auto known = sonar_parts.find(hypothesis.id);
+        const bool is_another_part = known != sonar_parts.end() && known->second.second != hypothesis.sonar_part;
+        drive.torn += is_another_part && known->second.first == hypothesis.total ? 1 : 0;
+        sonar_parts[hypothesis.id] = {hypothesis.total, hypothesis.sonar_part};
+      }
       busy = bank.is_busy() ? busy + 1 : 0;
       drive.longest_round = std::max(drive.longest_round, busy);
     }
@@ -137,6 +147,7 @@ TEST_F(HypothesisBankInAHall, DoesBoundedWorkInEachStepAndFindsThePoseAllTheSame
     const Drive in_turn = drive(kBounded, options, 60.0);
     EXPECT_LE(in_turn.most_work, kBounded + kLastPiece) << "seed " << seed;
     EXPECT_GT(in_turn.longest_round, 1) << "seed " << seed;
+    EXPECT_EQ(in_turn.torn, 0) << "seed " << seed;
     ASSERT_EQ(in_turn.localizer->estimate().state, LocalizerState::kTracking) << "seed " << seed;
     EXPECT_LT(distance(in_turn.localizer->estimate().belief.pose, in_turn.truth), 0.25) << "seed " << seed;
   }
