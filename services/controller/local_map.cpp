@@ -126,6 +126,9 @@ void look_along(const GridGeometry& geometry, const WordColumn& word, double rob
     columns.x_by_face[bit] = by_face.x();
     columns.y_by_face[bit] = by_face.y();
   }
+  // a run at the border is read beyond it
+  std::fill_n(columns.x_by_face.begin() + word.count + 1, kLanes, 0.0);
+  std::fill_n(columns.y_by_face.begin() + word.count + 1, kLanes, 0.0);
 }
 
 /// Adds the walls of a row whose bits are set, a run of them at once.

@@ -37,8 +37,8 @@ class SearchMap {
   void add(std::span<const SonarFiring> newest);
   /// The robot is there [m, odom].
   void visit(const Eigen::Vector2d& place);
-  /// Trusts echoes that were not heard again a little less: odometry drifts, and a wall that is entered twice closes
-  /// the doors beside it.
+  /// Trusts what echoes drew a little less, until they are heard again: odometry drifts, and a wall that is entered
+  /// twice closes the doors beside it.
   void fade();
   /// A place could not be reached: it is new ground no more.
   void block(const Eigen::Vector2d& place);

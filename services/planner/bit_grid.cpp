@@ -31,7 +31,7 @@ void unite(const Word* bits, std::size_t words, Word* result) {
 
 /// Rows of a disc, counted from its middle, by how much wider the widest is to either side.
 std::vector<std::vector<int>> rows_by_width(double radius) {
-  const int reach = static_cast<int>(std::floor(radius + 1e-9));
+  const int reach = static_cast<int>(std::floor(std::sqrt(radius * radius + 1e-6)));  // as the widths below
   std::vector<std::vector<int>> rows(static_cast<std::size_t>(reach) + 1);
   for (int row = -reach; row <= reach; ++row) {
     const int half_width = static_cast<int>(std::floor(std::sqrt(radius * radius + 1e-6 - row * row)));

@@ -82,8 +82,8 @@ std::optional<Eigen::Vector2d> what_blocks(const ConfigurationSpace& space, cons
                                            const Polyline& path, double radius) {
   const GridGeometry& geometry = space.geometry();
   const int reach = static_cast<int>(std::ceil(radius / geometry.resolution));
-  for (const Eigen::Vector2d& point : path) {
-    const Cell middle = geometry.cell_at(point);
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const Cell middle = geometry.cell_at(path[i]);
     if (!geometry.contains(middle) || !space.is_blocked(middle)) {
       continue;
     }
@@ -96,9 +96,9 @@ std::optional<Eigen::Vector2d> what_blocks(const ConfigurationSpace& space, cons
             (place - geometry.centre_of(middle)).norm() > radius + 1e-6) {
           continue;
         }
-        const std::size_t i = geometry.index(cell);
-        const bool is_wall = grid.prior[i] == Prior::kOccupied || grid.prior[i] == Prior::kDisputed;
-        if (!is_wall && grid.evidence[i] > 0 &&
+        const std::size_t k = geometry.index(cell);
+        const bool is_wall = grid.prior[k] == Prior::kOccupied || grid.prior[k] == Prior::kDisputed;
+        if (!is_wall && grid.evidence[k] > 0 &&
             (!nearest || (place - path.front()).squaredNorm() < (*nearest - path.front()).squaredNorm())) {
           nearest = place;
         }

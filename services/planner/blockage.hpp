@@ -26,8 +26,8 @@ Blockage measure_blockage(const ConfigurationSpace& space, const std::vector<Doo
                           std::size_t index, double need);
 
 /// The centre [m, world] of the cell that blocks a path first and is no wall of the building's map: of those within
-/// `radius` [m] of the first blocked point that has any, the one nearest to the path's start. Only what sonars have
-/// drawn counts; nothing where all is wall, unknown or merely suspected.
+/// `radius` [m] of the first blocked point that has any, the one nearest to the path's start. There the robot is: that
+/// point is not asked. Only what sonars have drawn counts; nothing where all is wall, unknown or merely suspected.
 std::optional<Eigen::Vector2d> what_blocks(const ConfigurationSpace& space, const OccupancyGrid& grid,
                                            const Polyline& path, double radius);
 

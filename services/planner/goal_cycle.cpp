@@ -59,6 +59,7 @@ void GoalCycle::pause(std::int64_t id, std::int64_t now) {
   report_.goal_id = id;
   if (is_active() && phase_ != Phase::kPaused) {
     paused_phase_ = phase_;
+    search_.last.reset();
     set_path({});
     enter(Phase::kPaused, NavigationState::kPaused, fmt::format("paused on the way to {}", place_of(stop())));
   }
@@ -158,6 +159,7 @@ void GoalCycle::reached_stop() {
 }
 
 void GoalCycle::lose_place(const std::string& why) {
+  search_.last.reset();  // found again elsewhere, it has not driven there
   if (losses_ == 0 || report_.distance_left < loss_left_ - kAttemptsForgotten) {
     losses_ = 0;
     loss_left_ = report_.distance_left;
@@ -218,7 +220,7 @@ bool GoalCycle::is_localized(const Situation& situation) {
 void GoalCycle::update(const Situation& situation) {
   if (situation.now < now_ - 1'000'000) {  // the robot's clock started anew: nothing that was timed holds
     phase_since_ = progress_since_ = situation.now;
-    last_tracking_ = last_plan_ = last_yield_ = hold_since_ = 0;
+    last_tracking_ = last_plan_ = last_yield_ = hold_since_ = last_facing_ = 0;
     for (Suspect& suspect : suspects_) {
       suspect.until = situation.now;
     }
@@ -243,6 +245,7 @@ void GoalCycle::update(const Situation& situation) {
   if (phase_ == Phase::kRetrying) {
     if (seconds_since(phase_since_) >= params_.retry_wait) {
       attempts_ = arrival_failures_ = 0;
+      search_ = {};
       enter(Phase::kPlanning, NavigationState::kPlanning, "");
     }
     return;

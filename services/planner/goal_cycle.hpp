@@ -162,6 +162,7 @@ class GoalCycle {
   std::string hold_reason_;
   Search search_;                  // for the stop at hand
   bool looks_at_gap_ = false;      // what it holds before is one
+  double gap_limit_ = 0.0;         // [m] a way round it that is shorter is taken without the look, unknown counted more
   bool has_looked_again_ = false;  // at this blockage, from as near as can be
   double reference_length_ = 0.0;  // [m] of the way that was blocked
   std::int64_t hold_since_ = 0;    // [us] when the robot began to stand before the blockage; 0 = on its way there

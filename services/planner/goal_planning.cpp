@@ -115,6 +115,12 @@ bool GoalCycle::doubt_place(const Situation& situation) {
                       "{:.0f} s",
                       robot.x, robot.y, params_.doubt_time));
   }
+  if (!situation.can_move) {  // it cannot look round: somebody may be carrying it
+    phase_since_ = now_;
+    looks_round_ = 0;
+    set_path({});
+    return true;
+  }
   const double doubted = seconds_since(phase_since_);
   if (doubted >= params_.doubt_still + looks_round_ * params_.doubt_turn) {
     ++looks_round_;
@@ -219,7 +225,8 @@ void GoalCycle::update_hold(const Situation& situation) {
     return;
   }
   const double limit = params_.detour_ratio * reference_length_ + params_.detour_length;
-  const bool is_long = polyline_length(route.points) > limit;
+  const bool is_long =
+      looks_at_gap_ ? length_with_unknown(route.points) > gap_limit_ : polyline_length(route.points) > limit;
   if (waited || !is_long) {
     if (is_long) {
       suspect_blockage();
@@ -238,8 +245,7 @@ void GoalCycle::face_blockage(const Situation& situation) {
     return;
   }
   const Pose2& robot = situation.world_from_robot;
-  Polyline way = blocked_way_;
-  way.front() = robot.position();
+  const Polyline way = rest_of(blocked_way_, nearest_ahead(blocked_way_, 0, robot.position()), robot.position());
   const std::optional<Eigen::Vector2d> place =
       what_blocks(planner_.space(), *grid_, way, planner_params_.space.hard_radius);
   if (!place) {
@@ -303,6 +309,7 @@ bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
   }
   hold(best, best_blocked, polyline_length(best));
   looks_at_gap_ = true;
+  gap_limit_ = best_length;
   search_.looked_at.push_back({best[best_blocked], kGapRadius});
   report_.cause = fmt::format("{}; looking at it from near", hold_reason_);
   return true;

@@ -75,7 +75,7 @@ struct GoalCycleParams {
   double surest_log_odds = 3.2;    ///< and then this
   double gap_distance = 0.25;      ///< [m] before it: from farther away its posts are all that is heard
   double gap_wait = 4.0;           ///< [s] to look at it
-  int gap_looks = 12;              ///< how many of them for one goal
+  int gap_looks = 12;              ///< how many of them for a stop, and as many again from elsewhere
   double gap_ratio = 1.2;          ///< a way round the gap this much longer than through it is not taken before,
   double gap_detour = 1.0;         ///< [m] and this much beside: it leads through what nobody has seen
   double unknown_ratio = 3.0;      ///< a way through what nobody has seen counts so many times as long: walls are there

@@ -137,6 +137,36 @@ std::vector<std::size_t> RoutePlanner::escape(const Cell& start, const Eigen::Ve
   return cells;
 }
 
+bool RoutePlanner::is_enclosed(const Cell& start, const Eigen::Vector2d& robot) const {
+  const GridGeometry& geometry = space_.geometry();
+  const int reach = static_cast<int>(std::ceil(params_.escape_radius / geometry.resolution));
+  const auto side = static_cast<std::size_t>(2 * reach + 1);
+  std::vector<bool> was_there(side * side, false);
+  std::vector<Cell> open{start};
+  while (!open.empty()) {
+    const Cell cell = open.back();
+    open.pop_back();
+    if (!space_.is_blocked(cell)) {
+      return false;
+    }
+    for (const Cell& next : {Cell{cell.column - 1, cell.row}, Cell{cell.column + 1, cell.row},
+                             Cell{cell.column, cell.row - 1}, Cell{cell.column, cell.row + 1}}) {
+      const int column = next.column - start.column + reach;
+      const int row = next.row - start.row + reach;
+      if (std::min(column, row) < 0 || std::max(column, row) > 2 * reach || !geometry.contains(next) ||
+          (space_.is_solid(next) && (geometry.centre_of(next) - robot).norm() > params_.body_radius)) {
+        continue;
+      }
+      const std::size_t i = static_cast<std::size_t>(row) * side + static_cast<std::size_t>(column);
+      if (!was_there[i]) {
+        was_there[i] = true;
+        open.push_back(next);
+      }
+    }
+  }
+  return true;
+}
+
 std::optional<Eigen::Vector2d> RoutePlanner::nearest_reachable(const RouteRequest& request) {
   const GridGeometry& geometry = space_.geometry();
   const Cell start = geometry.cell_at(request.start);
@@ -311,7 +341,8 @@ Route RoutePlanner::plan(const RouteRequest& request) {
       route.outcome = RouteOutcome::kFound;
       route.points = shape_path(space_, params_.shaping, chain_of(cells, request));
     } else {
-      route.outcome = start_is_free ? RouteOutcome::kUnreachable : RouteOutcome::kStartEnclosed;
+      const bool is_goal_at_fault = start_is_free || !is_enclosed(start, request.start);
+      route.outcome = is_goal_at_fault ? RouteOutcome::kUnreachable : RouteOutcome::kStartEnclosed;
     }
   }
   if (route.outcome == RouteOutcome::kFound) {

@@ -61,6 +61,8 @@ class RoutePlanner {
   [[nodiscard]] std::vector<WaveSeed> seeds_for(const RouteRequest& request) const;
   /// Cells from the start through blocked ones to where the wave was; empty when enclosed.
   [[nodiscard]] std::vector<std::size_t> escape(const Cell& start, const Eigen::Vector2d& robot) const;
+  /// Whether no free cell can be reached from a blocked start, wherever the goal is.
+  [[nodiscard]] bool is_enclosed(const Cell& start, const Eigen::Vector2d& robot) const;
   [[nodiscard]] std::optional<Eigen::Vector2d> nearest_reachable(const RouteRequest& request);
   [[nodiscard]] Polyline chain_of(const std::vector<std::size_t>& cells, const RouteRequest& request) const;
   [[nodiscard]] Route plan_paper(const RouteRequest& request, const std::vector<WaveSeed>& seeds);

@@ -370,6 +370,24 @@ TEST(PlannerNode, GivesUpAGoalThatItsOwnMapLeadsItRoundFor) {
   EXPECT_THAT(world.status.cause, HasSubstr("m of driving, 8."));
 }
 
+TEST(PlannerNode, SearchesAnewWhenItTriesAgain) {
+  PlannerConfig config = mapping_config();
+  config.cycle.search_ratio = 1.0;
+  config.cycle.search_length = 8.0;
+  PlannerWorld world(config);
+  goal_t goal = world.goal(1, {{10.0, 3.2}});
+  goal.policy = goal_t::POLICY_RETRY;
+  world.send(goal);
+  const auto in_vain = [&] {
+    if (world.robot.x > 5.0) {
+      world.robot.x = 2.0;
+    }
+    return world.status.cause.find("trying again") != std::string::npos;
+  };
+  ASSERT_TRUE(world.run_until(60.0, in_vain)) << world.status.cause;
+  EXPECT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
 TEST(PlannerNode, GivesUpWhenTheDoorThatItDrewStaysShut) {
   PlannerWorld world(mapping_config());
   draw_by_sonar(world);
@@ -403,6 +421,18 @@ TEST(PlannerNode, DoubtsItsPlaceInAWallBeforeItRefusesTheGoal) {
   EXPECT_EQ(world.path.count, 0) << "it stands still at first";
   world.robot = before;
   EXPECT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
+TEST(PlannerNode, DoubtsItsPlaceForAsLongAsItMayNotMove) {
+  PlannerWorld world;
+  world.wall(58, 0, 68, 28);
+  world.robot = {6.3, 1.5, 0.0};
+  world.motors = false;  // somebody carries it
+  world.go(1, 9.0, 3.2);
+  world.run(90.0);
+  EXPECT_EQ(world.status.state, Status::STATE_WAITING) << world.status.cause;
+  world.motors = true;
+  EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_NO_PATH)) << world.status.cause;
 }
 
 TEST(PlannerNode, LooksRoundWhileItDoubtsItsPlace) {

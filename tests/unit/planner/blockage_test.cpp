@@ -52,6 +52,10 @@ TEST(Blockage, SaysWhatTheSonarsHaveDrawnInTheWay) {
   EXPECT_NEAR(place->x(), 4.05, 1e-6);
   EXPECT_NEAR(place->y(), 1.55, 1e-6);
   const ConfigurationSpace suspected({}, empty_room(6.0, 2.0), {{{4.0, 1.35}, 0.3}});
+  Polyline in_it = path;
+  in_it.erase(in_it.begin(), std::find_if(in_it.begin(), in_it.end(), [](const auto& p) { return p.x() > 3.9; }));
+  in_it.erase(in_it.begin() + 1, in_it.end());
+  EXPECT_FALSE(what_blocks(space, grid, in_it, 0.30)) << "what is beside the robot itself is not in its way";
   EXPECT_FALSE(what_blocks(suspected, empty_room(6.0, 2.0), path, 0.30)) << "no sonar drew it";
 }
 

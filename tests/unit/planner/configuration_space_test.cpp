@@ -22,6 +22,18 @@ TEST(ConfigurationSpace, BlocksWithinTheRadiusOfAnOccupiedCell) {
   EXPECT_FALSE(space.is_solid({21, 20}));
 }
 
+TEST(ConfigurationSpace, TakesAResolutionThatWentThroughAFloat) {
+  OccupancyGrid grid({0.1F, {0.0, 0.0}, 40, 40});
+  std::fill(grid.prior.begin(), grid.prior.end(), Prior::kFree);
+  grid.prior[grid.geometry.index({20, 20})] = Prior::kOccupied;
+  ConfigurationSpaceParams params;
+  params.hard_radius = 0.30;  // a hair less than three cells
+  const ConfigurationSpace space(params, grid, {});
+  EXPECT_TRUE(space.is_blocked({23, 20}));
+  EXPECT_TRUE(space.is_blocked({20, 17}));
+  EXPECT_FALSE(space.is_blocked({24, 20}));
+}
+
 TEST(ConfigurationSpace, CostsLessTheFartherFromWalls) {
   const ConfigurationSpace space({}, empty_room(6.0, 6.0), {});
   int last = std::numeric_limits<int>::max();

@@ -52,6 +52,8 @@ TEST(RoutePlanner, TellsWhyThereIsNoWay) {
   EXPECT_EQ(closed.outcome, RouteOutcome::kUnreachable);
   ASSERT_TRUE(closed.nearest_reachable);
   EXPECT_LT(closed.nearest_reachable->x(), 5.0);
+  const Route beside_the_wall = planner.plan({{4.8, 1.0}, {9.0, 4.0}, 0.1});
+  EXPECT_EQ(beside_the_wall.outcome, RouteOutcome::kUnreachable) << "the goal is shut off, not the robot";
   EXPECT_EQ(planner.plan({{2.0, 1.0}, {99.0, 4.0}, 0.1}).outcome, RouteOutcome::kGoalOutside);
   EXPECT_EQ(planner.plan({{-2.0, 1.0}, {2.0, 4.0}, 0.1}).outcome, RouteOutcome::kStartOutside);
   EXPECT_EQ(planner.plan({{2.0, 1.0}, {5.1, 1.0}, 0.1}).outcome, RouteOutcome::kGoalBlocked);
