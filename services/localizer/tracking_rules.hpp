@@ -6,7 +6,7 @@ namespace luminav {
 
 /// When one hypothesis counts as the truth, and when no longer.
 struct TrackingRules {
-  double first_margin = 5.0;                  // log-score ahead of every other pose, listed or not, at first
+  double first_margin = 7.0;                  // log-score ahead of every other pose, listed or not, at first
   double enter_margin = 9.0;                  // likewise once a pose was held for true: it may have been wrong
   double first_without_sonar = -3.0;          // of the first margin: the ceiling must not speak against the pose
   double enter_without_sonar = 2.0;           // of the later one: about one fixture that another pose foretells in vain
