@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <utility>
 
 namespace luminav {
 namespace {
@@ -59,11 +60,32 @@ std::vector<int> SearchMap::disc_offsets(double radius) const {
   return offsets;
 }
 
-void SearchMap::visit(const Eigen::Vector2d& place) {
-  if (!origin_ || index_of(place) < 0) {
-    origin_ = place - Eigen::Vector2d::Constant(0.5 * params_.side);
-    cells_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_), {});
+// By whole cells, so that they keep what they hold.
+void SearchMap::go_along(const Eigen::Vector2d& place) {
+  const Eigen::Vector2d corner = place - Eigen::Vector2d::Constant(0.5 * params_.side);
+  const auto count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_);
+  if (!origin_) {
+    origin_ = corner;
+    cells_.assign(count, {});
+    return;
   }
+  if ((corner - *origin_).lpNorm<Eigen::Infinity>() < params_.middle) {
+    return;
+  }
+  const Eigen::Vector2i shift = ((corner - *origin_) / params_.cell).array().round().cast<int>();
+  std::vector<Cell> moved(count);
+  const int first = std::max(0, -shift.x());
+  const int last = std::min(columns_, columns_ - shift.x());
+  for (int row = std::max(0, -shift.y()); row < std::min(columns_, columns_ - shift.y()) && first < last; ++row) {
+    const auto from = cells_.begin() + (row + shift.y()) * columns_;
+    std::copy(from + (first + shift.x()), from + (last + shift.x()), moved.begin() + row * columns_ + first);
+  }
+  cells_ = std::move(moved);
+  *origin_ += params_.cell * shift.cast<double>();
+}
+
+void SearchMap::visit(const Eigen::Vector2d& place) {
+  go_along(place);
   mark_seen(place, params_.seen_around);
   for (const int offset : disc_offsets(0.2)) {
     cells_[static_cast<std::size_t>(index_of(place) + offset)].occupied = kMostFree;

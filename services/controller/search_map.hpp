@@ -12,7 +12,8 @@
 namespace luminav {
 
 struct SearchMapParams {
-  double side = 40.0;         // [m] of the square it covers, centred where the search begins
+  double side = 40.0;         // [m] of the square it covers, which goes along with the robot
+  double middle = 6.0;        // [m] off the middle of the square it goes along
   double cell = 0.1;          // [m]
   double free_most = 2.5;     // [m] farther a ray says nothing
   double silent_most = 0.8;   // [m] likewise of one without an echo: smooth walls are silent too
@@ -59,6 +60,8 @@ class SearchMap {
   };
   [[nodiscard]] int index_of(const Eigen::Vector2d& place) const;
   [[nodiscard]] Eigen::Vector2d centre_of(int index) const;
+  /// Moves the square until its middle is near a place; what stays inside is kept.
+  void go_along(const Eigen::Vector2d& place);
   void add(const SonarFiring& firing);
   [[nodiscard]] std::vector<int> free_cells(const Pose2& odom_from_sonar, double free) const;
   void mark_seen(const Eigen::Vector2d& place, double radius);

@@ -153,5 +153,32 @@ TEST_F(SearchMapTest, FadesWhatItDoesNotHearAgain) {
   EXPECT_EQ(map_.ground_at({1.8, 0.0}), Ground::kFree);
 }
 
+TEST_F(SearchMapTest, GoesAlongWithTheRobotAndKeepsWhatIsNear) {
+  look_round(room(true));
+  const auto grounds = [&] {
+    std::vector<Ground> result;
+    for (double x = -0.95; x < 5.0; x += 0.1) {
+      for (double y = -2.95; y < 4.0; y += 0.1) {
+        result.push_back(map_.ground_at({x, y}));
+      }
+    }
+    return result;
+  };
+  const std::vector<Ground> at_first = grounds();
+  Eigen::Vector2d place(6.0, -3.5);
+  for (; place.x() < 14.0; place += Eigen::Vector2d(0.25, -0.1)) {
+    map_.visit(place);
+    EXPECT_EQ(grounds() == at_first, true) << "the room is still there, from " << place.transpose();
+    EXPECT_TRUE(map_.is_near_trail({1.8, 1.5}));
+  }
+  const Eigen::Vector2d step(0.25, -0.1);
+  for (; place.x() < 60.0; place += step) {
+    map_.visit(place);
+    ASSERT_TRUE(map_.is_near_trail(place + 4.0 * step)) << "around it there is nothing new, at " << place.transpose();
+    ASSERT_TRUE(map_.is_near_trail(place - 30.0 * step)) << "nor where it was, at " << place.transpose();
+  }
+  EXPECT_FALSE(map_.is_near_trail({1.8, 1.5})) << "so far away nothing is kept";
+}
+
 }  // namespace
 }  // namespace luminav
