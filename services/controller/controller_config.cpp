@@ -22,7 +22,7 @@ ControllerConfig ControllerConfig::for_robot(const RobotDescription& robot) {
     nose = std::max(nose, corner.x());
     half_width = std::max(half_width, std::abs(corner.y()));
   }
-  for (FreeHeadingParams* strip : {&config.follower.free_heading, &config.wander.free_heading}) {
+  for (FreeHeadingParams* strip : {&config.follower.heading.free_heading, &config.wander.heading.free_heading}) {
     strip->nose = nose;
     strip->half_width = half_width + config.stop_logic.margin;
   }

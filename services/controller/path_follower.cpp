@@ -17,8 +17,7 @@ void PathFollower::set_path(const FollowedPath& path) {
     is_placed_ = is_aligned_ = is_turning_ = is_backing_ = false;
     long_way_ = 0;
     nearest_ = 1e9;
-    last_heading_.reset();
-    smooth_heading_.reset();
+    heading_.reset();
   }
 }
 
@@ -148,18 +147,8 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
   step.force.repulsive = repulsive_;
   const Eigen::Vector2d resultant = step.force.resultant();
   const double wish = std::atan2(resultant.y(), resultant.x());
-  const std::optional<double> last =
-      last_heading_ ? std::optional(wrap_angle(*last_heading_ - robot.theta)) : std::nullopt;
   const double needed = std::min(1.0, goal.norm());
-  const double chosen = choose_free_heading(wish, needed, last, situation.obstacles.points(), params_.free_heading);
-  last_heading_ = wrap_angle(robot.theta + chosen);
-  // between door posts each echo shifts the chosen heading by a degree or two: steering after all of them is jitter
-  const double change = smooth_heading_ ? wrap_angle(*last_heading_ - *smooth_heading_) : 1e9;
-  const bool is_small = std::abs(change) < params_.heading_jump;
-  smooth_heading_ =
-      is_small ? wrap_angle(*smooth_heading_ + std::min(1.0, situation.duration / params_.heading_smoothing) * change)
-               : *last_heading_;
-  const double heading = wrap_angle(*smooth_heading_ - robot.theta);
+  const double heading = heading_.choose(wish, needed, robot.theta, situation.duration, situation.obstacles.points());
   step.heading_error = heading;
   if (std::abs(heading) > params_.turn_from) {
     is_turning_ = true;

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "services/controller/free_heading.hpp"
 #include "services/controller/lookahead.hpp"
 #include "services/controller/speed_law.hpp"
+#include "services/controller/steady_heading.hpp"
 #include "services/controller/stop_logic.hpp"
 #include "services/controller/virtual_forces.hpp"
 
@@ -28,11 +28,9 @@ struct FollowedPath {
 struct PathFollowerParams {
   LookAheadParams look_ahead;
   VirtualForceParams forces;
-  FreeHeadingParams free_heading;
+  SteadyHeadingParams heading;
   SpeedLawParams speed;
   double force_smoothing = 0.3;           // [s] time constant of the repulsion
-  double heading_smoothing = 0.2;         // [s] time constant of small changes of the heading, ...
-  double heading_jump = radians(20.0);    // [rad] ... up to here; what is more follows at once
   double arrival_radius = 0.04;           // [m] from the last point
   double arrival_heading = radians(1.5);  // [rad] from the final heading
   double stay_radius = 0.12;              // [m] once there it stays until it is farther off
@@ -68,7 +66,7 @@ struct FollowStep {
 class PathFollower {
  public:
   PathFollower(const PathFollowerParams& params, const StopLogic& stop_logic)
-      : params_(params), stop_logic_(stop_logic) {}
+      : params_(params), stop_logic_(stop_logic), heading_(params.heading) {}
 
   /// A path that ends where the last one did keeps "arrived".
   void set_path(const FollowedPath& path);
@@ -99,8 +97,7 @@ class PathFollower {
   bool is_backing_ = false;
   int long_way_ = 0;                                     // 0 = the short way, else the sign of the turn
   double nearest_ = 1e9;                                 // [m] that it came to the last point
-  std::optional<double> last_heading_;                   // [rad] world, chosen free heading
-  std::optional<double> smooth_heading_;                 // [rad] world, the same without its jitter
+  SteadyHeading heading_;                                // in the world
   Eigen::Vector2d repulsive_ = Eigen::Vector2d::Zero();  // smoothed, robot frame
 };
 

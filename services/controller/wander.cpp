@@ -17,7 +17,8 @@ void Wander::clear() {
   failures_.clear();
   last_step_ = 0;
   decided_at_.reset();
-  is_turning_ = false;
+  is_turning_ = is_turning_to_way_ = false;
+  heading_.reset();
   map_.clear();
   way_.clear();
   planned_ = approached_ = 0;
@@ -34,7 +35,7 @@ Wander::Square Wander::square_at(const Eigen::Vector2d& place) const {
 // Free way counts by how little it was visited: a square never seen 1, one where it spent 4 s a half.
 double Wander::worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
                      const PlanePoints& obstacles) const {
-  const double way = free_way(direction, params_.reach, obstacles, params_.free_heading);
+  const double way = free_way(direction, params_.reach, obstacles, params_.heading.free_heading);
   if (way < params_.blocked_below) {
     return -10.0 + way;
   }
@@ -116,7 +117,7 @@ void Wander::plan(const WanderInput& input) {
   if (!way && driven_ > params_.look_around) {
     way = map_.way_to_new_ground(place);
   }
-  if (!way) {
+  if (!way || way->empty()) {
     way_.clear();
     return;
   }
@@ -165,15 +166,25 @@ DriveTwist Wander::follow_way(double duration, const WanderInput& input) {
   }
   const Eigen::Vector2d target = input.odom_from_robot.inverse() * way_[ahead];
   const double direction = std::atan2(target.y(), target.x());
-  if (std::abs(direction) > radians(50.0)) {
-    return {0.0, std::copysign(params_.angular, direction)};
+  if (!is_turning_to_way_ && std::abs(direction) > params_.turn_from) {
+    is_turning_to_way_ = true;
+    turn_sign_ = std::copysign(1.0, direction);
+  }
+  is_turning_to_way_ = is_turning_to_way_ && std::abs(direction) > params_.turn_until;
+  if (is_turning_to_way_) {
+    heading_.reset();
+    // what lies behind changes sides with every step: once begun, the turn goes on the same way round
+    const double sign = std::abs(direction) < 0.5 * kPi ? direction : turn_sign_;
+    return {0.0, std::copysign(params_.angular, sign)};
   }
   return steer(direction, duration, input);
 }
 
 DriveTwist Wander::explore(double duration, const WanderInput& input) {
   const Pose2& odom_from_robot = input.odom_from_robot;
+  is_turning_to_way_ = false;
   if (is_turning_) {
+    heading_.reset();
     const double error = wrap_angle(target_ - odom_from_robot.theta);
     if (std::abs(error) < radians(8.0)) {
       is_turning_ = false;
@@ -184,7 +195,7 @@ DriveTwist Wander::explore(double duration, const WanderInput& input) {
       return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_sign_ * params_.angular};
     }
   }
-  const double ahead = free_way(0.0, params_.reach, input.obstacles.points(), params_.free_heading);
+  const double ahead = free_way(0.0, params_.reach, input.obstacles.points(), params_.heading.free_heading);
   const bool is_blocked = ahead < params_.blocked_below;
   if (is_blocked) {
     note_failure(input.now, odom_from_robot, odom_from_robot.theta);
@@ -206,7 +217,7 @@ DriveTwist Wander::steer(double direction, double duration, const WanderInput& i
   repulsive_ += std::min(1.0, duration / 0.3) * (force.repulsive - repulsive_);
   const Eigen::Vector2d sum = attractive + repulsive_;
   const double wish = std::atan2(sum.y(), sum.x());
-  const double heading = choose_free_heading(wish, 0.9, 0.0, input.obstacles.points(), params_.free_heading);
+  const double heading = heading_.choose(wish, 0.9, input.odom_from_robot.theta, duration, input.obstacles.points());
   const double slowing = std::clamp((radians(50.0) - std::abs(heading)) / radians(40.0), 0.0, 1.0);
   return {params_.speed * slowing, std::clamp(1.2 * heading, -params_.angular, params_.angular)};
 }

@@ -10,29 +10,31 @@
 #include <vector>
 
 #include "services/controller/disambiguation.hpp"
-#include "services/controller/free_heading.hpp"
 #include "services/controller/search_map.hpp"
+#include "services/controller/steady_heading.hpp"
 #include "services/controller/stop_logic.hpp"
 #include "services/controller/virtual_forces.hpp"
 
 namespace luminav {
 
 struct WanderParams {
-  double speed = 0.25;             // [m/s]
-  double angular = radians(45.0);  // [rad/s]
-  double place_side = 0.5;         // [m] of the squares in which it counts where it has been
-  double reach = 3.0;              // [m] a direction is worth at most so much free way
-  double blocked_below = 0.40;     // [m] free way ahead that makes it look for another direction
-  double decide_every = 1.2;       // [m] driven on a free way before it looks for a better direction
-  double better_by = 1.5;          // squares' worth that another direction must offer to leave a free way
-  double failure_memory = 30.0;    // [s] a direction that ended at an obstacle is avoided near that place
-  double failure_radius = 1.0;     // [m]
-  double look_around = 10.0;       // [m] it first drives by free way alone, then leaves for new ground
-  double plan_every = 1.0;         // [s]
-  double fade_every = 5.0;         // [m] beyond `look_around` after which old echoes count less
-  double look_ahead = 0.6;         // [m] along the way to new ground
-  double approach_within = 12.0;   // [s] it must have come nearer to where it goes, else it goes elsewhere
-  FreeHeadingParams free_heading{.half_width = 0.28};
+  double speed = 0.25;                // [m/s]
+  double angular = radians(45.0);     // [rad/s]
+  double place_side = 0.5;            // [m] of the squares in which it counts where it has been
+  double reach = 3.0;                 // [m] a direction is worth at most so much free way
+  double blocked_below = 0.40;        // [m] free way ahead that makes it look for another direction
+  double decide_every = 1.2;          // [m] driven on a free way before it looks for a better direction
+  double better_by = 1.5;             // squares' worth that another direction must offer to leave a free way
+  double failure_memory = 30.0;       // [s] a direction that ended at an obstacle is avoided near that place
+  double failure_radius = 1.0;        // [m]
+  double look_around = 10.0;          // [m] it first drives by free way alone, then leaves for new ground
+  double plan_every = 1.0;            // [s]
+  double fade_every = 5.0;            // [m] beyond `look_around` after which old echoes count less
+  double look_ahead = 0.6;            // [m] along the way to new ground
+  double approach_within = 12.0;      // [s] it must have come nearer to where it goes, else it goes elsewhere
+  double turn_from = radians(50.0);   // [rad] off its way that starts a turn on the spot
+  double turn_until = radians(20.0);  // [rad] and that ends it
+  SteadyHeadingParams heading{.free_heading = {.half_width = 0.28}};
   VirtualForceParams forces;
   SearchMapParams map;
   DisambiguationParams disambiguation;
@@ -59,6 +61,7 @@ class Wander {
       : params_(params),
         stop_logic_(stop_logic),
         map_(ring, params.map),
+        heading_(params.heading),
         disambiguation_(std::move(forecast), params.disambiguation) {}
 
   /// Only a wish; the stop logic has the last word.
@@ -91,6 +94,7 @@ class Wander {
   std::map<Square, double> visits_;  // [s] spent there
   std::deque<Failure> failures_;
   SearchMap map_;
+  SteadyHeading heading_;  // in the odometry frame
   Disambiguation disambiguation_;
   double driven_ = 0.0;                        // [m]
   double faded_at_ = 0.0;                      // [m] of it
@@ -104,6 +108,7 @@ class Wander {
   bool is_turning_ = false;
   double target_ = 0.0;  // [rad] odom, of the turn
   double turn_sign_ = 1.0;
+  bool is_turning_to_way_ = false;
   Eigen::Vector2d repulsive_ = Eigen::Vector2d::Zero();
 };
 
