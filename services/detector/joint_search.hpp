@@ -1,22 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include "services/common/geometry/camera_model.hpp"
-#include "services/common/geometry/pose2.hpp"
 #include "services/common/image/grey_image.hpp"
+#include "services/detector/side_profile.hpp"
 
 namespace luminav {
-
-/// One side of an outline: the line along which a joint is looked for.
-struct SideLine {
-  Pose2 pose;              // robot_from_outline
-  double height = 2.8;     // [m] above the floor
-  Eigen::Vector2d along;   // direction of the side in the outline's frame
-  Eigen::Vector2d out;     // its normal, outwards
-  double half_length = 0;  // [m] of the side
-  double distance = 0;     // [m] of the side from the outline's middle
-};
 
 struct JointSearch {
   double nearest = -0.010;     // [m] of the joint's middle from the side, outwards

@@ -39,16 +39,16 @@ GreyImage draw_ceiling(const DrawnCeiling& ceiling, const CameraDescription& cam
       double grey = 0.0;
       if (point) {
         grey = ceiling.grey + ceiling.slope_x * point->x() + ceiling.slope_y * point->y();
+        const double tile = grey;
         if (std::min(distance_to_joint(point->x() + 0.13), distance_to_joint(point->y() + 0.21)) < 0.006) {
           grey -= ceiling.joint_depth;
         }
-        const double background = grey;
         for (std::size_t i = 0; i < ceiling.shapes.size(); ++i) {
           const DrawnShape& shape = ceiling.shapes[i];
           const Eigen::Vector2d local = shape_from_robot[i] * *point;
           const double outside = signed_distance(shape, local);
           const double covered = 0.5 * std::erfc(outside / (std::sqrt(2.0) * ceiling.blur));
-          double inside = background - shape.darker;
+          double inside = tile - shape.darker;  // it covers the joints
           if (outside < -0.03) {
             inside += shape.slats * std::cos(2.0 * kPi * local.y() / 0.05);
           }

@@ -61,6 +61,21 @@ INSTANTIATE_TEST_SUITE_P(States, ModernDetectorLooks,
                                          Look{DetectionState::kUnlit, 0.30}, Look{DetectionState::kUnlit, 0.15},
                                          Look{DetectionState::kHalf, 0.30}));
 
+TEST(ModernDetector, PlacesAnUnlitFixtureBetweenTheJointsThatItsEndsPartlyCover) {
+  std::uint32_t seed = 1;
+  for (const double displaced : {-0.005, -0.003, 0.0, 0.002, 0.004}) {  // [m]
+    DrawnCeiling ceiling;
+    ceiling.seed = seed++;
+    ceiling.joint_depth = 25.0;
+    const Pose2 truth{-0.13 + displaced, 0.10, 0.0};  // as long as the two tiles above it
+    ceiling.shapes = {{.pose = truth, .state = DetectionState::kUnlit, .darker = 18.0}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << "displaced by " << displaced;
+    expect_at(detections[0], truth, 1.5e-3, radians(0.1));
+    EXPECT_LT(std::sqrt(detections[0].covariance(0, 0)), 2.5e-3);
+  }
+}
+
 TEST(ModernDetector, SaysOfACutFixtureOnlyWhatIsSeen) {
   DrawnCeiling ceiling;
   const Pose2 truth{0.9, 0.1, 0.2};  // its far end lies beyond the upper border, 1.08 m ahead

@@ -1,0 +1,161 @@
+#include "services/detector/covered_joints.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+constexpr double kInwards = -0.036;  // [m] from the outline, where profiles begin ...
+constexpr std::size_t kSteps = 20;   // ... and how long they are
+constexpr double kCorner = 0.025;    // [m] from a corner, which blur rounds
+constexpr double kApart = 0.012;     // [m] between lines, at least
+constexpr int kLeastLines = 8;       // on the side, and beyond its corners
+constexpr int kBeyond = 16;          // lines beyond each corner
+constexpr std::array<double, EndCosts::kBlurs> kWidths{4.0, 7.0, 12.0};  // [px] of an edge from its foot to its top
+constexpr double kCorrelation = 1.5;  // of neighbouring samples, and texture: chi squared counts that much less
+constexpr double kMisfit = 0.0003;    // [m] by which each side may lie farther out, as the other does ...
+constexpr double kScale = 0.001;      // ... plus this share of half the size
+constexpr int kMostMisfit = 4;        // places
+
+/// How much of a blurred edge's far side is seen, `outside` [m] of it.
+double passed(double outside, double width) {
+  const double t = std::clamp(0.5 + outside / width, 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+/// Costs of the places from -count / 2 on.
+struct PlaceCosts {
+  std::array<double, EndCosts::kPlaces> cost;
+  int count = 0;
+  double least = 1e18;
+
+  void add(double here) {
+    cost[static_cast<std::size_t>(count++)] = here;
+    least = std::min(least, here);
+  }
+};
+
+/// Mean and variance, each place weighted by its likelihood.
+PlaceBetween mean_place(const PlaceCosts& costs) {
+  double weights = 0.0;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (int i = 0; i < costs.count; ++i) {
+    const double place = EndCosts::kStep * (i - costs.count / 2);
+    const double weight = std::exp(-0.5 * (costs.cost[static_cast<std::size_t>(i)] - costs.least));
+    weights += weight;
+    sum += weight * place;
+    squares += weight * place * place;
+  }
+  const double mean = sum / weights;
+  return {mean, std::max(0.0, squares / weights - mean * mean) + EndCosts::kStep * EndCosts::kStep / 12.0};
+}
+
+/// `costs_of(blur)` are those of each place; the blur that agrees best counts.
+template <typename CostsOf>
+PlaceBetween mean_at_best_blur(CostsOf costs_of) {
+  PlaceCosts best = costs_of(0);
+  for (std::size_t blur = 1; blur < EndCosts::kBlurs; ++blur) {
+    const PlaceCosts costs = costs_of(blur);
+    if (costs.least < best.least) {
+      best = costs;
+    }
+  }
+  return mean_place(best);
+}
+
+}  // namespace
+
+std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
+                                  double metres_per_px, double noise) {
+  const double usable = 2.0 * (side.half_length - kCorner);
+  const int count = std::clamp(static_cast<int>(usable / kApart) + 1, 2, SideProfile::kMostLines);
+  const SideProfile own = mean_profile(
+      image, camera, side,
+      {.first = kInwards, .steps = kSteps, .from = -0.5 * usable, .apart = usable / (count - 1), .count = count});
+  if (own.lines < kLeastLines) {
+    return std::nullopt;
+  }
+  std::array<double, kSteps> ceiling{};
+  int lines = 0;
+  for (const double corner : {1.0, -1.0}) {
+    const SideProfile beyond = mean_profile(image, camera, side,
+                                            {.first = kInwards,
+                                             .steps = kSteps,
+                                             .from = corner * (side.half_length + kCorner),
+                                             .apart = corner * kApart,
+                                             .count = kBeyond});
+    for (std::size_t k = 0; k < kSteps; ++k) {
+      ceiling[k] += beyond.lines * beyond.grey[k];
+    }
+    lines += beyond.lines;
+  }
+  if (lines < kLeastLines) {
+    return std::nullopt;
+  }
+  for (double& grey : ceiling) {
+    grey /= lines;
+  }
+  const double variance = kCorrelation * noise * noise * (1.0 / own.lines + 0.5 / lines);
+  EndCosts costs;
+  for (std::size_t blur = 0; blur < EndCosts::kBlurs; ++blur) {
+    for (std::size_t place = 0; place < EndCosts::kPlaces; ++place) {
+      const double end = EndCosts::kStep * (static_cast<int>(place) - EndCosts::kReach);
+      // grey = inside * (1 - passed) + gain * passed * ceiling, inside and gain by least squares
+      double ii = 0.0;
+      double ic = 0.0;
+      double cc = 0.0;
+      double ig = 0.0;
+      double cg = 0.0;
+      double gg = 0.0;
+      for (std::size_t k = 0; k < kSteps; ++k) {
+        const double beyond =
+            passed(kInwards + SideProfile::kStep * static_cast<double>(k) - end, kWidths[blur] * metres_per_px);
+        const double i = 1.0 - beyond;
+        const double c = beyond * ceiling[k];
+        const double g = own.grey[k];
+        ii += i * i;
+        ic += i * c;
+        cc += c * c;
+        ig += i * g;
+        cg += c * g;
+        gg += g * g;
+      }
+      const double determinant = std::max(ii * cc - ic * ic, 1e-9);
+      const double inside = (cc * ig - ic * cg) / determinant;
+      const double gain = (ii * cg - ic * ig) / determinant;
+      costs.cost[blur][place] = std::max(0.0, gg - inside * ig - gain * cg) / variance;
+    }
+  }
+  return costs;
+}
+
+PlaceBetween place_between(const EndCosts& positive, const EndCosts& negative, double half_size) {
+  const double sigma = kMisfit + kScale * half_size;
+  constexpr int kMostShift = EndCosts::kReach - kMostMisfit;
+  return mean_at_best_blur([&](std::size_t blur) {
+    PlaceCosts costs;
+    for (int shift = -kMostShift; shift <= kMostShift; ++shift) {
+      double least = 1e18;
+      for (int misfit = -kMostMisfit; misfit <= kMostMisfit; ++misfit) {
+        least = std::min(least, positive.at(blur, misfit + shift) + negative.at(blur, misfit - shift) +
+                                    std::pow(misfit * EndCosts::kStep / sigma, 2));
+      }
+      costs.add(least);
+    }
+    return costs;
+  });
+}
+
+PlaceBetween place_of(const EndCosts& end) {
+  return mean_at_best_blur([&](std::size_t blur) {
+    PlaceCosts costs;
+    for (int place = -EndCosts::kReach; place <= EndCosts::kReach; ++place) {
+      costs.add(end.at(blur, place));
+    }
+    return costs;
+  });
+}
+
+}  // namespace luminav

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "services/detector/side_profile.hpp"
+
+namespace luminav {
+
+/// How well the grey levels across one side of an unlit outline agree with a fixture that ends at each place: inside of
+/// it there is the fixture's grey, outside of it the ceiling with its joints as it shows beyond the fixture's corners.
+struct EndCosts {
+  static constexpr double kStep = 0.0005;  // [m] from one place to the next
+  static constexpr int kReach = 40;        // places to each side of the outline
+  static constexpr std::size_t kPlaces = 2 * kReach + 1;
+  static constexpr std::size_t kBlurs = 3;  // how soft the edge is: at rest, and while the robot moves
+
+  std::array<std::array<double, kPlaces>, kBlurs> cost{};  // chi squared
+
+  [[nodiscard]] double at(std::size_t blur, int place) const {
+    return cost[blur][static_cast<std::size_t>(kReach + place)];
+  }
+};
+
+/// Nothing when too little is in view. `noise` [grey] of a pixel.
+std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
+                                  double metres_per_px, double noise);
+
+/// Where an outline of known size lies between two sides.
+struct PlaceBetween {
+  double shift = 0.0;     // [m] towards the positive side
+  double variance = 0.0;  // [m^2]
+};
+/// `half_size` [m] from the middle to each of the sides.
+PlaceBetween place_between(const EndCosts& positive, const EndCosts& negative, double half_size);
+/// The same of one side alone, outwards.
+PlaceBetween place_of(const EndCosts& end);
+
+}  // namespace luminav
