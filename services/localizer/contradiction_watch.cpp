@@ -127,8 +127,12 @@ std::optional<int> ContradictionWatch::count_missing(const SightingFrame& frame,
     const bool vanished =
         stands_still && std::find(seen_lately_.begin(), seen_lately_.end(), index) != seen_lately_.end();
     const double least = vanished ? rules_.vanish_share : rules_.miss_share;
+    // what was seen from here is out of sight only by what the robot moved since: the pose's error was the same then
+    const double moved =
+        std::hypot(since_match.x, since_match.y) + std::abs(since_match.theta) * robot_from_fixture.position().norm();
+    const double least_inside = vanished ? std::min(margin, moved) : margin;
     if (is_there || unreliable_.count(index) > 0 ||
-        view_.visible_share(robot_from_fixture, map_[index], margin) < least) {
+        view_.visible_share(robot_from_fixture, map_[index], least_inside) < least) {
       continue;
     }
     const int frames = ++missed_frames_[index];

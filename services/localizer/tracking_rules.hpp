@@ -26,7 +26,7 @@ struct TrackingRules {
   int miss_fixtures = 2;                      // so many of them, and nothing else seen meanwhile ...
   double miss_distance = 1.5;                 // [m] ... or one of them over this way
   double visible_margin = 0.03;               // [m] from the image border, beside twice the pose's own error
-  double vanish_share = 0.5;                  // of a fixture seen just before that must be in view to miss it
+  double vanish_share = 0.4;                  // of a fixture seen just before that must be in view to miss it
   double miss_share = 0.8;                    // likewise of any other fixture
   double bonus_after_misfit = 6.0;            // prior of the old pose when what was seen did not fit it
   double bonus_after_miss = 10.0;             // prior of the old pose when only something was missing

@@ -64,6 +64,8 @@ class CorridorDrive {
     }
     return is_tracking;
   }
+  /// How far [m] along the corridor fixtures are seen.
+  void see_as_far_as(double reach) { reach_ = reach; }
   void hang_false_fixture(double x) { false_fixtures_.push_back(x); }
 
   [[nodiscard]] LocalizerState state() const { return localizer_.estimate().state; }
@@ -78,7 +80,7 @@ class CorridorDrive {
   [[nodiscard]] std::vector<FixtureSighting> look() const {
     std::vector<FixtureSighting> sightings;
     const auto see = [&](double at, const Fixture& fixture) {
-      if (std::abs(at - x_) < 0.5) {
+      if (std::abs(at - x_) < reach_) {
         FixtureSighting sighting;
         sighting.robot_from_fixture = {at - x_, 0.0, 0.0};
         sighting.covariance = Eigen::Vector3d(1e-5, 1e-5, 1e-5).asDiagonal();
@@ -101,6 +103,7 @@ class CorridorDrive {
   ModernLocalizer localizer_{corridor_.building, corridor_.walls, robot(), ErrorParams{}, ModernLocalizerParams{}};
   double x_ = 1.0;     // [m] true place along the corridor
   double odom_ = 0.0;  // [m]
+  double reach_ = 0.5;
   std::int64_t utime_ = 1'000'000'000;
   std::int64_t session_ = 1;
   std::vector<double> false_fixtures_;  // [m]
@@ -152,6 +155,17 @@ TEST(Doubt, ComesWhereTheFixtureOverheadVanishesFromARobotThatHasJustStopped) {
   ASSERT_EQ(drive.state(), LocalizerState::kTracking);
   drive.carry_to(6.0);  // nothing in view
   drive.roll_on(0.06);  // lifted while its wheels turn a little further
+  EXPECT_FALSE(drive.stand(1.0));
+}
+
+TEST(Doubt, ComesWhereAFixtureVanishesOfWhichTheImageShowedNoMoreThanHalf) {
+  CorridorDrive drive;
+  drive.see_as_far_as(1.2);
+  drive.drive_to(6.36);
+  drive.roll_on(0.02);  // the image's border is 1.08 m ahead, just before the middle of the fixture at 7.5
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  ASSERT_TRUE(drive.stand(1.0));
+  drive.carry_to(3.0);  // nothing in view
   EXPECT_FALSE(drive.stand(1.0));
 }
 
