@@ -10,6 +10,7 @@ constexpr std::size_t kMostEchoes = 64;
 constexpr std::size_t kFewestEchoes = 3;
 constexpr std::int64_t kOldest = 1'000'000;  // [us]
 constexpr std::size_t kMostPlaces = 100;     // odometry has drifted since those before
+constexpr std::size_t kMostSurfaces = 400;   // likewise
 constexpr double kUsableRange = 0.9;         // of the maximum: beyond it the ring says its maximum for nothing heard
 
 }  // namespace
@@ -33,17 +34,37 @@ void EchoCollector::advance(const Pose2& delta) {
 
 void EchoCollector::clear() {
   echoes_.clear();
+  forget_places();
+}
+
+void EchoCollector::forget_places() {
   places_.clear();
+  surfaces_.clear();
 }
 
 bool EchoCollector::has_listened_at(const Pose2& odom_from_robot) const {
   return std::any_of(places_.begin(), places_.end(), [&](const Pose2& place) {
-    return distance(place, odom_from_robot) < way_ && std::abs(wrap_angle(place.theta - odom_from_robot.theta)) < turn_;
+    return distance(place, odom_from_robot) < rules_.way &&
+           std::abs(wrap_angle(place.theta - odom_from_robot.theta)) < rules_.turn;
   });
 }
 
+double EchoCollector::look_at(const Eigen::Vector2d& end_in_odom) {
+  const int column = static_cast<int>(std::floor(end_in_odom.x() / rules_.surface));
+  const int row = static_cast<int>(std::floor(end_in_odom.y() / rules_.surface));
+  auto surface = std::find_if(surfaces_.begin(), surfaces_.end(),
+                              [&](const Surface& s) { return s.column == column && s.row == row; });
+  if (surface == surfaces_.end()) {
+    if (surfaces_.size() >= kMostSurfaces) {
+      surfaces_.erase(surfaces_.begin());
+    }
+    surface = surfaces_.insert(surfaces_.end(), {column, row, 0});
+  }
+  return ++surface->looks <= rules_.looks ? 1.0 / rules_.looks : 0.0;
+}
+
 std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history) {
-  if (way_since_ < way_ && turn_since_ < turn_) {
+  if (way_since_ < rules_.way && turn_since_ < rules_.turn) {
     return {};
   }
   const auto now = history.at(utime);
@@ -73,6 +94,10 @@ std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHi
     places_.erase(places_.begin());
   }
   places_.push_back(now->odom_from_robot);
+  for (PlacedEcho& echo : echoes) {
+    echo.weight = look_at(now->odom_from_robot * echo.end);
+  }
+  std::erase_if(echoes, [](const PlacedEcho& echo) { return echo.weight == 0.0; });
   return echoes;
 }
 

@@ -1,44 +1,64 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
 #include "services/common/configuration/robot_file.hpp"
+#include "services/common/geometry/angle.hpp"
 #include "services/localizer/localizer.hpp"
 #include "services/localizer/odometry_history.hpp"
 #include "services/localizer/sonar_evidence.hpp"
 
 namespace luminav {
 
+/// What makes an echo new evidence.
+struct EchoRules {
+  double way = 0.3;             // [m] or
+  double turn = radians(30.0);  // [rad]: how far a collection must be from all earlier ones
+  double surface = 0.5;         // [m] of a wall or a thing that is heard as one
+  int looks = 4;                // echoes of it that count; together they have the weight of one
+};
+
 /// Collects sonar echoes until the robot has moved enough for them to say something new of where it is: echoes from one
-/// place repeat each other's errors, also when the robot comes by again. Whoever goes to and fro beside a box that the
-/// map doesn't know would else prove that the box is a wall.
+/// place repeat each other's errors, also when the robot comes by again. So do echoes of one surface from wherever they
+/// are heard, for it is in the map or it is not: each counts once. Whoever goes to and fro beside a box that the map
+/// doesn't know would else prove that the box is a wall.
 class EchoCollector {
  public:
-  /// `way` [m] or `turn` [rad]: how far a collection must be from all earlier ones.
-  EchoCollector(const SonarRing& sonar, double way, double turn) : sonar_(sonar), way_(way), turn_(turn) {}
+  EchoCollector(const SonarRing& sonar, const EchoRules& rules) : sonar_(sonar), rules_(rules) {}
 
   /// Keeps the echoes that are from a known disc and neither too near nor near the ring's end of range.
   void add(const SonarScan& scan);
   /// Forgets the echoes and where they were heard: relative motion across now is unknown.
   void clear();
-  /// Every place is as good as new, for whoever has not heard it.
-  void forget_places() { places_.clear(); }
+  /// Every place and surface is as good as new, for whoever has not heard it.
+  void forget_places();
   void advance(const Pose2& delta);
-  /// The newest echo of each disc of the last second before `utime` [us], in the robot frame of that instant; empty
-  /// while the robot has not moved enough or fewer than three discs heard something.
+  /// The newest echo of each disc of the last second before `utime` [us], in the robot frame of that instant, without
+  /// those of surfaces that have had their weight; empty while the robot has not moved enough or fewer than three discs
+  /// heard something.
   [[nodiscard]] std::vector<PlacedEcho> take(std::int64_t utime, const OdometryHistory& history);
 
  private:
+  /// A square of the odometry frame from which echoes came.
+  struct Surface {
+    int column = 0;
+    int row = 0;
+    int looks = 0;
+  };
+
   [[nodiscard]] bool has_listened_at(const Pose2& odom_from_robot) const;
+  /// Counts an echo from there and returns what it weighs.
+  double look_at(const Eigen::Vector2d& end_in_odom);
 
   SonarRing sonar_;
-  double way_;
-  double turn_;
+  EchoRules rules_;
   std::vector<SonarEcho> echoes_;
-  std::vector<Pose2> places_;  // odom, of the latest collections
-  double way_since_ = 1e9;     // [m]
-  double turn_since_ = 0.0;    // [rad]
+  std::vector<Pose2> places_;      // odom, of the latest collections
+  std::vector<Surface> surfaces_;  // those heard first lately
+  double way_since_ = 1e9;         // [m]
+  double turn_since_ = 0.0;        // [rad]
 };
 
 }  // namespace luminav

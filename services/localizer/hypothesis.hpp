@@ -21,7 +21,9 @@ struct HypothesisParams {
   double wall_way = 0.3;               // [m] after which a pose in a wall counts again
   double sonar_way = 0.3;              // [m] after which the sonars count again
   double sonar_turn = radians(30.0);   // [rad] likewise
-  double sonar_weight = 0.3;           // of one echo: neighbouring echoes tell the same
+  double sonar_surface = 0.5;          // [m] of wall or thing that counts once, however often it is heard
+  int sonar_looks = 4;                 // echoes from there that it takes for its full weight
+  double sonar_weight = 2.0;           // of a surface
   double sonar_cap = 14.0;             // most that sonar alone can hold against a hypothesis
   double prune = 20.0;                 // log-score behind the best at which a hypothesis is given up
   double merge_distance = 0.3;         // [m] two hypotheses nearer than this and

@@ -39,7 +39,9 @@ void read_hypotheses(const TomlTable& table, HypothesisParams& params) {
   params.misfit = table.number("misfit", params.misfit, {-50.0, -0.1});
   params.miss_probability = table.number("miss_probability", params.miss_probability, {0.001, 0.999});
   params.miss_margin = table.number("miss_margin", params.miss_margin, {0.0, 2.0});
-  params.sonar_weight = table.number("sonar_weight", params.sonar_weight, {0.0, 1.0});
+  params.sonar_weight = table.number("sonar_weight", params.sonar_weight, {0.0, 1000.0});
+  params.sonar_surface = table.number("sonar_surface", params.sonar_surface, {0.05, 10.0});
+  params.sonar_looks = table.count("sonar_looks", params.sonar_looks, {1, 1000});
   params.sonar_cap = table.number("sonar_cap", params.sonar_cap, {0.0, 1000.0});
   params.prune = table.number("prune", params.prune, {1.0, 1000.0});
   params.most = table.count("most", params.most, {1, 1e6});
@@ -49,8 +51,7 @@ void read_hypotheses(const TomlTable& table, HypothesisParams& params) {
 void read_rules(const TomlTable& table, TrackingRules& rules) {
   rules.first_margin = table.number("first_margin", rules.first_margin, {0.0, 100.0});
   rules.enter_margin = table.number("enter_margin", rules.enter_margin, {0.0, 100.0});
-  rules.first_without_sonar = table.number("first_without_sonar", rules.first_without_sonar, {-100.0, 100.0});
-  rules.enter_without_sonar = table.number("enter_without_sonar", rules.enter_without_sonar, {-100.0, 100.0});
+  rules.least_without_sonar = table.number("least_without_sonar", rules.least_without_sonar, {-100.0, 100.0});
   rules.leave_margin = table.number("leave_margin", rules.leave_margin, {0.0, 100.0});
   rules.enter_fixtures = table.count("enter_fixtures", rules.enter_fixtures, {1, 16});
   rules.enter_position_sigma = table.number("enter_position_sigma", rules.enter_position_sigma, {0.01, 5.0});

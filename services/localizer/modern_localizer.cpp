@@ -32,7 +32,8 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
               {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors, params.tracking),
       watch_(map_, view_, building.ceiling_height, params.rules),
       verdict_(map_, scene_, bank_, filter_, watch_, params.rules),
-      echoes_(robot.sonar, params.hypotheses.sonar_way, params.hypotheses.sonar_turn) {}
+      echoes_(robot.sonar, {params.hypotheses.sonar_way, params.hypotheses.sonar_turn, params.hypotheses.sonar_surface,
+                            params.hypotheses.sonar_looks}) {}
 
 void ModernLocalizer::add_odometry(const OdometryReading& reading) {
   bank_.begin_step();
@@ -127,8 +128,9 @@ void ModernLocalizer::advance(const OdometryReading& odometry) {
 }
 
 void ModernLocalizer::listen(std::int64_t until_utime) {
-  if (bank_.is_busy()) {
-    return;  // echoes are placed where the next round begins
+  // echoes are placed where the next round begins, and what nobody hears has not been heard
+  if (bank_.is_busy() || bank_.hypotheses().empty()) {
+    return;
   }
   if (bank_.beginnings() != listens_since_) {
     listens_since_ = bank_.beginnings();

@@ -6,7 +6,7 @@
 namespace luminav {
 namespace {
 
-// Sonar alone never declares: whoever drives to tell poses apart must not take those for done that only it holds down.
+// Whoever drives to tell poses apart must not take those for done that only sonar holds down: boxes are on no map.
 constexpr double kMostBySonar = 2.0;
 
 }  // namespace

@@ -254,12 +254,10 @@ bool PoseVerdict::is_far_ahead() const {
   if (margin() < needed_margin()) {
     return false;
   }
-  // Boxes that no map knows sound like walls: who goes to and fro beside one in a room that has a twin hears for
-  // minutes that it is the other.
+  // Boxes that no map knows sound like walls, and may make one of two rooms with the same ceiling sound like the other.
   const std::vector<Hypothesis>& all = bank_.hypotheses();
   const auto without_sonar = [](const Hypothesis& h) { return h.total - h.sonar_part; };
-  const double least =
-      without_sonar(all.front()) - (was_tracking_ ? rules_.enter_without_sonar : rules_.first_without_sonar);
+  const double least = without_sonar(all.front()) - rules_.least_without_sonar;
   return std::all_of(all.begin() + 1, all.end(),
                      [&](const Hypothesis& rival) { return without_sonar(rival) <= least; });
 }

@@ -8,6 +8,7 @@ namespace luminav {
 namespace {
 
 constexpr double kFromWall = 0.6;                 // share of echoes that come from the building's walls
+constexpr double kBehindWall = 0.7;               // that an echo from behind a wall speaks against the pose
 constexpr std::array kAcross = {-0.7, 0.0, 0.7};  // where a beam is looked at, in half angles
 
 }  // namespace
@@ -36,10 +37,8 @@ double log_likelihood_of_echoes(const PoseBelief& belief, std::span<const Placed
       is_behind = is_behind && walls.range_to_wall(disc, (end - disc).normalized(), behind) < behind;
     }
     const double hit = nearest / sigma;
-    sum += std::log(1.0 + kFromWall / (1.0 - kFromWall) * std::exp(-0.5 * hit * hit));
-    if (is_behind) {
-      sum -= 0.7;
-    }
+    const double wall = std::log(1.0 + kFromWall / (1.0 - kFromWall) * std::exp(-0.5 * hit * hit));
+    sum += echo.weight * (is_behind ? wall - kBehindWall : wall);
   }
   return sum;
 }

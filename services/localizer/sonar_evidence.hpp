@@ -12,7 +12,8 @@ namespace luminav {
 struct PlacedEcho {
   Eigen::Vector2d disc;
   Eigen::Vector2d end;
-  double range = 0.0;  // [m]
+  double range = 0.0;   // [m]
+  double weight = 1.0;  // as evidence: what is heard of a surface again tells less
 };
 
 /// Units of work, see WorkBudget, that one echo takes.

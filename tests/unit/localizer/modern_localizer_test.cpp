@@ -94,7 +94,7 @@ TEST(ModernLocalizer, ListsBothTrueAlternativesOfASymmetricCorridor) {
   }
 }
 
-TEST(ModernLocalizer, IsNotSureAgainBySonarAloneOnceItWasWrong) {
+TEST(ModernLocalizer, IsSureBySonarAloneUnlessItsRulesAskForMore) {
   // the ceiling looks the same from both ends, one half is narrower
   TestBuilding building = testing::symmetric_corridor(6, 3.0);
   const GridGeometry& geometry = building.walls.geometry;
@@ -118,10 +118,10 @@ TEST(ModernLocalizer, IsNotSureAgainBySonarAloneOnceItWasWrong) {
       EXPECT_TRUE(is_localized || localizer.estimate().reason.find("only the sonars") != std::string::npos);
       return is_localized;
     };
-    EXPECT_FALSE(is_sure({})) << "seed " << seed;
+    EXPECT_TRUE(is_sure({})) << "seed " << seed;
     ModernLocalizerParams params;
-    params.rules.enter_without_sonar = params.rules.first_without_sonar;
-    EXPECT_TRUE(is_sure(params)) << "seed " << seed;
+    params.rules.least_without_sonar = 2.0;
+    EXPECT_FALSE(is_sure(params)) << "seed " << seed;
   }
 }
 

@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   std::int64_t carries = 0;
   std::int64_t corridor = 0;
   std::int64_t clutter = 1;
+  std::int64_t boxes = 4;
   double duration = 120.0;
   double off = 0.0;
   bool calibrated = false;
@@ -45,7 +46,8 @@ int run(int argc, char** argv) {
       .integer("--seed", seed, "first seed")
       .integer("--carries", carries, "per drive");
   line.integer("--corridor", corridor, "fixtures of a symmetric corridor to drive in instead")
-      .integer("--clutter", clutter, "false fixtures");
+      .integer("--clutter", clutter, "false fixtures")
+      .integer("--boxes", boxes, "things on the floor that the map does not know");
   line.number("--duration", duration, "[s] of a drive").number("--off", off, "share of the fixtures that are off");
   line.flag("--calibrated", calibrated, "constant errors a tenth").flag("--trace", trace, "print changes of state");
   line.flag("--paper", paper, "the paper's localizer");
@@ -77,6 +79,7 @@ int run(int argc, char** argv) {
     options.calibrated = calibrated;
     options.off_ratio = off;
     options.clutter = static_cast<int>(clutter);
+    options.unknown_boxes = static_cast<int>(boxes);
     const auto has = [&](char letter) { return without.find(letter) == std::string::npos; };
     options.wheel_errors = has('w');
     options.camera_errors = has('c');
