@@ -17,11 +17,6 @@ bool is_still(const DriveTwist& twist) {
   return std::abs(twist.linear) < 0.02 && std::abs(twist.angular) < 0.04;
 }
 
-// Of a wish to drive on next to nothing is left: fidgeting to and fro before an obstacle leads nowhere.
-bool is_inching(const DriveTwist& wanted, const DriveTwist& left) {
-  return std::abs(wanted.linear) > 0.05 && std::abs(left.linear) < 0.02 && std::abs(left.angular) < 0.2;
-}
-
 }  // namespace
 
 Controller::Controller(const ControllerConfig& config)
@@ -82,7 +77,7 @@ ControlOutput Controller::step(const ControlInput& input) {
   }
   StopVerdict verdict = stop_logic_.judge(smooth, obstacles_, input.ages);
   hold_still(input.now, input.odom_from_robot, wanted, unknown, verdict);
-  if (verdict.limited && (is_still(verdict.twist) || is_inching(wanted, verdict.twist))) {
+  if (verdict.limited && is_still(verdict.twist)) {
     verdict.twist = {};  // who waits stands still: creeping into people is no waiting
   }
   ramp_.restart_from(verdict.twist);

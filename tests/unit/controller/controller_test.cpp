@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tests/unit/controller/test_robot.hpp"
 
 namespace luminav {
@@ -50,27 +48,6 @@ TEST(Controller, DrivesOnPastWhatAppearsBehindOrOnAMap) {
 TEST(Controller, GoesOnByAndByWhereSomethingNewStands) {
   // slow enough to stop in time, but never wedged by it
   EXPECT_NEAR(speed_with(thing_at(0.63, 0.45, false)), 0.2, 0.05);
-}
-
-TEST(Controller, StandsStillWhereNextToNothingIsLeftOfItsWish) {
-  for (double x = 0.22; x < 0.60; x += 0.01) {
-    Controller controller(ControllerConfig::for_robot(testing::test_robot()));
-    controller.set_path({.points = {{0.0, 0.0}, {4.0, 0.0}}, .tolerance = 0.1});
-    ControlInput input;
-    input.task = ControlTask::kFollow;
-    input.world_from_robot = Pose2{};
-    input.ages = {0.05, 0.05, 0.2, 0.2, false, false};
-    input.echoes = {thing_at(x, -0.40, true), thing_at(x, -0.2, true), thing_at(x, 0.05, true),
-                    thing_at(x + 0.1, 0.3, true)};
-    int creeping = 0;  // steps in a row
-    for (int i = 1; i <= 60; ++i) {
-      input.now = 1'000'000 + 50'000 * i;
-      const DriveTwist twist = controller.step(input).twist;
-      const bool creeps = twist.linear != 0.0 && std::abs(twist.linear) < 0.015 && std::abs(twist.angular) < 0.15;
-      creeping = creeps ? creeping + 1 : 0;
-      ASSERT_LT(creeping, 5) << twist.linear << " m/s before something at " << x << " m";
-    }
-  }
 }
 
 TEST(Controller, DoesNotLeaveItsPlaceWhenItIsOnlyToTurnThere) {
