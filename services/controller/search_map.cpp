@@ -69,7 +69,7 @@ void SearchMap::go_along(const Eigen::Vector2d& place) {
     cells_.assign(count, {});
     return;
   }
-  if ((corner - *origin_).lpNorm<Eigen::Infinity>() < params_.middle) {
+  if ((corner - *origin_).lpNorm<Eigen::Infinity>() < params_.leeway && index_of(place) >= 0) {
     return;
   }
   const Eigen::Vector2i shift = ((corner - *origin_) / params_.cell).array().round().cast<int>();

@@ -13,7 +13,7 @@ namespace luminav {
 
 struct SearchMapParams {
   double side = 40.0;         // [m] of the square it covers, which goes along with the robot
-  double middle = 6.0;        // [m] off the middle of the square it goes along
+  double leeway = 6.0;        // [m] off the middle of the square it goes along
   double cell = 0.1;          // [m]
   double free_most = 2.5;     // [m] farther a ray says nothing
   double silent_most = 0.8;   // [m] likewise of one without an echo: smooth walls are silent too

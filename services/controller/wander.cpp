@@ -71,7 +71,8 @@ void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
     way_.clear();
     planned_ = 0;
   }
-  is_turning_ = false;
+  is_turning_ = is_turning_to_way_ = false;
+  heading_.reset();
   decided_at_.reset();
 }
 
@@ -123,6 +124,7 @@ void Wander::plan(const WanderInput& input) {
   }
   const double left = 0.1 * static_cast<double>(way->size());
   const bool is_elsewhere = way_.empty() || (way->back() - way_.back()).norm() > 1.0;
+  is_turning_to_way_ = is_turning_to_way_ && !is_elsewhere;  // the short way round may be the other one now
   if (is_elsewhere || left < way_left_ - 0.2) {
     approached_ = now;
     way_left_ = left;
