@@ -13,6 +13,16 @@ constexpr std::size_t kMostPlaces = 100;     // odometry has drifted since those
 constexpr std::size_t kMostSurfaces = 400;   // likewise
 constexpr double kUsableRange = 0.9;         // of the maximum: beyond it the ring says its maximum for nothing heard
 
+/// Keeps so many, evenly over the ring.
+void thin_out(std::vector<PlacedEcho>& echoes, std::size_t most) {
+  if (echoes.size() > most) {
+    for (std::size_t i = 0; i < most; ++i) {
+      echoes[i] = echoes[i * echoes.size() / most];
+    }
+    echoes.resize(most);
+  }
+}
+
 }  // namespace
 
 void EchoCollector::add(const SonarScan& scan) {
@@ -63,7 +73,7 @@ double EchoCollector::look_at(const Eigen::Vector2d& end_in_odom) {
   return ++surface->looks <= rules_.looks ? 1.0 / rules_.looks : 0.0;
 }
 
-std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history) {
+std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history, std::size_t most) {
   if (way_since_ < rules_.way && turn_since_ < rules_.turn) {
     return {};
   }
@@ -94,6 +104,8 @@ std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHi
     places_.erase(places_.begin());
   }
   places_.push_back(now->odom_from_robot);
+  // before they count for their surfaces: what nobody hears must not use them up
+  thin_out(echoes, most);
   for (PlacedEcho& echo : echoes) {
     echo.weight = look_at(now->odom_from_robot * echo.end);
   }

@@ -35,10 +35,10 @@ class EchoCollector {
   /// Every place and surface is as good as new, for whoever has not heard it.
   void forget_places();
   void advance(const Pose2& delta);
-  /// The newest echo of each disc of the last second before `utime` [us], in the robot frame of that instant, without
-  /// those of surfaces that have had their weight; empty while the robot has not moved enough or fewer than three discs
-  /// heard something.
-  [[nodiscard]] std::vector<PlacedEcho> take(std::int64_t utime, const OdometryHistory& history);
+  /// The newest echo of each disc, at most so many of them, of the last second before `utime` [us], in the robot frame
+  /// of that instant, without those of surfaces that have had their weight; empty while the robot has not moved enough
+  /// or fewer than three discs heard something.
+  [[nodiscard]] std::vector<PlacedEcho> take(std::int64_t utime, const OdometryHistory& history, std::size_t most);
 
  private:
   /// A square of the odometry frame from which echoes came.

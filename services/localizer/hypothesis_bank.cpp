@@ -20,21 +20,6 @@ double log_of_normal_tail(double deviations) {
   return deviations > kCertain ? 0.0 : std::log(std::max(3e-7, 0.5 * std::erfc(-deviations / std::sqrt(2.0))));
 }
 
-/// As many of the echoes as leave the round short, evenly over the ring.
-std::vector<PlacedEcho> thin_out(std::vector<PlacedEcho> echoes, std::size_t hypotheses, int work) {
-  const std::size_t most =
-      std::max(kFewEchoes, static_cast<std::size_t>(kLongestRound) * static_cast<std::size_t>(work) /
-                               std::max<std::size_t>(1, kUnitsPerEcho * hypotheses));
-  if (echoes.size() <= most) {
-    return echoes;
-  }
-  std::vector<PlacedEcho> some;
-  for (std::size_t i = 0; i < most; ++i) {
-    some.push_back(echoes[i * echoes.size() / most]);
-  }
-  return some;
-}
-
 }  // namespace
 
 HypothesisBank::HypothesisBank(const FixtureMap& map, const CeilingView& view, const WallField& walls,
@@ -89,6 +74,11 @@ void HypothesisBank::bridge(const Pose2& step, const Eigen::Matrix3d& noise) {
   way_since_correction_ += params_.independent_way;
 }
 
+std::size_t HypothesisBank::most_echoes() const {
+  return std::max(kFewEchoes, static_cast<std::size_t>(kLongestRound) * static_cast<std::size_t>(params_.work) /
+                                  std::max<std::size_t>(1, kUnitsPerEcho * hypotheses_.size()));
+}
+
 void HypothesisBank::listen(const std::vector<PlacedEcho>& echoes) {
   echoes_ = echoes;
 }
@@ -127,7 +117,7 @@ void HypothesisBank::wait() {
 }
 
 void HypothesisBank::begin_round() {
-  round_.echoes = thin_out(std::exchange(echoes_, {}), hypotheses_.size(), params_.work);
+  round_.echoes = std::exchange(echoes_, {});
   if (!walls_.has_walls() || hypotheses_.empty()) {
     round_.echoes.clear();
   }

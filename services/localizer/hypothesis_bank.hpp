@@ -47,6 +47,8 @@ class HypothesisBank {
   void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
   /// Echoes for the next round, in the robot frame of its image.
   void listen(const std::vector<PlacedEcho>& echoes);
+  /// Echoes that leave the next round short.
+  [[nodiscard]] std::size_t most_echoes() const;
   /// One image: sightings (rolling shutter taken out) with their object in the scene. Begins a round with it, or goes
   /// on with the one begun.
   void observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting, SceneMemory& scene,

@@ -136,7 +136,7 @@ void ModernLocalizer::listen(std::int64_t until_utime) {
     listens_since_ = bank_.beginnings();
     echoes_.forget_places();  // nobody in the new list has heard them
   }
-  const std::vector<PlacedEcho> echoes = echoes_.take(until_utime, queue_.history());
+  const std::vector<PlacedEcho> echoes = echoes_.take(until_utime, queue_.history(), bank_.most_echoes());
   if (!echoes.empty()) {
     bank_.listen(echoes);
   }

@@ -162,7 +162,7 @@ void PoseVerdict::explain_ambiguity() {
                                      [&](const Hypothesis& h) { return h.total > best.total - needed_margin(); });
     reason_ = close > 1 ? fmt::format("{} poses explain what was seen", close)
               : margin() >= needed_margin() && !is_far_ahead()
-                  ? "several poses explain what was seen, only the sonars tell them apart"
+                  ? "what the sonars hear speaks against what the ceiling shows"
                   : fmt::format("one pose is left, confirmed by {} fixtures so far", best.confirmed.size());
   }
 }

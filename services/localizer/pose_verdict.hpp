@@ -61,7 +61,7 @@ class PoseVerdict {
   void explain_ambiguity();
   /// How far [log-score] the best hypothesis is ahead of every other pose, listed or not.
   [[nodiscard]] double margin() const;
-  /// Ahead by what declaring needs, and not by the sonars against the ceiling and the walls driven past.
+  /// Ahead by what declaring needs, and without the sonars not too far behind.
   [[nodiscard]] bool is_far_ahead() const;
   [[nodiscard]] double needed_margin() const { return was_tracking_ ? rules_.enter_margin : rules_.first_margin; }
   [[nodiscard]] Hypothesis* leader() const;

@@ -60,7 +60,7 @@ class ListeningRobot {
       scan.readings.push_back({disc, disc == 0 ? range_ahead_ : 1.0, true, utime_});
     }
     collector_.add(scan);
-    return collector_.take(utime_, history_);
+    return collector_.take(utime_, history_, 16);
   }
 
   EchoCollector collector_;
