@@ -119,13 +119,21 @@ void HypothesisBirths::bear(const Fixture& fixture, const std::vector<Hypothesis
         expect_sighting(hypothesis.belief.pose, fixture.world_from_fixture).jacobian.inverse();
     hypothesis.belief.covariance = inverse * noise * inverse.transpose();
     const Pose2& pose = hypothesis.belief.pose;
-    const bool is_taken =
-        taken_->any_near(pose, [&](std::size_t i) { return is_same_place(known[i].belief.pose, pose, params_); });
+    const bool is_taken = taken_->any_near(pose, [&](std::size_t i) {
+      return is_same_place(known[i].belief.pose, pose, params_) && explains_mother(known[i]);
+    });
     if (!is_taken && is_possible_place(hypothesis.belief)) {
       vote_for_scene(hypothesis);
       born.push_back(std::move(hypothesis));
     }
   }
+}
+
+// A pose near the mother's that does not explain it is another one: it must not keep out the right one beside it.
+bool HypothesisBirths::explains_mother(const Hypothesis& hypothesis) const {
+  const int object = round_->objects[mothers_[mother_]].id;
+  return std::any_of(hypothesis.votes.begin(), hypothesis.votes.end(),
+                     [&](const ObjectVote& vote) { return vote.object == object && vote.fixture >= 0; });
 }
 
 bool HypothesisBirths::is_possible_place(const PoseBelief& belief) const {

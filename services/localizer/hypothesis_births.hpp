@@ -16,7 +16,8 @@
 namespace luminav {
 
 /// Makes the hypotheses that objects of the scene allow: each object may be any fixture of its kind and size, turned as
-/// its symmetry allows. As many fixtures a step as the budget allows; poses near one that is held already are left out.
+/// its symmetry allows. As many fixtures a step as the budget allows; poses near one that is held already and explains
+/// the object are left out.
 class HypothesisBirths {
  public:
   /// Everything given must outlive this.
@@ -34,6 +35,7 @@ class HypothesisBirths {
  private:
   void begin_mother(const std::vector<Hypothesis>& known, WorkBudget& budget);
   void bear(const Fixture& fixture, const std::vector<Hypothesis>& known, std::vector<Hypothesis>& born) const;
+  [[nodiscard]] bool explains_mother(const Hypothesis& hypothesis) const;
   [[nodiscard]] bool is_possible_place(const PoseBelief& belief) const;
   void vote_for_scene(Hypothesis& hypothesis) const;
 

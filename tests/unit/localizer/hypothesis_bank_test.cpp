@@ -153,5 +153,40 @@ TEST_F(HypothesisBankInAHall, DoesBoundedWorkInEachStepAndFindsThePoseAllTheSame
   }
 }
 
+TEST(HypothesisBank, APoseThatExplainsNothingKeepsTheRightOneBesideItNotOut) {
+  TestBuilding hall;
+  hall.building.ceiling_height = 2.8;
+  Fixture lamp;
+  lamp.id = 1;
+  lamp.world_from_fixture = {5.0, 5.0, 0.0};
+  hall.building.fixtures.push_back(lamp);
+  const Pose2 start{5.1, 4.8, 0.3};
+  const SyntheticOptions still{.seed = 3,
+                               .perfect = true,
+                               .miss_lit = 0.0,
+                               .false_alarm = 0.0,
+                               .clutter = 0,
+                               .unknown_boxes = 0,
+                               .speed = 0.0,
+                               .start = start};
+  SyntheticWorld world(hall.building, hall.walls, robot(), still);
+  ModernLocalizer localizer(hall.building, hall.walls, robot(), ErrorParams{}, {});
+  const PoseBelief beside{{5.1 + 0.2, 4.8 - 0.15, 0.3}, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()};
+  localizer.add_guess({1, beside});
+  for (int step = 0; step < 60; ++step) {
+    const SyntheticWorld::Output output = world.step();
+    if (output.frame) {
+      localizer.add_frame(*output.frame);
+    }
+    if (output.odometry) {
+      localizer.add_odometry(*output.odometry);
+    }
+  }
+  const std::vector<Hypothesis>& all = localizer.bank().hypotheses();
+  EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const Hypothesis& hypothesis) {
+    return distance(hypothesis.belief.pose, start) < 0.05 && !hypothesis.confirmed.empty();
+  }));
+}
+
 }  // namespace
 }  // namespace luminav
