@@ -11,6 +11,7 @@ constexpr std::size_t kFewestEchoes = 3;
 constexpr std::int64_t kOldest = 1'000'000;  // [us]
 constexpr std::size_t kMostPlaces = 100;     // odometry has drifted since those before
 constexpr std::size_t kMostSurfaces = 400;   // likewise
+constexpr double kFarAway = 1e9;             // [m]
 constexpr double kUsableRange = 0.9;         // of the maximum: beyond it the ring says its maximum for nothing heard
 
 /// Keeps so many, evenly over the ring.
@@ -50,6 +51,8 @@ void EchoCollector::clear() {
 void EchoCollector::forget_places() {
   places_.clear();
   surfaces_.clear();
+  way_since_ = kFarAway;
+  turn_since_ = 0.0;
 }
 
 bool EchoCollector::has_listened_at(const Pose2& odom_from_robot) const {

@@ -54,6 +54,7 @@ bool PoseVerdict::decide(const SightingFrame& frame, double way_since_fixture) {
 
 void PoseVerdict::drop_leader(LocalizerState state) {
   leader_id_ = 0;
+  wide_ = false;
   doubt_.clear();
   may_foretell_ = false;
   state_ = state;
@@ -170,6 +171,7 @@ void PoseVerdict::explain_ambiguity() {
 void PoseVerdict::doubt(const std::string& why, double bonus) {
   was_tracking_ = true;  // so too a pose from before a restart
   doubt_ = why;
+  wide_ = false;
   may_foretell_ = false;
   needed_fixtures_ = 1;
   watch_.reset();

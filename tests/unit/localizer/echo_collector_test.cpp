@@ -112,5 +112,13 @@ TEST(EchoCollector, ListensAnewWhereverTheMotionWasLost) {
   EXPECT_GE(robot.drive_to({0.0, 0.0, 0.0}), 8);
 }
 
+TEST(EchoCollector, ListensAtOnceForWhoeverHasHeardNothing) {
+  ListeningRobot robot;
+  (void)robot.drive_to({3.0, 0.0, 0.0});
+  ASSERT_EQ(robot.hear({3.0, 0.0, 0.0}, 1.0), 0.0);
+  robot.collector().forget_places();
+  EXPECT_GT(robot.hear({3.0, 0.0, 0.0}, 1.0), 0.0);
+}
+
 }  // namespace
 }  // namespace luminav
