@@ -64,8 +64,15 @@ DriveVelocity VelocityGate::velocity(std::int64_t now) const {
   if (!is_fresh(now)) {
     return {};
   }
-  return {std::clamp(velocity_.linear, -params_.maximum_linear, params_.maximum_linear),
-          std::clamp(velocity_.angular, -params_.maximum_angular, params_.maximum_angular)};
+  // Both by the same factor: what was judged to be free is the arc, and a tighter one swings corners elsewhere.
+  double factor = 1.0;
+  if (std::abs(velocity_.linear) > params_.maximum_linear) {
+    factor = params_.maximum_linear / std::abs(velocity_.linear);
+  }
+  if (std::abs(velocity_.angular) > params_.maximum_angular) {
+    factor = std::min(factor, params_.maximum_angular / std::abs(velocity_.angular));
+  }
+  return {factor * velocity_.linear, factor * velocity_.angular};
 }
 
 }  // namespace luminav

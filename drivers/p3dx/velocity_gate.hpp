@@ -40,7 +40,7 @@ class VelocityGate {
   void set_limits(double maximum_linear, double maximum_angular);
 
   [[nodiscard]] bool is_fresh(std::int64_t now) const;
-  /// What to do now: within the limits, nothing when nothing is fresh.
+  /// What to do now: on the arc that was asked for, as fast as the limits allow; nothing when nothing is fresh.
   [[nodiscard]] DriveVelocity velocity(std::int64_t now) const;
   [[nodiscard]] std::int64_t refused() const { return refused_; }
   [[nodiscard]] const VelocityGateParams& params() const { return params_; }

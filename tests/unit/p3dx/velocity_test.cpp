@@ -69,13 +69,27 @@ TEST(VelocityGate, RefusesWhatMakesNoSense) {
   EXPECT_EQ(gate.offer(offer(kNow, 6), kNow), "");  // and none of them shuts the gate
 }
 
+TEST(VelocityGate, KeepsTheArcWhenItLimits) {
+  VelocityGate gate({.maximum_linear = 0.15, .maximum_angular = 1.0});
+  VelocityGate::Offer wide = offer(kNow, 1, 0.5);
+  wide.angular = 0.5;
+  EXPECT_EQ(gate.offer(wide, kNow), "");
+  EXPECT_DOUBLE_EQ(gate.velocity(kNow).linear, 0.15);
+  EXPECT_DOUBLE_EQ(gate.velocity(kNow).angular, 0.15);
+  VelocityGate::Offer tight = offer(kNow, 2, -0.1);
+  tight.angular = -4.0;
+  EXPECT_EQ(gate.offer(tight, kNow), "");
+  EXPECT_DOUBLE_EQ(gate.velocity(kNow).linear, -0.025);
+  EXPECT_DOUBLE_EQ(gate.velocity(kNow).angular, -1.0);
+}
+
 TEST(VelocityGate, ClampsToTheLimits) {
   VelocityGate gate({.maximum_linear = 0.5, .maximum_angular = 1.0});
   VelocityGate::Offer fast = offer(kNow, 1, -9.0);
   fast.angular = 9.0;
   EXPECT_EQ(gate.offer(fast, kNow), "");
   EXPECT_DOUBLE_EQ(gate.velocity(kNow).linear, -0.5);
-  EXPECT_DOUBLE_EQ(gate.velocity(kNow).angular, 1.0);
+  EXPECT_DOUBLE_EQ(gate.velocity(kNow).angular, 0.5);
 }
 
 TEST(VelocityGate, WantsANewCommandAfterItWasCleared) {
