@@ -15,7 +15,7 @@ using namespace luminav;
 
 namespace {
 
-/// Tells the guardian which line to hold and that the driver lives, and the user what happens to the line.
+/// Tells the guardian which line to hold, and the user what happens to the line.
 class Watch {
  public:
   Watch(P3dxNode& node, Guardian& guardian, const Clock& clock) : node_(node), guardian_(guardian), clock_(clock) {}
@@ -33,11 +33,10 @@ class Watch {
       guardian_.watch_line(node_.descriptor());
     }
     const std::int64_t now = clock_.utime();
-    if (now - last_beat_ < kBeatPeriod) {
+    if (now - last_look_ < kLookPeriod) {
       return;
     }
-    last_beat_ = now;
-    guardian_.beat();
+    last_look_ = now;
     const std::string line = node_.describe_line();
     if (line != said_) {
       said_ = line;
@@ -55,11 +54,11 @@ class Watch {
   }
 
  private:
-  static constexpr std::int64_t kBeatPeriod = 55'000;  // [us] with every third poll
+  static constexpr std::int64_t kLookPeriod = 55'000;  // [us] with every third poll
   P3dxNode& node_;
   Guardian& guardian_;
   const Clock& clock_;
-  std::int64_t last_beat_ = 0;  // [us]
+  std::int64_t last_look_ = 0;  // [us]
   int guarded_ = 0;             // which opening of the line
   bool connected_ = false;
   std::function<void()> connection_changed_ = [] {};
@@ -119,6 +118,7 @@ int main(int argc, char** argv) {
     const auto lcm = open_lcm(url);
     const HostClock clock;
     P3dxNode node(*lcm, config, clock, opener);
+    node.report_life([&] { guardian.beat(); });
     receive_only(*lcm, url, node.channels());
     Watch watch(node, guardian, clock);
     EventLoop loop(*lcm, "p3dx", config.robot.name);

@@ -15,6 +15,7 @@ namespace {
 constexpr std::int64_t kStatusPeriod = 20'000;   // [us] 50 Hz
 constexpr std::int64_t kGuardianPause = 50'000;  // [us] least, after the guardian is done with the line
 constexpr std::int64_t kLongestGap = 250'000;    // [us] the process slept: what waits is outdated
+constexpr std::int64_t kBeatPeriod = 55'000;     // [us] with every third poll
 constexpr double kAerosDistanceFactor = 0.485;   // [mm] p3dx on its older controller board
 constexpr double kArcosDistanceFactor = 1.0;     // [mm] p3dx-sh
 constexpr double kFastestRobot = 1.5;            // [m/s] whatever a controller claims
@@ -57,7 +58,7 @@ P3dxNode::P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, 
 }
 
 void P3dxNode::on_velocity_command(const velocity_command_t& message) {
-  const std::int64_t now = clock_.utime();
+  const std::int64_t now = wake();
   const std::string why = gate_.offer({.utime = message.utime,
                                        .session = message.session,
                                        .sequence = message.sequence,
@@ -74,7 +75,7 @@ void P3dxNode::on_velocity_command(const velocity_command_t& message) {
 }
 
 void P3dxNode::on_stop(const stop_t& message) {
-  const std::int64_t now = clock_.utime();
+  const std::int64_t now = wake();
   if (stop_.request(message.id, message.engaged != 0, message.sender)) {
     gate_.clear(now);
     writer_.restart();  // at once, however short ago the last change was
@@ -95,7 +96,7 @@ void P3dxNode::on_motors_command(const motors_command_t& message) {
     motors_commands_seen_.pop_front();
   }
   last_motors_command_ = message.id;
-  const std::int64_t now = clock_.utime();
+  const std::int64_t now = wake();
   gate_.clear(now);
   motors_.request(message.enable != 0);
   if (link_.connected()) {
@@ -109,23 +110,50 @@ void P3dxNode::on_motors_command(const motors_command_t& message) {
   }
 }
 
-void P3dxNode::poll() {
+std::int64_t P3dxNode::wake() {
   const std::int64_t now = clock_.utime();
-  if (last_poll_ != 0 && now - last_poll_ > kLongestGap) {
+  const bool slept = last_wake_ != 0 && now - last_wake_ > kLongestGap;
+  const bool guardian_acted = beat_was_late_ || guardian_heard_nothing(now);
+  last_wake_ = now;
+  if (slept || guardian_acted) {
     // The guardian or the robot's watchdog has stopped the robot by now, and the first packet would resume its motion.
     gate_.clear(now);
     link_.drop_waiting();
     writer_.restart();
     command_motion(now);  // to stand, before any keep-alive
-    const bool guardian_acted = 1e-6 * static_cast<double>(now - last_poll_) > config_.guardian_silence;
-    if (config_.guardian_done_after > 0.0 && guardian_acted) {
-      // Waiting until the robot's silence tells would take seconds; meanwhile the guardian still uses the line.
-      const auto done = last_poll_ + static_cast<std::int64_t>(1e6 * config_.guardian_done_after);
-      link_.begin_anew(now, std::max(kGuardianPause, done - now),
-                       "this driver was held up, its guardian has ended the session");
-    }
   }
-  last_poll_ = now;
+  if (guardian_acted) {
+    // Should the guardian have been held up too, it lets go of the line as this driver does: the robot must know
+    // before.
+    link_.flush(now);
+    // Waiting until the robot's silence tells would take seconds; meanwhile the guardian still uses the line.
+    const auto done = last_beat_ + static_cast<std::int64_t>(1e6 * config_.guardian_done_after);
+    link_.begin_anew(now, std::max(kGuardianPause, done - now),
+                     "this driver was held up, its guardian has ended the session");
+    beat_was_late_ = false;
+    last_beat_ = 0;
+  }
+  return now;
+}
+
+bool P3dxNode::guardian_heard_nothing(std::int64_t now) const {
+  return config_.guardian_done_after > 0.0 && last_beat_ != 0 &&
+         1e-6 * static_cast<double>(now - last_beat_) >= config_.guardian_silence;
+}
+
+void P3dxNode::beat() {
+  const std::int64_t now = clock_.utime();
+  if (!tell_guardian_ || now - last_beat_ < kBeatPeriod) {
+    return;
+  }
+  tell_guardian_();
+  // From before the last beat until after this one: the guardian's own silence is never longer.
+  beat_was_late_ = guardian_heard_nothing(clock_.utime());
+  last_beat_ = now;
+}
+
+void P3dxNode::poll() {
+  const std::int64_t now = wake();
   LinkEvents events = link_.poll(now);
   spread_stamps(events.information, std::int64_t{1000} * link_.configuration().information_cycle);
   impossible_packets_ += events.undecodable;
@@ -149,6 +177,7 @@ void P3dxNode::poll() {
     next_status_ = now - next_status_ > 5 * kStatusPeriod ? now + kStatusPeriod : next_status_ + kStatusPeriod;
     publish_status(now);
   }
+  beat();
 }
 
 void P3dxNode::on_connected() {

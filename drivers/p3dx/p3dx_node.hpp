@@ -8,6 +8,7 @@
 #include <luminav/stop_t.hpp>
 #include <luminav/velocity_command_t.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/p3dx/arcos_link.hpp"
@@ -35,6 +36,9 @@ class P3dxNode {
   /// Reads and writes the line and runs what is due. To be called at least every 20 ms, and when descriptor() can be
   /// read.
   void poll();
+  /// How its guardian is told that the driver lives; done every 55 ms by poll(). A session that the guardian may have
+  /// ended meanwhile is begun anew, once the guardian is done with the line.
+  void report_life(std::function<void()> tell_guardian) { tell_guardian_ = std::move(tell_guardian); }
   /// Of the line; -1 while there is none.
   [[nodiscard]] int descriptor() const { return link_.descriptor(); }
   [[nodiscard]] Health health() const;
@@ -55,6 +59,10 @@ class P3dxNode {
   void on_stop(const stop_t& message);
   void on_motors_command(const motors_command_t& message);
 
+  /// The time; to be called before anything is said on the line, which others may have used while this process slept.
+  std::int64_t wake();
+  [[nodiscard]] bool guardian_heard_nothing(std::int64_t now) const;
+  void beat();
   void on_connected();
   void send_settings(std::int64_t now);
   void on_information(const ReceivedInformation& received);
@@ -81,7 +89,10 @@ class P3dxNode {
   std::int32_t sonar_sequence_ = 0;
   std::int32_t status_sequence_ = 0;
   std::int64_t next_status_ = 0;  // [us]
-  std::int64_t last_poll_ = 0;    // [us]
+  std::int64_t last_wake_ = 0;    // [us]
+  std::int64_t last_beat_ = 0;    // [us] just before the guardian was told; 0 = not yet
+  bool beat_was_late_ = false;    // too late for the guardian, perhaps
+  std::function<void()> tell_guardian_;
   std::int64_t impossible_packets_ = 0;
   std::int64_t last_motors_command_ = 0;           // id
   std::deque<std::int64_t> motors_commands_seen_;  // ids, newest last

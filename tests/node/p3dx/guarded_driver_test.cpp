@@ -53,7 +53,8 @@ class Commander {
 
 /// A driver's process with its guardian, that drives until it is killed. Tells who its guardian is.
 [[noreturn]] void run_driver(const std::string& device, int fast_baud, int tell) {
-  Guardian guardian({.silence = 0.3, .brake_time = kSpeed / kDeceleration + 0.3});
+  const GuardianParams guarding{.silence = 0.3, .brake_time = kSpeed / kDeceleration + 0.3};
+  Guardian guardian(guarding);
   const pid_t guardian_process = guardian.process();
   if (write(tell, &guardian_process, sizeof guardian_process) != sizeof guardian_process) {
     _exit(1);
@@ -63,7 +64,10 @@ class Commander {
   const HostClock clock;
   P3dxConfig config = P3dxBench::robot_config();
   config.fast_baud = fast_baud;
+  config.guardian_silence = guarding.silence;
+  config.guardian_done_after = guarding.silence + guarding.brake_time + 0.15;
   P3dxNode node(lcm, config, clock, stream_opener(device, config.baud));
+  node.report_life([&] { guardian.beat(); });
   const Commander commander(lcm);
   int guarded = 0;
   while (true) {
@@ -77,7 +81,6 @@ class Commander {
       guarded = openings;
       guardian.watch_line(node.descriptor());
     }
-    guardian.beat();
   }
 }
 

@@ -23,6 +23,7 @@ class P3dxBench {
         line_(pipe.open_robot_end()),
         node(lcm, config, clock, [this] { return std::make_unique<NoisyStream>(pipe.open_driver_end(), noise); }),
         inbox_(lcm) {
+    node.report_life([this] { last_beat = clock.utime(); });
     inbox_.on(channels::kOdometry, &P3dxBench::on_odometry, this);
     inbox_.on(channels::kSonar, &P3dxBench::on_sonar, this);
     inbox_.on(channels::kRobotStatus, &P3dxBench::on_status, this);
@@ -113,6 +114,7 @@ class P3dxBench {
   bool plugged = true;
   bool asleep = false;  // the driver's process does not run
   bool driving = false;
+  std::int64_t last_beat = 0;  // [us] when its guardian heard of the driver
   std::vector<odometry_t> odometry;
   std::vector<sonar_t> sonar;
   std::vector<robot_status_t> status;

@@ -107,6 +107,60 @@ TEST(P3dxLine, LeavesTheLineToItsGuardianUntilThatIsDone) {
   EXPECT_TRUE(bench.status.back().connected);
 }
 
+TEST(P3dxLine, LeavesTheLineExactlyWhenItsGuardianHasActed) {
+  P3dxConfig config = P3dxBench::robot_config();
+  config.guardian_done_after = 1.25;
+  int acted = 0;
+  int tries = 0;
+  for (const double gap : {0.24, 0.27, 0.31}) {
+    for (int phase = 0; phase < 6; ++phase) {  // a beat comes with every sixth step
+      P3dxBench bench({}, config);
+      bench.drive(0.3, 0.1);
+      bench.run(4.0 + 0.01 * phase);
+      bench.asleep = true;
+      bench.run(gap);
+      // A command from just before, which by its age alone would still be obeyed, waits as the process wakes.
+      bench.driving = false;
+      bench.base.heard.clear();
+      bench.clock.advance(10'000);
+      const bool guardian_acted = bench.clock.utime() - bench.last_beat >= 300'000;
+      bench.send_command(bench.clock.utime() - 100'000, bench.clock.utime(), 1, 0.4);
+      bench.lcm.handleTimeout(0);
+      bench.node.poll();
+      bench.asleep = false;
+      bench.run(0.5);
+      EXPECT_EQ(bench.status.back().connected == 0, guardian_acted) << gap << ", " << phase;
+      if (guardian_acted) {
+        EXPECT_THAT(bench.base.heard, testing::ElementsAre(encode_command(ArcosCommand::kVelocity, 0),
+                                                           encode_command(ArcosCommand::kTurnRate, 0)))
+            << gap << ", " << phase;
+      }
+      acted += guardian_acted ? 1 : 0;
+      ++tries;
+    }
+  }
+  EXPECT_GE(acted, 6);
+  EXPECT_LE(acted, tries - 6);
+}
+
+TEST(P3dxLine, BeginsAnewWhenItWasHeldUpBetweenAPollAndItsBeat) {
+  P3dxConfig config = P3dxBench::robot_config();
+  config.guardian_done_after = 1.25;
+  P3dxBench bench({}, config);
+  bench.drive(0.3, 0.0);
+  bench.run(4.0);
+  bool slow = true;
+  bench.node.report_life([&] {
+    bench.clock.advance(slow ? 310'000 : 0);
+    slow = false;
+  });
+  bench.run(0.5);
+  EXPECT_FALSE(slow);
+  EXPECT_FALSE(bench.status.back().connected);
+  bench.run(2.0);
+  EXPECT_TRUE(bench.status.back().connected);
+}
+
 TEST(P3dxLine, TellsTheRobotToStandBeforeAnythingElseAfterAGap) {
   P3dxBench bench;
   bench.drive(0.3, 0.1);
