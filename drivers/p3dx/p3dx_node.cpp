@@ -82,6 +82,7 @@ void P3dxNode::on_stop(const stop_t& message) {
     command_motion(now);
     link_.flush(now);
   }
+  stop_.save();
 }
 
 void P3dxNode::on_motors_command(const motors_command_t& message) {

@@ -49,14 +49,15 @@ bool StopLatch::request(std::int64_t id, bool engaged, const std::string& sender
   engaged_ = engaged;
   id_ = id;
   sender_ = sender;
-  save();
+  kept_ = false;
   return changed;
 }
 
-void StopLatch::save() const {
-  if (file_.empty()) {
+void StopLatch::save() {
+  if (kept_ || file_.empty()) {
     return;
   }
+  kept_ = true;
   std::error_code error;
   std::filesystem::create_directories(file_.parent_path(), error);
   std::string line = sender_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <random>
 #include <set>
@@ -18,6 +19,7 @@ struct LineNoise {
   std::mt19937 rng{42};
   std::set<std::vector<std::uint8_t>> sent;  // frames as the driver wrote them
   PacketParser writing;
+  std::function<void(const PacketView&)> on_frame = [](const PacketView&) {};  // as it leaves
 
   void damage(std::span<std::uint8_t> bytes) {
     std::bernoulli_distribution wrong(byte_errors);
@@ -47,6 +49,7 @@ class NoisyStream final : public ByteStream {
     noise_.writing.push(bytes.first(count));
     while (const auto packet = noise_.writing.next()) {
       noise_.sent.insert(encode_packet(packet->type, packet->payload));
+      noise_.on_frame(*packet);
     }
     return count;
   }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tests/node/p3dx/p3dx_bench.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace luminav {
 namespace {
@@ -251,6 +252,25 @@ TEST(P3dxNode, StopsAtOnceHoweverShortAgoTheLastCommandWas) {
   bench.hear();
   ASSERT_FALSE(bench.base.heard.empty());
   EXPECT_EQ(bench.base.heard.back(), encode_command(ArcosCommand::kTurnRate, 0));
+}
+
+TEST(P3dxNode, StopsBeforeItKeepsTheStopOnDisk) {
+  const TemporaryFolder folder;
+  P3dxConfig config = P3dxBench::robot_config();
+  config.state_folder = folder.path();
+  P3dxBench bench({}, config);
+  bench.drive(0.3, 0.0);
+  bench.run(3.0);
+  std::vector<bool> kept;
+  bench.noise.on_frame = [&](const PacketView& frame) {
+    if (frame.type == static_cast<std::uint8_t>(ArcosCommand::kVelocity)) {
+      kept.push_back(std::filesystem::exists(folder.path() / "stop"));
+    }
+  };
+  bench.send_stop(1, true);
+  bench.lcm.handleTimeout(0);  // no time goes by
+  EXPECT_EQ(kept, std::vector<bool>{false});
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "stop"));
 }
 
 TEST(P3dxNode, IsNotSwitchedByLateCopiesOfAnOlderRequest) {

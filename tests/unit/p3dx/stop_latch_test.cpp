@@ -52,13 +52,28 @@ TEST(StopLatch, SurvivesARestart) {
   {
     StopLatch latch(folder);
     latch.request(77, true, "the person at the door");
+    latch.save();
   }
   StopLatch latch(folder);
   EXPECT_TRUE(latch.engaged());
   EXPECT_EQ(latch.id(), 77);
   EXPECT_EQ(latch.sender(), "the person at the door");
   latch.request(78, false, "the person at the door");
+  latch.save();
   EXPECT_FALSE(StopLatch(folder).engaged());
+}
+
+TEST(StopLatch, TouchesTheDiskOnlyWhenToldTo) {
+  const std::filesystem::path folder = empty_folder();
+  StopLatch latch(folder);
+  EXPECT_TRUE(latch.request(1, true, "viewer"));
+  EXPECT_FALSE(std::filesystem::exists(folder));
+  latch.save();
+  EXPECT_TRUE(StopLatch(folder).engaged());
+  std::filesystem::remove_all(folder);
+  EXPECT_FALSE(latch.request(1, true, "viewer"));  // a repetition has nothing new to keep
+  latch.save();
+  EXPECT_FALSE(std::filesystem::exists(folder));
 }
 
 TEST(StopLatch, IsNotConfusedByADamagedFile) {
@@ -71,6 +86,7 @@ TEST(StopLatch, IsNotConfusedByADamagedFile) {
 TEST(StopLatch, StopsEvenWhereNothingCanBeWritten) {
   StopLatch latch("/proc/nowhere");
   EXPECT_TRUE(latch.request(1, true, "viewer"));
+  latch.save();
   EXPECT_TRUE(latch.engaged());
 }
 
