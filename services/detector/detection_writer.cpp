@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "services/detector/crossing_joints.hpp"
 #include "services/detector/strip_surroundings.hpp"
 
 namespace luminav {
@@ -12,8 +13,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-// Of a strip with its like on both sides 0 to 0.23, of a burning half 0.45 to 0.6 (simulated pictures).
+// Asymmetry of a strip with its like on both sides: 0 to 0.23; of a burning half: 0.45 to 0.6 (simulated pictures).
 constexpr double kSignOfHalf = 0.33;
+constexpr double kClearlyHalf = 0.45;
+constexpr double kShort = 0.45;        // of the length: over that a dark half may be as bright as the ceiling
+constexpr double kSoftMiddle = 0.007;  // [m] 1 sigma of where the burning half ends in the middle of its fixture
+// 1 sigma, of the distance between the centres of a single lamp and of a half-lit fixture, when it may be either.
+constexpr double kOpenReading = 0.5;
 constexpr double kUnevenEnd =
     0.075;  // of the swelling, 1 sigma, by which that of an end differs from that of the sides
 
@@ -21,6 +27,38 @@ Matrix3d turned(const Matrix3d& covariance, double theta) {
   Matrix3d rotation = Matrix3d::Identity();
   rotation.topLeftCorner<2, 2>() << std::cos(theta), -std::sin(theta), std::sin(theta), std::cos(theta);
   return rotation * covariance * rotation.transpose();
+}
+
+/// What a lit strip of half the width of a fixture of two lamps may be: a fixture of one, a half of one of two, either,
+/// or something else.
+enum class StripReading { kWhole, kDarkOnLeft, kDarkOnRight, kWholeOrHalf, kUnclear };
+
+/// Joints decide where there are any: a dark half may be as bright as the ceiling, but it covers them.
+StripReading read_strip(const CeilingFrame& frame, const CeilingCamera& camera, const Candidate& strip) {
+  const Outline& outline = strip.hypothesis.outline;
+  const auto [left, right] = look_for_crossing_joints(frame.image, camera, outline, strip.fit.robot_from_outline,
+                                                      strip.fit.swelling, frame.pixel_noise);
+  if (left == Beside::kCeiling && right == Beside::kCeiling) {
+    return StripReading::kWhole;
+  }
+  if ((left == Beside::kCovered) != (right == Beside::kCovered)) {
+    return left == Beside::kCovered ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
+  }
+  const StripSurroundings around = compare_strip_sides(frame.image, camera, outline, strip.fit, frame.pixel_noise);
+  if (!around.valid) {
+    return StripReading::kWholeOrHalf;
+  }
+  if (around.asymmetry > kClearlyHalf && around.side != 0) {
+    if ((around.side > 0 ? left : right) == Beside::kCeiling) {
+      return StripReading::kUnclear;
+    }
+    return around.side > 0 ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
+  }
+  if (around.asymmetry <= kSignOfHalf) {
+    return StripReading::kWhole;
+  }
+  return strip.fit.visible_to - strip.fit.visible_from < kShort * outline.length ? StripReading::kWholeOrHalf
+                                                                                 : StripReading::kUnclear;
 }
 
 DetectionShape shape_of(const OutlineHypothesis& hypothesis) {
@@ -172,23 +210,23 @@ std::optional<Detection> DetectionWriter::resolve_strip(const CeilingFrame& fram
   if (pair == nullptr) {
     return single == nullptr ? std::nullopt : std::optional(detection_of(strip, DetectionState::kLit));
   }
-  const StripSurroundings around =
-      compare_strip_sides(frame.image, camera_, strip.hypothesis.outline, strip.fit, frame.pixel_noise);
-  // a dark half may be as bright as the ceiling over a short stretch
-  const bool too_short = strip.fit.visible_to - strip.fit.visible_from < 0.45 * strip.hypothesis.outline.length;
-  const bool one_sided = around.valid && around.asymmetry > 0.45;
-  if (one_sided && around.side != 0) {
+  const StripReading reading = read_strip(frame, camera_, strip);
+  const int dark_side = reading == StripReading::kDarkOnLeft ? 1 : reading == StripReading::kDarkOnRight ? -1 : 0;
+  if (dark_side != 0) {
     Candidate fixture = strip;
     fixture.hypothesis.outline = {FixtureShape::kRectangle, pair->length, pair->width, pair->height};
-    fixture.fit.robot_from_outline = strip.fit.robot_from_outline * Pose2{0.0, 0.5 * around.side * width, 0.0};
-    fixture.fit.covariance(1, 1) += 0.007 * 0.007;  // where the burning half ends in the middle is soft
+    fixture.fit.robot_from_outline = strip.fit.robot_from_outline * Pose2{0.0, 0.5 * dark_side * width, 0.0};
+    fixture.fit.covariance(1, 1) += kSoftMiddle * kSoftMiddle;
     return detection_of(fixture, DetectionState::kHalf);
   }
-  // Burning halves are rare, and their dark half shows nearly always: without a sign of it the strip is a fixture.
-  if (single != nullptr && !(around.valid && around.asymmetry > kSignOfHalf && !too_short)) {
-    return detection_of(strip, DetectionState::kLit);
+  if (single == nullptr || reading == StripReading::kUnclear) {
+    return std::nullopt;
   }
-  return std::nullopt;
+  Candidate lamp = strip;
+  if (reading == StripReading::kWholeOrHalf) {
+    lamp.fit.covariance(1, 1) += std::pow(kOpenReading * 0.5 * width, 2);
+  }
+  return detection_of(lamp, DetectionState::kLit);
 }
 
 }  // namespace luminav

@@ -61,6 +61,35 @@ INSTANTIATE_TEST_SUITE_P(States, ModernDetectorLooks,
                                          Look{DetectionState::kUnlit, 0.30}, Look{DetectionState::kUnlit, 0.15},
                                          Look{DetectionState::kHalf, 0.30}));
 
+TEST(ModernDetector, FindsADarkHalfAsBrightAsTheCeilingByTheJointsThatItCovers) {
+  for (const double theta : {0.0, 0.01, 0.5 * kPi}) {  // along the tiles, as fixtures hang
+    DrawnCeiling ceiling;
+    ceiling.joint_depth = 20.0;
+    const Pose2 truth{0.05, 0.1, theta};
+    ceiling.shapes = {{.pose = truth, .state = DetectionState::kHalf, .darker = 0.0}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << theta;
+    EXPECT_EQ(detections[0].state, DetectionState::kHalf) << theta;
+    expect_at(detections[0], truth, 4e-3, radians(0.1));
+  }
+}
+
+TEST(ModernDetector, LeavesOpenWhetherAStripAtTheBorderIsHalfAFixture) {
+  for (const DetectionState state : {DetectionState::kLit, DetectionState::kHalf}) {
+    DrawnCeiling ceiling;
+    ceiling.joint_depth = 20.0;
+    const bool half = state == DetectionState::kHalf;
+    // burns from 0.88 to 1.03 m ahead; what lies beyond is cut off 1.08 m ahead
+    const Pose2 truth{half ? 1.03 : 0.955, 0.1, 0.5 * kPi};
+    ceiling.shapes = {{.pose = truth, .width = half ? 0.3 : 0.15, .state = state, .darker = 0.0}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U);
+    const double sigma = std::sqrt(detections[0].covariance(0, 0));
+    EXPECT_LT(std::abs(detections[0].robot_from_fixture.x - truth.x), 2.5 * sigma) << half;
+    EXPECT_LT(sigma, 0.05);
+  }
+}
+
 TEST(ModernDetector, PlacesAnUnlitFixtureBetweenTheJointsThatItsEndsPartlyCover) {
   std::uint32_t seed = 1;
   for (const double displaced : {-0.005, -0.003, 0.0, 0.002, 0.004}) {  // [m]
