@@ -64,12 +64,17 @@ CommandLine& CommandLine::building_file(std::string& target) {
 }
 
 CommandLine& CommandLine::lcm_url(std::string& target) {
-  if (target.empty()) {
-    const char* from_environment = std::getenv("LCM_DEFAULT_URL");
-    target =
-        from_environment != nullptr && *from_environment != '\0' ? from_environment : "udpm://239.255.76.67:7667?ttl=0";
+  // That of the launched system comes first: with a second robot on a port of its own both may be set.
+  for (const char* name : {"LUMINAV_LCM_URL", "LCM_DEFAULT_URL"}) {
+    const char* from_environment = std::getenv(name);
+    if (target.empty() && from_environment != nullptr) {
+      target = from_environment;
+    }
   }
-  return text("--lcm-url", target, "LCM network; default $LCM_DEFAULT_URL");
+  if (target.empty()) {
+    target = "udpm://239.255.76.67:7667?ttl=0";
+  }
+  return text("--lcm-url", target, "LCM network; default $LUMINAV_LCM_URL, else $LCM_DEFAULT_URL");
 }
 
 CommandLine& CommandLine::state_folder(std::string& target) {

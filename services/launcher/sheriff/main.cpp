@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -233,8 +232,6 @@ int run(int argc, char** argv) {
   line.flag("--follow", options.follow, "with log: go on showing what is printed");
   line.text("--deputy", options.deputy, "with log: only of this deputy");
   line.text("--procman-url", options.procman_url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL");
-  const char* data_url = std::getenv("LUMINAV_LCM_URL");
-  options.data_url = data_url != nullptr ? data_url : "";
   line.lcm_url(options.data_url);
   line.state_folder(options.state);
   if (const std::optional<int> status = line.parse(argc, argv)) {
