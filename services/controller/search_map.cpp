@@ -60,7 +60,8 @@ std::vector<int> SearchMap::disc_offsets(double radius) const {
   return offsets;
 }
 
-// By whole cells, so that they keep what they hold.
+// By whole cells, so that they keep what they hold. The border stays empty: a search that came into it would leave the
+// square, and what lies there could not be blocked.
 void SearchMap::go_along(const Eigen::Vector2d& place) {
   const Eigen::Vector2d corner = place - Eigen::Vector2d::Constant(0.5 * params_.side);
   const auto count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_);
@@ -74,9 +75,11 @@ void SearchMap::go_along(const Eigen::Vector2d& place) {
   }
   const Eigen::Vector2i shift = ((corner - *origin_) / params_.cell).array().round().cast<int>();
   std::vector<Cell> moved(count);
-  const int first = std::max(0, -shift.x());
-  const int last = std::min(columns_, columns_ - shift.x());
-  for (int row = std::max(0, -shift.y()); row < std::min(columns_, columns_ - shift.y()) && first < last; ++row) {
+  const auto first_of = [](int shifted) { return std::max(kBorder, -shifted); };
+  const auto end_of = [this](int shifted) { return std::min(columns_ - kBorder, columns_ - shifted); };
+  const int first = first_of(shift.x());
+  const int last = end_of(shift.x());
+  for (int row = first_of(shift.y()); row < end_of(shift.y()) && first < last; ++row) {
     const auto from = cells_.begin() + (row + shift.y()) * columns_;
     std::copy(from + (first + shift.x()), from + (last + shift.x()), moved.begin() + row * columns_ + first);
   }

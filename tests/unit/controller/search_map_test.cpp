@@ -180,5 +180,47 @@ TEST_F(SearchMapTest, GoesAlongWithTheRobotAndKeepsWhatIsNear) {
   EXPECT_FALSE(map_.is_near_trail({1.8, 1.5})) << "so far away nothing is kept";
 }
 
+/// Drives straight on by steps of 5 cm, between walls that are nearer than what it knows around its trail.
+class LongSearchMapTest : public SearchMapTest {
+ protected:
+  void drive(const Eigen::Vector2d& direction, double metres, double room_at_left = 0.9) {
+    const double theta = std::atan2(direction.y(), direction.x());
+    for (int i = 0; i < static_cast<int>(std::lround(20.0 * metres)); ++i) {
+      place_ += 0.05 * direction;
+      map_.visit(place_);
+      utime_ += 100'000;
+      const Pose2 pose{place_.x(), place_.y(), theta};
+      map_.add(std::vector<SonarFiring>{{0, utime_, room_at_left, true, pose}, {7, utime_, 0.9, true, pose}});
+    }
+  }
+
+  Eigen::Vector2d place_{0.0, 0.0};
+};
+
+TEST_F(LongSearchMapTest, SearchesOnlyInsideAfterItWentAlong) {
+  for (const Eigen::Vector2d& direction : {Eigen::Vector2d(0, 1), {0, -1}, {1, 0}, {-1, 0}}) {
+    map_.clear();
+    for (int metre = 1; metre <= 60; ++metre) {
+      drive(direction, 1.0);
+      ASSERT_FALSE(map_.way_to_new_ground(place_)) << metre << " m along " << direction.transpose();
+    }
+  }
+}
+
+TEST_F(LongSearchMapTest, BlocksAPlaceAtTheMapsEdge) {
+  drive({1.0, 0.0}, 4.0);
+  drive({1.0, 0.0}, 2.0, 2.4);
+  ASSERT_TRUE(map_.way_to_new_ground(place_));
+  int metres = 0;
+  for (auto way = map_.way_to_new_ground(place_); way; way = map_.way_to_new_ground(place_), ++metres) {
+    ASSERT_LT(metres, 60) << "so far away nothing is kept";
+    SearchMap blocked = map_;
+    blocked.block(way->back());
+    ASSERT_TRUE(blocked.is_near_trail(way->back())) << metres << " m on, at " << way->back().transpose();
+    drive({1.0, 0.0}, 1.0);
+  }
+  EXPECT_GT(metres, 10);
+}
+
 }  // namespace
 }  // namespace luminav
