@@ -189,6 +189,8 @@ void ControllerNode::on_robot_status(const robot_status_t& message) {
   status_ = message;
   tick(message.utime);
 }
+    session_ = 0;  // the driver refuses commands of a session that is to begin
+    command_sequence_ = 0;
 
 void ControllerNode::feel(const robot_status_t& status) {
   if (!is_blocked(status) || (status_ && is_blocked(*status_))) {

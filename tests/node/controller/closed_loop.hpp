@@ -82,6 +82,12 @@ class ClosedLoop {
     return false;
   }
 
+  /// The robot's clock jumps by so much [s].
+  void step_clock(double seconds) {
+    utime_ += static_cast<std::int64_t>(1e6 * seconds);
+    next_plan_ = 0;
+  }
+
   [[nodiscard]] double seconds() const { return 1e-6 * static_cast<double>(utime_ - kStart); }
   [[nodiscard]] const control_status_t& status() const { return status_; }
   [[nodiscard]] const velocity_command_t& command_message() const { return command_message_; }

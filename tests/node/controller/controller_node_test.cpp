@@ -94,6 +94,19 @@ TEST_F(ControllerNodeTest, ObeysStopAndEchoesIt) {
   EXPECT_EQ(loop_.status().stop_id, 18);
 }
 
+TEST_F(ControllerNodeTest, BeginsANewSessionWhenTheRobotsClockGoesBack) {
+  run(10.0);
+  const std::int64_t session = loop_.command_message().session;
+  loop_.step_clock(-3600.0);
+  run(1.0);
+  EXPECT_LT(loop_.command_message().session, session);
+  EXPECT_LE(loop_.command_message().session, loop_.command_message().utime) << "the driver refuses it otherwise";
+  const velocity_command_t before = loop_.command_message();
+  run(1.0);
+  EXPECT_EQ(loop_.command_message().session, before.session);
+  EXPECT_GT(loop_.command_message().sequence, before.sequence);
+}
+
 TEST_F(ControllerNodeTest, StopsWhenThePoseIsLostOrOld) {
   drive_off();
   loop_.is_tracking = false;
