@@ -32,7 +32,7 @@ Controller::Controller(const ControllerConfig& config)
 void Controller::forget_odometry() {
   wander_.clear();
   escape_.reset();
-  standing_since_ = 0;
+  standing_since_ = people_seen_ = 0;  // its stamps may be of another clock
   task_ = ControlTask::kNone;
 }
 

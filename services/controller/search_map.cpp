@@ -32,6 +32,7 @@ SearchMap::SearchMap(const SonarRing& ring, const SearchMapParams& params)
 void SearchMap::clear() {
   origin_.reset();
   cells_.clear();
+  std::fill(taken_up_.begin(), taken_up_.end(), 0);
 }
 
 int SearchMap::index_of(const Eigen::Vector2d& place) const {

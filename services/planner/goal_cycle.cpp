@@ -219,7 +219,7 @@ bool GoalCycle::is_localized(const Situation& situation) {
 
 void GoalCycle::update(const Situation& situation) {
   if (situation.now < now_ - 1'000'000) {  // the robot's clock started anew: nothing that was timed holds
-    phase_since_ = progress_since_ = situation.now;
+    phase_since_ = progress_since_ = first_attempt_ = situation.now;
     last_tracking_ = last_plan_ = last_yield_ = hold_since_ = last_facing_ = 0;
     for (Suspect& suspect : suspects_) {
       suspect.until = situation.now;

@@ -83,6 +83,19 @@ TEST(PlannerNode, GivesUpSearchingAfterALongTimeAndSaysSo) {
   EXPECT_THAT(world.status.cause, HasSubstr("30 s"));
 }
 
+TEST(PlannerNode, GetsStuckAfterTheRobotsClockWentBackToo) {
+  PlannerWorld world;
+  world.utime += 3'600'000'000;
+  world.go(1, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.wheels_blocked = true;
+  world.run(30.0);
+  ASSERT_NE(world.status.state, Status::STATE_STUCK);
+  world.base_speaks = false;  // so that it never takes its pose for lost
+  world.utime -= 3'600'000'000;
+  EXPECT_TRUE(world.run_until_state(200.0, Status::STATE_STUCK));
+}
+
 TEST(PlannerNode, GivesUpWhenThePoseGetsLostAgainAndAgainAtOnePlace) {
   PlannerWorld world;
   world.go(1, 9.0, 4.0);

@@ -116,6 +116,7 @@ class PlannerWorld {
   bool tracking = true;
   bool pose_flows = true;
   bool mapper_runs = true;
+  bool base_speaks = true;
   bool wheels_blocked = false;
   bool stalled = false;  // what blocks the wheels, they feel
   bool yields = false;   // the controller says that it waits for somebody
@@ -174,7 +175,9 @@ class PlannerWorld {
     base.connected = 1;
     base.motors_enabled = motors;
     base.stall_left = base.stall_right = stalled;
-    lcm.publish(channels::kRobotStatus, &base);
+    if (base_speaks) {
+      lcm.publish(channels::kRobotStatus, &base);
+    }
     if (pose_flows) {
       pose_t pose{};
       pose.utime = utime;

@@ -69,5 +69,30 @@ TEST(Controller, DoesNotLeaveItsPlaceWhenItIsOnlyToTurnThere) {
   }
 }
 
+TEST(Controller, ForgetsThePeopleItMetWhenTheOdometryBeginsAnew) {
+  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  controller.set_path({.points = {{0.0, 0.0}, {2.0, 0.0}}});
+  ControlInput input;
+  input.task = ControlTask::kFollow;
+  input.world_from_robot = Pose2{};
+  input.ages = {0.05, 0.05, 0.2, 0.2, false, false};
+  input.now = 3'600'000'000;
+  input.echoes = {thing_at(0.8, 0.0, false)};
+  input.echoes.front().approach = 0.5;
+  controller.step(input);
+  controller.forget_odometry();
+  input.echoes.clear();
+  for (const double y : {-0.4, -0.2, 0.0, 0.2, 0.4}) {  // things all round, which nobody ever moved
+    for (const double x : {-0.36, 0.26}) {
+      input.echoes.push_back(thing_at(x, y, true));
+    }
+    input.echoes.push_back(thing_at(0.5 * y, y < 0.0 ? -0.27 : 0.27, true));
+  }
+  for (int i = 1; i <= 200; ++i) {
+    input.now = 1'000'000 + 50'000 * i;
+    ASSERT_NE(controller.step(input).state, ControlState::kYielding) << 0.05 * i << " s";
+  }
+}
+
 }  // namespace
 }  // namespace luminav

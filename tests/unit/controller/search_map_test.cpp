@@ -153,6 +153,15 @@ TEST_F(SearchMapTest, FadesWhatItDoesNotHearAgain) {
   EXPECT_EQ(map_.ground_at({1.8, 0.0}), Ground::kFree);
 }
 
+TEST_F(SearchMapTest, TakesUpFiringsOfAnEarlierClockOnceItIsCleared) {
+  utime_ = 3'600'000'000;
+  look_round(room(true));
+  map_.clear();
+  utime_ = 0;
+  scan({1.8, 1.0, -0.5 * kPi}, room(true));
+  EXPECT_EQ(map_.ground_at({1.8, 0.5}), Ground::kFree);
+}
+
 TEST_F(SearchMapTest, GoesAlongWithTheRobotAndKeepsWhatIsNear) {
   look_round(room(true));
   const auto grounds = [&] {
