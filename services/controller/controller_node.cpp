@@ -97,6 +97,10 @@ void ControllerNode::on_pose(const pose_t& message) {
     subscriber_.drop("POSE: not a number");
     return;
   }
+  if (!odometry_.empty() && odometry_.is_too_far_ahead(message.utime)) {
+    subscriber_.drop("POSE: ahead of the odometry");  // it would never grow old
+    return;
+  }
   pose_ = message;
 }
 
@@ -112,13 +116,14 @@ void ControllerNode::on_hypotheses(const hypotheses_t& message) {
   alternatives_ = place ? *alternatives : std::vector<PoseAlternative>{};
 }
 
-void ControllerNode::restart_odometry(std::int64_t session) {
+void ControllerNode::restart_odometry(const odometry_t& first) {
   alternatives_.clear();
   odometry_.clear();
   echoes_.clear();
   touches_.clear();
   controller_.forget_odometry();
-  if (pose_ && pose_->session != session) {
+  odometry_.add(first);
+  if (pose_ && (pose_->session != first.session || odometry_.is_too_far_ahead(pose_->utime))) {
     pose_.reset();
   }
 }
@@ -135,7 +140,9 @@ void ControllerNode::on_odometry(const odometry_t& message) {
   }
   if (verdict == StampGuard::Verdict::kNewSession ||
       (!odometry_.empty() && odometry_.newest().session != message.session)) {
-    restart_odometry(message.session);
+    restart_odometry(message);
+  } else {
+    odometry_.add(message);
   }
   odometry_.add(message);
   if (!status_ || message.utime - newest_tick_ > kStatusMissing) {
@@ -165,7 +172,8 @@ void ControllerNode::on_sonar(const sonar_t& message) {
       continue;  // told already
     }
     const std::optional<Pose2> place = odometry_.odom_from_robot_at(message.range_utime[i]);
-    if (!std::isfinite(range) || range < 0.0 || range > 50.0 || !place) {
+    const bool is_ahead = odometry_.is_too_far_ahead(message.range_utime[i]);
+    if (!std::isfinite(range) || range < 0.0 || range > 50.0 || !place || is_ahead) {
       subscriber_.drop("SONAR: impossible range or stamp");
       continue;
     }
@@ -225,6 +233,9 @@ void ControllerNode::on_teleop_command(const teleop_command_t& message) {
 
 std::optional<std::string> ControllerNode::reason_not_to_trust_pose() const {
   if (!pose_ || odometry_.empty() || pose_->session != odometry_.newest().session) {
+  if (odometry_.is_too_far_ahead(pose_->utime)) {  // it came before any odometry
+    return "the pose is ahead of the odometry";
+  }
     return "the localizer has not spoken yet";
   }
   if (pose_->state != pose_t::STATE_TRACKING) {

@@ -50,7 +50,7 @@ class ControllerNode {
   void control(std::int64_t utime);
   void publish_command(std::int64_t utime);
   void publish_status(std::int64_t utime);
-  void restart_odometry(std::int64_t session);
+  void restart_odometry(const odometry_t& first);
   /// Remembers what blocks the wheels now, or presses a bumper, and did not before.
   void feel(const robot_status_t& status);
 

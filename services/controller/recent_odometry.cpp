@@ -21,6 +21,10 @@ void RecentOdometry::add(const odometry_t& message) {
   }
 }
 
+bool RecentOdometry::is_too_far_ahead(std::int64_t utime) const {
+  return utime > newest().utime + kTooFarAhead;
+}
+
 std::optional<Pose2> RecentOdometry::odom_from_robot_at(std::int64_t utime) const {
   if (messages_.empty() || utime < messages_.front().utime - kTooFarAhead) {
     return std::nullopt;

@@ -21,6 +21,8 @@ class RecentOdometry {
   [[nodiscard]] const odometry_t& newest() const { return messages_.back(); }
   /// Between two messages interpolated, after the newest driven on for 0.2 s at most; nothing before the oldest.
   [[nodiscard]] std::optional<Pose2> odom_from_robot_at(std::int64_t utime) const;
+  /// Farther ahead of the newest than that: no measurement of this clock's. Not when empty.
+  [[nodiscard]] bool is_too_far_ahead(std::int64_t utime) const;
 
  private:
   std::deque<odometry_t> messages_;  // oldest first

@@ -107,6 +107,54 @@ TEST_F(ControllerNodeTest, BeginsANewSessionWhenTheRobotsClockGoesBack) {
   EXPECT_GT(loop_.command_message().sequence, before.sequence);
 }
 
+TEST_F(ControllerNodeTest, ForgetsThePoseWhenTheRobotsClockGoesBack) {
+  drive_off();
+  loop_.drops_pose = true;
+  loop_.step_clock(-3600.0);
+  run(3.0);
+  expect_standing("the localizer has not spoken yet");
+  loop_.drops_pose = false;
+  run(3.0);
+  EXPECT_GT(loop_.command_message().linear_x, 0.2);
+}
+
+TEST_F(ControllerNodeTest, DropsPosesAheadOfTheOdometry) {
+  drive_off();
+  loop_.drops_pose = true;
+  const std::int64_t before = loop_.node().health().dropped_inputs;
+  pose_t pose{};
+  pose.utime = loop_.utime() + 3'600'000'000;
+  pose.session = 7;
+  pose.state = pose_t::STATE_TRACKING;
+  pose.x = world_.truth().x;
+  pose.y = world_.truth().y;
+  loop_.lcm().publish(channels::kPose, &pose);
+  run(3.0);
+  expect_standing("the pose is");
+  EXPECT_EQ(loop_.node().health().dropped_inputs - before, 1);
+}
+
+TEST_F(ControllerNodeTest, DropsRangesAheadOfTheOdometry) {
+  drive_off();
+  loop_.drops_sonar = true;
+  const std::int64_t before = loop_.node().health().dropped_inputs;
+  sonar_t sonar{};
+  sonar.utime = loop_.utime();
+  sonar.session = 7;
+  sonar.count = 16;
+  sonar.range.assign(16, 4.0F);
+  sonar.has_echo.assign(16, 1);
+  sonar.fresh.assign(16, 1);
+  sonar.range_utime.assign(16, loop_.utime() + 3'600'000'000);
+  loop_.lcm().publish(channels::kSonar, &sonar);
+  run(1.5);
+  EXPECT_EQ(loop_.node().health().dropped_inputs - before, 16);
+  EXPECT_DOUBLE_EQ(loop_.command_message().linear_x, 0.0) << "the sonars are silent";
+  loop_.drops_sonar = false;
+  run(2.0);
+  EXPECT_GT(loop_.command_message().linear_x, 0.2);
+}
+
 TEST_F(ControllerNodeTest, StopsWhenThePoseIsLostOrOld) {
   drive_off();
   loop_.is_tracking = false;
