@@ -40,6 +40,7 @@ void GoalCycle::begin(const GoalRequest& goal, int stop_index, std::int64_t now)
   last_plan_ = 0;
   attempts_ = losses_ = doubts_ = arrival_failures_ = retries_ = failures_in_a_row_ = skipped_ = 0;
   set_path({});
+  phase_ = Phase::kNone;  // a search that was under way begins anew, with all its time
   enter(Phase::kLocalizing, NavigationState::kLocalizing, "");
 }
 

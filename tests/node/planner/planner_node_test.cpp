@@ -83,6 +83,19 @@ TEST(PlannerNode, GivesUpSearchingAfterALongTimeAndSaysSo) {
   EXPECT_THAT(world.status.cause, HasSubstr("30 s"));
 }
 
+TEST(PlannerNode, SearchesAsLongForANewGoalAsForTheOneBefore) {
+  PlannerWorld world;
+  world.tracking = false;
+  world.go(1, 9.0, 4.0);
+  world.run(590.0);
+  world.go(2, 4.0, 1.5);
+  world.run(20.0);
+  EXPECT_EQ(world.status.goal_id, 2);
+  EXPECT_EQ(world.status.state, Status::STATE_LOCALIZING) << world.status.cause;
+  world.run(585.0);
+  EXPECT_EQ(world.status.state, Status::STATE_LOST);
+}
+
 TEST(PlannerNode, GetsStuckAfterTheRobotsClockWentBackToo) {
   PlannerWorld world;
   world.utime += 3'600'000'000;
