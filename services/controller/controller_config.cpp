@@ -14,20 +14,24 @@ ControllerConfig ControllerConfig::for_robot(const RobotDescription& robot) {
   config.robot = robot;
   config.follower.speed.linear = robot.limits.linear;
   config.follower.speed.angular = robot.limits.angular;
-  config.wander.speed = std::min(config.wander.speed, robot.limits.linear);
-  config.wander.angular = std::min(config.wander.angular, robot.limits.angular);
+  config.follow_margin_and_speeds();
+  return config;
+}
+
+void ControllerConfig::follow_margin_and_speeds() {
+  wander.speed = std::min(wander.speed, follower.speed.linear);
+  wander.angular = std::min(wander.angular, follower.speed.angular);
   double nose = 0.0;
   double half_width = 0.0;
   for (const Eigen::Vector2d& corner : robot.footprint) {
     nose = std::max(nose, corner.x());
     half_width = std::max(half_width, std::abs(corner.y()));
   }
-  for (FreeHeadingParams* strip : {&config.follower.heading.free_heading, &config.wander.heading.free_heading}) {
+  for (FreeHeadingParams* strip : {&follower.heading.free_heading, &wander.heading.free_heading}) {
     strip->nose = nose;
-    strip->half_width = half_width + config.stop_logic.margin;
+    strip->half_width = half_width + stop_logic.margin;
   }
-  config.local_map.half_width = half_width + 0.01;
-  return config;
+  local_map.half_width = half_width + 0.01;
 }
 
 double ControllerConfig::view_radius() const {
@@ -46,7 +50,7 @@ ControllerConfig read_controller_config(const std::filesystem::path& robot_file,
   speed.linear = table.number("maximum_linear", speed.linear, {0.02, limits.linear});
   speed.angular = table.number("maximum_angular", speed.angular, {0.02, limits.angular});
   speed.turn_gain = table.number("turn_gain", speed.turn_gain, {0.2, 5.0});
-  config.wander.speed = table.number("wander_speed", config.wander.speed, {0.02, limits.linear});
+  config.wander.speed = table.number("wander_speed", std::min(config.wander.speed, speed.linear), {0.02, speed.linear});
   config.follower.look_ahead.distance = table.number("look_ahead", config.follower.look_ahead.distance, {0.3, 3.0});
   config.follower.arrival_radius = table.number("arrival_radius", config.follower.arrival_radius, {0.005, 1.0});
   config.follower.arrival_heading = table.number("arrival_heading", config.follower.arrival_heading, {0.005, 1.0});
@@ -61,6 +65,7 @@ ControllerConfig read_controller_config(const std::filesystem::path& robot_file,
   config.patience = table.number("patience", config.patience, {0.5, 60.0});
   config.stuck_after = table.number("stuck_after", config.stuck_after, {1.0, 60.0});
   table.reject_unknown();
+  config.follow_margin_and_speeds();
   if (!building_file.empty()) {
     config.building = read_building(building_file);
     config.walls = config.building.map_file.empty() ? PriorMap{} : resample(read_map(config.building.map_file), 0.1);

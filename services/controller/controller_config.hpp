@@ -55,6 +55,8 @@ struct ControllerConfig {
 
   /// A configuration whose speeds follow the robot's limits.
   static ControllerConfig for_robot(const RobotDescription& robot);
+  /// Takes over what follows from the outline, the margin and the greatest speeds.
+  void follow_margin_and_speeds();
   /// From how far [m] along the floor the camera may see a fixture, whatever its heading: a little more than to the
   /// nearer border of its image.
   [[nodiscard]] double view_radius() const;
