@@ -10,11 +10,6 @@
 #include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
-namespace {
-
-constexpr std::size_t kRemembered = 128;  // requests; each is repeated for a second at most
-
-}  // namespace
 
 StopLatch::StopLatch(std::filesystem::path folder) {
   if (folder.empty()) {
@@ -23,34 +18,22 @@ StopLatch::StopLatch(std::filesystem::path folder) {
   file_ = folder / "stop";
   std::ifstream in(file_);
   int engaged = 0;
-  if (in >> engaged >> id_) {
-    engaged_ = engaged != 0;
+  std::int64_t id = 0;
+  if (in >> engaged >> id) {
+    std::string sender;
     in.ignore();
-    std::getline(in, sender_);
-    seen_.emplace_back(sender_, id_);
+    std::getline(in, sender);
+    requests_ = StopRequests(id, engaged != 0, sender);
   }
 }
 
 bool StopLatch::request(std::int64_t id, bool engaged, const std::string& sender) {
-  const std::pair<std::string, std::int64_t> key{sender, id};
-  if (std::find(seen_.begin(), seen_.end(), key) != seen_.end()) {
+  const bool was_engaged = requests_.engaged();
+  if (requests_.take(id, engaged, sender) != StopRequests::Verdict::kTaken) {
     return false;
   }
-  // Ids are compared within one sender only, since hosts' clocks differ. A stop is obeyed whatever its id.
-  const bool outdated = sender == sender_ && id < id_;
-  if (!engaged && engaged_ && outdated) {
-    return false;
-  }
-  seen_.push_back(key);
-  if (seen_.size() > kRemembered) {
-    seen_.pop_front();
-  }
-  const bool changed = engaged != engaged_;
-  engaged_ = engaged;
-  id_ = id;
-  sender_ = sender;
   kept_ = false;
-  return changed;
+  return engaged != was_engaged;
 }
 
 void StopLatch::save() {
@@ -60,10 +43,10 @@ void StopLatch::save() {
   kept_ = true;
   std::error_code error;
   std::filesystem::create_directories(file_.parent_path(), error);
-  std::string line = sender_;
+  std::string line = sender();
   std::replace(line.begin(), line.end(), '\n', ' ');
   try {
-    write_whole_file(file_, fmt::format("{} {} {}\n", engaged_ ? 1 : 0, id_, line));
+    write_whole_file(file_, fmt::format("{} {} {}\n", engaged() ? 1 : 0, id(), line));
   } catch (const std::runtime_error&) {
     // a full disk must not keep the robot from stopping
   }

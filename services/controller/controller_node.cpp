@@ -144,7 +144,6 @@ void ControllerNode::on_odometry(const odometry_t& message) {
   } else {
     odometry_.add(message);
   }
-  odometry_.add(message);
   if (!status_ || message.utime - newest_tick_ > kStatusMissing) {
     tick(message.utime);
   }
@@ -190,6 +189,8 @@ void ControllerNode::on_robot_status(const robot_status_t& message) {
   }
   if (verdict == StampGuard::Verdict::kNewSession) {
     newest_tick_ = last_control_ = last_published_ = navigation_heard_ = 0;
+    session_ = 0;  // the driver refuses commands of a session that is to begin
+    command_sequence_ = 0;
     teleop_until_ = 0;
     teleop_.reset();
   }
@@ -197,8 +198,6 @@ void ControllerNode::on_robot_status(const robot_status_t& message) {
   status_ = message;
   tick(message.utime);
 }
-    session_ = 0;  // the driver refuses commands of a session that is to begin
-    command_sequence_ = 0;
 
 void ControllerNode::feel(const robot_status_t& status) {
   if (!is_blocked(status) || (status_ && is_blocked(*status_))) {
@@ -210,13 +209,9 @@ void ControllerNode::feel(const robot_status_t& status) {
 }
 
 void ControllerNode::on_stop(const stop_t& message) {
-  // a stop is always obeyed; a release only if it is newer than what it releases
-  if (message.engaged == 0 && message.id < stop_id_) {
+  if (stops_.take(message.id, message.engaged != 0, message.sender) == StopRequests::Verdict::kOutdated) {
     subscriber_.drop("STOP: a release older than the stop");
-    return;
   }
-  stop_engaged_ = message.engaged != 0;
-  stop_id_ = message.id;
 }
 
 void ControllerNode::on_teleop_command(const teleop_command_t& message) {
@@ -233,13 +228,13 @@ void ControllerNode::on_teleop_command(const teleop_command_t& message) {
 
 std::optional<std::string> ControllerNode::reason_not_to_trust_pose() const {
   if (!pose_ || odometry_.empty() || pose_->session != odometry_.newest().session) {
-  if (odometry_.is_too_far_ahead(pose_->utime)) {  // it came before any odometry
-    return "the pose is ahead of the odometry";
-  }
     return "the localizer has not spoken yet";
   }
   if (pose_->state != pose_t::STATE_TRACKING) {
     return "the pose is not known: " + pose_->reason;
+  }
+  if (odometry_.is_too_far_ahead(pose_->utime)) {  // it came before any odometry
+    return "the pose is ahead of the odometry";
   }
   const double age = seconds_between(pose_->utime, odometry_.newest().utime);
   if (age > config_.pose_stale_after) {
@@ -260,7 +255,7 @@ std::optional<Pose2> ControllerNode::world_from_odom() const {
 }
 
 std::optional<std::string> ControllerNode::reason_to_halt(std::int64_t utime) const {
-  if (stop_engaged_) {
+  if (stops_.engaged()) {
     return "a stop is engaged";
   }
   if (!status_ || seconds_between(status_->utime, utime) > config_.stop_logic.silent_after) {
@@ -394,8 +389,8 @@ void ControllerNode::publish_status(std::int64_t utime) {
   control_status_t status = status_of(output_, controller_.path());
   status.utime = utime;
   status.sequence = status_sequence_++;
-  status.stop_engaged = stop_engaged_;
-  status.stop_id = stop_id_;
+  status.stop_engaged = stops_.engaged();
+  status.stop_id = stops_.id();
   lcm_.publish(channels::kControlStatus, &status);
 }
 

@@ -17,6 +17,7 @@
 
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/stamp_guard.hpp"
+#include "services/common/process/stop_requests.hpp"
 #include "services/common/process/subscriber.hpp"
 #include "services/controller/controller.hpp"
 #include "services/controller/controller_config.hpp"
@@ -80,8 +81,7 @@ class ControllerNode {
   std::optional<robot_status_t> status_;
   std::optional<teleop_command_t> teleop_;
   std::int64_t teleop_until_ = 0;  // [us] a person drove until then
-  bool stop_engaged_ = false;
-  std::int64_t stop_id_ = 0;
+  StopRequests stops_;
 
   std::int64_t session_ = 0;  // [us] of the first message answered
   std::int32_t command_sequence_ = 0;

@@ -33,10 +33,11 @@ class ControllerNodeTest : public ::testing::Test {
     EXPECT_DOUBLE_EQ(loop_.command_message().angular_z, 0.0);
     EXPECT_NE(loop_.status().reason.find(reason), std::string::npos) << loop_.status().reason;
   }
-  void stop(std::int64_t id, bool engaged) {
+  void stop(std::int64_t id, bool engaged, const std::string& sender = "viewer") {
     stop_t message{};
     message.id = id;
     message.engaged = engaged;
+    message.sender = sender;
     loop_.lcm().publish(channels::kStop, &message);
   }
   void teleoperate(int sequence, double linear, double angular) {
@@ -92,6 +93,23 @@ TEST_F(ControllerNodeTest, ObeysStopAndEchoesIt) {
   run(2.0);
   EXPECT_GT(loop_.command_message().linear_x, 0.2);
   EXPECT_EQ(loop_.status().stop_id, 18);
+}
+
+TEST_F(ControllerNodeTest, ComparesStopsOfOneSenderOnly) {
+  drive_off();
+  stop(1000, true, "desk");
+  run(0.2);
+  expect_standing("stop");
+  stop(5, false, "tablet");  // whose clock is behind
+  run(2.0);
+  EXPECT_GT(loop_.command_message().linear_x, 0.2);
+  EXPECT_EQ(loop_.status().stop_id, 5);
+  const std::int64_t dropped = loop_.node().health().dropped_inputs;
+  stop(1000, true, "desk");  // a copy that was late
+  run(0.5);
+  EXPECT_GT(loop_.command_message().linear_x, 0.2);
+  EXPECT_FALSE(loop_.status().stop_engaged);
+  EXPECT_EQ(loop_.node().health().dropped_inputs, dropped) << "a repetition is no mistake";
 }
 
 TEST_F(ControllerNodeTest, BeginsANewSessionWhenTheRobotsClockGoesBack) {
