@@ -36,8 +36,12 @@ struct PlaceCosts {
   }
 };
 
-/// Mean and variance, each place weighted by its likelihood.
-PlaceBetween mean_place(const PlaceCosts& costs) {
+/// Mean and variance, each place weighted by its likelihood; nothing when a place at the border of the search is best,
+/// for what lies beyond may be better.
+std::optional<PlaceBetween> mean_place(const PlaceCosts& costs) {
+  if (costs.cost.front() <= costs.least || costs.cost[static_cast<std::size_t>(costs.count - 1)] <= costs.least) {
+    return std::nullopt;
+  }
   double weights = 0.0;
   double sum = 0.0;
   double squares = 0.0;
@@ -49,12 +53,12 @@ PlaceBetween mean_place(const PlaceCosts& costs) {
     squares += weight * place * place;
   }
   const double mean = sum / weights;
-  return {mean, std::max(0.0, squares / weights - mean * mean) + EndCosts::kStep * EndCosts::kStep / 12.0};
+  return PlaceBetween{mean, std::max(0.0, squares / weights - mean * mean) + EndCosts::kStep * EndCosts::kStep / 12.0};
 }
 
 /// `costs_of(blur)` are those of each place; the blur that agrees best counts.
 template <typename CostsOf>
-PlaceBetween mean_at_best_blur(CostsOf costs_of) {
+std::optional<PlaceBetween> mean_at_best_blur(CostsOf costs_of) {
   PlaceCosts best = costs_of(0);
   for (std::size_t blur = 1; blur < EndCosts::kBlurs; ++blur) {
     const PlaceCosts costs = costs_of(blur);
@@ -65,20 +69,24 @@ PlaceBetween mean_at_best_blur(CostsOf costs_of) {
   return mean_place(best);
 }
 
-}  // namespace
+using Greys = std::array<double, kSteps>;
 
-std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
-                                  double metres_per_px, double noise) {
+SideProfile profile_of_side(const GreyView& image, const CeilingCamera& camera, const SideLine& side) {
   const double usable = 2.0 * (side.half_length - kCorner);
   const int count = std::clamp(static_cast<int>(usable / kApart) + 1, 2, SideProfile::kMostLines);
-  const SideProfile own = mean_profile(
+  return mean_profile(
       image, camera, side,
       {.first = kInwards, .steps = kSteps, .from = -0.5 * usable, .apart = usable / (count - 1), .count = count});
-  if (own.lines < kLeastLines) {
-    return std::nullopt;
-  }
-  std::array<double, kSteps> ceiling{};
+}
+
+/// The ceiling beyond both corners of a side.
+struct CeilingBeyond {
+  Greys grey{};
   int lines = 0;
+};
+
+CeilingBeyond ceiling_beyond_corners(const GreyView& image, const CeilingCamera& camera, const SideLine& side) {
+  CeilingBeyond ceiling;
   for (const double corner : {1.0, -1.0}) {
     const SideProfile beyond = mean_profile(image, camera, side,
                                             {.first = kInwards,
@@ -87,51 +95,67 @@ std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& ca
                                              .apart = corner * kApart,
                                              .count = kBeyond});
     for (std::size_t k = 0; k < kSteps; ++k) {
-      ceiling[k] += beyond.lines * beyond.grey[k];
+      ceiling.grey[k] += beyond.lines * beyond.grey[k];
     }
-    lines += beyond.lines;
+    ceiling.lines += beyond.lines;
   }
-  if (lines < kLeastLines) {
+  for (double& grey : ceiling.grey) {
+    grey /= std::max(ceiling.lines, 1);
+  }
+  return ceiling;
+}
+
+/// Sum of squares that a fixture which ends `end` [m] outwards leaves of a side's grey levels:
+/// grey = inside * (1 - passed) + gain * passed * ceiling, inside and gain by least squares. `width` [m] of the edge.
+double misfit(const SideProfile& own, const CeilingBeyond& ceiling, double end, double width) {
+  double ii = 0.0;
+  double ic = 0.0;
+  double cc = 0.0;
+  double ig = 0.0;
+  double cg = 0.0;
+  double gg = 0.0;
+  for (std::size_t k = 0; k < kSteps; ++k) {
+    const double beyond = passed(kInwards + SideProfile::kStep * static_cast<double>(k) - end, width);
+    const double i = 1.0 - beyond;
+    const double c = beyond * ceiling.grey[k];
+    const double g = own.grey[k];
+    ii += i * i;
+    ic += i * c;
+    cc += c * c;
+    ig += i * g;
+    cg += c * g;
+    gg += g * g;
+  }
+  const double determinant = std::max(ii * cc - ic * ic, 1e-9);
+  const double inside = (cc * ig - ic * cg) / determinant;
+  const double gain = (ii * cg - ic * ig) / determinant;
+  return std::max(0.0, gg - inside * ig - gain * cg);
+}
+
+}  // namespace
+
+std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
+                                  double metres_per_px, double noise) {
+  const SideProfile own = profile_of_side(image, camera, side);
+  if (own.lines < kLeastLines) {
     return std::nullopt;
   }
-  for (double& grey : ceiling) {
-    grey /= lines;
+  const CeilingBeyond ceiling = ceiling_beyond_corners(image, camera, side);
+  if (ceiling.lines < kLeastLines) {
+    return std::nullopt;
   }
-  const double variance = kCorrelation * noise * noise * (1.0 / own.lines + 0.5 / lines);
+  const double variance = kCorrelation * noise * noise * (1.0 / own.lines + 0.5 / ceiling.lines);
   EndCosts costs;
   for (std::size_t blur = 0; blur < EndCosts::kBlurs; ++blur) {
     for (std::size_t place = 0; place < EndCosts::kPlaces; ++place) {
       const double end = EndCosts::kStep * (static_cast<int>(place) - EndCosts::kReach);
-      // grey = inside * (1 - passed) + gain * passed * ceiling, inside and gain by least squares
-      double ii = 0.0;
-      double ic = 0.0;
-      double cc = 0.0;
-      double ig = 0.0;
-      double cg = 0.0;
-      double gg = 0.0;
-      for (std::size_t k = 0; k < kSteps; ++k) {
-        const double beyond =
-            passed(kInwards + SideProfile::kStep * static_cast<double>(k) - end, kWidths[blur] * metres_per_px);
-        const double i = 1.0 - beyond;
-        const double c = beyond * ceiling[k];
-        const double g = own.grey[k];
-        ii += i * i;
-        ic += i * c;
-        cc += c * c;
-        ig += i * g;
-        cg += c * g;
-        gg += g * g;
-      }
-      const double determinant = std::max(ii * cc - ic * ic, 1e-9);
-      const double inside = (cc * ig - ic * cg) / determinant;
-      const double gain = (ii * cg - ic * ig) / determinant;
-      costs.cost[blur][place] = std::max(0.0, gg - inside * ig - gain * cg) / variance;
+      costs.cost[blur][place] = misfit(own, ceiling, end, kWidths[blur] * metres_per_px) / variance;
     }
   }
   return costs;
 }
 
-PlaceBetween place_between(const EndCosts& positive, const EndCosts& negative, double half_size) {
+std::optional<PlaceBetween> place_between(const EndCosts& positive, const EndCosts& negative, double half_size) {
   const double sigma = kMisfit + kScale * half_size;
   constexpr int kMostShift = EndCosts::kReach - kMostMisfit;
   return mean_at_best_blur([&](std::size_t blur) {
@@ -148,7 +172,7 @@ PlaceBetween place_between(const EndCosts& positive, const EndCosts& negative, d
   });
 }
 
-PlaceBetween place_of(const EndCosts& end) {
+std::optional<PlaceBetween> place_of(const EndCosts& end) {
   return mean_at_best_blur([&](std::size_t blur) {
     PlaceCosts costs;
     for (int place = -EndCosts::kReach; place <= EndCosts::kReach; ++place) {

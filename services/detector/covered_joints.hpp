@@ -15,7 +15,7 @@ struct EndCosts {
   static constexpr std::size_t kPlaces = 2 * kReach + 1;
   static constexpr std::size_t kBlurs = 3;  // how soft the edge is: at rest, and while the robot moves
 
-  std::array<std::array<double, kPlaces>, kBlurs> cost{};  // chi squared
+  std::array<std::array<double, kPlaces>, kBlurs> cost;  // chi squared
 
   [[nodiscard]] double at(std::size_t blur, int place) const {
     return cost[blur][static_cast<std::size_t>(kReach + place)];
@@ -31,9 +31,10 @@ struct PlaceBetween {
   double shift = 0.0;     // [m] towards the positive side
   double variance = 0.0;  // [m^2]
 };
-/// `half_size` [m] from the middle to each of the sides.
-PlaceBetween place_between(const EndCosts& positive, const EndCosts& negative, double half_size);
+/// `half_size` [m] from the middle to each of the sides. Nothing when it agrees best at the border of the search: then
+/// the fixture's side is not what was seen.
+std::optional<PlaceBetween> place_between(const EndCosts& positive, const EndCosts& negative, double half_size);
 /// The same of one side alone, outwards.
-PlaceBetween place_of(const EndCosts& end);
+std::optional<PlaceBetween> place_of(const EndCosts& end);
 
 }  // namespace luminav

@@ -42,7 +42,9 @@ class OppositeEdges {
   OppositeEdges(const JointBeside& positive, double positive_edge, const JointBeside& negative, double negative_edge)
       : positive_(positive), negative_(negative), positive_edge_(positive_edge), negative_edge_(negative_edge) {}
 
-  /// Moves an outline's place along one axis of its frame; [m], and [m^2] of other errors.
+  /// How far the outline is to be moved along one axis of its frame [m]; that axis of the fit's covariance becomes what
+  /// this leaves open and `least_variance` [m^2] of other errors. Nothing, and no change, when joints leave no side to
+  /// go by.
   [[nodiscard]] std::optional<double> settle(int axis, double least_variance, OutlineFit& fit) const {
     if (!positive_.is_in_view || !negative_.is_in_view) {
       return std::nullopt;
@@ -74,6 +76,119 @@ class OppositeEdges {
   double negative_edge_;
 };
 
+/// Settles one axis of an unlit outline after the other.
+class JointRemoval {
+ public:
+  JointRemoval(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
+               const OutlineFitParams& params, OutlineFit& fit)
+      : image_(image), camera_(camera), outline_(outline), noise_(params.pixel_noise), fit_(fit) {
+    const double error_px = std::hypot(params.outline_sigma_px, kNoisy * noise_ / std::max(fit.step, 1.0));
+    least_variance_ = std::pow(error_px * fit.metres_per_px, 2);
+  }
+
+  /// [m] to move it towards its left side.
+  [[nodiscard]] double settle_across() {
+    const SideLine left = side_line(kLeftSide);
+    const SideLine right = side_line(kRightSide);
+    const JointBeside by_left = joint_beside(left);
+    const JointBeside by_right = joint_beside(right);
+    is_joint_along_ = by_left.found || by_right.found;
+    if (const auto shift = edges(by_left, kLeftSide, by_right, kRightSide).settle(1, least_variance_, fit_)) {
+      return *shift;
+    }
+    return is_joint_along_ ? settle_by_covered_joints(1, left, right).value_or(0.0) : 0.0;
+  }
+
+  /// [m] to move it towards its far end.
+  [[nodiscard]] double settle_along() {
+    const bool far = fit_.end_visible(kFarEnd);
+    const bool near = fit_.end_visible(kNearEnd);
+    return far && near ? settle_between_ends() : far ? settle_end(kFarEnd) : near ? -settle_end(kNearEnd) : 0.0;
+  }
+
+ private:
+  [[nodiscard]] SideLine side_line(Side side) const {
+    const bool end = side == kFarEnd || side == kNearEnd;
+    const double sign = side == kLeftSide || side == kFarEnd ? 1.0 : -1.0;
+    const Vector2d x = Vector2d::UnitX();
+    const Vector2d y = Vector2d::UnitY();
+    return {fit_.robot_from_outline,
+            outline_.height,
+            end ? y : x,
+            sign * (end ? x : y),
+            0.5 * (end ? outline_.width : outline_.length),
+            0.5 * (end ? outline_.length : outline_.width)};
+  }
+  [[nodiscard]] JointBeside joint_beside(const SideLine& side) const {
+    return find_joint_beside(image_, camera_, side, {.noise = noise_});
+  }
+  [[nodiscard]] std::optional<EndCosts> costs_of(const SideLine& side) const {
+    return end_costs(image_, camera_, side, fit_.metres_per_px, noise_);
+  }
+  [[nodiscard]] OppositeEdges edges(const JointBeside& by_positive, Side positive, const JointBeside& by_negative,
+                                    Side negative) const {
+    return {by_positive, fit_.side_edge[positive], by_negative, fit_.side_edge[negative]};
+  }
+
+  [[nodiscard]] std::optional<double> settle_by_covered_joints(int axis, const SideLine& positive,
+                                                               const SideLine& negative) {
+    const auto positive_costs = costs_of(positive);
+    const auto negative_costs = costs_of(negative);
+    if (!positive_costs || !negative_costs) {
+      return std::nullopt;
+    }
+    const auto between = place_between(*positive_costs, *negative_costs, positive.distance);
+    if (!between) {
+      return std::nullopt;
+    }
+    set_variance(axis, between->variance + least_variance_, fit_);
+    return between->shift;
+  }
+
+  [[nodiscard]] double settle_between_ends() {
+    const SideLine far = side_line(kFarEnd);
+    const SideLine near = side_line(kNearEnd);
+    const JointBeside by_far = joint_beside(far);
+    const JointBeside by_near = joint_beside(near);
+    if (by_far.found || by_near.found) {
+      if (const auto shift = settle_by_covered_joints(0, far, near)) {
+        return *shift;
+      }
+    }
+    return edges(by_far, kFarEnd, by_near, kNearEnd).settle(0, least_variance_, fit_).value_or(0.0);
+  }
+
+  /// [m] to move the only end in view outwards.
+  [[nodiscard]] double settle_end(Side side) {
+    const SideLine end = side_line(side);
+    const JointBeside beside = joint_beside(end);
+    if (!beside.is_in_view) {
+      return 0.0;
+    }
+    if (beside.found) {
+      const auto costs = costs_of(end);
+      const auto place = costs ? place_of(*costs) : std::nullopt;
+      if (!place) {
+        return 0.0;
+      }
+      set_variance(0, place->variance + least_variance_, fit_);
+      return place->shift;
+    }
+    set_variance(0, kLoneEnd * kLoneEnd + least_variance_, fit_);
+    // What looked like swelling was the joint.
+    const double edge = fit_.side_edge[side];
+    return is_joint_along_ && std::abs(edge) <= kLargest ? edge : 0.0;
+  }
+
+  const GreyView& image_;
+  const CeilingCamera& camera_;
+  const Outline& outline_;
+  double noise_;  // [grey]
+  OutlineFit& fit_;
+  double least_variance_ = 0.0;  // [m^2] of other errors
+  bool is_joint_along_ = false;  // beside a long side
+};
+
 }  // namespace
 
 void take_off_joints(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
@@ -81,71 +196,10 @@ void take_off_joints(const GreyView& image, const CeilingCamera& camera, const O
   if (outline.shape == FixtureShape::kRound) {
     return;
   }
-  const Pose2 pose = fit.robot_from_outline;
-  const double least_variance =
-      (std::pow(params.outline_sigma_px, 2) + std::pow(kNoisy * params.pixel_noise / std::max(fit.step, 1.0), 2)) *
-      fit.metres_per_px * fit.metres_per_px;
-  const auto joint_beside = [&](const SideLine& side) {
-    return find_joint_beside(image, camera, side, {.noise = params.pixel_noise});
-  };
-  const auto costs_of = [&](const SideLine& side) {
-    return end_costs(image, camera, side, fit.metres_per_px, params.pixel_noise);
-  };
-  bool is_joint_along = false;
-  const auto settle_between = [&](int axis, const SideLine& positive, Side positive_side, const SideLine& negative,
-                                  Side negative_side) {
-    const JointBeside by_positive = joint_beside(positive);
-    const JointBeside by_negative = joint_beside(negative);
-    const OppositeEdges edges(by_positive, fit.side_edge[positive_side], by_negative, fit.side_edge[negative_side]);
-    is_joint_along = is_joint_along || (axis == 1 && (by_positive.found || by_negative.found));
-    if (axis == 1) {
-      if (const auto shift = edges.settle(axis, least_variance, fit)) {
-        return *shift;
-      }
-    }
-    if (by_positive.found || by_negative.found) {
-      const auto positive_costs = costs_of(positive);
-      const auto negative_costs = costs_of(negative);
-      if (positive_costs && negative_costs) {
-        const PlaceBetween between = place_between(*positive_costs, *negative_costs, positive.distance);
-        set_variance(axis, between.variance + least_variance, fit);
-        return between.shift;
-      }
-    }
-    return edges.settle(axis, least_variance, fit).value_or(0.0);
-  };
-  const auto settle_end = [&](const SideLine& end, Side side) {
-    const JointBeside beside = joint_beside(end);
-    if (beside.found) {
-      if (const auto costs = costs_of(end)) {
-        const PlaceBetween place = place_of(*costs);
-        set_variance(0, place.variance + least_variance, fit);
-        return place.shift;
-      }
-    } else if (beside.is_in_view) {
-      set_variance(0, kLoneEnd * kLoneEnd + least_variance, fit);
-    }
-    // What looked like swelling was the joint.
-    return is_joint_along && !beside.found ? fit.side_edge[side] : 0.0;
-  };
-  const auto line = [&](const Vector2d& along, const Vector2d& out, double length, double width) {
-    return SideLine{pose, outline.height, along, out, 0.5 * length, 0.5 * width};
-  };
-  const Vector2d x = Vector2d::UnitX();
-  const Vector2d y = Vector2d::UnitY();
-  Vector2d shift = Vector2d::Zero();
-  shift.y() = settle_between(1, line(x, y, outline.length, outline.width), kLeftSide,
-                             line(x, -y, outline.length, outline.width), kRightSide);
-  const SideLine far_end = line(y, x, outline.width, outline.length);
-  const SideLine near_end = line(y, -x, outline.width, outline.length);
-  if (fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd)) {
-    shift.x() = settle_between(0, far_end, kFarEnd, near_end, kNearEnd);
-  } else if (fit.end_visible(kFarEnd)) {
-    shift.x() = settle_end(far_end, kFarEnd);
-  } else if (fit.end_visible(kNearEnd)) {
-    shift.x() = -settle_end(near_end, kNearEnd);
-  }
-  fit.robot_from_outline = pose * Pose2{shift.x(), shift.y(), 0.0};
+  JointRemoval removal(image, camera, outline, params, fit);
+  const double across = removal.settle_across();
+  const double along = removal.settle_along();
+  fit.robot_from_outline = fit.robot_from_outline * Pose2{along, across, 0.0};
 }
 
 }  // namespace luminav

@@ -105,6 +105,24 @@ TEST(ModernDetector, PlacesAnUnlitFixtureBetweenTheJointsThatItsEndsPartlyCover)
   }
 }
 
+TEST(ModernDetector, PlacesACutUnlitFixtureByItsLoneEndThatPartlyCoversAJoint) {
+  constexpr double kPixel = 0.0045;  // [m] on the ceiling; the joint would take it 12 mm off
+  std::uint32_t seed = 1;
+  for (const double displaced : {-0.004, -0.002, 0.0, 0.002, 0.004}) {  // [m]
+    DrawnCeiling ceiling;
+    ceiling.seed = seed++;
+    ceiling.joint_depth = 25.0;
+    // one end lies at a joint, the other beyond the border, 1.44 m to the left
+    const Pose2 truth{0.10, 0.99 + displaced, 0.5 * kPi};
+    ceiling.shapes = {{.pose = truth, .state = DetectionState::kUnlit, .darker = 18.0}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << "displaced by " << displaced;
+    EXPECT_NE(detections[0].near_end_visible, detections[0].far_end_visible);
+    EXPECT_NEAR(detections[0].robot_from_fixture.y, truth.y, kPixel) << "displaced by " << displaced;
+    EXPECT_LT(std::sqrt(detections[0].covariance(1, 1)), 4e-3);
+  }
+}
+
 TEST(ModernDetector, SaysOfACutFixtureOnlyWhatIsSeen) {
   DrawnCeiling ceiling;
   const Pose2 truth{0.9, 0.1, 0.2};  // its far end lies beyond the upper border, 1.08 m ahead
