@@ -13,6 +13,8 @@ echo "{\"suite\": \"all\", \"sensing\": \"mixed\", \"summary\": $summary, \"suit
 echo '{"machine": "2 cores", "busy": false, "results": [
   {"name": "detector/segment", "time": 40000.0, "unit": "ns", "peer": "detector/opencv", "counters": {}},
   {"name": "lcm/300", "time": 50000.0, "unit": "ns", "peer": "udp_multicast/300", "counters": {"p99_us": 140.2}},
+  {"name": "route/1000", "time": 28000000.0, "unit": "ns", "counters": {}},
+  {"name": "replan/1000", "time": 2000000.0, "unit": "ns", "counters": {}},
   {"name": "udp_multicast/300", "time": 20000.0, "unit": "ns", "counters": {}},
   {"name": "detector/opencv", "time": 800000.0, "unit": "ns", "counters": {}}]}' >bench.json
 printf 'before\n<!-- figures -->\nold\n<!-- end of figures -->\nafter\n' >page.md
@@ -22,6 +24,8 @@ grep -qF '| the same, calibrated | 16 mm, 0.36° | 12 mm, 0.5° | `missions` |' 
 grep -qF '| boxes, people, a closed door: goals reached | 8 of 9 | 99 % | `missions` |' page.md
 grep -qF '| contacts with walls, boxes, people | 1; 2 with what sonar hardly sees | 0 | `all` |' page.md
 grep -qF '`detector/segment` | 40 µs | 20 x `detector/opencv` | 10 x OpenCV |' page.md
+grep -qF '`route/1000` | 28 ms |' page.md
+grep -qF '`replan/1000` | 2 ms | 14 x `route/1000` | 10 % of a plan |' page.md
 grep -qF '`lcm/300` | 50 µs, 99 %: 140 µs | 2.5 times as long as `udp_multicast/300` |' page.md
 grep -qF 'Runs that did not pass: office 1 of 2.' page.md
 if grep -q 'refused' page.md; then echo "a row without its figure"; exit 1; fi
