@@ -63,11 +63,15 @@ goal_t make_goal(const std::vector<std::string>& words, const Building& building
 }
 
 std::string default_building_file() {
+  const char* launched = std::getenv("LUMINAV_BUILDING");
+  if (launched != nullptr && *launched != '\0') {
+    return launched;
+  }
   std::error_code error;
   std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-  const std::filesystem::path building = "launch/buildings/laboratory/building.toml";
+  const std::filesystem::path building = "buildings/laboratory/building.toml";
   for (int level = 0; level < 5 && !folder.empty(); ++level, folder = folder.parent_path()) {
-    for (const std::filesystem::path& root : {folder, folder / "share" / "luminav"}) {
+    for (const std::filesystem::path& root : {folder / "launch", folder / "share" / "luminav"}) {
       if (std::filesystem::exists(root / building, error)) {
         return (root / building).string();
       }

@@ -16,7 +16,8 @@ std::optional<std::vector<double>> read_numbers(const std::vector<std::string>& 
 /// places.
 goal_t make_goal(const std::vector<std::string>& words, const Building& building);
 
-/// The laboratory that comes with the project, found from the program's own place; "" when it is not there.
+/// The launched building, LUMINAV_BUILDING; else the laboratory that comes with the project or was installed with it,
+/// found from the program's own place; "" when it is not there.
 std::string default_building_file();
 
 }  // namespace luminav
