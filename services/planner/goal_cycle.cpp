@@ -59,7 +59,6 @@ void GoalCycle::pause(std::int64_t id, std::int64_t now) {
   now_ = now;
   report_.goal_id = id;
   if (is_active() && phase_ != Phase::kPaused) {
-    paused_phase_ = phase_;
     search_.last.reset();
     set_path({});
     enter(Phase::kPaused, NavigationState::kPaused, fmt::format("paused on the way to {}", place_of(stop())));

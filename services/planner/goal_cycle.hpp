@@ -130,7 +130,6 @@ class GoalCycle {
   GoalRequest goal_;
   int stop_ = 0;
   Phase phase_ = Phase::kNone;
-  Phase paused_phase_ = Phase::kNone;
   NavigationReport report_;
   std::optional<std::string> cause_before_;  // of the report, before the pose was lost for a moment
   GoalPath path_;
