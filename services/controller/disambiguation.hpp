@@ -37,7 +37,7 @@ struct DisambiguationParams {
   double any_fixture = 0.05;            // worth of a fixture that all have
   double least_worth = 0.02;            // less is not worth a way
   double head_start = 1.5;              // [m] added to each way, so that a little worth close by does not win
-  double faithfulness = 1.4;            // what another place must be better than where it is heading
+  double faithfulness = 3.0;            // what another place must be better than where it is heading
 };
 
 /// Finds the place to drive to when several poses are possible: where what they foretell differs most for the least

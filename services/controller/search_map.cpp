@@ -92,19 +92,32 @@ void SearchMap::visit(const Eigen::Vector2d& place) {
   go_along(place);
   mark_seen(place, params_.seen_around);
   for (const int offset : disc_offsets(0.2)) {
-    cells_[static_cast<std::size_t>(index_of(place) + offset)].occupied = kMostFree;
+    Cell& cell = cells_[static_cast<std::size_t>(index_of(place) + offset)];
+    cell.occupied = kMostFree;
+    cell.shut = 0;
   }
 }
 
 void SearchMap::fade() {
   for (Cell& cell : cells_) {
     cell.occupied = cell.occupied > 0 ? static_cast<std::int8_t>(cell.occupied - 1) : cell.occupied;
+    cell.shut = cell.shut > 0 ? static_cast<std::int8_t>(cell.shut - 1) : cell.shut;
   }
 }
 
 void SearchMap::block(const Eigen::Vector2d& place) {
   if (origin_) {
     mark_seen(place, params_.blocked_around);
+  }
+}
+
+void SearchMap::shut(const Eigen::Vector2d& place) {
+  const int centre = origin_ ? index_of(place) : -1;
+  if (centre < 0) {
+    return;
+  }
+  for (const int offset : disc_offsets(params_.shut_around)) {
+    cells_[static_cast<std::size_t>(centre + offset)].shut = static_cast<std::int8_t>(params_.shut_for);
   }
 }
 
@@ -187,8 +200,13 @@ bool SearchMap::is_near_trail(const Eigen::Vector2d& place) const {
 
 Ground SearchMap::ground_at(const Eigen::Vector2d& place) const {
   const int index = origin_ ? index_of(place) : -1;
-  const std::int8_t occupied = index < 0 ? std::int8_t{0} : cells_[static_cast<std::size_t>(index)].occupied;
-  return occupied >= kStands ? Ground::kStands : occupied < 0 ? Ground::kFree : Ground::kUnknown;
+  if (index < 0) {
+    return Ground::kUnknown;
+  }
+  const Cell& cell = cells_[static_cast<std::size_t>(index)];
+  return cell.occupied >= kStands || cell.shut > 0 ? Ground::kStands
+         : cell.occupied < 0                       ? Ground::kFree
+                                                   : Ground::kUnknown;
 }
 
 bool SearchMap::stands_within(const Eigen::Vector2d& place, double radius) const {
@@ -225,8 +243,8 @@ std::optional<std::vector<Eigen::Vector2d>> SearchMap::way_to_new_ground(const E
 std::optional<std::vector<Eigen::Vector2d>> SearchMap::search(const Eigen::Vector2d& place, double clearance) const {
   const std::vector<int> around = disc_offsets(clearance);
   const auto is_passable = [&](int index) {
-    return cells_[static_cast<std::size_t>(index)].occupied < 0 &&
-           std::none_of(around.begin(), around.end(), [&](int offset) {
+    const Cell& cell = cells_[static_cast<std::size_t>(index)];
+    return cell.occupied < 0 && cell.shut == 0 && std::none_of(around.begin(), around.end(), [&](int offset) {
              return cells_[static_cast<std::size_t>(index + offset)].occupied >= kStands;
            });
   };

@@ -22,6 +22,8 @@ struct SearchMapParams {
   std::vector<double> clearances{0.4, 0.3, 0.2};
   double seen_around = 1.3;     // [m] around its trail it knows the ceiling
   double blocked_around = 0.5;  // [m] around a place that it could not reach
+  double shut_around = 0.3;     // [m] around a place that it could not drive through
+  int shut_for = 6;             // fadings after which it may be tried again
 };
 
 /// What the sonars say of a place.
@@ -39,10 +41,12 @@ class SearchMap {
   /// The robot is there [m, odom].
   void visit(const Eigen::Vector2d& place);
   /// Trusts what echoes drew a little less, until they are heard again: odometry drifts, and a wall that is entered
-  /// twice closes the doors beside it.
+  /// twice closes the doors beside it. What was shut is forgotten after some of these.
   void fade();
   /// A place could not be reached: it is new ground no more.
   void block(const Eigen::Vector2d& place);
+  /// No way led through a place, whatever the sonars say of it: for a while it counts as something that stands.
+  void shut(const Eigen::Vector2d& place);
   /// Way to the nearest new ground [m, odom], from the robot on; nothing if all that can be reached is known.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> way_to_new_ground(const Eigen::Vector2d& place) const;
 
@@ -56,6 +60,7 @@ class SearchMap {
   struct Cell {
     std::int8_t occupied = 0;  // > 0: something stands there; < 0: free
     std::int8_t heard = 0;     // direction [1/256 turn] of the last ray that ended there
+    std::int8_t shut = 0;      // fadings for which no way leads through
     bool is_seen = false;
   };
   [[nodiscard]] int index_of(const Eigen::Vector2d& place) const;

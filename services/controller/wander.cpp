@@ -24,6 +24,7 @@ void Wander::clear() {
   planned_ = approached_ = 0;
   driven_ = faded_at_ = 0.0;
   last_place_.reset();
+  stayed_at_.reset();
   repulsive_.setZero();
 }
 
@@ -67,9 +68,7 @@ void Wander::note_failure(std::int64_t now, const Pose2& odom_from_robot, double
 void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
   note_failure(now, odom_from_robot, is_turning_ ? target_ : odom_from_robot.theta);
   if (!way_.empty()) {
-    map_.block(way_.back());
-    way_.clear();
-    planned_ = 0;
+    end_way(odom_from_robot.position());
   }
   is_turning_ = is_turning_to_way_ = false;
   heading_.reset();
@@ -130,11 +129,36 @@ void Wander::plan(const WanderInput& input) {
     way_left_ = left;
   }
   way_ = std::move(*way);
-  if (seconds_between(approached_, now) > params_.approach_within) {
-    map_.block(way_.back());
-    way_.clear();
-    planned_ = 0;
+  if (seconds_between(approached_, now) > params_.approach_within || stays(now, place)) {
+    end_way(place);
   }
+}
+
+bool Wander::stays(std::int64_t now, const Eigen::Vector2d& place) {
+  if (!stayed_at_ || (place - *stayed_at_).norm() > params_.stay_within) {
+    stayed_at_ = place;
+    stayed_since_ = now;
+  }
+  if (seconds_between(stayed_since_, now) <= params_.stay_most) {
+    return false;
+  }
+  stayed_at_.reset();
+  return true;
+}
+
+// The way leads nowhere. Some pose that is possible may have a door where a wall stands, and many places behind it:
+// what is narrow or unknown before the robot is no way for any of them.
+void Wander::end_way(const Eigen::Vector2d& place) {
+  for (const Eigen::Vector2d& point : way_) {
+    const double ahead = (point - place).norm();
+    if (ahead > params_.dead_end_from && ahead < params_.dead_end_until &&
+        (map_.ground_at(point) != Ground::kFree || map_.stands_within(point, params_.disambiguation.clearance))) {
+      map_.shut(point);
+    }
+  }
+  map_.block(way_.back());
+  way_.clear();
+  planned_ = 0;
 }
 
 DriveTwist Wander::step(const WanderInput& input) {

@@ -32,6 +32,10 @@ struct WanderParams {
   double fade_every = 5.0;            // [m] beyond `look_around` after which old echoes count less
   double look_ahead = 0.6;            // [m] along the way to new ground
   double approach_within = 12.0;      // [s] it must have come nearer to where it goes, else it goes elsewhere
+  double stay_within = 0.7;           // [m] it has moved so little ...
+  double stay_most = 15.0;            // [s] for so long, on a way: that leads nowhere
+  double dead_end_from = 0.35;        // [m] along the way: so near to where it stayed
+  double dead_end_until = 1.2;        // [m] to so far
   double turn_from = radians(50.0);   // [rad] off its way that starts a turn on the spot
   double turn_until = radians(20.0);  // [rad] and that ends it
   SteadyHeadingParams heading{.free_heading = {.half_width = 0.28}};
@@ -87,6 +91,8 @@ class Wander {
   [[nodiscard]] DriveTwist steer(double direction, double duration, const WanderInput& input);
   void decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
               std::span<const ObstaclePoint> remembered);
+  [[nodiscard]] bool stays(std::int64_t now, const Eigen::Vector2d& place);
+  void end_way(const Eigen::Vector2d& place);
   void note_failure(std::int64_t now, const Pose2& odom_from_robot, double heading);
 
   WanderParams params_;
@@ -103,6 +109,8 @@ class Wander {
   std::int64_t planned_ = 0;                   // [us]
   std::int64_t approached_ = 0;                // [us] when it last came nearer to the end of its way
   double way_left_ = 0.0;                      // [m] least until then
+  std::optional<Eigen::Vector2d> stayed_at_;   // [m] odom: near there it has been since
+  std::int64_t stayed_since_ = 0;              // [us]
   std::int64_t last_step_ = 0;                 // [us]
   std::optional<Eigen::Vector2d> decided_at_;  // [m] odom, place of the last decision
   bool is_turning_ = false;

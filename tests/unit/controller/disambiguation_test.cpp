@@ -79,6 +79,18 @@ TEST_F(DisambiguationTest, GoesAroundAWallThatAllHave) {
   EXPECT_GT(farthest, 2.0);
 }
 
+TEST_F(DisambiguationTest, GoesAroundWhatWasFoundShut) {
+  for (double x = -1.5; x < 1.6; x += 0.3) {
+    map_.shut({x, 1.3});
+  }
+  const auto found = way(kTwoAlike, floor_with_walls({}), kBelowEither);
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->back().y(), 2.0);
+  for (const Eigen::Vector2d& place : *found) {
+    EXPECT_TRUE(std::abs(place.x()) > 1.5 || std::abs(place.y() - 1.3) > 0.2) << place.transpose();
+  }
+}
+
 TEST_F(DisambiguationTest, KnowsNoWayWhereAllForetellTheSame) {
   const std::vector<Fixture> alike{fixture_at(0, 0), fixture_at(20, 0)};
   EXPECT_FALSE(way(alike, floor_with_walls({}), kBelowEither));

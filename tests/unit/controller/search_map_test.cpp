@@ -129,6 +129,27 @@ TEST_F(SearchMapTest, GivesUpAPlaceThatCouldNotBeReached) {
   }
 }
 
+TEST_F(SearchMapTest, FindsNoWayThroughWhatWasShutUntilThatFades) {
+  look_round(room(true));
+  ASSERT_TRUE(map_.way_to_new_ground({1.0, 2.0}));
+  map_.shut({1.6, 0.0});
+  map_.shut({2.0, 0.0});
+  EXPECT_FALSE(map_.way_to_new_ground({1.0, 2.0}));
+  EXPECT_EQ(map_.ground_at({1.8, 0.0}), Ground::kStands) << "though the sonars hear nothing there";
+  for (int i = 0; i < SearchMapParams{}.shut_for; ++i) {
+    EXPECT_FALSE(map_.way_to_new_ground({1.0, 2.0}));
+    map_.fade();
+  }
+  EXPECT_TRUE(map_.way_to_new_ground({1.0, 2.0}));
+}
+
+TEST_F(SearchMapTest, OpensWhatWasShutWhereTheRobotHasComeThrough) {
+  look_round(room(true));
+  map_.shut({1.8, 0.0});
+  map_.visit({1.8, 0.0});
+  EXPECT_EQ(map_.ground_at({1.8, 0.0}), Ground::kFree);
+}
+
 TEST_F(SearchMapTest, SeesThatAnObstacleWentAway) {
   std::vector<Wall> walls = room(true);
   walls.push_back({{1.2, 0.05}, {2.4, 0.05}});  // somebody shut the door
