@@ -35,6 +35,7 @@ struct GridMapperParams {
   double arc_sharpness = 2.0;        ///< power to which their odds decide which cells of an arc these are
   double known_log_odds = 0.8;       ///< no cell counts as likelier than that, so that a wall may go on beside itself,
   double narrow_range = 3.0;         ///< [m] up to here; the arcs of farther echoes are wider than a door
+  double wall_thickness = 0.2;       ///< [m] behind a cell that answers, where nothing can be known from this side
   double view_distance = 0.05;       ///< [m] that a disc moves, or its reading changes, before it votes there again
   double view_angle = radians(3.0);  ///< [rad] or that it turns
   double robot_radius = 0.20;        ///< [m] around the robot nothing can stand
@@ -93,7 +94,7 @@ class GridMapper {
   /// Takes evidence from what ought to have answered so near to a disc.
   void look_beside(const DiscReading& reading);
   void vote_occupied(const DiscReading& reading, const SliceRanges& visible);
-  /// Makes the cell behind one that answered unknown where it was called free.
+  /// Makes the cells behind one that answered, as deep as a wall, unknown where they were called free.
   void forget_behind(const Eigen::Vector2d& disc, const Cell& wall);
   /// How likely an echo from so far away [m] came from a cell with that evidence, beside others on its arc.
   [[nodiscard]] double odds_of(std::int8_t evidence, double range) const;

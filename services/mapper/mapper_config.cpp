@@ -44,6 +44,7 @@ void read_grid_mapper(const TomlTable& table, GridMapperParams& grid) {
   grid.arc_sharpness = table.number("arc_sharpness", grid.arc_sharpness, {0.0, 10.0});
   grid.known_log_odds = table.number("known_log_odds", grid.known_log_odds, {-1.0, 10.0});
   grid.narrow_range = table.number("narrow_range", grid.narrow_range, {0.0, 20.0});
+  grid.wall_thickness = table.number("wall_thickness", grid.wall_thickness, {0.0, 1.0});
   grid.view_distance = table.number("view_distance", grid.view_distance, {0.0, 10.0});
   grid.standing_time = table.number("standing_time", grid.standing_time, {0.0, 60.0});
   grid.decay_time = table.number("decay_time", grid.decay_time, {0.0, 1e6});

@@ -252,6 +252,25 @@ TEST(GridMapper, LetsSilenceTakeAwayOnlyWhatWouldHaveAnsweredWhereNoMapIsKnown) 
   EXPECT_FALSE(occupied(mapper, 5.05, 8.05));
 }
 
+TEST(GridMapper, LetsFarEchoesTakeAwayNoMoreThanSilenceWhereNoMapIsKnown) {
+  const PriorMap map = room(Prior::kUnknown);
+  OccupancyGrid drawn(map.geometry);
+  drawn.evidence[map.geometry.index({50, 20})] = 60;  // alone
+  drawn.evidence[map.geometry.index({50, 50})] = 60;
+  for (int row = 76; row < 85; ++row) {
+    drawn.evidence[map.geometry.index({50, row})] = 60;  // a surface, and seen from right before it
+  }
+  GridMapper mapper({}, map, 16);
+  ASSERT_TRUE(mapper.restore_evidence(drawn));
+  Beam beam(mapper);
+  beam.look({4.0, 2.05, 0.0}, 3.5, 100);
+  beam.look({4.0, 5.05, 0.0}, 2.5, 100);
+  beam.look({4.0, 8.05, 0.0}, 3.5, 100);
+  EXPECT_TRUE(occupied(mapper, 5.05, 2.05));
+  EXPECT_FALSE(occupied(mapper, 5.05, 5.05)) << "an echo from so near means what it says";
+  EXPECT_FALSE(occupied(mapper, 5.05, 8.05));
+}
+
 TEST(GridMapper, DoesNotDrawFreeSpaceThroughAWallOfTheMap) {
   GridMapper mapper({}, room(), 16);
   Beam(mapper).look({8.5, 5.0, 0.9}, 5.0, 50, false);
@@ -319,12 +338,13 @@ TEST(GridMapper, DoesNotKnowWhatLiesBehindAWallThatItDraws) {
     return mapper.grid().evidence[mapper.grid().geometry.index(mapper.grid().geometry.cell_at({x, 5.05}))];
   };
   beam.look({4.0, 5.05, 0.0}, 2.5, 20);  // by a mirror that was no wall yet
-  ASSERT_LT(evidence(5.15), 0);
+  ASSERT_LT(evidence(5.25), 0);
   for (double x = 4.0; x < 4.5; x += 0.06) {
     beam.look({x, 5.05, 0.0}, 5.05 - x, 2);
   }
   EXPECT_TRUE(occupied(mapper, 5.05, 5.05));
   EXPECT_GE(evidence(5.15), 0);
+  EXPECT_GE(evidence(5.25), 0) << "walls are thicker than a cell";
   EXPECT_LT(evidence(4.45), 0);
 }
 
