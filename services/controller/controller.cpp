@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/controller/seconds_between.hpp"
+
 namespace luminav {
 namespace {
 
-double seconds_between(std::int64_t from, std::int64_t to) {
-  return 1e-6 * static_cast<double>(to - from);
-}
 std::int64_t microseconds(double seconds) {
   return static_cast<std::int64_t>(1e6 * seconds);
 }

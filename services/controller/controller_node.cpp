@@ -9,16 +9,13 @@
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 #include "services/controller/controller_messages.hpp"
+#include "services/controller/seconds_between.hpp"
 
 namespace luminav {
 namespace {
 
 constexpr std::int64_t kStatusPeriod = 100'000;   // [us] of CONTROL_STATUS
 constexpr std::int64_t kStatusMissing = 150'000;  // [us] without ROBOT_STATUS: ODOMETRY becomes the tick
-
-double seconds_between(std::int64_t from, std::int64_t to) {
-  return 1e-6 * static_cast<double>(to - from);
-}
 
 std::string say_age(const char* what, double seconds) {
   std::array<char, 100> text{};

@@ -3,15 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/controller/seconds_between.hpp"
+
 namespace luminav {
-namespace {
-
-double seconds_between(std::int64_t from, std::int64_t to) {
-  return 1e-6 * static_cast<double>(to - from);
-}
-
-}  // namespace
-
 EchoMemory::EchoMemory(const SonarRing& ring, const EchoMemoryParams& params) : ring_(ring), params_(params) {
   for (const Pose2& disc : ring_.robot_from_sonar) {
     Sector sector{-ring_.half_angle, ring_.half_angle};

@@ -3,15 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/controller/seconds_between.hpp"
+
 namespace luminav {
-namespace {
-
-double seconds_between(std::int64_t from, std::int64_t to) {
-  return 1e-6 * static_cast<double>(to - from);
-}
-
-}  // namespace
-
 void Wander::clear() {
   visits_.clear();
   failures_.clear();
