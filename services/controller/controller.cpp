@@ -254,15 +254,7 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, Contro
   next_escape_ = input.now + microseconds(config_.escape_pause);
 }
 
-void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output) {
-  const bool has_work = output.state != ControlState::kAtGoal && output.state != ControlState::kIdle &&
-                        output.state != ControlState::kStopped;
-  if (!has_work) {
-    progress_.restart(input.now, input.odom_from_robot);
-    standing_since_ = 0;
-    escapes_ = 0;
-    return;
-  }
+double Controller::judge_progress(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output) {
   if (escapes_ > 0 && distance(escape_place_, input.odom_from_robot) > config_.escaped_after) {
     escapes_ = 0;
   }
@@ -274,11 +266,29 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
   if (goes_in_circles && (verdict.blocked || without_progress > 0.5 * config_.stuck_after)) {
     output.seconds_without_progress = seconds_between(escape_since_, input.now);
   }
-  if (escape_ && (verdict.blocked || !escape_twist(input.now))) {
+  return without_progress;
+}
+
+void Controller::end_escape(std::int64_t now, const StopVerdict& verdict) {
+  if (escape_ && (verdict.blocked || !escape_twist(now))) {
     escape_.reset();
     standing_since_ = 0;
-    next_escape_ = input.now + microseconds(config_.escape_pause);
+    next_escape_ = now + microseconds(config_.escape_pause);
   }
+}
+
+void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output) {
+  const bool has_work = output.state != ControlState::kAtGoal && output.state != ControlState::kIdle &&
+                        output.state != ControlState::kStopped;
+  if (!has_work) {
+    progress_.restart(input.now, input.odom_from_robot);
+    standing_since_ = 0;
+    escapes_ = 0;
+    return;
+  }
+  const double without_progress = judge_progress(input, verdict, output);
+  const bool goes_in_circles = escapes_ >= config_.escapes_most;
+  end_escape(input.now, verdict);
   if (escape_) {
     return;
   }

@@ -85,6 +85,10 @@ class Controller {
   void follow(const ControlInput& input, ControlOutput& output);
   [[nodiscard]] std::optional<DriveTwist> escape_twist(std::int64_t now) const;
   void begin_escape(const ControlInput& input, bool by_unknown, ControlOutput& output);
+  /// Seconds since it last got anywhere; what is told of them counts escapes that led back to their place too.
+  double judge_progress(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output);
+  /// Where it is blocked, or over.
+  void end_escape(std::int64_t now, const StopVerdict& verdict);
   void wait_or_escape(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output);
 
   ControllerConfig config_;
