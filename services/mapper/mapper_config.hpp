@@ -20,7 +20,6 @@ struct MapperConfig {
   double heading_limit = radians(3.0);  ///< [rad] the same of the heading
   double turn_limit = 0.6;    ///< [rad/s] turning faster, nothing is drawn: errors of time become errors of angle
   double keep_period = 30.0;  ///< [s] between copies of the evidence to the state folder
-  std::string floor;          ///< "" = the only one
   std::filesystem::path state_folder;  ///< where maps are saved and evidence survives a restart; "" = nowhere
 };
 

@@ -74,9 +74,6 @@ void MapperNode::on_pose(const pose_t& pose) {
     subscriber_.drop("POSE with a number that is none");
     return;
   }
-  if (!config_.floor.empty() && pose.floor != config_.floor) {
-    return;
-  }
   const StampGuard::Verdict verdict = pose_stamps_.check(pose.utime);
   if (verdict == StampGuard::Verdict::kOld) {
     subscriber_.drop("POSE older than the last");
@@ -171,7 +168,6 @@ void MapperNode::send_tile(int tile, std::int64_t utime) {
     ++revisions_[i];
   }
   message.utime = utime;
-  message.floor = config_.floor;
   message.map_session = map_session_;
   message.revision = revisions_[i];
   message.map_command_id = map_command_id_;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "services/common/building/building.hpp"
@@ -17,7 +16,6 @@ struct PlannerConfig {
   RoutePlannerParams route;
   GoalCycleParams cycle;
   std::vector<Door> doors;             ///< for sentences: a blocked door is called one
-  std::string floor;                   ///< "" = the only one
   std::filesystem::path state_folder;  ///< where the goal list survives a restart; "" = nowhere
 };
 

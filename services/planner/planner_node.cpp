@@ -65,8 +65,8 @@ Health PlannerNode::health() const {
 // ---------------------------------------------------------------------------------------------------- requests
 
 std::string PlannerNode::objection_to(const goal_t& goal) const {
-  if (!config_.floor.empty() && !goal.floor.empty() && goal.floor != config_.floor) {
-    return fmt::format("the goal is on floor {}, the robot on floor {}", goal.floor, config_.floor);
+  if (!goal.floor.empty()) {
+    return fmt::format("the goal is on floor {}, but this building has one floor only", goal.floor);
   }
   if (goal.count < 1 || goal.count > kMostStops || static_cast<std::size_t>(goal.count) != goal.poses.size()) {
     return fmt::format("a goal of {} poses, must be 1 to {}", goal.count, kMostStops);
@@ -168,9 +168,6 @@ void PlannerNode::resume_stored_goal(std::int64_t now) {
 // ---------------------------------------------------------------------------------------------------- inputs
 
 void PlannerNode::on_grid_tile(const grid_tile_t& tile) {
-  if (!config_.floor.empty() && tile.floor != config_.floor) {
-    return;
-  }
   switch (map_.add(tile)) {
     case TileMap::Result::kRefused:
       subscriber_.drop("GRID_TILE that does not fit");
@@ -186,9 +183,6 @@ void PlannerNode::on_grid_tile(const grid_tile_t& tile) {
 void PlannerNode::on_pose(const pose_t& pose) {
   if (!all_finite({pose.x, pose.y, pose.theta}) || pose.utime <= 0) {
     subscriber_.drop("POSE with a number that is none");
-    return;
-  }
-  if (!config_.floor.empty() && pose.floor != config_.floor) {
     return;
   }
   const StampGuard::Verdict verdict = pose_stamps_.check(pose.utime);
@@ -302,7 +296,6 @@ void PlannerNode::request_tiles(std::int64_t now) {
   tile_request_t request{};
   request.utime = now;
   request.id = ++request_id_;
-  request.floor = config_.floor;
   map_.missing(kMostRequested, request.tile_column, request.tile_row);
   request.count = static_cast<std::int32_t>(request.tile_column.size());  // none known yet: all of them
   lcm_.publish(channels::kTileRequest, &request);
@@ -322,7 +315,6 @@ void PlannerNode::publish_path(std::int64_t now) {
   message.goal_id = path.goal_id;
   message.pose_index = path.stop_index;
   message.sequence = path.sequence;
-  message.floor = config_.floor;
   message.tolerance = path.tolerance;
   message.has_theta = path.has_theta;
   message.theta = path.theta;

@@ -236,7 +236,13 @@ TEST(PlannerNode, RefusesGoalsThatAreNoGoals) {
   world.send(world.goal(2, {}));
   EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
   EXPECT_EQ(world.status.goal_id, 2);
-  EXPECT_EQ(world.node.health().dropped_inputs, 2);
+  goal_t elsewhere = world.goal(3, {{1.0, 1.0}});
+  elsewhere.floor = "second";
+  world.send(elsewhere);
+  EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
+  EXPECT_EQ(world.status.goal_id, 3);
+  EXPECT_THAT(world.status.cause, HasSubstr("floor second"));
+  EXPECT_EQ(world.node.health().dropped_inputs, 3);
 }
 
 TEST(PlannerNode, DrivesToTheNearestPointWithinTheToleranceOfABlockedGoal) {
