@@ -50,8 +50,7 @@ struct SonarEcho {
 };
 
 struct SonarScan {
-  std::int64_t utime = 0;  // [us] of the newest reading
-  std::int64_t session = 0;
+  std::int64_t utime = 0;           // [us] of the newest reading
   std::vector<SonarEcho> readings;  // the fresh ones only
 };
 

@@ -98,7 +98,6 @@ void LocalizerNode::on_sonar(const sonar_t& message) {
   }
   SonarScan scan;
   scan.utime = message.utime;
-  scan.session = message.session;
   for (int i = 0; i < message.count; ++i) {
     const auto disc = static_cast<std::size_t>(i);
     if (message.fresh[disc] != 0 && std::isfinite(message.range[disc])) {

@@ -68,7 +68,7 @@ fixture_detections_t to_message(const SightingFrame& frame) {
 sonar_t to_message(const SonarScan& scan) {
   sonar_t message{};
   message.utime = scan.utime;
-  message.session = scan.session;
+  message.session = 1;
   message.count = 16;
   message.range.assign(16, 5.0F);
   message.has_echo.assign(16, 0);

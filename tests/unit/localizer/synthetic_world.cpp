@@ -375,7 +375,6 @@ int SyntheticWorld::fixtures_in_view(const Pose2& pose, double share) const {
 SonarScan SyntheticWorld::hear() {
   SonarScan scan;
   scan.utime = utime_;
-  scan.session = 1;
   const int discs = static_cast<int>(robot_.sonar.robot_from_sonar.size());
   for (int i = 0; i < std::min(5, discs); ++i) {
     const int disc = next_disc_;
