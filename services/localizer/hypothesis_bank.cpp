@@ -166,13 +166,22 @@ void HypothesisBank::compare_next() {
     }
     budget_.spend(cost);
     visit(hypotheses_[next_]);
-    round_best_sonar_ = std::max(round_best_sonar_, hypotheses_[next_].sonar);
+    if (may_lead(hypotheses_[next_])) {
+      round_best_sonar_ = std::max(round_best_sonar_, hypotheses_[next_].sonar);
+    }
     ++next_;
   }
   if (!round_.echoes.empty()) {
     best_sonar_ = round_best_sonar_;
   }
   phase_ = Phase::kCompared;
+}
+
+// One that sonar alone could not bring before the leader must not be what all others are measured by: it would hold
+// them all at the most that sonar can hold against a pose, and say nothing of which is the better one.
+bool HypothesisBank::may_lead(const Hypothesis& hypothesis) const {
+  const auto without_sonar = [](const Hypothesis& h) { return h.total - h.sonar_part; };
+  return without_sonar(hypothesis) >= without_sonar(hypotheses_.front()) - params_.sonar_cap;
 }
 
 void HypothesisBank::visit(Hypothesis& hypothesis) const {
@@ -240,7 +249,7 @@ void HypothesisBank::correct(Hypothesis& hypothesis, const FrameComparison& comp
 void HypothesisBank::seed(SceneMemory& scene) {
   // a round without an image has the objects of the last one, which have been used
   if (phase_ == Phase::kCompared && round_.has_image) {
-    births_.begin(round_, scene);
+    births_.begin(round_, scene, best_sonar_ - 1.0);
     least_total_ = hypotheses_.empty() ? -1e18 : score_of(hypotheses_.front(), best_sonar_, params_) - params_.prune;
     phase_ = Phase::kBear;
   }
@@ -254,7 +263,6 @@ void HypothesisBank::bear_next() {
   while (!births_.is_complete() && !budget_.is_spent()) {
     for (Hypothesis& hypothesis : births_.next(hypotheses_, budget_)) {
       hypothesis.settled = null_settled_;
-      hypothesis.sonar = best_sonar_ - 1.0;
       if (score_of(hypothesis, best_sonar_, params_) >= least_total_) {
         add(std::move(hypothesis));
       }
@@ -284,17 +292,6 @@ void HypothesisBank::add_guess(const PoseBelief& belief, double bonus) {
   }
   add(std::move(guess));
   ranking_.begin();
-}
-
-void HypothesisBank::follow(int id, const PoseBelief& belief) {
-  if (phase_ == Phase::kCompare || has_moved_) {
-    return;
-  }
-  for (Hypothesis& hypothesis : hypotheses_) {
-    if (hypothesis.id == id) {
-      hypothesis.belief = belief;
-    }
-  }
 }
 
 PoseBelief HypothesisBank::belief_now(std::size_t index) const {

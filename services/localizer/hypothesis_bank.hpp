@@ -66,8 +66,6 @@ class HypothesisBank {
 
   /// A guess from outside, of where the robot is now.
   void add_guess(const PoseBelief& belief, double bonus);
-  /// Takes a belief of where the robot is now for that of a hypothesis. While the list lags behind nothing is done.
-  void follow(int id, const PoseBelief& belief);
 
   [[nodiscard]] const std::vector<Hypothesis>& hypotheses() const { return hypotheses_; }
   [[nodiscard]] std::vector<Hypothesis>& hypotheses() { return hypotheses_; }
@@ -84,6 +82,7 @@ class HypothesisBank {
 
   void begin_round();
   void compare_next();
+  [[nodiscard]] bool may_lead(const Hypothesis& hypothesis) const;
   void visit(Hypothesis& hypothesis) const;
   void move(Hypothesis& hypothesis) const;
   void compare(Hypothesis& hypothesis) const;
@@ -112,7 +111,7 @@ class HypothesisBank {
   EvidenceRound round_;
   std::optional<FrameComparer> comparer_;
   std::size_t next_ = 0;           // hypothesis to be compared with the image
-  double round_best_sonar_ = 0.0;  // of those that have heard the round's echoes
+  double round_best_sonar_ = 0.0;  // of those that may lead and have heard the round's echoes
   HypothesisBirths births_;
   double least_total_ = 0.0;  // what is born with less would be given up at once
   HypothesisRanking ranking_;

@@ -31,9 +31,10 @@ void HypothesisBirths::abort() {
   comparer_.reset();
 }
 
-void HypothesisBirths::begin(const EvidenceRound& round, SceneMemory& scene) {
+void HypothesisBirths::begin(const EvidenceRound& round, SceneMemory& scene, double sonar) {
   abort();
   round_ = &round;
+  sonar_ = sonar;
   for (std::size_t i = 0; i < round.objects.size(); ++i) {
     const SeenObject& object = round.objects[i];
     if (object.seeded || !object.is_visible || object.frames < 3 ||
@@ -119,8 +120,13 @@ void HypothesisBirths::bear(const Fixture& fixture, const std::vector<Hypothesis
         expect_sighting(hypothesis.belief.pose, fixture.world_from_fixture).jacobian.inverse();
     hypothesis.belief.covariance = inverse * noise * inverse.transpose();
     const Pose2& pose = hypothesis.belief.pose;
+    hypothesis.sonar = sonar_;
     const bool is_taken = taken_->any_near(pose, [&](std::size_t i) {
-      return is_same_place(known[i].belief.pose, pose, params_) && explains_mother(known[i]);
+      if (!is_same_place(known[i].belief.pose, pose, params_)) {
+        return false;
+      }
+      hypothesis.sonar = std::min(hypothesis.sonar, known[i].sonar);  // from there the same was heard
+      return explains_mother(known[i]);
     });
     if (!is_taken && is_possible_place(hypothesis.belief)) {
       vote_for_scene(hypothesis);

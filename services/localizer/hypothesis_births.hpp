@@ -25,8 +25,9 @@ class HypothesisBirths {
                    double wheel_base, const ErrorParams& errors, const HypothesisParams& params);
 
   /// Begins with the objects of a round, which must stay as it is until all are born, that have not been used for it.
-  /// They are marked in `scene`.
-  void begin(const EvidenceRound& round, SceneMemory& scene);
+  /// They are marked in `scene`. Newborn ones have the score `sonar` of what was heard before, or that of a pose beside
+  /// them if it is worse.
+  void begin(const EvidenceRound& round, SceneMemory& scene, double sonar);
   void abort();
   [[nodiscard]] bool is_complete() const { return mother_ >= mothers_.size(); }
   /// The next ones that `known` does not hold yet, without prior. Until complete nobody but the caller appends to it.
@@ -48,6 +49,7 @@ class HypothesisBirths {
   const HypothesisParams& params_;
 
   const EvidenceRound* round_ = nullptr;
+  double sonar_ = 0.0;
   std::vector<std::size_t> mothers_;  // objects that hypotheses are made from
   std::size_t mother_ = 0;            // the one at work
   int fixture_ = 0;                   // next for it

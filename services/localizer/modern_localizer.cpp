@@ -212,7 +212,6 @@ void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vect
     fixture_utime_ = frame.utime;
     odometer_at_fixture_ = odometer_;
   }
-  bank_.follow(verdict_.leader_id(), filter_.belief());
 }
 
 void ModernLocalizer::decide(const SightingFrame& frame) {
