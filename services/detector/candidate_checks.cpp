@@ -19,9 +19,8 @@ constexpr double kMostAcross = 0.030;  // [m] 1 sigma of its place across
 constexpr double kLeastDisc = 16.0;    // [px] across: smaller ones must be lit, with an edge nearly all round
 constexpr double kSpeckFit = 0.92;
 // Of a fixture whose other long side is out of view:
-constexpr double kLeastStretch = 0.4;    // of the side that is seen
-constexpr double kEndlessStretch = 0.5;  // without an end in view
-constexpr double kOneSideFit = 0.85;     // share of it that must show its edge
+constexpr double kLeastStretch = 0.4;  // of the side that is seen
+constexpr double kOneSideFit = 0.85;   // share of it that must show its edge
 constexpr double kMostHeading = radians(0.7);
 
 }  // namespace
@@ -43,7 +42,7 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   }
   const std::optional<Side> only_side = fit.only_side();
   if (const char* why =
-          only_side ? objection_to_one_side(candidate, *only_side, bright) : objection_to_edges(candidate, bright)) {
+          only_side ? objection_to_one_side(candidate, *only_side) : objection_to_edges(candidate, bright)) {
     return why;
   }
   if (!bright && !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
@@ -108,7 +107,7 @@ const char* CandidateChecks::objection_to_edges(const Candidate& candidate, bool
   return objection_to_ends(fit);
 }
 
-const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, Side side, bool bright) const {
+const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, Side side) const {
   const OutlineFit& fit = candidate.fit;
   if (candidate.hypothesis.is_element || candidate.hypothesis.half_width) {
     return "one long side alone";
@@ -121,9 +120,7 @@ const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, S
     return "no edge along a long side";
   }
   const int ends = (fit.end_visible(kFarEnd) ? 1 : 0) + (fit.end_visible(kNearEnd) ? 1 : 0);
-  // A dark stripe without ends may be anything, a lit one is a lamp.
-  if (ends < 1 &&
-      (!bright || fit.visible_to - fit.visible_from < kEndlessStretch * candidate.hypothesis.outline.length)) {
+  if (ends < 1) {
     return "too few ends";
   }
   if (fit.covariance(2, 2) > kMostHeading * kMostHeading) {

@@ -176,19 +176,6 @@ TEST(ModernDetector, PlacesAFixtureByOneLongSideAndItsEndsWhereTheOtherIsBeyondT
   }
 }
 
-TEST(ModernDetector, KnowsTheSideOfALitPieceWhoseOtherSideAndEndsAreBeyondTheBorder) {
-  DrawnCeiling ceiling;
-  const Pose2 truth{0.96, 1.32, -0.25 * kPi};  // across a corner of the image, 1.08 m ahead and 1.44 m to the left
-  ceiling.shapes = {{.pose = truth}};
-  const auto detections = detect(ceiling);
-  ASSERT_EQ(detections.size(), 1U);
-  EXPECT_FALSE(detections[0].near_end_visible || detections[0].far_end_visible);
-  const Pose2 error = truth.inverse() * detections[0].robot_from_fixture;
-  EXPECT_NEAR(error.y, 0.0, 10e-3);
-  EXPECT_NEAR(wrap_axis(error.theta), 0.0, radians(1.0));
-  EXPECT_GT(std::sqrt(detections[0].covariance.topLeftCorner<2, 2>().trace()), 0.1) << "along it lies anywhere";
-}
-
 TEST(ModernDetector, LeavesOutAPieceThatIsNoDeeperThanANarrowerFixture) {
   DrawnCeiling ceiling;
   ceiling.shapes = {{.pose = {1.13, 0.1, 0.5 * kPi}}};  // 0.1 m of it is in view, and fixtures of 0.15 m are listed
