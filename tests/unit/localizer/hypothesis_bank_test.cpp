@@ -35,6 +35,18 @@ RobotDescription robot() {
   return robot;
 }
 
+/// A robot that stands at a place and sees without errors.
+SyntheticOptions standing_at(const Pose2& place) {
+  return {.seed = 3,
+          .perfect = true,
+          .miss_lit = 0.0,
+          .false_alarm = 0.0,
+          .clutter = 0,
+          .unknown_boxes = 0,
+          .speed = 0.0,
+          .start = place};
+}
+
 /// 90 m x 80 m, fixtures every 3 m and 2.4 m with gaps and offsets as an architect's mistakes would make them.
 TestBuilding hall() {
   TestBuilding result;
@@ -113,14 +125,7 @@ class HypothesisBankInAHall : public ::testing::Test {
 };
 
 TEST_F(HypothesisBankInAHall, BearsTheSamePosesInManyStepsAsInOne) {
-  const SyntheticOptions still{.seed = 3,
-                               .perfect = true,
-                               .miss_lit = 0.0,
-                               .false_alarm = 0.0,
-                               .clutter = 0,
-                               .unknown_boxes = 0,
-                               .speed = 0.0,
-                               .start = Pose2{40.0, 40.0, 0.3}};
+  const SyntheticOptions still = standing_at({40.0, 40.0, 0.3});
   const Drive at_once = drive(kUnbounded, still, 6.0);
   const int little = kBounded / 2;
   const Drive in_turn = drive(little, still, 6.0);
@@ -161,15 +166,7 @@ TEST(HypothesisBank, APoseThatExplainsNothingKeepsTheRightOneBesideItNotOut) {
   lamp.world_from_fixture = {5.0, 5.0, 0.0};
   hall.building.fixtures.push_back(lamp);
   const Pose2 start{5.1, 4.8, 0.3};
-  const SyntheticOptions still{.seed = 3,
-                               .perfect = true,
-                               .miss_lit = 0.0,
-                               .false_alarm = 0.0,
-                               .clutter = 0,
-                               .unknown_boxes = 0,
-                               .speed = 0.0,
-                               .start = start};
-  SyntheticWorld world(hall.building, hall.walls, robot(), still);
+  SyntheticWorld world(hall.building, hall.walls, robot(), standing_at(start));
   ModernLocalizer localizer(hall.building, hall.walls, robot(), ErrorParams{}, {});
   const PoseBelief beside{{5.1 + 0.2, 4.8 - 0.15, 0.3}, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()};
   localizer.add_guess({1, beside});
