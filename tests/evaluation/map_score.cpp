@@ -14,6 +14,8 @@ namespace {
 
 constexpr int kOccupiedEvidence = 17;  // log-odds 0.85, probability 0.7
 constexpr double kNear = 3.0;          // [m]
+constexpr double kCosOblique = 0.5;    // cosine of 60 degrees
+constexpr double kViewSpacing = 0.25;  // [m] between the points of a trail that are looked from
 constexpr int kLeastCells = 50;
 constexpr double kRobotRadius = 0.3;  // [m] of what the robot's middle can get to
 
@@ -91,13 +93,23 @@ bool in_sight(const cv::Mat& free, const Cell& from, const Cell& to) {
   return true;
 }
 
-/// Marks surface cells that some point of the trail had within 3 m in line of sight.
+/// Whether a surface cell shows a face to what looks at it along `way` [cells] no more than kOblique off the face's
+/// normal: beyond that the sound goes elsewhere.
+bool shows_face(const cv::Mat& free, int row, int column, const Eigen::Vector2d& way) {
+  const auto shows = [&](int dr, int dc) {
+    return free.at<std::uint8_t>(row + dr, column + dc) != 0 &&
+           -way.dot(Eigen::Vector2d(dc, dr)) >= kCosOblique * way.norm();
+  };
+  return shows(-1, 0) || shows(1, 0) || shows(0, -1) || shows(0, 1);
+}
+
+/// Marks surface cells of which some point of the trail saw a face from within 3 m and 60 degrees.
 cv::Mat faces_passed(const cv::Mat& free, const GridGeometry& g, const std::vector<TrailPoint>& trail) {
   cv::Mat passed(free.size(), CV_8U, cv::Scalar(0));
   const int reach = static_cast<int>(kNear / g.resolution);
   Pose2 last{1e9, 1e9, 0.0};
   for (const TrailPoint& point : trail) {
-    if (distance(point.truth, last) < 0.5) {
+    if (distance(point.truth, last) < kViewSpacing) {
       continue;
     }
     last = point.truth;
@@ -105,12 +117,9 @@ cv::Mat faces_passed(const cv::Mat& free, const GridGeometry& g, const std::vect
     for (int row = std::max(1, here.row - reach); row <= std::min(g.rows - 2, here.row + reach); ++row) {
       for (int column = std::max(1, here.column - reach); column <= std::min(g.columns - 2, here.column + reach);
            ++column) {
-        const bool is_face =
-            free.at<std::uint8_t>(row, column) == 0 && passed.at<std::uint8_t>(row, column) == 0 &&
-            (free.at<std::uint8_t>(row - 1, column) != 0 || free.at<std::uint8_t>(row + 1, column) != 0 ||
-             free.at<std::uint8_t>(row, column - 1) != 0 || free.at<std::uint8_t>(row, column + 1) != 0);
-        if (is_face && std::hypot(row - here.row, column - here.column) <= reach &&
-            in_sight(free, here, {column, row})) {
+        const Eigen::Vector2d way(column - here.column, row - here.row);
+        if (free.at<std::uint8_t>(row, column) == 0 && passed.at<std::uint8_t>(row, column) == 0 &&
+            way.norm() <= reach && shows_face(free, row, column, way) && in_sight(free, here, {column, row})) {
           passed.at<std::uint8_t>(row, column) = 255;
         }
       }

@@ -10,10 +10,9 @@
 namespace luminav {
 
 /// Compares the sonars' evidence with the true walls and boxes: median distance of occupied cells' centres to the
-/// nearest true face, from either side, share of wall faces that the robot passed within 3 m in line of sight and that
-/// have evidence within one cell, share of free evidence that is truly free, share of the floor within the robot's
-/// reach that is known to be free. Not measured when there is hardly any
-/// evidence.
+/// nearest true face, from either side, share of wall faces that the robot passed in line of sight, within 3 m and 60
+/// degrees of their normal, and that have evidence within one cell, share of free evidence that is truly free, share of
+/// the floor within the robot's reach that is known to be free. Not measured when there is hardly any evidence.
 MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const std::vector<TrailPoint>& trail);
 
 /// Length [m] of the shortest 8-connected way between two points for a disc of the given radius, octile metric; a
