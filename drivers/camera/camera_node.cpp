@@ -1,5 +1,7 @@
 #include "drivers/camera/camera_node.hpp"
 
+#include "services/common/process/lcm_conversions.hpp"
+
 #include <algorithm>
 #include <string>
 
@@ -33,8 +35,8 @@ CameraNode::CameraNode(lcm::LCM& lcm, const CameraConfig& config, const Clock& c
 }
 
 void CameraNode::on_odometry(const odometry_t& message) {
-  if (!all_finite({message.angular})) {
-    subscriber_.drop("ODOMETRY: not a number");
+  if (!is_possible(message)) {
+    subscriber_.drop("ODOMETRY: what no robot measures");
     return;
   }
   if (odometry_stamps_.check(message.utime) == StampGuard::Verdict::kOld) {

@@ -90,8 +90,8 @@ void ControllerNode::on_grid_tile(const grid_tile_t& message) {
 }
 
 void ControllerNode::on_pose(const pose_t& message) {
-  if (!all_finite({message.x, message.y, message.theta})) {
-    subscriber_.drop("POSE: not a number");
+  if (!is_possible(message)) {
+    subscriber_.drop("POSE: not a pose");
     return;
   }
   if (!odometry_.empty() && odometry_.is_too_far_ahead(message.utime)) {
@@ -126,8 +126,8 @@ void ControllerNode::restart_odometry(const odometry_t& first) {
 }
 
 void ControllerNode::on_odometry(const odometry_t& message) {
-  if (!all_finite({message.x, message.y, message.theta, message.linear, message.angular})) {
-    subscriber_.drop("ODOMETRY: not a number");
+  if (!is_possible(message)) {
+    subscriber_.drop("ODOMETRY: what no robot measures");
     return;
   }
   const StampGuard::Verdict verdict = odometry_guard_.check(message.utime);

@@ -75,7 +75,6 @@ bool is_finite(const Detection& detection) {
 DetectorNode::DetectorNode(lcm::LCM& lcm, const DetectorConfig& config)
     : lcm_(lcm),
       detector_(config.params, config.camera, config.catalogue),
-      time_offset_(std::llround(config.camera.time_offset * 1e6)),
       calibrated_width_(config.camera.intrinsics.width),
       calibrated_height_(config.camera.intrinsics.height),
       subscriber_(lcm) {
@@ -113,7 +112,7 @@ void DetectorNode::on_camera_image(const camera_image_t& message) {
   }
   camera_health_ = message.health;
   fixture_detections_t result{};
-  result.utime = message.utime + time_offset_;
+  result.utime = message.utime;
   result.sequence = message.sequence;
   result.camera = message.camera;
   result.width = message.width;

@@ -31,9 +31,8 @@ class DetectorNode {
   Detector detector_;
   JpegDecoder decoder_;
   GreyImage decoded_;
-  std::int64_t time_offset_;  // [us] from the image's stamp to the true time
-  int calibrated_width_;      // [px]
-  int calibrated_height_;     // [px]
+  int calibrated_width_;   // [px]
+  int calibrated_height_;  // [px]
   bool refusing_ = false;
   std::string camera_health_;
   Subscriber subscriber_;

@@ -39,8 +39,8 @@ LocalizerNode::LocalizerNode(lcm::LCM& lcm, LocalizerConfig config)
 }
 
 void LocalizerNode::on_odometry(const odometry_t& message) {
-  if (!all_finite({message.x, message.y, message.theta, message.linear, message.angular})) {
-    subscriber_.drop("ODOMETRY: not a number");
+  if (!is_possible(message)) {
+    subscriber_.drop("ODOMETRY: what no robot measures");
     return;
   }
   const StampGuard::Verdict verdict = odometry_stamps_.check(message.utime);
@@ -53,6 +53,9 @@ void LocalizerNode::on_odometry(const odometry_t& message) {
     --odometry_session_;
     detection_stamps_ = {};
     sonar_stamps_ = {};
+    memory_.forget();  // what it holds belongs to the old stream
+    is_remembered_ = false;
+    remembered_utime_ = 0;
   }
   if (verdict == StampGuard::Verdict::kNewSession || message.session != wheels_session_) {
     wheels_.restart();
@@ -138,7 +141,7 @@ void LocalizerNode::recall_pose(const odometry_t& odometry) {
 }
 
 void LocalizerNode::remember_pose(const odometry_t& odometry, const LocalizerEstimate& estimate) {
-  if (estimate.state != LocalizerState::kTracking || odometry_session_ != 0) {
+  if (estimate.state != LocalizerState::kTracking) {
     if (is_remembered_ && odometry.utime - remembered_utime_ > kMemoryPatience) {
       memory_.forget();  // better none than one that is in doubt
       is_remembered_ = false;

@@ -68,10 +68,9 @@ bool MapperNode::is_trusted(const pose_t& pose) const {
 }
 
 void MapperNode::on_pose(const pose_t& pose) {
-  if (!all_finite({pose.x, pose.y, pose.theta, pose.covariance[0], pose.covariance[4], pose.covariance[8], pose.linear,
-                   pose.angular}) ||
+  if (!is_possible(pose) || !all_finite({pose.covariance[0], pose.covariance[4], pose.covariance[8]}) ||
       pose.utime <= 0) {
-    subscriber_.drop("POSE with a number that is none");
+    subscriber_.drop("POSE that is none");
     return;
   }
   const StampGuard::Verdict verdict = pose_stamps_.check(pose.utime);

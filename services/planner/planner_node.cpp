@@ -181,8 +181,8 @@ void PlannerNode::on_grid_tile(const grid_tile_t& tile) {
 }
 
 void PlannerNode::on_pose(const pose_t& pose) {
-  if (!all_finite({pose.x, pose.y, pose.theta}) || pose.utime <= 0) {
-    subscriber_.drop("POSE with a number that is none");
+  if (!is_possible(pose) || pose.utime <= 0) {
+    subscriber_.drop("POSE that is none");
     return;
   }
   const StampGuard::Verdict verdict = pose_stamps_.check(pose.utime);

@@ -76,8 +76,8 @@ void ViewerNode::heard(const char* channel, std::int64_t utime) {
 }
 
 void ViewerNode::on_pose(const pose_t& message) {
-  if (!all_finite({message.x, message.y, message.theta})) {
-    subscriber_.drop("POSE is not a number");
+  if (!is_possible(message)) {
+    subscriber_.drop("POSE is not a pose");
     return;
   }
   heard(channels::kPose, message.utime);
@@ -120,6 +120,10 @@ void ViewerNode::on_sonar(const sonar_t& message) {
 }
 
 void ViewerNode::on_odometry(const odometry_t& message) {
+  if (!is_possible(message)) {
+    subscriber_.drop("ODOMETRY is not what a robot measures");
+    return;
+  }
   newest_stamp_ = message.utime;
   heard(channels::kOdometry);
   newest_["odometry"] = to_json(message);

@@ -30,7 +30,7 @@ GeometricSensing::GeometricSensing(lcm::LCM& lcm, const WorldTruth& world, const
       viewer_(world, believed, believed_camera),
       light_(world_.building, seed),
       random_(seed, "geometric sensing"),
-      stamp_offset_(std::llround(1e6 * (believed_camera.time_offset - world.robot.camera.time_offset))),
+      stamp_offset_(-std::llround(1e6 * world.robot.camera.time_offset)),
       frame_time_(1e6 * world.robot.camera.row_time * world.robot.camera.intrinsics.height) {
   message_.width = believed_camera.intrinsics.width;
   message_.height = believed_camera.intrinsics.height;

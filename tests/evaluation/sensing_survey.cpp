@@ -129,7 +129,7 @@ SensingSurvey::SensingSurvey(lcm::LCM& lcm, const WorldTruth& world, const Build
     : world_(world),
       viewer_(world, believed, believed_camera),
       light_(world_.building, seed),
-      offset_(1e6 * (world.robot.camera.time_offset - believed_camera.time_offset)),
+      offset_(1e6 * world.robot.camera.time_offset),
       subscriber_(lcm) {
   subscriber_.on(channels::kSimTruth, &SensingSurvey::on_truth, this);
   subscriber_.on(channels::kFixtureDetections, &SensingSurvey::on_detections, this);

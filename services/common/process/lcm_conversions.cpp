@@ -13,8 +13,28 @@ namespace {
 
 constexpr std::size_t kTileCells = static_cast<std::size_t>(kTileSide) * kTileSide;
 constexpr int kFastCompression = 1;  // a tile shrinks to 100-400 bytes at any level
+constexpr double kFarthest = 1e5;    // [m]
+constexpr double kMostTurns = 1e3;   // [rad] of a heading; it ought to be wrapped
+constexpr double kFastest = 10.0;    // [m/s]
+constexpr double kQuickest = 100.0;  // [rad/s]
+
+/// Odometry and poses alike; a comparison with what is no number is false.
+template <typename Message>
+bool is_possible_motion(const Message& message) {
+  return std::abs(message.x) <= kFarthest && std::abs(message.y) <= kFarthest &&
+         std::abs(message.theta) <= kMostTurns && std::abs(message.linear) <= kFastest &&
+         std::abs(message.angular) <= kQuickest;
+}
 
 }  // namespace
+
+bool is_possible(const odometry_t& message) {
+  return is_possible_motion(message);
+}
+
+bool is_possible(const pose_t& message) {
+  return is_possible_motion(message);
+}
 
 grid_tile_t encode_tile(const OccupancyGrid& grid, int tile_column, int tile_row) {
   std::array<std::uint8_t, 2 * kTileCells> layers{};

@@ -17,6 +17,11 @@ inline Pose2 world_from_robot(const pose_t& message) {
   return {message.x, message.y, message.theta};
 }
 
+/// False for what no robot measures: numbers that are none, places beyond 100 km, speeds beyond 10 m/s or 100 rad/s.
+/// Sums and cells of anything less can be trusted not to overflow.
+[[nodiscard]] bool is_possible(const odometry_t& message);
+[[nodiscard]] bool is_possible(const pose_t& message);
+
 /// Something blocks a wheel or presses a bumper.
 inline bool is_blocked(const robot_status_t& message) {
   return message.stall_left || message.stall_right || message.bumpers_front != 0 || message.bumpers_rear != 0;

@@ -124,11 +124,13 @@ struct OdometryResidual {
 template <int kCount>
 struct PriorResidual {
   std::array<double, kCount> sigma;
+  std::array<double, kCount> expected{};
 
   template <typename T>
   bool operator()(const T* values, T* residual) const {
     for (int i = 0; i < kCount; ++i) {
-      residual[i] = values[i] / sigma[static_cast<std::size_t>(i)];
+      const auto k = static_cast<std::size_t>(i);
+      residual[i] = (values[i] - expected[k]) / sigma[k];
     }
     return true;
   }
@@ -213,9 +215,13 @@ void add_odometry(ceres::Problem& problem, Unknowns& unknowns, const std::vector
   }
 }
 
-void add_priors(ceres::Problem& problem, Unknowns& unknowns, const ErrorParams& errors) {
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(
-                               new PriorResidual<3>{{errors.wheel_scale, errors.wheel_ratio, errors.wheel_base}}),
+// The wheels' unknowns are their whole correction, for odometry comes as the wheels told it; the camera's are what is
+// left beside its file, for the detections were placed with that.
+void add_priors(ceres::Problem& problem, Unknowns& unknowns, const LocalizerConfig& config) {
+  const ErrorParams& errors = config.errors;
+  const Triple wheels{config.wheels.scale, config.wheels.ratio, config.wheels.base};
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>{
+                               {errors.wheel_scale, errors.wheel_ratio, errors.wheel_base}, wheels}),
                            nullptr, unknowns.wheels.data());
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual<6>, 6, 6>(new PriorResidual<6>{
                                {errors.camera_tilt, errors.camera_tilt, errors.camera_yaw, errors.camera_scale,
@@ -255,6 +261,7 @@ DriveCalibration calibrate_drive(const std::vector<KnownFrame>& frames, const Lo
     return result;
   }
   Unknowns unknowns;
+  unknowns.wheels = {config.wheels.scale, config.wheels.ratio, config.wheels.base};
   for (const KnownFrame& frame : frames) {
     unknowns.poses.push_back({frame.world_from_robot.x, frame.world_from_robot.y, frame.world_from_robot.theta});
     for (const KnownSighting& known : frame.sightings) {
@@ -267,7 +274,7 @@ DriveCalibration calibrate_drive(const std::vector<KnownFrame>& frames, const Lo
   ceres::Problem problem;
   result.sightings = static_cast<std::size_t>(add_sightings(problem, unknowns, frames, config));
   add_odometry(problem, unknowns, frames, config);
-  add_priors(problem, unknowns, config.errors);
+  add_priors(problem, unknowns, config);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.num_threads = 1;

@@ -14,12 +14,12 @@ struct CalibratedValue {
   double sigma = 0.0;  // 1-sigma
 };
 
-/// What one drive tells of the robot. Each value is what has to be added to what the robot's file believes (wheels:
-/// fractions as in WheelCorrection).
+/// What one drive tells of the robot: the wheels' whole correction, and what has to be added to what the robot's file
+/// believes of the camera.
 struct DriveCalibration {
-  CalibratedValue wheel_scale;
-  CalibratedValue wheel_ratio;
-  CalibratedValue wheel_base;
+  CalibratedValue wheel_scale;   // fraction, as in WheelCorrection
+  CalibratedValue wheel_ratio;   // likewise
+  CalibratedValue wheel_base;    // likewise
   CalibratedValue tilt_x;        // [rad] shift of the ceiling's picture along x per metre of height
   CalibratedValue tilt_y;        // [rad] likewise along y
   CalibratedValue yaw;           // [rad]

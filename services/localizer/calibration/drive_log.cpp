@@ -13,6 +13,7 @@
 #include "services/localizer/ceiling_view.hpp"
 #include "services/localizer/detection_conversion.hpp"
 #include "services/localizer/fixture_map.hpp"
+#include "services/localizer/wheel_correction.hpp"
 
 namespace luminav {
 namespace {
@@ -43,8 +44,7 @@ DriveLog read_drive_log(const std::string& file) {
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     if (event->channel == channels::kOdometry) {
       odometry_t message{};
-      if (message.decode(event->data, 0, event->datalen) > 0 &&
-          all_finite({message.x, message.y, message.theta, message.linear, message.angular}) &&
+      if (message.decode(event->data, 0, event->datalen) > 0 && is_possible(message) &&
           (drive.odometry.empty() || message.utime > drive.odometry.back().utime)) {
         drive.odometry.push_back(
             {message.utime, message.session, odom_from_robot(message), message.linear, message.angular});
@@ -64,8 +64,28 @@ DriveLog read_drive_log(const std::string& file) {
       drive.frames.push_back(frame);
     }
   }
+  // a stamp from the future must not hold up the frames behind it
+  std::stable_sort(drive.frames.begin(), drive.frames.end(),
+                   [](const SightingFrame& a, const SightingFrame& b) { return a.utime < b.utime; });
   return drive;
 }
+
+namespace {
+
+/// The drive's odometry as the localizer takes it: wheels corrected as the robot's file says.
+std::vector<OdometryReading> corrected(const std::vector<OdometryReading>& odometry, const LocalizerConfig& config) {
+  CorrectedOdometry wheels(config.wheels, config.robot.wheel_base);
+  std::vector<OdometryReading> result = odometry;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    if (i > 0 && odometry[i].session != odometry[i - 1].session) {
+      wheels.restart();
+    }
+    result[i].odom_from_robot = wheels.correct(odometry[i].odom_from_robot);
+  }
+  return result;
+}
+
+}  // namespace
 
 std::vector<KnownFrame> follow_drive(const DriveLog& log, const LocalizerConfig& config, double spacing, double turn) {
   LocalizerConfig modern = config;
@@ -73,15 +93,16 @@ std::vector<KnownFrame> follow_drive(const DriveLog& log, const LocalizerConfig&
   const std::unique_ptr<Localizer> localizer = make_localizer(modern);
   const FixtureMap map(config.building.fixtures);
   const CeilingView view(config.robot.camera);
+  const std::vector<OdometryReading> odometry = corrected(log.odometry, config);
   const auto offset = static_cast<std::int64_t>(std::lround(1e6 * config.robot.camera.time_offset));
   std::vector<KnownFrame> known;
   std::vector<Pose2> steps;
   Pose2 last_kept;
   bool has_kept = false;
   std::size_t next_frame = 0;
-  for (std::size_t i = 1; i < log.odometry.size(); ++i) {
-    const OdometryReading& before = log.odometry[i - 1];
-    const OdometryReading& now = log.odometry[i];
+  for (std::size_t i = 1; i < odometry.size(); ++i) {
+    const OdometryReading& before = odometry[i - 1];
+    const OdometryReading& now = odometry[i];
     if (i == 1) {
       localizer->add_odometry(before);
     }
@@ -102,7 +123,8 @@ std::vector<KnownFrame> follow_drive(const DriveLog& log, const LocalizerConfig&
     localizer->add_odometry(now);
     const LocalizerEstimate estimate = localizer->estimate();
     const Pose2 step = before.odom_from_robot.inverse() * now.odom_from_robot;
-    Pose2 done;
+    const Pose2 told = log.odometry[i - 1].odom_from_robot.inverse() * log.odometry[i].odom_from_robot;
+    Pose2 done;  // of what the wheels told
     for (const SightingFrame& raw : arrived) {
       const double share =
           static_cast<double>(raw.utime - before.utime) / static_cast<double>(now.utime - before.utime);
@@ -127,14 +149,15 @@ std::vector<KnownFrame> follow_drive(const DriveLog& log, const LocalizerConfig&
       if (sightings.empty()) {
         continue;
       }
-      steps.push_back(done.inverse() * part);
-      done = part;
+      const Pose2 told_part = interpolate(Pose2{}, told, share);
+      steps.push_back(done.inverse() * told_part);
+      done = told_part;
       known.push_back({at, pose, std::move(sightings), has_kept ? steps : std::vector<Pose2>{}});
       steps.clear();
       last_kept = at.odom_from_robot;
       has_kept = true;
     }
-    steps.push_back(done.inverse() * step);
+    steps.push_back(done.inverse() * told);
   }
   return known;
 }

@@ -8,7 +8,8 @@
 
 namespace luminav {
 
-/// What a drive left behind, in the order of time. Frames carry the image's own stamp, no time offset added.
+/// What a drive left behind, in the order of time: odometry as the wheels told it, frames with the image's own stamp,
+/// no time offset added.
 struct DriveLog {
   std::vector<OdometryReading> odometry;
   std::vector<SightingFrame> frames;
@@ -26,10 +27,10 @@ struct KnownSighting {
 
 /// An image with the pose that the localizer held for true.
 struct KnownFrame {
-  OdometryReading odometry;  // at the image's time
+  OdometryReading odometry;  // at the image's time, wheels corrected as the robot's file says
   Pose2 world_from_robot;
   std::vector<KnownSighting> sightings;
-  std::vector<Pose2> steps;  // odometry since the frame before, reading by reading
+  std::vector<Pose2> steps;  // odometry since the frame before, reading by reading, as the wheels told it
 };
 
 /// Follows the drive with the localizer and keeps frames at least `spacing` [m] or `turn` [rad] apart, while TRACKING.

@@ -26,10 +26,11 @@ void print(const char* name, const CalibratedValue& value, double factor, const 
 void print(const DriveCalibration& c) {
   fmt::print("{} images with {} sightings over {:.0f} m; residuals {:.2f} deviations\n", c.frames, c.sightings, c.way,
              c.residual);
-  fmt::print("found beside what the robot's file says:\n");
+  fmt::print("found of the wheels, in all:\n");
   print("wheel scale", c.wheel_scale, 100.0, "%");
   print("wheel ratio", c.wheel_ratio, 100.0, "%");
   print("wheel base", c.wheel_base, 100.0, "%");
+  fmt::print("found of the camera, beside what the robot's file says:\n");
   print("picture to x", c.tilt_x, degrees(1.0), "deg");
   print("picture to y", c.tilt_y, degrees(1.0), "deg");
   print("picture turned", c.yaw, degrees(1.0), "deg");
@@ -55,7 +56,6 @@ int run(int argc, char** argv) {
   LocalizerConfig config = read_localizer_config(robot, building);
   const DriveLog log = read_drive_log(logs.front());
   fmt::print("{} odometry readings, {} images\n", log.odometry.size(), log.frames.size());
-  // The first pass knows the robot only as the file has it; a second one, with what it found, takes in more images.
   const std::vector<KnownFrame> frames = follow_drive(log, config, kSpacing, kTurn);
   if (frames.size() < kLeastFrames) {
     throw std::runtime_error(

@@ -25,7 +25,7 @@ class DetectorNodeTest : public testing::Test {
   static DetectorConfig config() {
     DetectorConfig config;
     config.camera = test::test_camera();
-    config.camera.time_offset = 0.012;
+    config.camera.time_offset = 0.012;  // for the localizer to add
     config.catalogue = test::test_catalogue();
     return config;
   }
@@ -63,7 +63,7 @@ TEST_F(DetectorNodeTest, AnswersAnImageWithItsFixtureAndItsCorrectedTime) {
   DetectorNode node(lcm_, config());
   send(mono8(picture_with_one_fixture()));
   ASSERT_EQ(received_.size(), 1U);
-  EXPECT_EQ(received_[0].utime, 5'012'000);
+  EXPECT_EQ(received_[0].utime, 5'000'000);
   EXPECT_EQ(received_[0].sequence, 7);
   ASSERT_EQ(received_[0].count, 1);
   const fixture_detection_t& detection = received_[0].detections[0];

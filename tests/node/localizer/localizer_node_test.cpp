@@ -163,9 +163,46 @@ TEST_F(LocalizerNodeTest, FindsAndFollowsThePoseOverTheBus) {
   EXPECT_GT(hypotheses_.size(), 200U);
 }
 
+TEST_F(LocalizerNodeTest, AddsTheCamerasTimeOffsetToTheStampOfAnImage) {
+  LocalizerConfig late = config_of(building_);
+  late.robot.camera.time_offset = 0.25;
+  lcm::LCM other_lcm("memq://");
+  LocalizerNode other(other_lcm, late);
+  other_lcm.subscribe(channels::kPose, &LocalizerNodeTest::on_pose, static_cast<LocalizerNodeTest*>(this));
+  testing::SyntheticOptions options;
+  options.seed = 1000;
+  options.clutter = 0;
+  testing::SyntheticWorld world(building_.building, building_.walls, config_of(building_).robot, options);
+  for (int i = 0; i < 30 * 60; ++i) {
+    const auto output = world.step();
+    if (output.frame) {
+      fixture_detections_t message = to_message(*output.frame);
+      lcm_.publish(channels::kFixtureDetections, &message);
+      message.utime -= 250'000;  // as a camera does that stamps a quarter of a second early
+      other_lcm.publish(channels::kFixtureDetections, &message);
+    }
+    if (!output.odometry) {
+      continue;
+    }
+    const odometry_t message = to_message(*output.odometry, i);
+    lcm_.publish(channels::kOdometry, &message);
+    other_lcm.publish(channels::kOdometry, &message);
+    poses_.clear();
+    handle_all();
+    while (other_lcm.handleTimeout(0) > 0) {
+    }
+    ASSERT_EQ(poses_.size(), 2U);
+    EXPECT_EQ(poses_[0].x, poses_[1].x);
+    EXPECT_EQ(poses_[0].y, poses_[1].y);
+    EXPECT_EQ(poses_[0].state, poses_[1].state);
+  }
+  EXPECT_EQ(poses_[0].state, pose_t::STATE_TRACKING);
+}
+
 TEST_F(LocalizerNodeTest, DropsNumbersThatAreNone) {
   send_odometry(1'000'000);
   send_odometry(1'100'000, std::numeric_limits<double>::quiet_NaN());
+  send_odometry(1'200'000, 1e300);  // what the wheels' correction would sum up to no number
   EXPECT_EQ(poses_.size(), 1U);
   SightingFrame frame{1'050'000, {{}}};
   frame.sightings.front().robot_from_fixture.x = std::numeric_limits<double>::infinity();
@@ -174,7 +211,7 @@ TEST_F(LocalizerNodeTest, DropsNumbersThatAreNone) {
   const fixture_detections_t message = to_message(frame);
   lcm_.publish(channels::kFixtureDetections, &message);
   handle_all();
-  EXPECT_EQ(node_.health().dropped_inputs, 2);
+  EXPECT_EQ(node_.health().dropped_inputs, 3);
 }
 
 TEST_F(LocalizerNodeTest, DropsOldOdometryAndGoesOnAfterTheClockWasSetBack) {
@@ -301,6 +338,35 @@ TEST_F(PoseMemoryTest, DropsAPoseThatTheFirstSightingContradicts) {
       EXPECT_GT(std::hypot(pose.x - before.x, pose.y - before.y), 1.0);
     }
   }
+}
+
+TEST_F(PoseMemoryTest, RemembersAgainAfterTheClockWasSetBack) {
+  lcm::LCM lcm("memq://");
+  LocalizerNode node(lcm, config_);
+  const auto run = [&](double seconds, std::int64_t set_back) {
+    for (int i = 0; i < static_cast<int>(30.0 * seconds); ++i) {
+      const auto output = world_->step();
+      if (output.frame) {
+        fixture_detections_t message = to_message(*output.frame);
+        message.utime -= set_back;
+        lcm.publish(channels::kFixtureDetections, &message);
+      }
+      if (output.odometry) {
+        odometry_t message = to_message(*output.odometry, ++sequence_);
+        message.utime -= set_back;
+        lcm.publish(channels::kOdometry, &message);
+      }
+      while (lcm.handleTimeout(0) > 0) {
+      }
+    }
+  };
+  const std::filesystem::path file = folder_ / "localizer_pose.toml";
+  run(60.0, 0);
+  ASSERT_TRUE(std::filesystem::exists(file));
+  run(1.0, 500'000'000);
+  std::filesystem::remove(file);
+  run(60.0, 500'000'000);
+  EXPECT_TRUE(std::filesystem::exists(file));
 }
 
 TEST_F(PoseMemoryTest, SurvivesADamagedMemory) {

@@ -58,6 +58,8 @@ class SyntheticWorld {
   Output step();
   /// Puts the robot elsewhere and holds it there for two seconds; its wheels stand still meanwhile.
   void carry(const Pose2& pose);
+  /// From now on sightings are placed as a robot does whose file says this; what is true stays.
+  void believe(const RobotDescription& robot) { robot_ = robot; }
   /// A random free pose.
   Pose2 draw_free_pose();
 
