@@ -7,6 +7,16 @@
 #include <cmath>
 
 namespace luminav {
+namespace {
+
+constexpr double kAgreement = 11.34;  // of three degrees of freedom one true pose in a hundred is farther off
+
+bool agree(const PoseBelief& a, const PoseBelief& b) {
+  const Eigen::Vector3d off(a.pose.x - b.pose.x, a.pose.y - b.pose.y, wrap_angle(a.pose.theta - b.pose.theta));
+  return off.dot((a.covariance + b.covariance).ldlt().solve(off)) <= kAgreement;
+}
+
+}  // namespace
 
 PaperLocalizer::PaperLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
                                const ErrorParams& errors, const PaperLocalizerParams& params, std::uint64_t seed)
@@ -40,12 +50,17 @@ void PaperLocalizer::add_frame(const SightingFrame& frame) {
 }
 
 void PaperLocalizer::add_guess(const PoseGuess& guess) {
-  if (guess.id != guess_id_) {
-    guess_id_ = guess.id;
-    if (!is_kalman_) {
-      filter_.gather(guess.belief, params_.handover.gathered_share);
-    }
+  if (guess.id == guess_id_) {
+    return;
   }
+  guess_id_ = guess.id;
+  if (is_kalman_) {
+    if (agree(guess.belief, belief_)) {
+      return;
+    }
+    give_up("a pose was given that is not the one followed");  // the particles of both will tell
+  }
+  filter_.gather(guess.belief, params_.handover.gathered_share);
 }
 
 void PaperLocalizer::step(const FrameQueue::TimedFrame& timed) {

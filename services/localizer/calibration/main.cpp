@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "services/common/configuration/robot_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/localizer/calibration/drive_calibration.hpp"
@@ -38,6 +39,39 @@ void print(const DriveCalibration& c) {
   print("time offset", c.time_offset, 1e3, "ms");
 }
 
+/// scripts/record keeps the files of the drive beside its log. Detections were placed with that camera: what is found
+/// says nothing of another one, and nothing twice.
+void check_camera(const std::string& log, const CameraDescription& camera) {
+  const std::filesystem::path kept = log + ".config/robot.toml";
+  if (!std::filesystem::exists(kept)) {
+    return;
+  }
+  const CameraDescription then = read_robot(kept).camera;
+  const auto numbers = [](const CameraDescription& c) {
+    std::vector<double> all{c.mounting.x,
+                            c.mounting.y,
+                            c.mounting.z,
+                            c.mounting.roll,
+                            c.mounting.pitch,
+                            c.mounting.yaw,
+                            c.time_offset,
+                            c.row_time,
+                            c.intrinsics.fx,
+                            c.intrinsics.fy,
+                            c.intrinsics.cx,
+                            c.intrinsics.cy,
+                            static_cast<double>(c.intrinsics.model)};
+    all.insert(all.end(), c.intrinsics.distortion.begin(), c.intrinsics.distortion.end());
+    return all;
+  };
+  if (numbers(then) != numbers(camera)) {
+    throw std::runtime_error(
+        fmt::format("{} was recorded with another [camera] than the robot's file has now; give --robot {} "
+                    "and --out, or record a new drive",
+                    log, kept.string()));
+  }
+}
+
 int run(int argc, char** argv) {
   std::vector<std::string> logs;
   std::string robot;
@@ -54,6 +88,7 @@ int run(int argc, char** argv) {
     return *status;
   }
   LocalizerConfig config = read_localizer_config(robot, building);
+  check_camera(logs.front(), config.robot.camera);
   const DriveLog log = read_drive_log(logs.front());
   fmt::print("{} odometry readings, {} images\n", log.odometry.size(), log.frames.size());
   const std::vector<KnownFrame> frames = follow_drive(log, config, kSpacing, kTurn);
