@@ -49,6 +49,22 @@ void ChildSupervisor::start(const Instant& now, ManagedCommand& command) {
   } catch (const std::exception& error) {
     command.exit_code = 255 << 8;
     journal_.say(now, fmt::format("\"{}\" cannot be started: {}", id, error.what()));
+    respawn_after(now, command, 0, error.what());
+  }
+}
+
+void ChildSupervisor::respawn_after(const Instant& now, ManagedCommand& command, std::int64_t lived,
+                                    const std::string& what) {
+  if (command.command.auto_respawn == 0) {
+    return;
+  }
+  if (const std::optional<std::int64_t> delay = command.respawn.delay_after(lived)) {
+    command.respawn_at = now.steady + *delay;
+  } else {
+    command.exit_code = kGaveUpStatus;
+    journal_.say(
+        now, fmt::format("\"{}\" died {} times in a row and stays stopped until it is started again; the last time: {}",
+                         command.command.command_id, command.respawn.deaths_in_a_row() + 1, what));
   }
 }
 
@@ -128,17 +144,7 @@ void ChildSupervisor::on_exit(const Instant& now, ManagedCommand& command, int s
     journal_.say(now,
                  fmt::format("\"{}\" ended by itself after {:.1f} s: {}", id, static_cast<double>(lived) * 1e-6, what));
   }
-  if (command.command.auto_respawn == 0) {
-    return;
-  }
-  if (const std::optional<std::int64_t> delay = command.respawn.delay_after(lived)) {
-    command.respawn_at = now.steady + *delay;
-  } else {
-    command.exit_code = kGaveUpStatus;
-    journal_.say(
-        now, fmt::format("\"{}\" died {} times in a row and stays stopped until it is started again; the last time: {}",
-                         id, command.respawn.deaths_in_a_row() + 1, what));
-  }
+  respawn_after(now, command, lived, what);
 }
 
 void ChildSupervisor::run_timers(const Instant& now) {

@@ -49,6 +49,8 @@ class ChildSupervisor {
   void collect_children(const Instant& now);
   void take_output(const Instant& now);
   void on_exit(const Instant& now, ManagedCommand& command, int status);
+  /// Plans the next start of what died after `lived` [us], or could not even be started, or gives it up.
+  void respawn_after(const Instant& now, ManagedCommand& command, std::int64_t lived, const std::string& what);
   void run_timers(const Instant& now);
   void measure(const Instant& now);
   void end_if_too_big(const Instant& now, ManagedCommand& command);

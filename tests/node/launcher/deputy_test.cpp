@@ -118,6 +118,22 @@ TEST_F(DeputyTest, IsBackWithinHalfASecondAfterACrash) {
   EXPECT_EQ(world.listed("camera").actual_runid, 1) << "the same run, as procman counts";
 }
 
+TEST_F(DeputyTest, TriesAgainWhenAStartFails) {
+  world.order("s", {LauncherWorld::desired(camera, 1)});
+  world.runner.failing_starts = 2;
+  world.runner.end(101, 11);
+  world.run(0.5);
+  EXPECT_EQ(world.runner.failing_starts, 0);
+  EXPECT_EQ(world.listed("camera").pid, 102);
+
+  world.runner.failing_starts = 1000;
+  world.runner.end(102, 11);
+  world.run(60.0);
+  EXPECT_EQ(world.listed("camera").pid, 0);
+  EXPECT_EQ(world.listed("camera").exit_code, kGaveUpStatus);
+  EXPECT_THAT(world.output, HasSubstr("the last time: no process to be had"));
+}
+
 TEST_F(DeputyTest, DoesNotRestartWhatWasToRunOnce) {
   world.order("s", {LauncherWorld::desired(mapper, 1)});
   world.runner.end(101, 0);

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,10 @@ namespace luminav::launcher {
 class FakeRunner final : public ProcessRunner {
  public:
   int start(const CommandWords& command) override {
+    if (failing_starts > 0) {
+      --failing_starts;
+      throw std::runtime_error("no process to be had");
+    }
     started.push_back(command);
     running[++last_pid] = command.words.front();
     return last_pid;
@@ -47,6 +52,7 @@ class FakeRunner final : public ProcessRunner {
   std::vector<std::pair<int, int>> signals;  // pid, signal
   std::vector<ProcessOutput> printed;
   int last_pid = 100;
+  int failing_starts = 0;              // that many fail from now on
   std::int64_t resident_bytes = 3000;  // of every child
 
  private:
