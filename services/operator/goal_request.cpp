@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <utility>
 
 #include "services/common/geometry/angle.hpp"
 #include "services/common/process/channels.hpp"
@@ -33,6 +34,14 @@ std::optional<Outcome> outcome_of(int state) {
     default:
       return std::nullopt;
   }
+}
+
+/// Whether a status under another id is still about the goal of the one before: pausing, resuming and cancelling have
+/// ids of their own.
+bool is_same_goal(const navigation_status_t& before, const navigation_status_t& now) {
+  const bool same_target = before.has_target && now.has_target && before.x == now.x && before.y == now.y &&
+                           before.has_theta == now.has_theta && before.theta == now.theta;
+  return same_target || now.state == navigation_status_t::STATE_CANCELLED;
 }
 
 }  // namespace
@@ -127,15 +136,19 @@ void GoalRequest::on_pose(const pose_t& message) {
 }
 
 void GoalRequest::on_navigation_status(const navigation_status_t& message) {
-  status_ = message;
+  const std::optional<navigation_status_t> before = std::exchange(status_, message);
   if (outcome_) {
     return;
   }
   if (message.goal_id != goal_.id) {
-    if (is_echoed_) {
-      finish(Outcome::kReplaced, fmt::format("goal {} took its place", message.goal_id));
+    if (!is_echoed_) {
+      return;
     }
-    return;
+    if (!is_same_goal(*before, message)) {
+      finish(Outcome::kReplaced, fmt::format("goal {} took its place", message.goal_id));
+      return;
+    }
+    goal_.id = message.goal_id;
   }
   is_echoed_ = true;
   silent_ticks_ = 0;

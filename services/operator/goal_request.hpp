@@ -56,7 +56,7 @@ class GoalRequest {
 
   lcm::LCM& lcm_;
   Subscriber subscriber_;
-  goal_t goal_;
+  goal_t goal_;  // its id is the one by which the planner speaks of it
   bool is_echoed_ = false;
   bool is_cancelling_ = false;
   int silent_ticks_ = 0;

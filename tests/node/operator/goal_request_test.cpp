@@ -22,8 +22,10 @@ class GoalRequestTest : public ::testing::Test {
     message.poses.resize(1);
     return message;
   }
-  void say(std::int64_t goal_id, int state, const std::string& cause = "") {
+  void say(std::int64_t goal_id, int state, const std::string& cause = "", double target_x = 2.0) {
     navigation_status_t status{};
+    status.has_target = state < navigation_status_t::STATE_ARRIVED || state == navigation_status_t::STATE_PAUSED;
+    status.x = status.has_target ? target_x : 0.0;
     status.goal_id = goal_id;
     status.state = static_cast<std::int8_t>(state);
     status.cause = cause;
@@ -89,8 +91,33 @@ TEST_F(GoalRequestTest, NoticesThatAnotherGoalTookItsPlace) {
   GoalRequest request(lcm_, goal(9));
   request.tick();
   say(9, navigation_status_t::STATE_FOLLOWING);
-  say(10, navigation_status_t::STATE_PLANNING);
+  say(10, navigation_status_t::STATE_PLANNING, "", 5.0);
   EXPECT_EQ(request.outcome(), Outcome::kReplaced);
+}
+
+TEST_F(GoalRequestTest, TellsThatSomebodyElseCancelledIt) {
+  GoalRequest request(lcm_, goal(9));
+  request.tick();
+  say(9, navigation_status_t::STATE_FOLLOWING);
+  say(10, navigation_status_t::STATE_CANCELLED, "cancelled on the way to (2.00, 0.00)");
+  EXPECT_EQ(request.outcome(), Outcome::kCancelled);
+  EXPECT_EQ(request.cause(), "cancelled on the way to (2.00, 0.00)");
+}
+
+TEST_F(GoalRequestTest, OutlastsAPauseBySomebodyElse) {
+  GoalRequest request(lcm_, goal(9));
+  request.tick();
+  say(9, navigation_status_t::STATE_FOLLOWING);
+  say(10, navigation_status_t::STATE_PAUSED, "paused on the way to (2.00, 0.00)");
+  EXPECT_EQ(request.progress(), "paused | 3.2 m left | paused on the way to (2.00, 0.00)");
+  request.tick();
+  say(11, navigation_status_t::STATE_LOCALIZING);
+  say(11, navigation_status_t::STATE_FOLLOWING);
+  EXPECT_FALSE(request.outcome());
+  drain();
+  EXPECT_EQ(received_.size(), 1U) << "it is taken up already";
+  say(11, navigation_status_t::STATE_ARRIVED);
+  EXPECT_EQ(request.outcome(), Outcome::kArrived);
 }
 
 TEST_F(GoalRequestTest, GivesUpAfterFiveSecondsOfSilence) {
