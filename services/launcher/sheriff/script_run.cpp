@@ -9,7 +9,7 @@ namespace luminav::launcher {
 namespace {
 
 bool has_status(const CommandState& state, AwaitedStatus awaited) {
-  return awaited == AwaitedStatus::kRunning && (state.condition == Condition::kReady || state.finished);
+  return awaited == AwaitedStatus::kRunning && (is_running(state.condition) || state.finished);
 }
 
 bool has_failed(const CommandState& state) {

@@ -52,8 +52,7 @@ std::string to_string(Condition condition) {
 }
 
 bool is_running(Condition condition) {
-  return condition == Condition::kReady || condition == Condition::kDegraded || condition == Condition::kFault ||
-         condition == Condition::kSilent;
+  return condition == Condition::kReady || condition == Condition::kDegraded;
 }
 
 TrackedCommand::TrackedCommand(const Command& source) : deputy(source.deputy), configured(true) {

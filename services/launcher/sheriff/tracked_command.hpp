@@ -28,6 +28,7 @@ enum class Condition {
 
 /// One word for a table.
 std::string to_string(Condition condition);
+/// Does its work, be it with a shortcoming that it names: what a script waits for.
 [[nodiscard]] bool is_running(Condition condition);
 
 /// A process at one moment, for tables and reports.

@@ -57,6 +57,20 @@ TEST_F(ScriptRunTest, StartsOneAfterTheOtherWhenEachIsReady) {
   EXPECT_THAT(script.started(), SizeIs(2));
 }
 
+TEST_F(ScriptRunTest, GoesOnWhenAProcessWorksWithAShortcoming) {
+  add_deputy();
+  ScriptRun script(sheriff, file, "go");
+  run(script, 0.2);
+  world.say_ready("camera", node_status_t::STATE_FAULT);
+  EXPECT_EQ(run(script, 1.0), Progress::kGoingOn);
+  EXPECT_THAT(world.runner.running, SizeIs(1)) << "a camera at fault sees nothing";
+  world.say_ready("camera", node_status_t::STATE_DEGRADED);
+  EXPECT_EQ(run(script, 1.0), Progress::kGoingOn);
+  EXPECT_THAT(world.runner.running, SizeIs(2));
+  world.say_ready("mapper", node_status_t::STATE_DEGRADED);
+  EXPECT_EQ(run(script, 1.0), Progress::kSucceeded);
+}
+
 TEST_F(ScriptRunTest, FailsWhenAWaitTakesTooLong) {
   add_deputy();
   ScriptRun script(sheriff, file, "go", 3.0);
