@@ -1,7 +1,12 @@
 #include "services/common/configuration/toml_edit.hpp"
 
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
 #include <algorithm>
 #include <sstream>
+
+#include "services/common/configuration/toml_table.hpp"
 
 namespace luminav {
 namespace {
@@ -13,6 +18,17 @@ std::string trimmed(const std::string& line) {
 
 bool is_header(const std::string& line) {
   return trimmed(line).rfind('[', 0) == 0;
+}
+
+/// The table whose header this line is, as `[ camera . lens ] # comment` of camera.lens; "" for any other line.
+std::string table_of(const std::string& line) {
+  const std::string text = trimmed(line);
+  if (text.rfind('[', 0) != 0 || text.rfind("[[", 0) == 0) {
+    return "";
+  }
+  std::string name = text.substr(1, text.find(']') - 1);
+  std::erase_if(name, [](char c) { return c == ' ' || c == '\t'; });
+  return name;
 }
 
 bool sets_key(const std::string& line, const std::string& key) {
@@ -41,9 +57,8 @@ std::vector<std::string>::iterator end_of_value(std::vector<std::string>::iterat
 void set_key(std::vector<std::string>& lines, const std::string& table, const std::string& key,
              const std::string& value) {
   const std::string line = key + " = " + value;
-  const auto header = std::find_if(lines.begin(), lines.end(), [&](const std::string& text) {
-    return trimmed(text).rfind("[" + table + "]", 0) == 0;
-  });
+  const auto header =
+      std::find_if(lines.begin(), lines.end(), [&](const std::string& text) { return table_of(text) == table; });
   if (header == lines.end()) {
     lines.insert(lines.end(), {"", "[" + table + "]", line});
     return;
@@ -75,6 +90,14 @@ std::string with_keys_set(const std::string& toml, const std::string& table,
   std::string text;
   for (const std::string& line : lines) {
     text += line + "\n";
+  }
+  try {
+    static_cast<void>(toml::parse(text));
+  } catch (const toml::parse_error& error) {
+    throw ConfigurationError(
+        fmt::format("table [{0}] cannot be edited as it is written ({1}): give it a header [{0}] and "
+                    "a line for each key",
+                    table, std::string(error.description())));
   }
   return text;
 }

@@ -1,0 +1,42 @@
+#include "services/common/configuration/toml_edit.hpp"
+
+#include <gtest/gtest.h>
+
+#include "services/common/configuration/toml_table.hpp"
+
+namespace luminav {
+namespace {
+
+TEST(TomlEdit, SetsKeysInTheirPlaceAndLeavesTheRest) {
+  EXPECT_EQ(with_keys_set("[camera]\nz = 1.0\nfx = 600\n\n[p3dx]\nz = 2\n", "camera",
+                          {{"z", "1.5  # measured"}, {"yaw", "0.1"}}),
+            "[camera]\nz = 1.5  # measured\nfx = 600\nyaw = 0.1\n\n[p3dx]\nz = 2\n");
+}
+
+TEST(TomlEdit, MakesATableThatIsMissing) {
+  EXPECT_EQ(with_keys_set("name = \"p3dx\"\n", "localizer.errors", {{"yaw", "0.1"}}),
+            "name = \"p3dx\"\n\n[localizer.errors]\nyaw = 0.1\n");
+}
+
+TEST(TomlEdit, KnowsAHeaderWithBlanksAndAComment) {
+  EXPECT_EQ(with_keys_set("[ camera ]  # on the pole\nz = 1.0\n", "camera", {{"z", "1.5"}}),
+            "[ camera ]  # on the pole\nz = 1.5\n");
+  EXPECT_EQ(with_keys_set("[localizer . errors]\nyaw = 1\n", "localizer.errors", {{"yaw", "0.1"}}),
+            "[localizer . errors]\nyaw = 0.1\n");
+}
+
+TEST(TomlEdit, RefusesWhatWouldNotBeTomlAnyMore) {
+  for (const char* text : {"camera.z = 1.0\n", "camera = {z = 1.0}\n"}) {
+    try {
+      with_keys_set(text, "camera", {{"z", "1.5"}});
+      FAIL() << text;
+    } catch (const ConfigurationError& error) {
+      EXPECT_NE(std::string(error.what()).find("table [camera] cannot be edited"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(with_keys_set("[localizer]\nerrors = {yaw = 1}\n", "localizer.errors", {{"yaw", "2"}}),
+               ConfigurationError);
+}
+
+}  // namespace
+}  // namespace luminav
