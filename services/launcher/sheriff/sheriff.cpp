@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <set>
 
@@ -141,6 +142,10 @@ void Sheriff::on_output(const procman::procman_output_t& output) {
 }
 
 void Sheriff::on_node_status(const node_status_t& status) {
+  if (!std::isfinite(status.cpu_fraction)) {
+    data_subscriber_->drop("NODE_STATUS with a share of the processor that is no number");
+    return;
+  }
   for (const auto& command : commands_) {
     if (command->process == status.process) {
       command->update(status, now_.steady);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <luminav/node_status_t.hpp>
 #include <nlohmann/json.hpp>
 
 #include "services/common/process/channels.hpp"
@@ -85,6 +87,23 @@ TEST_F(ProcessDeskTest, OnlyWatchesUntilSomebodyOrders) {
   run(5.0);
   EXPECT_EQ(run_, 0);
   EXPECT_TRUE(Json::parse(desk_.json())["order"].is_null());
+}
+
+TEST_F(ProcessDeskTest, GoesOnShowingWhenAProcessSaysWhatIsNoNumber) {
+  run(1.0);
+  desk_.order({.name = "recorder", .action = ProcessOrder::Action::kStart}, kNow);
+  run(1.0);
+  node_status_t status{};
+  status.process = "lcm-logger";
+  status.state = node_status_t::STATE_READY;
+  for (const double share : {0.25, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    status.cpu_fraction = share;
+    data_.publish(channels::kNodeStatus, &status);
+    while (data_.handleTimeout(0) > 0) {
+    }
+    run(0.5);
+    EXPECT_EQ(Json::parse(desk_.json())["commands"][0]["cpu"], 0.25);
+  }
 }
 
 TEST_F(ProcessDeskTest, RefusesWhatNobodyRuns) {
