@@ -14,8 +14,10 @@ namespace {
 
 constexpr std::int64_t kFirstDelay = 500'000;      // [us] before looking for a device again
 constexpr std::int64_t kLongestDelay = 8'000'000;  // [us]
-constexpr std::int64_t kSilence = 2'000'000;       // [us] without a frame: webcams hang, and come back when reopened
-constexpr double kExposureUnitUs = 100.0;          // of V4L2_CID_EXPOSURE_ABSOLUTE
+// Without a frame for so long a webcam hangs, and comes back when reopened.
+constexpr double kSilence = 2.0;           // [s] at least
+constexpr double kSilentFrames = 4.0;      // periods at least
+constexpr double kExposureUnitUs = 100.0;  // of V4L2_CID_EXPOSURE_ABSOLUTE
 
 std::int64_t monotonic_now() {
   timespec now{};
@@ -30,7 +32,8 @@ int rounded_into(const V4l2Range& range, double value) {
 
 }  // namespace
 
-V4l2Camera::V4l2Camera(const V4l2CameraParams& params, const Clock& clock) : params_(params), clock_(clock) {
+V4l2Camera::V4l2Camera(const V4l2CameraParams& params, const Clock& clock)
+    : params_(params), clock_(clock), silence_(std::llround(1e6 * std::max(kSilence, kSilentFrames / params.rate))) {
   look_for_device(clock.utime());
 }
 
@@ -43,7 +46,7 @@ void V4l2Camera::look_for_device(std::int64_t now) {
   }
   fault_.clear();
   shortcoming_.clear();
-  check_at_ = now + kSilence;
+  check_at_ = now + silence_;
   const V4l2Format& format = device_->format();
   if (format.width != params_.width || format.height != params_.height) {
     shortcoming_ = params_.device + " gives " + std::to_string(format.width) + " x " + std::to_string(format.height) +
@@ -65,7 +68,8 @@ void V4l2Camera::lose_device(std::int64_t now, const std::string& why) {
 
 void V4l2Camera::switch_automatics_off() {
   if (device_->set(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL) != V4L2_EXPOSURE_MANUAL) {
-    shortcoming_ = params_.device + " has no manual exposure: its own control is at work";
+    shortcoming_ +=
+        (shortcoming_.empty() ? "" : "; ") + params_.device + " has no manual exposure: its own control is at work";
   }
   device_->set(V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0);  // it would lower the rate in the dark
   device_->set(V4L2_CID_AUTOGAIN, 0);
@@ -149,9 +153,9 @@ bool V4l2Camera::take(std::int64_t now, Frame& frame) {
     frame.gain = gain_;
     frame.row_time_us = params_.row_time_us;
     retry_delay_ = 0;
-    check_at_ = now + kSilence;
+    check_at_ = now + silence_;
   } else if (now >= check_at_.value_or(now)) {
-    lose_device(now, params_.device + ": no whole picture for two seconds");
+    lose_device(now, params_.device + ": no whole picture for " + std::to_string(silence_ / 1'000'000) + " s");
   }
   return taken;
 }

@@ -48,6 +48,7 @@ class V4l2Camera final : public FrameSource {
   const Clock& clock_;
   std::unique_ptr<V4l2Device> device_;
   JpegDecoder decoder_;
+  std::int64_t silence_;                  // [us] without a frame until the device is opened anew
   std::optional<std::int64_t> check_at_;  // [us] look for the device, or for frames that should have come
   std::int64_t retry_delay_ = 0;          // [us]
   std::string fault_;

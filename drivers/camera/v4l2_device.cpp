@@ -9,8 +9,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 namespace luminav {
 namespace {
@@ -25,12 +27,37 @@ int control_device(int descriptor, unsigned long request, void* argument) {
   return result;
 }
 
+v4l2_format wish_for(std::uint32_t pixel_format, int width, int height) {
+  v4l2_format format{};
+  format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  format.fmt.pix.width = static_cast<std::uint32_t>(width);
+  format.fmt.pix.height = static_cast<std::uint32_t>(height);
+  format.fmt.pix.pixelformat = pixel_format;
+  format.fmt.pix.field = V4L2_FIELD_ANY;
+  return format;
+}
+
+V4l2Format layout_of(const v4l2_format& format) {
+  return {format.fmt.pix.pixelformat, static_cast<int>(format.fmt.pix.width), static_cast<int>(format.fmt.pix.height),
+          static_cast<int>(format.fmt.pix.bytesperline)};
+}
+
 }  // namespace
+
+const V4l2Offer& nearest_offer(std::span<const V4l2Offer> offers, int width, int height, double rate) {
+  const auto distance = [&](const V4l2Offer& offer) {
+    constexpr double kSameRate = 0.99;  // intervals are rounded: 333333/10000000 s is 30 frames/s
+    const double lacking = offer.rate_most < kSameRate * rate ? rate - offer.rate_most : 0.0;
+    return std::pair(std::abs(offer.format.width - width) + std::abs(offer.format.height - height), lacking);
+  };
+  return *std::min_element(offers.begin(), offers.end(),
+                           [&](const V4l2Offer& a, const V4l2Offer& b) { return distance(a) < distance(b); });
+}
 
 V4l2Device::V4l2Device(const std::string& path, int width, int height, double rate) : path_(path) {
   try {
     open_device(path);
-    choose_format(width, height);
+    choose_format(width, height, rate);
     choose_rate(rate);
     start();
   } catch (...) {
@@ -82,27 +109,50 @@ void V4l2Device::open_device(const std::string& path) {
   name_ = reinterpret_cast<const char*>(capability.card);
 }
 
-void V4l2Device::choose_format(int width, int height) {
-  for (const std::uint32_t pixel_format : {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_MJPEG}) {
-    v4l2_format format{};
-    format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    format.fmt.pix.width = static_cast<std::uint32_t>(width);
-    format.fmt.pix.height = static_cast<std::uint32_t>(height);
-    format.fmt.pix.pixelformat = pixel_format;
-    format.fmt.pix.field = V4L2_FIELD_ANY;
-    if (control_device(descriptor_, VIDIOC_S_FMT, &format) < 0) {
-      if (errno == EBUSY) {
-        fail("cannot set the picture's format");
-      }
-      continue;
+std::optional<V4l2Offer> V4l2Device::offer_of(std::uint32_t pixel_format, int width, int height) const {
+  v4l2_format format = wish_for(pixel_format, width, height);
+  if (control_device(descriptor_, VIDIOC_TRY_FMT, &format) < 0 || format.fmt.pix.pixelformat != pixel_format) {
+    return std::nullopt;  // the driver would choose another one
+  }
+  V4l2Offer offer{layout_of(format)};
+  offer.rate_most = rate_most(offer.format);
+  return offer;
+}
+
+double V4l2Device::rate_most(const V4l2Format& format) const {
+  double most = 0.0;
+  v4l2_frmivalenum interval{};
+  interval.pixel_format = format.pixel_format;
+  interval.width = static_cast<std::uint32_t>(format.width);
+  interval.height = static_cast<std::uint32_t>(format.height);
+  for (; control_device(descriptor_, VIDIOC_ENUM_FRAMEINTERVALS, &interval) == 0; ++interval.index) {
+    const v4l2_fract& shortest =
+        interval.type == V4L2_FRMIVAL_TYPE_DISCRETE ? interval.discrete : interval.stepwise.min;
+    if (shortest.numerator > 0) {
+      most = std::max(most, static_cast<double>(shortest.denominator) / shortest.numerator);
     }
-    if (format.fmt.pix.pixelformat == pixel_format) {  // else the driver chose another one
-      format_ = {pixel_format, static_cast<int>(format.fmt.pix.width), static_cast<int>(format.fmt.pix.height),
-                 static_cast<int>(format.fmt.pix.bytesperline)};
-      return;
+    if (interval.type != V4L2_FRMIVAL_TYPE_DISCRETE) {
+      break;  // one entry says it all
     }
   }
-  throw std::runtime_error(path_ + ": offers neither GREY nor YUYV nor MJPEG pictures");
+  return most > 0.0 ? most : std::numeric_limits<double>::infinity();
+}
+
+void V4l2Device::choose_format(int width, int height, double rate) {
+  std::vector<V4l2Offer> offers;
+  for (const std::uint32_t pixel_format : {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_MJPEG}) {
+    if (const auto offer = offer_of(pixel_format, width, height)) {
+      offers.push_back(*offer);
+    }
+  }
+  if (offers.empty()) {
+    throw std::runtime_error(path_ + ": offers neither GREY nor YUYV nor MJPEG pictures");
+  }
+  v4l2_format format = wish_for(nearest_offer(offers, width, height, rate).format.pixel_format, width, height);
+  if (control_device(descriptor_, VIDIOC_S_FMT, &format) < 0) {
+    fail("cannot set the picture's format");
+  }
+  format_ = layout_of(format);
 }
 
 void V4l2Device::choose_rate(double rate) const {

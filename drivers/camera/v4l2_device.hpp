@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +17,15 @@ struct V4l2Format {
   int height = 0;                  // [px]
   int stride = 0;                  // [bytes] from row to row; of MJPEG 0
 };
+
+/// A format that a device has, with the rate that it reaches in it.
+struct V4l2Offer {
+  V4l2Format format;
+  double rate_most = std::numeric_limits<double>::infinity();  // [frames/s] infinite where the device does not tell
+};
+
+/// The offer nearest to what is wanted: in size first, then in rate; the first of equals. `offers` must not be empty.
+[[nodiscard]] const V4l2Offer& nearest_offer(std::span<const V4l2Offer> offers, int width, int height, double rate);
 
 /// A filled buffer, lent until `give_back`.
 struct V4l2Buffer {
@@ -37,8 +47,8 @@ struct V4l2Range {
 /// A Linux video capture device with memory-mapped buffers: ioctls and ownership, nothing else. Not one call blocks.
 class V4l2Device {
  public:
-  /// Opens it, agrees on a format as near as possible to what is wanted (grey before YUYV before MJPEG, because the
-  /// first two lose nothing) and starts it. Throws std::runtime_error with one plain sentence.
+  /// Opens it, agrees on a format as near as possible to what is wanted (of equally near ones grey before YUYV before
+  /// MJPEG, because the first two lose nothing) and starts it. Throws std::runtime_error with one plain sentence.
   V4l2Device(const std::string& path, int width, int height, double rate);
   V4l2Device(const V4l2Device&) = delete;
   V4l2Device& operator=(const V4l2Device&) = delete;
@@ -58,7 +68,9 @@ class V4l2Device {
 
  private:
   void open_device(const std::string& path);
-  void choose_format(int width, int height);
+  void choose_format(int width, int height, double rate);
+  [[nodiscard]] std::optional<V4l2Offer> offer_of(std::uint32_t pixel_format, int width, int height) const;
+  [[nodiscard]] double rate_most(const V4l2Format& format) const;
   void choose_rate(double rate) const;
   void start();
   void release();

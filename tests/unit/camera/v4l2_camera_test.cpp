@@ -1,6 +1,7 @@
 #include "drivers/camera/v4l2_camera.hpp"
 
 #include <gtest/gtest.h>
+#include <linux/videodev2.h>
 
 namespace luminav {
 namespace {
@@ -37,6 +38,24 @@ TEST(V4l2Camera, ADeviceThatIsNoCameraIsSaidToBeNone) {
   const VirtualClock clock;
   const V4l2Camera camera(on_device("/dev/null"), clock);
   EXPECT_NE(camera.fault().find("is no video device"), std::string::npos) << camera.fault();
+}
+
+V4l2Offer offer(std::uint32_t pixel_format, int width, int height, double rate_most) {
+  return {{pixel_format, width, height, 0}, rate_most};
+}
+
+TEST(V4l2Camera, TakesTheFormatThatHasTheSizeAndThenTheRate) {
+  const std::vector<V4l2Offer> small_raw = {offer(V4L2_PIX_FMT_YUYV, 640, 480, 30.0),
+                                            offer(V4L2_PIX_FMT_MJPEG, 1280, 960, 30.0)};
+  EXPECT_EQ(nearest_offer(small_raw, 1280, 960, 15.0).format.pixel_format, V4L2_PIX_FMT_MJPEG);
+  EXPECT_EQ(nearest_offer(small_raw, 640, 480, 15.0).format.pixel_format, V4L2_PIX_FMT_YUYV);
+  const std::vector<V4l2Offer> slow_raw = {offer(V4L2_PIX_FMT_YUYV, 1280, 960, 7.5),
+                                           offer(V4L2_PIX_FMT_MJPEG, 1280, 960, 30.0)};
+  EXPECT_EQ(nearest_offer(slow_raw, 1280, 960, 15.0).format.pixel_format, V4L2_PIX_FMT_MJPEG);
+  EXPECT_EQ(nearest_offer(slow_raw, 1280, 960, 7.501).format.pixel_format, V4L2_PIX_FMT_YUYV) << "nothing is lost";
+  const std::vector<V4l2Offer> untold = {offer(V4L2_PIX_FMT_GREY, 640, 480, std::numeric_limits<double>::infinity()),
+                                         offer(V4L2_PIX_FMT_YUYV, 640, 480, 30.0)};
+  EXPECT_EQ(nearest_offer(untold, 640, 480, 15.0).format.pixel_format, V4L2_PIX_FMT_GREY);
 }
 
 }  // namespace
