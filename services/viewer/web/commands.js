@@ -6,7 +6,8 @@ const token = (() => {
   return given ?? sessionStorage.getItem('token') ?? '';
 })();
 
-let commandBase = '';
+let commandBase = '';     // '' = the page's port
+let hasAnswered = false;  // the port of its own: then one slow answer is no reason to leave it
 fetch('settings.json').then((answer) => answer.json()).then((settings) => {
   commandBase = `${location.protocol}//${location.hostname}:${settings.command_port}`;
 }).catch(() => {});
@@ -21,12 +22,26 @@ async function send(base, name, body, type, patience = 3000) {
   return said.id;
 }
 
-async function command(name, body) {
-  if (!commandBase) return send('', name, body, 'application/json');
+// One way only: a port of its own that cannot be reached is not tried again.
+async function sendOnce(name, body, patience) {
+  const base = commandBase;
   try {
-    return await send(commandBase, name, body, 'application/json');
+    const id = await send(base, name, body, 'application/json', patience);
+    hasAnswered ||= base !== '';
+    return id;
   } catch (error) {
-    if (error.refused) throw error;
+    hasAnswered ||= base !== '' && error.refused === true;
+    if (!hasAnswered) commandBase = '';
+    throw error;
+  }
+}
+
+async function command(name, body) {
+  const base = commandBase;
+  try {
+    return await sendOnce(name, body);
+  } catch (error) {
+    if (error.refused || !base) throw error;
     return send('', name, body, 'application/json');
   }
 }
@@ -37,8 +52,8 @@ export const motorsOn = () => command('motors', {enable: true});
 export const initialPose = (x, y, theta) => command('initial_pose', {x, y, theta});
 export const map = (action) => command('map', {action});
 export const process = (name, action) => command('process', {name, action});
-// One way only, and not for long: what comes late is worth nothing.
-export const steer = (steering) => send(commandBase, 'steering', steering, 'application/json', 500);
+// Not a second time, and not for long: what comes late is worth nothing.
+export const steer = (steering) => sendOnce('steering', steering, 500);
 export const release = () => command('stop', {engaged: false});
 
 // Both ways at once, and as plain text, for which browsers ask no permission first: the quickest there is.
