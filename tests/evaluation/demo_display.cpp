@@ -44,7 +44,8 @@ std::string DemoDisplay::belief() const {
     return fmt::format("TRACKING ({:6.2f}, {:6.2f}, {:4.0f} deg), truly off by {:.3f} m, {:.1f} deg", pose.x, pose.y,
                        degrees(pose.theta), judge_.position_error(), degrees(judge_.heading_error()));
   }
-  return fmt::format("{} with {} hypotheses: {}", localization_word(pose.state), hypotheses_, pose.reason);
+  return fmt::format("{} with {} {}: {}", localization_word(pose.state), hypotheses_,
+                     hypotheses_ == 1 ? "hypothesis" : "hypotheses", pose.reason);
 }
 
 std::string DemoDisplay::goal() const {
