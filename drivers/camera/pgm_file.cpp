@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <optional>
-#include <stdexcept>
 #include <string>
+
+#include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 namespace {
@@ -64,13 +64,10 @@ bool read_pgm(std::span<const std::uint8_t> bytes, GreyImage& image) {
 }
 
 void write_pgm(const std::filesystem::path& file, const GreyView& image) {
-  std::ofstream out(file, std::ios::binary);
-  out << "P5\n" << image.width << ' ' << image.height << "\n255\n";
-  out.write(reinterpret_cast<const char*>(image.pixels.data()),
-            static_cast<std::streamsize>(image.width) * image.height);
-  if (!out.flush()) {
-    throw std::runtime_error("cannot write " + file.string());
-  }
+  std::string bytes = "P5\n" + std::to_string(image.width) + ' ' + std::to_string(image.height) + "\n255\n";
+  bytes.append(reinterpret_cast<const char*>(image.pixels.data()),
+               static_cast<std::size_t>(image.width) * image.height);
+  write_whole_file(file, bytes);
 }
 
 }  // namespace luminav

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "services/common/configuration/whole_file.hpp"
+#include "services/common/image/picture_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/detector/contact_sheet.hpp"
 #include "services/detector/debug_picture.hpp"
@@ -133,7 +134,7 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
         if (!output.debug_folder.empty()) {
           entry["tried"] = tried(trace);
           const fs::path name = fs::path(file).stem().string() + ".png";
-          cv::imwrite((fs::path(output.debug_folder) / name).string(), picture);
+          write_picture(fs::path(output.debug_folder) / name, picture);
         }
       }
     } catch (const std::exception& error) {
@@ -144,9 +145,8 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
     result.push_back(std::move(entry));
   }
   const std::string text = result.dump(1) + "\n";
-  if (!output.sheet_file.empty() && !sheet.empty() &&
-      !cv::imwrite(output.sheet_file, sheet.draw(), {cv::IMWRITE_JPEG_QUALITY, 75})) {
-    throw std::runtime_error(output.sheet_file + ": cannot be written");
+  if (!output.sheet_file.empty() && !sheet.empty()) {
+    write_picture(output.sheet_file, sheet.draw(), {cv::IMWRITE_JPEG_QUALITY, 75});
   }
   if (output.json_file.empty() || output.json_file == "-") {
     std::fputs(text.c_str(), stdout);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
@@ -14,6 +13,7 @@
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
+#include "services/common/image/picture_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/localizer/ambiguity_audit.hpp"
 
@@ -85,8 +85,8 @@ cv::Scalar colour_of(const AuditPlace& place) {
   return {80.0, 220.0 - 160.0 * share, 80.0 + 160.0 * share};  // blue, green, red: green to red
 }
 
-void write_picture(const std::string& file, const Building& building, const AmbiguityAudit& audit,
-                   const std::vector<AuditChange>& changes) {
+void draw_picture(const std::string& file, const Building& building, const AmbiguityAudit& audit,
+                  const std::vector<AuditChange>& changes) {
   Eigen::Vector2d least(1e9, 1e9);
   Eigen::Vector2d most(-1e9, -1e9);
   for (const AuditPlace& place : audit.places()) {
@@ -120,9 +120,7 @@ void write_picture(const std::string& file, const Building& building, const Ambi
   }
   cv::putText(image, fmt::format("green: known at once, red: after {:.0f} m, purple: never", kLongWay), {8, 16},
               cv::FONT_HERSHEY_SIMPLEX, 0.45, cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
-  if (!cv::imwrite(file, image)) {
-    throw std::runtime_error(file + ": cannot be written");
-  }
+  write_picture(file, image);
 }
 
 int run(int argc, char** argv) {
@@ -160,7 +158,7 @@ int run(int argc, char** argv) {
     write_json(json_file, building, audit, changes);
   }
   if (!png_file.empty()) {
-    write_picture(png_file, building, audit, changes);
+    draw_picture(png_file, building, audit, changes);
   }
   return 0;
 }

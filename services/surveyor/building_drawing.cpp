@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
+
+#include "services/common/image/picture_file.hpp"
 
 namespace luminav {
 namespace {
@@ -223,9 +223,7 @@ void draw_building_png(const std::filesystem::path& file, const Building& buildi
   cv::line(image, left, left + cv::Point(static_cast<int>(bar * scale), 0), {50, 50, 50}, 2);
   text(left + cv::Point(0, -6), fmt::format("{:g} m - {}: {} fixtures", bar, building.name, building.fixtures.size()),
        0.5, {50, 50, 50});
-  if (!cv::imwrite(file.string(), image)) {
-    throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
-  }
+  write_picture(file, image);
 }
 
 }  // namespace luminav

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
 
 #include "services/common/building/map_file.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/surveyor/building_check.hpp"
 #include "services/surveyor/building_drawing.hpp"
@@ -39,15 +39,6 @@ std::vector<int> marked_fixtures(const BuildingSource& source, const std::vector
   return ids;
 }
 
-void write_text(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) {
-    throw std::runtime_error(fmt::format("{}: cannot be written", file));
-  }
-}
-
 int check(const std::string& file, const std::string& png, const std::string& svg) {
   const BuildingSource source = read_building_source(file);
   std::optional<PriorMap> map;
@@ -69,7 +60,7 @@ int check(const std::string& file, const std::string& png, const std::string& sv
     draw_building_png(png, source.building, map ? &*map : nullptr, marked);
   }
   if (!svg.empty()) {
-    write_text(svg, draw_building_svg(source.building, map ? &*map : nullptr, marked));
+    write_whole_file(svg, draw_building_svg(source.building, map ? &*map : nullptr, marked));
   }
   return errors == 0 ? 0 : 1;
 }

@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/robot_file.hpp"
+#include "services/common/image/picture_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/mapper/grid_mapper.hpp"
 
@@ -98,9 +98,7 @@ void draw(const std::string& file, const GridMapper& mapper, const std::vector<P
                {static_cast<int>(cells.x() * kPixels), static_cast<int>((geometry.rows - cells.y()) * kPixels)}, 1,
                {0, 0, 220}, cv::FILLED);
   }
-  if (!cv::imwrite(file, picture)) {
-    throw std::runtime_error(file + ": cannot be written");
-  }
+  write_picture(file, picture);
 }
 
 }  // namespace
