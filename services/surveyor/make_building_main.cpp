@@ -2,11 +2,11 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/surveyor/floor_plan.hpp"
 
@@ -48,10 +48,13 @@ FloorPlanParams params_of(const Request& request) {
       params.width > 400.0 || params.depth > 400.0) {
     throw ConfigurationError(fmt::format("--size = {}, must be WIDTHxDEPTH in metres, at most 400x400", request.size));
   }
-  if (params.pitch < 1.5 || params.pitch > 10.0) {
+  if (!(params.pitch >= 1.5 && params.pitch <= 10.0)) {
     throw ConfigurationError(fmt::format("--pitch = {}, must be 1.5 to 10 m", params.pitch));
   }
-  if (params.irregularity < 0.0 || params.irregularity > 1.0) {
+  if (!(params.ceiling_height >= 1.0 && params.ceiling_height <= 30.0)) {  // as read_building allows
+    throw ConfigurationError(fmt::format("--ceiling = {}, must be 1 to 30 m", params.ceiling_height));
+  }
+  if (!(params.irregularity >= 0.0 && params.irregularity <= 1.0)) {
     throw ConfigurationError(fmt::format("--irregularity = {}, must be 0 to 1", params.irregularity));
   }
   params.kind = kind_named(request.kind);
@@ -92,8 +95,7 @@ int make(const Request& request) {
              plan.map.geometry.columns * plan.map.geometry.resolution,
              plan.map.geometry.rows * plan.map.geometry.resolution);
   if (!plan.building.places.empty()) {
-    std::ofstream scenario(folder / "scenario.toml");
-    scenario << scenario_text(request, plan.building, folder);
+    write_whole_file(folder / "scenario.toml", scenario_text(request, plan.building, folder));
     fmt::print("drive in it: scripts/demo --scenario {}\n", (folder / "scenario.toml").string());
   }
   return 0;
