@@ -48,6 +48,15 @@ using Values = std::vector<FieldValue>;
 class Exporter {
  public:
   explicit Exporter(std::int64_t longest) : longest_(static_cast<std::size_t>(longest)) {}
+  Exporter(const Exporter&) = delete;
+  Exporter& operator=(const Exporter&) = delete;
+  /// Leaves nothing of what did not come to its end.
+  ~Exporter() {
+    for (const auto& [channel, sheet] : sheets_) {
+      std::error_code ignored;
+      std::filesystem::remove(temporary(sheet.file), ignored);
+    }
+  }
 
   /// First pass: which columns there are.
   void look(const LogEvent& event) {
@@ -72,8 +81,10 @@ class Exporter {
       if (std::filesystem::exists(file)) {
         throw std::runtime_error(fmt::format("{}: exists already", file.string()));
       }
-      std::ofstream& out = files_[channel];
-      out.open(file);
+      Sheet& sheet = sheets_[channel];
+      sheet.file = file;
+      std::ofstream& out = sheet.out;
+      out.open(temporary(file));
       out << "received [us]," << fmt::format("{}", fmt::join(table.heads, ",")) << "\n";
       if (!out) {
         throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
@@ -90,15 +101,18 @@ class Exporter {
     for (const FieldValue& value : *values) {
       row[table.columns.at(value.path)] = text_of(value);
     }
-    files_.at(event.channel) << event.utime << "," << fmt::format("{}", fmt::join(row, ",")) << "\n";
+    sheets_.at(event.channel).out << event.utime << "," << fmt::format("{}", fmt::join(row, ",")) << "\n";
     ++rows_[event.channel];
   }
   void finish() {
-    for (auto& [channel, out] : files_) {
-      out.close();
-      if (out.fail()) {
-        throw std::runtime_error(fmt::format("{}: could not be written to its end", channel));
+    for (auto& [channel, sheet] : sheets_) {
+      sheet.out.close();
+      if (sheet.out.fail()) {
+        throw std::runtime_error(fmt::format("{}: could not be written to its end", sheet.file.string()));
       }
+    }
+    for (const auto& [channel, sheet] : sheets_) {
+      std::filesystem::rename(temporary(sheet.file), sheet.file);
       fmt::print("{:<20} {:>8} rows, {} columns\n", channel, rows_[channel], tables_.at(channel).heads.size() + 1);
     }
     for (const auto& [channel, count] : undecodable_) {
@@ -107,9 +121,15 @@ class Exporter {
   }
 
  private:
+  struct Sheet {
+    std::filesystem::path file;
+    std::ofstream out;  // to a temporary file beside it until all is written
+  };
+  static std::filesystem::path temporary(const std::filesystem::path& file) { return file.string() + ".tmp"; }
+
   std::size_t longest_;
   std::map<std::string, Table> tables_;
-  std::map<std::string, std::ofstream> files_;
+  std::map<std::string, Sheet> sheets_;
   std::map<std::string, std::int64_t> rows_;
   std::map<std::string, std::int64_t> undecodable_;
 };
@@ -132,12 +152,14 @@ int export_log(int argc, char** argv) {
   }
   Exporter exporter(longest);
   LogEvent event;
-  for (LogReader log(logs.front()); log.next(event);) {
+  LogReader log(logs.front());
+  std::int64_t events = 0;  // a log that is being recorded goes on meanwhile: its end is where it was now
+  for (; log.next(event); ++events) {
     exporter.look(event);
   }
   exporter.open(folder);
-  LogReader log(logs.front());
-  while (log.next(event)) {
+  LogReader again(logs.front());
+  for (std::int64_t i = 0; i < events && again.next(event); ++i) {
     exporter.write(event);
   }
   exporter.finish();
