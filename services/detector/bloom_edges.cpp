@@ -15,9 +15,9 @@
 namespace luminav {
 namespace {
 
-using Eigen::Matrix4d;
+using Matrix5d = Eigen::Matrix<double, 5, 5>;
+using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Eigen::Vector2d;
-using Eigen::Vector4d;
 
 constexpr int kMostPoints = 160;
 constexpr double kSpacing = 4.0;       // [px]
@@ -29,7 +29,11 @@ constexpr double kLevel = 0.8;         // of the way from the ceiling to saturat
 constexpr double kWhite = 255.0;
 constexpr double kUnevenGuess = 0.3;   // of the swelling's own deviation: where one side alone is seen it is a guess
 constexpr double kUnevenBloom = 0.05;  // of the swelling, 1 sigma
-constexpr double kCutoff = 1.5;        // [px] Tukey's
+// [1/m] of the swelling, 1 sigma: its change along a fixture that is cut (0.17 to 0.22, simulated pictures)
+constexpr double kTaperOfBloom = 0.2;
+constexpr double kLeastSwelling = 0.002;  // [m] that it is reckoned from
+constexpr double kNoTaper = 1e-5;         // [m/m]
+constexpr double kCutoff = 1.5;           // [px] Tukey's
 
 struct EdgePoint {
   Vector2d place;   // [m] outline frame
@@ -62,6 +66,33 @@ class SomePoints {
   std::size_t count_ = 0;
 };
 
+struct Bloom {
+  double swelling = 0.0;  // [m]
+  double taper = 0.0;     // [m/m] change of that along the long sides
+};
+
+/// Weighted sums over the edges of one side.
+struct SideSums {
+  double weights = 0.0;
+  double places = 0.0;   // [m] along the side
+  double places2 = 0.0;  // [m^2]
+  double offsets = 0.0;  // [m] outward
+  double places_offsets = 0.0;
+
+  void add(double weight, double place, double offset) {
+    weights += weight;
+    places += weight * place;
+    places2 += weight * place * place;
+    offsets += weight * offset;
+    places_offsets += weight * place * offset;
+  }
+};
+
+struct Solution {
+  Matrix5d information;  // along, across, theta, swelling, taper; per edge_sigma squared
+  double residual_px = 0.0;
+};
+
 struct Line {  // level along a side: value at the middle, slope per metre
   double level = 0.0;
   double slope = 0.0;
@@ -75,22 +106,30 @@ class BloomLevel {
 
   bool refine(const OutlineFitParams& params, OutlineFit& fit) {
     place_points();
-    double swelling = fit.swelling;
+    middle_ = 0.5 * (fit.visible_from + fit.visible_to);
+    // Towards both ends of a fixture bloom is the same, and one side cannot tell its change from a turn.
+    const bool both_ends = fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd);
+    taper_sigma_ = both_ends || fit.only_side() ? kNoTaper : kTaperOfBloom * std::max(fit.swelling, kLeastSwelling);
+    Bloom bloom{fit.swelling, 0.0};
     Pose2 pose = fit.robot_from_outline;
-    project(pose, swelling);
+    project(pose, bloom);
     if (!measure_ceiling()) {
       return false;
     }
+    std::optional<Solution> solution;
     for (int pass = 0; pass < 2; ++pass) {
       if (pass > 0) {
-        project(pose, swelling);
+        project(pose, bloom);
       }
-      if (!step(params, pose, swelling, fit)) {
+      solution = step(params, pose, bloom);
+      if (!solution) {
         return false;
       }
     }
     fit.robot_from_outline = pose;
-    fit.swelling = swelling;
+    fit.swelling = bloom.swelling;
+    fit.residual_px = solution->residual_px;
+    take_covariance(params, *solution, fit);
     return true;
   }
 
@@ -116,7 +155,7 @@ class BloomLevel {
     add(kNearEnd, -0.5 * outline_.length * x, y, -x, outline_.width);
   }
 
-  void project(const Pose2& pose, double swelling) {
+  void project(const Pose2& pose, const Bloom& bloom) {
     constexpr double kAhead = 0.02;  // [m]
     const PointTransform to_robot(pose);
     std::array<Vector2d, 2 * kMostPoints> places;
@@ -124,7 +163,7 @@ class BloomLevel {
     const auto count = static_cast<std::size_t>(count_);
     for (std::size_t i = 0; i < count; ++i) {
       const EdgePoint& point = points_[i];
-      const Vector2d on_edge = point.place + swelling * point.normal;
+      const Vector2d on_edge = point.place + (bloom.swelling + bloom.taper * along_side(point)) * point.normal;
       places[2 * i] = to_robot * on_edge;
       places[2 * i + 1] = to_robot * (on_edge + kAhead * point.normal);
     }
@@ -149,6 +188,11 @@ class BloomLevel {
   [[nodiscard]] double gain_at(const Vector2d& pixel) const {
     const Vector2d size(image_.width, image_.height);
     return 1.0 - vignetting_ * (pixel - 0.5 * size).squaredNorm() / (0.25 * size.squaredNorm());
+  }
+
+  /// How far along a long side from the middle of what is seen [m]; an end's bloom is taken for that in the middle.
+  [[nodiscard]] double along_side(const EdgePoint& point) const {
+    return point.side == kLeftSide || point.side == kRightSide ? point.place.x() - middle_ : 0.0;
   }
 
   static double coordinate(const EdgePoint& point) {
@@ -292,24 +336,23 @@ class BloomLevel {
     }
   }
 
-  bool step(const OutlineFitParams& params, Pose2& pose, double& swelling, OutlineFit& fit) const {
+  std::optional<Solution> step(const OutlineFitParams& params, Pose2& pose, Bloom& bloom) const {
     const double sigma = params.edge_sigma_px * metres_per_px_;
     const double free_along = std::max(outline_.length, outline_.width);
-    Matrix4d information = Matrix4d::Zero();
+    Matrix5d information = Matrix5d::Zero();
     information(0, 0) = information(1, 1) = sigma * sigma / (free_along * free_along);
     information(2, 2) = sigma * sigma / (kPi * kPi);
     information(3, 3) = sigma * sigma / (params.swelling_sigma * params.swelling_sigma);
-    Vector4d right_side = Vector4d::Zero();
-    right_side(3) = -information(3, 3) * swelling;
-    double squares = 0.0;
-    double weights = 0.0;
-    int used = 0;
+    information(4, 4) = sigma * sigma / (taper_sigma_ * taper_sigma_);
+    Vector5d right_side = Vector5d::Zero();
+    right_side(3) = -information(3, 3) * bloom.swelling;
+    right_side(4) = -information(4, 4) * bloom.taper;
     std::array<double, kMostPoints> offsets;
     find_crossings(offsets);
     // Judged against their side's median: the fit before may have been off by a side's width of error.
     std::array<double, kSides> centre{};
     for (int side = 0; side < kSides; ++side) {
-      std::array<double, kMostPoints> of_side{};
+      std::array<double, kMostPoints> of_side;
       int count = 0;
       for (int i = 0; i < count_; ++i) {
         const double offset = offsets[static_cast<std::size_t>(i)];
@@ -322,40 +365,63 @@ class BloomLevel {
         centre[static_cast<std::size_t>(side)] = of_side[static_cast<std::size_t>(count / 2)];
       }
     }
+    std::array<SideSums, kSides> sums{};
+    double squares = 0.0;
+    int used = 0;
     for (int i = 0; i < count_; ++i) {
       const EdgePoint& point = points_[static_cast<std::size_t>(i)];
+      const auto side = static_cast<std::size_t>(point.side);
       const double offset = offsets[static_cast<std::size_t>(i)];
-      const double ratio = (offset - centre[static_cast<std::size_t>(point.side)]) / kCutoff;
+      const double ratio = (offset - centre[side]) / kCutoff;
       if (!(std::abs(ratio) < 1.0)) {  // or not found
         continue;
       }
       const double weight = (1.0 - ratio * ratio) * (1.0 - ratio * ratio);
-      Vector4d jacobian;
-      jacobian << point.normal.x(), point.normal.y(),
-          point.normal.y() * point.place.x() - point.normal.x() * point.place.y(), 1.0;
-      information += weight * jacobian * jacobian.transpose();
-      right_side += weight * offset * point.metres_per_px * jacobian;
-      squares += weight * std::pow(ratio * kCutoff, 2);
-      weights += weight;
+      sums[side].add(weight, coordinate(point), offset * point.metres_per_px);
+      squares += weight * ratio * ratio;
       ++used;
     }
-    if (used < 12) {
-      return false;
+    double weights = 0.0;
+    for (std::size_t side = 0; side < kSides; ++side) {
+      const SideSums& of_side = sums[side];
+      // The equation of an edge at the coordinate c has the coefficients fixed + c * along.
+      const double outward = side == kLeftSide || side == kFarEnd ? 1.0 : -1.0;
+      Vector5d fixed;
+      Vector5d along;
+      if (side == kLeftSide || side == kRightSide) {
+        fixed << 0.0, outward, 0.0, 1.0, -middle_;
+        along << 0.0, 0.0, outward, 0.0, 1.0;
+      } else {
+        fixed << outward, 0.0, 0.0, 1.0, 0.0;
+        along << 0.0, 0.0, -outward, 0.0, 0.0;
+      }
+      const Vector5d mean = of_side.weights * fixed + of_side.places * along;
+      const Vector5d spread = of_side.places * fixed + of_side.places2 * along;
+      information += fixed * mean.transpose() + along * spread.transpose();
+      right_side += of_side.offsets * fixed + of_side.places_offsets * along;
+      weights += of_side.weights;
     }
-    const Vector4d change = information.ldlt().solve(right_side);
+    if (used < 12) {
+      return std::nullopt;
+    }
+    const Vector5d change = information.ldlt().solve(right_side);
     if (!change.allFinite() || change.head<2>().norm() > 0.05 || std::abs(change(2)) > 0.05) {
-      return false;
+      return std::nullopt;
     }
     pose = pose * Pose2{change(0), change(1), change(2)};
-    swelling += change(3);
-    fit.residual_px = std::sqrt(squares / weights);
-    const double edge_sigma = std::max(params.edge_sigma_px, fit.residual_px) * metres_per_px_;
-    const Matrix4d inverse = information.inverse();
+    bloom.swelling += change(3);
+    bloom.taper += change(4);
+    return Solution{information, kCutoff * std::sqrt(squares / weights)};
+  }
+
+  void take_covariance(const OutlineFitParams& params, const Solution& solution, OutlineFit& fit) const {
+    const double edge_sigma = std::max(params.edge_sigma_px, solution.residual_px) * metres_per_px_;
+    const Matrix5d inverse = solution.information.inverse();
     fit.covariance = edge_sigma * edge_sigma * inverse.topLeftCorner<3, 3>();
     // What bloom does not do alike on all sides grows with its reach.
     const double unknown = edge_sigma * std::sqrt(inverse(3, 3));
     const double shared =
-        std::hypot(params.outline_sigma_px * metres_per_px_, kUnevenBloom * swelling, kUnevenGuess * unknown);
+        std::hypot(params.outline_sigma_px * metres_per_px_, kUnevenBloom * fit.swelling, kUnevenGuess * unknown);
     const double lever = 0.3 * std::max(fit.visible_to - fit.visible_from, 0.5 * outline_.width);
     fit.covariance(0, 0) += shared * shared;
     fit.covariance(1, 1) += shared * shared;
@@ -363,7 +429,6 @@ class BloomLevel {
     if (fit.only_side()) {
       fit.covariance(2, 2) += kOneSideTaper * kOneSideTaper;
     }
-    return true;
   }
 
   const GreyView& image_;
@@ -373,6 +438,8 @@ class BloomLevel {
   std::array<EdgePoint, kMostPoints> points_{};
   int count_ = 0;
   double metres_per_px_ = 0.0;
+  double middle_ = 0.0;       // [m] along the outline, of what is seen of it
+  double taper_sigma_ = 0.0;  // [m/m]
   std::array<Line, kSides> ceiling_{};
   double height_ = 0.0;  // [grey] above the ceiling at which the edge is taken
 };

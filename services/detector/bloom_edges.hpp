@@ -11,8 +11,9 @@ namespace luminav {
 /// A lamp saturates the sensor, and so does the bloom next to it: the fixture's own edge does not show, the edge that
 /// does show lies where the sum of bloom and ceiling leaves saturation, and so is pushed outward on a brighter side.
 /// The bloom alone is the same all round. Each side's ceiling is taken from beyond its bloom, carried to the edge by
-/// the slope between opposite sides. Changes pose, swelling, residual and covariance; leaves the fit as it is when too
-/// few edge points are found, and round outlines always.
+/// the slope between opposite sides. Along a fixture that is cut it may change: where a corner of the image leaves
+/// different stretches of the long sides in view, that would turn the outline. Changes pose, swelling, residual and
+/// covariance; leaves the fit as it is when too few edge points are found, and round outlines always.
 void level_bloom(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
                  const OutlineFitParams& params, OutlineFit& fit);
 

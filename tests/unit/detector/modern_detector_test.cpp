@@ -150,6 +150,16 @@ TEST(ModernDetector, IsSurestOfThePartThatIsSeen) {
   }
 }
 
+TEST(ModernDetector, KnowsTheDirectionOfALampAcrossACornerWhereTheLightOfTheCeilingChanges) {
+  // Its long sides are seen over different stretches, and its bloom is not as wide over both.
+  for (const double turn : {0.20, 0.24, 0.28, 0.32, 0.36}) {
+    const Pose2 truth{0.75, -1.05, -turn * kPi};  // the image ends 1.08 m ahead and 1.44 m to the right
+    const auto detections = detect({.shapes = {{.pose = truth}}, .slope_x = 45.0, .bloom = 250.0});
+    ASSERT_EQ(detections.size(), 1U);
+    EXPECT_NEAR(wrap_axis(detections[0].robot_from_fixture.theta - truth.theta), 0.0, radians(0.06)) << turn;
+  }
+}
+
 TEST(ModernDetector, FindsAnUnlitFixtureOfWhichOnlyAPartStandsOut) {
   DrawnCeiling ceiling;
   const Pose2 truth{0.1, 0.05, 0.3};
