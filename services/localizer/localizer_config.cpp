@@ -62,6 +62,9 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
   rules.still_distance = table.number("still_distance", rules.still_distance, {0.0, 1.0});
   rules.still_turn = table.number("still_turn", rules.still_turn, {0.0, 1.0});
   rules.pause_frames = table.count("pause_frames", rules.pause_frames, {1, 1000});
+  rules.displacement_time = table.number("displacement_time", rules.displacement_time, {0.1, 10.0});
+  rules.displacement = table.number("displacement", rules.displacement, {0.0, 10.0});
+  rules.displacement_frames = table.count("displacement_frames", rules.displacement_frames, {1, 1000});
   rules.miss_frames = table.count("miss_frames", rules.miss_frames, {1, 1000});
   rules.miss_fixtures = table.count("miss_fixtures", rules.miss_fixtures, {1, 100});
   rules.miss_distance = table.number("miss_distance", rules.miss_distance, {0.0, 100.0});

@@ -14,8 +14,9 @@ namespace {
 constexpr double kLeastFit = 0.35;                  // outlines that fit worse are not used
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
 constexpr std::size_t kMostSightings = 12;          // of one image
-constexpr double kMovedByHand = 0.05;               // [m] by which one image moves a pose that wheels did not move
-constexpr double kTurnedByHand = radians(3.0);      // [rad] likewise
+constexpr int kMostUnmatched = 3;               // images in a row in which a fixture followed by sight may be missed
+constexpr double kMovedByHand = 0.05;           // [m] by which one image moves a pose that wheels did not move
+constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 
 }  // namespace
 
@@ -31,6 +32,7 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       filter_(std::max(0.2, building.ceiling_height - robot.camera.mounting.z),
               {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors, params.tracking),
       watch_(map_, view_, building.ceiling_height, params.rules),
+      displacement_(robot.wheel_base, params.rules),
       verdict_(map_, scene_, bank_, filter_, watch_, params.rules),
       echoes_(robot.sonar, {params.hypotheses.sonar_way, params.hypotheses.sonar_turn, params.hypotheses.sonar_surface,
                             params.hypotheses.sonar_looks}) {}
@@ -62,6 +64,7 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
 
 void ModernLocalizer::bridge(const std::string& why, const MotionGap& gap) {
   queue_.restart();
+  displacement_.clear();
   scene_.clear();
   echoes_.clear();
   filter_odometry_.reset();
@@ -158,6 +161,14 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   advance(timed.odometry);
   const SightingFrame frame = usable_sightings(timed.frame, timed.odometry);
   const std::vector<int> objects = scene_.update(frame, timed.odometry.odom_from_robot, odometer_);
+  if (displacement_.look(frame, objects, scene_, timed.odometry.odom_from_robot)) {
+    wait_for_rest(frame, timed.odometry);
+    return;
+  }
+  if (is_displaced_) {
+    begin_at_rest();
+    return;
+  }
   listen(frame.utime);
   bank_.observe(frame, objects, scene_, timed.odometry, odometer_);
   if (verdict_.has_leader()) {
@@ -170,6 +181,28 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   }
   bank_.tidy();
   decide(frame);
+}
+
+void ModernLocalizer::wait_for_rest(const SightingFrame& frame, const OdometryReading& odometry) {
+  images_unmatched_ = is_displaced_ ? images_unmatched_ : 0;
+  is_displaced_ = true;
+  if (is_followed()) {
+    const std::vector<FixtureMatch> matches = match_sightings(filter_, map_, frame, odometry, params_.tracking.gate);
+    images_unmatched_ = matches.empty() ? images_unmatched_ + 1 : 0;
+    correct_filter(frame, matches, odometry);
+  }
+  verdict_.suspend("the robot is moved otherwise than its wheels turn");
+}
+
+bool ModernLocalizer::is_followed() const {
+  return verdict_.has_leader() && images_unmatched_ <= kMostUnmatched;
+}
+
+void ModernLocalizer::begin_at_rest() {
+  is_displaced_ = false;
+  displacement_.clear();
+  echoes_.clear();
+  verdict_.resume(is_followed());
 }
 
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,

@@ -7,6 +7,7 @@
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/contradiction_watch.hpp"
+#include "services/localizer/displacement_watch.hpp"
 #include "services/localizer/echo_collector.hpp"
 #include "services/localizer/fixture_matching.hpp"
 #include "services/localizer/frame_queue.hpp"
@@ -48,6 +49,12 @@ class ModernLocalizer final : public Localizer {
 
  private:
   void step(const FrameQueue::TimedFrame& timed);
+  /// Somebody moves the robot: nothing is concluded from an image, and what follows fixtures by sight goes on so.
+  void wait_for_rest(const SightingFrame& frame, const OdometryReading& odometry);
+  /// That is over.
+  void begin_at_rest();
+  /// The filter saw fixtures where it foretold them all the time while somebody moved the robot.
+  [[nodiscard]] bool is_followed() const;
   void advance(const OdometryReading& odometry);
   void listen(std::int64_t until_utime);
   [[nodiscard]] SightingFrame usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const;
@@ -70,12 +77,15 @@ class ModernLocalizer final : public Localizer {
   HypothesisBank bank_;
   TrackingFilter filter_;
   ContradictionWatch watch_;
+  DisplacementWatch displacement_;
   PoseVerdict verdict_;
   EchoCollector echoes_;
   int listens_since_ = 0;                           // which list of hypotheses hears the echoes
   std::optional<OdometryReading> filter_odometry_;  // where bank and filter stand
   double odometer_ = 0.0;                           // [m]
 
+  bool is_displaced_ = false;  // somebody moved the robot at the last image
+  int images_unmatched_ = 0;   // then, in a row, without a fixture that the filter foretold
   bool motors_enabled_ = true;
   std::int64_t fixture_utime_ = 0;
   double odometer_at_fixture_ = 0.0;  // [m]

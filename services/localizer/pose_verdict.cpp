@@ -195,6 +195,26 @@ void PoseVerdict::doubt_after_gap(const std::string& why, bool may_be_carried) {
   needed_fixtures_ = may_be_carried ? rules_.enter_fixtures : 1;
 }
 
+void PoseVerdict::suspend(const std::string& why) {
+  doubt_ = why;
+  state_ = leader_id_ != 0 ? LocalizerState::kAmbiguous : LocalizerState::kLost;
+  reason_ = why;
+}
+
+void PoseVerdict::resume(bool was_followed) {
+  if (was_followed) {
+    doubt(reason_, rules_.bonus_after_misfit);
+    may_foretell_ = true;
+    return;
+  }
+  is_recalled_ = false;
+  watch_.reset();
+  scene_.clear();
+  bank_.clear();
+  drop_leader(LocalizerState::kLost);
+  reason_ = "nothing seen since the robot was moved elsewhere";
+}
+
 void PoseVerdict::recall() {
   doubt("the pose from before the restart waits for a fixture that confirms it", rules_.bonus_after_miss);
   is_recalled_ = true;

@@ -32,6 +32,11 @@ class PoseVerdict {
   void doubt(const Contradiction& contradiction);
   /// Puts it in doubt for a gap in odometry; after a long one it must fit more than one fixture.
   void doubt_after_gap(const std::string& why, bool may_be_carried);
+  /// While somebody moves the robot nothing is known.
+  void suspend(const std::string& why);
+  /// That is over, and what was seen before says nothing of where the robot is now. With `was_followed` the filter saw
+  /// fixtures where it foretold them all the time.
+  void resume(bool was_followed);
   /// The filter's pose comes from before a restart: the first fixture seen confirms or refutes it.
   void recall();
   /// The first images after that.

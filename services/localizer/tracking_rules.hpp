@@ -21,6 +21,9 @@ struct TrackingRules {
   double stop_distance = 0.15;                // [m] since the last match, and standing now: it has just stopped
   double stop_turn = radians(6.0);            // [rad] likewise
   int pause_frames = 10;                      // images in a row without wheel motion: the robot may have been carried
+  double displacement_time = 0.6;             // [s] over which the motion of fixtures is compared with the wheels'
+  double displacement = 0.15;                 // [m] beyond image noise that wheels, slipping or not, do not explain
+  int displacement_frames = 3;                // images in a row that show it: somebody moves the robot
   int miss_frames = 10;                       // images without a fixture that ought to be there
   int miss_fixtures = 2;                      // so many of them, and nothing else seen meanwhile ...
   double miss_distance = 1.5;                 // [m] ... or one of them over this way

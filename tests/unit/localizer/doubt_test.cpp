@@ -51,6 +51,15 @@ class CorridorDrive {
     ++session_;
   }
   void carry_to(double x) { x_ = x; }
+  /// Pushes it there at half a metre a second while its wheels stand still; returns whether it was doubted on the way.
+  bool push_to(double x) {
+    bool is_doubted = false;
+    while (std::abs(x - x_) > 0.025) {
+      x_ += x > x_ ? 0.05 : -0.05;
+      is_doubted = !stand(0.1) || is_doubted;
+    }
+    return is_doubted;
+  }
   /// The wheels turn on, without an image of it.
   void roll_on(double way) { move(kSpeed, way / kSpeed); }
   /// Stands for a while; returns whether it was held for true all the time.
@@ -167,6 +176,34 @@ TEST(Doubt, ComesWhereAFixtureVanishesOfWhichTheImageShowedNoMoreThanHalf) {
   ASSERT_TRUE(drive.stand(1.0));
   drive.carry_to(3.0);  // nothing in view
   EXPECT_FALSE(drive.stand(1.0));
+}
+
+TEST(Doubt, ComesWhileARobotIsPushedUnderAFixture) {
+  CorridorDrive drive;
+  drive.drive_to(7.3);
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  EXPECT_TRUE(drive.push_to(7.8));
+  EXPECT_NE(drive.state(), LocalizerState::kTracking);
+}
+
+TEST(Doubt, OfAPushedRobotEndsWhereItRestsWithTheFixtureInViewAllTheTime) {
+  CorridorDrive drive;
+  drive.drive_to(7.3);
+  drive.push_to(7.8);
+  drive.stand(3.0);
+  EXPECT_EQ(drive.state(), LocalizerState::kTracking);
+  EXPECT_LT(drive.error(), 0.05);
+}
+
+TEST(Doubt, OfARobotPushedOutOfSightOfItsFixtureEndsInASearch) {
+  CorridorDrive drive;
+  drive.drive_to(7.3);
+  drive.push_to(9.0);
+  EXPECT_EQ(drive.state(), LocalizerState::kLost);
+  drive.drive_to(10.6);
+  EXPECT_EQ(drive.state(), LocalizerState::kAmbiguous);
+  drive.drive_to(13.6);  // here too all fixtures look alike
+  EXPECT_EQ(drive.state(), LocalizerState::kAmbiguous);
 }
 
 TEST(Doubt, AfterTheSerialLineWasCutEndsAtTheFirstFixture) {
