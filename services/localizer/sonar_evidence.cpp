@@ -7,9 +7,9 @@
 namespace luminav {
 namespace {
 
-constexpr double kFromWall = 0.6;                 // share of echoes that come from the building's walls
-constexpr double kBehindWall = 0.7;               // that an echo from behind a wall speaks against the pose
-constexpr std::array kAcross = {-0.7, 0.0, 0.7};  // where a beam is looked at, in half angles
+constexpr double kFromWall = 0.6;    // share of echoes that come from the building's walls
+constexpr double kBehindWall = 0.7;  // that an echo from behind a wall speaks against the pose
+constexpr std::array kAcross = {-0.9, -0.45, 0.0, 0.45, 0.9};  // where a beam is looked at, in half angles
 
 }  // namespace
 

@@ -56,13 +56,13 @@ TEST_F(SonarEvidence, SpeaksAgainstAPoseFromWhichTheEchoComesThroughAWall) {
 TEST_F(SonarEvidence, LetsAPoseBeAsWrongAsItsCovarianceSays) {
   const Pose2 nearer{2.45, 3.0, 0.0};
   EXPECT_GT(of(at(nearer, 0.3), {echo_at(2.0)}), of(at(nearer), {echo_at(2.0)}) + 0.3);
-  EXPECT_NEAR(of(at(facing_, 0.8), {echo_at(3.5)}), of(at(facing_, 0.8), {echo_at(0.5)}), kFieldError);
+  EXPECT_GT(of(at(facing_, 0.8), {echo_at(3.5)}), 0.0) << "it may as well stand before the wall";
 }
 
 TEST_F(SonarEvidence, FindsAWallThatOnlyTheSideOfTheBeamMeets) {
   // the beam's middle ends 0.4 m before the wall, its side at the wall
   const Pose2 oblique{2.05, 3.0, radians(40.0)};
-  const double range = 2.0 / std::cos(radians(40.0) - 0.7 * kHalfAngle);
+  const double range = 2.0 / std::cos(radians(40.0) - 0.9 * kHalfAngle);
   const double ahead = 2.0 - range * std::cos(radians(40.0));
   ASSERT_GT(ahead, 0.2);
   EXPECT_NEAR(of(at(oblique), {echo_at(range)}), std::log(2.5), kFieldError);
