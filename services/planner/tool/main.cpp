@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "services/common/building/map_file.hpp"
+#include "services/common/configuration/whole_file.hpp"
+#include "services/common/image/picture_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/planner/route_planner.hpp"
 
@@ -42,9 +42,7 @@ void draw(const std::string& file, const RoutePlanner& planner, const Route& rou
   }
   cv::circle(picture, pixel(request.start), 5, {0, 160, 0}, cv::FILLED, cv::LINE_AA);
   cv::circle(picture, pixel(request.goal), 5, {220, 0, 0}, cv::FILLED, cv::LINE_AA);
-  if (!cv::imwrite(file, picture)) {
-    throw std::runtime_error(file + ": cannot be written");
-  }
+  write_picture(file, picture);
 }
 
 const char* name_of(RouteOutcome outcome) {
@@ -130,11 +128,7 @@ int main(int argc, char** argv) {
       report["nearest_reachable"] = {route.nearest_reachable->x(), route.nearest_reachable->y()};
     }
     if (!json_file.empty()) {
-      std::ofstream out(json_file);
-      out << report.dump(1) << "\n";
-      if (!out.flush()) {
-        throw std::runtime_error(json_file + ": cannot be written");
-      }
+      write_whole_file(json_file, report.dump(1) + "\n");
     }
     if (!png_file.empty()) {
       draw(png_file, planner, route, request);
