@@ -49,7 +49,6 @@ void read_hypotheses(const TomlTable& table, HypothesisParams& params) {
 }
 
 void read_rules(const TomlTable& table, TrackingRules& rules) {
-  rules.third_margin = table.number("third_margin", rules.third_margin, {0.0, 100.0});
   rules.first_margin = table.number("first_margin", rules.first_margin, {0.0, 100.0});
   rules.enter_margin = table.number("enter_margin", rules.enter_margin, {0.0, 100.0});
   rules.least_without_sonar = table.number("least_without_sonar", rules.least_without_sonar, {-100.0, 100.0});

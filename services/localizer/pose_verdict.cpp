@@ -13,7 +13,6 @@ constexpr double kRefuted = 6.0;                // log-score behind the best at 
 constexpr double kSamePlace = 0.5;              // [m] a guess that near
 constexpr double kSameHeading = radians(20.0);  // and so little turned means the tracked pose
 constexpr int kSureFrames = 3;                  // images of an object after which it is one
-constexpr std::size_t kManyFixtures = 3;        // that fit: one thing that only looks like one tips no scale then
 constexpr const char* kNoFixtures = "the building's file names no fixtures";
 
 }  // namespace
@@ -265,15 +264,6 @@ Hypothesis* PoseVerdict::leader() const {
   const auto found = std::find_if(bank_.hypotheses().begin(), bank_.hypotheses().end(),
                                   [&](const Hypothesis& h) { return h.id == leader_id_; });
   return found == bank_.hypotheses().end() ? nullptr : &*found;
-}
-
-// Of two fixtures one may be a thing that only looks like one, and fit a twin by chance; of three hardly two.
-double PoseVerdict::needed_margin() const {
-  if (was_tracking_) {
-    return rules_.enter_margin;
-  }
-  const std::size_t fixtures = bank_.hypotheses().front().confirmed.size();
-  return fixtures >= kManyFixtures ? rules_.third_margin : rules_.first_margin;
 }
 
 double PoseVerdict::margin() const {

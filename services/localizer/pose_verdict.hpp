@@ -68,7 +68,7 @@ class PoseVerdict {
   [[nodiscard]] double margin() const;
   /// Ahead by what declaring needs, and without the sonars not too far behind.
   [[nodiscard]] bool is_far_ahead() const;
-  [[nodiscard]] double needed_margin() const;
+  [[nodiscard]] double needed_margin() const { return was_tracking_ ? rules_.enter_margin : rules_.first_margin; }
   [[nodiscard]] Hypothesis* leader() const;
 
   const FixtureMap& map_;

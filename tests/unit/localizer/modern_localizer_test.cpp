@@ -68,7 +68,7 @@ TEST(ModernLocalizer, MayAskForMoreOnceItsPoseWasInDoubt) {
   const TrialResult result = drive(building, options, plan, params);
   EXPECT_TRUE(result.localized);
   EXPECT_EQ(result.recovered, 0.0);
-  params.rules.first_margin = params.rules.third_margin = 1000.0;
+  params.rules.first_margin = 1000.0;
   EXPECT_FALSE(drive(building, options, plan, params).localized);
 }
 
