@@ -66,8 +66,28 @@ bool is_clear_from(const ConfigurationSpace& space, const Eigen::Vector2d& from,
   return true;
 }
 
+/// The same way in pieces of at most `most` [m]: unlike `resampled` it keeps every corner.
+Polyline divided(const Polyline& points, double most) {
+  Polyline result = {points.front()};
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const Eigen::Vector2d piece = points[i] - points[i - 1];
+    const int parts = std::max(1, static_cast<int>(std::ceil(piece.norm() / most)));
+    for (int k = 1; k <= parts; ++k) {
+      result.push_back(points[i - 1] + piece * (static_cast<double>(k) / parts));
+    }
+  }
+  return result;
+}
+
+/// What a band feels in one round, and how often.
+struct Relaxation {
+  int rounds = 0;
+  double tension = 0.0;  // share of the way to the middle of the neighbours
+  double push = 0.0;     // [m] where an obstacle is nearest
+};
+
 /// How far obstacles push a point in one round [m]: away from the nearest one, the nearer the more.
-Eigen::Vector2d push_of(const ConfigurationSpace& space, const PathShapingParams& params, const Eigen::Vector2d& p) {
+Eigen::Vector2d push_of(const ConfigurationSpace& space, double most, const Eigen::Vector2d& p) {
   const double range = 1.2;  // [m] obstacles farther away do not push
   const double h = space.geometry().resolution;
   const auto [here, right, left, above, below] = space.clearances_around(p, h);
@@ -78,10 +98,10 @@ Eigen::Vector2d push_of(const ConfigurationSpace& space, const PathShapingParams
   const Eigen::Vector2d difference(right - left, above - below);
   const Eigen::Vector2d gradient =
       difference / (2.0 * h);  // of length 1 where one obstacle is nearest, 0 in the middle between two
-  return params.push * depth * gradient;
+  return most * depth * gradient;
 }
 
-void relax(const ConfigurationSpace& space, const PathShapingParams& params, Polyline& band) {
+void relax(const ConfigurationSpace& space, const Relaxation& relaxation, Polyline& band) {
   constexpr double kStill =
       5e-4;  // [m] a point that moved less stays, until a neighbour moves: most of a way is straight
   std::vector<std::uint8_t> moves(band.size(), 1);
@@ -92,16 +112,16 @@ void relax(const ConfigurationSpace& space, const PathShapingParams& params, Pol
   }
   Polyline pushes(band.size());  // [m] of where each point is
   std::vector<std::uint8_t> is_pushed(band.size(), 0);
-  for (int round = 0; round < params.smoothing_rounds; ++round) {
+  for (int round = 0; round < relaxation.rounds; ++round) {
     for (std::size_t i = 1; i + 1 < band.size(); ++i) {
       // in one round the points before have moved already
       if (moves[i - 1] == 0 && moved_last[i] == 0 && moved_last[i + 1] == 0) {
         moves[i] = 0;
         continue;
       }
-      const Eigen::Vector2d pull = params.tension * (0.5 * (band[i - 1] + band[i + 1]) - band[i]);
+      const Eigen::Vector2d pull = relaxation.tension * (0.5 * (band[i - 1] + band[i + 1]) - band[i]);
       if (is_pushed[i] == 0) {
-        pushes[i] = push_of(space, params, band[i]);
+        pushes[i] = push_of(space, relaxation.push, band[i]);
         is_pushed[i] = 1;
       }
       const Eigen::Vector2d moved = band[i] + pull + pushes[i];
@@ -146,6 +166,15 @@ bool is_clear(const ConfigurationSpace& space, const Eigen::Vector2d& from, cons
   return is_clear_from(space, from, space.geometry().cell_at(from), to);
 }
 
+bool is_clear(const ConfigurationSpace& space, const Polyline& points) {
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (!is_clear(space, points[i - 1], points[i])) {
+      return false;
+    }
+  }
+  return true;
+}
+
 double polyline_length(const Polyline& points) {
   double length = 0.0;
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -178,9 +207,24 @@ Polyline shape_path(const ConfigurationSpace& space, const PathShapingParams& pa
   if (chain.size() < 2) {
     return resampled(chain, params.spacing);
   }
-  Polyline band = resampled(shortened(space, params, chain), params.spacing);
-  relax(space, params, band);
-  return resampled(band, params.spacing);
+  const Polyline straight = shortened(space, params, chain);
+  // The band moves as heat spreads: of twice the spacing, and pushed four times as hard, a round takes it as far as
+  // four.
+  constexpr int kFasterBy = 4;
+  constexpr int kFineRounds = 4;
+  const int coarse_rounds = std::max(0, params.smoothing_rounds - kFineRounds) / kFasterBy;
+  Polyline coarse = resampled(straight, 2.0 * params.spacing);
+  relax(space, {coarse_rounds, params.tension, kFasterBy * params.push}, coarse);
+  Polyline band = resampled(coarse, params.spacing);
+  int rounds = params.smoothing_rounds - kFasterBy * coarse_rounds;
+  if (!is_clear(space, band)) {
+    // the long pieces cut a corner
+    band = resampled(straight, params.spacing);
+    rounds = params.smoothing_rounds;
+  }
+  relax(space, {rounds, params.tension, params.push}, band);
+  const Polyline shaped = resampled(band, params.spacing);
+  return is_clear(space, shaped) || !is_clear(space, straight) ? shaped : divided(straight, params.spacing);
 }
 
 }  // namespace luminav

@@ -25,6 +25,9 @@ double cost_of(const ConfigurationSpace& space, const Eigen::Vector2d& from, con
 /// Whether a straight piece touches no blocked cell, sampled at half a cell.
 bool is_clear(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to);
 
+/// The same of all pieces of a polyline.
+bool is_clear(const ConfigurationSpace& space, const Polyline& points);
+
 double polyline_length(const Polyline& points);
 /// Points at most `spacing` [m] apart, first and last kept exactly. At least two points, even of one place.
 Polyline resampled(const Polyline& points, double spacing);

@@ -56,6 +56,20 @@ TEST(ShapePath, NeverCutsThroughAnObstacle) {
   }
 }
 
+TEST(ShapePath, CutsNoCornerWhereverItsPiecesBegin) {
+  OccupancyGrid grid = empty_room(6.0, 6.0);
+  build_wall(grid, 2.0, 0.0, 2.1, 4.0);
+  const ConfigurationSpace space({}, grid, {});
+  PathShapingParams params;
+  params.push = 0.0;  // what cuts a corner at first is not pushed out of it
+  // as near to the corners as the robot may come
+  for (double start = 1.0; start < 1.85; start += 0.05) {
+    const Polyline round = {{1.65, start}, {1.65, 4.35}, {2.45, 4.35}, {2.45, 2.0}};
+    ASSERT_TRUE(is_clear(space, round)) << "the way itself";
+    EXPECT_TRUE(is_clear(space, shape_path(space, params, resampled(round, 0.05)))) << "from y = " << start;
+  }
+}
+
 TEST(CostOf, IsTheLengthWhereNothingIsNear) {
   const ConfigurationSpace space({}, empty_room(8.0, 8.0), {});
   EXPECT_NEAR(cost_of(space, {{3.0, 4.0}, {5.0, 4.0}}), 2.0, 1e-9);
