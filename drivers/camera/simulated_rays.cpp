@@ -19,7 +19,9 @@ RayTable::RayTable(const CeilingCamera& camera)
   bool any_below = false;
   for (int row = 0; row < height_; ++row) {
     for (int column = 0; column < width_; ++column) {
-      const Eigen::Vector3d ray = camera.rotation() * camera.ray_in_camera({column, row});
+      // what the lens does not show is as dark as what lies below
+      const Eigen::Vector3d nowhere(0.0, 0.0, -1.0);
+      const Eigen::Vector3d ray = camera.rotation() * camera.ray_in_camera({column, row}).value_or(nowhere);
       const double rise = std::max(ray.z(), kLeastRise);
       if (ray.z() < kLeastRise) {
         below[x_.size()] = 1.0F;

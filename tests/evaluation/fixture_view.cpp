@@ -21,7 +21,11 @@ double reach_of(const CeilingCamera& camera) {
   const auto& lens = camera.intrinsics();
   for (const double x : {0.0, lens.width - 1.0}) {
     for (const double y : {0.0, lens.height - 1.0}) {
-      const Vector3d ray = camera.rotation() * camera.ray_in_camera({x, y});
+      const auto ray_in_camera = camera.ray_in_camera({x, y});
+      if (!ray_in_camera) {
+        return 1.0 / 0.15;  // as far as anything is looked for
+      }
+      const Vector3d ray = camera.rotation() * *ray_in_camera;
       reach = std::max(reach, std::hypot(ray.x(), ray.y()) / std::max(0.15, ray.z()));
     }
   }

@@ -1,5 +1,7 @@
 #include "services/common/geometry/camera_model.hpp"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -22,17 +24,64 @@ Vector2d distort_pinhole(const Vector2d& undistorted, const std::array<double, 5
           y * radial + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y};
 }
 
-/// Inverse of distort_pinhole by fixed-point iteration, as OpenCV does; converges to 1e-9 for webcam lenses.
-Vector2d undistort_pinhole(const Vector2d& distorted, const std::array<double, 5>& k) {
+constexpr double kInverted = 1e-9;  // [focal lengths] that an inverted distortion may be off: a millionth of a pixel
+
+/// d distort_pinhole / d undistorted, which is symmetric.
+Eigen::Matrix2d pinhole_slope(const Vector2d& undistorted, const std::array<double, 5>& k) {
+  const double x = undistorted.x();
+  const double y = undistorted.y();
+  const double r2 = x * x + y * y;
+  const double radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+  const double growth = 2.0 * (k[0] + r2 * (2.0 * k[1] + r2 * 3.0 * k[4]));
+  const double across = growth * x * y + 2.0 * (k[2] * x + k[3] * y);
+  Eigen::Matrix2d slope;
+  slope << radial + growth * x * x + 2.0 * k[2] * y + 6.0 * k[3] * x, across,  //
+      across, radial + growth * y * y + 6.0 * k[2] * y + 2.0 * k[3] * x;
+  return slope;
+}
+
+/// Inverse of a function that grows from 0 at 0 up to `most`, for a value that it takes there.
+template <typename Function>
+double inverse_by_halving(double value, double most, const Function& function) {
+  double low = 0.0;
+  double high = most;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (function(middle) < value ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// Inverse of distort_pinhole within `largest_radius`, where that is reached. Fixed-point iteration does for the lenses
+/// of webcams; Newton's does for strong ones, from where the radial part alone would have the point.
+std::optional<Vector2d> undistort_pinhole(const Vector2d& distorted, const std::array<double, 5>& k,
+                                          double largest_radius) {
   Vector2d estimate = distorted;
+  Vector2d error = Vector2d::Zero();
   for (int i = 0; i < 20; ++i) {
-    const Vector2d error = distort_pinhole(estimate, k) - distorted;
+    error = distort_pinhole(estimate, k) - distorted;
     estimate -= error;
     if (error.squaredNorm() < 1e-20) {
       break;
     }
   }
-  return estimate;
+  if (!(error.norm() < kInverted && estimate.norm() <= largest_radius)) {
+    constexpr double kWidest = 20.0;  // [focal lengths] 87 degrees from the axis
+    const double radius = distorted.norm();
+    const double undistorted = inverse_by_halving(radius, std::min(largest_radius, kWidest), [&](double r) {
+      return r * (1.0 + r * r * (k[0] + r * r * (k[1] + r * r * k[4])));
+    });
+    estimate = distorted * (undistorted / radius);
+    for (int i = 0; i < 20; ++i) {
+      error = distort_pinhole(estimate, k) - distorted;
+      if (error.norm() < kInverted) {
+        break;
+      }
+      estimate -= pinhole_slope(estimate, k).inverse() * error;
+    }
+  }
+  const bool is_inverted = error.norm() < kInverted && estimate.norm() <= largest_radius;
+  return is_inverted ? std::optional(estimate) : std::nullopt;
 }
 
 double fisheye_radius(double angle, const std::array<double, 5>& k) {
@@ -40,16 +89,28 @@ double fisheye_radius(double angle, const std::array<double, 5>& k) {
   return angle * (1.0 + a2 * (k[0] + a2 * (k[1] + a2 * (k[2] + a2 * k[3]))));
 }
 
-double fisheye_angle(double radius, const std::array<double, 5>& k) {
+double fisheye_slope(double angle, const std::array<double, 5>& k) {
+  const double a2 = angle * angle;
+  return 1.0 + a2 * (3.0 * k[0] + a2 * (5.0 * k[1] + a2 * (7.0 * k[2] + a2 * 9.0 * k[3])));
+}
+
+/// Angle from the axis of what is seen at a radius of the image; nothing beyond what is seen at `largest_angle`.
+std::optional<double> fisheye_angle(double radius, const std::array<double, 5>& k, double largest_angle) {
+  if (radius > fisheye_radius(largest_angle, k)) {
+    return std::nullopt;
+  }
   double angle = std::min(radius, 0.5 * kPi);
   for (int i = 0; i < 20; ++i) {
-    const double a2 = angle * angle;
-    const double slope = 1.0 + a2 * (3.0 * k[0] + a2 * (5.0 * k[1] + a2 * (7.0 * k[2] + a2 * 9.0 * k[3])));
+    const double slope = fisheye_slope(angle, k);
     const double step = (fisheye_radius(angle, k) - radius) / (std::abs(slope) < 1e-6 ? 1e-6 : slope);
     angle -= step;
     if (std::abs(step) < 1e-12) {
       break;
     }
+  }
+  // a step from where the curve is flat may lead anywhere
+  if (!(angle >= 0.0 && angle <= largest_angle && std::abs(fisheye_radius(angle, k) - radius) < kInverted)) {
+    angle = inverse_by_halving(radius, largest_angle, [&](double a) { return fisheye_radius(a, k); });
   }
   return angle;
 }
@@ -63,6 +124,16 @@ double radius_of_monotony(const std::array<double, 5>& k) {
     }
   }
   return std::numeric_limits<double>::infinity();
+}
+
+/// The angle from the axis [rad] at which a fisheye's radius stops growing, at most straight behind.
+double angle_of_monotony(const std::array<double, 5>& k) {
+  constexpr double kStep = 0.001;
+  double angle = 0.0;
+  while (angle + kStep < kPi && fisheye_slope(angle + kStep, k) > 0.0) {
+    angle += kStep;
+  }
+  return angle;
 }
 
 /// What `pixel_of_ceiling_point` does, in its order of operations, as a loop that the compiler turns into vectors.
@@ -126,22 +197,26 @@ CeilingCamera::CeilingCamera(const CameraIntrinsics& intrinsics, const CameraMou
     : intrinsics_(intrinsics),
       mounting_(mounting),
       robot_from_camera_(mounting.rotation()),
-      largest_radius_(radius_of_monotony(intrinsics.distortion)) {}
+      largest_radius_(radius_of_monotony(intrinsics.distortion)),
+      largest_angle_(intrinsics.model == LensModel::kFisheye ? angle_of_monotony(intrinsics.distortion) : kPi) {}
 
-Vector3d CeilingCamera::ray_in_camera(const Vector2d& pixel) const {
+std::optional<Vector3d> CeilingCamera::ray_in_camera(const Vector2d& pixel) const {
   const Vector2d distorted((pixel.x() - intrinsics_.cx) / intrinsics_.fx,
                            (pixel.y() - intrinsics_.cy) / intrinsics_.fy);
   if (intrinsics_.model == LensModel::kPinhole) {
-    const Vector2d undistorted = undistort_pinhole(distorted, intrinsics_.distortion);
-    return Vector3d(undistorted.x(), undistorted.y(), 1.0).normalized();
+    const auto undistorted = undistort_pinhole(distorted, intrinsics_.distortion, largest_radius_);
+    return undistorted ? std::optional(Vector3d(undistorted->x(), undistorted->y(), 1.0).normalized()) : std::nullopt;
   }
   const double radius = distorted.norm();
   if (radius < 1e-12) {
-    return {0.0, 0.0, 1.0};
+    return Vector3d(0.0, 0.0, 1.0);
   }
-  const double angle = fisheye_angle(radius, intrinsics_.distortion);
-  const Vector2d direction = distorted / radius * std::sin(angle);
-  return {direction.x(), direction.y(), std::cos(angle)};
+  const auto angle = fisheye_angle(radius, intrinsics_.distortion, largest_angle_);
+  if (!angle) {
+    return std::nullopt;
+  }
+  const Vector2d direction = distorted / radius * std::sin(*angle);
+  return Vector3d(direction.x(), direction.y(), std::cos(*angle));
 }
 
 std::optional<Vector2d> CeilingCamera::pixel_of(const Vector3d& point_in_camera) const {
@@ -156,6 +231,9 @@ std::optional<Vector2d> CeilingCamera::pixel_of(const Vector3d& point_in_camera)
   } else {
     const double planar = std::hypot(point_in_camera.x(), point_in_camera.y());
     const double angle = std::atan2(planar, point_in_camera.z());
+    if (angle > largest_angle_) {
+      return std::nullopt;
+    }
     const double scale = planar < 1e-12 ? 0.0 : fisheye_radius(angle, intrinsics_.distortion) / planar;
     distorted = {point_in_camera.x() * scale, point_in_camera.y() * scale};
   }
@@ -163,7 +241,11 @@ std::optional<Vector2d> CeilingCamera::pixel_of(const Vector3d& point_in_camera)
 }
 
 std::optional<Vector2d> CeilingCamera::point_on_ceiling(const Vector2d& pixel, double height) const {
-  const Vector3d ray = robot_from_camera_ * ray_in_camera(pixel);
+  const auto ray_in_camera = this->ray_in_camera(pixel);
+  if (!ray_in_camera) {
+    return std::nullopt;
+  }
+  const Vector3d ray = robot_from_camera_ * *ray_in_camera;
   if (ray.z() <= 1e-3) {
     return std::nullopt;
   }

@@ -42,13 +42,14 @@ class CeilingCamera {
  public:
   CeilingCamera(const CameraIntrinsics& intrinsics, const CameraMounting& mounting);
 
-  /// Direction of view through a pixel, camera frame, of length 1.
-  [[nodiscard]] Eigen::Vector3d ray_in_camera(const Eigen::Vector2d& pixel) const;
+  /// Direction of view through a pixel, camera frame, of length 1; nothing for pixels that the lens model does not
+  /// reach.
+  [[nodiscard]] std::optional<Eigen::Vector3d> ray_in_camera(const Eigen::Vector2d& pixel) const;
   /// Pixel of a point in the camera frame; nothing when it lies behind the lens or beyond what the lens model covers.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& point_in_camera) const;
 
   /// Point (robot frame, x and y) of a horizontal plane `height` [m] above the floor that a pixel sees; nothing when
-  /// the ray does not rise to it.
+  /// the ray does not rise to it, or the lens model does not reach the pixel.
   [[nodiscard]] std::optional<Eigen::Vector2d> point_on_ceiling(const Eigen::Vector2d& pixel, double height) const;
   /// Pixel that sees a point of the robot frame, `height` [m] above the floor; it may lie outside the image.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of_ceiling_point(const Eigen::Vector2d& point_in_robot,
@@ -69,7 +70,9 @@ class CeilingCamera {
   CameraIntrinsics intrinsics_;
   CameraMounting mounting_;
   Eigen::Matrix3d robot_from_camera_;
-  double largest_radius_;  // normalised image radius up to which the pinhole distortion grows monotonically
+  // beyond these the model folds back into the image
+  double largest_radius_;  // undistorted, in focal lengths, of a pinhole's
+  double largest_angle_;   // [rad] from the axis, of a fisheye's
 };
 
 }  // namespace luminav

@@ -75,7 +75,7 @@ Vector2d expected_centre(const CeilingModel& model, const Fixture& fixture, Pose
     const Eigen::Matrix3d tilt =
         CameraMounting{0.0, 0.0, 0.0, pose.roll, pose.pitch, 0.0}.rotation() * CameraMounting{}.rotation().transpose();
     for (int column = 0; column < model.intrinsics.width; ++column) {
-      const Vector3d ray = tilt * camera.rotation() * camera.ray_in_camera({column, row});
+      const Vector3d ray = tilt * camera.rotation() * camera.ray_in_camera({column, row}).value();
       const Vector3d lens = tilt * Vector3d(model.mounting.x, model.mounting.y, model.mounting.z);
       const Vector2d in_robot = lens.head<2>() + (fixture.height - lens.z()) / ray.z() * ray.head<2>();
       const Vector2d in_fixture = fixture.world_from_fixture.inverse() * (pose.world_from_robot * in_robot);

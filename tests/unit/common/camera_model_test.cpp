@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -65,6 +66,61 @@ TEST(CeilingCamera, DoesNotFoldFarPointsBackIntoTheImage) {
   const CeilingCamera camera(barrel, CameraMounting{});
   EXPECT_FALSE(camera.pixel_of({3.0, 0.0, 1.0}));
   EXPECT_FALSE(camera.pixel_of({0.0, 0.0, -1.0}));
+}
+
+TEST(CeilingCamera, IsTheSameBothWaysOrSaysThatItCannot) {
+  const auto lens_of = [](LensModel model, double focal, const std::array<double, 5>& distortion) {
+    CameraIntrinsics lens;
+    lens.model = model;
+    lens.fx = lens.fy = focal;
+    lens.distortion = distortion;
+    return lens;
+  };
+  struct Strong {
+    CameraIntrinsics lens;
+    bool covers_all;
+  };
+  const Strong strong[] = {
+      {lens_of(LensModel::kPinhole, 300.0, {0.3, 0.0, 0.0, 0.0, 0.0}), true},
+      {lens_of(LensModel::kPinhole, 300.0, {0.5, 0.1, 0.002, -0.003, 0.0}), true},
+      {lens_of(LensModel::kPinhole, 300.0, {-0.4, 0.0, 0.001, 0.0, 0.0}), false},
+      {lens_of(LensModel::kFisheye, 250.0, {-0.2, 0.0, 0.0, 0.0, 0.0}), false},
+      {lens_of(LensModel::kFisheye, 250.0, {0.03, -0.05, 0.01, -0.004, 0.0}), false},
+  };
+  for (const Strong& one : strong) {
+    SCOPED_TRACE(one.lens.distortion[0]);
+    const CeilingCamera camera(one.lens, CameraMounting{});
+    int covered = 0;
+    int left_out = 0;
+    for (double x = 0.0; x < 640.0; x += 7.0) {
+      for (double y = 0.0; y < 480.0; y += 7.0) {
+        const auto ray = camera.ray_in_camera({x, y});
+        if (!ray) {
+          ++left_out;
+          EXPECT_FALSE(camera.point_on_ceiling({x, y}, 2.8));
+          continue;
+        }
+        ++covered;
+        ASSERT_TRUE(ray->allFinite());
+        const auto pixel = camera.pixel_of(*ray);
+        ASSERT_TRUE(pixel) << x << " " << y;
+        EXPECT_NEAR((*pixel - Eigen::Vector2d(x, y)).norm(), 0.0, 1e-5);
+      }
+    }
+    EXPECT_GT(covered, 2000);
+    EXPECT_EQ(left_out == 0, one.covers_all);
+  }
+}
+
+TEST(CeilingCamera, DoesNotFoldAFisheyesFarPointsBack) {
+  CameraIntrinsics fisheye;
+  fisheye.model = LensModel::kFisheye;
+  fisheye.fx = fisheye.fy = 250.0;
+  fisheye.distortion = {-0.2, 0.0, 0.0, 0.0, 0.0};  // its radius grows up to 74 degrees
+  const CeilingCamera camera(fisheye, CameraMounting{});
+  EXPECT_TRUE(camera.pixel_of({6.0, 0.0, 2.0}));
+  EXPECT_FALSE(camera.pixel_of({8.0, 0.0, 2.0}));
+  EXPECT_FALSE(camera.pixel_of({20.0, 0.0, 2.0}));
 }
 
 TEST(CeilingCamera, TakesManyPointsAsItTakesOne) {
