@@ -64,8 +64,10 @@ Fault FaultDeck::draw() {
     left_.push_back({FaultKind::kKillDeputy, "", 0.0});
     left_.push_back({FaultKind::kKillSheriff, "", 0.0});
     left_.push_back({FaultKind::kKillAll, "", 0.0});
-    left_.push_back({FaultKind::kDiskFull, "planner", 6.0});
-    left_.push_back({FaultKind::kDiskFull, "mapper", 6.0});
+    if (full_disk_) {
+      left_.push_back({FaultKind::kDiskFull, "planner", 6.0});
+      left_.push_back({FaultKind::kDiskFull, "mapper", 6.0});
+    }
     left_.push_back({FaultKind::kLeak, "mapper", 20.0});
     left_.push_back({FaultKind::kLeak, "detector", 20.0});
     std::shuffle(left_.begin(), left_.end(), random_);
@@ -80,7 +82,7 @@ bool FaultResult::resumes_in_time() const {
 }
 
 bool passed(const std::vector<FaultResult>& results, const GoalTally& goals) {
-  return goals.missed == 0 && goals.reached > 0 && goals.contacts_between_faults == 0 &&
+  return !results.empty() && goals.missed == 0 && goals.reached > 0 && goals.contacts_between_faults == 0 &&
          std::all_of(results.begin(), results.end(), [](const FaultResult& result) { return result.good(); });
 }
 

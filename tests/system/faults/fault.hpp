@@ -26,11 +26,13 @@ bool breaks_the_chain(const Fault& fault);
 /// Draws faults so that each comes up once before any comes up again.
 class FaultDeck {
  public:
-  explicit FaultDeck(std::uint64_t seed) : random_(seed) {}
+  /// `full_disk`: whether there is a small file system of its own to be filled.
+  FaultDeck(std::uint64_t seed, bool full_disk) : random_(seed), full_disk_(full_disk) {}
   Fault draw();
 
  private:
   std::mt19937_64 random_;
+  bool full_disk_;
   std::vector<Fault> left_;
 };
 
@@ -71,6 +73,7 @@ struct GoalTally {
 std::string to_table(const std::vector<FaultResult>& results, const GoalTally& goals);
 std::string to_json(const std::vector<FaultResult>& results, const GoalTally& goals, std::uint64_t seed,
                     double minutes);
+/// Something went wrong on purpose, every time well, and every goal was reached.
 bool passed(const std::vector<FaultResult>& results, const GoalTally& goals);
 
 }  // namespace luminav

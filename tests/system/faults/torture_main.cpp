@@ -38,9 +38,7 @@ int torture(int argc, char** argv) {
     return *status;
   }
   // The full disk is a small file system that only this program and its children see.
-  if (unshare(CLONE_NEWNS) == 0) {
-    mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
-  }
+  const bool own_mounts = unshare(CLONE_NEWNS) == 0 && mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
   launcher::catch_interrupts();
   std::string folder = keep;
   if (folder.empty()) {
@@ -49,14 +47,19 @@ int torture(int argc, char** argv) {
       throw std::runtime_error(fmt::format("{}: cannot be made", folder));
     }
   }
-  FaultDeck check(1);
+  std::filesystem::create_directories(folder);
+  const bool full_disk = own_mounts && can_mount_small_disk(folder);
+  if (!full_disk) {
+    fmt::print("the full disk is left out: only root can mount the small file system that it is\n");
+  }
+  FaultDeck check(1, full_disk);
   for (int i = 0; to_string(check.draw()).find(only) == std::string::npos; ++i) {
     if (i > 100) {
-      throw ConfigurationError(fmt::format("--only {}: no fault has such a name", only));
+      throw ConfigurationError(fmt::format("--only {}: no fault that can be injected here has such a name", only));
     }
   }
   const int rounds = std::max(2, static_cast<int>(std::lround(minutes / kRoundMinutes)));
-  FaultDeck deck(static_cast<std::uint64_t>(seed));
+  FaultDeck deck(static_cast<std::uint64_t>(seed), full_disk);
   std::vector<FaultResult> results;
   GoalTally goals;
   bool interrupted = false;
@@ -67,6 +70,7 @@ int torture(int argc, char** argv) {
                           .minutes = minutes / rounds,
                           .pty = number % 2 == 0,
                           .only = only,
+                          .full_disk = full_disk,
                           .folder = std::filesystem::path(folder) / fmt::format("round-{}", number)});
       round.run(deck, results, goals);
     }

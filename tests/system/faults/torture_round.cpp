@@ -22,6 +22,17 @@ constexpr double kUnplugEvery = 80.0;       // [s]
 constexpr const char* kPlaces[] = {"workbench",      "seminar",       "office-1", "office-3",
                                    "north-corridor", "east-corridor", "lift"};
 
+bool mount_small_disk(const std::filesystem::path& folder) {
+  return mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=24m") == 0;
+}
+
+/// Nothing where there is no process: 0 would be all of this program's group.
+void send_signal(pid_t pid, int signal) {
+  if (pid > 0) {
+    kill(pid, signal);
+  }
+}
+
 double seconds(std::int64_t from, std::int64_t to) {
   return static_cast<double>(to - from) * 1e-6;
 }
@@ -66,7 +77,9 @@ void write_scenario(const std::filesystem::path& file, const RoundPlan& plan) {
 TortureRound::TortureRound(const RoundPlan& plan) : plan_(plan), random_(plan.seed + 77) {
   const std::filesystem::path state = plan_.folder / "robot";
   std::filesystem::create_directories(state);
-  mounted_ = mount("tmpfs", state.c_str(), "tmpfs", 0, "size=24m") == 0;
+  if (plan_.full_disk && !mount_small_disk(state)) {
+    throw std::runtime_error(fmt::format("{}: no file system can be mounted there", state.string()));
+  }
   write_scenario(plan_.folder / "scenario.toml", plan_);
   scenario_ = read_scenario(plan_.folder / "scenario.toml");
   limits_ = read_robot(scenario_.robot_file).limits;
@@ -88,7 +101,7 @@ TortureRound::~TortureRound() {
   robot_.reset();
   truth_.reset();
   fleet_.reset();
-  if (mounted_) {
+  if (plan_.full_disk) {
     std::error_code ignored;  // the logs, for a person who kept the folder
     std::filesystem::copy(plan_.folder / "robot", plan_.folder / "robot-kept", std::filesystem::copy_options::recursive,
                           ignored);
@@ -172,8 +185,11 @@ bool TortureRound::wait_for_driving() {
         std::any_of(scenario_.events.begin(), scenario_.events.end(), [&](const ScenarioEvent& event) {
           return event.at > truth_->elapsed() - 1.0 && event.at < truth_->elapsed() + 9.0;
         });
-    const bool good = robot_->is_following() && robot_->is_tracking() && robot_->navigation()->distance_left > 2.0 &&
-                      std::abs(truth_->newest()->linear) > 0.15;
+    const std::vector<std::string> processes = fleet_->processes();
+    const bool all_run = std::all_of(processes.begin(), processes.end(),
+                                     [&](const std::string& process) { return fleet_->pid(process) > 0; });
+    const bool good = all_run && robot_->is_following() && robot_->is_tracking() &&
+                      robot_->navigation()->distance_left > 2.0 && std::abs(truth_->newest()->linear) > 0.15;
     since = good ? (since == 0 ? now : since) : 0;
     if (good && !event_soon && seconds(since, now) > wanted) {
       return true;
@@ -285,15 +301,13 @@ void TortureRound::inject(FaultResult& result) {
     case FaultKind::kKillAll:
       fault_at_ = fleet_->clock().utime();
       for (const pid_t pid : pids) {
-        if (pid > 0) {
-          kill(pid, SIGKILL);
-        }
+        send_signal(pid, SIGKILL);
       }
       break;
     case FaultKind::kFreeze:
-      kill(pids.front(), SIGSTOP);
+      send_signal(pids.front(), SIGSTOP);
       fleet_->pump_for(fault.duration);
-      kill(pids.front(), SIGCONT);
+      send_signal(pids.front(), SIGCONT);
       settle(result, fleet_->clock().utime());
       return;
     case FaultKind::kRestart:
@@ -379,6 +393,17 @@ void TortureRound::settle(FaultResult& result, std::int64_t back) {
   if (!result.resumes_in_time()) {
     result.remark = "too late to go on; " + robot_->sentence();
   }
+}
+
+bool can_mount_small_disk(const std::filesystem::path& folder) {
+  const std::filesystem::path attempt = folder / "small-disk";
+  std::filesystem::create_directories(attempt);
+  const bool mounted = mount_small_disk(attempt);
+  if (mounted) {
+    umount2(attempt.c_str(), MNT_DETACH);
+  }
+  std::filesystem::remove(attempt);
+  return mounted;
 }
 
 }  // namespace luminav

@@ -20,14 +20,16 @@ struct RoundPlan {
   std::uint64_t seed = 1;
   double minutes = 5.0;
   bool pty = false;
-  std::string only;  // only faults whose name holds this
+  std::string only;        // only faults whose name holds this
+  bool full_disk = false;  // the robot's state lies on a small file system, which can be filled
   std::filesystem::path folder;
 };
 
 /// One start of the whole system in a world of its own, that is driven and broken until its time is over.
 class TortureRound {
  public:
-  /// Writes the scenario and makes the file system of the robot's state, which the full disk is.
+  /// Writes the scenario and, where the plan has one, makes the small file system of the robot's state. Throws
+  /// std::runtime_error when it cannot be mounted.
   explicit TortureRound(const RoundPlan& plan);
   ~TortureRound();
 
@@ -59,7 +61,9 @@ class TortureRound {
   MotionLimits limits_;
   std::int64_t fault_at_ = 0;  // [us]
   int contacts_seen_ = 0;
-  bool mounted_ = false;
 };
+
+/// True when a small file system can be mounted on a folder below this one.
+bool can_mount_small_disk(const std::filesystem::path& folder);
 
 }  // namespace luminav
