@@ -172,15 +172,15 @@ int evaluate(const Request& request) {
   if (!old_report.empty()) {
     remarks += to_text(compare_reports(old_report, all));
   }
-  if (!request.json.empty()) {
-    write_whole_file(request.json, all);
-  }
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.html.empty()) {
     write_whole_file(request.html, html_report({all, remarks, wall}, reports));
   }
   if (!request.fit_sensing.empty()) {
     write_fit(request, jobs, surveys);
+  }
+  if (!request.json.empty()) {
+    write_whole_file(request.json, all);  // last: where it is, the rest was written too
   }
   for (const DetectorCondition& c : detector) {
     fmt::print(
