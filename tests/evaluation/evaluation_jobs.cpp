@@ -6,10 +6,13 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <mutex>
 #include <numeric>
+#include <set>
 #include <thread>
 #include <tuple>
+#include <utility>
 
 #include "drivers/simulator/world_truth.hpp"
 #include "services/common/configuration/building_file.hpp"
@@ -83,6 +86,25 @@ std::string reproduce_command(const SuiteEntry& entry, std::uint64_t seed, const
   return command;
 }
 
+/// Reports, pictures and logs are told apart by the scenario's name and the seed.
+void check_names(const std::vector<EvaluationJob>& jobs) {
+  std::map<std::string, std::filesystem::path> files;  // by the scenario's name
+  std::set<std::pair<std::string, std::uint64_t>> runs;
+  for (const EvaluationJob& job : jobs) {
+    const std::filesystem::path file = std::filesystem::weakly_canonical(job.scenario.file);
+    const auto [known, is_new] = files.emplace(job.scenario.name, file);
+    if (!is_new && known->second != file) {
+      throw ConfigurationError(
+          fmt::format("scenarios {} and {}: are both called {}, runs could not be told apart, rename one of them",
+                      known->second.string(), file.string(), job.scenario.name));
+    }
+    if (!runs.emplace(job.scenario.name, job.scenario.seed).second) {
+      throw ConfigurationError(
+          fmt::format("scenario {}: seed {} is asked for twice", file.string(), job.scenario.seed));
+    }
+  }
+}
+
 std::string duration_text(double seconds) {
   return seconds < 100.0 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60.0);
 }
@@ -130,6 +152,7 @@ std::vector<EvaluationJob> jobs_of(const std::vector<SuiteEntry>& entries, const
       jobs.push_back(std::move(job));
     }
   }
+  check_names(jobs);
   return jobs;
 }
 

@@ -36,7 +36,8 @@ struct JobOptions {
 std::filesystem::path default_behaviour_file(const std::string& mode);
 
 /// All runs of the entries, by entry and seed. `behaviour` is what geometric sensing draws from. Throws
-/// ConfigurationError for scenarios that cannot be read.
+/// ConfigurationError for scenarios that cannot be read, or that have the same name: reports, pictures and logs are
+/// told apart by it.
 std::vector<EvaluationJob> jobs_of(const std::vector<SuiteEntry>& entries, const JobOptions& options,
                                    const DetectorBehaviour* behaviour);
 

@@ -11,7 +11,11 @@ ReportRuns runs_of_report(const std::string& text, const std::string& which) {
     ReportRuns runs;
     const nlohmann::json all = nlohmann::json::parse(text);
     for (const nlohmann::json& run : all.at("runs")) {
-      runs[{run.at("scenario"), run.at("seed")}] = run;
+      const auto [known, is_new] = runs.emplace(ReportRuns::key_type{run.at("scenario"), run.at("seed")}, run);
+      if (!is_new) {
+        throw std::runtime_error(fmt::format("{} report: holds {} seed {} twice, nobody can say which is meant", which,
+                                             known->first.first, known->first.second));
+      }
     }
     return runs;
   } catch (const nlohmann::json::exception& error) {

@@ -12,7 +12,7 @@ namespace luminav {
 using ReportRuns = std::map<std::pair<std::string, std::uint64_t>, nlohmann::json>;
 
 /// Reads the text of `evaluate --json`. Throws std::runtime_error, which names the report as `which`, for text that is
-/// none.
+/// none or that holds a run twice.
 ReportRuns runs_of_report(const std::string& text, const std::string& which);
 
 }  // namespace luminav

@@ -99,6 +99,9 @@ TEST(CompareReports, NoticesOtherWorlds) {
 TEST(CompareReports, RefusesWhatIsNoReport) {
   EXPECT_THROW(compare_reports("{}", report({0.01})), std::runtime_error);
   EXPECT_THROW(compare_reports("nonsense", report({0.01})), std::runtime_error);
+  json twice = json::parse(report({0.01, 0.02}));
+  twice["runs"][1]["seed"] = 1;
+  EXPECT_THROW(compare_reports(twice.dump(), report({0.01})), std::runtime_error);
 }
 
 }  // namespace

@@ -54,6 +54,38 @@ TEST(EvaluationJobs, RefusesAStartInAWallBeforeAnythingRuns) {
   }
 }
 
+std::string refusal_of(const std::vector<SuiteEntry>& entries, const JobOptions& options = {}) {
+  try {
+    jobs_of(entries, options, nullptr);
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(EvaluationJobs, RefusesScenariosOfTheSameNameBecauseTheirRunsCouldNotBeToldApart) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "other-folder";
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path other = folder / "laboratory.toml";
+  std::ofstream(other) << "building = \"" << LUMINAV_SOURCE_DIR << "/launch/buildings/laboratory/building.toml\"\n"
+                       << "robot = \"" << LUMINAV_SOURCE_DIR << "/launch/robots/p3dx.toml\"\n";
+  const SuiteEntry here{kLaboratory, 1, 2, "rendered", false, "", ""};
+  EXPECT_THAT(refusal_of({here, {other, 5, 6, "rendered", false, "", ""}}),
+              testing::AllOf(testing::HasSubstr(kLaboratory), testing::HasSubstr(other.string())));
+  EXPECT_THAT(refusal_of({here, {kLaboratory, 2, 3, "geometric", false, "", ""}}), testing::HasSubstr("seed 2"));
+  EXPECT_EQ(refusal_of({here, {kLaboratory, 3, 4, "rendered", false, "", ""}}), "");
+  JobOptions five;
+  five.seeds = "5";
+  EXPECT_THAT(refusal_of({here, {kLaboratory, 3, 4, "rendered", false, "", ""}}, five), testing::HasSubstr("seed 5"));
+}
+
+TEST(EvaluationJobs, TellsAllRunsOfEverySuiteApart) {
+  const std::filesystem::path generated = std::filesystem::path(testing::TempDir()) / "generated-worlds";
+  for (const char* suite : {"laboratory", "navigation", "all"}) {
+    EXPECT_EQ(refusal_of(suite_entries(suite, generated)), "") << suite;
+  }
+}
+
 TEST(EvaluationJobs, ReportsARunThatThrowsAsFailed) {
   auto jobs = jobs_of({{kLaboratory, 1, 1, "rendered", false, "", ""}}, {}, nullptr);
   jobs[0].scenario.start = Pose2{-50.0, -50.0, 0.0};
