@@ -171,17 +171,25 @@ int act(Session& session, Sheriff& sheriff, const Options& options) {
   return *success ? 0 : kFailed;
 }
 
-bool stop_all(Session& session, Sheriff& sheriff, const std::vector<Target>& targets) {
-  bool all = true;
+enum class Stopping { kAllStopped, kOrdered, kNotAll };
+
+/// Waits until all of it stands; an interrupt ends the waiting, not the order.
+Stopping stop_all(Session& session, Sheriff& sheriff, const std::vector<Target>& targets) {
+  Stopping result = Stopping::kAllStopped;
   for (const Target& target : targets) {
     Action action;
     action.kind = Action::Kind::kStop;
     action.target = target;
     action.await = AwaitedStatus::kStopped;
     ScriptRun run(sheriff, action, 15.0);
-    all = session.run_script(run, false).value_or(false) && all;
+    const std::optional<bool> success = session.run_script(run, false);
+    if (!success && result == Stopping::kAllStopped) {
+      result = Stopping::kOrdered;
+    } else if (success && !*success) {
+      result = Stopping::kNotAll;
+    }
   }
-  return all;
+  return result;
 }
 
 /// The person's sheriff: a script if asked for, then the table until Ctrl-C.
@@ -207,9 +215,14 @@ int command(Session& session, Sheriff& sheriff, const PmdFile& file, const Optio
   if (options.stop_on_exit) {
     session.print("stopping everything");
     Target everything;
-    if (!stop_all(session, sheriff, {everything})) {
+    const Stopping stopping = stop_all(session, sheriff, {everything});
+    if (stopping == Stopping::kNotAll) {
       session.print("not everything could be stopped");
       return kFailed;
+    }
+    if (stopping == Stopping::kOrdered) {
+      session.print("interrupted again: everything was ordered to stop and will, nobody waits for it");
+      return kInterrupted;
     }
   } else if (options.script.empty() || options.stay) {
     session.print("the processes go on; `sheriff stop` stops them");

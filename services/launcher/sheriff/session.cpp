@@ -77,10 +77,10 @@ void Session::pump() {
 
 bool Session::run_until(const std::function<bool()>& done, bool show) {
   while (!done()) {
+    pump();  // first: what `done` has ordered goes out even if an interrupt is waiting
     if (take_interrupt()) {
       return false;
     }
-    pump();
     const std::int64_t now = Instant::read().steady;
     if (show && !terminal_) {
       print_changes();
