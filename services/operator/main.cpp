@@ -193,5 +193,6 @@ int main(int argc, char** argv) {
   action.sa_handler = luminav::on_interrupt;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);  // a terminal that is closed must not leave the robot driving
   return luminav::run_guarded(argc > 1 ? argv[1] : "operator", [&] { return luminav::run(argc, argv); });
 }
