@@ -11,7 +11,8 @@
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kOdometryAge = 500'000;  // [us] older than the frame by this: the driver is gone, not turning
+constexpr std::int64_t kOdometryAge = 500'000;   // [us] older than the frame by this: the driver is gone, not turning
+constexpr std::int64_t kLossShown = 10'000'000;  // [us] of frames for which a lost one is worth a word
 
 }  // namespace
 
@@ -117,11 +118,18 @@ void CameraNode::publish(const Frame& frame) {
     message_.data.assign(frame.image.pixels.begin(), frame.image.pixels.end());
   } else if (!fill_jpeg(frame.image.view(), message_)) {
     ++lost_frames_;
+    lost_utime_ = frame.utime;
     return;
   }
   message_.size = static_cast<std::int32_t>(message_.data.size());
   lcm_.publish(channels::kCameraImage, &message_);
   ++message_.sequence;
+}
+
+bool CameraNode::has_lost_lately() const {
+  const std::int64_t since =
+      message_.utime - lost_utime_;  // the message has the stamp of the newest frame, sent or not
+  return lost_frames_ > 0 && since >= 0 && since < kLossShown;
 }
 
 Health CameraNode::health() const {
@@ -136,7 +144,7 @@ Health CameraNode::health() const {
   } else if (!exposure_.complaint().empty()) {
     health.degraded = true;
     health.reason = exposure_.complaint();
-  } else if (lost_frames_ > 0) {
+  } else if (has_lost_lately()) {
     health.degraded = true;
     health.reason = std::to_string(lost_frames_) + " pictures did not fit into a message";
   }

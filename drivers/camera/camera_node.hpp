@@ -40,6 +40,7 @@ class CameraNode {
   void on_truth(const sim_truth_t& message);
   void control_exposure(const Frame& frame);
   void publish(const Frame& frame);
+  [[nodiscard]] bool has_lost_lately() const;
   [[nodiscard]] bool fill_jpeg(const GreyView& image, camera_image_t& message);
 
   lcm::LCM& lcm_;
@@ -54,7 +55,8 @@ class CameraNode {
   int quality_;  // that the last JPEG needed
   Frame frame_;
   camera_image_t message_{};
-  std::int64_t lost_frames_ = 0;
+  std::int64_t lost_frames_ = 0;  // that did not fit into a message
+  std::int64_t lost_utime_ = 0;   // [us] stamp of the newest of them
   Subscriber subscriber_;
 };
 

@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <random>
+#include <utility>
 
 #include "services/common/process/channels.hpp"
 
@@ -122,6 +125,46 @@ TEST_F(CameraNodeTest, SendsJpegsThatFitIntoADatagramAndDecode) {
     ASSERT_TRUE(decoder.decode(image.data, decoded));
     EXPECT_EQ(decoded.width, 640);
   }
+}
+
+/// A picture of noise at first, then only dull ones, 15 a second.
+class NoiseThenDull : public FrameSource {
+ public:
+  bool take(std::int64_t now, Frame& frame) override {
+    frame.image = {320, 240, std::vector<std::uint8_t>(320 * 240, 90)};
+    frame.utime = now;
+    if (std::exchange(is_first_, false)) {
+      std::mt19937 rng(7);
+      std::generate(frame.image.pixels.begin(), frame.image.pixels.end(),
+                    [&] { return static_cast<std::uint8_t>(rng() & 0xffU); });
+    }
+    return true;
+  }
+  bool set_exposure(double, double) override { return false; }
+  [[nodiscard]] std::string description() const override { return "noise, then dull"; }
+
+ private:
+  bool is_first_ = true;
+};
+
+TEST_F(CameraNodeTest, ForgetsAPictureThatDidNotFit) {
+  CameraConfig config;
+  config.size_most = 4'000;
+  NoiseThenDull source;
+  CameraNode node(lcm_, config, clock_, source);
+  node.poll();
+  drain();
+  EXPECT_TRUE(images_.empty());
+  EXPECT_TRUE(node.health().degraded);
+  int degraded = 0;
+  for (int second = 1; second <= 20; ++second) {
+    clock_.advance(1'000'000);
+    node.poll();
+    degraded += node.health().degraded ? 1 : 0;
+  }
+  drain();
+  EXPECT_EQ(images_.size(), 20U);
+  EXPECT_EQ(degraded, 9) << "for ten seconds of pictures";
 }
 
 TEST_F(CameraNodeTest, KeepsTheQualityWhereThereIsRoom) {
