@@ -6,17 +6,20 @@
 namespace luminav {
 namespace {
 
-constexpr double kInwards = -0.036;  // [m] from the outline, where profiles begin ...
-constexpr std::size_t kSteps = 20;   // ... and how long they are
-constexpr double kCorner = 0.025;    // [m] from a corner, which blur rounds
-constexpr double kApart = 0.012;     // [m] between lines, at least
-constexpr int kLeastLines = 8;       // on the side, and beyond its corners
-constexpr int kBeyond = 16;          // lines beyond each corner
+constexpr double kInwards = -0.036;     // [m] from the outline, where profiles begin ...
+constexpr std::size_t kSteps = 18;      // ... and how long they are: as far as joints are looked for
+constexpr double kCorner = 0.025;       // [m] from a corner, which blur rounds
+constexpr double kApart = 0.006;        // [m] between lines on the side, at least ...
+constexpr double kApartBeyond = 0.012;  // ... and beyond its corners
+constexpr int kLeastLines = 8;          // on the side, and beyond its corners
+constexpr int kBeyond = 16;             // lines beyond each corner
 constexpr std::array<double, EndCosts::kBlurs> kWidths{4.0, 7.0, 12.0};  // [px] of an edge from its foot to its top
-constexpr double kCorrelation = 1.5;  // of neighbouring samples, and texture: chi squared counts that much less
-constexpr double kMisfit = 0.0003;    // [m] by which each side may lie farther out, as the other does ...
-constexpr double kScale = 0.001;      // ... plus this share of half the size
-constexpr int kMostMisfit = 4;        // places
+// Neighbouring samples are alike, and texture is no noise: chi squared counts that much less.
+constexpr double kCorrelation = 1.5;
+constexpr double kEvenCorrelation = 0.8;
+constexpr double kMisfit = 0.0003;  // [m] by which each side may lie farther out, as the other does ...
+constexpr double kScale = 0.001;    // ... plus this share of half the size
+constexpr int kMostMisfit = 4;      // places
 
 /// How much of a blurred edge's far side is seen, `outside` [m] of it.
 double passed(double outside, double width) {
@@ -92,7 +95,7 @@ CeilingBeyond ceiling_beyond_corners(const GreyView& image, const CeilingCamera&
                                             {.first = kInwards,
                                              .steps = kSteps,
                                              .from = corner * (side.half_length + kCorner),
-                                             .apart = corner * kApart,
+                                             .apart = corner * kApartBeyond,
                                              .count = kBeyond});
     for (std::size_t k = 0; k < kSteps; ++k) {
       ceiling.grey[k] += beyond.lines * beyond.grey[k];
@@ -105,51 +108,89 @@ CeilingBeyond ceiling_beyond_corners(const GreyView& image, const CeilingCamera&
   return ceiling;
 }
 
-/// Sum of squares that a fixture which ends `end` [m] outwards leaves of a side's grey levels:
-/// grey = inside * (1 - passed) + gain * passed * ceiling, inside and gain by least squares. `width` [m] of the edge.
-double misfit(const SideProfile& own, const CeilingBeyond& ceiling, double end, double width) {
-  double ii = 0.0;
-  double ic = 0.0;
-  double cc = 0.0;
-  double ig = 0.0;
-  double cg = 0.0;
-  double gg = 0.0;
-  for (std::size_t k = 0; k < kSteps; ++k) {
-    const double beyond = passed(kInwards + SideProfile::kStep * static_cast<double>(k) - end, width);
-    const double i = 1.0 - beyond;
-    const double c = beyond * ceiling.grey[k];
-    const double g = own.grey[k];
-    ii += i * i;
-    ic += i * c;
-    cc += c * c;
-    ig += i * g;
-    cg += c * g;
-    gg += g * g;
+/// Grey levels across a side, to be compared with fixtures that end at different places.
+class SideFit {
+ public:
+  SideFit(const SideProfile& own, const CeilingBeyond& ceiling) : own_(own), ceiling_(ceiling) {
+    for (std::size_t k = 0; k < kSteps; ++k) {
+      const double g = own.grey[k];
+      const double c = ceiling.grey[k];
+      g_[k + 1] = g_[k] + g;
+      cc_[k + 1] = cc_[k] + c * c;
+      cg_[k + 1] = cg_[k] + c * g;
+      gg_ += g * g;
+    }
   }
-  const double determinant = std::max(ii * cc - ic * ic, 1e-9);
-  const double inside = (cc * ig - ic * cg) / determinant;
-  const double gain = (ii * cg - ic * ig) / determinant;
-  return std::max(0.0, gg - inside * ig - gain * cg);
-}
+
+  /// Sum of squares that a fixture which ends `end` [m] outwards leaves of the grey levels:
+  /// grey = inside * (1 - passed) + gain * passed * ceiling, inside and gain by least squares. `width` [m] of the edge.
+  [[nodiscard]] double misfit(double end, double width) const {
+    const std::size_t first = step_at(end - 0.5 * width);  // before it all is inside ...
+    const std::size_t last = step_at(end + 0.5 * width);   // ... and from there on outside
+    auto ii = static_cast<double>(first);
+    double ic = 0.0;
+    double cc = cc_[kSteps] - cc_[last];
+    double ig = g_[first];
+    double cg = cg_[kSteps] - cg_[last];
+    for (std::size_t k = first; k < last; ++k) {
+      const double beyond = passed(kInwards + SideProfile::kStep * static_cast<double>(k) - end, width);
+      const double i = 1.0 - beyond;
+      const double c = beyond * ceiling_.grey[k];
+      const double g = own_.grey[k];
+      ii += i * i;
+      ic += i * c;
+      cc += c * c;
+      ig += i * g;
+      cg += c * g;
+    }
+    const double determinant = std::max(ii * cc - ic * ic, 1e-9);
+    const double inside = (cc * ig - ic * cg) / determinant;
+    const double gain = (ii * cg - ic * ig) / determinant;
+    return std::max(0.0, gg_ - inside * ig - gain * cg);
+  }
+
+ private:
+  /// The first that lies at least so far outwards [m].
+  static std::size_t step_at(double place) {
+    return static_cast<std::size_t>(
+        std::clamp(std::ceil((place - kInwards) / SideProfile::kStep), 0.0, static_cast<double>(kSteps)));
+  }
+
+  const SideProfile& own_;
+  const CeilingBeyond& ceiling_;
+  // Sums of the grey levels, of the ceiling's squared and of their products over the first steps.
+  std::array<double, kSteps + 1> g_{};
+  std::array<double, kSteps + 1> cc_{};
+  std::array<double, kSteps + 1> cg_{};
+  double gg_ = 0.0;
+};
 
 }  // namespace
 
 std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
-                                  double metres_per_px, double noise) {
+                                  double metres_per_px, double noise, CeilingOutside outside) {
   const SideProfile own = profile_of_side(image, camera, side);
   if (own.lines < kLeastLines) {
     return std::nullopt;
   }
-  const CeilingBeyond ceiling = ceiling_beyond_corners(image, camera, side);
-  if (ceiling.lines < kLeastLines) {
-    return std::nullopt;
+  CeilingBeyond ceiling;
+  double variance = noise * noise;
+  if (outside == CeilingOutside::kEven) {
+    ceiling.grey.fill(1.0);
+    variance *= kEvenCorrelation / own.lines;
+  } else {
+    ceiling = ceiling_beyond_corners(image, camera, side);
+    if (ceiling.lines < kLeastLines) {
+      return std::nullopt;
+    }
+    variance *= kCorrelation * (1.0 / own.lines + 0.5 / ceiling.lines);
   }
-  const double variance = kCorrelation * noise * noise * (1.0 / own.lines + 0.5 / ceiling.lines);
+  const SideFit fit(own, ceiling);
   EndCosts costs;
   for (std::size_t blur = 0; blur < EndCosts::kBlurs; ++blur) {
     for (std::size_t place = 0; place < EndCosts::kPlaces; ++place) {
       const double end = EndCosts::kStep * (static_cast<int>(place) - EndCosts::kReach);
-      costs.cost[blur][place] = misfit(own, ceiling, end, kWidths[blur] * metres_per_px) / variance;
+      costs.cost[blur][place] = fit.misfit(end, kWidths[blur] * metres_per_px) / variance;
     }
   }
   return costs;

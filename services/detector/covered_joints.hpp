@@ -7,8 +7,11 @@
 
 namespace luminav {
 
+/// What lies outside of a side: one grey, or the ceiling with its joints as it shows beyond the fixture's corners.
+enum class CeilingOutside { kEven, kAsBeyondCorners };
+
 /// How well the grey levels across one side of an unlit outline agree with a fixture that ends at each place: inside of
-/// it there is the fixture's grey, outside of it the ceiling with its joints as it shows beyond the fixture's corners.
+/// it there is the fixture's grey, outside of it the ceiling.
 struct EndCosts {
   static constexpr double kStep = 0.0005;  // [m] from one place to the next
   static constexpr int kReach = 40;        // places to each side of the outline
@@ -24,7 +27,7 @@ struct EndCosts {
 
 /// Nothing when too little is in view. `noise` [grey] of a pixel.
 std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
-                                  double metres_per_px, double noise);
+                                  double metres_per_px, double noise, CeilingOutside outside);
 
 /// Where an outline of known size lies between two sides.
 struct PlaceBetween {

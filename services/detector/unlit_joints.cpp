@@ -96,7 +96,7 @@ class JointRemoval {
     if (const auto shift = edges(by_left, kLeftSide, by_right, kRightSide).settle(1, least_variance_, fit_)) {
       return *shift;
     }
-    return is_joint_along_ ? settle_by_covered_joints(1, left, right).value_or(0.0) : 0.0;
+    return is_joint_along_ ? settle_by_profiles(1, left, right, CeilingOutside::kAsBeyondCorners).value_or(0.0) : 0.0;
   }
 
   /// [m] to move it towards its far end.
@@ -122,18 +122,19 @@ class JointRemoval {
   [[nodiscard]] JointBeside joint_beside(const SideLine& side) const {
     return find_joint_beside(image_, camera_, side, {.noise = noise_});
   }
-  [[nodiscard]] std::optional<EndCosts> costs_of(const SideLine& side) const {
-    return end_costs(image_, camera_, side, fit_.metres_per_px, noise_);
+  [[nodiscard]] std::optional<EndCosts> costs_of(const SideLine& side, CeilingOutside outside) const {
+    return end_costs(image_, camera_, side, fit_.metres_per_px, noise_, outside);
   }
   [[nodiscard]] OppositeEdges edges(const JointBeside& by_positive, Side positive, const JointBeside& by_negative,
                                     Side negative) const {
     return {by_positive, fit_.side_edge[positive], by_negative, fit_.side_edge[negative]};
   }
 
-  [[nodiscard]] std::optional<double> settle_by_covered_joints(int axis, const SideLine& positive,
-                                                               const SideLine& negative) {
-    const auto positive_costs = costs_of(positive);
-    const auto negative_costs = costs_of(negative);
+  /// By all grey levels across both sides.
+  [[nodiscard]] std::optional<double> settle_by_profiles(int axis, const SideLine& positive, const SideLine& negative,
+                                                         CeilingOutside outside) {
+    const auto positive_costs = costs_of(positive, outside);
+    const auto negative_costs = costs_of(negative, outside);
     if (!positive_costs || !negative_costs) {
       return std::nullopt;
     }
@@ -150,8 +151,12 @@ class JointRemoval {
     const SideLine near = side_line(kNearEnd);
     const JointBeside by_far = joint_beside(far);
     const JointBeside by_near = joint_beside(near);
-    if (by_far.found || by_near.found) {
-      if (const auto shift = settle_by_covered_joints(0, far, near)) {
+    const bool is_joint = by_far.found || by_near.found;
+    // A short side's edge points are few, each found in noise for itself: where no joint needs them, the profile of the
+    // whole side says more.
+    if (is_joint || (by_far.is_in_view && by_near.is_in_view)) {
+      if (const auto shift =
+              settle_by_profiles(0, far, near, is_joint ? CeilingOutside::kAsBeyondCorners : CeilingOutside::kEven)) {
         return *shift;
       }
     }
@@ -166,7 +171,7 @@ class JointRemoval {
       return 0.0;
     }
     if (beside.found) {
-      const auto costs = costs_of(end);
+      const auto costs = costs_of(end, CeilingOutside::kAsBeyondCorners);
       const auto place = costs ? place_of(*costs) : std::nullopt;
       if (!place) {
         return 0.0;
