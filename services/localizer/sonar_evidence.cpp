@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kFromWall = 0.6;    // share of echoes that come from the building's walls
 constexpr double kBehindWall = 0.7;  // that an echo from behind a wall speaks against the pose
+constexpr double kInWall = 0.05;     // [m] from a wall's face to the middle of its cell, to which distances are
 constexpr std::array kAcross = {-0.9, -0.45, 0.0, 0.45, 0.9};  // where a beam is looked at, in half angles
 
 }  // namespace
@@ -33,8 +34,12 @@ double log_likelihood_of_echoes(const PoseBelief& belief, std::span<const Placed
       const Eigen::Vector2d offset(turn.x() * axis.x() - turn.y() * axis.y(),
                                    turn.y() * axis.x() + turn.x() * axis.y());
       const Eigen::Vector2d end = world_from_robot * Eigen::Vector2d(echo.disc + offset);
-      nearest = std::min(nearest, walls.distance_to_wall(end));
-      is_behind = is_behind && walls.range_to_wall(disc, (end - disc).normalized(), behind) < behind;
+      // What is behind the first wall is not heard, be it solid there or another wall: else a twin among thick walls
+      // gathers what it cannot hear.
+      const double reach = walls.range_to_wall(disc, (end - disc) / echo.range, echo.range);
+      nearest = std::min(
+          nearest, reach < echo.range ? std::max(0.0, echo.range - reach - kInWall) : walls.distance_to_wall(end));
+      is_behind = is_behind && reach < behind;
     }
     const double hit = nearest / sigma;
     const double wall = std::log(1.0 + kFromWall / (1.0 - kFromWall) * std::exp(-0.5 * hit * hit));

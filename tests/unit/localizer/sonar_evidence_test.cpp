@@ -11,13 +11,15 @@ namespace {
 constexpr double kHalfAngle = radians(12.5);
 constexpr double kFieldError = 0.03;  // of a log-likelihood: the field knows its walls to a cell
 
-/// 6 m x 6 m, free, with one wall from y = 0 to y = 6 at x = 4.
-WallField field() {
+/// 6 m x 6 m, free, with walls from y = 0 to y = 6 in these columns of 0.1 m.
+WallField field(const std::vector<int>& columns) {
   PriorMap map;
   map.geometry = {0.1, {0.0, 0.0}, 60, 60};
   map.cells.assign(map.geometry.size(), Prior::kFree);
   for (int row = 0; row < 60; ++row) {
-    map.cells[map.geometry.index({40, row})] = Prior::kOccupied;
+    for (const int column : columns) {
+      map.cells[map.geometry.index({column, row})] = Prior::kOccupied;
+    }
   }
   return WallField(map);
 }
@@ -36,7 +38,7 @@ class SonarEvidence : public ::testing::Test {
   [[nodiscard]] double of(const PoseBelief& belief, const std::vector<PlacedEcho>& echoes) const {
     return log_likelihood_of_echoes(belief, echoes, walls_, kHalfAngle);
   }
-  WallField walls_ = field();
+  WallField walls_ = field({40});
   Pose2 facing_{2.05, 3.0, 0.0};  // 2 m before the wall's middle
 };
 
@@ -51,6 +53,19 @@ TEST_F(SonarEvidence, SaysNothingOfAnEchoFarFromAllWalls) {
 
 TEST_F(SonarEvidence, SpeaksAgainstAPoseFromWhichTheEchoComesThroughAWall) {
   EXPECT_NEAR(of(at(facing_), {echo_at(3.5)}), -0.7, kFieldError);
+}
+
+TEST_F(SonarEvidence, HearsTheFaceOfAThickWallAndNotItsInside) {
+  walls_ = field({40, 41, 42, 43, 44, 45, 46, 47, 48, 49});
+  EXPECT_NEAR(of(at(facing_), {echo_at(2.0)}), std::log(2.5), kFieldError);
+  EXPECT_NEAR(of(at(facing_), {echo_at(2.5)}), 0.0, kFieldError);
+}
+
+TEST_F(SonarEvidence, HearsNoWallThroughAnother) {
+  walls_ = field({40, 50});
+  EXPECT_NEAR(of(at(facing_), {echo_at(3.0)}), -0.7, kFieldError);
+  walls_ = field({50});
+  EXPECT_NEAR(of(at(facing_), {echo_at(3.0)}), std::log(2.5), kFieldError) << "it is heard where none is before it";
 }
 
 TEST_F(SonarEvidence, LetsAPoseBeAsWrongAsItsCovarianceSays) {
