@@ -6,6 +6,7 @@
 #include <cctype>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 
 #include "services/common/configuration/toml_table.hpp"
@@ -288,27 +289,45 @@ class PmdParser {
         }
       }
     }
+    std::map<std::string, int> lengths;
     for (const Script& script : result_.scripts) {
       std::vector<std::string> running;
-      check_recursion(script, running);
+      measure(script, running, lengths);
     }
   }
 
-  void check_recursion(const Script& script, std::vector<std::string>& running) const {
+  // Actions that a script comes to with all that it runs; `lengths` holds the scripts that were measured already.
+  int measure(const Script& script, std::vector<std::string>& running, std::map<std::string, int>& lengths) const {
+    if (const auto known = lengths.find(script.name); known != lengths.end()) {
+      return known->second;
+    }
     if (std::find(running.begin(), running.end(), script.name) != running.end()) {
       lexer_.fail(script.line, fmt::format("script \"{}\" runs itself: {} -> {}", script.name,
                                            fmt::join(running, " -> "), script.name));
     }
     running.push_back(script.name);
+    if (std::ssize(running) > kDeepest) {
+      lexer_.fail(script.line, fmt::format("scripts run each other deeper than {}", kDeepest));
+    }
+    int length = 0;
     for (const Action& action : script.actions) {
+      length += 1;
       if (action.kind == Action::Kind::kRunScript) {
-        check_recursion(*result_.find_script(action.script), running);
+        length += measure(*result_.find_script(action.script), running, lengths);
+      }
+      if (length > kMostActions) {
+        lexer_.fail(script.line,
+                    fmt::format("script \"{}\" comes to more than {} actions with the scripts that it runs",
+                                script.name, kMostActions));
       }
     }
     running.pop_back();
+    lengths[script.name] = length;
+    return length;
   }
 
-  static constexpr int kDeepest = 50;  // a file that nests deeper is damaged
+  static constexpr int kDeepest = 50;          // a file that nests deeper is damaged
+  static constexpr int kMostActions = 10'000;  // of a script: scripts that run others twice double with each level
   PmdLexer lexer_;
   Token token_;
   PmdFile result_;

@@ -63,8 +63,8 @@ struct PmdFile {
 [[nodiscard]] bool is_in_group(std::string_view group_of_command, std::string_view group);
 
 /// Reads a configuration. Throws ConfigurationError as "file:line: found this, expected that"; a command, script or
-/// attribute given twice, a script that names what does not exist and scripts that run each other in a circle are
-/// errors.
+/// attribute given twice, a script that names what does not exist, scripts that run each other in a circle and a script
+/// that comes to more than 10,000 actions are errors.
 PmdFile parse_pmd(std::string_view text, const std::string& file_name);
 PmdFile read_pmd(const std::filesystem::path& file);
 

@@ -195,6 +195,21 @@ TEST(PmdFile, RefusesScriptsThatRunEachOtherInACircle) {
   EXPECT_EQ(error_of("script \"s\" { run_script \"t\"; run_script \"t\"; } script \"t\" { }"), "no error");
 }
 
+std::string scripts_that_run_the_next_twice(int levels) {
+  std::string text;
+  for (int i = 1; i < levels; ++i) {
+    text += "script \"s" + std::to_string(i) + "\" { run_script \"s" + std::to_string(i + 1) + "\"; run_script \"s" +
+            std::to_string(i + 1) + "\"; }\n";
+  }
+  return text + "script \"s" + std::to_string(levels) + "\" { }";
+}
+
+TEST(PmdFile, LimitsWhatScriptsThatRunScriptsComeTo) {
+  EXPECT_EQ(error_of(scripts_that_run_the_next_twice(10)), "no error");
+  EXPECT_THAT(error_of(scripts_that_run_the_next_twice(40)), HasSubstr("comes to more than 10000 actions"));
+  EXPECT_THAT(error_of(scripts_that_run_the_next_twice(80)), HasSubstr("scripts run each other deeper than 50"));
+}
+
 TEST(PmdFile, SurvivesEveryTruncationAndFlippedByte) {
   const std::string text = std::string(kMinimal) + "group \"g\" { } script \"s\" { start cmd \"a\" wait \"running\"; }";
   for (std::size_t length = 0; length < text.size(); ++length) {
