@@ -58,6 +58,7 @@ void Sheriff::on_info(const procman::procman_deputy_info_t& info) {
     notice_(fmt::format("deputy {} is there", info.deputy_id));
   } else if (deputy.silent) {
     notice_(fmt::format("deputy {} is back", info.deputy_id));
+    deputy.heard_on.clear();  // perhaps on another host
   }
   deputy.silent = false;
   deputy.heard = now_.steady;
@@ -92,6 +93,7 @@ void Sheriff::on_info(const procman::procman_deputy_info_t& info) {
     }
   }
   forget_removed();
+  locate_commands();
 }
 
 void Sheriff::check_clock(const std::string& id, Deputy& deputy) {
@@ -147,9 +149,34 @@ void Sheriff::on_node_status(const node_status_t& status) {
     return;
   }
   for (const auto& command : commands_) {
-    if (command->process == status.process) {
+    if (command->process == status.process && command->pid() != 0) {
       command->update(status, now_.steady);
+      deputies_[command->deputy].heard_on[status.host].insert(status.process);
     }
+  }
+  locate_commands();
+}
+
+// procman's deputies do not say on which host they are. Theirs is the one on which most of their commands speak: a
+// leftover of one of them on another host does not speak for it.
+void Sheriff::locate_commands() {
+  std::map<std::string, std::string> host_of;
+  for (const auto& [id, deputy] : deputies_) {
+    std::size_t most = 0;
+    for (const auto& [host, processes] : deputy.heard_on) {
+      if (processes.size() >= most) {
+        host_of[id] = processes.size() > most ? host : "";
+        most = processes.size();
+      }
+    }
+  }
+  for (const auto& command : commands_) {
+    command->host = host_of[command->deputy];
+    command->has_namesake = std::any_of(commands_.begin(), commands_.end(), [&](const auto& other) {
+      const bool is_beside =
+          other->deputy == command->deputy || (!command->host.empty() && host_of[other->deputy] == command->host);
+      return other != command && is_beside && other->process == command->process && other->pid() != 0;
+    });
   }
 }
 

@@ -10,6 +10,7 @@
 #include <procman/procman_discovery_t.hpp>
 #include <procman/procman_orders_t.hpp>
 #include <procman/procman_output_t.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -98,7 +99,8 @@ class Sheriff {
     std::int64_t ordered = 0;      // [us] steady
     bool orders_due = true;
     bool silent = false;
-    std::optional<std::int64_t> clock_reported;  // [us] ahead, when a person was last told
+    std::optional<std::int64_t> clock_reported;             // [us] ahead, when a person was last told
+    std::map<std::string, std::set<std::string>> heard_on;  // processes of its commands in NODE_STATUS, by host
     float cpu_load = 0.0F;
     std::int64_t memory_total = 0, memory_free = 0;
   };
@@ -107,6 +109,7 @@ class Sheriff {
   void on_output(const procman::procman_output_t& output);
   void on_node_status(const node_status_t& status);
 
+  void locate_commands();
   void discover();
   void watch_deputies();
   void check_clock(const std::string& id, Deputy& deputy);

@@ -82,7 +82,7 @@ bool TrackedCommand::update(const std::optional<procman::procman_command_status_
     wish_ = Wish::kNone;
   }
   if (!status) {
-    node_status_.reset();
+    words_.clear();
     return orders_due;
   }
   note_run(*status, steady_now);
@@ -136,7 +136,7 @@ void TrackedCommand::adopt_orders(std::int32_t runid, bool quit) {
 
 void TrackedCommand::note_run(const procman::procman_command_status_t& status, std::int64_t steady_now) {
   if (status.pid == 0) {
-    node_status_.reset();
+    words_.clear();
     return;
   }
   if (status.pid == last_pid_) {
@@ -148,13 +148,12 @@ void TrackedCommand::note_run(const procman::procman_command_status_t& status, s
   last_pid_ = status.pid;
   last_runid_ = status.actual_runid;
   running_since_ = steady_now;
-  node_status_.reset();  // the word of the process before it
+  words_.clear();  // the word of the process before it
 }
 
 void TrackedCommand::update(const node_status_t& status, std::int64_t steady_now) {
   if (pid() != 0) {
-    node_status_ = status;
-    node_status_at_ = steady_now;
+    words_[status.host] = {status, steady_now};
   }
 }
 
@@ -218,9 +217,9 @@ CommandState TrackedCommand::state(bool deputy_heard, std::int64_t steady_now) c
     state.uptime = static_cast<double>(steady_now - running_since_) * 1e-6;
     state.uptime_at_least = !saw_start_;
   }
-  if (node_status_) {
-    state.core_cpu = node_status_->cpu_fraction;
-    state.dropped_inputs = node_status_->dropped_inputs;
+  if (const Word* own = word(); own != nullptr && !has_namesake) {
+    state.core_cpu = own->status.cpu_fraction;
+    state.dropped_inputs = own->status.dropped_inputs;
   }
   return state;
 }
@@ -244,20 +243,24 @@ Condition TrackedCommand::condition(bool deputy_heard, std::int64_t steady_now, 
 }
 
 Condition TrackedCommand::running_condition(std::int64_t steady_now, std::string& detail) const {
-  if (!announces_itself_ && !node_status_) {
+  if (!announces_itself_ && words_.empty()) {
     return steady_now - running_since_ >= kProof ? Condition::kReady : Condition::kStarting;
   }
-  if (!node_status_) {
+  if (detail = why_unknown(); !detail.empty()) {
+    return Condition::kUnknown;
+  }
+  const Word* own = word();
+  if (own == nullptr) {
     detail = "runs, not yet ready";
     return Condition::kStarting;
   }
-  const std::int64_t silence = steady_now - node_status_at_;
+  const std::int64_t silence = steady_now - own->at;
   if (silence > kSilence) {
     detail = fmt::format("no status for {} s", silence / kSecond);
     return Condition::kSilent;
   }
-  detail = node_status_->reason;
-  switch (node_status_->state) {
+  detail = own->status.reason;
+  switch (own->status.state) {
     case node_status_t::STATE_READY:
       return Condition::kReady;
     case node_status_t::STATE_DEGRADED:
@@ -267,6 +270,25 @@ Condition TrackedCommand::running_condition(std::int64_t steady_now, std::string
     default:
       return Condition::kStarting;
   }
+}
+
+const TrackedCommand::Word* TrackedCommand::word() const {
+  if (host.empty()) {
+    return words_.size() == 1 ? &words_.begin()->second : nullptr;
+  }
+  const auto own = words_.find(host);
+  return own == words_.end() ? nullptr : &own->second;
+}
+
+std::string TrackedCommand::why_unknown() const {
+  if (has_namesake) {
+    return fmt::format("another command of this host calls itself {} too: NODE_STATUS cannot be told apart", process);
+  }
+  if (!host.empty() || words_.size() < 2) {
+    return "";
+  }
+  return fmt::format("{} says its state on {} and on {}: which one is deputy {}'s is not known", process,
+                     words_.begin()->first, words_.rbegin()->first, deputy);
 }
 
 Condition TrackedCommand::stopped_condition(std::string& detail) const {

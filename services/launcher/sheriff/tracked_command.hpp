@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <luminav/node_status_t.hpp>
+#include <map>
 #include <optional>
 #include <procman/procman_command_status_t.hpp>
 #include <string>
@@ -62,6 +63,7 @@ class TrackedCommand {
   /// Takes the deputy's word: adopts what runs when it is heard for the first time, then carries out a wish that came
   /// before. Nothing = the deputy does not list the command. True when orders should go out.
   bool update(const std::optional<procman::procman_command_status_t>& status, std::int64_t steady_now);
+  /// Takes the word of a process of its name, on whichever host; `host` says which one counts.
   void update(const node_status_t& status, std::int64_t steady_now);
   /// Another sheriff's orders: that is what is wanted from now on.
   void adopt_orders(std::int32_t desired_runid, bool force_quit);
@@ -76,7 +78,9 @@ class TrackedCommand {
 
   procman::procman_command_t command{};  // as it goes into the orders
   std::string deputy;
-  std::string process;  // what it calls itself in NODE_STATUS
+  std::string process;        // what it calls itself in NODE_STATUS
+  std::string host;           // where its deputy runs; "" = not known
+  bool has_namesake = false;  // another one there calls itself by the same name
   bool configured = false;
   bool removing = false;  // left out of the orders until the deputy has forgotten it
   std::int32_t desired_runid = 0;
@@ -86,6 +90,14 @@ class TrackedCommand {
   [[nodiscard]] bool is_listed() const { return status_.has_value(); }
 
  private:
+  /// A NODE_STATUS and when it was heard.
+  struct Word {
+    node_status_t status;
+    std::int64_t at = 0;  // [us] steady
+  };
+  /// The newest of its own host; nullptr = none, or several hosts speak and which is meant is not known.
+  [[nodiscard]] const Word* word() const;
+  [[nodiscard]] std::string why_unknown() const;
   void adopt(std::int64_t steady_now);
   [[nodiscard]] bool decide(const procman::procman_command_status_t& status, std::int64_t steady_now);
   void apply(Wish wish);
@@ -99,9 +111,8 @@ class TrackedCommand {
   std::optional<std::int64_t> undecided_since_;  // [us] steady
   Wish wish_ = Wish::kNone;                      // until the deputy is heard
   std::optional<procman::procman_command_status_t> status_;
-  std::optional<node_status_t> node_status_;
-  std::int64_t node_status_at_ = 0;  // [us] steady
-  std::int64_t running_since_ = 0;   // [us] steady
+  std::map<std::string, Word> words_;  // of this run, by host
+  std::int64_t running_since_ = 0;     // [us] steady
   bool saw_start_ = false;
   int last_pid_ = 0;  // of the newest run
   std::int32_t last_runid_ = 0;

@@ -100,8 +100,10 @@ class LauncherWorld {
     return desired;
   }
 
-  void say_ready(const std::string& process, std::int8_t state = node_status_t::STATE_READY) {
+  void say_ready(const std::string& process, std::int8_t state = node_status_t::STATE_READY,
+                 const std::string& host = "") {
     node_status_t status{};
+    status.host = host;
     status.process = process;
     status.state = state;
     lcm.publish(channels::kNodeStatus, &status);

@@ -47,6 +47,54 @@ TEST_F(SheriffTest, StartsEverythingAndKnowsWhenItIsReady) {
   EXPECT_TRUE(sheriff.all_ready(only("camera")));
 }
 
+TEST_F(SheriffTest, ALeftoverOnAnotherHostDoesNotSpeakForOneThatHangs) {
+  world.add_deputy(file.commands);
+  Sheriff& sheriff = world.add_sheriff(file, kOlder);
+  sheriff.start({});
+  world.run(1.0);
+  const auto say = [&](const char* process, const char* host) {
+    world.say_ready(process, node_status_t::STATE_READY, host);
+  };
+  say("camera", "other");
+  EXPECT_TRUE(sheriff.all_ready(only("camera"))) << "the only one that speaks";
+  say("camera", "ours");
+  const CommandState undecided = sheriff.states(only("camera"))[0];
+  EXPECT_EQ(undecided.condition, Condition::kUnknown);
+  EXPECT_THAT(undecided.detail, HasSubstr("on other and on ours"));
+  say("mapper", "ours");
+  EXPECT_TRUE(sheriff.all_ready({})) << "most of the deputy's commands speak there";
+  for (int second = 0; second < 4; ++second) {
+    world.run(1.0);
+    say("camera", "other");
+    say("mapper", "ours");
+  }
+  EXPECT_EQ(sheriff.states(only("camera"))[0].condition, Condition::kSilent);
+  EXPECT_TRUE(sheriff.all_ready(only("mapper")));
+  sheriff.restart(only("camera"));
+  world.run(1.0);
+  say("camera", "other");
+  EXPECT_EQ(sheriff.states(only("camera"))[0].condition, Condition::kStarting);
+  say("camera", "ours");
+  EXPECT_TRUE(sheriff.all_ready(only("camera")));
+}
+
+TEST_F(SheriffTest, DoesNotKnowWhichOfTwoNamesakesSpeaks) {
+  file.commands[1].exec = camera.exec + " --second";
+  world.add_deputy(file.commands);
+  Sheriff& sheriff = world.add_sheriff(file, kOlder);
+  sheriff.start({});
+  world.run(1.0);
+  world.say_ready("camera");
+  for (const CommandState& state : sheriff.states()) {
+    EXPECT_EQ(state.condition, Condition::kUnknown) << state.name;
+    EXPECT_THAT(state.detail, HasSubstr("calls itself camera too"));
+  }
+  sheriff.stop(only("mapper"));
+  world.run(1.0);
+  world.say_ready("camera");
+  EXPECT_TRUE(sheriff.all_ready(only("camera"))) << "alone again";
+}
+
 TEST_F(SheriffTest, RepeatsItsOrdersOnceASecondAndAtEveryChange) {
   world.add_deputy(file.commands);
   Sheriff& sheriff = world.add_sheriff(file, kOlder);
