@@ -15,11 +15,17 @@ constexpr double kNoise = 3.0;         // [grey] of a stretch's mean
 constexpr double kMedianNoise = 1.2;   // [grey] of the median over stretches
 constexpr double kBlurError = 0.03;    // [px] by which the fall of the light may differ between sides
 constexpr double kCutoff = 3.0;        // sigmas, Tukey's
-constexpr double kLeastInliers = 0.5;  // of the samples, by weight
+constexpr double kOutwardSigma = 4.0;  // [grey] change of the difference over all distances
+// Of a joint that is seen beyond the corners:
+constexpr double kProfileHeight = 1.25;    // of its profile in depths, which are means over some pixels
+constexpr double kHeightSigma = 0.15;      // of its height ...
+constexpr double kLeastHeightSigma = 1.0;  // [grey]
+constexpr double kPlaceSigma = 0.5;        // [px]
+constexpr double kLeastInliers = 0.5;      // of the samples, by weight
 // [px] 1 sigma of a joint's profile, and of one that is not quite parallel
 constexpr std::array<double, 2> kJointSigmas{1.15, 1.6};
 
-double square(double value) {
+constexpr double square(double value) {
   return value * value;
 }
 
@@ -86,8 +92,13 @@ class Regression {
 
  private:
   static constexpr double kPriceOfJoint = 4.0;
-  static constexpr double kJointPrior = 1.0 / (22.0 * 22.0);  // [1/grey^2]
-  static constexpr std::array<double, kUnknowns> kPriors{1e-1, 1e-6, 1.0 / 36.0, kJointPrior, 1e-2, 1e-4};
+  static constexpr double kOutwardPrior = 1.0 / (kOutwardSigma * kOutwardSigma);
+  /// Of a joint's height.
+  struct JointPrior {
+    double mean = 0.0;                        // [grey]
+    double information = 1.0 / square(22.0);  // [1/grey^2]
+  };
+  static constexpr std::array<double, kUnknowns> kPriors{1e-1, 1e-6, kOutwardPrior, 0.0, 1e-2, 1e-4};
   static constexpr double kTemperature = 3.0;  // costs this much apart are e times as likely
 
   void take_medians() {
@@ -122,7 +133,7 @@ class Regression {
         }
         for (std::size_t width = 0; width < kJointSigmas.size(); ++width) {
           suppose_joint(half, width, side);
-          const double cost = fit_medians() + kPriceOfJoint;
+          const double cost = fit_medians() + price_of_joint(half, joints_[side]);
           if (side == 0 ? solution_(3) >= 0.0 : solution_(3) <= 0.0) {
             continue;  // joints are dark
           }
@@ -153,7 +164,21 @@ class Regression {
     joint_variance_ = squares / weights;
   }
 
+  /// One that is seen costs nothing but for another place. `half` [0.5 px].
+  static double price_of_joint(int half, const KnownJoint& joint) {
+    return joint.is_seen() ? square((0.5 * half - joint.place) / kPlaceSigma) : kPriceOfJoint;
+  }
+
+  static JointPrior prior_of(const KnownJoint& joint, std::size_t side) {
+    if (!joint.is_seen()) {
+      return {};
+    }
+    const double height = kProfileHeight * joint.depth;
+    return {side == 0 ? -height : height, 1.0 / square(kHeightSigma * height + kLeastHeightSigma)};
+  }
+
   void suppose_no_joint() {
+    joint_prior_ = {};
     for (std::size_t k = 0; k < kDistances; ++k) {
       samples_.fall[k] = differences_.fall[0][k] + differences_.fall[1][k];
     }
@@ -165,6 +190,7 @@ class Regression {
   /// `half` [0.5 px] from the first distance.
   void suppose_joint(int half, std::size_t width, std::size_t side) {
     static const JointProfiles kProfiles = joint_profiles();
+    joint_prior_ = prior_of(joints_[side], side);
     for (int k = 0; k < kDistances; ++k) {
       const auto i = static_cast<std::size_t>(k);
       samples_.fall[i] = 2.0 * differences_.fall[1 - side][i];
@@ -180,6 +206,16 @@ class Regression {
     }
   }
 
+  /// To the sums of both kinds.
+  template <typename Sums>
+  void add_priors(Sums& sums) const {
+    for (std::size_t i = 0; i < 4; ++i) {
+      sums.information[i][i] = kPriors[i];
+    }
+    sums.information[3][3] = joint_prior_.information;
+    sums.right_side[3] = joint_prior_.information * joint_prior_.mean;
+  }
+
   /// Fits all but what varies along the sides; the robust sum of squares.
   double fit_medians() {
     using Matrix4d = Eigen::Matrix4d;
@@ -188,9 +224,7 @@ class Regression {
     double cost = 0.0;
     for (int pass = 0; pass < 3; ++pass) {
       MedianSums sums;
-      for (std::size_t i = 0; i < 4; ++i) {
-        sums.information[i][i] = kPriors[i];
-      }
+      add_priors(sums);
       sums.add(samples_, median_, has_median_, solution.data(), kCutoff, pass == 0);
       Matrix4d information;
       Vector4d right_side;
@@ -201,7 +235,8 @@ class Regression {
         }
       }
       solution = information.ldlt().solve(right_side);
-      cost = sums.cost + (solution(3) * solution(3) * kJointPrior + solution(2) * solution(2) / 36.0);
+      cost = sums.cost +
+             (square(solution(3) - joint_prior_.mean) * joint_prior_.information + square(solution(2)) * kOutwardPrior);
     }
     solution_ << solution, 0.0, 0.0;
     return cost;
@@ -212,9 +247,7 @@ class Regression {
     constexpr int kPasses = 4;
     for (int pass = 0; pass < kPasses; ++pass) {
       RegressionSums sums;
-      for (std::size_t i = 0; i < 4; ++i) {
-        sums.information[i][i] = kPriors[i];
-      }
+      add_priors(sums);
       sums.corner[0] = kPriors[4];
       sums.corner[3] = kPriors[5];
       for (std::size_t s = 0; s < kStretches; ++s) {
@@ -248,6 +281,7 @@ class Regression {
   std::array<double, RegressionSamples::kCount> median_{};  // [grey] of the stretches
   std::array<bool, RegressionSamples::kCount> has_median_{};
   RegressionSamples samples_;
+  JointPrior joint_prior_;
   std::array<double, kStretches> place_{};  // of the length
   Vector solution_ = Vector::Zero();
   Matrix information_;

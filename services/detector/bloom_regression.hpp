@@ -15,7 +15,9 @@ struct KnownJoint {
   bool is_known = false;
   bool is_there = false;
   double place = 0.0;  // [px]
+  double depth = 0.0;  // [grey] below the ceiling, where it is there
 
+  [[nodiscard]] bool is_seen() const { return is_known && is_there; }
   [[nodiscard]] bool may_be_at(double at) const { return !is_known || (is_there && std::abs(at - place) <= kWithin); }
 };
 using KnownJoints = std::array<KnownJoint, 2>;  // of the positive and the negative side

@@ -41,7 +41,7 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
   const auto known = [&](const Vector2d& line, const Vector2d& out, double length, double width) {
     const JointBeside beside =
         find_joint_beside(image, camera, {pose, outline.height, line, out, 0.5 * length, 0.5 * width}, search);
-    return KnownJoint{beside.is_in_view, beside.found, (beside.middle - fit.swelling) / step + kInside};
+    return KnownJoint{beside.is_in_view, beside.found, (beside.middle - fit.swelling) / step + kInside, beside.depth};
   };
   KnownJoints side_joints{known(x, y, outline.length, outline.width), known(x, -y, outline.length, outline.width)};
   KnownJoints end_joints{known(y, x, outline.width, outline.length), known(y, -x, outline.width, outline.length)};

@@ -16,6 +16,7 @@ constexpr double kSigmas = 4.0;
 struct Line {
   double middle;  // [steps]
   double end;     // [steps]
+  double depth;   // [grey]
 };
 
 SideProfile profile_beyond(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
@@ -49,7 +50,7 @@ std::optional<Line> deepest_line(const SideProfile& profile, double least_depth)
     if (i + 1 < profile.steps) {
       deepest = depth;
       const double end = static_cast<double>(i) + (half - grey[i]) / (grey[i + 1] - grey[i]);
-      line = {static_cast<double>(k), end};
+      line = {static_cast<double>(k), end, depth};
     }
   }
   return line;
@@ -60,7 +61,7 @@ std::optional<Line> deepest_line(const SideProfile& profile, double least_depth)
 JointBeside find_joint_beside(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
                               const JointSearch& search) {
   JointBeside beside;
-  Line sum{0.0, 0.0};
+  Line sum{0.0, 0.0, 0.0};
   int count = 0;
   for (const double corner : {1.0, -1.0}) {
     const SideProfile profile = profile_beyond(image, camera, side, search, corner);
@@ -72,6 +73,7 @@ JointBeside find_joint_beside(const GreyView& image, const CeilingCamera& camera
     if (const auto line = deepest_line(profile, least)) {
       sum.middle += line->middle;
       sum.end += line->end;
+      sum.depth += line->depth;
       ++count;
     }
   }
@@ -79,6 +81,7 @@ JointBeside find_joint_beside(const GreyView& image, const CeilingCamera& camera
     beside.found = true;
     beside.middle = search.nearest + SideProfile::kStep * (sum.middle / count - kMargin);
     beside.end = search.nearest + SideProfile::kStep * (sum.end / count - kMargin);
+    beside.depth = sum.depth / count;
   }
   return beside;
 }

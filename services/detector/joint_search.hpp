@@ -18,6 +18,7 @@ struct JointBeside {
   bool found = false;
   double middle = 0.0;  // [m] of the joint, outwards of the side
   double end = 0.0;     // [m] of its outer edge
+  double depth = 0.0;   // [grey] below the ceiling on both sides of it
 };
 
 /// Looks for a joint of the ceiling that runs along a side of a fixture. Beside the fixture it may hide in the edge or

@@ -1,0 +1,72 @@
+#include "services/detector/bloom_regression.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace luminav {
+namespace {
+
+constexpr double kLength = 1.2;  // [m] of the sides
+constexpr double kPixel = 4e-3;  // [m]
+constexpr std::size_t kSaturated = 3;
+constexpr double kJoint = 25.0;  // [grey] its height in the light's profile
+
+double light_at(double k) {
+  return 90.0 * std::exp(-k / 5.0);
+}
+
+double joint_at(double k, double place) {
+  return kJoint * std::exp(-0.5 * std::pow((k - place) / 1.3, 2));
+}
+
+/// Of a lamp, saturated at first, that lies `shift` [px] towards its positive side, with a joint `place` [px] outwards
+/// of that side's first distance.
+Differences differences_beside_a_joint(double shift, double place, std::mt19937& rng) {
+  std::normal_distribution<double> noise(0.0, 2.0);  // [grey] of a stretch's mean
+  Differences differences;
+  for (std::size_t k = 0; k < Differences::kDistances; ++k) {
+    const auto at = static_cast<double>(k);
+    const auto positive = [&](double x) { return light_at(x - shift) - joint_at(x, place); };
+    const auto negative = [&](double x) { return light_at(x + shift); };
+    for (std::size_t s = 0; s < Differences::kStretches; ++s) {
+      differences.value[s][k] = static_cast<float>(positive(at) - negative(at) + noise(rng));
+      differences.valid[s][k] = k >= kSaturated;
+      differences.count += k >= kSaturated ? 1 : 0;
+    }
+    differences.fall[0][k] = 0.5 * (positive(at - 1.0) - positive(at + 1.0));
+    differences.fall[1][k] = 0.5 * (negative(at - 1.0) - negative(at + 1.0));
+  }
+  for (std::size_t s = 0; s < Differences::kStretches; ++s) {
+    differences.place[s] = kLength * ((static_cast<double>(s) + 0.5) / Differences::kStretches - 0.5);
+  }
+  return differences;
+}
+
+/// RMS of the error [px] over lamps, with what is known of the joint beside them.
+double error_beside_joints(bool depth_is_known) {
+  std::mt19937 rng(7);
+  double squares = 0.0;
+  int count = 0;
+  for (const double shift : {-0.4, -0.2, 0.0, 0.2, 0.4}) {
+    for (const double place : {1.0, 1.5, 2.0, 2.5, 3.0}) {
+      KnownJoints joints{KnownJoint{.is_known = depth_is_known, .is_there = true, .place = place, .depth = 20.0},
+                         KnownJoint{.is_known = true, .is_there = false}};
+      const auto balance = balance_sides(differences_beside_a_joint(shift, place, rng), kLength, kPixel, joints);
+      EXPECT_TRUE(balance) << shift << ' ' << place;
+      squares += balance ? std::pow(balance->shift / kPixel - shift, 2) : 0.0;
+      ++count;
+    }
+  }
+  return std::sqrt(squares / count);
+}
+
+TEST(BloomRegression, TakesAJointForAsDeepAsItIsBeyondTheCorners) {
+  const double known = error_beside_joints(true);
+  EXPECT_LT(known, 0.1);
+  EXPECT_LT(known, 0.9 * error_beside_joints(false));
+}
+
+}  // namespace
+}  // namespace luminav
