@@ -10,6 +10,8 @@ namespace {
 
 using Moves = std::vector<EscapeMove>;
 
+constexpr double kTurnRate = 0.7;  // [rad/s]
+
 // Openness of a side [m]; the wish decides between equals.
 double openness(double sign, double wish, const Obstacles& obstacles) {
   const FreeHeadingParams strip;
@@ -45,7 +47,7 @@ Moves turns(double side) {
   Moves moves;
   for (const double duration : {2.0, 0.9}) {
     for (const double sign : {side, -side}) {
-      moves.push_back({{{{0.0, 0.7 * sign}, duration}}, to_side(sign, "turning")});
+      moves.push_back({{{{0.0, kTurnRate * sign}, duration}}, to_side(sign, "turning")});
     }
   }
   return moves;
@@ -57,15 +59,51 @@ Moves inchings(double side) {
           {{{{0.10, 0.0}, 1.2}}, "inching ahead"}};
 }
 
-bool is_course_free(const EscapeMove& move, bool may_back, const Obstacles& obstacles, const StopLogic& stop_logic) {
+// To where it can turn, the nearest place first.
+Moves places_to_turn(double side) {
+  Moves moves;
+  for (const double duration : {0.8, 1.6, 2.8}) {
+    for (const double linear : {-0.12, 0.12}) {
+      for (const double angular : {0.0, 0.35 * side, -0.35 * side}) {
+        moves.push_back({{{{linear, angular}, duration}}, "making room to turn"});
+      }
+    }
+  }
+  return moves;
+}
+
+/// What is around at the end of a course; nothing where the course is not free.
+std::optional<Obstacles> seen_after(const EscapeMove& move, bool may_back, const Obstacles& obstacles,
+                                    const StopLogic& stop_logic) {
   Obstacles seen = obstacles;
   for (const EscapeMove::Arc& arc : move.arcs) {
     if ((arc.twist.linear < 0.0 && !may_back) || !stop_logic.is_free(arc.twist, arc.duration + 0.2, seen)) {
-      return false;
+      return std::nullopt;
     }
     seen = seen.seen_from(drive_arc(arc.twist, arc.duration).inverse());
   }
-  return true;
+  return seen;
+}
+
+bool is_turn_free(double angle, const Obstacles& obstacles, const StopLogic& stop_logic) {
+  return stop_logic.is_free({0.0, std::copysign(kTurnRate, angle)}, std::abs(angle) / kTurnRate, obstacles);
+}
+
+/// A manoeuvre to a place where the turn to the same heading is free.
+std::optional<EscapeMove> make_room_to_turn(const EscapeSituation& situation, const Obstacles& obstacles,
+                                            const StopLogic& stop_logic) {
+  if (situation.turn == 0.0 || is_turn_free(situation.turn, obstacles, stop_logic)) {
+    return std::nullopt;
+  }
+  for (const EscapeMove& move : places_to_turn(situation.turn > 0.0 ? 1.0 : -1.0)) {
+    const DriveTwist& twist = move.arcs.front().twist;
+    const double left = wrap_angle(situation.turn - twist.angular * move.arcs.front().duration);
+    const std::optional<Obstacles> there = seen_after(move, situation.may_back, obstacles, stop_logic);
+    if (there && is_turn_free(left, *there, stop_logic)) {
+      return move;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -74,6 +112,9 @@ std::optional<EscapeMove> choose_escape(const EscapeSituation& situation, const 
                                         const StopLogic& stop_logic) {
   const double side =
       openness(1.0, situation.wish, obstacles) >= openness(-1.0, situation.wish, obstacles) ? 1.0 : -1.0;
+  if (const auto move = make_room_to_turn(situation, obstacles, stop_logic)) {
+    return move;
+  }
   std::vector<Moves> order;
   switch (situation.attempt % 3) {
     case 0:
@@ -91,7 +132,7 @@ std::optional<EscapeMove> choose_escape(const EscapeSituation& situation, const 
   }
   for (const Moves& moves : order) {
     for (const EscapeMove& move : moves) {
-      if (is_course_free(move, situation.may_back, obstacles, stop_logic)) {
+      if (seen_after(move, situation.may_back, obstacles, stop_logic)) {
         return move;
       }
     }

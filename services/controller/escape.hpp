@@ -23,10 +23,11 @@ struct EscapeSituation {
   double wish = 0.0;        // [rad] where it wants to go, robot frame
   bool may_back = false;    // rear sonars see
   bool by_unknown = false;  // what is in the way is on no map: somebody who may want to pass
+  double turn = 0.0;        // [rad] it is to turn where it stands, and a swinging corner forbids it; 0 = it is not
 };
 
-/// The first manoeuvre whose whole course is free: make room sideways for people, back the way it came, turn towards
-/// the more open side, inch ahead in an arc. Nothing where nothing is free.
+/// The first manoeuvre whose whole course is free: make room for a turn that has none, sideways for people, back the
+/// way it came, turn towards the more open side, inch ahead in an arc. Nothing where nothing is free.
 std::optional<EscapeMove> choose_escape(const EscapeSituation& situation, const Obstacles& obstacles,
                                         const StopLogic& stop_logic);
 

@@ -58,6 +58,38 @@ TEST(Escape, TriesSomethingElseTheNextTime) {
   EXPECT_NE(choose_escape(situation(0), around(), kLogic)->name, choose_escape(situation(1), around(), kLogic)->name);
 }
 
+// A corner of two walls, beside the robot and behind it, seen by one that heads 70 degrees away from the wall behind.
+std::vector<ObstaclePoint> corner() {
+  std::vector<ObstaclePoint> points = wall({-0.39, -0.60}, {-0.39, 1.5});
+  const auto behind = wall({-0.39, -0.60}, {1.5, -0.60});
+  points.insert(points.end(), behind.begin(), behind.end());
+  const Pose2 robot_from_room = Pose2(0.0, 0.0, radians(70.0)).inverse();
+  for (ObstaclePoint& point : points) {
+    point.position = robot_from_room * point.position;
+  }
+  return points;
+}
+
+TEST(Escape, MakesRoomForATurnThatASwingingCornerForbids) {
+  const Obstacles obstacles = around(corner());
+  EscapeSituation stuck = situation(0);
+  stuck.turn = radians(-60.0);
+  ASSERT_FALSE(kLogic.is_free({0.0, -0.5}, radians(60.0) / 0.5, obstacles));
+  const auto move = choose_escape(stuck, obstacles, kLogic);
+  ASSERT_TRUE(move);
+  const EscapeMove::Arc& arc = move->arcs.front();
+  EXPECT_TRUE(kLogic.is_free(arc.twist, arc.duration, obstacles));
+  const Obstacles there = obstacles.seen_from(drive_arc(arc.twist, arc.duration).inverse());
+  const double left = stuck.turn - arc.twist.angular * arc.duration;
+  EXPECT_TRUE(kLogic.is_free({0.0, std::copysign(0.5, left)}, std::abs(left) / 0.5, there));
+}
+
+TEST(Escape, MakesNoRoomForATurnThatIsFree) {
+  EscapeSituation free = situation(1);
+  free.turn = radians(60.0);
+  EXPECT_EQ(choose_escape(free, around(), kLogic)->name, choose_escape(situation(1), around(), kLogic)->name);
+}
+
 TEST(Escape, SaysSoWhereThereIsNone) {
   std::vector<ObstaclePoint> cage = wall({0.26, -0.26}, {0.26, 0.26});
   for (const auto& side :
