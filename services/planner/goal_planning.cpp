@@ -267,6 +267,9 @@ void GoalCycle::face_blockage(const Situation& situation) {
 // has looked at them from near.
 bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
   const bool is_found = route.outcome == RouteOutcome::kFound;
+  if (!is_found && !suspects_.empty()) {
+    return false;  // no sonar draws what is only suspected: it is dropped before anything is looked at
+  }
   if (!planner_params_.space.unknown_is_free || static_cast<int>(search_.looked_at.size()) >= params_.gap_looks ||
       (!is_found && route.outcome != RouteOutcome::kUnreachable && route.outcome != RouteOutcome::kGoalBlocked)) {
     return false;
@@ -278,6 +281,10 @@ bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
     return false;
   }
   const auto beside = static_cast<std::size_t>(kSkipBesideRobot / planner_params_.shaping.spacing) + 1;
+  std::vector<SuspectedObstacle> obstacles = search_.looked_at;
+  for (const Suspect& suspect : suspects_) {
+    obstacles.push_back(suspect.obstacle);
+  }
   Polyline best;
   double best_length = length;
   std::size_t best_blocked = 0;
@@ -286,7 +293,7 @@ bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
     doubting.space.hard_radius = planner_params_.body_radius;
     doubting.space.occupied_log_odds = occupied;
     RoutePlanner by_what_is_sure(doubting);
-    by_what_is_sure.set_grid(*grid_, search_.looked_at);
+    by_what_is_sure.set_grid(*grid_, obstacles);
     const Route way = by_what_is_sure.plan({robot, stop().pose.position(), planned_tolerance()});
     if (way.outcome != RouteOutcome::kFound) {
       continue;

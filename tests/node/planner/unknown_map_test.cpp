@@ -53,6 +53,18 @@ TEST(UnknownMap, LooksAtTheDoorBeforeItGoesRoundThroughWhatNobodyHasSeen) {
   EXPECT_TRUE(world.run_until(2.0, looks)) << world.status.cause;
 }
 
+TEST(UnknownMap, LooksAtNoObstacleThatIsOnlySuspected) {
+  PlannerWorld world(mapping_config());
+  draw_by_sonar(world);
+  world.obstacle(6.1, 2.8, 6.2, 3.7, false);
+  world.robot = {5.6, 3.2, 0.0};
+  world.wheels_blocked = true;  // it gets nowhere, and suspects something in the door
+  world.go(1, 10.0, 3.2);
+  const auto looks = [&] { return world.status.cause.find("looking at it from near") != std::string::npos; };
+  EXPECT_FALSE(world.run_until(50.0, looks)) << world.status.cause;
+  EXPECT_TRUE(world.run_until_state(60.0, Status::STATE_STUCK)) << world.status.cause;
+}
+
 TEST(UnknownMap, GivesUpAGoalThatItsOwnMapLeadsItRoundFor) {
   PlannerConfig config = mapping_config();
   config.cycle.search_ratio = 1.0;
