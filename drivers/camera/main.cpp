@@ -79,6 +79,11 @@ int run(const Arguments& arguments, const CameraConfig& config, const Clock& clo
 
 int camera(const Arguments& arguments) {
   const CameraConfig config = read_camera_config(arguments.robot_file);
+  if (config.encoding == ImageEncoding::kMono8) {
+    throw ConfigurationError(arguments.robot_file +
+                             ": [camera_driver] encoding = \"mono8\" does not fit into a datagram, must be \"jpeg\" in "
+                             "a process of its own");
+  }
   const std::string& source = arguments.source;
   const std::string path = source.substr(std::min(source.size(), source.find(':') + 1));
   const HostClock clock;
