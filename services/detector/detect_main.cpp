@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "services/common/configuration/whole_file.hpp"
@@ -103,12 +104,22 @@ json tried(const DetectorTrace& trace) {
   return result;
 }
 
+/// The stem, or STEM-2, STEM-3, ... where pictures of several folders have the same one.
+std::string free_name(const std::string& stem, std::set<std::string>& taken) {
+  std::string name = stem;
+  for (int number = 2; !taken.insert(name).second; ++number) {
+    name = stem + "-" + std::to_string(number);
+  }
+  return name;
+}
+
 int detect_all(const DetectorConfig& config, const std::vector<std::string>& files, const Output& output) {
   Detector detector(config.params, config.camera, config.catalogue);
   if (!output.debug_folder.empty()) {
     fs::create_directories(output.debug_folder);
   }
   ContactSheet sheet;
+  std::set<std::string> taken;
   json result = json::array();
   int failed = 0;
   for (const std::string& file : files) {
@@ -133,8 +144,8 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
         sheet.add(picture, fs::path(file).stem().string());
         if (!output.debug_folder.empty()) {
           entry["tried"] = tried(trace);
-          const fs::path name = fs::path(file).stem().string() + ".png";
-          write_picture(fs::path(output.debug_folder) / name, picture);
+          write_picture(fs::path(output.debug_folder) / (free_name(fs::path(file).stem().string(), taken) + ".png"),
+                        picture);
         }
       }
     } catch (const std::exception& error) {
@@ -144,7 +155,8 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
     }
     result.push_back(std::move(entry));
   }
-  const std::string text = result.dump(1) + "\n";
+  // File names are bytes; JSON is UTF-8.
+  const std::string text = result.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
   if (!output.sheet_file.empty() && !sheet.empty()) {
     write_picture(output.sheet_file, sheet.draw(), {cv::IMWRITE_JPEG_QUALITY, 75});
   }
@@ -170,7 +182,8 @@ int main(int argc, char** argv) {
     command_line.robot_file(robot_file).building_file(building_file);
     command_line.text("--mode", mode, "paper or modern instead of the robot file's")
         .text("--json", output.json_file, "where to write the detections (- or left out: standard output)")
-        .text("--debug", output.debug_folder, "folder for pictures of what was tried (green) and found (blue)")
+        .text("--debug", output.debug_folder,
+              "folder for pictures of what was tried (green) and found (blue): STEM.png, STEM-2.png, ...")
         .text("--sheet", output.sheet_file, "one picture of them all")
         .positional("images", files, "PNG, JPEG, PGM, ...", true);
     if (const auto status = command_line.parse(argc, argv)) {
