@@ -78,11 +78,15 @@ CommandLine& CommandLine::lcm_url(std::string& target) {
 }
 
 CommandLine& CommandLine::state_folder(std::string& target) {
+  const char* launched = std::getenv("LUMINAV_STATE");
+  if (target.empty() && launched != nullptr) {
+    target = launched;
+  }
   if (target.empty()) {
     const char* home = std::getenv("HOME");
     target = fmt::format("{}/.local/state/luminav", home != nullptr ? home : "/tmp");
   }
-  return text("--state", target, "folder for what must survive a restart");
+  return text("--state", target, "folder for what must survive a restart; default $LUMINAV_STATE");
 }
 
 std::optional<int> CommandLine::parse(int argc, char** argv) {

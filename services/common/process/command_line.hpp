@@ -29,7 +29,7 @@ class CommandLine {
   CommandLine& robot_file(std::string& target);
   CommandLine& building_file(std::string& target);
   CommandLine& lcm_url(std::string& target);
-  /// Default ~/.local/state/luminav; processes add the robot's name.
+  /// Default $LUMINAV_STATE, as scripts/launch has it, else ~/.local/state/luminav; processes add the robot's name.
   CommandLine& state_folder(std::string& target);
 
   /// The exit status if the program should end now (help, version, a wrong option), else nothing.
