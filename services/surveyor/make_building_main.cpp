@@ -1,13 +1,14 @@
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <filesystem>
+#include <limits>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
+#include "services/common/process/option_values.hpp"
 #include "services/surveyor/floor_plan.hpp"
 
 namespace {
@@ -43,23 +44,21 @@ FixtureKind kind_named(const std::string& name) {
 
 FloorPlanParams params_of(const Request& request) {
   FloorPlanParams params = request.params;
-  char rest = 0;
-  if (std::sscanf(request.size.c_str(), "%lfx%lf%c", &params.width, &params.depth, &rest) != 2 ||
-      params.width > 400.0 || params.depth > 400.0) {
+  const std::size_t cross = request.size.find('x');
+  const std::string depth = cross == std::string::npos ? "" : request.size.substr(cross + 1);
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  params.width = read_number(request.size.substr(0, cross)).value_or(kNone);
+  params.depth = read_number(depth).value_or(kNone);
+  if (!(params.width <= 400.0 && params.depth <= 400.0)) {
     throw ConfigurationError(fmt::format("--size = {}, must be WIDTHxDEPTH in metres, at most 400x400", request.size));
   }
-  if (!(params.pitch >= 1.5 && params.pitch <= 10.0)) {
-    throw ConfigurationError(fmt::format("--pitch = {}, must be 1.5 to 10 m", params.pitch));
-  }
-  if (!(params.ceiling_height >= 1.0 && params.ceiling_height <= 30.0)) {  // as read_building allows
-    throw ConfigurationError(fmt::format("--ceiling = {}, must be 1 to 30 m", params.ceiling_height));
-  }
-  if (!(params.irregularity >= 0.0 && params.irregularity <= 1.0)) {
-    throw ConfigurationError(fmt::format("--irregularity = {}, must be 0 to 1", params.irregularity));
-  }
+  check_option("--pitch", params.pitch, {1.5, 10.0});
+  check_option("--ceiling", params.ceiling_height, {1.0, 30.0});  // as read_building allows
+  check_option("--irregularity", params.irregularity, kFraction);
   params.kind = kind_named(request.kind);
   params.seed = static_cast<std::uint64_t>(request.seed);
-  params.name = fs::path(request.out).lexically_normal().filename().string();
+  const fs::path folder = fs::absolute(request.out).lexically_normal();  // "hall/" ends in an empty name
+  params.name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
   return params;
 }
 
@@ -123,7 +122,7 @@ int main(int argc, char** argv) {
   }
   return run_guarded("make-building", [&] {
     if (out.size() != 1) {
-      throw std::runtime_error("needs one folder");
+      throw ConfigurationError("needs one folder");
     }
     request.out = out.front();
     return make(request);

@@ -9,6 +9,7 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/image/picture_file.hpp"
 #include "services/common/process/command_line.hpp"
+#include "services/common/process/option_values.hpp"
 #include "services/mapper/grid_mapper.hpp"
 
 namespace {
@@ -127,6 +128,12 @@ int main(int argc, char** argv) {
     if (const auto status = options.parse(argc, argv)) {
       return *status;
     }
+    check_option("--mode", mode, {"paper", "modern"});
+    check_option("--resolution", resolution, {0.01, 1.0});
+    check_option("--time-unit", units.time, kPositive);
+    check_option("--length-unit", units.range, kPositive);
+    check_option("--angle-unit", units.angle, kPositive);
+    check_option("--rows", static_cast<double>(most_rows), kNotNegative);
     const RobotDescription robot = read_robot(robot_file);
     const std::vector<Row> ranges = read_table(ranges_file);
     const std::vector<Row> pose_rows = read_table(poses_file);

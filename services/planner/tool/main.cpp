@@ -9,6 +9,7 @@
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/image/picture_file.hpp"
 #include "services/common/process/command_line.hpp"
+#include "services/common/process/option_values.hpp"
 #include "services/planner/route_planner.hpp"
 
 namespace {
@@ -84,16 +85,20 @@ int main(int argc, char** argv) {
       return *status;
     }
     if (arguments.size() != 5) {
-      throw std::runtime_error("needs MAP.yaml X Y X Y; see --help");
+      throw ConfigurationError("needs MAP.yaml X Y X Y; see --help");
     }
     double numbers[4];
     for (std::size_t i = 0; i < 4; ++i) {
-      try {
-        numbers[i] = std::stod(arguments[i + 1]);
-      } catch (const std::exception&) {
-        throw std::runtime_error(arguments[i + 1] + " is not a number");
+      const std::optional<double> number = read_number(arguments[i + 1]);
+      if (!number) {
+        throw ConfigurationError(fmt::format("found {}, expected a number [m]", arguments[i + 1]));
       }
+      numbers[i] = *number;
     }
+    check_option("--mode", mode, {"paper", "modern"});
+    check_option("--resolution", resolution, {0.01, 1.0});
+    check_option("--tolerance", tolerance, {0.0, 100.0});
+    check_option("--radius", radius, {0.0, 14.0 * resolution});  // as the configuration space allows
     const PriorMap map = resample(read_map(arguments[0]), resolution);
     OccupancyGrid grid(map.geometry);
     grid.prior = map.cells;

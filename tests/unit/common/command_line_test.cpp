@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
+
+#include "services/common/process/option_values.hpp"
 
 namespace luminav {
 namespace {
@@ -53,6 +56,22 @@ TEST(CommandLine, KeepsItsStateWhereTheLaunchedSystemDoes) {
   EXPECT_TRUE(state_with("").ends_with("/.local/state/luminav"));
   EXPECT_EQ(state_with("/somewhere"), "/somewhere");
   EXPECT_EQ(state_with("/somewhere", {"--state", "/elsewhere"}), "/elsewhere");
+}
+
+TEST(OptionValues, ANumberIsTheWholeWord) {
+  EXPECT_EQ(read_number("-8.5"), -8.5);
+  EXPECT_EQ(read_number("1e2"), 100.0);
+  for (const char* word : {"", " ", "8,5", "8 5", "8m", "nan", "inf", "eight"}) {
+    EXPECT_EQ(read_number(word), std::nullopt) << word;
+  }
+}
+
+TEST(OptionValues, WhatIsNotAllowedIsNamed) {
+  EXPECT_NO_THROW(check_option("--cell", 0.1, {0.1, 1.0}));
+  EXPECT_THROW(check_option("--cell", 0.0, {0.1, 1.0}), ConfigurationError);
+  EXPECT_THROW(check_option("--cell", std::nan(""), {0.1, 1.0}), ConfigurationError);
+  EXPECT_NO_THROW(check_option("--mode", "paper", {"paper", "modern"}));
+  EXPECT_THROW(check_option("--mode", "papper", {"paper", "modern"}), ConfigurationError);
 }
 
 }  // namespace
