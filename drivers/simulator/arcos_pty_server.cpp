@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <termios.h>
 #include <time.h>
 #include <unistd.h>
@@ -48,6 +49,11 @@ void garble(std::span<std::uint8_t> bytes) {
   }
 }
 
+bool is_symlink(const std::string& path) {
+  struct stat status {};
+  return lstat(path.c_str(), &status) == 0 && S_ISLNK(status.st_mode);
+}
+
 /// A pseudo terminal with the rate of a serial line: bytes take their time, and rates must agree.
 class PtyArcosServer final : public ArcosServer {
  public:
@@ -62,10 +68,7 @@ class PtyArcosServer final : public ArcosServer {
     // Opened and closed once: from now on the terminal says "hung up" while nobody has it open.
     close(open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
     if (!link_.empty()) {
-      unlink(link_.c_str());
-      if (symlink(name_.c_str(), link_.c_str()) != 0) {
-        throw std::runtime_error(link_ + ": " + std::strerror(errno));
-      }
+      place_link();
     }
     budget_at_ = now_seconds();
   }
@@ -73,7 +76,7 @@ class PtyArcosServer final : public ArcosServer {
   PtyArcosServer& operator=(const PtyArcosServer&) = delete;
   ~PtyArcosServer() override {
     close(terminal_);
-    if (!link_.empty()) {
+    if (!link_.empty() && is_symlink(link_)) {
       unlink(link_.c_str());
     }
   }
@@ -110,6 +113,19 @@ class PtyArcosServer final : public ArcosServer {
   void set_unplugged(bool unplugged) override { unplugged_ = unplugged; }
 
  private:
+  // One that a simulator before this one left is replaced; anything else may be somebody's work.
+  void place_link() {
+    if (is_symlink(link_)) {
+      unlink(link_.c_str());
+    }
+    if (symlink(name_.c_str(), link_.c_str()) != 0) {
+      const std::string why =
+          errno == EEXIST ? "is there and no symbolic link, expected a free name" : std::strerror(errno);
+      close(terminal_);
+      throw std::runtime_error(link_ + ": " + why);
+    }
+  }
+
   [[nodiscard]] bool rates_agree() const {
     termios settings{};
     return tcgetattr(terminal_, &settings) == 0 && bits_per_second(cfgetospeed(&settings)) == controller_.baud();

@@ -4,6 +4,8 @@
 #include <poll.h>
 
 #include <array>
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
 #include "tests/unit/p3dx/hex.hpp"
@@ -179,6 +181,24 @@ TEST(PtyArcosServer, HearsTheLastWordsOfAClientThatHasLeft) {
   client.write(encode_command(ArcosCommand::kClose));
   client.close();
   EXPECT_TRUE(work_until(*server, [&] { return !controller.session_open(); }));
+}
+
+TEST(PtyArcosServer, ReplacesALinkAndNothingElseOfItsName) {
+  ArcosController controller({});
+  const std::string name = testing::TempDir() + "arcos_server_test_file";
+  std::filesystem::remove(name);
+  std::filesystem::create_symlink("/dev/gone", name);
+  EXPECT_EQ(ArcosServer::on_pty(controller, name)->address(), name);
+  EXPECT_FALSE(std::filesystem::is_symlink(name)) << "the link goes with its server";
+  std::ofstream(name) << "somebody's work";
+  try {
+    ArcosServer::on_pty(controller, name);
+    ADD_FAILURE() << "a file of that name is in the way";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(std::filesystem::file_size(name), 15U);
+  std::filesystem::remove(name);
 }
 
 TEST(PtyArcosServer, TakesTheNextClient) {
