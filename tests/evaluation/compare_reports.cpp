@@ -33,7 +33,7 @@ std::function<std::optional<double>(const json&)> field(const std::string& name)
   };
 }
 
-/// Fields that are 0 when nothing was measured.
+/// Fields that are null, or 0 in older reports, when nothing was measured.
 std::function<std::optional<double>(const json&)> measured(const std::string& name) {
   return [get = field(name)](const json& run) -> std::optional<double> {
     const auto value = get(run);
@@ -64,17 +64,23 @@ std::vector<Figure> figures() {
     }
     return reached > 0 ? std::optional<double>(sum / reached) : std::nullopt;
   };
-  const auto in_precision = [](const json& run) -> std::optional<double> {
-    const double nees = run.value("nees", 0.0);
-    return nees > 0.0 ? std::optional<double>(std::abs(std::log(nees))) : std::nullopt;
+  const auto in_precision = [nees = measured("nees")](const json& run) -> std::optional<double> {
+    const auto value = nees(run);
+    return value ? std::optional<double>(std::abs(std::log(*value))) : std::nullopt;
+  };
+  // localized_s is null where it never was
+  const auto localized = [](const json& run) -> std::optional<double> {
+    const auto found = run.find("localized_s");
+    return found == run.end() ? std::nullopt : std::optional<double>(found->is_number() ? 1.0 : 0.0);
   };
   return {
       {"passed", 1, true, passed},
       {"confident_wrong_runs", -1, true, confident_wrong},
       {"contacts", -1, false, field("contacts")},
+      {"localized", 1, true, localized},
       {"localized_s", -1, false, field("localized_s")},
       {"localized_after_m", -1, false, field("localized_after_m")},
-      {"tracking_ratio", 1, false, measured("tracking_ratio")},
+      {"tracking_ratio", 1, false, field("tracking_ratio")},
       {"in_view_position_rms_m", -1, false, measured("in_view_position_rms_m")},
       {"in_view_heading_rms_deg", -1, false, measured("in_view_heading_rms_deg")},
       {"mission_position_p95_m", -1, false, measured("mission_position_p95_m")},
@@ -194,7 +200,8 @@ std::string to_text(const ReportComparison& comparison) {
                                                        : "no difference beyond noise");
   }
   return text +
-         "passed and confident_wrong_runs: exact sign test, p < 0.05; all else: paired bootstrap of the mean "
+         "passed, confident_wrong_runs and localized: exact sign test, p < 0.05; all else: paired bootstrap of the "
+         "mean "
          "difference, "
          "10,000 draws, 95 %\n";
 }

@@ -82,6 +82,35 @@ TEST(CompareReports, CountsOnlyRunsThatDifferInTheSignTest) {
   EXPECT_EQ(figure(compare_reports(report(rms, six_failed), report(rms)), "passed").verdict, Verdict::kBetter);
 }
 
+/// Runs that were localized, or never were.
+std::string localized_report(const std::vector<bool>& localized) {
+  json report = json::parse(luminav::report(std::vector<double>(localized.size(), 0.02)));
+  for (std::size_t i = 0; i < localized.size(); ++i) {
+    json& run = report["runs"][i];
+    run["localized_s"] = localized[i] ? json(12.0) : json(nullptr);
+    run["in_view_position_rms_m"] = localized[i] ? json(0.02) : json(nullptr);
+    run["nees"] = localized[i] ? json(1.1) : json(nullptr);
+    run["tracking_ratio"] = localized[i] ? 0.98 : 0.0;
+  }
+  return report.dump();
+}
+
+TEST(CompareReports, SeesRunsThatAreNoLongerLocalized) {
+  const std::vector<bool> all(20, true);
+  std::vector<bool> few = all;
+  std::fill_n(few.begin(), 6, false);
+  const auto comparison = compare_reports(localized_report(all), localized_report(few));
+  const ComparedFigure localized = figure(comparison, "localized");
+  EXPECT_EQ(localized.pairs, 20);
+  EXPECT_NEAR(localized.now, 0.7, 1e-9);
+  EXPECT_EQ(localized.verdict, Verdict::kWorse);
+  const ComparedFigure tracking = figure(comparison, "tracking_ratio");
+  EXPECT_EQ(tracking.pairs, 20);
+  EXPECT_EQ(tracking.verdict, Verdict::kWorse);
+  EXPECT_EQ(figure(comparison, "in_view_position_rms_m").pairs, 14);
+  EXPECT_EQ(figure(comparison, "|log nees|").pairs, 14);
+}
+
 TEST(CompareReports, PairsByScenarioAndSeedAndCountsTheRest) {
   const auto comparison = compare_reports(report({0.01, 0.02, 0.03}), report({0.01, 0.02, 0.03, 0.04, 0.05}));
   EXPECT_EQ(comparison.common, 3);
