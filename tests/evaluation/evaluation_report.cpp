@@ -65,16 +65,22 @@ std::string scenario_table_text(const std::vector<RunReport>& runs) {
   for (const RunGroup& row : rows) {
     const ordered_json s = summary_of(row.runs);
     const auto get = [&](const char* key) { return s.value(key, 0.0); };
+    const auto cell = [&](const char* key, double factor, int digits) {
+      return s.contains(key) ? fmt::format("{:.{}f}", factor * get(key), digits) : std::string("-");
+    };
+    const auto errors = [&](const char* position, const char* heading) {
+      return s.contains(position) ? cell(position, 1e3, 0) + " mm " + cell(heading, 1.0, 2) + " deg" : std::string("-");
+    };
     text += fmt::format(
-        "{:<24} {:>9} {:>6} {:>8.1f} {:>6.0f} {:>7.2f} {:>16} {:>16} {:>5.2f} {:>9} {:>8.0f} {:>6.2f} {:>6.2f} "
+        "{:<24} {:>9} {:>6} {:>8} {:>6.0f} {:>7} {:>16} {:>16} {:>5} {:>9} {:>8.0f} {:>6} {:>6} "
         "{:>6.0f}\n",
         (any_suite && !row.is_suite() ? "  " : "") + row.name, fmt::format("{:.0f}/{:.0f}", get("passed"), get("runs")),
-        fmt::format("{:.0f} %", 100.0 * get("localized_ratio")), get("localized_after_m_median"),
-        get("confident_wrong_runs"), 100.0 * get("tracking_ratio"),
-        fmt::format("{:.0f} mm {:.2f} deg", 1e3 * get("in_view_position_rms_m"), get("in_view_heading_rms_deg")),
-        fmt::format("{:.0f} mm {:.2f} deg", 1e3 * get("mission_position_p95_m"), get("mission_heading_p95_deg")),
-        get("nees"), fmt::format("{:.0f}/{:.0f}", get("goals_reached"), get("goals")), get("contacts"),
-        get("mean_speed_m_s"), get("path_efficiency"), get("real_time_factor"));
+        fmt::format("{:.0f} %", 100.0 * get("localized_ratio")), cell("localized_after_m_median", 1.0, 1),
+        get("confident_wrong_runs"), cell("tracking_ratio", 100.0, 2),
+        errors("in_view_position_rms_m", "in_view_heading_rms_deg"),
+        errors("mission_position_p95_m", "mission_heading_p95_deg"), cell("nees", 1.0, 2),
+        fmt::format("{:.0f}/{:.0f}", get("goals_reached"), get("goals")), get("contacts"),
+        cell("mean_speed_m_s", 1.0, 2), cell("path_efficiency", 1.0, 2), get("real_time_factor"));
   }
   return runs.empty() ? "" : text;
 }

@@ -67,6 +67,9 @@ std::string tile(const std::string& value, const std::string& name, const char* 
 std::string tiles(const ordered_json& s) {
   std::string html = "<div class=\"tiles\">";
   const auto get = [&](const char* key) { return s.value(key, 0.0); };
+  const auto text = [&](const char* key, double factor, const char* unit, int digits) {
+    return s.contains(key) ? number(factor * get(key), unit, digits) : std::string("–");
+  };
   const double runs = get("runs");
   if (runs > 0) {
     html += tile(fmt::format("{:.0f} of {:.0f}", get("passed"), runs), "runs passed",
@@ -74,17 +77,16 @@ std::string tiles(const ordered_json& s) {
     html += tile(number(get("confident_wrong_runs"), "", 0), "runs confidently wrong",
                  get("confident_wrong_runs") == 0.0 ? "good" : "bad");
     html += tile(number(100.0 * get("localized_ratio"), " %", 1), "found out where they are");
+    html += tile(text("localized_after_m_median", 1.0, " m", 2) + " / " + text("localized_after_m_p95", 1.0, " m", 1),
+                 "driven until then, median / 95 %");
+    html += tile(text("tracking_ratio", 100.0, " %", 2), "of the time TRACKING since");
     html +=
-        tile(number(get("localized_after_m_median"), " m", 2) + " / " + number(get("localized_after_m_p95"), " m", 1),
-             "driven until then, median / 95 %");
-    html += tile(number(100.0 * get("tracking_ratio"), " %", 2), "of the time TRACKING since");
-    html += tile(number(1000.0 * get("in_view_position_rms_m"), " mm", 0) + " / " +
-                     number(get("in_view_heading_rms_deg"), "°", 2),
-                 "RMS error, fixture in view");
-    html += tile(number(1000.0 * get("mission_position_p95_m"), " mm", 0) + " / " +
-                     number(get("mission_heading_p95_deg"), "°", 2),
-                 "95 % of the mission");
-    html += tile(number(get("nees"), "", 2), "error² / covariance, 1 is right");
+        tile(text("in_view_position_rms_m", 1000.0, " mm", 0) + " / " + text("in_view_heading_rms_deg", 1.0, "°", 2),
+             "RMS error, fixture in view");
+    html +=
+        tile(text("mission_position_p95_m", 1000.0, " mm", 0) + " / " + text("mission_heading_p95_deg", 1.0, "°", 2),
+             "95 % of the mission");
+    html += tile(text("nees", 1.0, "", 2), "error² / covariance, 1 is right");
   }
   if (s.contains("carries")) {
     html +=
@@ -93,7 +95,7 @@ std::string tiles(const ordered_json& s) {
   }
   if (s.contains("goals")) {
     html += tile(fmt::format("{:.0f} of {:.0f}", get("goals_reached"), get("goals")), "goals reached");
-    html += tile(number(100.0 * get("goal_error_p95_m"), " cm", 0), "off the goal, 95 %");
+    html += tile(text("goal_error_p95_m", 100.0, " cm", 0), "off the goal, 95 %");
   }
   if (s.contains("refused_right")) {
     html += tile(fmt::format("{:.0f} of {:.0f}", get("refused_right"), get("goals_to_refuse")), "rightly refused");

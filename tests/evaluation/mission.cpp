@@ -16,6 +16,10 @@ constexpr std::int64_t kRepeat = 200'000;     // [us] requests go out at 5 Hz un
 constexpr std::int64_t kSettled = 1'000'000;  // [us] a final state must last that long: replanning may pass through one
 constexpr std::int64_t kGoalDelay = 1'000'000;  // [us] between the first truth and the first request
 
+// What "arrived" promises: the planner's heading_tolerance of 5 degrees by its own belief, and three times the 2
+// degrees RMS that the localizer may be off by in a building that was not surveyed.
+constexpr double kHeadingTolerance = radians(5.0 + 3.0 * 2.0);  // [rad] by the truth
+
 bool is_final(std::int8_t state) {
   switch (state) {
     case navigation_status_t::STATE_ARRIVED:
@@ -139,11 +143,16 @@ void Mission::finish_goal(const sim_truth_t& truth, bool arrived) {
   result.y = wanted.pose.y;
   result.expect_refused = wanted.expect_refused;
   result.error_m = std::hypot(truth.x - wanted.pose.x, truth.y - wanted.pose.y);
-  result.heading_error_deg = wanted.has_theta ? degrees(std::abs(wrap_angle(truth.theta - wanted.pose.theta))) : 0.0;
-  result.reached = arrived && result.error_m <= wanted.tolerance;
+  const double heading_error = wanted.has_theta ? std::abs(wrap_angle(truth.theta - wanted.pose.theta)) : 0.0;
+  if (wanted.has_theta) {
+    result.heading_error_deg = degrees(heading_error);
+  }
+  result.reached = arrived && result.error_m <= wanted.tolerance && heading_error <= kHeadingTolerance;
   result.refused = !arrived;
   result.time_s = static_cast<double>(ended_since_ - requested_at_) * 1e-6;
-  result.cause = navigation_->cause;
+  result.cause = arrived && !result.reached
+                     ? fmt::format("arrived {:.2f} m and {:.0f} deg off", result.error_m, degrees(heading_error))
+                     : navigation_->cause;
   results_.push_back(result);
   goal_id_ = 0;
   ended_since_ = 0;

@@ -32,10 +32,8 @@ Pose2 pose_of(const sim_truth_t& truth) {
   return {truth.x, truth.y, truth.theta};
 }
 
+/// Of at least one value.
 double quantile(std::vector<double> values, double q) {
-  if (values.empty()) {
-    return 0.0;
-  }
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -237,9 +235,13 @@ RunReport RunJudge::report(std::vector<GoalResult> goals) const {
     r.in_view_position_rms_m = std::sqrt(in_view_square_position_ / in_view_count_);
     r.in_view_heading_rms_deg = degrees(std::sqrt(in_view_square_heading_ / in_view_count_));
   }
-  r.mission_position_p95_m = quantile(position_errors_, 0.95);
-  r.mission_heading_p95_deg = degrees(quantile(heading_errors_, 0.95));
-  r.nees = nees_count_ > 0 ? nees_sum_ / nees_count_ : 0.0;
+  if (!position_errors_.empty()) {
+    r.mission_position_p95_m = quantile(position_errors_, 0.95);
+    r.mission_heading_p95_deg = degrees(quantile(heading_errors_, 0.95));
+  }
+  if (nees_count_ > 0) {
+    r.nees = nees_sum_ / nees_count_;
+  }
   r.mean_speed_m_s = free_time_ > 0.0 ? free_distance_ / free_time_ : 0.0;
   r.driven_m = driven_;
   r.goals = std::move(goals);

@@ -8,6 +8,10 @@ namespace {
 
 using nlohmann::ordered_json;
 
+ordered_json or_null(const std::optional<double>& value) {
+  return value ? ordered_json(rounded(*value)) : ordered_json(nullptr);
+}
+
 ordered_json json_of(const std::vector<GoalResult>& goals) {
   ordered_json list = ordered_json::array();
   for (const GoalResult& g : goals) {
@@ -17,7 +21,7 @@ ordered_json json_of(const std::vector<GoalResult>& goals) {
                     {"refused", g.refused},
                     {"expected", g.expect_refused ? "refused" : "reached"},
                     {"error_m", rounded(g.error_m)},
-                    {"heading_error_deg", rounded(g.heading_error_deg)},
+                    {"heading_error_deg", or_null(g.heading_error_deg)},
                     {"time_s", rounded(g.time_s)},
                     {"shortest_m", rounded(g.shortest_m)},
                     {"cause", g.cause}});
@@ -88,11 +92,11 @@ ordered_json json_of(const RunReport& r) {
           {"tracking_ratio", rounded(r.tracking_ratio)},
           {"ambiguous_ratio", rounded(r.ambiguous_ratio)},
           {"confident_wrong_s", rounded(r.confident_wrong_s)},
-          {"in_view_position_rms_m", rounded(r.in_view_position_rms_m)},
-          {"in_view_heading_rms_deg", rounded(r.in_view_heading_rms_deg)},
-          {"mission_position_p95_m", rounded(r.mission_position_p95_m)},
-          {"mission_heading_p95_deg", rounded(r.mission_heading_p95_deg)},
-          {"nees", rounded(r.nees)},
+          {"in_view_position_rms_m", or_null(r.in_view_position_rms_m)},
+          {"in_view_heading_rms_deg", or_null(r.in_view_heading_rms_deg)},
+          {"mission_position_p95_m", or_null(r.mission_position_p95_m)},
+          {"mission_heading_p95_deg", or_null(r.mission_heading_p95_deg)},
+          {"nees", or_null(r.nees)},
           {"mean_speed_m_s", rounded(r.mean_speed_m_s)},
           {"path_efficiency", rounded(r.path_efficiency)},
           {"driven_m", rounded(r.driven_m)},

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,14 +11,14 @@
 namespace luminav {
 
 struct GoalResult {
-  double x = 0.0;                  // [m] world
-  double y = 0.0;                  // [m]
-  bool reached = false;            // arrived by its own word and within the tolerance by the truth
-  bool refused = false;            // ended by its own word without arriving
-  bool expect_refused = false;     // as the scenario has it
-  double error_m = 0.0;            // true distance when it ended
-  double heading_error_deg = 0.0;  // 0 when no heading was asked for
-  double time_s = 0.0;             // from the request
+  double x = 0.0;                           // [m] world
+  double y = 0.0;                           // [m]
+  bool reached = false;                     // arrived by its own word and within the tolerances by the truth
+  bool refused = false;                     // ended by its own word without arriving
+  bool expect_refused = false;              // as the scenario has it
+  double error_m = 0.0;                     // true distance when it ended
+  std::optional<double> heading_error_deg;  // true, when it ended; nothing where no heading was asked for
+  double time_s = 0.0;                      // from the request
   double shortest_m = -1.0;  // octile way of a disc of 0.30 m from where it was requested; negative = not compared
   std::string cause;         // its last sentence
 };
@@ -56,7 +57,7 @@ struct MapResult {
   double explored = 0.0;        // share of the floor the robot's middle can get to that has free evidence
 };
 
-/// What one run came to; the JSON keys are the field names.
+/// What one run came to; the JSON keys are the field names, null is what was not measured.
 struct RunReport {
   std::string scenario;
   std::uint64_t seed = 0;
@@ -77,11 +78,12 @@ struct RunReport {
   double tracking_ratio = 0.0;
   double ambiguous_ratio = 0.0;  // share of all time with the state AMBIGUOUS
   double confident_wrong_s = 0.0;
-  double in_view_position_rms_m = 0.0;
-  double in_view_heading_rms_deg = 0.0;
-  double mission_position_p95_m = 0.0;
-  double mission_heading_p95_deg = 0.0;
-  double nees = 0.0;  // mean normalised error squared per degree of freedom while TRACKING
+  // Errors while TRACKING; nothing when it never was, or never with a fixture in view.
+  std::optional<double> in_view_position_rms_m;
+  std::optional<double> in_view_heading_rms_deg;
+  std::optional<double> mission_position_p95_m;
+  std::optional<double> mission_heading_p95_deg;
+  std::optional<double> nees;  // mean normalised error squared per degree of freedom
   double mean_speed_m_s = 0.0;
   double path_efficiency = 0.0;
   double driven_m = 0.0;

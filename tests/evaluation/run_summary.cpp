@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 namespace luminav {
@@ -18,10 +19,8 @@ using Figure = std::function<double(const RunReport&)>;
 
 constexpr double kLeastWay = 0.25;  // [m] the audit's places lie so far apart
 
+/// Of at least one value.
 double quantile(std::vector<double> values, double q) {
-  if (values.empty()) {
-    return 0.0;
-  }
   std::sort(values.begin(), values.end());
   const double position = q * static_cast<double>(values.size() - 1);
   const auto below = static_cast<std::size_t>(position);
@@ -85,6 +84,13 @@ class Summary {
     }
   }
 
+  /// Over the runs in which it was measured.
+  void put_mean(const char* key, std::optional<double> RunReport::*figure) {
+    put_mean(
+        key, [figure](const RunReport& r) { return (r.*figure).value(); },
+        [figure](const RunReport& r) { return (r.*figure).has_value(); });
+  }
+
   void put_quantile(const char* key, const std::vector<double>& values, double q) {
     if (!values.empty()) {
       json_[key] = rounded(quantile(values, q));
@@ -101,16 +107,11 @@ class Summary {
     put_way_ratio();
     put_mean(
         "tracking_ratio", [](const RunReport& r) { return r.tracking_ratio; }, localized);
-    put_mean(
-        "in_view_position_rms_m", [](const RunReport& r) { return r.in_view_position_rms_m; }, localized);
-    put_mean(
-        "in_view_heading_rms_deg", [](const RunReport& r) { return r.in_view_heading_rms_deg; }, localized);
-    put_mean(
-        "mission_position_p95_m", [](const RunReport& r) { return r.mission_position_p95_m; }, localized);
-    put_mean(
-        "mission_heading_p95_deg", [](const RunReport& r) { return r.mission_heading_p95_deg; }, localized);
-    put_mean(
-        "nees", [](const RunReport& r) { return r.nees; }, localized);
+    put_mean("in_view_position_rms_m", &RunReport::in_view_position_rms_m);
+    put_mean("in_view_heading_rms_deg", &RunReport::in_view_heading_rms_deg);
+    put_mean("mission_position_p95_m", &RunReport::mission_position_p95_m);
+    put_mean("mission_heading_p95_deg", &RunReport::mission_heading_p95_deg);
+    put_mean("nees", &RunReport::nees);
   }
 
   /// Way driven until localized, as a multiple of the least that would tell the pose from there.
@@ -162,7 +163,7 @@ class Summary {
     if (goals > 0) {
       json_["goals"] = goals;
       json_["goals_reached"] = reached;
-      json_["goal_error_p95_m"] = rounded(quantile(errors, 0.95));
+      put_quantile("goal_error_p95_m", errors, 0.95);
     }
     if (to_refuse > 0) {
       json_["goals_to_refuse"] = to_refuse;
@@ -202,8 +203,8 @@ class Summary {
         if (goal.reached && goal.shortest_m > 0.0) {
           times.push_back(goal.time_s / (1.5 * goal.shortest_m / kSpeed + 10.0));
         }
-        if (goal.reached) {
-          headings.push_back(goal.heading_error_deg);
+        if (goal.reached && goal.heading_error_deg) {
+          headings.push_back(*goal.heading_error_deg);
         }
       }
     }

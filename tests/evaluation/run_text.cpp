@@ -6,6 +6,22 @@
 #include "tests/evaluation/run_report.hpp"
 
 namespace luminav {
+namespace {
+
+/// "" when it was never TRACKING.
+std::string pose_error_text(const RunReport& r) {
+  if (!r.mission_position_p95_m || !r.mission_heading_p95_deg) {
+    return "";
+  }
+  return fmt::format(
+      "  pose error: {}95 % of the mission {:.3f} m, {:.2f} deg{}\n",
+      r.in_view_position_rms_m && r.in_view_heading_rms_deg
+          ? fmt::format("in view {:.3f} m, {:.2f} deg RMS; ", *r.in_view_position_rms_m, *r.in_view_heading_rms_deg)
+          : "",
+      *r.mission_position_p95_m, *r.mission_heading_p95_deg, r.nees ? fmt::format("; NEES {:.2f}", *r.nees) : "");
+}
+
+}  // namespace
 
 std::string to_text(const RunReport& r) {
   std::string text = fmt::format("{} seed {}: {}{}\n", r.scenario, r.seed, r.passed ? "passed" : "FAILED",
@@ -17,14 +33,13 @@ std::string to_text(const RunReport& r) {
                     "  localized after {:.1f} s and {:.1f} m; tracking {:.1f} % since; confidently wrong {:.1f} s\n",
                     r.localized_s, r.localized_after_m, 100.0 * r.tracking_ratio, r.confident_wrong_s)
               : fmt::format("  never localized; AMBIGUOUS for {:.1f} % of the time\n", 100.0 * r.ambiguous_ratio);
-  text += fmt::format(
-      "  pose error: in view {:.3f} m, {:.2f} deg RMS; 95 % of the mission {:.3f} m, {:.2f} deg; NEES {:.2f}\n",
-      r.in_view_position_rms_m, r.in_view_heading_rms_deg, r.mission_position_p95_m, r.mission_heading_p95_deg, r.nees);
+  text += pose_error_text(r);
   for (std::size_t i = 0; i < r.goals.size(); ++i) {
     const GoalResult& g = r.goals[i];
-    text += fmt::format("  goal {} ({:.2f}, {:.2f}): {} after {:.0f} s, {:.3f} m and {:.1f} deg off{}\n", i + 1, g.x,
-                        g.y, g.reached ? "reached" : (g.refused ? "refused" : "missed"), g.time_s, g.error_m,
-                        g.heading_error_deg, g.cause.empty() ? "" : ": " + g.cause);
+    text += fmt::format("  goal {} ({:.2f}, {:.2f}): {} after {:.0f} s, {:.3f} m{} off{}\n", i + 1, g.x, g.y,
+                        g.reached ? "reached" : (g.refused ? "refused" : "missed"), g.time_s, g.error_m,
+                        g.heading_error_deg ? fmt::format(" and {:.1f} deg", *g.heading_error_deg) : "",
+                        g.cause.empty() ? "" : ": " + g.cause);
   }
   text += fmt::format(
       "  contacts {}, with things sonar hardly sees {}; smallest clearance {:.2f} m; {:.2f} m/s on free stretches; "

@@ -23,17 +23,22 @@ struct Sums {
   double square = 0.0;
   double heading_square = 0.0;
   double nees = 0.0;
-  int localized = 0;
+  int measured = 0;
   void add(const json& run) {
+    // null, or 0 in older reports, where it was never TRACKING with a fixture in view
+    const auto number = [&run](const char* key) {
+      const auto found = run.find(key);
+      return found != run.end() && found->is_number() ? found->get<double>() : 0.0;
+    };
     passed += run.value("passed", false) ? 1.0 : 0.0;
-    if (run.contains("localized_s") && run["localized_s"].is_number()) {
-      square += std::pow(run.value("in_view_position_rms_m", 0.0), 2);
-      heading_square += std::pow(run.value("in_view_heading_rms_deg", 0.0), 2);
-      nees += run.value("nees", 0.0);
-      ++localized;
+    if (number("in_view_position_rms_m") > 0.0) {
+      square += std::pow(number("in_view_position_rms_m"), 2);
+      heading_square += std::pow(number("in_view_heading_rms_deg"), 2);
+      nees += number("nees");
+      ++measured;
     }
   }
-  [[nodiscard]] double mean(double sum) const { return localized > 0 ? sum / localized : 0.0; }
+  [[nodiscard]] double mean(double sum) const { return measured > 0 ? sum / measured : 0.0; }
 };
 
 }  // namespace

@@ -91,6 +91,42 @@ TEST(RunReport, LeavesOutWhatWasNotMeasured) {
   }
 }
 
+TEST(RunReport, LeavesOutTheErrorsOfARunThatWasNeverTracking) {
+  RunReport lost = run(false, false);
+  for (auto* figure : {&lost.in_view_position_rms_m, &lost.in_view_heading_rms_deg, &lost.mission_position_p95_m,
+                       &lost.mission_heading_p95_deg, &lost.nees}) {
+    figure->reset();
+  }
+  const json one = json::parse(to_json(lost));
+  const json of_lost = summary({lost});
+  for (const char* key : {"in_view_position_rms_m", "in_view_heading_rms_deg", "mission_position_p95_m",
+                          "mission_heading_p95_deg", "nees"}) {
+    EXPECT_TRUE(one.at(key).is_null()) << key;
+    EXPECT_FALSE(of_lost.contains(key)) << key;
+  }
+  EXPECT_EQ(summary({lost, run(true, true)})["in_view_position_rms_m"], 0.02);
+  EXPECT_THAT(to_text(lost), testing::Not(testing::HasSubstr("pose error")));
+  EXPECT_THAT(scenario_table_text({lost}), testing::Not(testing::HasSubstr(" mm ")));
+}
+
+TEST(RunReport, SaysHowFarOffTheGoalOnlyWhereOneWasReached) {
+  RunReport missed = run(false, true);
+  missed.goals[0].reached = false;
+  missed.goals[0].error_m = 5.0;
+  const json s = summary({missed});
+  EXPECT_EQ(s["goals_reached"], 0);
+  EXPECT_FALSE(s.contains("goal_error_p95_m"));
+  EXPECT_EQ(summary({missed, run(true, true)})["goal_error_p95_m"], 0.04);
+}
+
+TEST(RunReport, TakesHeadingsOnlyOfGoalsThatAskedForOne) {
+  EXPECT_FALSE(summary({run(true, true)}).contains("goal_heading_p95_deg"));
+  EXPECT_TRUE(json::parse(to_json(run(true, true)))["goals"][0]["heading_error_deg"].is_null());
+  RunReport asked = run(true, true);
+  asked.goals[0].heading_error_deg = 3.0;
+  EXPECT_EQ(summary({asked, run(true, true)})["goal_heading_p95_deg"], 3.0);
+}
+
 TEST(RunReport, TakesTheDetectorsFiguresFromTheWholeMatrix) {
   const json s = summary({}, {{"lit", 10, 1.0, 0.9, 0.2, 0.1, 3.0}, {"matrix", 20, 0.99, 0.8, 0.3, 0.2, 3.0}});
   EXPECT_EQ(s["precision"], 0.99);

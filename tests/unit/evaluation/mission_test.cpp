@@ -1,0 +1,67 @@
+#include "tests/evaluation/mission.hpp"
+
+#include <gtest/gtest.h>
+
+#include "services/common/process/channels.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr std::int64_t kTick = 100'000;  // [us]
+
+/// The robot stands at `pose` and its planner says ARRIVED as soon as it is asked: how the only goal ended.
+GoalResult arrive(const ScenarioGoal& goal, const Pose2& pose) {
+  lcm::LCM lcm("memq://");
+  Scenario scenario;
+  scenario.goals = {goal};
+  Mission mission(lcm, scenario);
+  for (std::int64_t utime = kTick; utime < 100 * kTick && !mission.is_finished(); utime += kTick) {
+    sim_truth_t truth{};
+    truth.utime = utime;
+    truth.x = pose.x;
+    truth.y = pose.y;
+    truth.theta = pose.theta;
+    lcm.publish(channels::kSimTruth, &truth);
+    if (mission.goal_id() != 0) {
+      navigation_status_t status{};
+      status.utime = utime;
+      status.goal_id = mission.goal_id();
+      status.state = navigation_status_t::STATE_ARRIVED;
+      lcm.publish(channels::kNavigationStatus, &status);
+    }
+    while (lcm.handleTimeout(0) > 0) {
+    }
+  }
+  EXPECT_TRUE(mission.is_finished());
+  return mission.final_results().at(0);
+}
+
+ScenarioGoal goal_with_heading(double theta) {
+  ScenarioGoal goal;
+  goal.pose = {2.0, 3.0, theta};
+  goal.has_theta = true;
+  return goal;
+}
+
+TEST(Mission, CountsAGoalAsReachedOnlyInTheHeadingThatWasAskedFor) {
+  const ScenarioGoal goal = goal_with_heading(radians(178.0));
+  const GoalResult right = arrive(goal, {2.1, 3.0, radians(-178.0)});
+  EXPECT_TRUE(right.reached);
+  EXPECT_NEAR(right.heading_error_deg.value(), 4.0, 1e-9);
+  const GoalResult turned = arrive(goal, {2.1, 3.0, radians(-2.0)});
+  EXPECT_FALSE(turned.reached);
+  EXPECT_NEAR(turned.heading_error_deg.value(), 180.0, 1e-9);
+  EXPECT_NE(turned.cause.find("180 deg"), std::string::npos);
+  EXPECT_FALSE(arrive(goal, {2.3, 3.0, radians(178.0)}).reached);
+}
+
+TEST(Mission, AsksForNoHeadingWhereTheGoalHasNone) {
+  ScenarioGoal goal = goal_with_heading(0.0);
+  goal.has_theta = false;
+  const GoalResult result = arrive(goal, {2.1, 3.0, 3.0});
+  EXPECT_TRUE(result.reached);
+  EXPECT_FALSE(result.heading_error_deg.has_value());
+}
+
+}  // namespace
+}  // namespace luminav
