@@ -212,7 +212,9 @@ ScenarioEvent read_event(const TomlTable& table, const Building& building) {
     event.pose = read_displacement(table);
   } else if (kind == "kill") {
     event.kind = EventKind::kKill;
-    event.process = table.text("process");
+    (void)table.text("process");  // required
+    event.process =
+        table.choice("process", "", {"p3dx", "camera", "detector", "localizer", "mapper", "planner", "controller"});
   } else {
     event.kind = EventKind::kClock;
     event.host = table.text("host", "");

@@ -218,6 +218,8 @@ TEST(ScenarioFile, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(error_of("[[event]]\nat = 1\nkind = \"slip\"\nfactor = 0.9\nduration = 1.0\nx = 1.0\n"),
               HasSubstr("\"x\""));
   EXPECT_THAT(error_of("[[event]]\nat = 1\nkind = \"door\"\nid = 8\nopen = true\n"), HasSubstr("id = 8"));
+  EXPECT_THAT(error_of("[[event]]\nat = 1\nkind = \"kill\"\nprocess = \"localiser\"\n"),
+              HasSubstr("detector, localizer"));
   EXPECT_THAT(error_of("[[obstacle]]\nkind = \"tree\"\n"), HasSubstr("box, legs, glass, table"));
 }
 
