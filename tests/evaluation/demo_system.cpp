@@ -17,6 +17,7 @@
 #include <deque>
 #include <fstream>
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
 #include "services/common/process/event_loop.hpp"
@@ -180,6 +181,18 @@ void DemoSystem::pump(lcm::LCM& data) {
   sheriff_->tick(launcher::Instant::read());
 }
 
+bool DemoSystem::is_whole() {
+  for (const auto& [child, name, log] :
+       {std::tuple{&deputy_, "deputy", "deputy"}, {&recorder_, "recorder", "record"}}) {
+    if (*child > 0 && waitpid(*child, nullptr, WNOHANG) == *child) {
+      *child = -1;
+      failure_ = fmt::format("the {} ended: {}", name, last_words(log));
+      return false;
+    }
+  }
+  return true;
+}
+
 bool DemoSystem::start(lcm::LCM& data) {
   sheriff_->listen_for_readiness(data);
   launcher::ScriptRun script(*sheriff_, configuration_, "go", kReadyWithin);
@@ -188,15 +201,7 @@ bool DemoSystem::start(lcm::LCM& data) {
       return false;
     }
     pump(data);
-    int status = 0;
-    if (waitpid(deputy_, &status, WNOHANG) == deputy_) {
-      deputy_ = -1;
-      failure_ = "the deputy ended: " + last_words("deputy");
-      return false;
-    }
-    if (recorder_ > 0 && waitpid(recorder_, &status, WNOHANG) == recorder_) {
-      recorder_ = -1;
-      failure_ = "the recorder ended: " + last_words("record");
+    if (!is_whole()) {
       return false;
     }
     switch (script.step(launcher::Instant::read().steady)) {

@@ -26,6 +26,8 @@ class DemoSystem {
   /// Starts everything and waits until it is ready, handling `data`'s messages meanwhile. False when interrupted or
   /// when something does not come up: then failure() says what.
   [[nodiscard]] bool start(lcm::LCM& data);
+  /// False when what the demo itself started, deputy or recorder, has ended: then failure() says which and why.
+  [[nodiscard]] bool is_whole();
   /// Handles what arrives within 20 ms.
   void pump(lcm::LCM& data);
   /// Stops everything, the controller first.

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -16,6 +15,7 @@
 #include "tests/evaluation/evaluation_jobs.hpp"
 #include "tests/evaluation/evaluation_report.hpp"
 #include "tests/evaluation/html_report.hpp"
+#include "tests/evaluation/output_file.hpp"
 #include "tests/evaluation/run_report.hpp"
 #include "tests/evaluation/sensing_agreement.hpp"
 #include "tests/evaluation/sensing_survey.hpp"
@@ -38,20 +38,6 @@ struct Request {
   std::string generated;
   std::string check_sensing;
 };
-
-/// Hours of work must not end in a file that cannot be written.
-void check_writable(const std::string& flag, const std::string& path) {
-  if (path.empty()) {
-    return;
-  }
-  const fs::path folder = fs::absolute(path).parent_path();
-  if (!fs::is_directory(folder)) {
-    throw ConfigurationError(fmt::format("{} {}: there is no folder {}", flag, path, folder.string()));
-  }
-  if (fs::is_directory(path) || access(folder.c_str(), W_OK) != 0) {
-    throw ConfigurationError(fmt::format("{} {}: cannot be written", flag, path));
-  }
-}
 
 void check(const Request& request) {
   const auto one_of = [](const char* flag, const std::string& value, const char* a, const char* b) {
