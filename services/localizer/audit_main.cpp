@@ -12,6 +12,7 @@
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/shipped_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/image/picture_file.hpp"
 #include "services/common/process/command_line.hpp"
@@ -133,12 +134,18 @@ int run(int argc, char** argv) {
                    "Says from where in a building the ceiling's fixtures do not tell the pose, how far the "
                    "robot must drive until they do, and which change would help.");
   line.positional("building", buildings, "building file, or its folder", true);
-  line.text("--robot", robot_file, "robot file, for the camera; default: launch/robots/p3dx.toml", true)
+  line.text("--robot", robot_file, "robot file, for the camera; default: robots/p3dx.toml that comes with the project")
       .text("--json", json_file, "where the result is written, place by place")
       .text("--png", png_file, "where a picture is written")
       .flag("--elements", with_elements, "vents, detectors and the like count as landmarks too");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
+  }
+  if (buildings.size() != 1) {
+    throw ConfigurationError("found more than one building, expected one");
+  }
+  if (robot_file.empty() && (robot_file = shipped_file("robots/p3dx.toml")).empty()) {
+    throw ConfigurationError("the camera is known by the robot's file only: give --robot FILE");
   }
   std::filesystem::path file = buildings.front();
   if (std::filesystem::is_directory(file)) {

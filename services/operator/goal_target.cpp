@@ -4,24 +4,23 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <filesystem>
 
+#include "services/common/configuration/shipped_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/geometry/angle.hpp"
+#include "services/common/process/option_values.hpp"
 
 namespace luminav {
 
 std::optional<std::vector<double>> read_numbers(const std::vector<std::string>& words) {
   std::vector<double> numbers;
   for (const std::string& word : words) {
-    char* end = nullptr;
-    const double number = std::strtod(word.c_str(), &end);
-    if (word.empty() || *end != '\0' || !std::isfinite(number)) {
+    const std::optional<double> number = read_number(word);
+    if (!number) {
       return std::nullopt;
     }
-    numbers.push_back(number);
+    numbers.push_back(*number);
   }
   return numbers;
 }
@@ -67,17 +66,7 @@ std::string default_building_file() {
   if (launched != nullptr && *launched != '\0') {
     return launched;
   }
-  std::error_code error;
-  std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-  const std::filesystem::path building = "buildings/laboratory/building.toml";
-  for (int level = 0; level < 5 && !folder.empty(); ++level, folder = folder.parent_path()) {
-    for (const std::filesystem::path& root : {folder / "launch", folder / "share" / "luminav"}) {
-      if (std::filesystem::exists(root / building, error)) {
-        return (root / building).string();
-      }
-    }
-  }
-  return "";
+  return shipped_file("buildings/laboratory/building.toml");
 }
 
 }  // namespace luminav
