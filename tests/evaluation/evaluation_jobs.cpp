@@ -126,7 +126,6 @@ std::vector<EvaluationJob> jobs_of(const std::vector<SuiteEntry>& entries, const
   std::vector<EvaluationJob> jobs;
   for (const SuiteEntry& entry : entries) {
     const Scenario scenario = read_scenario(entry.scenario);
-    check_events(scenario);
     auto [first, last] = std::pair{entry.first_seed, entry.last_seed};
     if (!options.seeds.empty()) {
       std::tie(first, last) = parse_seeds(options.seeds);

@@ -9,7 +9,6 @@
 #include <optional>
 #include <set>
 
-#include "services/common/configuration/toml_table.hpp"
 #include "services/common/process/channels.hpp"
 #include "tests/evaluation/drive_judge.hpp"
 #include "tests/evaluation/map_score.hpp"
@@ -85,16 +84,6 @@ class Tracer {
 
 }  // namespace
 
-void check_events(const Scenario& scenario) {
-  for (const ScenarioEvent& event : scenario.events) {
-    if (event.kind == EventKind::kClock) {
-      throw ConfigurationError(fmt::format(
-          "{}: the event of kind \"clock\" at {} s: neither evaluation nor demo can step a host's clock; leave it out",
-          scenario.file.string(), event.at));
-    }
-  }
-}
-
 RunReport conclude(const RunJudge& judge, const Mission& mission, const WorldTruth& world) {
   RunReport report = judge.report(mission.final_results());
   report.failure = mission.failure();
@@ -125,7 +114,6 @@ RunReport conclude(const RunJudge& judge, const Mission& mission, const WorldTru
 }
 
 RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& options) {
-  check_events(scenario);
   const auto start = std::chrono::steady_clock::now();
   const double cpu_start = thread_seconds();
   WholeRobot robot(scenario, options.robot);

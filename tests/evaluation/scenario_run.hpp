@@ -24,10 +24,6 @@ struct ScenarioRunOptions {
 /// `cpu_s` and `worst_step_ms`.
 RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& options);
 
-/// Throws ConfigurationError for an event that neither run_scenario nor the demo can make happen: a step of a host's
-/// clock. In one program there is no wall clock, and the demo's is the machine's own.
-void check_events(const Scenario& scenario);
-
 /// Adds what depends on the mission (passed, failure, path efficiency) to the judge's report.
 class RunJudge;
 class Mission;

@@ -36,8 +36,6 @@ scenario in-a-wall '[start]' 'x = 0.05' 'y = 0.05' 'theta = 0.0' '[[goal]]' 'pla
 expect 2 'start' --scenario "$work/in-a-wall.toml"
 scenario no-such-place '[[goal]]' 'place = "moon"'
 expect 2 'moon' --scenario "$work/no-such-place.toml"
-scenario clock '[[event]]' 'at = 3' 'kind = "clock"' 'host = "desk"' 'step = 3600.0' '[[goal]]' 'place = "workbench"'
-expect 2 'kind "clock" at 3 s' --scenario "$work/clock.toml"
 scenario kill '[[event]]' 'at = 3' 'kind = "kill"' 'process = "localiser"' '[[goal]]' 'place = "workbench"'
 expect 2 'localizer' --scenario "$work/kill.toml"
 expect 2 'no folder' --suite quick --json "$work/no/such/folder.json"
