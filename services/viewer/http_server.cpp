@@ -4,6 +4,7 @@
 #include <httplib.h>
 
 #include <atomic>
+#include <charconv>
 #include <chrono>
 #include <fstream>
 #include <sstream>
@@ -149,14 +150,24 @@ struct HttpServer::Servers {
           fmt::format(R"({{"command_port":{},"needs_token":{}}})", command_port, !options.token.empty()),
           "application/json");
     });
-    page.Get("/camera\\.jpg", [this](const httplib::Request&, httplib::Response& response) {
-      const PictureStore::Jpeg jpeg = context.pictures.newest();
+    // With ?sequence=N that very one: what was found in it is drawn over it.
+    page.Get("/camera\\.jpg", [this](const httplib::Request& request, httplib::Response& response) {
+      const bool is_meant = request.has_param("sequence");
+      const PictureStore::Jpeg jpeg =
+          is_meant ? find_picture(request.get_param_value("sequence")) : context.pictures.newest();
       if (jpeg) {
         response.set_content(*jpeg, "image/jpeg");
       } else {
-        refuse(response, 404, "no camera picture yet");
+        refuse(response, 404, is_meant ? "this camera picture is not there, or not any more" : "no camera picture yet");
       }
     });
+  }
+
+  [[nodiscard]] PictureStore::Jpeg find_picture(const std::string& sequence) const {
+    std::int32_t number = 0;
+    const auto [end, error] = std::from_chars(sequence.data(), sequence.data() + sequence.size(), number);
+    const bool is_number = error == std::errc() && end == sequence.data() + sequence.size();
+    return is_number ? context.pictures.find(number) : nullptr;
   }
 
   // httplib takes paths as regular expressions.

@@ -28,7 +28,8 @@ struct HttpOptions {
 /// is held by a slow reader.
 ///
 ///   GET  /events              server-sent events, see ViewerNode; 503 when 40 clients listen
-///   GET  /building.json, /settings.json, /camera.jpg, the page
+///   GET  /building.json, /settings.json, the page
+///   GET  /camera.jpg[?sequence=N]  the newest picture, or that one; 404 when it is not there any more
 ///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose, /api/map, /api/steering, /api/process
 ///                             JSON, see request_text.hpp; answers {"id": N}
 class HttpServer {

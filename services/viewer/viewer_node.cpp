@@ -209,7 +209,7 @@ void ViewerNode::show_picture(const fixture_detections_t* detections) {
   if (jpeg.empty()) {
     subscriber_.drop("CAMERA_IMAGE is neither JPEG nor a whole grey picture");
   } else {
-    pictures_.put(std::move(jpeg));
+    pictures_.put(picture_->sequence, std::move(jpeg));
     board_.put(SnapshotBoard::Lane::kLive, "picture",
                server_sent_event(
                    "picture", fmt::format(R"({{"utime":{},"sequence":{},"width":{},"height":{},"exposure_us":{:.0f},)"

@@ -18,19 +18,32 @@ export class Picture {
     if (this.isLoading || !this.isVisible || document.hidden) return;
     this.isLoading = true;
     try {
-      const answer = await fetch(`camera.jpg?${about.sequence}`);
+      const answer = await fetch(`camera.jpg?sequence=${about.sequence}`);
       if (answer.ok) this.draw(await createImageBitmap(await answer.blob()), about);
+      else if (answer.status === 404) await this.showNewest();
     } catch { /* the next one comes in half a second */ } finally {
       this.isLoading = false;
     }
   }
 
-  draw(bitmap, about) {
+  // A link so slow that the picture was gone before it was asked for: another one, without what was found in that one.
+  async showNewest() {
+    const answer = await fetch('camera.jpg');
+    if (!answer.ok) return;
+    this.paint(await createImageBitmap(await answer.blob()));
+    this.caption.textContent = 'the link is slow: what was found is not shown';
+  }
+
+  paint(bitmap) {
     this.canvas.hidden = false;
     this.none.hidden = true;
     this.canvas.width = bitmap.width;
     this.canvas.height = bitmap.height;
     this.context.drawImage(bitmap, 0, 0);
+  }
+
+  draw(bitmap, about) {
+    this.paint(bitmap);
     const seen = about.seen?.detections ?? [];
     for (const found of seen) if (found.shape !== 3) this.outline(found);
     const lights = seen.filter((found) => found.shape !== 3);

@@ -72,8 +72,20 @@ TEST_F(HttpServerTest, ServesThePageAndWhatItNeeds) {
   EXPECT_EQ(Json::parse(page().Get("/building.json")->body)["name"], "hut");
   EXPECT_EQ(Json::parse(page().Get("/settings.json")->body)["command_port"], server_->command_port());
   EXPECT_EQ(page().Get("/camera.jpg")->status, 404);
-  pictures_.put("picture");
+  pictures_.put(7, "picture");
   EXPECT_EQ(page().Get("/camera.jpg")->body, "picture");
+}
+
+TEST_F(HttpServerTest, GivesThePictureThatIsMeantOrNone) {
+  for (const int sequence : {6, 7, 8, 9}) {
+    pictures_.put(sequence, "picture " + std::to_string(sequence));
+  }
+  EXPECT_EQ(page().Get("/camera.jpg")->body, "picture 9");
+  EXPECT_EQ(page().Get("/camera.jpg?sequence=8")->body, "picture 8");
+  EXPECT_EQ(page().Get("/camera.jpg?sequence=7")->body, "picture 7");
+  for (const char* missing : {"6", "10", "-1", "", "8x", "99999999999999"}) {
+    EXPECT_EQ(page().Get(std::string("/camera.jpg?sequence=") + missing)->status, 404) << missing;
+  }
 }
 
 TEST_F(HttpServerTest, NoPathLeadsOutOfThePage) {

@@ -161,6 +161,7 @@ TEST_F(ViewerNodeTest, ShowsAPictureTogetherWithItsDetectionsTwiceASecond) {
   EXPECT_EQ(pictures, 4);
   ASSERT_TRUE(pictures_.newest());
   EXPECT_EQ(pictures_.newest()->substr(0, 2), "\xff\xd8");
+  EXPECT_EQ(pictures_.find(24), pictures_.newest());
 }
 
 TEST_F(ViewerNodeTest, ShowsPicturesWithoutADetectorToo) {
