@@ -40,9 +40,15 @@ TEST(MappingDrive, DrawsNoPhantomsIntoAKnownBuildingAndSeesWhatIsNew) {
   drive.obstacles.push_back(box);
   box.world_from_obstacle = Pose2{9.5, 9.3, 1.0};
   drive.obstacles.push_back(box);
-  const MapQuality quality = drive_and_map(drive);
-  EXPECT_LE(quality.phantom_cells, 5);
-  EXPECT_GE(quality.obstacle_cells, 10);
+  int obstacle_cells = 0;
+  constexpr int kDrives = 3;  // of one alone, where the robot passes decides: 8 to 16 cells of the boxes' faces
+  for (int seed = 1; seed <= kDrives; ++seed) {
+    drive.seed = static_cast<std::uint64_t>(seed);
+    const MapQuality quality = drive_and_map(drive);
+    EXPECT_LE(quality.phantom_cells, 5) << "seed " << seed;
+    obstacle_cells += quality.obstacle_cells;
+  }
+  EXPECT_GE(obstacle_cells, 10 * kDrives);
 }
 
 }  // namespace
