@@ -28,7 +28,7 @@ constexpr std::size_t kDistances = 6;  // 2 px apart
 constexpr double kLevel = 0.8;         // of the way from the ceiling to saturation
 constexpr double kWhite = 255.0;
 constexpr double kUnevenGuess = 0.3;   // of the swelling's own deviation: where one side alone is seen it is a guess
-constexpr double kUnevenBloom = 0.05;  // of the swelling, 1 sigma
+constexpr double kUnevenBloom = 0.03;  // of the swelling, 1 sigma
 // [1/m] of the swelling, 1 sigma: its change along a fixture that is cut (0.17 to 0.22, simulated pictures)
 constexpr double kTaperOfBloom = 0.2;
 constexpr double kLeastSwelling = 0.002;  // [m] that it is reckoned from

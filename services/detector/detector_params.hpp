@@ -44,7 +44,7 @@ struct ModernDetectorParams {
   double minimum_long_side_fit = 0.75;  // share of a long side in view that must show its edge
   double minimum_end_fit = 0.55;        // share of an end in view that must show its edge
   double edge_sigma_px = 0.15;          // [px] least error of one edge point
-  double outline_sigma_px = 0.06;       // [px] error that all points of a side share
+  double outline_sigma_px = 0.04;       // [px] error that all points of a side share
   bool report_elements = true;          // vents and detectors as detections of shape element
 };
 
