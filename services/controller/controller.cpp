@@ -242,8 +242,8 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, Contro
   situation.wish = output.follow.heading_error;
   situation.may_back = input.ages.rear_sonar < config_.stop_logic.disc_silent_after;
   situation.by_unknown = by_unknown;
-  // people who are in the way of a turn may be gone before it has made room
-  if (output.follow.phase == FollowPhase::kTurning && !has_met_people(input.now)) {
+  situation.people_about = has_met_people(input.now);
+  if (output.follow.phase == FollowPhase::kTurning) {
     situation.turn = output.follow.heading_error;
   }
   if (const auto move = choose_escape(situation, obstacles_, stop_logic_)) {

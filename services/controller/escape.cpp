@@ -92,7 +92,9 @@ bool is_turn_free(double angle, const Obstacles& obstacles, const StopLogic& sto
 /// A manoeuvre to a place where the turn to the same heading is free.
 std::optional<EscapeMove> make_room_to_turn(const EscapeSituation& situation, const Obstacles& obstacles,
                                             const StopLogic& stop_logic) {
-  if (situation.turn == 0.0 || is_turn_free(situation.turn, obstacles, stop_logic)) {
+  // people who are in the way of a turn may be gone before there is room; a wall of the map will not
+  const bool waits = situation.by_unknown && situation.people_about;
+  if (situation.turn == 0.0 || waits || is_turn_free(situation.turn, obstacles, stop_logic)) {
     return std::nullopt;
   }
   for (const EscapeMove& move : places_to_turn(situation.turn > 0.0 ? 1.0 : -1.0)) {

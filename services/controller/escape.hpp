@@ -19,11 +19,12 @@ struct EscapeMove {
 };
 
 struct EscapeSituation {
-  int attempt = 0;          // changes the order, so that the same failure is not repeated
-  double wish = 0.0;        // [rad] where it wants to go, robot frame
-  bool may_back = false;    // rear sonars see
-  bool by_unknown = false;  // what is in the way is on no map: somebody who may want to pass
-  double turn = 0.0;        // [rad] it is to turn where it stands, and a swinging corner forbids it; 0 = it is not
+  int attempt = 0;            // changes the order, so that the same failure is not repeated
+  double wish = 0.0;          // [rad] where it wants to go, robot frame
+  bool may_back = false;      // rear sonars see
+  bool by_unknown = false;    // what is in the way is on no map: somebody who may want to pass
+  bool people_about = false;  // met lately
+  double turn = 0.0;          // [rad] it is to turn where it stands, and a swinging corner forbids it; 0 = it is not
 };
 
 /// The first manoeuvre whose whole course is free: make room for a turn that has none, sideways for people, back the

@@ -84,6 +84,17 @@ TEST(Escape, MakesRoomForATurnThatASwingingCornerForbids) {
   EXPECT_TRUE(kLogic.is_free({0.0, std::copysign(0.5, left)}, std::abs(left) / 0.5, there));
 }
 
+TEST(Escape, MakesNoRoomForATurnThatPeopleForbid) {
+  const Obstacles obstacles = around(corner());
+  EscapeSituation stuck = situation(0);
+  stuck.turn = radians(-60.0);
+  const std::string room = choose_escape(stuck, obstacles, kLogic)->name;
+  stuck.people_about = true;  // and a wall of the map in the way
+  EXPECT_EQ(choose_escape(stuck, obstacles, kLogic)->name, room);
+  stuck.by_unknown = true;
+  EXPECT_NE(choose_escape(stuck, obstacles, kLogic)->name, room);
+}
+
 TEST(Escape, MakesNoRoomForATurnThatIsFree) {
   EscapeSituation free = situation(1);
   free.turn = radians(60.0);
