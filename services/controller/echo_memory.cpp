@@ -153,7 +153,10 @@ std::vector<ObstaclePoint> EchoMemory::points_of(std::int64_t now, const Pose2& 
   result.reserve(count);
   for (const Echo& echo : echoes_) {
     const double age = std::max(0.0, seconds_between(echo.utime, now));
-    if (age > std::max(echo.keep, echo.range < params_.near ? longest_near : longest)) {
+    const bool is_near = echo.range < params_.near;
+    // a rear corner swings where no disc looks, and at a slant a thing is silent: it stands there all the same
+    const double standing = is_near && echo.has_stood && !echo.is_known ? params_.remember : 0.0;
+    if (age > std::max({echo.keep, standing, is_near ? longest_near : longest})) {
       continue;
     }
     // after half a second a newer firing has the say about who approaches

@@ -80,6 +80,17 @@ TEST_F(EchoMemoryTest, WithoutAMapRemembersLongerWhatIsNear) {
   EXPECT_TRUE(memory_.obstacles_without_map(time(9.0), {}).empty());
 }
 
+// The robot stands with a box beside its rear corner, turns so that no disc hears it, waits, and turns on.
+TEST_F(EchoMemoryTest, KeepsWhatStandsNearThoughItFallsSilent) {
+  fire(0.0, kAhead, 0.3);
+  fire(1.0, kAhead, 0.3);
+  fire(2.0, kAhead, 5.0, {0.0, 0.0, radians(15.0)});
+  EXPECT_FALSE(at(7.0).empty());
+  EXPECT_TRUE(at(9.5).empty());
+  fire(20.0, kAhead, 0.3);  // heard but once: it may have gone
+  EXPECT_TRUE(at(23.0).empty());
+}
+
 TEST_F(EchoMemoryTest, TellsWhatStandsFromWhatWalks) {
   fire(0.0, kAhead, 1.5);
   EXPECT_FALSE(at(0.0).back().has_stood);
