@@ -1,7 +1,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <stdlib.h>
-#include <sys/stat.h>
 #include <termios.h>
 #include <time.h>
 #include <unistd.h>
@@ -10,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
 
 #include "drivers/simulator/arcos_server.hpp"
@@ -50,8 +50,8 @@ void garble(std::span<std::uint8_t> bytes) {
 }
 
 bool is_symlink(const std::string& path) {
-  struct stat status {};
-  return lstat(path.c_str(), &status) == 0 && S_ISLNK(status.st_mode);
+  std::error_code ignored;  // nothing there, or nothing that can be looked at: no link
+  return std::filesystem::is_symlink(path, ignored);
 }
 
 /// A pseudo terminal with the rate of a serial line: bytes take their time, and rates must agree.

@@ -201,9 +201,7 @@ std::string to_text(const ReportComparison& comparison) {
   }
   return text +
          "passed, confident_wrong_runs and localized: exact sign test, p < 0.05; all else: paired bootstrap of the "
-         "mean "
-         "difference, "
-         "10,000 draws, 95 %\n";
+         "mean difference, 10,000 draws, 95 %\n";
 }
 
 }  // namespace luminav
