@@ -68,6 +68,7 @@ class GoalCycle {
   bool look_at_gap(const Situation& situation, const Route& route);
   void follow(const Route& route);
   void update_following(const Situation& situation);
+  void watch_yielding(const Situation& situation);
   void check_arrival(const Situation& situation);
   void check_progress(const Situation& situation);
   void check_path(const Situation& situation);
@@ -111,6 +112,12 @@ class GoalCycle {
     void expect(double length) { first_length = first_length > 0.0 ? first_length : length; }
   };
 
+  /// Somebody whom it waits for on its way.
+  struct Waiting {
+    Eigen::Vector2d place;  // [m] of the robot
+    std::string cause;
+  };
+
   struct Suspect {
     SuspectedObstacle obstacle;
     std::int64_t until = 0;  // [us]
@@ -145,8 +152,9 @@ class GoalCycle {
   int attempts_ = 0;
   std::int64_t first_attempt_ = 0;  // [us]
   std::int64_t last_yield_ = 0;     // [us] when it waited for somebody last
-  bool has_left_people_ = false;    // to go round, on the way to this stop
-  bool was_blocked_ = false;        // wheels or bumpers, and stood against something
+  std::optional<Waiting> waits_;
+  bool has_left_people_ = false;  // to go round, on the way to this stop
+  bool was_blocked_ = false;      // wheels or bumpers, and stood against something
   int losses_ = 0;
   double loss_left_ = 0.0;  // [m] distance left when losses were counted from
   int doubts_ = 0;          // how often its place could not be, on the way to this stop

@@ -14,6 +14,8 @@ constexpr int kArrivalFailures = 3;     // the controller says "there" and the p
 constexpr double kSuspectAhead = 0.45;  // [m] on the path where something stopped the robot
 constexpr double kPeopleAhead = 1.3;    // [m] on the path: the middle of where people are who do not let it pass,
 constexpr double kPeopleRadius = 0.9;  // [m] with which they fill a corridor of 2.4 m and leave the robot its own place
+constexpr double kSetOff = 0.05;       // [m] that the robot has driven when it no longer waits for somebody, ...
+constexpr double kLetGo = 1.0;         // [s] ... or for so long nobody has been in its way
 
 }  // namespace
 
@@ -22,15 +24,25 @@ constexpr double kPeopleRadius = 0.9;  // [m] with which they fill a corridor of
 void GoalCycle::update_following(const Situation& situation) {
   at_ = nearest_ahead(path_.points, at_, situation.world_from_robot.position());
   report_.distance_left = polyline_length(remaining(situation.world_from_robot));
-  const bool yielding = situation.control && situation.control->yielding;
-  report_.state = yielding ? NavigationState::kWaiting : NavigationState::kFollowing;
-  report_.cause = !situation.can_move ? situation.cannot_move : yielding ? situation.control->reason : "";
+  watch_yielding(situation);
+  report_.state = waits_ ? NavigationState::kWaiting : NavigationState::kFollowing;
+  report_.cause = !situation.can_move ? situation.cannot_move : waits_ ? waits_->cause : "";
   check_arrival(situation);
   if (phase_ == Phase::kFollowing) {
     check_path(situation);
   }
   if (phase_ == Phase::kFollowing) {
     check_progress(situation);
+  }
+}
+
+// Somebody nearby stops the robot and lets it go several times a second. What it says changes only once it has set off.
+void GoalCycle::watch_yielding(const Situation& situation) {
+  const Eigen::Vector2d robot = situation.world_from_robot.position();
+  if (situation.control && situation.control->yielding) {
+    waits_ = {robot, situation.control->reason};
+  } else if (waits_ && ((robot - waits_->place).norm() > kSetOff || seconds_since(last_yield_) > kLetGo)) {
+    waits_.reset();
   }
 }
 

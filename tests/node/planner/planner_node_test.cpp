@@ -411,6 +411,30 @@ TEST(PlannerNode, HasMorePatienceWithPeopleThanWithThingsButNotForEver) {
   EXPECT_EQ(world.status.state, Status::STATE_STUCK);
 }
 
+TEST(PlannerNode, SaysThatItWaitsUntilItHasSetOff) {
+  PlannerWorld world;
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.wheels_blocked = true;
+  world.states.clear();
+  for (int step = 0; step < 40; ++step) {  // somebody comes and goes before the robot's nose
+    world.yields = step % 4 == 0;
+    world.run(0.1);
+  }
+  EXPECT_EQ(world.states, (std::vector<std::int8_t>{Status::STATE_FOLLOWING, Status::STATE_WAITING}));
+  world.wheels_blocked = world.yields = false;
+  world.run(0.3);
+  EXPECT_EQ(world.status.state, Status::STATE_FOLLOWING);
+  EXPECT_EQ(world.status.cause, "");
+
+  world.wheels_blocked = world.yields = true;
+  world.run(0.3);
+  EXPECT_EQ(world.status.state, Status::STATE_WAITING);
+  world.yields = false;  // nobody is there any more; something else keeps it
+  world.run(1.3);
+  EXPECT_EQ(world.status.state, Status::STATE_FOLLOWING);
+}
+
 TEST(PlannerNode, GoesRoundPeopleWhoDoNotLetItPassForAMinute) {
   PlannerWorld world;
   world.wall(61, 50, 63, 60, Prior::kFree);  // another door
