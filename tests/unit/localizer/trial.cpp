@@ -3,9 +3,9 @@
 #include <time.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "tests/unit/localizer/twin_oracle.hpp"
 
@@ -19,41 +19,194 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+/// Watches a drive beside the truth, and says what it came to.
+class TrialJudge {
+ public:
+  TrialJudge(const SyntheticWorld& world, const TrialPlan& plan)
+      : world_(world), grace_(plan.grace), trace_(plan.trace), start_(world.utime()), oracle_(world) {
+    oracle_.follow(world.truth());
+  }
+
+  /// Seconds since the drive began.
+  [[nodiscard]] double now() const { return 1e-6 * static_cast<double>(world_.utime() - start_); }
+  void carried();
+  void imaged(const SightingFrame& frame);
+  /// Once for each odometry, before the localizer hears of it.
+  void resolve();
+  /// Once for each odometry, with what the localizer makes of it and how long that took [s].
+  void judge(const LocalizerEstimate& estimate, double took);
+  [[nodiscard]] const TrialResult& result() const { return result_; }
+
+ private:
+  /// What a carry has to do with the moment.
+  struct Carry {
+    bool is_recovering = false;         // it was localized before, and has not been since
+    bool awaits_contradiction = false;  // no image has told of it yet
+    std::int64_t utime = 0;             // [us]
+    bool was_imaged = false;            // an image was taken since
+    bool was_seen = false;              // one of them showed something
+    double driven = 0.0;                // [m] of the odometer
+    double contradicted = -1e9;         // [s]; before a carry nothing is forgiven
+  };
+  /// The belief beside the truth.
+  struct Error {
+    double position = 0.0;  // [m]
+    double heading = 0.0;   // [rad] at least 0
+
+    [[nodiscard]] bool is_wrong() const { return position > 0.5 || heading > radians(20.0); }
+    [[nodiscard]] bool is_right_at_first() const { return position < 0.25 && heading < radians(10.0); }
+  };
+
+  void contradict(const Pose2& believed);
+  void say(const LocalizerEstimate& estimate, const Error& error);
+  void judge_start(const Error& error);
+  void judge_tracking(bool is_tracking, const Error& error);
+  void add_errors(const PoseBelief& belief, const Error& error);
+
+  static constexpr double kPeriod = 0.1;  // [s] between two odometry readings
+
+  const SyntheticWorld& world_;
+  double grace_;
+  bool trace_;
+  std::int64_t start_;  // [us]
+  TwinOracle oracle_;
+  bool was_carried_ = false;
+  Carry carry_;
+  LocalizerState last_state_ = LocalizerState::kLost;
+  std::string last_reason_;
+  TrialResult result_;
+};
+
+void TrialJudge::carried() {
+  const double contradicted = carry_.contradicted;
+  carry_ = {.is_recovering = result_.localized,
+            .awaits_contradiction = true,
+            .utime = world_.utime(),
+            .driven = world_.driven(),
+            .contradicted = contradicted};
+  was_carried_ = true;
+  if (trace_) {
+    const Pose2& place = world_.truth();
+    std::printf("%7.2f carried to %.2f %.2f %.0f\n", now(), place.x, place.y, degrees(place.theta));
+  }
+}
+
+void TrialJudge::imaged(const SightingFrame& frame) {
+  if (frame.utime > carry_.utime) {
+    carry_.was_imaged = true;
+    carry_.was_seen = carry_.was_seen || !frame.sightings.empty();
+  }
+}
+
+void TrialJudge::resolve() {
+  if (!result_.resolvable && !was_carried_) {
+    oracle_.follow(world_.truth());
+    result_.resolvable = oracle_.is_resolved();
+    result_.resolvable_after = world_.driven();
+  }
+}
+
+// An image contradicts by what is seen in it, or by showing nothing of a fixture expected well inside; one without
+// sightings, of a fixture that the detector misses, tells nobody anything.
+void TrialJudge::contradict(const Pose2& believed) {
+  if (carry_.awaits_contradiction &&
+      (carry_.was_seen || (carry_.was_imaged && world_.fixtures_in_view(believed, 0.8) > 0))) {
+    carry_.awaits_contradiction = false;
+    carry_.contradicted = now();
+  }
+}
+
+void TrialJudge::say(const LocalizerEstimate& estimate, const Error& error) {
+  const bool is_tracking = estimate.state == LocalizerState::kTracking;
+  if (trace_ && (estimate.state != last_state_ || (!is_tracking && estimate.reason != last_reason_))) {
+    std::printf("%7.2f s %6.2f m  state %d  error %.2f m %.1f deg  %s\n", now(), world_.driven(),
+                static_cast<int>(estimate.state), error.position, degrees(error.heading), estimate.reason.c_str());
+  }
+  last_state_ = estimate.state;
+  last_reason_ = estimate.reason;
+}
+
+void TrialJudge::judge(const LocalizerEstimate& estimate, double took) {
+  const bool is_tracking = estimate.state == LocalizerState::kTracking;
+  StepTimes& times = is_tracking ? result_.tracking_steps : result_.search_steps;
+  times.add({took, took, 1});
+  const Pose2& truth = world_.truth();
+  const Error error{distance(estimate.belief.pose, truth),
+                    std::abs(wrap_angle(estimate.belief.pose.theta - truth.theta))};
+  contradict(estimate.belief.pose);
+  say(estimate, error);
+  if (is_tracking && !result_.localized) {
+    judge_start(error);
+  }
+  if (result_.localized) {
+    judge_tracking(is_tracking, error);
+    if (is_tracking && !error.is_wrong() && !carry_.is_recovering) {
+      add_errors(estimate.belief, error);
+    }
+  }
+}
+
+void TrialJudge::judge_start(const Error& error) {
+  result_.localized = true;
+  result_.correct_first = error.is_right_at_first();
+  result_.localized_after = world_.driven();
+  result_.localized_time = now();
+}
+
+void TrialJudge::judge_tracking(bool is_tracking, const Error& error) {
+  const bool is_forgiven = carry_.awaits_contradiction || now() - carry_.contradicted < grace_;
+  if (is_tracking && error.is_wrong() && !is_forgiven) {
+    result_.confident_wrong += kPeriod;
+  }
+  if (carry_.is_recovering && is_tracking && !error.is_wrong() && !carry_.awaits_contradiction &&
+      now() > carry_.contradicted) {
+    carry_.is_recovering = false;
+    ++result_.recovered;
+    result_.recovery_way.push_back(world_.driven() - carry_.driven);
+  }
+  if (!carry_.is_recovering) {
+    result_.after_first += kPeriod;
+    result_.tracking_at_end = is_tracking;
+  }
+}
+
+void TrialJudge::add_errors(const PoseBelief& belief, const Error& error) {
+  const Pose2& truth = world_.truth();
+  result_.tracking += kPeriod;
+  result_.position_errors.push_back(error.position);
+  result_.heading_errors.push_back(error.heading);
+  const Eigen::Vector3d off(belief.pose.x - truth.x, belief.pose.y - truth.y,
+                            wrap_angle(belief.pose.theta - truth.theta));
+  result_.nees += off.dot(belief.covariance.inverse() * off) / 3.0;
+  const Eigen::Vector2d forward(std::cos(truth.theta), std::sin(truth.theta));
+  const Eigen::Vector2d left(-forward.y(), forward.x());
+  const Eigen::Matrix2d place = belief.covariance.topLeftCorner<2, 2>();
+  result_.nees_forward += std::pow(off.head<2>().dot(forward), 2) / forward.dot(place * forward);
+  result_.nees_left += std::pow(off.head<2>().dot(left), 2) / left.dot(place * left);
+  result_.nees_heading += off.z() * off.z() / belief.covariance(2, 2);
+  if (world_.fixtures_in_view(truth, 0.3) > 0) {
+    ++result_.in_view;
+    result_.position_square += error.position * error.position;
+    result_.heading_square += error.heading * error.heading;
+  }
+}
+
 }  // namespace
 
+void StepTimes::add(const StepTimes& other) {
+  sum += other.sum;
+  worst = std::max(worst, other.worst);
+  count += other.count;
+}
+
 TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPlan& plan) {
-  TrialResult result;
-  const std::int64_t start = world.utime();
+  TrialJudge judge(world, plan);
   std::size_t next_carry = 0;
-  bool recovering = false;
-  double carried_at = 0.0;        // [m] of the odometer
-  double contradicted_at = -1e9;  // [s]; before a carry nothing is forgiven
-  bool awaiting_contradiction = false;
-  std::int64_t carried_utime = 0;   // [us]
-  bool imaged_since_carry = false;  // an image was taken
-  bool seen_since_carry = false;    // one of them showed something
-  TwinOracle oracle(world);
-  oracle.follow(world.truth());
-  LocalizerState last_state = LocalizerState::kLost;
-  std::string last_reason;
-  while (true) {
-    const double now = 1e-6 * static_cast<double>(world.utime() - start);
-    if (now >= plan.duration) {
-      break;
-    }
-    if (next_carry < plan.carries.size() && now >= plan.carries[next_carry]) {
+  while (judge.now() < plan.duration) {
+    if (next_carry < plan.carries.size() && judge.now() >= plan.carries[next_carry]) {
       ++next_carry;
-      const Pose2 place = world.draw_free_pose();
-      if (plan.trace) {
-        std::printf("%7.2f carried to %.2f %.2f %.0f\n", now, place.x, place.y, degrees(place.theta));
-      }
-      world.carry(place);
-      recovering = result.localized;
-      awaiting_contradiction = true;
-      carried_utime = world.utime();
-      imaged_since_carry = false;
-      seen_since_carry = false;
-      carried_at = world.driven();
+      world.carry(world.draw_free_pose());
+      judge.carried();
     }
     const SyntheticWorld::Output output = world.step();
     if (output.sonar) {
@@ -61,91 +214,18 @@ TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPl
     }
     if (output.frame) {
       localizer.add_frame(*output.frame);
-      if (output.frame->utime > carried_utime) {
-        imaged_since_carry = true;
-        seen_since_carry = seen_since_carry || !output.frame->sightings.empty();
-      }
+      judge.imaged(*output.frame);
     }
-    if (!output.odometry) {
-      continue;
-    }
-    if (!result.resolvable && next_carry == 0) {
-      oracle.follow(world.truth());
-      result.resolvable = oracle.is_resolved();
-      result.resolvable_after = world.driven();
-    }
-    // images wait for the odometry after them, so this call works on those that came since the last
-    const double begin = thread_seconds();
-    localizer.add_odometry(*output.odometry);
-    const double took = thread_seconds() - begin;
-    const LocalizerEstimate estimate = localizer.estimate();
-    StepTimes& times = estimate.state == LocalizerState::kTracking ? result.tracking_steps : result.search_steps;
-    times.sum += took;
-    times.worst = std::max(times.worst, took);
-    ++times.count;
-    const Pose2& truth = world.truth();
-    const double position_error = distance(estimate.belief.pose, truth);
-    const double heading_error = std::abs(wrap_angle(estimate.belief.pose.theta - truth.theta));
-    const bool is_tracking = estimate.state == LocalizerState::kTracking;
-    const bool is_wrong = position_error > 0.5 || heading_error > radians(20.0);
-    // an image contradicts by what is seen in it, or by showing nothing of a fixture expected well inside; one without
-    // sightings, of a fixture that the detector misses, tells nobody anything
-    if (awaiting_contradiction &&
-        (seen_since_carry || (imaged_since_carry && world.fixtures_in_view(estimate.belief.pose, 0.8) > 0))) {
-      awaiting_contradiction = false;
-      contradicted_at = now;
-    }
-    if (plan.trace && (estimate.state != last_state || (!is_tracking && estimate.reason != last_reason))) {
-      std::printf("%7.2f s %6.2f m  state %d  error %.2f m %.1f deg  %s\n", now, world.driven(),
-                  static_cast<int>(estimate.state), position_error, degrees(heading_error), estimate.reason.c_str());
-    }
-    last_state = estimate.state;
-    last_reason = estimate.reason;
-    if (is_tracking && !result.localized) {
-      result.localized = true;
-      result.correct_first = position_error < 0.25 && heading_error < radians(10.0);
-      result.localized_after = world.driven();
-      result.localized_time = now;
-    }
-    if (!result.localized) {
-      continue;
-    }
-    const bool forgiven = awaiting_contradiction || now - contradicted_at < plan.grace;
-    if (is_tracking && is_wrong && !forgiven) {
-      result.confident_wrong += 0.1;
-    }
-    if (recovering && is_tracking && !is_wrong && now - contradicted_at > 0.0 && !awaiting_contradiction) {
-      recovering = false;
-      ++result.recovered;
-      result.recovery_way.push_back(world.driven() - carried_at);
-    }
-    if (recovering) {
-      continue;
-    }
-    result.after_first += 0.1;
-    result.tracking_at_end = is_tracking;
-    if (!is_tracking || is_wrong) {
-      continue;
-    }
-    result.tracking += 0.1;
-    result.position_errors.push_back(position_error);
-    result.heading_errors.push_back(heading_error);
-    const Eigen::Vector3d error(estimate.belief.pose.x - truth.x, estimate.belief.pose.y - truth.y,
-                                wrap_angle(estimate.belief.pose.theta - truth.theta));
-    result.nees += error.dot(estimate.belief.covariance.inverse() * error) / 3.0;
-    const Eigen::Vector2d forward(std::cos(truth.theta), std::sin(truth.theta));
-    const Eigen::Vector2d left(-forward.y(), forward.x());
-    const Eigen::Matrix2d place = estimate.belief.covariance.topLeftCorner<2, 2>();
-    result.nees_forward += std::pow(error.head<2>().dot(forward), 2) / forward.dot(place * forward);
-    result.nees_left += std::pow(error.head<2>().dot(left), 2) / left.dot(place * left);
-    result.nees_heading += error.z() * error.z() / estimate.belief.covariance(2, 2);
-    if (world.fixtures_in_view(truth, 0.3) > 0) {
-      ++result.in_view;
-      result.position_square += position_error * position_error;
-      result.heading_square += heading_error * heading_error;
+    if (output.odometry) {
+      judge.resolve();
+      // images wait for the odometry after them, so this call works on those that came since the last
+      const double begin = thread_seconds();
+      localizer.add_odometry(*output.odometry);
+      const double took = thread_seconds() - begin;
+      judge.judge(localizer.estimate(), took);
     }
   }
-  return result;
+  return judge.result();
 }
 
 }  // namespace luminav::testing

@@ -20,6 +20,8 @@ struct StepTimes {
   double sum = 0.0;    // [s]
   double worst = 0.0;  // [s]
   long count = 0;
+
+  void add(const StepTimes& other);
 };
 
 /// What became of one drive.
@@ -34,7 +36,7 @@ struct TrialResult {
   double confident_wrong = 0.0;      // [s] TRACKING with more than 0.5 m or 20 degrees of error
   double tracking = 0.0;             // [s]
   double after_first = 0.0;          // [s] since first localized, the time after carries left out
-  double recovered = 0;              // carries after which it was TRACKING correctly again
+  int recovered = 0;                 // carries after which it was TRACKING correctly again
   std::vector<double> recovery_way;  // [m] driven until then
   double position_square = 0.0;      // sums over TRACKING with a fixture in view
   double heading_square = 0.0;
