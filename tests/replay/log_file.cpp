@@ -87,43 +87,50 @@ bool LogReader::next(LogEvent& event) {
   while (find_sync()) {
     std::array<std::uint8_t, kHeader> header{};
     if (!read(header.data(), header.size())) {
-      cut_ = true;
-      return false;
+      return end_cut();
     }
     const auto channel_size = big_endian<std::uint32_t>(&header[16]);
     const auto data_size = big_endian<std::uint32_t>(&header[20]);
-    if (channel_size == 0 || channel_size > kLongestChannel || data_size > kLongestData) {
-      // not an event after all: look behind this sync word
+    const std::uint64_t whole = kSync.size() + kHeader + channel_size + data_size;
+    const bool is_plausible = channel_size > 0 && channel_size <= kLongestChannel && data_size <= kLongestData;
+    if (!is_plausible || position_ + whole > size_) {
+      if (is_plausible && !unfinished_) {
+        unfinished_ = Place{position_, skipped_};
+      }
+      // not an event after all, the cut, or a damaged length: what is behind this sync word tells
       skipped_ += kSync.size();
       position_ += kSync.size();
       stream_.seekg(static_cast<std::streamoff>(position_));
       continue;
     }
-    const std::uint64_t whole = kSync.size() + kHeader + channel_size + data_size;
-    if (position_ + whole > size_) {
-      cut_ = true;
-      return false;
-    }
     LogEvent read_event;
     read_event.utime = big_endian<std::int64_t>(&header[8]);
     read_event.channel.resize(channel_size);
     if (!read(reinterpret_cast<std::uint8_t*>(read_event.channel.data()), channel_size)) {
-      cut_ = true;
-      return false;
+      return end_cut();
     }
     if (wanted_ && !wanted_->contains(read_event.channel)) {
       stream_.seekg(static_cast<std::streamoff>(data_size), std::ios::cur);
     } else {
       read_event.data.resize(data_size);
       if (!read(read_event.data.data(), data_size)) {
-        cut_ = true;
-        return false;
+        return end_cut();
       }
     }
+    unfinished_.reset();
     position_ += whole;
     ++events_;
     event = std::move(read_event);
     return true;
+  }
+  return unfinished_ ? end_cut() : false;
+}
+
+bool LogReader::end_cut() {
+  cut_ = true;
+  if (unfinished_) {
+    position_ = unfinished_->position;
+    skipped_ = unfinished_->skipped;
   }
   return false;
 }

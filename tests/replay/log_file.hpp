@@ -47,6 +47,13 @@ class LogReader {
  private:
   [[nodiscard]] bool read(std::uint8_t* target, std::size_t count);
   [[nodiscard]] bool find_sync();
+  /// The log ends inside an event: false.
+  bool end_cut();
+
+  struct Place {
+    std::uint64_t position = 0;
+    std::uint64_t skipped = 0;
+  };
 
   std::string file_;
   std::ifstream stream_;
@@ -55,6 +62,7 @@ class LogReader {
   std::uint64_t skipped_ = 0;
   std::uint64_t events_ = 0;
   bool cut_ = false;
+  std::optional<Place> unfinished_;              // of an event that would reach beyond the file, no other behind it yet
   std::optional<std::set<std::string>> wanted_;  // nothing: all
 };
 

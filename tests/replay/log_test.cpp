@@ -129,6 +129,23 @@ TEST_F(LogTest, GoesOnBehindDamagedBytes) {
   EXPECT_THAT(log.damage(), HasSubstr("damaged"));
 }
 
+TEST_F(LogTest, LosesOneEventToALengthThatReachesBeyondTheFile) {
+  write("a.lcm", {odometry_event(5, 1), odometry_event(6, 2), odometry_event(7, 3)});
+  const auto third = static_cast<std::streamoff>(std::filesystem::file_size(path("a.lcm")) / 3);
+  std::fstream file(path("a.lcm"), std::ios::binary | std::ios::in | std::ios::out);
+  file.seekp(third + 25);  // sync word, number, time and channel's length; then the data's
+  file.put('\x01');
+  file.close();
+  LogReader log(path("a.lcm"));
+  LogEvent event;
+  EXPECT_TRUE(log.next(event));
+  EXPECT_TRUE(log.next(event));
+  EXPECT_EQ(event.utime, 7);
+  EXPECT_FALSE(log.next(event));
+  EXPECT_FALSE(log.is_cut());
+  EXPECT_EQ(log.skipped(), static_cast<std::uint64_t>(third));
+}
+
 TEST_F(LogTest, RefusesWhatIsNoLogWithOneSentence) {
   std::ofstream(path("empty")).close();
   std::ofstream(path("text")) << "a text, long enough for an event of a log";
@@ -180,6 +197,19 @@ TEST(MessageSchema, DecodesNestedTypesWithUnits) {
   EXPECT_THAT(*values, Contains(testing::AllOf(
                            testing::Field(&FieldValue::path, "detections[0].x"), testing::Field(&FieldValue::unit, "m"),
                            testing::Field(&FieldValue::value, testing::VariantWith<double>(1.25)))));
+}
+
+TEST(MessageSchema, GivesTheFirstElementsOfNestedTypesToo) {
+  fixture_detections_t message{};
+  message.count = 3;
+  message.detections.resize(3);
+  const auto values = MessageSchemas::built_in().decode(event_of(1, "A", message).data, 2);
+  ASSERT_TRUE(values);
+  const auto has = [&](const std::string& path) {
+    return std::any_of(values->begin(), values->end(), [&](const FieldValue& value) { return value.path == path; });
+  };
+  EXPECT_TRUE(has("detections[1].x"));
+  EXPECT_FALSE(has("detections[2].x"));
 }
 
 TEST(MessageSchema, RefusesAMessageCutAnywhere) {

@@ -73,6 +73,14 @@ int filter(int argc, char** argv) {
       ++written;
     }
   }
+  if (written == 0) {
+    throw std::runtime_error(fmt::format("{}: no message is left, nothing is written", files[0]));
+  }
+  for (const auto& [channel, every_nth] : thinning) {
+    if (!seen.contains(channel)) {
+      fmt::print("--every {}={}: no such message was kept\n", channel, every_nth);
+    }
+  }
   fmt::print("{} messages\nsha256: {}\n", written, writer.finish());
   if (!log.damage().empty()) {
     fmt::print("{}\n", log.damage());

@@ -210,8 +210,12 @@ bool MessageSchemas::decode_fields(const TypeSchema& type, const std::string& pr
       const std::string path = prefix + field.name + (field.dimensions.empty() ? "" : fmt::format("[{}]", i));
       std::uint64_t bits = 0;
       if (primitive == kPrimitives.end()) {
+        const std::size_t before = cursor.values.size();
         if (!decode_fields(*find(field.type), path + ".", cursor)) {
           return false;
+        }
+        if (i >= cursor.longest) {
+          cursor.values.erase(cursor.values.begin() + static_cast<std::ptrdiff_t>(before), cursor.values.end());
         }
         continue;
       }

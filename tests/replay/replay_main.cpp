@@ -122,13 +122,14 @@ int replay(int argc, char** argv) {
     throw std::runtime_error(fmt::format("{}: exists already, logs are never overwritten", options.out_file));
   }
   const ReplayReport report = replay_log(options);
+  fmt::print("{}", to_text(report));  // first: a file that cannot be written must not cost the verdict
+  std::fflush(stdout);
   if (!report_file.empty()) {
     write_whole_file(report_file, to_json(report, options));
   }
   if (!picture.empty()) {
     draw(picture, options, report);
   }
-  fmt::print("{}", to_text(report));
   return report.passed() ? 0 : 1;
 }
 

@@ -35,8 +35,8 @@ const std::map<std::string, Interface>& interfaces() {
        {{c::kGoal, c::kGridTile, c::kPose, c::kControlStatus, c::kRobotStatus},
         {c::kPath, c::kNavigationStatus, c::kTileRequest}}},
       {"controller",
-       {{c::kPath, c::kNavigationStatus, c::kGridTile, c::kPose, c::kOdometry, c::kSonar, c::kRobotStatus, c::kStop,
-         c::kTeleopCommand},
+       {{c::kPath, c::kNavigationStatus, c::kGridTile, c::kPose, c::kHypotheses, c::kOdometry, c::kSonar,
+         c::kRobotStatus, c::kStop, c::kTeleopCommand},
         {c::kVelocityCommand, c::kControlStatus}}}};
   return all;
 }

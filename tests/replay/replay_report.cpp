@@ -28,34 +28,41 @@ std::string track_table(const ReplayReport& r) {
   };
   const TrackFigures& a = r.recorded;
   const TrackFigures& b = r.replayed;
+  const auto errors = [&](const char* what, double TrackFigures::*figure, const char* form, double scale) {
+    const auto said = [&](const TrackFigures& f) {
+      return f.compared > 0 ? fmt::format(fmt::runtime(form), scale * f.*figure) : std::string("-");
+    };
+    row(what, said(a), said(b));
+  };
   row("poses", fmt::format("{}", a.poses), fmt::format("{}", b.poses));
   row("first TRACKING after", localized(a), localized(b));
   row("TRACKING since then", fmt::format("{:.1f} %", 100.0 * a.tracking_ratio),
       fmt::format("{:.1f} %", 100.0 * b.tracking_ratio));
   row("changes of state", fmt::format("{}", a.state_changes), fmt::format("{}", b.state_changes));
-  row("position RMS", fmt::format("{:.3f} m", a.position_rms), fmt::format("{:.3f} m", b.position_rms));
-  row("position 95 %", fmt::format("{:.3f} m", a.position_p95), fmt::format("{:.3f} m", b.position_p95));
-  row("position, largest", fmt::format("{:.3f} m", a.position_max), fmt::format("{:.3f} m", b.position_max));
-  row("heading RMS", fmt::format("{:.2f} deg", degrees(a.heading_rms)),
-      fmt::format("{:.2f} deg", degrees(b.heading_rms)));
-  row("heading 95 %", fmt::format("{:.2f} deg", degrees(a.heading_p95)),
-      fmt::format("{:.2f} deg", degrees(b.heading_p95)));
-  row("confidently wrong", fmt::format("{:.1f} s", a.wrong_s), fmt::format("{:.1f} s", b.wrong_s));
+  errors("position RMS", &TrackFigures::position_rms, "{:.3f} m", 1.0);
+  errors("position 95 %", &TrackFigures::position_p95, "{:.3f} m", 1.0);
+  errors("position, largest", &TrackFigures::position_max, "{:.3f} m", 1.0);
+  errors("heading RMS", &TrackFigures::heading_rms, "{:.2f} deg", degrees(1.0));
+  errors("heading 95 %", &TrackFigures::heading_p95, "{:.2f} deg", degrees(1.0));
+  errors("confidently wrong", &TrackFigures::wrong_s, "{:.1f} s", 1.0);
   return text;
 }
 
 ordered_json json_of(const TrackFigures& f) {
+  const auto measured = [&](double figure) {
+    return f.compared > 0 ? ordered_json(rounded(figure)) : ordered_json(nullptr);
+  };
   return {{"poses", f.poses},
           {"compared", f.compared},
           {"localized_s", f.localized_s < 0.0 ? ordered_json(nullptr) : ordered_json(rounded(f.localized_s))},
           {"tracking_ratio", rounded(f.tracking_ratio)},
           {"state_changes", f.state_changes},
-          {"position_rms_m", rounded(f.position_rms)},
-          {"position_p95_m", rounded(f.position_p95)},
-          {"position_max_m", rounded(f.position_max)},
-          {"heading_rms_deg", rounded(degrees(f.heading_rms))},
-          {"heading_p95_deg", rounded(degrees(f.heading_p95))},
-          {"confident_wrong_s", rounded(f.wrong_s)}};
+          {"position_rms_m", measured(f.position_rms)},
+          {"position_p95_m", measured(f.position_p95)},
+          {"position_max_m", measured(f.position_max)},
+          {"heading_rms_deg", measured(degrees(f.heading_rms))},
+          {"heading_p95_deg", measured(degrees(f.heading_p95))},
+          {"confident_wrong_s", measured(f.wrong_s)}};
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/replay/replay_nodes.hpp"
+#include "tests/replay/replay_verdict.hpp"
+
 namespace luminav {
 namespace {
 
@@ -105,6 +108,21 @@ TEST(Replay, SaysThatALogWithoutPicturesHasNothingForTheDetector) {
   ReplayOptions options = options_for("global.lcm");
   options.nodes = {"detector"};
   EXPECT_THROW(replay_log(options), std::runtime_error);
+}
+
+TEST(Replay, PassesNothingThatItCouldNotCompare) {
+  ReplayReport report;
+  report.has_poses = report.has_truth = true;
+  report.replayed.poses = 100;
+  report.replayed.localized_s = 3.0;
+  append_verdict({}, report);
+  EXPECT_THAT(report.failures, testing::Contains(HasSubstr("nothing to compare with")));
+  EXPECT_THAT(to_text(report), testing::ContainsRegex("position RMS +- +-"));
+}
+
+TEST(Replay, GivesEveryNodeWhatItListensTo) {
+  // what the controller makes of a drive hangs on the localizer's alternatives
+  EXPECT_TRUE(inputs_of("controller").contains("HYPOTHESES"));
 }
 
 }  // namespace

@@ -34,12 +34,15 @@ void append_verdict(const ReplayTolerances& limit, ReplayReport& r) {
     fail("the localizer sent no POSE");
   }
   if (r.has_poses && r.replayed.poses > 0 && (r.has_truth || r.recorded.poses > 0)) {
-    const char* reference = r.has_truth ? "truth" : "recorded poses";
+    const char* reference = r.has_truth ? "true poses" : "recorded poses";
     if (r.recorded.localized_s >= 0.0 && r.replayed.localized_s < 0.0) {
       fail(fmt::format("never TRACKING, recorded after {:.1f} s", r.recorded.localized_s));
     } else if (r.recorded.localized_s >= 0.0 && r.replayed.localized_s - r.recorded.localized_s > limit.localized) {
       fail(fmt::format("TRACKING after {:.1f} s, recorded after {:.1f} s, allowed {:.1f} s later",
                        r.replayed.localized_s, r.recorded.localized_s, limit.localized));
+    }
+    if (r.replayed.compared == 0 && r.replayed.localized_s >= 0.0) {
+      fail(fmt::format("nothing to compare with: the {} come too seldom", reference));
     }
     if (r.replayed.position_rms > limit.position) {
       fail(fmt::format("position {:.3f} m RMS from the {}, allowed {:.3f} m", r.replayed.position_rms, reference,
