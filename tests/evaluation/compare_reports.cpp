@@ -149,8 +149,8 @@ ComparedFigure compare(const Figure& figure, const std::vector<std::pair<double,
 }  // namespace
 
 ReportComparison compare_reports(const std::string& old_json, const std::string& new_json) {
-  const ReportRuns old_runs = runs_of_report(old_json, "the old");
-  const ReportRuns new_runs = runs_of_report(new_json, "the new");
+  const ReportRuns old_runs = parts_of_report(old_json, "the old");
+  const ReportRuns new_runs = parts_of_report(new_json, "the new");
   ReportComparison comparison;
   for (const auto& [key, run] : old_runs) {
     const auto found = new_runs.find(key);
@@ -184,9 +184,10 @@ ReportComparison compare_reports(const std::string& old_json, const std::string&
 }
 
 std::string to_text(const ReportComparison& comparison) {
-  std::string text =
-      fmt::format("compared run by run: {} runs in both, {} only in the old report, {} only in the new one\n",
-                  comparison.common, comparison.only_old, comparison.only_new);
+  std::string text = fmt::format(
+      "compared one by one: {} runs and conditions of the detector in both, {} only in the old report, {} only in the "
+      "new one\n",
+      comparison.common, comparison.only_old, comparison.only_new);
   if (!comparison.same_worlds) {
     text += "the drawn worlds differ: the truth's spread or the scenarios have changed in between\n";
   }

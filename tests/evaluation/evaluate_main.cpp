@@ -16,6 +16,7 @@
 #include "tests/evaluation/evaluation_report.hpp"
 #include "tests/evaluation/html_report.hpp"
 #include "tests/evaluation/output_file.hpp"
+#include "tests/evaluation/report_runs.hpp"
 #include "tests/evaluation/run_report.hpp"
 #include "tests/evaluation/sensing_agreement.hpp"
 #include "tests/evaluation/sensing_survey.hpp"
@@ -125,6 +126,13 @@ int evaluate(const Request& request) {
   const auto start = std::chrono::steady_clock::now();
   const std::string old_report = request.compare.empty() ? "" : read_whole_file(request.compare);
   const std::string rendered_report = request.check_sensing.empty() ? "" : read_whole_file(request.check_sensing);
+  if (!old_report.empty()) {
+    (void)parts_of_report(old_report, "the old");  // refused now, and not when all has been driven
+  }
+  if (!rendered_report.empty()) {
+    (void)runs_of_report(rendered_report, "the rendered");
+    check_writable("--check-sensing: the sensing's table", behaviour_file(request));
+  }
   const std::vector<SuiteEntry> entries = entries_of(request);
   DetectorBehaviour behaviour;
   const bool geometric = needs_behaviour(entries, request.jobs);

@@ -23,4 +23,16 @@ ReportRuns runs_of_report(const std::string& text, const std::string& which) {
   }
 }
 
+ReportRuns parts_of_report(const std::string& text, const std::string& which) {
+  ReportRuns parts = runs_of_report(text, which);
+  try {
+    for (const nlohmann::json& condition : nlohmann::json::parse(text).value("detector", nlohmann::json::array())) {
+      parts.emplace(ReportRuns::key_type{"detector, " + condition.at("condition").get<std::string>(), 0}, condition);
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(fmt::format("{} report: not a report of evaluate: {}", which, error.what()));
+  }
+  return parts;
+}
+
 }  // namespace luminav

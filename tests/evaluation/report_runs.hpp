@@ -14,5 +14,7 @@ using ReportRuns = std::map<std::pair<std::string, std::uint64_t>, nlohmann::jso
 /// Reads the text of `evaluate --json`. Throws std::runtime_error, which names the report as `which`, for text that is
 /// none or that holds a run twice.
 ReportRuns runs_of_report(const std::string& text, const std::string& which);
+/// The same, and the conditions under which the detector alone was measured, as runs of "detector, CONDITION".
+ReportRuns parts_of_report(const std::string& text, const std::string& which);
 
 }  // namespace luminav

@@ -133,5 +133,17 @@ TEST(CompareReports, RefusesWhatIsNoReport) {
   EXPECT_THROW(compare_reports(twice.dump(), report({0.01})), std::runtime_error);
 }
 
+TEST(CompareReports, ComparesTheDetectorConditionByCondition) {
+  const auto detector = [](double worse) {
+    json conditions = json::array();
+    for (const char* name : {"on", "dim", "half", "flicker", "glare", "moving"}) {
+      conditions.push_back({{"condition", name}, {"recall", 0.95 - worse}, {"precision", 0.99}});
+    }
+    return json{{"suite", "detector"}, {"runs", json::array()}, {"detector", conditions}}.dump();
+  };
+  EXPECT_EQ(figure(compare_reports(detector(0.0), detector(0.02)), "recall").verdict, Verdict::kWorse);
+  EXPECT_EQ(figure(compare_reports(detector(0.0), detector(0.02)), "precision").verdict, Verdict::kSame);
+}
+
 }  // namespace
 }  // namespace luminav
