@@ -157,6 +157,9 @@ std::string trajectory_svg(const RunReport& run, const std::string& map_id) {
   std::string guesses;
   const std::vector<TrailPoint> trail = thinned(run.trail);
   std::optional<Pose2> world_from_odometry;
+  bool is_way_joined = false;  // the step before was drawn
+  // what a robot drives between two points that are kept, and no jump
+  const double step = std::max(1.5, 1.5 * static_cast<double>(run.trail.size()) / kMostPoints * 0.1);
   for (std::size_t i = 1; i < trail.size(); ++i) {
     const TrailPoint& a = trail[i - 1];
     const TrailPoint& b = trail[i];
@@ -164,11 +167,16 @@ std::string trajectory_svg(const RunReport& run, const std::string& map_id) {
     const bool tracks = b.state == pose_t::STATE_TRACKING;
     if (tracks && !world_from_odometry) {
       world_from_odometry = b.believed * b.odometry.inverse();
-    } else if (world_from_odometry && distance(a.odometry, b.odometry) < 2.0) {
+    } else if (world_from_odometry && distance(a.odometry, b.odometry) < step) {
       odometry.add(*world_from_odometry * a.odometry, *world_from_odometry * b.odometry, false);
     }
-    if (tracks && distance(a.believed, b.believed) < 1.5) {
-      tracking.add(a.believed, b.believed, a.state == pose_t::STATE_TRACKING);
+    const bool is_drawn = tracks && distance(a.believed, b.believed) < step;
+    if (is_drawn) {
+      tracking.add(a.believed, b.believed, is_way_joined && a.state == pose_t::STATE_TRACKING);
+    }
+    is_way_joined = is_drawn;
+    if (is_drawn) {
+      // nothing to guess
     } else if (!tracks) {
       guesses += fmt::format("<circle class=\"guess\" cx=\"{:.2f}\" cy=\"{:.2f}\" r=\".06\"/>",
                              b.believed.x - frame.left, frame.top - b.believed.y);

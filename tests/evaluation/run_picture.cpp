@@ -65,8 +65,9 @@ void draw_run(const std::string& png_file, const WorldTruth& world, const Buildi
   }
   for (std::size_t i = 0; i < goals.size(); ++i) {
     const Eigen::Vector2d at(goals[i].x, goals[i].y);
-    canvas.dot(at, 9, goals[i].reached ? kGreen : kRed, false);
-    canvas.text(at, std::to_string(i + 1), goals[i].reached ? kGreen : kRed);
+    const bool is_right = goals[i].expect_refused ? goals[i].refused : goals[i].reached;
+    canvas.dot(at, 9, is_right ? kGreen : kRed, false);
+    canvas.text(at, std::to_string(i + 1), is_right ? kGreen : kRed);
   }
   canvas.write(png_file);
 }

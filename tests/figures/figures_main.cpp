@@ -238,6 +238,9 @@ void draw_processes(const fs::path& folder) {
 }
 
 int draw_figures(const fs::path& folder, std::int64_t only) {
+  if (only < 0 || only == 2 || only > 9) {
+    throw ConfigurationError(fmt::format("--only {}: must be 1 or 3 to 9", only));
+  }
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) {
