@@ -19,7 +19,7 @@ using Matrix5d = Eigen::Matrix<double, 5, 5>;
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Eigen::Vector2d;
 
-constexpr int kMostPoints = 160;
+constexpr int kMostPoints = 240;       // the long and the short sides of a large one
 constexpr double kSpacing = 4.0;       // [px]
 constexpr double kCorner = 6.0;        // [px] from a corner nothing is measured
 constexpr int kSearch = 6;             // [px] to each side of the edge that the fit found

@@ -108,7 +108,7 @@ void compare(const float* light, std::size_t pairs, DifferenceSums& sums, Falls&
   by_two.fill(0.5F);
   by_one.fill(1.0F);
   by_two[0] = by_two[kDistances - 1] = 1.0F;
-  by_one[kDistances - 1] = std::numeric_limits<float>::infinity();
+  by_one[kDistances - 1] = 0.0F;  // there is none after it, and none before: it says nothing
   for (std::size_t pair = 0; pair < pairs; ++pair) {
     const float* a = light + 2 * pair * kRow + kFirst;
     const float* b = a + kRow;
@@ -117,8 +117,8 @@ void compare(const float* light, std::size_t pairs, DifferenceSums& sums, Falls&
       const auto i = static_cast<std::size_t>(k);
       const bool before = a[k - 1] >= 0.0F;
       const bool here = a[k] >= 0.0F;
-      const bool falls_on = here & (a[k + 1] >= 0.0F);
       const float per_px = before ? by_two[i] : by_one[i];
+      const bool falls_on = here & (a[k + 1] >= 0.0F) & (per_px > 0.0F);
       const float fall_a = ((before ? a[k - 1] : a[k]) - a[k + 1]) * per_px;
       const float fall_b = ((before ? b[k - 1] : b[k]) - b[k + 1]) * per_px;
       sums.difference[i] += here ? a[k] - b[k] : 0.0F;
