@@ -159,6 +159,9 @@ int run(int argc, char** argv) {
   AuditParams params;
   params.with_elements = with_elements;
   const AmbiguityAudit audit(building, walls, read_robot(std::filesystem::path(robot_file)).camera, params);
+  if (audit.places().empty()) {
+    throw std::runtime_error(file.string() + ": its map has no place where a robot could stand");
+  }
   const std::vector<AuditChange> changes = audit.best_changes(3);
   print(building, audit, changes);
   if (!json_file.empty()) {

@@ -133,6 +133,10 @@ PriorMap read_map(const fs::path& yaml_file) {
 
 void write_map(const fs::path& yaml_file, const PriorMap& map) {
   const fs::path image_file = fs::path(yaml_file).replace_extension(".pgm");
+  if (image_file == yaml_file) {
+    throw std::runtime_error(
+        fmt::format("{}: must be the map's description, NAME.yaml; NAME.pgm is drawn beside it", yaml_file.string()));
+  }
   std::string image = fmt::format("P5\n{} {}\n255\n", map.geometry.columns, map.geometry.rows);
   for (int row = map.geometry.rows - 1; row >= 0; --row) {
     for (int column = 0; column < map.geometry.columns; ++column) {

@@ -31,6 +31,9 @@ Fixture read_fixture(const TomlTable& table, double ceiling_height) {
     fixture.shape = FixtureShape::kSquare;
     fixture.length = table.number("length", {0.05, 5.0});
     fixture.width = table.number("width", fixture.length, {0.05, 5.0});
+    if (std::abs(fixture.width - fixture.length) > 0.005) {
+      table.fail("width", "must equal length in a square fixture");
+    }
   } else {
     fixture.length = table.number("length", {0.05, 10.0});
     fixture.width = table.number("width", {0.02, 5.0});

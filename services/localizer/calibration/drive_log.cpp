@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/fixture_detections_t.hpp>
 #include <luminav/odometry_t.hpp>
@@ -41,7 +42,9 @@ DriveLog read_drive_log(const std::string& file) {
     throw std::runtime_error(file + ": cannot be read as an LCM log");
   }
   DriveLog drive;
+  long whole = 0;  // [bytes] of events
   while (const lcm::LogEvent* event = log.readNextEvent()) {
+    whole = std::ftell(log.getFilePtr());
     if (event->channel == channels::kOdometry) {
       odometry_t message{};
       if (message.decode(event->data, 0, event->datalen) > 0 && is_possible(message) &&
@@ -64,6 +67,8 @@ DriveLog read_drive_log(const std::string& file) {
       drive.frames.push_back(frame);
     }
   }
+  std::fseek(log.getFilePtr(), 0, SEEK_END);
+  drive.is_cut = std::ftell(log.getFilePtr()) != whole;
   // a stamp from the future must not hold up the frames behind it
   std::stable_sort(drive.frames.begin(), drive.frames.end(),
                    [](const SightingFrame& a, const SightingFrame& b) { return a.utime < b.utime; });

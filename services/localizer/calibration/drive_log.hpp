@@ -13,6 +13,7 @@ namespace luminav {
 struct DriveLog {
   std::vector<OdometryReading> odometry;
   std::vector<SightingFrame> frames;
+  bool is_cut = false;  // the log ends inside a message
 };
 
 /// ODOMETRY and FIXTURE_DETECTIONS of an LCM log; a log cut in the middle gives what is whole. Throws

@@ -42,7 +42,11 @@ void print(const DriveCalibration& c) {
 /// scripts/record keeps the files of the drive beside its log. Detections were placed with that camera: what is found
 /// says nothing of another one, and nothing twice.
 void check_camera(const std::string& log, const CameraDescription& camera) {
-  const std::filesystem::path kept = log + ".config/robot.toml";
+  std::filesystem::path kept = log + ".config/robot.toml";
+  if (!std::filesystem::exists(kept)) {
+    // a part of a log that was split: NAME.00 beside NAME.config
+    kept = std::filesystem::path(log).replace_extension().string() + ".config/robot.toml";
+  }
   if (!std::filesystem::exists(kept)) {
     return;
   }
@@ -87,10 +91,16 @@ int run(int argc, char** argv) {
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
+  if (logs.size() != 1) {
+    throw ConfigurationError(fmt::format("found {} logs, must be one", logs.size()));
+  }
   LocalizerConfig config = read_localizer_config(robot, building);
   check_camera(logs.front(), config.robot.camera);
   const DriveLog log = read_drive_log(logs.front());
   fmt::print("{} odometry readings, {} images\n", log.odometry.size(), log.frames.size());
+  if (log.is_cut) {
+    fmt::print("{}: cut off; what was whole before was used\n", logs.front());
+  }
   const std::vector<KnownFrame> frames = follow_drive(log, config, kSpacing, kTurn);
   if (frames.size() < kLeastFrames) {
     throw std::runtime_error(

@@ -32,6 +32,12 @@ TEST(MapFile, ReadsWhatItWrote) {
   EXPECT_EQ(read.cells, sample().cells);
 }
 
+TEST(MapFile, IsNotWrittenOverItsOwnPicture) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(write_map(folder.path() / "floor.pgm", sample()), std::runtime_error);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "floor.pgm"));
+}
+
 TEST(MapFile, ReadsRowsFromTheBottomAndThresholds) {
   const TemporaryFolder folder;
   // upper row: black, white; lower row: 206 (probability 0.19, free), 128 (0.5, unknown)
