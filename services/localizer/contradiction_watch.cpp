@@ -25,6 +25,7 @@ std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame
   note_pause(odom_from_robot);
   if (!matches.empty()) {
     note_match(matches, odom_from_robot);
+    match_utime_ = frame.utime;
     return std::nullopt;
   }
   const std::optional<Eigen::Vector2d> unexplained = find_unexplained(frame, objects, scene, belief);
@@ -37,7 +38,7 @@ std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame
     misfit_ = unexplained;
     return Contradiction{fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none",
                                      unexplained->x(), unexplained->y()),
-                         rules_.bonus_after_misfit, true};
+                         is_beyond_carrying(frame.utime) ? rules_.bonus_when_driving : rules_.bonus_after_misfit, true};
   }
   if (missed) {
     missed_fixture_ = *missed;
@@ -54,6 +55,9 @@ void ContradictionWatch::reset() {
 }
 
 void ContradictionWatch::confirm(bool was_doubted) {
+  if (!was_doubted) {
+    foretold_.clear();
+  }
   if (was_doubted && missed_fixture_ >= 0) {
     unreliable_.insert(missed_fixture_);
   }
@@ -75,6 +79,12 @@ void ContradictionWatch::note_pause(const Pose2& odom_from_robot) {
   const bool still = std::hypot(step.x, step.y) < 0.001 && std::abs(step.theta) < radians(0.1);
   still_frames_ = still ? still_frames_ + 1 : 0;
   paused_ = paused_ || still_frames_ >= rules_.pause_frames;
+  halted_ = halted_ || still_frames_ >= rules_.halt_frames;
+}
+
+bool ContradictionWatch::is_beyond_carrying(std::int64_t utime) const {
+  return !may_be_carried_ && !halted_ && static_cast<int>(foretold_.size()) >= rules_.trusted_fixtures &&
+         1e-6 * static_cast<double>(utime - match_utime_) < rules_.match_age;
 }
 
 void ContradictionWatch::note_match(const std::vector<FixtureMatch>& matches, const Pose2& odom_from_robot) {
@@ -82,10 +92,12 @@ void ContradictionWatch::note_match(const std::vector<FixtureMatch>& matches, co
   missed_frames_.clear();
   still_frames_ = 0;
   paused_ = false;
+  halted_ = false;
   odom_at_match_ = odom_from_robot;
   seen_lately_.clear();
   for (const FixtureMatch& match : matches) {
     seen_lately_.push_back(match.fixture);
+    foretold_.insert(match.fixture);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
@@ -48,6 +49,9 @@ class ContradictionWatch {
  private:
   void note_pause(const Pose2& odom_from_robot);
   void note_match(const std::vector<FixtureMatch>& matches, const Pose2& odom_from_robot);
+  /// The pose was right for long, and since its last match the wheels have not stood still: nobody carries a robot away
+  /// so quickly.
+  [[nodiscard]] bool is_beyond_carrying(std::int64_t utime) const;
   /// Where [world] something is seen that is no fixture of the building.
   [[nodiscard]] std::optional<Eigen::Vector2d> find_unexplained(const SightingFrame& frame,
                                                                 const std::vector<int>& objects,
@@ -62,6 +66,9 @@ class ContradictionWatch {
   double ceiling_height_;  // [m]
   TrackingRules rules_;
   int misfit_run_ = 0;                       // images
+  std::set<int> foretold_;                   // fixtures that came where the pose has them
+  bool halted_ = false;                      // the wheels stood for a moment since the last match
+  std::int64_t match_utime_ = 0;             // [us] of the last match
   std::map<int, int> missed_frames_;         // images since the last match that ought to show a fixture and do not
   std::set<int> unreliable_;                 // fixtures that were missed though the pose was right: no longer missed
   int missed_fixture_ = -1;                  // whose absence put the pose in doubt; -1 = something else

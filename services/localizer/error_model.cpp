@@ -52,10 +52,22 @@ Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const
   covariance(0, 0) += squared(params.sighting_position);
   covariance(1, 1) += squared(params.sighting_position);
   covariance(2, 2) += squared(params.sighting_heading);
-  if (sighting.state == SightingState::kHalf) {
-    const Eigen::Vector2d across(-std::sin(sighting.robot_from_fixture.theta),
-                                 std::cos(sighting.robot_from_fixture.theta));
-    covariance.topLeftCorner<2, 2>() += squared(0.25 * fixture.width) * across * across.transpose();
+  const bool is_half = sighting.state == SightingState::kHalf;
+  const bool is_stretch = sighting.clipped && !sighting.near_end_visible && !sighting.far_end_visible;
+  if (!is_half && !is_stretch) {
+    return covariance;
+  }
+  const Eigen::Vector2d along(std::cos(sighting.robot_from_fixture.theta), std::sin(sighting.robot_from_fixture.theta));
+  if (is_half) {
+    const Eigen::Vector2d across(-along.y(), along.x());
+    const double width = std::max(fixture.width, sighting.width);
+    covariance.topLeftCorner<2, 2>() += squared(0.25 * width) * across * across.transpose();
+  }
+  if (is_stretch) {
+    // it lies anywhere along the fixture, and the detector may have thought of a shorter kind
+    const double uniform = squared(std::max(0.0, fixture.length - sighting.length)) / 12.0;
+    const double reported = along.dot(sighting.covariance.topLeftCorner<2, 2>() * along);
+    covariance.topLeftCorner<2, 2>() += std::max(0.0, uniform - reported) * along * along.transpose();
   }
   return covariance;
 }

@@ -85,10 +85,12 @@ bool fits_kind_and_size(const FixtureSighting& sighting, const Fixture& fixture,
                                (sighting.state == SightingState::kHalf ? 0.5 * fixture.width : 0.0);
   const double most_wider = most_narrower + (sighting.state == SightingState::kLit ? gate.bloom : 0.0);
   if (sighting.clipped) {
-    // what the border leaves of a rectangle may look like a square or lie across: only its sides' upper bounds count
+    // what the border leaves of a rectangle may look like a square or lie across: only its sides' upper bounds count;
+    // and a burning fixture of one tube like one of two that burns by half
+    const double least_width = (sighting.state == SightingState::kHalf ? 0.5 : 1.0) * sighting.width;
     return sighting.shape == FixtureShape::kRound
                ? fixture.shape == FixtureShape::kRound
-               : sighting.length <= fixture.length + length_tolerance && sighting.width <= fixture.width + most_wider;
+               : sighting.length <= fixture.length + length_tolerance && least_width <= fixture.width + most_wider;
   }
   return sighting.shape == fixture.shape && std::abs(sighting.length - fixture.length) <= length_tolerance &&
          sighting.width >= fixture.width - most_narrower && sighting.width <= fixture.width + most_wider;

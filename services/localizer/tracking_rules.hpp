@@ -31,6 +31,10 @@ struct TrackingRules {
   double vanish_share = 0.4;                  // of a fixture seen just before that must be in view to miss it
   double miss_share = 0.8;                    // likewise of any other fixture
   double bonus_after_misfit = 6.0;            // prior of the old pose when what was seen did not fit it
+  double bonus_when_driving = 13.0;           // likewise when nobody can have carried the robot since its last match:
+  int halt_frames = 3;                        // ... fewer images in a row than that without wheel motion since
+  double match_age = 3.0;                     // [s] ... and it is not older than that
+  int trusted_fixtures = 8;                   // ... and the pose foretold so many different fixtures
   double bonus_after_miss = 10.0;             // prior of the old pose when only something was missing
   double bonus_after_gap = 13.0;              // prior of the old pose when only odometry was away for a while
   double bonus_when_foretold = 5.0;           // more of it once a doubted pose foretold the next fixture

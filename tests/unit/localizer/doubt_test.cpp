@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,8 @@ RobotDescription robot() {
 /// Drives along the corridor's middle with odometry and pictures that are exact.
 class CorridorDrive {
  public:
-  CorridorDrive() : corridor_(testing::symmetric_corridor(10, kPitch)) {
+  /// With one more fixture at `extra`, if given.
+  explicit CorridorDrive(std::optional<double> extra = {}) : corridor_(corridor(extra)) {
     localizer_.recall({{x_, kMiddle, 0.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()});
   }
 
@@ -81,6 +83,16 @@ class CorridorDrive {
   [[nodiscard]] double error() const { return distance(localizer_.estimate().belief.pose, {x_, kMiddle, 0.0}); }
 
  private:
+  [[nodiscard]] static testing::TestBuilding corridor(std::optional<double> extra) {
+    testing::TestBuilding corridor = testing::symmetric_corridor(10, kPitch);
+    if (extra) {
+      Fixture fixture = corridor.building.fixtures.back();
+      ++fixture.id;
+      fixture.world_from_fixture.x = *extra;
+      corridor.building.fixtures.push_back(fixture);
+    }
+    return corridor;
+  }
   void move(double linear, double time) {
     x_ += linear * time;
     odom_ += linear * time;
@@ -137,6 +149,28 @@ TEST(Doubt, OfAPoseThatForetellsTheNextFixtureEndsThere) {
   drive.drive_to(10.6);
   EXPECT_EQ(drive.state(), LocalizerState::kTracking);
   EXPECT_LT(drive.error(), 0.05);
+}
+
+// Another pose explains the false fixture and the next one: the two at 25.5 and 27.2 are as far apart.
+TEST(Doubt, OfAPoseThatForetoldManyFixturesEndsAtTheNextUnlessTheWheelsStoodStill) {
+  for (const bool has_halted : {false, true}) {
+    for (const bool is_trusted : {false, true}) {
+      CorridorDrive drive(27.2);
+      if (is_trusted) {
+        drive.drive_to(23.0);
+        drive.drive_to(1.0);
+      }
+      drive.drive_to(8.2);
+      ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+      drive.hang_false_fixture(8.8);
+      drive.stand(has_halted ? 0.4 : 0.0);
+      EXPECT_TRUE(any_about(drive.drive_to(9.4), "where the building has none"));
+      EXPECT_EQ(drive.state(), LocalizerState::kAmbiguous);
+      drive.drive_to(10.6);
+      EXPECT_EQ(drive.state() == LocalizerState::kTracking, is_trusted && !has_halted);
+      EXPECT_LT(drive.error(), 0.05);
+    }
+  }
 }
 
 TEST(Doubt, DoesNotComeBackAtAThingThatWasFoundOutToBeNoFixture) {

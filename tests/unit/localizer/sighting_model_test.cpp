@@ -120,6 +120,40 @@ TEST(FixtureMap, TellsOneLampFromTwoLampFixtures) {
   EXPECT_TRUE(fits_kind_and_size(half, two_lamps, KindGate{}));
 }
 
+TEST(FixtureMap, TakesACutFixtureThatSeemsHalfLitForABurningOneOfHalfItsWidthToo) {
+  Fixture one_lamp;
+  one_lamp.length = 1.2;
+  one_lamp.width = 0.15;
+  FixtureSighting half = sighting_at(0, 0, 0);
+  half.state = SightingState::kHalf;
+  half.length = 0.7;
+  half.clipped = true;
+  EXPECT_TRUE(fits_kind_and_size(half, one_lamp, KindGate{}));
+  one_lamp.width = 0.04;
+  EXPECT_FALSE(fits_kind_and_size(half, one_lamp, KindGate{}));
+  one_lamp.width = 0.15;
+  half.state = SightingState::kLit;
+  EXPECT_FALSE(fits_kind_and_size(half, one_lamp, KindGate{}));
+}
+
+TEST(ErrorModel, AStretchWithoutEndsMayLieAnywhereAlongItsFixture) {
+  FixtureSighting stretch = sighting_at(1.0, 0.0, 0.5 * kPi);
+  stretch.length = 0.3;
+  stretch.clipped = true;
+  Fixture fixture;
+  fixture.length = 1.2;
+  fixture.width = 0.3;
+  const ErrorParams errors;
+  const Eigen::Matrix3d with_ends = white_sighting_covariance(stretch, fixture, errors);
+  stretch.near_end_visible = stretch.far_end_visible = false;
+  const Eigen::Matrix3d without = white_sighting_covariance(stretch, fixture, errors);
+  const double uniform = 0.9 / std::sqrt(12.0);  // [m] sigma
+  EXPECT_NEAR(without(1, 1) - with_ends(1, 1), uniform * uniform, 1e-5);
+  EXPECT_NEAR(without(0, 0), with_ends(0, 0), 1e-9);
+  fixture.length = 0.3;
+  EXPECT_EQ(white_sighting_covariance(stretch, fixture, errors), with_ends);
+}
+
 TEST(FixtureMap, TakesABloomingLampForNoWiderFixture) {
   Fixture two_lamps;
   Fixture one_lamp;
