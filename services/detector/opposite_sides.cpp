@@ -19,6 +19,7 @@ constexpr int kLines = kStretches * kLinesPerStretch;
 constexpr int kPadded = 16;  // the distances, filled up to whole vectors
 constexpr float kSaturated = 250.0F;
 constexpr double kCorner = 6.0;  // [px] from a corner nothing is compared
+constexpr int kLeastInView = 5;  // distances: less of the fall of the light says too little
 
 constexpr std::size_t kRow = kPadded + 16;  // a line's lights with room for the neighbours of the first and last
 constexpr std::size_t kFirst = 8;           // of them
@@ -53,18 +54,19 @@ struct Falls {
   alignas(32) std::array<int, kPadded> count{};
 };
 
-constexpr std::array<double, kPadded> count_up_to_last() {
+constexpr std::array<double, kPadded> count_up() {
   std::array<double, kPadded> steps{};
   for (int k = 0; k < kPadded; ++k) {
-    steps[static_cast<std::size_t>(k)] = std::min(k, kDistances - 1);
+    steps[static_cast<std::size_t>(k)] = k;
   }
   return steps;
 }
 
+/// Those after the `last` like that one.
 LUMINAV_VECTOR_CLONES
-void place_along(const Vector2d& first, const Vector2d& advance, const Vignetting& lens, float* x, float* y,
-                 float* gain) {
-  static constexpr std::array<double, kPadded> kSteps = count_up_to_last();
+void place_along(const Vector2d& first, const Vector2d& advance, double last, const Vignetting& lens, float* x,
+                 float* y, float* gain) {
+  static constexpr std::array<double, kPadded> kSteps = count_up();
   const double first_x = first.x();
   const double first_y = first.y();
   const double advance_x = advance.x();
@@ -72,14 +74,27 @@ void place_along(const Vector2d& first, const Vector2d& advance, const Vignettin
   const Vignetting v = lens;
 #pragma GCC ivdep
   for (std::size_t k = 0; k < kPadded; ++k) {
-    const double at_x = first_x + kSteps[k] * advance_x;
-    const double at_y = first_y + kSteps[k] * advance_y;
+    const double at = kSteps[k] < last ? kSteps[k] : last;
+    const double at_x = first_x + at * advance_x;
+    const double at_y = first_y + at * advance_y;
     const double dx = at_x - v.middle_x;
     const double dy = at_y - v.middle_y;
     x[k] = static_cast<float>(at_x);
     y[k] = static_cast<float>(at_y);
     gain[k] = static_cast<float>(1.0 - v.share * (dx * dx + dy * dy) / v.corner);
   }
+}
+
+/// How many distances from the first on are in view, all of them up to there.
+int count_in_view(const GreyView& image, const Vector2d& first, const Vector2d& advance) {
+  if (!is_sampled(image, first)) {  // or there is no pixel
+    return 0;
+  }
+  int count = kDistances;
+  while (count > 1 && !is_sampled(image, first + (count - 1) * advance)) {
+    --count;
+  }
+  return count;
 }
 
 /// Undoes vignetting; negative where one of a pair is saturated.
@@ -152,19 +167,27 @@ Differences OppositeSides::measure(const Pose2& robot_from_outline, double step)
     result.place[stretch] = usable * ((s + 0.5) / kStretches - 0.5);
     DifferenceSums sums;
     std::size_t pairs = 0;
+    std::array<int, kLinesPerStretch> in_view;
     for (std::size_t line = stretch * kLinesPerStretch; line < (stretch + 1) * kLinesPerStretch; ++line) {
-      if (!lines[2 * line].is_in_view || !lines[2 * line + 1].is_in_view) {
+      const int both = std::min(lines[2 * line].in_view, lines[2 * line + 1].in_view);
+      if (both < kLeastInView) {
         continue;
       }
+      in_view[pairs] = both;
       for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
         const LineEnds& ends = lines[2 * line + side];
         const std::size_t first = (2 * pairs + side) * kPadded;
-        place_along(ends.first, ends.advance, lens, &seen.x[first], &seen.y[first], &seen.gain[first]);
+        place_along(ends.first, ends.advance, both - 1, lens, &seen.x[first], &seen.y[first], &seen.gain[first]);
       }
       ++pairs;
     }
     bilinear_at(image_, seen.x.data(), seen.y.data(), 2 * pairs * kPadded, seen.grey.data());
     unveil(seen.grey.data(), seen.gain.data(), pairs, seen.light.data());
+    for (std::size_t pair = 0; pair < pairs; ++pair) {
+      for (std::size_t k = static_cast<std::size_t>(in_view[pair]); k < kDistances; ++k) {
+        seen.light[2 * pair * kRow + kFirst + k] = seen.light[(2 * pair + 1) * kRow + kFirst + k] = -1.0F;
+      }
+    }
     compare(seen.light.data(), pairs, sums, falls);
     for (std::size_t k = 0; k < kDistances; ++k) {
       result.valid[stretch][k] = 2 * sums.lines[k] > kLinesPerStretch;
@@ -202,9 +225,7 @@ void OppositeSides::project(const PointTransform& pose, double usable, double st
     LineEnds& line = lines[i];
     line.advance = (pixels[2 * i + 1] - pixel) * (step / kAhead);
     line.first = pixel - Differences::kInside * line.advance;
-    // false as well where there is no pixel
-    line.is_in_view =
-        is_sampled(image_, line.first) && is_sampled(image_, line.first + (kDistances - 1) * line.advance);
+    line.in_view = count_in_view(image_, line.first, line.advance);
   }
 }
 

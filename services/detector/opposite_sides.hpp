@@ -47,7 +47,7 @@ class OppositeSides {
   struct LineEnds {
     Eigen::Vector2d first;    // [px]
     Eigen::Vector2d advance;  // [px] from one distance to the next
-    bool is_in_view = false;
+    int in_view = 0;          // distances from the first on
   };
   /// Lines evenly along both sides, by turns.
   void project(const PointTransform& pose, double usable, double step, std::span<LineEnds> lines) const;

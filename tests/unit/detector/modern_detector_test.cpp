@@ -123,6 +123,19 @@ TEST(ModernDetector, PlacesACutUnlitFixtureByItsLoneEndThatPartlyCoversAJoint) {
   }
 }
 
+TEST(ModernDetector, PlacesALampBetweenBothItsEndsThoughTheBorderCutsOffTheBloomOfOne) {
+  for (const double margin : {0.06, 0.07, 0.08}) {
+    DrawnCeiling ceiling;
+    ceiling.bloom = 300.0;
+    ceiling.slope_y = 30.0;                                  // so that one end alone seems to lie elsewhere
+    const Pose2 truth{0.1, 1.44 - 0.6 - margin, 0.5 * kPi};  // the border is 1.44 m to the left
+    ceiling.shapes = {{.pose = truth, .width = 0.15}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << "margin " << margin;
+    EXPECT_NEAR(detections[0].robot_from_fixture.y, truth.y, 4e-3) << "margin " << margin;
+  }
+}
+
 TEST(ModernDetector, SaysOfACutFixtureOnlyWhatIsSeen) {
   DrawnCeiling ceiling;
   const Pose2 truth{0.9, 0.1, 0.2};  // its far end lies beyond the upper border, 1.08 m ahead
