@@ -62,9 +62,15 @@ goal_t make_goal(const std::vector<std::string>& words, const Building& building
 }
 
 std::string default_building_file() {
-  const char* launched = std::getenv("LUMINAV_BUILDING");
-  if (launched != nullptr && *launched != '\0') {
-    return launched;
+  const auto launched = [](const char* variable) {
+    const char* value = std::getenv(variable);
+    return std::string(value == nullptr ? "" : value);
+  };
+  if (const std::string building = launched("LUMINAV_BUILDING"); !building.empty()) {
+    return building;
+  }
+  if (const std::string scenario = launched("LUMINAV_SCENARIO"); !scenario.empty()) {
+    return TomlTable::load(scenario).path("building");
   }
   return shipped_file("buildings/laboratory/building.toml");
 }

@@ -16,8 +16,9 @@ std::optional<std::vector<double>> read_numbers(const std::vector<std::string>& 
 /// places.
 goal_t make_goal(const std::vector<std::string>& words, const Building& building);
 
-/// The launched building, LUMINAV_BUILDING; else the laboratory that comes with the project or was installed with it,
-/// found from the program's own place; "" when it is not there.
+/// The launched building, LUMINAV_BUILDING or that of LUMINAV_SCENARIO; else the laboratory that comes with the project
+/// or was installed with it, found from the program's own place; "" when it is not there. Throws ConfigurationError for
+/// a scenario that names none.
 std::string default_building_file();
 
 }  // namespace luminav

@@ -102,12 +102,13 @@ int watch(lcm::LCM& lcm, GoalRequest& request) {
 
 int run_goto(int argc, char** argv) {
   std::string url;
-  std::string building_file = default_building_file();
+  std::string building_file;
   std::vector<std::string> words;
   double tolerance = 0.0;
   CommandLine command_line("goto",
                            "Sends the robot to a place of the building or to a point, and waits until it is there.");
-  command_line.text("--building", building_file, "building file (TOML) that knows the places");
+  command_line.text("--building", building_file,
+                    "building file (TOML) that knows the places; default: the launched one's");
   command_line.number("--tolerance", tolerance, "metres within which it counts as reached; 0 = the planner's");
   command_line.lcm_url(url).positional("target", words, "PLACE, or X Y [THETA] in metres and radians, world frame",
                                        true);
@@ -116,6 +117,9 @@ int run_goto(int argc, char** argv) {
   }
   const std::optional<std::vector<double>> numbers = read_numbers(words);
   // a building is needed for places only
+  if (!numbers && building_file.empty()) {
+    building_file = default_building_file();
+  }
   if (!numbers && building_file.empty()) {
     throw ConfigurationError("a place is known by its building only: give --building FILE");
   }
