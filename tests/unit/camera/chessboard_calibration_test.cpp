@@ -1,5 +1,6 @@
 #include "drivers/camera/calibration/chessboard_calibration.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -32,8 +33,7 @@ GreyImage read_jpeg(const std::filesystem::path& file) {
 std::vector<BoardView> real_views() {
   std::vector<BoardView> views;
   for (int i = 1; i <= 14; ++i) {
-    char name[16];
-    std::snprintf(name, sizeof name, "left%02d.jpg", i);
+    const std::string name = fmt::format("left{:02d}.jpg", i);
     if (std::filesystem::exists(kPictures / name)) {
       const auto view = find_chessboard(read_jpeg(kPictures / name).view(), {});
       EXPECT_TRUE(view) << name;
