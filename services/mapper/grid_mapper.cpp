@@ -1,6 +1,7 @@
 #include "services/mapper/grid_mapper.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 
@@ -33,6 +34,57 @@ std::vector<std::uint8_t> cells_near_walls(const OccupancyGrid& grid, double dis
     }
   }
   return near;
+}
+
+/// Cells up to kSurfaceReach from a middle one, a bit each: eight to a row, of which the last is always empty.
+using Patch = std::uint64_t;
+constexpr int kPatchRow = 2 * kSurfaceReach + 2;
+static_assert(kPatchRow * (2 * kSurfaceReach + 1) <= 64);
+
+Patch patch_cell(int columns, int rows) {
+  return Patch{1} << ((rows + kSurfaceReach) * kPatchRow + columns + kSurfaceReach);
+}
+
+/// Those of the cells that hang together with the middle one.
+Patch connected_to_middle(Patch cells) {
+  Patch connected = cells & patch_cell(0, 0);
+  for (Patch before = 0; connected != before;) {
+    before = connected;
+    connected |= connected << 1 | connected >> 1;
+    connected |= connected << kPatchRow | connected >> kPatchRow;
+    connected &= cells;
+  }
+  return connected;
+}
+
+/// Direction [rad] of the straight thin surface that the cells form; nothing where they form none.
+std::optional<double> direction_of_surface(Patch cells) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Vector2d squares = Eigen::Vector2d::Zero();
+  double product = 0.0;
+  const int count = std::popcount(cells);
+  if (count < kSurfaceCells) {
+    return std::nullopt;
+  }
+  for (Patch left = cells; left != 0; left &= left - 1) {
+    const int bit = std::countr_zero(left);
+    const int dc = bit % kPatchRow - kSurfaceReach;
+    const int dr = bit / kPatchRow - kSurfaceReach;
+    mean += Eigen::Vector2d(dc, dr);
+    squares += Eigen::Vector2d(dc * dc, dr * dr);
+    product += dc * dr;
+  }
+  mean /= count;
+  const double xx = squares.x() / count - mean.x() * mean.x();
+  const double yy = squares.y() / count - mean.y() * mean.y();
+  const double xy = product / count - mean.x() * mean.y();
+  const double spread = std::hypot(0.5 * (xx - yy), xy);
+  const double thin = 0.5 * (xx + yy) - spread;
+  const double wide = 0.5 * (xx + yy) + spread;
+  if (thin > kSurfaceThinness * wide) {
+    return std::nullopt;
+  }
+  return 0.5 * std::atan2(2.0 * xy, xx - yy);
 }
 
 }  // namespace
@@ -124,10 +176,7 @@ SliceRanges GridMapper::visible_ranges(const BeamReading& beam) const {
 }
 
 std::optional<double> GridMapper::incidence_at(const Cell& cell, const Eigen::Vector2d& direction) const {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  Eigen::Vector2d squares = Eigen::Vector2d::Zero();
-  double product = 0.0;
-  int count = 0;
+  Patch around = 0;
   for (int dr = -kSurfaceReach; dr <= kSurfaceReach; ++dr) {
     for (int dc = -kSurfaceReach; dc <= kSurfaceReach; ++dc) {
       const Cell near{cell.column + dc, cell.row + dr};
@@ -136,28 +185,18 @@ std::optional<double> GridMapper::incidence_at(const Cell& cell, const Eigen::Ve
       }
       const std::size_t i = grid_.geometry.index(near);
       if (grid_.prior[i] == Prior::kOccupied || (is_occupied(near) && has_stood(i))) {
-        mean += Eigen::Vector2d(dc, dr);
-        squares += Eigen::Vector2d(dc * dc, dr * dr);
-        product += dc * dr;
-        ++count;
+        around |= patch_cell(dc, dr);
       }
     }
   }
-  if (count < kSurfaceCells) {
+  std::optional<double> along = direction_of_surface(around);
+  if (!along) {
+    along = direction_of_surface(connected_to_middle(around));
+  }
+  if (!along) {
     return std::nullopt;
   }
-  mean /= count;
-  const double xx = squares.x() / count - mean.x() * mean.x();
-  const double yy = squares.y() / count - mean.y() * mean.y();
-  const double xy = product / count - mean.x() * mean.y();
-  const double spread = std::hypot(0.5 * (xx - yy), xy);
-  const double thin = 0.5 * (xx + yy) - spread;
-  const double wide = 0.5 * (xx + yy) + spread;
-  if (thin > kSurfaceThinness * wide) {
-    return std::nullopt;
-  }
-  const double along = 0.5 * std::atan2(2.0 * xy, xx - yy);
-  const double across = std::abs(-std::sin(along) * direction.x() + std::cos(along) * direction.y());
+  const double across = std::abs(-std::sin(*along) * direction.x() + std::cos(*along) * direction.y());
   return std::acos(std::min(1.0, across));
 }
 

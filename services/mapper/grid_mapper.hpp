@@ -86,8 +86,8 @@ class GridMapper {
   };
   /// How far each slice of the cone reaches before something hides what is behind it.
   [[nodiscard]] SliceRanges visible_ranges(const BeamReading& beam) const;
-  /// Angle [rad] between a beam and the normal of the surface that the occupied cells round a cell form; nothing where
-  /// they form none.
+  /// Angle [rad] between a beam and the normal of the surface that the occupied cells round a cell form, or those of
+  /// them that hang together with it: a wall has two faces. Nothing where they form none.
   [[nodiscard]] std::optional<double> incidence_at(const Cell& cell, const Eigen::Vector2d& direction) const;
   /// Whether an occupied cell goes on answering. What only walked past hides nothing and throws no sound away.
   [[nodiscard]] bool has_stood(std::size_t cell) const;

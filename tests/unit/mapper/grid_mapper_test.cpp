@@ -271,6 +271,23 @@ TEST(GridMapper, LetsFarEchoesTakeAwayNoMoreThanSilenceWhereNoMapIsKnown) {
   EXPECT_FALSE(occupied(mapper, 5.05, 8.05));
 }
 
+TEST(GridMapper, KeepsEachFaceOfAWallThatItPassesAtASlant) {
+  const PriorMap map = room(Prior::kUnknown);
+  OccupancyGrid drawn(map.geometry);
+  for (int column = 10; column < 90; ++column) {
+    drawn.evidence[map.geometry.index({column, 50})] = 60;
+    drawn.evidence[map.geometry.index({column, 53})] = 60;  // the other side of the same wall
+  }
+  GridMapper mapper({}, map, 16);
+  ASSERT_TRUE(mapper.restore_evidence(drawn));
+  // by a mirror: what answers seems to lie behind the wall
+  Beam(mapper).look({3.0, 4.6, radians(30.0)}, 2.0, 100);
+  for (int column = 30; column < 60; ++column) {
+    EXPECT_TRUE(mapper.is_occupied({column, 50})) << "column " << column;
+    EXPECT_TRUE(mapper.is_occupied({column, 53})) << "column " << column;
+  }
+}
+
 TEST(GridMapper, DoesNotDrawFreeSpaceThroughAWallOfTheMap) {
   GridMapper mapper({}, room(), 16);
   Beam(mapper).look({8.5, 5.0, 0.9}, 5.0, 50, false);
