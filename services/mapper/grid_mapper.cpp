@@ -139,7 +139,7 @@ SliceRanges GridMapper::visible_ranges(const BeamReading& beam) const {
   const double step = 0.7 * geometry.resolution;
   // What is heard from so far away was often thrown there by a mirror: in an office 2 to 3 of 100 cells on the way of
   // such an echo are walls, ten times as many as on the way of one from 1.5 m. It takes away no more than silence.
-  const bool says_little = !beam.has_echo || beam.range > params_.sonar.occupied_range;
+  const bool says_little = !beam.has_echo || beam.range > params_.mirror_range;
   SliceRanges ranges;
   for (int slice = 0; slice < kSlices; ++slice) {
     double& range = ranges[static_cast<std::size_t>(slice)];
@@ -243,6 +243,7 @@ void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& vi
     }
   }
   const bool is_new = is_new_view(reading);
+  const double far_share = reading.range > params_.mirror_range ? params_.mirror_share : 1.0;
   for (const ArcCell& candidate : arc_) {
     const std::size_t i = grid_.geometry.index(candidate.cell);
     if (wall_explains) {
@@ -255,7 +256,7 @@ void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& vi
     if (grid_.prior[i] == Prior::kUnknown) {
       if (is_new && uncharted > 0.0) {  // the echo came from one of them, most likely from where others came from
         const double share = candidate.weight * odds_of(grid_.evidence[i], reading.range) / uncharted;
-        add(candidate.cell, params_.sonar.occupied_log_odds * std::min(1.0, params_.surface_cells * share));
+        add(candidate.cell, far_share * params_.sonar.occupied_log_odds * std::min(1.0, params_.surface_cells * share));
         if (is_occupied(candidate.cell)) {
           forget_behind(reading.world_from_sonar.position(), candidate.cell);
         }

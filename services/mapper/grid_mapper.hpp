@@ -31,6 +31,8 @@ struct GridMapperParams {
   double dispute_range = 2.0;    ///< [m] walls seen through from farther away are not disputed
   double dispute_spacing = 0.5;  ///< [m] between poses that dispute a wall
   int dispute_poses = 3;
+  double mirror_range = 3.0;         ///< [m] echoes from farther away were often thrown there by a mirror:
+  double mirror_share = 0.5;         ///< vote of those, up to occupied_range, where the building's map is silent
   double surface_cells = 5.0;        ///< cells of a surface that one echo may draw where the building's map is silent
   double arc_sharpness = 2.0;        ///< power to which their odds decide which cells of an arc these are
   double known_log_odds = 0.8;       ///< no cell counts as likelier than that, so that a wall may go on beside itself,

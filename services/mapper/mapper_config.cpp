@@ -40,6 +40,8 @@ void read_grid_mapper(const TomlTable& table, GridMapperParams& grid) {
   grid.occupied_log_odds = table.number("occupied_threshold", grid.occupied_log_odds, {0.05, grid.passing_log_odds});
   grid.prior_tolerance = table.number("prior_tolerance", grid.prior_tolerance, {0.0, 1.0});
   grid.explained_share = table.number("explained_share", grid.explained_share, kFraction);
+  grid.mirror_range = table.number("mirror_range", grid.mirror_range, {0.0, 20.0});
+  grid.mirror_share = table.number("mirror_share", grid.mirror_share, kFraction);
   grid.surface_cells = table.number("surface_cells", grid.surface_cells, {0.0, 100.0});
   grid.arc_sharpness = table.number("arc_sharpness", grid.arc_sharpness, {0.0, 10.0});
   grid.known_log_odds = table.number("known_log_odds", grid.known_log_odds, {-1.0, 10.0});

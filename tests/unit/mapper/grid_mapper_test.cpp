@@ -288,6 +288,20 @@ TEST(GridMapper, KeepsEachFaceOfAWallThatItPassesAtASlant) {
   }
 }
 
+TEST(GridMapper, CountsEchoesFromAfarForLessWhereNoMapIsKnown) {
+  const auto evidence_with = [](double mirror_range) {
+    GridMapperParams params;
+    params.mirror_range = mirror_range;
+    GridMapper mapper(params, room(Prior::kUnknown), 16);
+    Beam(mapper).look({4.0, 5.05, 0.0}, 2.53, 2);
+    return mapper.grid().evidence[mapper.grid().geometry.index(mapper.grid().geometry.cell_at({6.55, 5.05}))];
+  };
+  const int near = evidence_with(3.0);
+  const int far = evidence_with(2.0);
+  EXPECT_GT(far, 0);
+  EXPECT_NEAR(far, GridMapperParams{}.mirror_share * near, 1.0);
+}
+
 TEST(GridMapper, DoesNotDrawFreeSpaceThroughAWallOfTheMap) {
   GridMapper mapper({}, room(), 16);
   Beam(mapper).look({8.5, 5.0, 0.9}, 5.0, 50, false);
