@@ -22,6 +22,9 @@ constexpr double kSpeckFit = 0.92;
 constexpr double kLeastStretch = 0.4;  // of the side that is seen
 constexpr double kOneSideFit = 0.85;   // share of it that must show its edge
 constexpr double kMostHeading = radians(0.7);
+// Of an unlit fixture without ends, the least depth of its outermost stretches against that of the others: joints carry
+// its long sides on beyond an end that is in view (there 0 to 0.57, up to the border 0.73 to 1.0; simulated pictures).
+constexpr double kGoesOn = 0.6;
 
 }  // namespace
 
@@ -58,6 +61,9 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   }
   if (!is_filled(frame, candidate, level)) {
     return kNotFilled.data();
+  }
+  if (!bright && ends == 0 && !goes_on_to_the_border(frame, candidate)) {
+    return "ends within the image";
   }
   if (!candidate.hypothesis.is_element && fit.covariance(1, 1) > kMostAcross * kMostAcross) {
     return "too uncertain";
@@ -197,6 +203,39 @@ bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candid
   }
   const double inside = sum[0] / count[0];
   return inside - sum[1] / count[1] > 0.45 * std::max(inside, candidate.fit.step);
+}
+
+bool CandidateChecks::goes_on_to_the_border(const CeilingFrame& frame, const Candidate& candidate) const {
+  constexpr std::size_t kStretches = 16;
+  const Outline& outline = candidate.hypothesis.outline;
+  const OutlineFit& fit = candidate.fit;
+  const PointTransform pose(fit.robot_from_outline);
+  std::array<double, kStretches> depth;  // mean [grey] of each that is in view
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < kStretches; ++i) {
+    const double along =
+        fit.visible_from + (fit.visible_to - fit.visible_from) * (static_cast<double>(i) + 0.5) / kStretches;
+    int sum = 0;
+    int looked = 0;
+    for (int j = -3; j <= 3; ++j) {
+      const auto pixel =
+          camera_.pixel_of_ceiling_point(pose * Vector2d(along, 0.1 * j * outline.width), outline.height);
+      if (pixel && camera_.is_in_image(*pixel, frame.factor)) {
+        sum += cell_at(frame.dark, *pixel, frame.factor);
+        ++looked;
+      }
+    }
+    if (looked > 0) {
+      depth[count++] = static_cast<double>(sum) / looked;
+    }
+  }
+  if (count == 0) {
+    return false;
+  }
+  const double outermost = std::min(depth[0], depth[count - 1]);
+  const auto middle = depth.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(depth.begin(), middle, depth.begin() + static_cast<std::ptrdiff_t>(count));
+  return outermost > kGoesOn * *middle;
 }
 
 bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& candidate, int region_level) const {

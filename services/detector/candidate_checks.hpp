@@ -32,6 +32,8 @@ class CandidateChecks {
   [[nodiscard]] bool may_be_something_else(const CeilingFrame& frame, const Candidate& candidate, bool bright) const;
   /// An unlit one is dark just inside of an end in view and no longer just outside.
   [[nodiscard]] bool ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const;
+  /// An unlit one without an end in view is as dark where it leaves the view as elsewhere.
+  [[nodiscard]] bool goes_on_to_the_border(const CeilingFrame& frame, const Candidate& candidate) const;
   [[nodiscard]] bool is_filled(const CeilingFrame& frame, const Candidate& candidate, int level) const;
 
   ModernDetectorParams params_;
