@@ -38,7 +38,7 @@ void GoalCycle::begin(const GoalRequest& goal, int stop_index, std::int64_t now)
   map_dirty_ = true;
   last_tracking_ = 0;
   last_plan_ = 0;
-  attempts_ = losses_ = doubts_ = arrival_failures_ = retries_ = failures_in_a_row_ = skipped_ = 0;
+  attempts_ = losses_ = doubts_ = waits_beside_ = arrival_failures_ = retries_ = failures_in_a_row_ = skipped_ = 0;
   set_path({});
   phase_ = Phase::kNone;  // a search that was under way begins anew, with all its time
   enter(Phase::kLocalizing, NavigationState::kLocalizing, "");
@@ -132,7 +132,7 @@ void GoalCycle::next_stop() {
   stop_ = (stop_ + 1) % report_.stop_count;
   report_.stop_index = stop_;
   report_.target = stop();
-  attempts_ = losses_ = doubts_ = arrival_failures_ = retries_ = 0;
+  attempts_ = losses_ = doubts_ = waits_beside_ = arrival_failures_ = retries_ = 0;
   suspects_.clear();
   search_ = {};
   has_left_people_ = false;
@@ -298,6 +298,13 @@ void GoalCycle::set_path(const Polyline& points) {
     path_.has_theta = stop().has_theta;
     path_.theta = stop().pose.theta;
   }
+}
+
+void GoalCycle::set_path_to_wait(const Polyline& points, double theta) {
+  set_path(points);
+  path_.tolerance = params_.hold_tolerance;
+  path_.has_theta = true;
+  path_.theta = theta;
 }
 
 }  // namespace luminav

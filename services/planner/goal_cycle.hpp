@@ -59,7 +59,18 @@ class GoalCycle {
   /// still, then looks round. False when that has gone on for too long.
   bool doubt_place(const Situation& situation);
   void hold(const Polyline& way, std::size_t blocked_at, double reference_length);
+  /// Leaves a place in the way of whoever comes through a door, and waits beside the door. False where there is no
+  /// room.
+  bool wait_beside(const Door& door, const Polyline& way);
+  /// The door before or in which the robot holds, if it has not waited beside one too often.
+  [[nodiscard]] const Door* door_in_the_way() const;
+  /// How far [m] from the place of the hold something stands on the blocked way; walls are nothing.
+  [[nodiscard]] double distance_of_what_blocks() const;
+  /// Somebody comes out of the door before which the robot holds.
+  void make_way(const Situation& situation);
   void update_hold(const Situation& situation);
+  /// No way leads on: looks again, gives up in the end, and meanwhile makes way and faces what blocks.
+  void keep_holding(const Situation& situation, const Route& route);
   void look_again(const Situation& situation, const Route& route);
   /// Turns the robot, where it stands and waits, towards what blocks its way.
   void face_blockage(const Situation& situation);
@@ -85,6 +96,8 @@ class GoalCycle {
   [[nodiscard]] Route plan_route(const Situation& situation);
   void refresh_space();
   void set_path(const Polyline& points);
+  /// To where it stands still for a while, not just so, with a heading [rad, world].
+  void set_path_to_wait(const Polyline& points, double theta);
   /// From the robot along what is left of the path.
   [[nodiscard]] Polyline remaining(const Pose2& pose) const { return rest_of(path_.points, at_, pose.position()); }
   /// What a path may end from the stop so that the robot, stopping there, is within the tolerance [m].
@@ -159,13 +172,16 @@ class GoalCycle {
   double loss_left_ = 0.0;  // [m] distance left when losses were counted from
   int doubts_ = 0;          // how often its place could not be, on the way to this stop
   int looks_round_ = 0;     // thirds of a turn, of this doubt
+  int waits_beside_ = 0;    // a door, on the way to this stop
   int arrival_failures_ = 0;
   int retries_ = 0;
   int failures_in_a_row_ = 0;
   int skipped_ = 0;
   Blockage blockage_;
-  Polyline blocked_way_;          // that it leads through
-  std::int64_t last_facing_ = 0;  // [us] when the robot was last told to turn towards it
+  Polyline blocked_way_;                                  // that it leads through
+  Eigen::Vector2d hold_place_ = Eigen::Vector2d::Zero();  // [m] world
+  double blocker_distance_ = 0.0;                         // [m] from there to what blocked the way, then
+  std::int64_t last_facing_ = 0;                          // [us] when the robot was last told to turn towards it
   std::string hold_reason_;
   Search search_;                  // for the stop at hand
   bool looks_at_gap_ = false;      // what it holds before is one

@@ -61,6 +61,8 @@ struct GoalCycleParams {
   double detour_radius = 1.5;     ///< [m] round the blockage
   double hold_distance = 0.8;     ///< [m] before a blockage where the robot waits
   double hold_tolerance = 0.3;    ///< [m] for getting there
+  double come_nearer = 0.2;       ///< [m] what blocks a door and comes so much nearer is somebody who wants to get out
+  int waits_beside = 3;           ///< how often, on the way to a stop, the robot waits beside a door for that
   double facing_after = 10.0;     ///< [s] of waiting after which it looks whether what blocks it is still there,
   double facing_period = 3.0;     ///< [s] between two turns for that
   double facing_angle = 0.21;     ///< [rad] off its heading, which are none: so far ahead the cones leave no gap

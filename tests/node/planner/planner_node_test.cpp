@@ -279,6 +279,43 @@ TEST(PlannerNode, WaitsBeforeAClosedDoorAndGoesOnWhenItOpens) {
   ASSERT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED));
 }
 
+TEST(PlannerNode, MakesWayForWhoComesOutOfTheDoorItWaitsBefore) {
+  PlannerConfig config;
+  config.doors = {{1, {6.2, 3.25, 0.5 * kPi}, 0.9}};
+  PlannerWorld world(config);
+  world.go(1, 9.0, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.obstacle(6.1, 3.0, 6.4, 3.5);
+  ASSERT_TRUE(world.run_until_state(20.0, Status::STATE_WAITING));
+  world.run(9.0);
+  const double beside_before = std::abs(world.robot.y - 3.25);
+  EXPECT_LT(beside_before, 0.4) << "a thing is looked at from before it";
+  EXPECT_LT(world.robot.x, 5.8);
+  world.obstacle(6.1, 3.0, 6.4, 3.5, false);
+  world.obstacle(5.7, 3.0, 6.0, 3.5);
+  ASSERT_TRUE(world.run_until(15.0, [&] { return std::abs(world.robot.y - 3.25) > 0.8; })) << world.status.cause;
+  EXPECT_EQ(world.status.state, Status::STATE_WAITING);
+  EXPECT_THAT(world.status.cause, HasSubstr("making way"));
+  EXPECT_LT(world.robot.x, 6.0);
+  world.obstacle(5.7, 3.0, 6.0, 3.5, false);
+  EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
+TEST(PlannerNode, DoesNotWaitInADoor) {
+  PlannerConfig config;
+  config.doors = {{1, {6.2, 3.25, 0.5 * kPi}, 0.9}};
+  PlannerWorld world(config);
+  world.go(1, 7.5, 3.2);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.obstacle(7.2, 2.9, 7.8, 3.5);  // who stands at the goal would have to pass
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_WAITING));
+  world.run(12.0);
+  EXPECT_EQ(world.status.state, Status::STATE_WAITING);
+  EXPECT_LT(world.robot.x, 5.9);
+  EXPECT_GT(std::abs(world.robot.y - 3.25), 0.8);
+  EXPECT_LT(std::abs(wrap_angle(std::atan2(3.25 - world.robot.y, 6.2 - world.robot.x) - world.robot.theta)), 0.3);
+}
+
 TEST(PlannerNode, TurnsTowardsWhatBlocksItWhileItWaits) {
   PlannerWorld world;
   world.go(1, 9.0, 3.2);
