@@ -1,20 +1,25 @@
 #pragma once
 
-#include <limits>
+#include <algorithm>
 
 namespace luminav {
 
-/// std::floor as an int, without the library call that it is on the plainest machines. Of what does not fit the result
-/// is some int.
+/// Beyond it there is no cell of any grid, and room is left to count on from there without leaving the int.
+inline constexpr double kFarthestInt = 1e9;
+
+/// std::floor as an int, without the library call that it is on the plainest machines. What lies beyond `kFarthestInt`
+/// becomes that, with its sign; what is not a number -`kFarthestInt`.
 inline int floor_to_int(double x) {
-  const int cut = static_cast<int>(x);
-  return cut - (x < cut && cut != std::numeric_limits<int>::min() ? 1 : 0);
+  const double near = std::min(kFarthestInt, std::max(-kFarthestInt, x));
+  const int cut = static_cast<int>(near);
+  return cut - (near < cut ? 1 : 0);
 }
 
 /// std::ceil as an int, likewise.
 inline int ceil_to_int(double x) {
-  const int cut = static_cast<int>(x);
-  return cut + (x > cut && cut != std::numeric_limits<int>::max() ? 1 : 0);
+  const double near = std::min(kFarthestInt, std::max(-kFarthestInt, x));
+  const int cut = static_cast<int>(near);
+  return cut + (near > cut ? 1 : 0);
 }
 
 }  // namespace luminav

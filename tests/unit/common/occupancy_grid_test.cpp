@@ -2,8 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace luminav {
 namespace {
+
+TEST(GridGeometry, HasNoCellForWhatIsFarAwayOrNowhere) {
+  const GridGeometry geometry{0.1, {0.0, 0.0}, 10, 10};
+  const double nowhere = std::numeric_limits<double>::quiet_NaN();
+  for (const double far : {1e12, 1e300, std::numeric_limits<double>::infinity()}) {
+    EXPECT_EQ(geometry.cell_at({far, -far}), (Cell{1'000'000'000, -1'000'000'000}));
+  }
+  EXPECT_EQ(geometry.cell_at({nowhere, 0.05}), (Cell{-1'000'000'000, 0}));
+  EXPECT_EQ(geometry.cell_at({-0.01, 0.99}), (Cell{-1, 9}));
+}
 
 TEST(GridGeometry, TurnsMetresIntoCellsAndBack) {
   const GridGeometry grid{0.1, {-1.0, 2.0}, 30, 20};
