@@ -1,19 +1,17 @@
 #include "services/mapper/grid_mapper.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <stdexcept>
+
+#include "services/mapper/surface_patch.hpp"
 
 namespace luminav {
 namespace {
 
-constexpr double kBesideDisc = 0.1;       // [m] nearer to a disc nothing can hide anything
-constexpr int kSurfaceReach = 3;          // [cells] round a cell that show how its surface lies
-constexpr int kSurfaceCells = 4;          // fewer are no surface
-constexpr double kSurfaceThinness = 0.2;  // ratio of variances across and along; a straight wall of one cell has 0.02
-constexpr double kSelfEcho = 0.3;         // [m] around the reading that may belong to the wall itself
-constexpr double kRobotLogOdds = 1.0;     // the robot's own place is certain
+constexpr double kBesideDisc = 0.1;    // [m] nearer to a disc nothing can hide anything
+constexpr double kSelfEcho = 0.3;      // [m] around the reading that may belong to the wall itself
+constexpr double kRobotLogOdds = 1.0;  // the robot's own place is certain
 
 std::vector<std::uint8_t> cells_near_walls(const OccupancyGrid& grid, double distance) {
   const int reach = static_cast<int>(std::floor(distance / grid.geometry.resolution + 1e-9));
@@ -34,57 +32,6 @@ std::vector<std::uint8_t> cells_near_walls(const OccupancyGrid& grid, double dis
     }
   }
   return near;
-}
-
-/// Cells up to kSurfaceReach from a middle one, a bit each: eight to a row, of which the last is always empty.
-using Patch = std::uint64_t;
-constexpr int kPatchRow = 2 * kSurfaceReach + 2;
-static_assert(kPatchRow * (2 * kSurfaceReach + 1) <= 64);
-
-Patch patch_cell(int columns, int rows) {
-  return Patch{1} << ((rows + kSurfaceReach) * kPatchRow + columns + kSurfaceReach);
-}
-
-/// Those of the cells that hang together with the middle one.
-Patch connected_to_middle(Patch cells) {
-  Patch connected = cells & patch_cell(0, 0);
-  for (Patch before = 0; connected != before;) {
-    before = connected;
-    connected |= connected << 1 | connected >> 1;
-    connected |= connected << kPatchRow | connected >> kPatchRow;
-    connected &= cells;
-  }
-  return connected;
-}
-
-/// Direction [rad] of the straight thin surface that the cells form; nothing where they form none.
-std::optional<double> direction_of_surface(Patch cells) {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  Eigen::Vector2d squares = Eigen::Vector2d::Zero();
-  double product = 0.0;
-  const int count = std::popcount(cells);
-  if (count < kSurfaceCells) {
-    return std::nullopt;
-  }
-  for (Patch left = cells; left != 0; left &= left - 1) {
-    const int bit = std::countr_zero(left);
-    const int dc = bit % kPatchRow - kSurfaceReach;
-    const int dr = bit / kPatchRow - kSurfaceReach;
-    mean += Eigen::Vector2d(dc, dr);
-    squares += Eigen::Vector2d(dc * dc, dr * dr);
-    product += dc * dr;
-  }
-  mean /= count;
-  const double xx = squares.x() / count - mean.x() * mean.x();
-  const double yy = squares.y() / count - mean.y() * mean.y();
-  const double xy = product / count - mean.x() * mean.y();
-  const double spread = std::hypot(0.5 * (xx - yy), xy);
-  const double thin = 0.5 * (xx + yy) - spread;
-  const double wide = 0.5 * (xx + yy) + spread;
-  if (thin > kSurfaceThinness * wide) {
-    return std::nullopt;
-  }
-  return 0.5 * std::atan2(2.0 * xy, xx - yy);
 }
 
 }  // namespace
@@ -176,22 +123,22 @@ SliceRanges GridMapper::visible_ranges(const BeamReading& beam) const {
 }
 
 std::optional<double> GridMapper::incidence_at(const Cell& cell, const Eigen::Vector2d& direction) const {
-  Patch around = 0;
-  for (int dr = -kSurfaceReach; dr <= kSurfaceReach; ++dr) {
-    for (int dc = -kSurfaceReach; dc <= kSurfaceReach; ++dc) {
+  SurfacePatch around;
+  for (int dr = -SurfacePatch::kReach; dr <= SurfacePatch::kReach; ++dr) {
+    for (int dc = -SurfacePatch::kReach; dc <= SurfacePatch::kReach; ++dc) {
       const Cell near{cell.column + dc, cell.row + dr};
       if (!grid_.geometry.contains(near)) {
         continue;
       }
       const std::size_t i = grid_.geometry.index(near);
       if (grid_.prior[i] == Prior::kOccupied || (is_occupied(near) && has_stood(i))) {
-        around |= patch_cell(dc, dr);
+        around.add(dc, dr);
       }
     }
   }
-  std::optional<double> along = direction_of_surface(around);
+  std::optional<double> along = around.direction();
   if (!along) {
-    along = direction_of_surface(connected_to_middle(around));
+    along = around.connected_to_middle().direction();
   }
   if (!along) {
     return std::nullopt;
