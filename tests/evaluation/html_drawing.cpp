@@ -18,6 +18,9 @@ namespace luminav {
 namespace {
 
 constexpr std::size_t kMostPoints = 1200;  // of a drawn way
+constexpr double kTrailPeriod = 0.1;       // [s] between the points of a trail
+constexpr double kFastest = 1.5;           // [m/s] no robot drives faster: such a step between points is a jump,
+constexpr double kJump = 1.5;              // [m] when it is as long as this
 
 std::string base64(const std::vector<std::uint8_t>& bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -158,8 +161,8 @@ std::string trajectory_svg(const RunReport& run, const std::string& map_id) {
   const std::vector<TrailPoint> trail = thinned(run.trail);
   std::optional<Pose2> world_from_odometry;
   bool is_way_joined = false;  // the step before was drawn
-  // what a robot drives between two points that are kept, and no jump
-  const double step = std::max(1.5, 1.5 * static_cast<double>(run.trail.size()) / kMostPoints * 0.1);
+  const double points_per_kept_one = static_cast<double>(run.trail.size()) / kMostPoints;
+  const double step = std::max(kJump, kFastest * kTrailPeriod * points_per_kept_one);
   for (std::size_t i = 1; i < trail.size(); ++i) {
     const TrailPoint& a = trail[i - 1];
     const TrailPoint& b = trail[i];
@@ -175,9 +178,7 @@ std::string trajectory_svg(const RunReport& run, const std::string& map_id) {
       tracking.add(a.believed, b.believed, is_way_joined && a.state == pose_t::STATE_TRACKING);
     }
     is_way_joined = is_drawn;
-    if (is_drawn) {
-      // nothing to guess
-    } else if (!tracks) {
+    if (!tracks) {
       guesses += fmt::format("<circle class=\"guess\" cx=\"{:.2f}\" cy=\"{:.2f}\" r=\".06\"/>",
                              b.believed.x - frame.left, frame.top - b.believed.y);
     }
