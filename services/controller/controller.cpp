@@ -12,6 +12,13 @@ std::int64_t microseconds(double seconds) {
   return static_cast<std::int64_t>(1e6 * seconds);
 }
 
+/// Where the robot is when it comes to getting on: by the ceiling where that is known, since wheels that spin get
+/// nowhere.
+const Pose2& place_of(const ControlInput& input) {
+  const bool by_ceiling = input.task == ControlTask::kFollow && input.world_from_robot;
+  return by_ceiling ? *input.world_from_robot : input.odom_from_robot;
+}
+
 bool is_still(const DriveTwist& twist) {
   return std::abs(twist.linear) < 0.02 && std::abs(twist.angular) < 0.04;
 }
@@ -45,7 +52,7 @@ void Controller::enter(ControlTask task, const ControlInput& input) {
   standing_since_ = 0;
   next_escape_ = 0;
   hold_since_ = next_hold_ = 0;
-  progress_.restart(input.now, input.odom_from_robot);
+  progress_.restart(input.now, place_of(input));
 }
 
 ControlOutput Controller::step(const ControlInput& input) {
@@ -75,7 +82,7 @@ ControlOutput Controller::step(const ControlInput& input) {
     smooth.angular = wanted.angular * smooth.linear / wanted.linear;
   }
   StopVerdict verdict = stop_logic_.judge(smooth, obstacles_, input.ages);
-  hold_still(input.now, input.odom_from_robot, wanted, unknown, verdict);
+  hold_still(input.now, place_of(input), wanted, unknown, verdict);
   if (verdict.limited && is_still(verdict.twist)) {
     verdict.twist = {};  // who waits stands still: creeping into people is no waiting
   }
@@ -132,7 +139,7 @@ DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const
 
 // Where something that is on no map stands in the way at arm's length it stands quite still for a while: people pass or
 // turn away from a robot that waits, not from one that fidgets.
-void Controller::hold_still(std::int64_t now, const Pose2& odom_from_robot, const DriveTwist& wanted, double nearest,
+void Controller::hold_still(std::int64_t now, const Pose2& place, const DriveTwist& wanted, double nearest,
                             StopVerdict& verdict) {
   const bool drives_itself = task_ == ControlTask::kFollow && !escape_;
   // inching counts as stopped: somebody who may still step nearer never turns away
@@ -149,7 +156,7 @@ void Controller::hold_still(std::int64_t now, const Pose2& odom_from_robot, cons
   if (!drives_itself || is_gone || seconds_between(hold_since_, now) > config_.patience) {
     if (is_gone) {
       // the way is free again: what happened before counts no more
-      progress_.restart(now, odom_from_robot);
+      progress_.restart(now, place);
       escapes_ = 0;
       standing_since_ = 0;
     }
@@ -252,19 +259,19 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, Contro
     output.reason = move->name;
   }
   if (escapes_++ == 0) {
-    escape_place_ = input.odom_from_robot;
+    escape_place_ = place_of(input);
     escape_since_ = input.now;
   }
   next_escape_ = input.now + microseconds(config_.escape_pause);
 }
 
 double Controller::judge_progress(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output) {
-  if (escapes_ > 0 && distance(escape_place_, input.odom_from_robot) > config_.escaped_after) {
+  if (escapes_ > 0 && distance(escape_place_, place_of(input)) > config_.escaped_after) {
     escapes_ = 0;
   }
   // to and fro between escape and obstacle is no progress
   const bool goes_in_circles = escapes_ >= config_.escapes_most;
-  const double without_progress = progress_.update(input.now, input.odom_from_robot);
+  const double without_progress = progress_.update(input.now, place_of(input));
   output.seconds_without_progress = without_progress;
   // who drives freely again after the last escape is let drive: the next escape would only turn it back
   if (goes_in_circles && (verdict.blocked || without_progress > 0.5 * config_.stuck_after)) {
@@ -285,7 +292,7 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
   const bool has_work = output.state != ControlState::kAtGoal && output.state != ControlState::kIdle &&
                         output.state != ControlState::kStopped;
   if (!has_work) {
-    progress_.restart(input.now, input.odom_from_robot);
+    progress_.restart(input.now, place_of(input));
     standing_since_ = 0;
     escapes_ = 0;
     return;

@@ -79,8 +79,7 @@ class Controller {
   void look_for_people(std::int64_t now);
   [[nodiscard]] bool has_met_people(std::int64_t now) const;
   [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest) const;
-  void hold_still(std::int64_t now, const Pose2& odom_from_robot, const DriveTwist& wanted, double nearest,
-                  StopVerdict& verdict);
+  void hold_still(std::int64_t now, const Pose2& place, const DriveTwist& wanted, double nearest, StopVerdict& verdict);
   DriveTwist wish(const ControlInput& input, ControlOutput& output);
   void follow(const ControlInput& input, ControlOutput& output);
   [[nodiscard]] std::optional<DriveTwist> escape_twist(std::int64_t now) const;
@@ -102,7 +101,7 @@ class Controller {
   ControlTask task_ = ControlTask::kNone;
   std::optional<Escape> escape_;
   int escapes_ = 0;                  // since it got away from the place of the first
-  Pose2 escape_place_;               // odom, of the first
+  Pose2 escape_place_;               // where progress is counted, of the first
   std::int64_t escape_since_ = 0;    // [us] of the first
   std::int64_t standing_since_ = 0;  // [us] it wants to move and may not; 0 = it moves
   std::int64_t next_escape_ = 0;     // [us] not before

@@ -17,22 +17,22 @@ class ProgressMonitor {
  public:
   explicit ProgressMonitor(const ProgressParams& params) : params_(params) {}
 
-  void restart(std::int64_t now, const Pose2& odom_from_robot) {
+  void restart(std::int64_t now, const Pose2& place) {
     since_ = now;
-    place_ = heading_ = odom_from_robot;
+    place_ = heading_ = place;
     turned_ = 0.0;
   }
   /// Seconds without progress, after taking up where it is now.
-  double update(std::int64_t now, const Pose2& odom_from_robot) {
+  double update(std::int64_t now, const Pose2& place) {
     if (since_ == 0 || now < since_) {
-      restart(now, odom_from_robot);
+      restart(now, place);
     }
-    if (distance(place_, odom_from_robot) > params_.distance) {
-      restart(now, odom_from_robot);
+    if (distance(place_, place) > params_.distance) {
+      restart(now, place);
     }
-    const double turn = std::abs(wrap_angle(odom_from_robot.theta - heading_.theta));
+    const double turn = std::abs(wrap_angle(place.theta - heading_.theta));
     if (turn > params_.turn) {
-      heading_ = odom_from_robot;
+      heading_ = place;
       turned_ += turn;
       if (turned_ < params_.turns_most) {
         since_ = now;
@@ -44,9 +44,9 @@ class ProgressMonitor {
  private:
   ProgressParams params_;
   std::int64_t since_ = 0;  // [us]
-  Pose2 place_;             // odom
-  Pose2 heading_;           // odom
-  double turned_ = 0.0;     // [rad] since the place changed
+  Pose2 place_;             // frame of the caller
+  Pose2 heading_;
+  double turned_ = 0.0;  // [rad] since the place changed
 };
 
 }  // namespace luminav

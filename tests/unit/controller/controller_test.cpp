@@ -94,5 +94,22 @@ TEST(Controller, ForgetsThePeopleItMetWhenTheOdometryBeginsAnew) {
   }
 }
 
+TEST(Controller, GetsNowhereWhenItsWheelsSpinOnTheSpot) {
+  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  controller.set_path({.points = {{0.0, 0.0}, {4.0, 0.0}}});
+  ControlInput input;
+  input.task = ControlTask::kFollow;
+  input.world_from_robot = Pose2{};  // something that no sonar hears holds it, and the ceiling shows it
+  input.ages = {0.05, 0.05, 0.2, 0.2, false, false};
+  bool has_escaped = false;
+  for (int i = 1; i <= 400 && !has_escaped; ++i) {
+    input.now = 1'000'000 + 50'000 * i;
+    const ControlOutput output = controller.step(input);
+    has_escaped = output.state == ControlState::kEscaping;
+    input.odom_from_robot = input.odom_from_robot * Pose2{0.05 * output.twist.linear, 0.0, 0.0};
+  }
+  EXPECT_TRUE(has_escaped);
+}
+
 }  // namespace
 }  // namespace luminav
