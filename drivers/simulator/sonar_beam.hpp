@@ -11,7 +11,7 @@ namespace luminav {
 
 /// How a sonar hears. An echo is heard when its strength (1 = a wall seen square on, at the disc) exceeds `threshold`.
 struct SonarParams {
-  int rays = 11;                     // over the cone
+  int rays = 21;                     // over the cone
   double beam_sigma = radians(9.0);  // [rad] two-way beam pattern, a Gaussian
   double attenuation = 4.0;          // [m] over which an echo falls to 1/e
   double threshold = 0.12;
@@ -26,12 +26,13 @@ struct SonarParams {
   double leg_heard = 0.4;                // probability that a pulse sees the legs of a chair or table at all
   double noise_near = 0.003;             // [m] 1 sigma at 0 m
   double noise_far = 0.010;              // [m] 1 sigma at the maximum range
-  double dropout = 0.015;                // probability of no echo at all
+  double dropout = 0.002;                // probability of no echo at all
   double crosstalk = 0.004;              // probability of hearing another disc's pulse
 };
 
 /// The sonar discs of the robot: a cone of rays each, specular walls, noise, dropouts, cross-talk. The figures are
-/// those of Polaroid-type sonars on office walls: range noise 0.3 to 1 cm, loss beyond 15 to 25 degrees of incidence.
+/// those of Polaroid-type sonars on office walls: range noise 0.3 to 1 cm, loss beyond 15 to 25 degrees of incidence;
+/// how often echoes are lost, or another disc's heard, is that of a real ring (tests/data/sonar_scitos_g5).
 class SonarBeam {
  public:
   SonarBeam(const SonarRing& ring, std::uint64_t seed, const SonarParams& params = {});

@@ -136,9 +136,10 @@ TEST(SonarBeam, HardlySeesLegsTablesAndGlass) {
 }
 
 TEST(SonarBeam, DropsEchoesAndHearsOthersNowAndThen) {
-  const Readings readings = measure(wide_hall(), {8.5, 5.5, 0.0}, 4.0);
-  EXPECT_NEAR(readings.none, 0.015, 0.008);
-  EXPECT_NEAR(1.0 - readings.none - readings.near - readings.longer, 0.004, 0.004);
+  const SonarParams params{.dropout = 0.05, .crosstalk = 0.03};
+  const Readings readings = measure(wide_hall(), {8.5, 5.5, 0.0}, 4.0, params);
+  EXPECT_NEAR(readings.none, 0.05, 0.01);
+  EXPECT_NEAR(1.0 - readings.none - readings.near - readings.longer, 0.03, 0.01);
 }
 
 TEST(SonarBeam, IsTheSameForTheSameSeed) {
