@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "services/controller/seconds_between.hpp"
 
@@ -118,14 +119,15 @@ bool Controller::has_met_people(std::int64_t now) const {
 DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const {
   const double share = std::clamp(nearest / config_.care_within, config_.care_least, 1.0);
   double linear = share * config_.robot.limits.linear;
-  for (const ObstaclePoint& obstacle : obstacles_.measured()) {
-    const double ahead = wanted.linear < 0.0 ? -obstacle.position.x() : obstacle.position.x();
-    if (obstacle.is_known || obstacle.has_stood || obstacle.age > config_.news_age ||
-        ahead < 0.5 * obstacle.position.norm()) {
+  const std::span<const ObstaclePoint> measured = obstacles_.measured();
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const ObstaclePoint& obstacle = measured[i];
+    if (obstacle.is_known || obstacle.has_stood || obstacle.age > config_.news_age) {
       continue;
     }
     const double come_nearer = obstacle.age * config_.robot.limits.linear;
-    if (stop_logic_.footprint().is_surely_beyond(obstacle.position, config_.news_free + come_nearer)) {
+    const double ahead = wanted.linear < 0.0 ? -obstacle.position.x() : obstacle.position.x();
+    if (obstacles_.is_surely_beyond(i, config_.news_free + come_nearer) || ahead < 0.5 * obstacle.position.norm()) {
       continue;
     }
     const double gap = stop_logic_.footprint().distance(obstacle.position) - come_nearer;

@@ -10,25 +10,39 @@
 namespace luminav {
 namespace {
 
-/// Squares of how far points lie outside a box, whole lanes of them.
+/// Squares of how far points lie outside a box, whole lanes of them, and the least of each block.
 LUMINAV_VECTOR_CLONES
-void square_beside(const PlanePoints& points, const Eigen::Vector2d& low, const Eigen::Vector2d& high,
-                   double* squared) {
-  for (std::size_t i = 0; i < points.size(); i += kLanes) {
-    Doubles x;
-    Doubles y;
-    load(points.x() + i, x);
-    load(points.y() + i, y);
-    const Doubles left = low.x() - x;
-    const Doubles right = x - high.x();
-    const Doubles below = low.y() - y;
-    const Doubles above = y - high.y();
-    const Doubles nearer_x = left > right ? left : right;
-    const Doubles nearer_y = below > above ? below : above;
-    const Doubles beside_x = nearer_x > 0.0 ? nearer_x : Doubles{};
-    const Doubles beside_y = nearer_y > 0.0 ? nearer_y : Doubles{};
-    const Doubles sum = beside_x * beside_x + beside_y * beside_y;
-    std::memcpy(squared + i, &sum, sizeof(sum));
+void square_beside(const PlanePoints& points, const Eigen::Vector2d& low, const Eigen::Vector2d& high, double* squared,
+                   double* least_of_block) {
+  // by value: for all the compiler knows, a square that is written may be part of what is referred to
+  const Doubles low_x = Doubles{} + low.x();
+  const Doubles low_y = Doubles{} + low.y();
+  const Doubles high_x = Doubles{} + high.x();
+  const Doubles high_y = Doubles{} + high.y();
+  const double* const all_x = points.x();
+  const double* const all_y = points.y();
+  const std::size_t size = points.size();
+  for (std::size_t first = 0; first < size; first += Footprint::kBlock) {
+    Doubles least = Doubles{} + std::numeric_limits<double>::infinity();
+    const std::size_t end = std::min(first + Footprint::kBlock, size);
+    for (std::size_t i = first; i < end; i += kLanes) {
+      Doubles x;
+      Doubles y;
+      load(all_x + i, x);
+      load(all_y + i, y);
+      const Doubles left = low_x - x;
+      const Doubles right = x - high_x;
+      const Doubles below = low_y - y;
+      const Doubles above = y - high_y;
+      const Doubles nearer_x = left > right ? left : right;
+      const Doubles nearer_y = below > above ? below : above;
+      const Doubles beside_x = nearer_x > 0.0 ? nearer_x : Doubles{};
+      const Doubles beside_y = nearer_y > 0.0 ? nearer_y : Doubles{};
+      const Doubles sum = beside_x * beside_x + beside_y * beside_y;
+      std::memcpy(squared + i, &sum, sizeof(sum));
+      least = sum < least ? sum : least;
+    }
+    *least_of_block++ = std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
   }
 }
 
@@ -72,8 +86,8 @@ Footprint::Footprint(const std::vector<Eigen::Vector2d>& corners) {
   }
 }
 
-void Footprint::measure_from_box(const PlanePoints& points, double* squared) const {
-  square_beside(points, box_low_, box_high_, squared);
+void Footprint::measure_from_box(const PlanePoints& points, double* squared, double* least_of_block) const {
+  square_beside(points, box_low_, box_high_, squared, least_of_block);
 }
 
 double Footprint::distance(const Eigen::Vector2d& point) const {

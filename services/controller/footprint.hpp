@@ -31,8 +31,10 @@ class Footprint {
     return reach > 0.0 && squared_from_box(point) > reach * reach;
   }
   /// Squared distance [m^2] of each point from the upright box around the outline: no point is nearer to the outline
-  /// than to that. Room for a multiple of `kLanes` is needed.
-  void measure_from_box(const PlanePoints& points, double* squared) const;
+  /// than to that; and the least of each `kBlock` of them. The last lanes of the points must be filled, and the squares
+  /// have room for them.
+  void measure_from_box(const PlanePoints& points, double* squared, double* least_of_block) const;
+  static constexpr std::size_t kBlock = 64;
   /// How much farther [m] a point may be from the outline than from the box.
   [[nodiscard]] double most_inside_box() const { return most_inside_box_; }
   /// Farthest corner from the wheel axis [m]: what a turn on the spot sweeps.

@@ -6,25 +6,24 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <vector>
 
 #include "services/common/geometry/vector_clones.hpp"
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
+#if defined(__x86_64__)
+#include <immintrin.h>
 #endif
 
 namespace luminav {
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kGroup = 16;  // cells that are read at once
 
+static_assert(static_cast<int>(Prior::kOccupied) == 2 && static_cast<int>(Prior::kDisputed) == 3);
+
 /// Which of a group of cells are walls of the building's map, a bit each.
-std::uint64_t wall_bits_of_group(const Prior* cells) {
-  static_assert(static_cast<int>(Prior::kOccupied) == 2 && static_cast<int>(Prior::kDisputed) == 3);
-#if defined(__SSE2__)
+inline std::uint64_t wall_bits_of_group(const Prior* cells) {
+#if defined(__x86_64__)
   const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(cells));
   return static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_cmpeq_epi8(bytes, _mm_set1_epi8(2))));
 #else
@@ -40,6 +39,36 @@ std::uint64_t wall_bits_of_group(const Prior* cells) {
 #endif
 }
 
+/// The same of some groups.
+struct PlainRead {
+  template <int kGroups>
+  static std::uint64_t bits_of(const Prior* cells) {
+    std::uint64_t bits = 0;
+    for (int i = 0; i < kGroups; ++i) {
+      bits |= wall_bits_of_group(cells + kGroup * i) << (kGroup * i);
+    }
+    return bits;
+  }
+};
+
+#if defined(__x86_64__)
+/// Two groups at once.
+struct WideRead {
+  template <int kGroups>
+  __attribute__((target("avx2"))) static std::uint64_t bits_of(const Prior* cells) {
+    const __m256i wall = _mm256_set1_epi8(2);
+    std::uint64_t bits = 0;
+    for (int i = 0; i + 1 < kGroups; i += 2) {
+      const __m256i bytes = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(cells + kGroup * i));
+      const int is_wall = _mm256_movemask_epi8(_mm256_cmpeq_epi8(bytes, wall));
+      bits |= std::uint64_t{static_cast<std::uint32_t>(is_wall)} << (kGroup * i);
+    }
+    return kGroups % 2 == 0 ? bits
+                            : bits | wall_bits_of_group(cells + kGroup * (kGroups - 1)) << (kGroup * (kGroups - 1));
+  }
+};
+#endif
+
 /// A column of words: up to 64 cells of each row, whose first and last belong to the words beside.
 constexpr int kInner = 62;
 struct WordColumn {
@@ -47,63 +76,96 @@ struct WordColumn {
   int count;         // of them
 };
 
+/// Where faces of walls are looked for: a column of words in some rows of a grid. By value: for all the compiler knows,
+/// what is written may be part of the grid.
+struct FaceSearch {
+  const Prior* cells;
+  int columns;  // of the grid
+  int rows;
+  WordColumn word;
+  int first_row;
+  int last_row;
+};
+
+/// Faces of the walls in one row of a column of words.
+struct RowFaces {
+  std::uint64_t bits;
+  int row;
+};
+
 /// Walls of a word in one row; outside the grid there is none. Bits beyond those of the next word's first cell mean
 /// nothing.
-template <int kGroups>
-std::uint64_t wall_bits(const OccupancyGrid& grid, const WordColumn& word, int row, bool is_clipped) {
-  const GridGeometry& geometry = grid.geometry;
-  if (row < 0 || row >= geometry.rows) {
+template <typename Read, int kGroups>
+[[gnu::always_inline]] inline std::uint64_t wall_bits(const FaceSearch& search, int row, bool is_clipped) {
+  if (row < 0 || row >= search.rows) {
     return 0;
   }
-  const int first = word.first_column - 1;
-  const Prior* cells = grid.prior.data() + geometry.index({0, row});
+  const int first = search.word.first_column - 1;
+  const Prior* const cells = search.cells + static_cast<std::ptrdiff_t>(row) * search.columns;
+  if (!is_clipped) {
+    return Read::template bits_of<kGroups>(cells + first);
+  }
   std::array<Prior, 64> clipped{};
-  if (is_clipped) {
-    const int from = std::max(0, first);
-    const int to = std::min(geometry.columns, first + word.count + 2);
-    std::copy(cells + from, cells + std::max(from, to), clipped.data() + (from - first));
-    cells = clipped.data();
-  } else {
-    cells += first;
-  }
-  std::uint64_t bits = 0;
-  for (int i = 0; i < kGroups; ++i) {
-    bits |= wall_bits_of_group(cells + kGroup * i) << (kGroup * i);
-  }
-  return bits;
+  const int from = std::max(0, first);
+  const int to = std::min(search.columns, first + search.word.count + 2);
+  std::copy(cells + from, cells + std::max(from, to), clipped.data() + (from - first));
+  return Read::template bits_of<kGroups>(clipped.data());
 }
 
-/// Faces of the walls in a column of words, a word per row: the inside of a thick wall is behind.
-template <int kGroups>
-void find_faces(const OccupancyGrid& grid, const WordColumn& word, int first_row, int last_row, std::uint64_t* faces) {
-  const int first = word.first_column - 1;
-  const bool is_clipped = first < 0 || first + kGroup * kGroups > grid.geometry.columns;
-  const std::uint64_t asked = ((std::uint64_t{1} << word.count) - 1) << 1;
-  std::uint64_t below = wall_bits<kGroups>(grid, word, first_row - 1, is_clipped);
-  std::uint64_t here = wall_bits<kGroups>(grid, word, first_row, is_clipped);
-  for (int row = first_row; row <= last_row; ++row, ++faces) {
-    const std::uint64_t above = wall_bits<kGroups>(grid, word, row + 1, is_clipped);
-    *faces = here & ~(here << 1 & here >> 1 & below & above) & asked;
+/// Faces of the walls in the rows that have any; returns how many these are. The inside of a thick wall is behind.
+template <typename Read, int kGroups>
+[[gnu::always_inline]] inline std::size_t find_faces_by(const FaceSearch search, RowFaces* faces) {
+  const int first = search.word.first_column - 1;
+  const bool is_clipped = first < 0 || first + kGroup * kGroups > search.columns;
+  const std::uint64_t asked = ((std::uint64_t{1} << search.word.count) - 1) << 1;
+  std::uint64_t below = wall_bits<Read, kGroups>(search, search.first_row - 1, is_clipped);
+  std::uint64_t here = wall_bits<Read, kGroups>(search, search.first_row, is_clipped);
+  RowFaces* next = faces;
+  for (int row = search.first_row; row <= search.last_row; ++row) {
+    const std::uint64_t above = wall_bits<Read, kGroups>(search, row + 1, is_clipped);
+    const std::uint64_t bits = here & ~(here << 1 & here >> 1 & below & above) & asked;
+    *next = {bits, row};
+    next += bits != 0 ? 1 : 0;
     below = here;
     here = above;
   }
+  return static_cast<std::size_t>(next - faces);
+}
+
+template <int kGroups>
+std::size_t find_faces_plain(const FaceSearch& search, RowFaces* faces) {
+  return find_faces_by<PlainRead, kGroups>(search, faces);
+}
+
+#if defined(__x86_64__)
+template <int kGroups>
+__attribute__((target("avx2"))) std::size_t find_faces_wide(const FaceSearch& search, RowFaces* faces) {
+  return find_faces_by<WideRead, kGroups>(search, faces);
+}
+#endif
+
+using FindFaces = std::size_t (*)(const FaceSearch&, RowFaces*);
+
+template <int kGroups>
+FindFaces fastest_find_faces() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) {
+    return find_faces_wide<kGroups>;
+  }
+#endif
+  return find_faces_plain<kGroups>;
+}
+
+/// `faces` has room for all rows.
+std::size_t find_faces(const FaceSearch& search, RowFaces* faces) {
+  static const FindFaces kOfThree = fastest_find_faces<3>();
+  static const FindFaces kOfFour = fastest_find_faces<4>();
+  return (search.word.count + 2 <= 3 * kGroup ? kOfThree : kOfFour)(search, faces);
 }
 
 /// The side of a cell that is turned to the robot: the wall's face may be anywhere in it.
 double towards(double robot_at, double centre, double half_cell) {
   return std::min(std::max(robot_at, centre - half_cell), centre + half_cell);
-}
-
-/// The largest number whose square root is at most this: distances are compared without roots.
-double largest_square(double root) {
-  double square = root * root;
-  while (std::sqrt(square) > root) {
-    square = std::nextafter(square, 0.0);
-  }
-  for (double next = square; std::sqrt(next) <= root; next = std::nextafter(next, kInfinite)) {
-    square = next;
-  }
-  return square;
 }
 
 /// Walls in a column of words as the robot sees them, without what depends on the row.
@@ -180,7 +242,7 @@ class ColumnsWithin {
 /// Is there nothing in the cells between two points, both included, as far as the grid goes?
 bool is_box_free(const OccupancyGrid& grid, const Eigen::Vector2d& low_in_world, const Eigen::Vector2d& high_in_world,
                  int most_evidence) {
-#if defined(__SSE2__)
+#if defined(__x86_64__)
   const GridGeometry& geometry = grid.geometry;
   const Cell low = geometry.cell_at(low_in_world);
   const Cell high = geometry.cell_at(high_in_world);
@@ -256,26 +318,24 @@ void find_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, 
   }
   const auto rows = static_cast<std::size_t>(last_row - first_row + 1);
   walls.reserve(walls.size() + rows * static_cast<std::size_t>(last_column - first_column + 1));
-  std::array<std::uint64_t, 128> few_faces;
-  std::vector<std::uint64_t> many_faces(rows > few_faces.size() ? rows : 0);
-  std::uint64_t* const faces = many_faces.empty() ? few_faces.data() : many_faces.data();
+  std::array<RowFaces, 128> few_faces;
+  std::vector<RowFaces> many_faces(rows > few_faces.size() ? rows : 0);
+  RowFaces* const faces = many_faces.empty() ? few_faces.data() : many_faces.data();
   const PointTransform robot_from_world = PointTransform::inverse_of(world_from_robot);
-  const double most = largest_square(params.radius);
+  const double most = params.radius * params.radius;
   for (int column = first_column; column <= last_column; column += kInner) {
     const WordColumn word{column, std::min(kInner, last_column + 1 - column)};
-    const bool is_narrow = word.count + 2 <= 3 * kGroup;
-    (is_narrow ? find_faces<3> : find_faces<4>)(grid, word, first_row, last_row, faces);
+    const std::size_t rows_with_faces =
+        find_faces({grid.prior.data(), geometry.columns, geometry.rows, word, first_row, last_row}, faces);
     FaceColumns columns;
     look_along(geometry, word, robot.x(), robot_from_world, columns);
     ColumnsWithin within(columns, word.count, std::clamp(geometry.cell_at(robot).column - column + 1, 1, word.count));
-    for (int row = first_row; row <= last_row; ++row) {
-      const std::uint64_t in_row = faces[row - first_row];
-      if (in_row != 0) {
-        const double centre_y = geometry.origin.y() + (row + 0.5) * geometry.resolution;
-        const double face_y = towards(robot.y(), centre_y, 0.5 * geometry.resolution);
-        const double away_y = face_y - robot.y();
-        add_row(columns, in_row & within.of_row(away_y * away_y, most), robot_from_world.turned({0.0, face_y}), walls);
-      }
+    for (std::size_t i = 0; i < rows_with_faces; ++i) {
+      const double centre_y = geometry.origin.y() + (faces[i].row + 0.5) * geometry.resolution;
+      const double face_y = towards(robot.y(), centre_y, 0.5 * geometry.resolution);
+      const double away_y = face_y - robot.y();
+      add_row(columns, faces[i].bits & within.of_row(away_y * away_y, most), robot_from_world.turned({0.0, face_y}),
+              walls);
     }
   }
 }

@@ -1,7 +1,6 @@
 #include "services/controller/obstacles.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -24,24 +23,6 @@ std::uint64_t at_most(const double* squares, double most) {
     found |= (four <= most) & flag;
   }
   return static_cast<std::uint64_t>(found[0] | found[1] | found[2] | found[3]);
-}
-
-/// The least of `count` numbers, a multiple of 16 and not 0.
-LUMINAV_VECTOR_CLONES
-double least_of(const double* numbers, std::size_t count) {
-  constexpr std::size_t kChains = 4;  // one alone would wait for itself
-  std::array<Doubles, kChains> least;
-  std::memcpy(least.data(), numbers, sizeof(least));
-  for (std::size_t i = kChains * kLanes; i < count; i += kChains * kLanes) {
-    for (std::size_t chain = 0; chain < kChains; ++chain) {
-      Doubles four;
-      load(numbers + i + chain * kLanes, four);
-      least[chain] = four < least[chain] ? four : least[chain];
-    }
-  }
-  std::array<double, kChains * kLanes> all;
-  std::memcpy(all.data(), least.data(), sizeof(all));
-  return *std::min_element(all.begin(), all.end());
 }
 
 }  // namespace
@@ -74,7 +55,9 @@ Obstacles Obstacles::seen_from(const Pose2& there_from_here) const {
 void Obstacles::measure() {
   const std::size_t whole_blocks = (size() + kBlock - 1) / kBlock * kBlock;
   squared_from_box_.resize(whole_blocks);
-  footprint_.measure_from_box(points_, squared_from_box_.data());
+  least_of_block_.resize(whole_blocks / kBlock);
+  points_.fill_last_lanes();
+  footprint_.measure_from_box(points_, squared_from_box_.data(), least_of_block_.data());
   std::fill(squared_from_box_.begin() + static_cast<std::ptrdiff_t>(size()), squared_from_box_.end(), kInfinite);
 }
 
@@ -86,7 +69,7 @@ double Obstacles::least_distance(double most) const {
   if (points_.empty()) {
     return most;
   }
-  const double nearest = std::sqrt(least_of(squared_from_box_.data(), squared_from_box_.size()));
+  const double nearest = std::sqrt(*std::min_element(least_of_block_.begin(), least_of_block_.end()));
   double least = most;
   visit_within(std::min(most, nearest + footprint_.most_inside_box()),
                [&](std::size_t i) { least = std::min(least, footprint_.distance(points_[i])); });

@@ -46,6 +46,11 @@ class Obstacles {
   [[nodiscard]] std::span<const ObstaclePoint> measured() const { return measured_; }
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
 
+  /// True only of points at least `distance` [m] away from the outline, though not of all of them: cheap.
+  [[nodiscard]] bool is_surely_beyond(std::size_t i, double distance) const {
+    const double reach = distance + Footprint::kRounding;
+    return reach > 0.0 && squared_from_box_[i] > reach * reach;
+  }
   /// Distance [m] from the outline to the nearest, negative inside; `most` where nothing is nearer.
   [[nodiscard]] double least_distance(double most) const;
   /// The same of what is before the wheel axis; meant for a small `most`.
@@ -56,7 +61,11 @@ class Obstacles {
   template <typename Visit>
   void visit_within(double distance, const Visit& visit) const {
     const double reach = std::max(0.0, distance + Footprint::kRounding);
-    for (std::size_t first = 0; first < points_.size(); first += kBlock) {
+    for (std::size_t block = 0; block < least_of_block_.size(); ++block) {
+      if (least_of_block_[block] > reach * reach) {
+        continue;  // mostly
+      }
+      const std::size_t first = block * kBlock;
       for (std::uint64_t near = within(first, reach * reach); near != 0; near &= near - 1) {
         visit(first + static_cast<std::size_t>(std::countr_zero(near)));
       }
@@ -64,7 +73,8 @@ class Obstacles {
   }
 
  private:
-  static constexpr std::size_t kBlock = 64;  // points, one bit each
+  static constexpr std::size_t kBlock = Footprint::kBlock;  // points, one bit each
+  static_assert(kBlock == 64);
 
   static ObstaclePoint wall_at(const Eigen::Vector2d& position) { return {position, 0.0, 0.0, true, false}; }
   /// Which of a block's points have at most this squared distance [m^2] from the box.
@@ -75,6 +85,7 @@ class Obstacles {
   std::vector<ObstaclePoint> measured_;
   PlanePoints points_;                    // of all
   std::vector<double> squared_from_box_;  // [m^2] of each point; whole blocks, infinite beyond the last point
+  std::vector<double> least_of_block_;    // [m^2] of these
 };
 
 }  // namespace luminav

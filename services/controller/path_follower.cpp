@@ -140,7 +140,7 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
   step.phase = FollowPhase::kDriving;
   is_backing_ = false;
   const Pose2& robot = situation.world_from_robot;
-  const Eigen::Vector2d goal = robot.inverse() * step.look_ahead->point;
+  const Eigen::Vector2d goal = PointTransform::inverse_of(robot) * step.look_ahead->point;
   step.force = virtual_force(goal, situation.obstacles, params_.forces);
   const double blend = std::min(1.0, situation.duration / params_.force_smoothing);
   repulsive_ += blend * (step.force.repulsive - repulsive_);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 namespace luminav {
@@ -60,6 +61,12 @@ class PlanePoints {
       std::memcpy(to_y + i, &some_y, sizeof(some_y));
     }
     size_ += count;
+  }
+  /// Makes points infinitely far away of the numbers behind the last one, up to whole lanes.
+  void fill_last_lanes() {
+    for (std::size_t i = size_; i % kLanes != 0; ++i) {
+      x_[i] = y_[i] = std::numeric_limits<double>::infinity();
+    }
   }
 
  private:

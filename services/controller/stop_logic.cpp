@@ -78,7 +78,7 @@ std::optional<std::size_t> StopLogic::first_in_the_way(const DriveTwist& twist, 
     const ObstaclePoint obstacle = obstacles[index];
     const double own_way = obstacle.approach * (obstacle.age + until_still);
     const double whole_margin = obstacle.is_known ? params_.known_margin : params_.margin;
-    if (footprint_.is_surely_beyond(obstacle.position, sweep + whole_margin + own_way)) {
+    if (obstacles.is_surely_beyond(index, sweep + whole_margin + own_way)) {
       return;
     }
     if (!room) {

@@ -55,6 +55,18 @@ TEST(Obstacles, AreTheMeasuredOnesThenTheWalls) {
   EXPECT_DOUBLE_EQ(obstacles[1].approach, 0.0);
 }
 
+TEST(Obstacles, ForgetWhatStoodNearerBefore) {
+  std::vector<ObstaclePoint> near(6);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    near[i].position = {0.3, 0.01 * static_cast<double>(i)};
+  }
+  Obstacles obstacles(kOctagon, near);
+  obstacles.set(std::vector<ObstaclePoint>{{{1.2, 0.0}, 0.0, 0.1, false, false}}, {});
+  EXPECT_DOUBLE_EQ(obstacles.least_distance(10.0), 1.0);
+  EXPECT_TRUE(obstacles.is_surely_beyond(0, 0.99));
+  EXPECT_FALSE(obstacles.is_surely_beyond(0, 1.0));
+}
+
 TEST(Obstacles, MeasureAsIfOneByOne) {
   std::mt19937 random(42);
   Obstacles obstacles(kOctagon);
