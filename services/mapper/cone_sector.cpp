@@ -18,8 +18,9 @@ constexpr int kArcCorners = 5;  // the chord stays within 0.2 % of the arc
 constexpr std::size_t kLanes = 16;  // cells at a time
 using Lanes = std::int8_t __attribute__((vector_size(kLanes)));
 
-/// Takes a vote from `count` cells. `end` is where the grid ends.
-inline void lower(std::int8_t* cells, std::ptrdiff_t count, const EvidenceVote& vote, const std::int8_t* end) {
+/// Takes a vote from `count` cells. `end` is where the grid ends. The vote is a copy: for all the compiler knows, cells
+/// that are written may be part of anything that is referred to.
+inline void lower(std::int8_t* cells, std::ptrdiff_t count, EvidenceVote vote, const std::int8_t* end) {
   constexpr Lanes kLane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
   const auto lanes = static_cast<std::ptrdiff_t>(kLanes);
   const Lanes votes = Lanes{} + vote.change;
@@ -238,14 +239,14 @@ struct SectorRows {
   int last_row;
 };
 
-inline void lower_rows(std::vector<std::int8_t>& evidence, const GridGeometry& geometry, const SectorRows& rows,
-                       const EvidenceVote& vote) {
+inline void lower_rows(std::vector<std::int8_t>& evidence, int columns, SectorRows rows, EvidenceVote vote) {
   const std::int8_t* const end = evidence.data() + evidence.size();
-  for (int row = rows.first_row; row <= rows.last_row; ++row) {
-    const int first = rows.first[row - rows.first_row];
-    const int count = rows.last[row - rows.first_row] - first + 1;
+  std::int8_t* cells = evidence.data() + static_cast<std::ptrdiff_t>(rows.first_row) * columns;
+  for (int i = 0; i <= rows.last_row - rows.first_row; ++i, cells += columns) {
+    const int first = rows.first[i];
+    const int count = rows.last[i] - first + 1;
     if (count > 0) {
-      lower(evidence.data() + geometry.index({first, row}), count, vote, end);
+      lower(cells + first, count, vote, end);
     }
   }
 }
@@ -272,7 +273,7 @@ void lower_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, dou
     drawn.first = spans.first.data();
     drawn.last = spans.last.data();
   }
-  lower_rows(evidence, geometry, drawn, vote);
+  lower_rows(evidence, geometry.columns, drawn, vote);
 }
 
 }  // namespace luminav

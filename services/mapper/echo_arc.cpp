@@ -38,18 +38,37 @@ using Doubles = double __attribute__((vector_size(kAtOnce * sizeof(double))));
 using Ints = int __attribute__((vector_size(kAtOnce * sizeof(int))));
 static_assert(kArcChunk % kAtOnce == 0);
 
-/// Samples `from` on, counted from the axis, and up to three more.
-inline void sample_arc(const ArcSampling& arc, int from, int count, TurningDirection& direction, ArcSamples& samples) {
-  for (int k = 0; k < count; k += kAtOnce) {
-    const auto i = static_cast<std::size_t>(k);
-    Doubles x;
-    Doubles y;
+/// The directions of samples that follow each other, turned all at once: each by itself would wait for the one before.
+struct Directions {
+  explicit Directions(TurningDirection direction) {
     for (int j = 0; j < kAtOnce; ++j, direction.advance()) {
       x[j] = direction.x();
       y[j] = direction.y();
     }
-    x = arc.apex_x + arc.range * x;
-    y = arc.apex_y + arc.range * y;
+    static_assert(kAtOnce == 4);
+    direction.double_turn();
+    direction.double_turn();
+    turn_x = direction.turn_x();
+    turn_y = direction.turn_y();
+  }
+  void advance() {
+    const Doubles before = x;
+    x = before * turn_x - y * turn_y;
+    y = before * turn_y + y * turn_x;
+  }
+
+  Doubles x;
+  Doubles y;
+  double turn_x;  // of so many samples
+  double turn_y;
+};
+
+/// Samples `from` on, counted from the axis, and up to three more.
+inline void sample_arc(const ArcSampling& arc, int from, int count, Directions& directions, ArcSamples& samples) {
+  for (int k = 0; k < count; k += kAtOnce, directions.advance()) {
+    const auto i = static_cast<std::size_t>(k);
+    const Doubles x = arc.apex_x + arc.range * directions.x;
+    const Doubles y = arc.apex_y + arc.range * directions.y;
     std::memcpy(&samples.x[i], &x, sizeof(x));
     std::memcpy(&samples.y[i], &y, sizeof(y));
     const Ints number = Ints{0, 1, 2, 3} + (from + k);
@@ -73,11 +92,12 @@ inline void sample_arc(const ArcSampling& arc, int from, int count, TurningDirec
 /// sample, and the weight of the one nearest to the axis, which is the highest. In loops that wait for nothing: nobody
 /// guesses which sample is the first of its cell.
 LUMINAV_VECTOR_CLONES
-void cells_of_whole_arc(const ArcSampling& arc, TurningDirection direction, std::vector<ArcCell>& cells) {
+void cells_of_whole_arc(const ArcSampling& arc, const TurningDirection& direction, std::vector<ArcCell>& cells) {
   const auto steps = static_cast<std::size_t>(arc.steps);
   const std::size_t count = 2 * steps + 1;
   ArcSamples samples;
-  sample_arc(arc, -arc.steps, static_cast<int>(count), direction, samples);
+  Directions directions(direction);
+  sample_arc(arc, -arc.steps, static_cast<int>(count), directions, samples);
   std::array<int, kArcChunk> column;
   std::array<int, kArcChunk> row;
   for (std::size_t i = 0; i < count; i += kAtOnce) {
@@ -127,7 +147,7 @@ void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry,
   }
   const double half = params.half_angle + widening;
   const int steps = std::max(1, ceil_to_int(half * range / (0.5 * geometry.resolution)));
-  TurningDirection direction(reading.world_from_sonar.theta - half, half / steps);
+  const TurningDirection direction(reading.world_from_sonar.theta - half, half / steps);
   const ArcSampling sampling{apex.x(), apex.y(), in_cells, half, params.half_angle, params.edge_weight, steps};
   const auto sample_count = 2 * static_cast<std::size_t>(steps) + 1;
   // the whole circle within the grid: no sample needs to be asked
@@ -150,9 +170,10 @@ void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry,
     *last = cell;
   };
   ArcSamples samples;
+  Directions directions(direction);
   for (int from = -steps; from <= steps; from += kArcChunk) {
     const int count = std::min(kArcChunk, steps - from + 1);
-    sample_arc(sampling, from, count, direction, samples);
+    sample_arc(sampling, from, count, directions, samples);
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
       if (is_inside({samples.x[k], samples.y[k]})) {
         take({static_cast<int>(samples.x[k]), static_cast<int>(samples.y[k])}, samples.slice[k], samples.weight[k]);

@@ -10,22 +10,19 @@ namespace luminav {
 
 Eigen::Vector2d unit_vector(double angle) {
   struct Kept {
-    std::uint64_t angle;  // its bits
-    Eigen::Vector2d vector;
+    std::uint64_t angle = 0;  // its bits
+    double x = 1.0;
+    double y = 0.0;
   };
   constexpr std::size_t kKept = 64;
-  static thread_local auto kept = [] {
-    std::array<Kept, kKept> none;
-    none.fill({0, {1.0, 0.0}});
-    return none;
-  }();
+  constinit static thread_local std::array<Kept, kKept> kept{};  // there from the start: nobody asks whether it is
   const auto bits = std::bit_cast<std::uint64_t>(angle);
   Kept& place = kept[bits * 0x9E3779B97F4A7C15ULL >> 58];
   static_assert(kKept == std::size_t{1} << (64 - 58));
   if (place.angle != bits) {
-    place = {bits, {std::cos(angle), std::sin(angle)}};
+    place = {bits, std::cos(angle), std::sin(angle)};
   }
-  return place.vector;
+  return {place.x, place.y};
 }
 
 }  // namespace luminav

@@ -22,6 +22,15 @@ class TurningDirection {
   }
   [[nodiscard]] double x() const { return x_; }
   [[nodiscard]] double y() const { return y_; }
+  /// What each step turns by, as a direction.
+  [[nodiscard]] double turn_x() const { return turn_x_; }
+  [[nodiscard]] double turn_y() const { return turn_y_; }
+  /// From here on each step turns twice as far.
+  void double_turn() {
+    const double x = turn_x_ * turn_x_ - turn_y_ * turn_y_;
+    turn_y_ = 2.0 * turn_x_ * turn_y_;
+    turn_x_ = x;
+  }
   void advance() {
     const double x = x_ * turn_x_ - y_ * turn_y_;
     y_ = x_ * turn_y_ + y_ * turn_x_;
