@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <queue>
 #include <stdexcept>
-#include <utility>
 
 namespace luminav {
 namespace {
 
 constexpr std::uint32_t kSeedCostPerCell =
     400;  // twenty cells of free way: a goal in an obstacle is missed by as little as possible
-constexpr std::uint32_t kEscapePrice = 60;  // of a blocked cell on the way out, beside 36 for the dearest allowed one
 constexpr std::uint32_t kFieldMargin =
     10 * 5 * ConfigurationSpace::kFreePrice;       // ten cells of free way beyond the robot, which seldom goes back
 constexpr std::size_t kFewestCellsPerChange = 20;  // where more has changed it is planned anew
@@ -68,103 +64,8 @@ std::vector<WaveSeed> RoutePlanner::seeds_for(const RouteRequest& request) const
   return seeds;
 }
 
-std::vector<std::size_t> RoutePlanner::escape(const Cell& start, const Eigen::Vector2d& robot) const {
-  const GridGeometry& geometry = space_.geometry();
-  const int reach = static_cast<int>(std::ceil(params_.escape_radius / geometry.resolution));
-  const int side = 2 * reach + 1;
-  const auto local = [&](const Cell& cell) {
-    return static_cast<std::size_t>((cell.row - start.row + reach) * side + cell.column - start.column + reach);
-  };
-  constexpr std::uint32_t kNever = WaveField::kUnreached;
-  std::vector<std::uint32_t> cost(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), kNever);
-  std::vector<std::size_t> from(cost.size(), 0);
-  using Entry = std::pair<std::uint32_t, std::size_t>;  // cost, cell of the grid
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  cost[local(start)] = 0;
-  open.emplace(0, geometry.index(start));
-  std::uint32_t best_total = kNever;
-  std::size_t best_cell = geometry.index(start);
-  const auto cell_of = [&](std::size_t index) {
-    return Cell{static_cast<int>(index % static_cast<std::size_t>(geometry.columns)),
-                static_cast<int>(index / static_cast<std::size_t>(geometry.columns))};
-  };
-  while (!open.empty()) {
-    const auto [spent, index] = open.top();
-    open.pop();
-    const Cell cell = cell_of(index);
-    if (spent != cost[local(cell)] || spent >= best_total) {
-      continue;
-    }
-    if (field_.is_reached(index)) {
-      if (spent + field_.cost(index) < best_total) {
-        best_total = spent + field_.cost(index);
-        best_cell = index;
-      }
-      continue;  // from here on the wave knows the way
-    }
-    for (int dr = -1; dr <= 1; ++dr) {
-      for (int dc = -1; dc <= 1; ++dc) {
-        const Cell next{cell.column + dc, cell.row + dr};
-        const bool in_window = std::abs(next.column - start.column) <= reach && std::abs(next.row - start.row) <= reach;
-        if ((dr == 0 && dc == 0) || !in_window || !geometry.contains(next)) {
-          continue;
-        }
-        const double from_robot = (geometry.centre_of(next) - robot).norm();
-        if (space_.is_solid(next) && from_robot > params_.body_radius) {
-          continue;
-        }
-        // the nearer to an obstacle the dearer, so that the way out leads straight away from it
-        const double tightness = std::max(0.0, 1.0 - space_.clearance(next) / params_.space.hard_radius);
-        const auto price = kEscapePrice + static_cast<std::uint32_t>(4.0 * kEscapePrice * tightness);
-        const std::uint32_t total = spent + price * (dr != 0 && dc != 0 ? 7 : 5);
-        if (total < cost[local(next)]) {
-          cost[local(next)] = total;
-          from[local(next)] = index;
-          open.emplace(total, geometry.index(next));
-        }
-      }
-    }
-  }
-  std::vector<std::size_t> cells;
-  if (best_total == kNever) {
-    return cells;
-  }
-  for (std::size_t index = best_cell; index != geometry.index(start); index = from[local(cell_of(index))]) {
-    cells.push_back(index);
-  }
-  cells.push_back(geometry.index(start));
-  std::reverse(cells.begin(), cells.end());
-  return cells;
-}
-
-bool RoutePlanner::is_enclosed(const Cell& start, const Eigen::Vector2d& robot) const {
-  const GridGeometry& geometry = space_.geometry();
-  const int reach = static_cast<int>(std::ceil(params_.escape_radius / geometry.resolution));
-  const auto side = static_cast<std::size_t>(2 * reach + 1);
-  std::vector<bool> was_there(side * side, false);
-  std::vector<Cell> open{start};
-  while (!open.empty()) {
-    const Cell cell = open.back();
-    open.pop_back();
-    if (!space_.is_blocked(cell)) {
-      return false;
-    }
-    for (const Cell& next : {Cell{cell.column - 1, cell.row}, Cell{cell.column + 1, cell.row},
-                             Cell{cell.column, cell.row - 1}, Cell{cell.column, cell.row + 1}}) {
-      const int column = next.column - start.column + reach;
-      const int row = next.row - start.row + reach;
-      if (std::min(column, row) < 0 || std::max(column, row) > 2 * reach || !geometry.contains(next) ||
-          (space_.is_solid(next) && (geometry.centre_of(next) - robot).norm() > params_.body_radius)) {
-        continue;
-      }
-      const std::size_t i = static_cast<std::size_t>(row) * side + static_cast<std::size_t>(column);
-      if (!was_there[i]) {
-        was_there[i] = true;
-        open.push_back(next);
-      }
-    }
-  }
-  return true;
+WayOut RoutePlanner::way_out(const Eigen::Vector2d& robot) const {
+  return {space_, {params_.escape_radius, params_.body_radius, params_.space.hard_radius}, robot};
 }
 
 std::optional<Eigen::Vector2d> RoutePlanner::nearest_reachable(const RouteRequest& request) {
@@ -331,7 +232,7 @@ Route RoutePlanner::plan(const RouteRequest& request) {
       cells = cells_by_tiles(start, seeds);
     } else {
       refresh_field(request, seeds);
-      cells = start_is_free ? std::vector<std::size_t>{start_index} : escape(start, request.start);
+      cells = start_is_free ? std::vector<std::size_t>{start_index} : way_out(request.start).find(field_);
       if (!cells.empty()) {
         const std::vector<std::size_t> rest = descend(space_.terrain(), field_, cells.back());
         rest.empty() ? cells.clear() : static_cast<void>(cells.insert(cells.end(), rest.begin() + 1, rest.end()));
@@ -341,7 +242,7 @@ Route RoutePlanner::plan(const RouteRequest& request) {
       route.outcome = RouteOutcome::kFound;
       route.points = shape_path(space_, params_.shaping, chain_of(cells, request));
     } else {
-      const bool is_goal_at_fault = start_is_free || !is_enclosed(start, request.start);
+      const bool is_goal_at_fault = start_is_free || !way_out(request.start).is_enclosed();
       route.outcome = is_goal_at_fault ? RouteOutcome::kUnreachable : RouteOutcome::kStartEnclosed;
     }
   }

@@ -8,6 +8,7 @@
 #include "services/planner/path_shaping.hpp"
 #include "services/planner/tile_wave.hpp"
 #include "services/planner/wavefront.hpp"
+#include "services/planner/way_out.hpp"
 
 namespace luminav {
 
@@ -59,10 +60,8 @@ class RoutePlanner {
 
  private:
   [[nodiscard]] std::vector<WaveSeed> seeds_for(const RouteRequest& request) const;
-  /// Cells from the start through blocked ones to where the wave was; empty when enclosed.
-  [[nodiscard]] std::vector<std::size_t> escape(const Cell& start, const Eigen::Vector2d& robot) const;
-  /// Whether no free cell can be reached from a blocked start, wherever the goal is.
-  [[nodiscard]] bool is_enclosed(const Cell& start, const Eigen::Vector2d& robot) const;
+  /// Of a robot whose own cell is blocked.
+  [[nodiscard]] WayOut way_out(const Eigen::Vector2d& robot) const;
   [[nodiscard]] std::optional<Eigen::Vector2d> nearest_reachable(const RouteRequest& request);
   [[nodiscard]] Polyline chain_of(const std::vector<std::size_t>& cells, const RouteRequest& request) const;
   [[nodiscard]] Route plan_paper(const RouteRequest& request, const std::vector<WaveSeed>& seeds);
