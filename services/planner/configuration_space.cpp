@@ -196,7 +196,7 @@ ConfigurationSpace::Update ConfigurationSpace::update(const OccupancyGrid& grid,
   const CellWindow in_solid = difference(solid, solid_);
   const CellWindow in_unknown = difference(unknown, unknown_);
   if (in_solid.is_empty() && in_unknown.is_empty()) {
-    return {.is_local = true, .changes = {}};
+    return {.is_local = true, .changes = {}, .window = {}};
   }
   const CellWindow window = in_solid.is_empty() ? in_unknown
                             : in_unknown.is_empty()
@@ -221,7 +221,7 @@ ConfigurationSpace::Update ConfigurationSpace::update(const OccupancyGrid& grid,
   } else {
     forget_distances(window);
   }
-  Update update{.is_local = true, .changes = {}};
+  Update update{.is_local = true, .changes = {}, .window = window};
   std::size_t i = 0;
   for (int row = window.first_row; row < window.last_row; ++row) {
     for (int column = window.first_column; column < window.last_column; ++column, ++i) {

@@ -45,6 +45,7 @@ class ConfigurationSpace {
   struct Update {
     bool is_local = false;  // false: everything may have changed
     std::vector<PriceChange> changes;
+    CellWindow window;  // where they lie, and every cell whose distance is another now; empty: nothing has changed
   };
   /// Takes over a new state of the grid, and says which cells have another price now. Reading the grid costs a pass
   /// over it, the rest only what changed.

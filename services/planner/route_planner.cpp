@@ -16,7 +16,7 @@ constexpr double kBlockedMargin = 0.05;            // [m] less than the hard rad
 
 }  // namespace
 
-RoutePlanner::RoutePlanner(const RoutePlannerParams& params) : params_(params) {
+RoutePlanner::RoutePlanner(const RoutePlannerParams& params) : params_(params), shaper_(params.shaping) {
   if (!(params.escape_radius >= 0.0) || !(params.shaping.spacing > 0.0)) {
     throw std::invalid_argument("route planner: escape_radius must be at least 0 m, spacing above 0 m");
   }
@@ -29,10 +29,12 @@ void RoutePlanner::set_grid(const OccupancyGrid& grid, const std::vector<Suspect
     space_ = ConfigurationSpace(params_.space, grid, suspected, use_evidence, is_weighed);
     uses_evidence_ = use_evidence;
     forget_waves();
+    shaper_.forget();
     return;
   }
   const ConfigurationSpace::Update update = space_.update(grid, suspected);
   changes_.insert(changes_.end(), update.changes.begin(), update.changes.end());
+  update.is_local ? shaper_.forget(grid.geometry, update.window) : shaper_.forget();
   if (!update.is_local || changes_.size() > grid.geometry.size() / kFewestCellsPerChange) {
     forget_waves();
   }
@@ -240,7 +242,7 @@ Route RoutePlanner::plan(const RouteRequest& request) {
     }
     if (!cells.empty()) {
       route.outcome = RouteOutcome::kFound;
-      route.points = shape_path(space_, params_.shaping, chain_of(cells, request));
+      route.points = shaper_.shape(space_, chain_of(cells, request));
     } else {
       const bool is_goal_at_fault = start_is_free || !way_out(request.start).is_enclosed();
       route.outcome = is_goal_at_fault ? RouteOutcome::kUnreachable : RouteOutcome::kStartEnclosed;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "services/planner/configuration_space.hpp"
-#include "services/planner/path_shaping.hpp"
+#include "services/planner/path_shaper.hpp"
 #include "services/planner/tile_wave.hpp"
 #include "services/planner/wavefront.hpp"
 #include "services/planner/way_out.hpp"
@@ -78,6 +78,7 @@ class RoutePlanner {
   void refresh_field(const RouteRequest& request, const std::vector<WaveSeed>& seeds);
 
   bool uses_evidence_ = true;
+  PathShaper shaper_;
   TileWave tiles_;
   WaveField field_;
   std::optional<Cell> field_goal_;    // of the one seed that the field was grown from; nothing: it is not to be kept
