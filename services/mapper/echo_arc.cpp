@@ -26,9 +26,12 @@ struct ArcSampling {
   int steps;           // from the axis to the last sample
 };
 
-struct ArcSamples {
+struct ArcPlaces {
   std::array<double, kArcChunk> x;  // [cells]
   std::array<double, kArcChunk> y;
+};
+
+struct ArcShares {
   std::array<double, kArcChunk> weight;
   std::array<int, kArcChunk> slice;
 };
@@ -63,48 +66,82 @@ struct Directions {
   double turn_y;
 };
 
-/// Samples `from` on, counted from the axis, and up to three more.
-inline void sample_arc(const ArcSampling& arc, int from, int count, Directions& directions, ArcSamples& samples) {
+/// The next samples, and up to three more.
+inline void place_samples(const ArcSampling& arc, int count, Directions& directions, ArcPlaces& places) {
   for (int k = 0; k < count; k += kAtOnce, directions.advance()) {
     const auto i = static_cast<std::size_t>(k);
     const Doubles x = arc.apex_x + arc.range * directions.x;
     const Doubles y = arc.apex_y + arc.range * directions.y;
-    std::memcpy(&samples.x[i], &x, sizeof(x));
-    std::memcpy(&samples.y[i], &y, sizeof(y));
+    std::memcpy(&places.x[i], &x, sizeof(x));
+    std::memcpy(&places.y[i], &y, sizeof(y));
+  }
+}
+
+/// Samples `from` on, counted from the axis, and up to three more.
+inline void share_samples(const ArcSampling& arc, int from, int count, ArcShares& shares) {
+  for (int k = 0; k < count; k += kAtOnce) {
+    const auto i = static_cast<std::size_t>(k);
     const Ints number = Ints{0, 1, 2, 3} + (from + k);
     const Doubles offset = arc.half * __builtin_convertvector(number, Doubles) / static_cast<double>(arc.steps);
     const Doubles beside = (offset < 0.0 ? -offset : offset) / arc.half_angle;
     const Doubles border = Doubles{} + 1.0;
     const Doubles share = beside < border ? beside : border;
     const Doubles weight = 1.0 - (1.0 - arc.edge_weight) * share * share;
-    std::memcpy(&samples.weight[i], &weight, sizeof(weight));
+    std::memcpy(&shares.weight[i], &weight, sizeof(weight));
     const Doubles across = (offset + arc.half_angle) / (2.0 * arc.half_angle) * static_cast<double>(kSlices);
     const Ints cut = __builtin_convertvector(across, Ints);
     const Ints first{};
     const Ints last = first + (kSlices - 1);
     const Ints from_first = cut > first ? cut : first;
     const Ints slice = from_first < last ? from_first : last;
-    std::memcpy(&samples.slice[i], &slice, sizeof(slice));
+    std::memcpy(&shares.slice[i], &slice, sizeof(slice));
   }
+}
+
+/// Shares of all samples of an arc of at most kArcChunk: they depend on how many these are, and else on the cone. They
+/// are kept as long as one cone is asked for, which saves three divisions a sample.
+const ArcShares& shares_of_whole_arc(const ArcSampling& arc) {
+  constexpr std::size_t kMostSteps = (kArcChunk - 1) / 2;
+  struct Kept {
+    double half = 0.0;
+    double half_angle = 0.0;
+    double edge_weight = 0.0;
+    std::array<bool, kMostSteps + 1> is_known{};
+    std::array<ArcShares, kMostSteps + 1> shares{};
+  };
+  constinit static thread_local Kept kept{};
+  if (kept.half != arc.half || kept.half_angle != arc.half_angle || kept.edge_weight != arc.edge_weight) {
+    kept.half = arc.half;
+    kept.half_angle = arc.half_angle;
+    kept.edge_weight = arc.edge_weight;
+    kept.is_known.fill(false);
+  }
+  const auto steps = static_cast<std::size_t>(arc.steps);
+  if (!kept.is_known[steps]) {
+    share_samples(arc, -arc.steps, 2 * arc.steps + 1, kept.shares[steps]);
+    kept.is_known[steps] = true;
+  }
+  return kept.shares[steps];
 }
 
 /// The cells of a whole arc of at most kArcChunk samples within the grid: each cell once, with the slice of its first
 /// sample, and the weight of the one nearest to the axis, which is the highest. In loops that wait for nothing: nobody
 /// guesses which sample is the first of its cell.
 LUMINAV_VECTOR_CLONES
-void cells_of_whole_arc(const ArcSampling& arc, const TurningDirection& direction, std::vector<ArcCell>& cells) {
+void cells_of_whole_arc(const ArcSampling& arc, const TurningDirection& direction, const ArcShares& shares,
+                        std::vector<ArcCell>& cells) {
   const auto steps = static_cast<std::size_t>(arc.steps);
   const std::size_t count = 2 * steps + 1;
-  ArcSamples samples;
+  ArcPlaces places;
   Directions directions(direction);
-  sample_arc(arc, -arc.steps, static_cast<int>(count), directions, samples);
+  place_samples(arc, static_cast<int>(count), directions, places);
   std::array<int, kArcChunk> column;
   std::array<int, kArcChunk> row;
   for (std::size_t i = 0; i < count; i += kAtOnce) {
     Doubles x;
     Doubles y;
-    std::memcpy(&x, &samples.x[i], sizeof(x));
-    std::memcpy(&y, &samples.y[i], sizeof(y));
+    std::memcpy(&x, &places.x[i], sizeof(x));
+    std::memcpy(&y, &places.y[i], sizeof(y));
     const Ints columns = __builtin_convertvector(x, Ints);
     const Ints rows = __builtin_convertvector(y, Ints);
     std::memcpy(&column[i], &columns, sizeof(columns));
@@ -118,10 +155,10 @@ void cells_of_whole_arc(const ArcSampling& arc, const TurningDirection& directio
   cells.resize(place[count - 1] + 1);
   // where several samples share a cell the one that is written last stays
   for (std::size_t i = count; i-- > 0;) {
-    cells[place[i]] = {{column[i], row[i]}, samples.slice[i], samples.weight[i]};
+    cells[place[i]] = {{column[i], row[i]}, shares.slice[i], shares.weight[i]};
   }
   for (std::size_t i = 0; i <= steps; ++i) {
-    cells[place[i]].weight = samples.weight[i];
+    cells[place[i]].weight = shares.weight[i];
   }
 }
 
@@ -155,7 +192,7 @@ void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry,
   const bool are_inside =
       is_inside(apex - Eigen::Vector2d(around, around)) && is_inside(apex + Eigen::Vector2d(around, around));
   if (are_inside && sample_count <= kArcChunk && params.edge_weight <= 1.0) {
-    cells_of_whole_arc(sampling, direction, cells);
+    cells_of_whole_arc(sampling, direction, shares_of_whole_arc(sampling), cells);
     return;
   }
   cells.resize(sample_count);
@@ -169,14 +206,16 @@ void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry,
     cell.weight = is_new ? weight : std::max(cell.weight, weight);
     *last = cell;
   };
-  ArcSamples samples;
+  ArcPlaces places;
+  ArcShares shares;
   Directions directions(direction);
   for (int from = -steps; from <= steps; from += kArcChunk) {
     const int count = std::min(kArcChunk, steps - from + 1);
-    sample_arc(sampling, from, count, directions, samples);
+    place_samples(sampling, count, directions, places);
+    share_samples(sampling, from, count, shares);
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
-      if (is_inside({samples.x[k], samples.y[k]})) {
-        take({static_cast<int>(samples.x[k]), static_cast<int>(samples.y[k])}, samples.slice[k], samples.weight[k]);
+      if (is_inside({places.x[k], places.y[k]})) {
+        take({static_cast<int>(places.x[k]), static_cast<int>(places.y[k])}, shares.slice[k], shares.weight[k]);
       }
     }
   }
