@@ -6,20 +6,21 @@
 namespace luminav {
 namespace {
 
-constexpr double kInwards = -0.036;     // [m] from the outline, where profiles begin ...
-constexpr std::size_t kSteps = 18;      // ... and how long they are: as far as joints are looked for
-constexpr double kCorner = 0.025;       // [m] from a corner, which blur rounds
-constexpr double kApart = 0.006;        // [m] between lines on the side, at least ...
-constexpr double kApartBeyond = 0.012;  // ... and beyond its corners
-constexpr int kLeastLines = 8;          // on the side, and beyond its corners
-constexpr int kBeyond = 16;             // lines beyond each corner
-constexpr std::array<double, EndCosts::kBlurs> kWidths{4.0, 7.0, 12.0};  // [px] of an edge from its foot to its top
-// Neighbouring samples are alike, and texture is no noise: chi squared counts that much less.
-constexpr double kCorrelation = 1.5;
-constexpr double kEvenCorrelation = 0.8;
-constexpr double kMisfit = 0.0003;  // [m] by which each side may lie farther out, as the other does ...
-constexpr double kScale = 0.001;    // ... plus this share of half the size
-constexpr int kMostMisfit = 4;      // places
+constexpr double kInwards = -0.036;      // [m] from the outline, where profiles begin ...
+constexpr std::size_t kSteps = 18;       // ... and how long they are: as far as joints are looked for
+constexpr double kFromCorner = 0.012;    // [m] of the side's lines from its corners, which blur rounds
+constexpr double kBeyondCorner = 0.025;  // [m] of the lines beyond them, where the other joint may cross
+constexpr double kApart = 0.004;         // [m] between lines on the side, about a pixel ...
+constexpr double kApartBeyond = 0.012;   // ... and beyond its corners
+constexpr int kLeastLines = 8;           // on the side, and beyond its corners
+constexpr int kBeyond = 16;              // lines beyond each corner
+constexpr std::array<double, EndCosts::kBlurs> kWidths{3.4, 4.5, 6.0, 8.0, 12.0};  // [px] of an edge, foot to top
+constexpr double kUnknowns = 4.0;                                                  // inside, outside, place and blur
+constexpr double kCorrelation = 1.8;  // neighbouring samples are alike: chi squared counts that much less
+constexpr double kLeastShare = 0.05;  // of a pixel's variance that a line has
+constexpr double kMisfit = 0.0003;    // [m] by which a size may be off ...
+constexpr double kScale = 0.001;      // ... plus this share of half the size
+constexpr int kMostMisfit = 4;        // places
 
 /// How much of a blurred edge's far side is seen, `outside` [m] of it.
 double passed(double outside, double width) {
@@ -39,43 +40,53 @@ struct PlaceCosts {
   }
 };
 
-/// Mean and variance, each place weighted by its likelihood; nothing when a place at the border of the search is best,
+/// Mean and variance, each place weighted by its likelihood over all blurs: beside a joint another blur may mean
+/// another place. `costs_of(blur)` are those of each place. Nothing when a place at the border of the search is best,
 /// for what lies beyond may be better.
-std::optional<PlaceBetween> mean_place(const PlaceCosts& costs) {
-  if (costs.cost.front() <= costs.least || costs.cost[static_cast<std::size_t>(costs.count - 1)] <= costs.least) {
-    return std::nullopt;
+template <typename CostsOf>
+std::optional<PlaceBetween> mean_place(CostsOf costs_of) {
+  std::array<PlaceCosts, EndCosts::kBlurs> costs;
+  double least = 1e18;
+  for (std::size_t blur = 0; blur < costs.size(); ++blur) {
+    costs[blur] = costs_of(blur);
+    least = std::min(least, costs[blur].least);
   }
+  const int count = costs[0].count;
   double weights = 0.0;
   double sum = 0.0;
   double squares = 0.0;
-  for (int i = 0; i < costs.count; ++i) {
-    const double place = EndCosts::kStep * (i - costs.count / 2);
-    const double weight = std::exp(-0.5 * (costs.cost[static_cast<std::size_t>(i)] - costs.least));
+  double most = 0.0;  // of one place
+  int best = 0;
+  for (int i = 0; i < count; ++i) {
+    double weight = 0.0;
+    for (const PlaceCosts& of_blur : costs) {
+      weight += std::exp(-0.5 * (of_blur.cost[static_cast<std::size_t>(i)] - least));
+    }
+    if (weight > most) {
+      most = weight;
+      best = i;
+    }
+    const double place = EndCosts::kStep * (i - count / 2);
     weights += weight;
     sum += weight * place;
     squares += weight * place * place;
+  }
+  if (best == 0 || best == count - 1) {
+    return std::nullopt;
   }
   const double mean = sum / weights;
   return PlaceBetween{mean, std::max(0.0, squares / weights - mean * mean) + EndCosts::kStep * EndCosts::kStep / 12.0};
 }
 
-/// `costs_of(blur)` are those of each place; the blur that agrees best counts.
-template <typename CostsOf>
-std::optional<PlaceBetween> mean_at_best_blur(CostsOf costs_of) {
-  PlaceCosts best = costs_of(0);
-  for (std::size_t blur = 1; blur < EndCosts::kBlurs; ++blur) {
-    const PlaceCosts costs = costs_of(blur);
-    if (costs.least < best.least) {
-      best = costs;
-    }
-  }
-  return mean_place(best);
+/// [m] by which each side may lie farther out than the size says, as the other does.
+double size_sigma(double half_size) {
+  return kMisfit + kScale * half_size;
 }
 
 using Greys = std::array<double, kSteps>;
 
 SideProfile profile_of_side(const GreyView& image, const CeilingCamera& camera, const SideLine& side) {
-  const double usable = 2.0 * (side.half_length - kCorner);
+  const double usable = 2.0 * (side.half_length - kFromCorner);
   const int count = std::clamp(static_cast<int>(usable / kApart) + 1, 2, SideProfile::kMostLines);
   return mean_profile(
       image, camera, side,
@@ -94,7 +105,7 @@ CeilingBeyond ceiling_beyond_corners(const GreyView& image, const CeilingCamera&
     const SideProfile beyond = mean_profile(image, camera, side,
                                             {.first = kInwards,
                                              .steps = kSteps,
-                                             .from = corner * (side.half_length + kCorner),
+                                             .from = corner * (side.half_length + kBeyondCorner),
                                              .apart = corner * kApartBeyond,
                                              .count = kBeyond});
     for (std::size_t k = 0; k < kSteps; ++k) {
@@ -174,32 +185,40 @@ std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& ca
     return std::nullopt;
   }
   CeilingBeyond ceiling;
-  double variance = noise * noise;
   if (outside == CeilingOutside::kEven) {
     ceiling.grey.fill(1.0);
-    variance *= kEvenCorrelation / own.lines;
   } else {
     ceiling = ceiling_beyond_corners(image, camera, side);
     if (ceiling.lines < kLeastLines) {
       return std::nullopt;
     }
-    variance *= kCorrelation * (1.0 / own.lines + 0.5 / ceiling.lines);
   }
   const SideFit fit(own, ceiling);
   EndCosts costs;
+  double least = 1e18;
   for (std::size_t blur = 0; blur < EndCosts::kBlurs; ++blur) {
     for (std::size_t place = 0; place < EndCosts::kPlaces; ++place) {
       const double end = EndCosts::kStep * (static_cast<int>(place) - EndCosts::kReach);
-      costs.cost[blur][place] = fit.misfit(end, kWidths[blur] * metres_per_px) / variance;
+      const double misfit = fit.misfit(end, kWidths[blur] * metres_per_px);
+      costs.cost[blur][place] = misfit;
+      least = std::min(least, misfit);
+    }
+  }
+  // What the best leaves of the grey levels is their noise, with texture and whatever else is there.
+  const double variance =
+      kCorrelation * std::max(least / (kSteps - kUnknowns), kLeastShare * noise * noise / own.lines);
+  for (auto& of_blur : costs.cost) {
+    for (double& cost : of_blur) {
+      cost /= variance;
     }
   }
   return costs;
 }
 
 std::optional<PlaceBetween> place_between(const EndCosts& positive, const EndCosts& negative, double half_size) {
-  const double sigma = kMisfit + kScale * half_size;
+  const double sigma = size_sigma(half_size);
   constexpr int kMostShift = EndCosts::kReach - kMostMisfit;
-  return mean_at_best_blur([&](std::size_t blur) {
+  return mean_place([&](std::size_t blur) {
     PlaceCosts costs;
     for (int shift = -kMostShift; shift <= kMostShift; ++shift) {
       double least = 1e18;
@@ -213,14 +232,18 @@ std::optional<PlaceBetween> place_between(const EndCosts& positive, const EndCos
   });
 }
 
-std::optional<PlaceBetween> place_of(const EndCosts& end) {
-  return mean_at_best_blur([&](std::size_t blur) {
+std::optional<PlaceBetween> place_of(const EndCosts& end, double half_size) {
+  auto place = mean_place([&](std::size_t blur) {
     PlaceCosts costs;
-    for (int place = -EndCosts::kReach; place <= EndCosts::kReach; ++place) {
-      costs.add(end.at(blur, place));
+    for (int at = -EndCosts::kReach; at <= EndCosts::kReach; ++at) {
+      costs.add(end.at(blur, at));
     }
     return costs;
   });
+  if (place) {
+    place->variance += size_sigma(half_size) * size_sigma(half_size);
+  }
+  return place;
 }
 
 }  // namespace luminav

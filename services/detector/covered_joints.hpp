@@ -16,7 +16,7 @@ struct EndCosts {
   static constexpr double kStep = 0.0005;  // [m] from one place to the next
   static constexpr int kReach = 40;        // places to each side of the outline
   static constexpr std::size_t kPlaces = 2 * kReach + 1;
-  static constexpr std::size_t kBlurs = 3;  // how soft the edge is: at rest, and while the robot moves
+  static constexpr std::size_t kBlurs = 5;  // how soft the edge is
 
   std::array<std::array<double, kPlaces>, kBlurs> cost;  // chi squared
 
@@ -37,7 +37,7 @@ struct PlaceBetween {
 /// `half_size` [m] from the middle to each of the sides. Nothing when it agrees best at the border of the search: then
 /// the fixture's side is not what was seen.
 std::optional<PlaceBetween> place_between(const EndCosts& positive, const EndCosts& negative, double half_size);
-/// The same of one side alone, outwards.
-std::optional<PlaceBetween> place_of(const EndCosts& end);
+/// The same by one side alone, outwards, where the other is not in view.
+std::optional<PlaceBetween> place_of(const EndCosts& end, double half_size);
 
 }  // namespace luminav

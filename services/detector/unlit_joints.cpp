@@ -96,7 +96,7 @@ class JointRemoval {
     if (const auto shift = edges(by_left, kLeftSide, by_right, kRightSide).settle(1, least_variance_, fit_)) {
       return *shift;
     }
-    return is_joint_along_ ? settle_by_profiles(1, left, right, CeilingOutside::kAsBeyondCorners).value_or(0.0) : 0.0;
+    return is_joint_along_ ? settle_by_profiles(1, &left, &right, CeilingOutside::kAsBeyondCorners).value_or(0.0) : 0.0;
   }
 
   /// [m] to move it towards its far end.
@@ -119,6 +119,9 @@ class JointRemoval {
             0.5 * (end ? outline_.width : outline_.length),
             0.5 * (end ? outline_.length : outline_.width)};
   }
+  static CeilingOutside outside_of(bool is_joint) {
+    return is_joint ? CeilingOutside::kAsBeyondCorners : CeilingOutside::kEven;
+  }
   [[nodiscard]] JointBeside joint_beside(const SideLine& side) const {
     return find_joint_beside(image_, camera_, side, {.noise = noise_});
   }
@@ -130,20 +133,21 @@ class JointRemoval {
     return {by_positive, fit_.side_edge[positive], by_negative, fit_.side_edge[negative]};
   }
 
-  /// By all grey levels across both sides.
-  [[nodiscard]] std::optional<double> settle_by_profiles(int axis, const SideLine& positive, const SideLine& negative,
+  /// By all grey levels across both sides, or across one where the other is not in view; [m] towards the positive one.
+  [[nodiscard]] std::optional<double> settle_by_profiles(int axis, const SideLine* positive, const SideLine* negative,
                                                          CeilingOutside outside) {
-    const auto positive_costs = costs_of(positive, outside);
-    const auto negative_costs = costs_of(negative, outside);
-    if (!positive_costs || !negative_costs) {
+    const auto positive_costs = positive != nullptr ? costs_of(*positive, outside) : std::nullopt;
+    const auto negative_costs = negative != nullptr ? costs_of(*negative, outside) : std::nullopt;
+    const double half_size = 0.5 * (axis == 0 ? outline_.length : outline_.width);
+    const auto place = positive_costs && negative_costs ? place_between(*positive_costs, *negative_costs, half_size)
+                       : positive_costs                 ? place_of(*positive_costs, half_size)
+                       : negative_costs                 ? place_of(*negative_costs, half_size)
+                                                        : std::nullopt;
+    if (!place) {
       return std::nullopt;
     }
-    const auto between = place_between(*positive_costs, *negative_costs, positive.distance);
-    if (!between) {
-      return std::nullopt;
-    }
-    set_variance(axis, between->variance + least_variance_, fit_);
-    return between->shift;
+    set_variance(axis, place->variance + least_variance_, fit_);
+    return positive_costs ? place->shift : -place->shift;
   }
 
   [[nodiscard]] double settle_between_ends() {
@@ -151,16 +155,11 @@ class JointRemoval {
     const SideLine near = side_line(kNearEnd);
     const JointBeside by_far = joint_beside(far);
     const JointBeside by_near = joint_beside(near);
-    const bool is_joint = by_far.found || by_near.found;
-    // A short side's edge points are few, each found in noise for itself: where no joint needs them, the profile of the
-    // whole side says more.
-    if (is_joint || (by_far.is_in_view && by_near.is_in_view)) {
-      if (const auto shift =
-              settle_by_profiles(0, far, near, is_joint ? CeilingOutside::kAsBeyondCorners : CeilingOutside::kEven)) {
-        return *shift;
-      }
-    }
-    return edges(by_far, kFarEnd, by_near, kNearEnd).settle(0, least_variance_, fit_).value_or(0.0);
+    // A short side's edge points are few, each found in noise for itself: the profile of the whole side says more. An
+    // end so close to the image's border that no joint would show beside it may be one.
+    const auto shift = settle_by_profiles(0, by_far.is_in_view ? &far : nullptr, by_near.is_in_view ? &near : nullptr,
+                                          outside_of(by_far.found || by_near.found));
+    return shift ? *shift : edges(by_far, kFarEnd, by_near, kNearEnd).settle(0, least_variance_, fit_).value_or(0.0);
   }
 
   /// [m] to move the only end in view outwards.
@@ -170,14 +169,11 @@ class JointRemoval {
     if (!beside.is_in_view) {
       return 0.0;
     }
+    if (const auto shift = settle_by_profiles(0, &end, nullptr, outside_of(beside.found))) {
+      return *shift;
+    }
     if (beside.found) {
-      const auto costs = costs_of(end, CeilingOutside::kAsBeyondCorners);
-      const auto place = costs ? place_of(*costs) : std::nullopt;
-      if (!place) {
-        return 0.0;
-      }
-      set_variance(0, place->variance + least_variance_, fit_);
-      return place->shift;
+      return 0.0;
     }
     set_variance(0, kLoneEnd * kLoneEnd + least_variance_, fit_);
     // What looked like swelling was the joint.

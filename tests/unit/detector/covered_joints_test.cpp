@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/detector/unlit_joints.hpp"
 #include "tests/unit/detector/ceiling_picture.hpp"
 
 namespace luminav {
@@ -52,20 +53,58 @@ TEST(CoveredJoints, PlaceAFaintFixtureByTheGreyLevelsOfItsWholeEnds) {
     squares += std::pow(place->shift - off, 2);
     normalised += std::pow(place->shift - off, 2) / place->variance;
   }
-  EXPECT_LT(std::sqrt(squares / kPictures), 1.2e-3) << "a quarter of a pixel, with a step of 1.3 sigmas of noise";
+  EXPECT_LT(std::sqrt(squares / kPictures), 0.9e-3) << "a fifth of a pixel, with a step of 1.3 sigmas of noise";
   EXPECT_LT(normalised / kPictures, 1.7);  // chi squared of 20 values exceeds it once in 36 times
 }
 
+TEST(CoveredJoints, PlaceAFixtureByItsEndInAJointWhereTheOtherIsAtTheBorder) {
+  constexpr double kHeight = 2.8;  // [m]
+  CameraDescription description = test::test_camera();
+  description.mounting.y = 0.1;  // so that the border is 1.42 m to the right ...
+  const CeilingCamera camera(description.intrinsics, description.mounting);
+  const Pose2 truth{0.10, -0.81, 0.5 * kPi};  // ... and the fixture's left end at the joint 0.21 m to the right
+  test::DrawnCeiling ceiling;
+  ceiling.joint_depth = 25.0;
+  ceiling.shapes = {{.pose = truth, .state = DetectionState::kUnlit, .darker = 18.0}};
+  const GreyImage image = test::draw_ceiling(ceiling, description, kHeight);
+  for (const double off : {-0.006, 0.006}) {  // [m] as by the joint's far edge
+    OutlineFit fit;
+    fit.robot_from_outline = truth * Pose2{off, 0.0, 0.0};
+    fit.covariance = 1e-4 * Eigen::Matrix3d::Identity();
+    fit.expected.fill(10);
+    fit.in_view.fill(10);
+    fit.metres_per_px = 0.0046;
+    fit.step = 18.0;
+    take_off_joints(image.view(), camera, {.length = 1.2, .width = 0.3, .height = kHeight}, {.inside_brighter = false},
+                    fit);
+    EXPECT_NEAR(fit.robot_from_outline.y, truth.y, 2e-3) << "started " << off;
+    EXPECT_LT(std::sqrt(fit.covariance(0, 0)), 3e-3);
+  }
+}
+
 TEST(CoveredJoints, PlaceALoneEndWhereItsCostsAreLeast) {
-  const auto place = place_of(costs_around(6.0, 2.0));
+  const auto place = place_of(costs_around(6.0, 4.0), 0.6);
   ASSERT_TRUE(place);
   EXPECT_NEAR(place->shift, 6.0 * EndCosts::kStep, 1e-6);
-  EXPECT_NEAR(std::sqrt(place->variance), 2.0 * EndCosts::kStep, 0.05 * EndCosts::kStep);
+  const double size_error = 0.0009;  // [m] 0.3 mm and a thousandth of half the size
+  EXPECT_NEAR(std::sqrt(place->variance), std::hypot(4.0 * EndCosts::kStep, size_error), 0.05 * EndCosts::kStep);
+}
+
+TEST(CoveredJoints, LeaveOpenWhichOfTwoBlursIsRight) {
+  EndCosts costs = costs_around(-6.0, 2.0);
+  costs.cost[1] = costs_around(6.0, 2.0).cost[1];  // as likely, at another place
+  for (std::size_t blur = 2; blur < EndCosts::kBlurs; ++blur) {
+    costs.cost[blur].fill(100.0);
+  }
+  const auto place = place_of(costs, 0.0);
+  ASSERT_TRUE(place);
+  EXPECT_NEAR(place->shift, 0.0, 0.1 * EndCosts::kStep);
+  EXPECT_GT(std::sqrt(place->variance), 6.0 * EndCosts::kStep);
 }
 
 TEST(CoveredJoints, SayNothingWhenTheBorderOfTheSearchIsBest) {
   for (const double beyond : {-45.0, 45.0}) {
-    EXPECT_FALSE(place_of(costs_around(beyond, 2.0)));
+    EXPECT_FALSE(place_of(costs_around(beyond, 2.0), 0.6));
     EXPECT_FALSE(place_between(costs_around(beyond, 2.0), costs_around(-beyond, 2.0), 0.6));
   }
 }
