@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "services/common/geometry/vector_clones.hpp"
@@ -168,6 +169,13 @@ double towards(double robot_at, double centre, double half_cell) {
   return std::min(std::max(robot_at, centre - half_cell), centre + half_cell);
 }
 
+/// The largest number whose square root is at most this: distances are compared without roots.
+double largest_square(double root) {
+  // roots round up from half a last digit beyond; its square is this, but for the square of the half
+  const double square = root * std::nextafter(root, std::numeric_limits<double>::infinity());
+  return std::sqrt(square) > root ? std::nextafter(square, 0.0) : square;
+}
+
 /// Walls in a column of words as the robot sees them, without what depends on the row.
 struct FaceColumns {
   std::array<double, 64> square;              // [m^2] of the way along x, by bit; least beside the robot
@@ -322,7 +330,7 @@ void find_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, 
   std::vector<RowFaces> many_faces(rows > few_faces.size() ? rows : 0);
   RowFaces* const faces = many_faces.empty() ? few_faces.data() : many_faces.data();
   const PointTransform robot_from_world = PointTransform::inverse_of(world_from_robot);
-  const double most = params.radius * params.radius;
+  const double most = largest_square(params.radius);
   for (int column = first_column; column <= last_column; column += kInner) {
     const WordColumn word{column, std::min(kInner, last_column + 1 - column)};
     const std::size_t rows_with_faces =
