@@ -17,7 +17,7 @@ constexpr int kWindow = 4;        // places to each side whose mean is taken off
 constexpr int kMostPlaces = 64;
 constexpr int kLines = 48;         // averaged
 constexpr double kSmooth = 0.16;   // of the step at the edges; slats of a vent reach 0.3
-constexpr double kCertain = 0.10;  // of the step: more noise than that leaves it open
+constexpr double kCertain = 0.18;  // of the step: more noise than that leaves it open
 
 struct Stretch {
   double from = 0.0;
@@ -80,7 +80,8 @@ bool is_surely_smooth(const GreyView& image, const CeilingCamera& camera, const 
                       double pixel_noise) {
   const Stretch along{fit.visible_from + kRim, fit.visible_to - kRim};
   const Stretch across{kRim - 0.5 * outline.width, 0.5 * outline.width - kRim};
-  if (pixel_noise / std::sqrt(1.0 * kLines) > kCertain * fit.step) {
+  const double noise = pixel_noise / std::sqrt(1.0 * kLines);
+  if (noise > kCertain * fit.step) {
     return false;
   }
   const Pose2& pose = fit.robot_from_outline;
@@ -88,7 +89,8 @@ bool is_surely_smooth(const GreyView& image, const CeilingCamera& camera, const 
       roughness(image, camera, outline, pose, along, across, [](double u, double v) { return Vector2d(u, v); });
   const double crosswise =
       roughness(image, camera, outline, pose, across, along, [](double u, double v) { return Vector2d(v, u); });
-  return lengthwise >= 0.0 && crosswise >= 0.0 && std::max(lengthwise, crosswise) < kSmooth * fit.step;
+  return lengthwise >= 0.0 && crosswise >= 0.0 &&
+         std::max(lengthwise, crosswise) < std::hypot(kSmooth * fit.step, noise);
 }
 
 }  // namespace luminav

@@ -258,20 +258,26 @@ TEST(ModernDetector, TellsACutFixtureFromACutVentByItsSmoothSurface) {
   for (CeilingKind& element : catalogue.elements) {
     element.slatted = true;
   }
-  DrawnCeiling ceiling;
-  ceiling.noise = 8.0;
-  // what is in view of it may be as long as a vent
-  const DrawnShape fixture{.pose = {1.2, 0.1, 0.1}, .state = DetectionState::kUnlit, .darker = 30.0};
-  ceiling.shapes = {fixture};
-  const auto found = detect(ceiling, test::test_camera(), catalogue);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].shape, DetectionShape::kRectangle);
-  EXPECT_NEAR(found[0].robot_from_fixture.y, fixture.pose.y, 5e-3);
-  DrawnShape vent{.pose = {0.95, 0.1, 0.1}, .length = 0.6, .state = DetectionState::kUnlit, .darker = 30.0};
-  vent.slats = 15.0;
-  ceiling.shapes = {vent};
-  for (const Detection& detection : detect(ceiling, test::test_camera(), catalogue)) {
-    EXPECT_EQ(detection.shape, DetectionShape::kElement);
+  struct Case {
+    double noise;
+    double darker;
+  };
+  for (const Case& c : {Case{8.0, 30.0}, Case{9.0, 12.0}}) {
+    DrawnCeiling ceiling;
+    ceiling.noise = c.noise;
+    // what is in view of it may be as long as a vent
+    const DrawnShape fixture{.pose = {1.2, 0.1, 0.1}, .state = DetectionState::kUnlit, .darker = c.darker};
+    ceiling.shapes = {fixture};
+    const auto found = detect(ceiling, test::test_camera(), catalogue);
+    ASSERT_EQ(found.size(), 1U) << c.darker;
+    EXPECT_EQ(found[0].shape, DetectionShape::kRectangle);
+    EXPECT_NEAR(found[0].robot_from_fixture.y, fixture.pose.y, 5e-3);
+    DrawnShape vent{.pose = {0.95, 0.1, 0.1}, .length = 0.6, .state = DetectionState::kUnlit, .darker = c.darker};
+    vent.slats = 0.5 * c.darker;
+    ceiling.shapes = {vent};
+    for (const Detection& detection : detect(ceiling, test::test_camera(), catalogue)) {
+      EXPECT_EQ(detection.shape, DetectionShape::kElement) << c.darker;
+    }
   }
 }
 
