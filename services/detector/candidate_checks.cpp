@@ -18,6 +18,7 @@ constexpr double kFitted = 0.020;      // [m] by which bloom may be wider than i
 constexpr double kMostAcross = 0.030;  // [m] 1 sigma of its place across
 constexpr double kLeastDisc = 16.0;    // [px] across: smaller ones must be lit, with an edge nearly all round
 constexpr double kSpeckFit = 0.92;
+constexpr double kSureSides = 0.79;  // share of both sides and of one end, where the other end is noisy
 // Of a fixture whose other long side is out of view:
 constexpr double kLeastStretch = 0.4;  // of the side that is seen
 constexpr double kOneSideFit = 0.85;   // share of it that must show its edge
@@ -45,7 +46,7 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   }
   const std::optional<Side> only_side = fit.only_side();
   if (const char* why =
-          only_side ? objection_to_one_side(candidate, *only_side) : objection_to_edges(candidate, bright)) {
+          only_side ? objection_to_one_side(candidate, *only_side, bright) : objection_to_edges(candidate, bright)) {
     return why;
   }
   if (!bright && !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
@@ -110,10 +111,10 @@ const char* CandidateChecks::objection_to_edges(const Candidate& candidate, bool
       least_share * std::max(fit.side_step[kLeftSide], fit.side_step[kRightSide])) {
     return "sides of different brightness";
   }
-  return objection_to_ends(fit);
+  return objection_to_ends(fit, bright);
 }
 
-const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, Side side) const {
+const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, Side side, bool bright) const {
   const OutlineFit& fit = candidate.fit;
   if (candidate.hypothesis.is_element || candidate.hypothesis.half_width) {
     return "one long side alone";
@@ -132,12 +133,17 @@ const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, S
   if (fit.covariance(2, 2) > kMostHeading * kMostHeading) {
     return "too uncertain";
   }
-  return objection_to_ends(fit);
+  return objection_to_ends(fit, bright);
 }
 
-const char* CandidateChecks::objection_to_ends(const OutlineFit& fit) const {
+const char* CandidateChecks::objection_to_ends(const OutlineFit& fit, bool bright) const {
+  // A short end has few points, and noise may hide the edge of most: where both sides and the other end of an unlit one
+  // are certain, how dark it is inside and outside of the end decides (`ends_where_it_says`).
+  const bool whole = fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd);
+  const bool sure_sides = !bright && whole && std::min(fit.share(kLeftSide), fit.share(kRightSide)) > kSureSides &&
+                          std::max(fit.share(kFarEnd), fit.share(kNearEnd)) > kSureSides;
   for (const int end : {kFarEnd, kNearEnd}) {
-    if (fit.in_view[static_cast<std::size_t>(end)] >= 3 && fit.share(end) < params_.minimum_end_fit) {
+    if (fit.in_view[static_cast<std::size_t>(end)] >= 3 && fit.share(end) < params_.minimum_end_fit && !sure_sides) {
       return "no edge at an end";
     }
     // A joint between tiles may look like an end; then the long sides don't reach it.

@@ -27,8 +27,8 @@ class CandidateChecks {
   [[nodiscard]] const char* objection_to_disc(const CeilingFrame& frame, const Candidate& candidate, int level) const;
   [[nodiscard]] const char* objection_to_edges(const Candidate& candidate, bool bright) const;
   /// Of a candidate whose other long side is beyond the image border.
-  [[nodiscard]] const char* objection_to_one_side(const Candidate& candidate, Side side) const;
-  [[nodiscard]] const char* objection_to_ends(const OutlineFit& fit) const;
+  [[nodiscard]] const char* objection_to_one_side(const Candidate& candidate, Side side, bool bright) const;
+  [[nodiscard]] const char* objection_to_ends(const OutlineFit& fit, bool bright) const;
   [[nodiscard]] bool may_be_something_else(const CeilingFrame& frame, const Candidate& candidate, bool bright) const;
   /// An unlit one is dark just inside of an end in view and no longer just outside.
   [[nodiscard]] bool ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const;

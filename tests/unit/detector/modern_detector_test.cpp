@@ -307,6 +307,22 @@ TEST(ModernDetector, FindsAFaintUnlitFixtureInANoisyPicture) {
   expect_at(detections[0], truth, 5e-3, radians(0.2));
 }
 
+TEST(ModernDetector, FindsNarrowUnlitFixturesWhoseShortEndsDrownInNoise) {
+  int found = 0;
+  for (std::uint32_t seed = 1; seed <= 16; ++seed) {
+    DrawnCeiling ceiling;
+    const Pose2 truth{0.1, -0.05, 0.2 * seed};
+    ceiling.seed = seed;
+    ceiling.noise = 13.0;
+    ceiling.shapes = {{.pose = truth, .width = 0.15, .state = DetectionState::kUnlit, .darker = 13.0}};
+    for (const Detection& detection : detect(ceiling)) {
+      ++found;
+      expect_at(detection, truth, 12e-3, radians(0.4));
+    }
+  }
+  EXPECT_EQ(found, 16);
+}
+
 TEST(ModernDetector, TakesNoDarkSpeckForASmallRoundFixture) {
   CeilingCatalogue catalogue = test::test_catalogue();
   catalogue.fixtures = {{.shape = FixtureShape::kRound, .length = 0.06, .width = 0.06, .height = 2.8, .lamps = 1}};
