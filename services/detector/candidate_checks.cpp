@@ -20,7 +20,8 @@ constexpr double kLeastDisc = 16.0;    // [px] across: smaller ones must be lit,
 constexpr double kSpeckFit = 0.92;
 constexpr double kSureSides = 0.79;  // share of both sides and of one end, where the other end is noisy
 // Of a fixture whose other long side is out of view:
-constexpr double kLeastStretch = 0.4;  // of the side that is seen
+constexpr double kLeastStretch = 0.4;  // of the side that is seen, or of an unlit piece without ends
+constexpr double kLeastOfLamp = 0.32;  // of the length, of a lit piece without ends
 constexpr double kOneSideFit = 0.85;   // share of it that must show its edge
 constexpr double kMostHeading = radians(0.7);
 // Of an unlit fixture without ends, the least depth of its outermost stretches against that of the others: joints carry
@@ -56,9 +57,13 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   if (candidate.hypothesis.is_element && ends < 2) {
     return "an element that is cut";
   }
-  if (outline.shape == FixtureShape::kSquare ? ends < 2
-                                             : ends < 1 && fit.visible_to - fit.visible_from < 0.4 * outline.length) {
+  const double seen = (fit.visible_to - fit.visible_from) / outline.length;
+  const bool short_piece = ends < 1 && seen < kLeastStretch;
+  if (outline.shape == FixtureShape::kSquare ? ends < 2 : short_piece && (!bright || seen < kLeastOfLamp)) {
     return "too few ends";
+  }
+  if (short_piece && fit.covariance(2, 2) > kMostHeading * kMostHeading) {
+    return "too uncertain";
   }
   if (!is_filled(frame, candidate, level)) {
     return kNotFilled.data();
@@ -125,10 +130,6 @@ const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, S
   }
   if (fit.share(side) < std::max(kOneSideFit, params_.minimum_long_side_fit)) {
     return "no edge along a long side";
-  }
-  const int ends = (fit.end_visible(kFarEnd) ? 1 : 0) + (fit.end_visible(kNearEnd) ? 1 : 0);
-  if (ends < 1) {
-    return "too few ends";
   }
   if (fit.covariance(2, 2) > kMostHeading * kMostHeading) {
     return "too uncertain";

@@ -16,7 +16,14 @@ constexpr double kAsBright = 0.88;      // of the inside
 constexpr double kAsDark = 0.5;         // of the depth inside
 constexpr double kBlurredReach = 0.03;  // [m] from the edge of something dark, in cells of the reduced image
 constexpr double kLeastStep = 30.0;     // [grey] of a lamp above the ceiling that it lights
-constexpr int kPlaces = 32;             // along the side
+// The same where no end is seen: daylight on the ceiling beside a window reaches 30, a lamp at least 107 (simulated
+// pictures).
+constexpr double kLeastStepWithoutEnds = 60.0;
+// Depth 30 mm outside of the side and 110 mm inside, of that next to it inside: fixtures to 0.15 and 1.03, a head 0.44
+// and 1.2 (simulated pictures).
+constexpr double kSoftEdge = 0.28;
+constexpr double kDeeperInside = 1.12;
+constexpr int kPlaces = 32;  // along the side
 constexpr int kLeastPlaces = 6;
 
 }  // namespace
@@ -56,12 +63,37 @@ std::optional<double> PieceFromOneSide::difference(Side side) const {
   return count < kLeastPlaces ? std::nullopt : std::optional(sum / count);
 }
 
+double PieceFromOneSide::mean_level(double inwards) const {
+  const Outline& outline = candidate_.hypothesis.outline;
+  const double outwards = side_ == kLeftSide ? 1.0 : -1.0;
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double along = outline.length * ((i + 0.5) / kPlaces - 0.5);
+    if (const auto level = level_at({along, outwards * (0.5 * outline.width - inwards)})) {
+      sum += *level;
+      ++count;
+    }
+  }
+  return count == 0 ? 0.0 : sum / count;
+}
+
+bool PieceFromOneSide::is_evenly_dark() const {
+  const double inside = 0.5 * (mean_level(0.03) + mean_level(0.045));
+  return mean_level(-0.03) < kSoftEdge * inside && mean_level(0.11) < kDeeperInside * inside;
+}
+
 bool PieceFromOneSide::stands_out() const {
   const OutlineFit& fit = candidate_.fit;
+  const bool any_end = fit.end_visible(kFarEnd) || fit.end_visible(kNearEnd);
+  const double least = !bright_ ? kAsDark * fit.step : any_end ? kLeastStep : kLeastStepWithoutEnds;
   const auto is_clear = [&](Side side) {
     const auto step = difference(side);
-    return step && *step > (bright_ ? kLeastStep : kAsDark * fit.step);
+    return step && *step > least;
   };
+  if (!bright_ && !any_end && !is_evenly_dark()) {
+    return false;
+  }
   return is_clear(side_) && (!fit.end_visible(kFarEnd) || is_clear(kFarEnd)) &&
          (!fit.end_visible(kNearEnd) || is_clear(kNearEnd));
 }

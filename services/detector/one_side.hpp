@@ -27,6 +27,11 @@ class PieceFromOneSide {
   [[nodiscard]] bool may_be(double length, double width) const;
   /// Grey level, or depth below the surroundings, at a place of the outline; nothing out of view.
   [[nodiscard]] std::optional<double> level_at(const Eigen::Vector2d& place) const;
+  /// Mean over the side at a distance [m] from it, inwards.
+  [[nodiscard]] double mean_level(double inwards) const;
+  /// True when something dark ends at the side and is as dark farther in: a head that leans in has a soft edge and
+  /// grows darker.
+  [[nodiscard]] bool is_evenly_dark() const;
   /// Mean difference between places inside of an edge and places beyond it.
   [[nodiscard]] std::optional<double> difference(Side side) const;
   /// True when it goes on beyond the far side of a narrower thing.

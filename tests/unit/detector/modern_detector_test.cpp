@@ -199,6 +199,38 @@ TEST(ModernDetector, PlacesAFixtureByOneLongSideAndItsEndsWhereTheOtherIsBeyondT
   }
 }
 
+TEST(ModernDetector, PlacesAFixtureByOneLongSideAloneButNoGlareOrHead) {
+  struct Case {
+    const char* what;
+    DetectionState state;
+    double lamp;  // [grey]
+    double blur;  // [m]
+    bool is_found;
+  };
+  CeilingCatalogue catalogue = test::test_catalogue();
+  catalogue.fixtures = {{.length = 3.2, .width = 0.3, .height = 2.8, .lamps = 1}};
+  const Pose2 truth{0.97, 0.1, 0.5 * kPi + 0.02};  // both ends and most of its outer side are out of view
+  for (const Case& c : {Case{"lamp", DetectionState::kLit, 600.0, 0.004, true},
+                        Case{"glare", DetectionState::kLit, 155.0, 0.004, false},
+                        Case{"unlit fixture", DetectionState::kUnlit, 0.0, 0.004, true},
+                        Case{"head", DetectionState::kUnlit, 0.0, 0.030, false}}) {
+    DrawnCeiling ceiling;
+    ceiling.lamp = c.lamp;
+    ceiling.bloom = c.lamp > 255.0 ? 80.0 : 0.0;
+    ceiling.blur = c.blur;
+    ceiling.shapes = {{.pose = truth, .length = 3.2, .state = c.state, .darker = 40.0}};
+    const auto detections = detect(ceiling, test::test_camera(), catalogue);
+    ASSERT_EQ(detections.size(), c.is_found ? 1U : 0U) << c.what;
+    if (c.is_found) {
+      const Pose2& pose = detections[0].robot_from_fixture;
+      EXPECT_FALSE(detections[0].near_end_visible || detections[0].far_end_visible) << c.what;
+      EXPECT_NEAR(pose.x - 0.02 * (truth.y - pose.y), truth.x, 10e-3) << c.what;
+      EXPECT_NEAR(wrap_axis(pose.theta - truth.theta), 0.0, radians(0.5)) << c.what;
+      EXPECT_GT(detections[0].covariance(1, 1), 0.008) << c.what << ": more than 0.3 m are out of view";
+    }
+  }
+}
+
 TEST(ModernDetector, LeavesOutAPieceThatIsNoDeeperThanANarrowerFixture) {
   DrawnCeiling ceiling;
   ceiling.shapes = {{.pose = {1.13, 0.1, 0.5 * kPi}}};  // 0.1 m of it is in view, and fixtures of 0.15 m are listed
