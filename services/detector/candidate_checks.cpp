@@ -18,6 +18,7 @@ constexpr double kFitted = 0.020;      // [m] by which bloom may be wider than i
 constexpr double kMostAcross = 0.030;  // [m] 1 sigma of its place across
 constexpr double kLeastDisc = 16.0;    // [px] across: smaller ones must be lit, with an edge nearly all round
 constexpr double kSpeckFit = 0.92;
+constexpr double kAlikeSides = 0.6;  // least step of a side, of the other's
 constexpr double kSureSides = 0.79;  // share of both sides and of one end, where the other end is noisy
 // Of a fixture whose other long side is out of view:
 constexpr double kLeastStretch = 0.4;  // of the side that is seen, or of an unlit piece without ends
@@ -56,6 +57,12 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   const int ends = (fit.end_visible(kFarEnd) ? 1 : 0) + (fit.end_visible(kNearEnd) ? 1 : 0);
   if (candidate.hypothesis.is_element && ends < 2) {
     return "an element that is cut";
+  }
+  // A guess from one edge, cut on top of that, must at least stand out alike on both sides.
+  if (candidate.hypothesis.from_edge && ends < 2 &&
+      std::min(fit.side_step[kLeftSide], fit.side_step[kRightSide]) <
+          kAlikeSides * std::max(fit.side_step[kLeftSide], fit.side_step[kRightSide])) {
+    return "sides of different brightness";
   }
   const double seen = (fit.visible_to - fit.visible_from) / outline.length;
   const bool short_piece = ends < 1 && seen < kLeastStretch;

@@ -18,6 +18,7 @@ constexpr double kRaggedEdges = 0.04;   // [m] by which noise and joints may wid
 constexpr double kWideBloom = 0.03;     // [m]
 constexpr double kWidestBloom = 0.065;  // [m]
 constexpr double kSlowFall = 0.5;       // of the least step otherwise
+constexpr double kDeeperShare = 0.75;   // of the local depth, where an unlit region is cut out a second time
 constexpr double kVignetting = 0.30;    // share of the light lost in the image's corners; webcams lose 0.2 to 0.4
 
 double narrowest_side(const CeilingCatalogue& catalogue) {
@@ -113,6 +114,10 @@ int median_grey(const Raster& image, int guess) {
   });
 }
 
+bool touches_border(const Region& region, const Raster& mask) {
+  return region.left <= 0 || region.top <= 0 || region.right >= mask.width - 1 || region.bottom >= mask.height - 1;
+}
+
 /// The fit takes both to the same place.
 bool is_nearly_same(const OutlineHypothesis& a, const OutlineHypothesis& b) {
   return std::abs(a.outline.length - b.outline.length) < 1e-3 && std::abs(a.outline.width - b.outline.width) < 1e-3 &&
@@ -185,10 +190,10 @@ void ModernDetector::cut_out_bright(int level) {
   }
 }
 
-void ModernDetector::cut_out_dark() {
+void ModernDetector::cut_out_dark(double level_share) {
   const Raster& dark = contrast_.dark();
   const auto least = static_cast<int>(std::max(params_.unlit_contrast, params_.noise_factor * contrast_.noise()) + 0.5);
-  const auto share = static_cast<int>(params_.unlit_level_share * 256.0);
+  const auto share = static_cast<int>(level_share * 256.0);
   mask_.resize(dark.width, dark.height);
   cut_deep(dark.cells.data(), contrast_.dark_peak().cells.data(), dark.cells.size(), least, share, mask_.cells.data());
 }
@@ -248,17 +253,31 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
 void ModernDetector::look_for_unlit(const CeilingFrame& frame, std::vector<Detection>& detections,
                                     DetectorTrace* trace) {
   tried_.clear();
-  cut_out_dark();
+  // What shading or a neighbour joins to a fixture falls away deeper down; so do parts of it, and only whole ones
+  // count.
+  for (const double level_share : {params_.unlit_level_share, kDeeperShare}) {
+    look_for_unlit_at(level_share, frame, detections, trace);
+  }
+}
+
+void ModernDetector::look_for_unlit_at(double level_share, const CeilingFrame& frame,
+                                       std::vector<Detection>& detections, DetectorTrace* trace) {
+  const bool deeper = level_share > params_.unlit_level_share;
+  cut_out_dark(level_share);
   if (erosion_ > 0) {
     erode(mask_, erosion_, eroded_, scratch_);
   }
   for (const Region& region : finder_.find(erosion_ > 0 ? eroded_ : mask_, least_cells_)) {
-    if (is_explained(region, detections)) {
+    if ((deeper && touches_border(region, mask_)) || is_explained(region, detections)) {
       continue;
     }
     std::optional<Candidate> candidate = best_candidate(frame, region, erosion_, 0, trace);
     if (!candidate) {
       continue;
+    }
+    const bool whole = candidate->fit.end_visible(kFarEnd) && candidate->fit.end_visible(kNearEnd);
+    if (deeper && !whole) {
+      continue;  // a part of something darker
     }
     if (!candidate->hypothesis.is_element) {
       take_off_joints(frame.image, camera_, candidate->hypothesis.outline, fit_params(region, 0), candidate->fit);
@@ -305,6 +324,9 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
   std::optional<Candidate> best;
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     const OutlineHypothesis& hypothesis = hypotheses[i];
+    if (hypothesis.from_edge && best) {
+      break;  // these come last
+    }
     if (std::any_of(tried_.begin(), tried_.end(),
                     [&](const OutlineHypothesis& other) { return is_nearly_same(hypothesis, other); })) {
       continue;

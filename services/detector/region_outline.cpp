@@ -39,6 +39,8 @@ void convex_hull(const std::vector<Vector2i>& points, std::vector<Vector2i>& hul
 // Of a fixture of which one long side is out of view: less leaves open what it is a piece of.
 constexpr double kLeastDepth = 0.3;    // of its width
 constexpr double kLeastStretch = 0.4;  // of its length
+constexpr double kLeastEdge = 0.4;     // of a fixture's length, of a hull's edge that may be its long side
+constexpr std::size_t kLongestEdges = 2;
 
 bool fits(double seen, double side, const SizeTolerance& tolerance) {
   const double slack = tolerance.absolute + tolerance.share * side;
@@ -131,7 +133,7 @@ void OutlineProposer::choose_directions() {
     const Corner& b = corners_[(i + 1) % corners_.size()];
     const Vector2d edge = b.place - a.place;
     const double theta = std::atan2(edge.y(), edge.x());
-    edges_.push_back({edge.norm(), theta, !(a.at_border && b.at_border)});
+    edges_.push_back({edge.norm(), theta, !(a.at_border && b.at_border), a.place, b.place});
     const Extents e = extents(theta);
     const double area = (e.most_along - e.least_along) * (e.most_across - e.least_across);
     if (area < smallest) {
@@ -149,8 +151,8 @@ void OutlineProposer::choose_directions() {
     directions_.push_back(theta);
   };
   add(direction_of_smallest);
+  std::sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) { return a.length > b.length; });
   if (touches_border_) {
-    std::sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) { return a.length > b.length; });
     for (const Edge& edge : edges_) {
       if (edge.own && directions_.size() < 4) {
         add(edge.theta);
@@ -247,6 +249,37 @@ void OutlineProposer::propose_from_one_side(const CeilingKind& kind, int index, 
   }
 }
 
+void OutlineProposer::propose_from_an_edge(const CeilingKind& kind, int index, const Edge& edge,
+                                           const SizeTolerance& tolerance) {
+  const double scale = (kind.height - plane_->camera_height()) / (plane_->ceiling_height() - plane_->camera_height());
+  const Extents e = extents(edge.theta);
+  const double seen_width = scale * (e.most_across - e.least_across);
+  const double seen_length = scale * edge.length + 2.0 * grow_;
+  if (seen_width < kind.width || fits(seen_width, kind.width, tolerance) || seen_length < kLeastEdge * kind.length ||
+      seen_length > kind.length + tolerance.absolute + tolerance.bloom) {
+    return;
+  }
+  const Vector2d along(std::cos(edge.theta), std::sin(edge.theta));
+  const Vector2d across(-along.y(), along.x());
+  const double line = across.dot(edge.start);
+  const bool is_least = line - e.least_across < e.most_across - line;
+  const double outline_edge = is_least ? e.least_across : e.most_across;
+  const double middle_across = outline_edge + (is_least ? 0.5 : -0.5) * kind.width / scale;
+  const Placing placing{edge.theta, scale, kind.width, index, false, 0.0};
+  const double half_length = 0.5 * kind.length / scale;
+  const double from = along.dot(edge.start) - grow_;
+  const double to = along.dot(edge.end) + grow_;
+  const std::size_t others = hypotheses_.size();
+  if (fits(scale * (e.most_along - e.least_along), kind.length, tolerance)) {
+    add(kind, placing, 0.5 * (e.least_along + e.most_along), middle_across);
+  }
+  add(kind, placing, from + half_length, middle_across);
+  add(kind, placing, to - half_length, middle_across);
+  for (std::size_t i = others; i < hypotheses_.size(); ++i) {
+    hypotheses_[i].from_edge = true;
+  }
+}
+
 const std::vector<OutlineHypothesis>& OutlineProposer::propose(const Region& region, int shrunk, bool bright,
                                                                const SizeTolerance& tolerance) {
   hypotheses_.clear();
@@ -276,6 +309,13 @@ const std::vector<OutlineHypothesis>& OutlineProposer::propose(const Region& reg
     for (std::size_t i = 0; i < catalogue_->elements.size(); ++i) {
       for (const double turn : {0.0, 0.5 * kPi}) {
         propose_kind(catalogue_->elements[i], static_cast<int>(i), false, false, directions_.front() + turn, tolerance);
+      }
+    }
+    for (std::size_t i = 0; i < catalogue_->fixtures.size(); ++i) {
+      for (std::size_t k = 0; k < std::min(edges_.size(), kLongestEdges); ++k) {
+        if (catalogue_->fixtures[i].shape == FixtureShape::kRectangle && edges_[k].own) {
+          propose_from_an_edge(catalogue_->fixtures[i], static_cast<int>(i), edges_[k], tolerance);
+        }
       }
     }
   }

@@ -45,7 +45,8 @@ struct OutlineHypothesis {
   bool half_width = false;  // one lamp's half of a fixture of two
   Outline outline;
   Pose2 start;
-  double swelling = 0.0;  // [m] by which the region is wider on each side
+  double swelling = 0.0;   // [m] by which the region is wider on each side
+  bool from_edge = false;  // guessed from one edge of a region whose other side is something else's
 };
 
 struct SizeTolerance {
@@ -77,7 +78,9 @@ class OutlineProposer {
   struct Edge {  // of the hull
     double length;
     double theta;
-    bool own;  // not along the image border
+    bool own;               // not along the image border
+    Eigen::Vector2d start;  // [m] on the reference ceiling
+    Eigen::Vector2d end;
   };
   struct Extents {
     double least_along, most_along, least_across, most_across;
@@ -98,6 +101,8 @@ class OutlineProposer {
                     const SizeTolerance& tolerance);
   /// Outlines of which one long side is beyond the image border.
   void propose_from_one_side(const CeilingKind& kind, int index, double theta, const SizeTolerance& tolerance);
+  /// Outlines of which an edge of a hull that is too wide is one long side: shading or a neighbour joined the rest.
+  void propose_from_an_edge(const CeilingKind& kind, int index, const Edge& edge, const SizeTolerance& tolerance);
   void add(const CeilingKind& kind, const Placing& placing, double along, double across);
   /// True when what reaches farthest in a direction is all of it cut off by the border, false when some of it is.
   [[nodiscard]] bool is_cut_off(const Eigen::Vector2d& direction) const;

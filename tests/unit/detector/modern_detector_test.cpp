@@ -355,6 +355,42 @@ TEST(ModernDetector, FindsNarrowUnlitFixturesWhoseShortEndsDrownInNoise) {
   EXPECT_EQ(found, 16);
 }
 
+TEST(ModernDetector, FindsAnUnlitFixtureThatAShadowBesideItJoins) {
+  for (const double side : {1.0, -1.0}) {
+    DrawnCeiling ceiling;
+    const Pose2 truth{0.1, 0.05, 0.3};
+    ceiling.shapes = {{.pose = truth, .state = DetectionState::kUnlit, .darker = 22.0},
+                      {.pose = truth * Pose2{0.3, side * 0.25, 0.0},
+                       .length = 0.25,
+                       .width = 0.20,
+                       .state = DetectionState::kUnlit,
+                       .darker = 18.0}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << side;
+    EXPECT_EQ(detections[0].shape, DetectionShape::kRectangle);
+    expect_at(detections[0], truth, 8e-3, radians(0.3));
+  }
+}
+
+TEST(ModernDetector, FindsAnUnlitFixtureBetweenFainterShadowsOnBothSides) {
+  DrawnCeiling ceiling;
+  const Pose2 truth{0.1, 0.05, 0.3};
+  const auto shadow = [&](double x, double y) {
+    ceiling.shapes.push_back({.pose = truth * Pose2{x, y, 0.0},
+                              .length = 0.5,
+                              .width = 0.16,
+                              .state = DetectionState::kUnlit,
+                              .darker = 20.0});
+  };
+  shadow(0.32, 0.22);
+  shadow(-0.32, -0.22);
+  ceiling.shapes.push_back({.pose = truth, .state = DetectionState::kUnlit, .darker = 30.0});
+  const auto detections = detect(ceiling);
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_EQ(detections[0].shape, DetectionShape::kRectangle);
+  expect_at(detections[0], truth, 8e-3, radians(0.3));
+}
+
 TEST(ModernDetector, TakesNoDarkSpeckForASmallRoundFixture) {
   CeilingCatalogue catalogue = test::test_catalogue();
   catalogue.fixtures = {{.shape = FixtureShape::kRound, .length = 0.06, .width = 0.06, .height = 2.8, .lamps = 1}};
