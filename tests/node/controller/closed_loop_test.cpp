@@ -142,7 +142,7 @@ TEST_F(ClosedLoopTest, SaysThatItIsStuckWhereTheWayIsWalledOff) {
   world.add_box({4.5, 1.2}, 0.3, 1.8);
   ClosedLoop loop(world, config_);
   loop.start({.goal = {8.0, 1.2}, .sees_boxes = false});
-  EXPECT_FALSE(loop.run(40.0));
+  EXPECT_FALSE(loop.run(60.0));
   EXPECT_EQ(world.contacts(), 0);
   EXPECT_GT(loop.time_in(control_status_t::STATE_STUCK), 3.0);
   EXPECT_FALSE(loop.status().reason.empty());
