@@ -16,6 +16,7 @@ using Eigen::Vector2d;
 constexpr int kInside = Differences::kInside;
 constexpr int kDistances = Differences::kDistances;
 constexpr double kBloomReach = 0.05;     // [m] from a corner, beyond which a joint shows
+constexpr double kNarrowBloom = 0.008;   // [m] of swelling; in broader bloom a joint shows less than on the ceiling
 constexpr double kUnevenBloom = 0.02;    // of the swelling, 1 sigma
 constexpr double kLargestShift = 0.008;  // [m]
 
@@ -49,12 +50,22 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     joints[0].place -= shift / step;
     joints[1].place += shift / step;
   };
+  const auto compare = [&](const OppositeSides& pair, double length, const KnownJoints& joints) {
+    Differences differences = pair.measure(pose, step);
+    const bool is_joint = joints[0].is_seen() || joints[1].is_seen();
+    if (is_joint && fit.swelling < kNarrowBloom &&
+        pair.take_ceiling_off(pose, step, kBloomReach + fit.swelling, differences)) {
+      constexpr KnownJoint kNone{.is_known = true};
+      return balance_sides(differences, length, step, {kNone, kNone});
+    }
+    return balance_sides(differences, length, step, joints);
+  };
   const double middle = 0.5 * (fit.visible_from + fit.visible_to);
   std::optional<Balance> across;
   std::optional<Balance> along;
   for (int pass = 0; pass < 3; ++pass) {
-    across = balance_sides(sides.measure(pose, step), outline.length, step, side_joints);
-    along = balance_sides(ends.measure(pose, step), outline.width, step, end_joints);
+    across = compare(sides, outline.length, side_joints);
+    along = compare(ends, outline.width, end_joints);
     // The edges know the direction as well: the mean of both is better than either.
     const double turn = across && pass == 0 ? 0.5 * across->turn : 0.0;
     // What is left of the turn must not move what is seen of the sides.

@@ -6,6 +6,7 @@
 
 #include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/pixel_sampling.hpp"
+#include "services/detector/side_profile.hpp"
 
 namespace luminav {
 namespace {
@@ -203,6 +204,50 @@ Differences OppositeSides::measure(const Pose2& robot_from_outline, double step)
     }
   }
   return result;
+}
+
+bool OppositeSides::take_ceiling_off(const Pose2& robot_from_outline, double step, double from_corner,
+                                     Differences& differences) const {
+  constexpr int kBeyond = 16;       // lines beyond a corner
+  constexpr double kApart = 0.012;  // [m] between them
+  const SideLine positive{robot_from_outline, height_, along_, out_, 0.5 * length_, half_width_};
+  const SideLine negative{robot_from_outline, height_, along_, -out_, 0.5 * length_, half_width_};
+  std::array<std::array<double, kDistances>, 2> ceiling{};
+  int corners = 0;
+  for (const double corner : {1.0, -1.0}) {
+    const ProfileLines lines{.first = -Differences::kInside * step,
+                             .steps = kDistances,
+                             .from = corner * (0.5 * length_ + from_corner),
+                             .apart = corner * kApart,
+                             .count = kBeyond,
+                             .step = step};
+    const std::array<SideProfile, 2> beyond{mean_profile(image_, camera_, positive, lines),
+                                            mean_profile(image_, camera_, negative, lines)};
+    if (std::min(beyond[0].lines, beyond[1].lines) < kBeyond / 2) {
+      continue;
+    }
+    ++corners;
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+      for (std::size_t k = 0; k < kDistances; ++k) {
+        ceiling[side][k] += beyond[side].grey[k];
+      }
+    }
+  }
+  for (std::size_t k = 0; corners > 0 && k < kDistances; ++k) {
+    const auto difference = static_cast<float>((ceiling[0][k] - ceiling[1][k]) / corners);
+    for (auto& stretch : differences.value) {
+      stretch[k] -= difference;
+    }
+    const std::size_t before = k == 0 ? 0 : k - 1;
+    const std::size_t after = std::min<std::size_t>(k + 1, kDistances - 1);
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+      if (differences.fall[side][k] != 0.0) {  // or nothing is known of it
+        differences.fall[side][k] -=
+            (ceiling[side][before] - ceiling[side][after]) / (corners * static_cast<double>(after - before));
+      }
+    }
+  }
+  return corners > 0;
 }
 
 void OppositeSides::project(const PointTransform& pose, double usable, double step, std::span<LineEnds> lines) const {

@@ -42,6 +42,11 @@ class OppositeSides {
   /// Profiles outwards from both sides, `step` [m] between samples, vignetting undone; saturated ones are left out.
   [[nodiscard]] Differences measure(const Pose2& robot_from_outline, double step) const;
 
+  /// Takes off the differences what the ceiling differs by where it shows beyond the corners, `from_corner` [m] and
+  /// farther: its joints, which lie beside the sides as well. False, and no change, where no corner shows both sides.
+  bool take_ceiling_off(const Pose2& robot_from_outline, double step, double from_corner,
+                        Differences& differences) const;
+
  private:
   /// A profile outwards from one side.
   struct LineEnds {

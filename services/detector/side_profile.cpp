@@ -53,7 +53,7 @@ SideProfile mean_profile(const GreyView& image, const CeilingCamera& camera, con
   profile.steps = std::min(kMostSteps, lines.steps);
   const PointTransform pose(side.pose);
   const double first = side.distance + lines.first;
-  const double length = SideProfile::kStep * static_cast<double>(profile.steps - 1);
+  const double length = lines.step * static_cast<double>(profile.steps - 1);
   std::array<Vector2d, 2 * SideProfile::kMostLines> places;
   const auto count = static_cast<std::size_t>(std::min(SideProfile::kMostLines, lines.count));
   for (std::size_t i = 0; i < count; ++i) {

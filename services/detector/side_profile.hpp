@@ -33,11 +33,12 @@ struct SideProfile {
 
 /// Where the lines of a profile begin.
 struct ProfileLines {
-  double first = 0.0;     // [m] outwards of the side
-  std::size_t steps = 0;  // at most kMostSteps
-  double from = 0.0;      // [m] along the side from its middle, of the first line
-  double apart = 0.0;     // [m] from one line to the next, along the side
-  int count = 0;          // at most kMostLines
+  double first = 0.0;                // [m] outwards of the side
+  std::size_t steps = 0;             // at most kMostSteps
+  double from = 0.0;                 // [m] along the side from its middle, of the first line
+  double apart = 0.0;                // [m] from one line to the next, along the side
+  int count = 0;                     // at most kMostLines
+  double step = SideProfile::kStep;  // [m] from one grey level to the next
 };
 
 /// Lines that are not in view all along are left out.

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "services/detector/bloom_edges.hpp"
 #include "services/detector/bloom_symmetry.hpp"
+#include "services/detector/opposite_sides.hpp"
 #include "services/detector/outline_fit.hpp"
 #include "tests/unit/detector/ceiling_picture.hpp"
 
@@ -84,6 +86,35 @@ TEST(BalanceBloom, TakesAJointBesideOneSideForWhatItIs) {
   EXPECT_NEAR(seen.fit.robot_from_outline.x, seen.truth.x, 0.9e-3);  // 4.5 mm per pixel
   EXPECT_NEAR(seen.fit.robot_from_outline.y, seen.truth.y, 0.9e-3);
   EXPECT_NEAR(seen.fit.robot_from_outline.theta, seen.truth.theta, radians(0.05));
+}
+
+TEST(OppositeSides, TakeOffAJointBesideOneOfThemAsItShowsBeyondTheCorners) {
+  const CameraDescription camera = test::test_camera();
+  const CeilingCamera model(camera.intrinsics, camera.mounting);
+  const Pose2 truth{0.1, -0.117, 0.0};  // a joint 18 mm beside its right side
+  test::DrawnCeiling ceiling;
+  ceiling.shapes = {{.pose = truth, .width = 0.15}};
+  ceiling.joint_depth = 40.0;
+  const GreyImage image = test::draw_ceiling(ceiling, camera, kHeight);
+  const Outline outline{.length = 1.2, .width = 0.15, .height = kHeight};
+  const double step = 0.0045;  // [m]
+  const GreyView view = image.view();
+  const OppositeSides sides(view, model, outline, 0.0, {1.0, 0.0}, {0.0, 1.0}, 1.2, 0.075);
+  const auto largest = [&](const Differences& differences) {
+    double most = 0.0;
+    for (std::size_t k = Differences::kInside + 2; k < Differences::kDistances; ++k) {  // beyond the edge itself
+      double sum = 0.0;
+      for (const auto& stretch : differences.value) {
+        sum += static_cast<double>(stretch[k]);
+      }
+      most = std::max(most, std::abs(sum) / Differences::kStretches);
+    }
+    return most;
+  };
+  Differences differences = sides.measure(truth, step);
+  EXPECT_GT(largest(differences), 20.0);  // [grey]
+  ASSERT_TRUE(sides.take_ceiling_off(truth, step, 0.05, differences));
+  EXPECT_LT(largest(differences), 3.0);
 }
 
 TEST(BalanceBloom, LeavesAnOutlineInPlaceWhereTheLightIsEven) {
