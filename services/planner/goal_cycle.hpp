@@ -69,8 +69,6 @@ class GoalCycle {
   /// Somebody comes out of the door before which the robot holds.
   void make_way(const Situation& situation);
   void update_hold(const Situation& situation);
-  /// Whether it goes on to the blockage, or stays there, rather than take this way round.
-  [[nodiscard]] bool is_long_way_round(const Situation& situation, const Route& route) const;
   /// No way leads on: looks again, gives up in the end, and meanwhile makes way and faces what blocks.
   void keep_holding(const Situation& situation, const Route& route);
   void look_again(const Situation& situation, const Route& route);
@@ -85,9 +83,6 @@ class GoalCycle {
   void check_arrival(const Situation& situation);
   void check_progress(const Situation& situation);
   void check_path(const Situation& situation);
-  /// A way round a gap that is shorter [m] is taken without a look at the gap; `through` [m] is the way through it.
-  /// Both with what nobody has seen counted more.
-  [[nodiscard]] double round_a_gap(double through) const;
   /// Length [m] of a way, more of it where nobody has seen what is there.
   [[nodiscard]] double length_with_unknown(const Polyline& points) const;
   /// True once it has driven so much without finding a way that the stop is given up.
@@ -122,7 +117,6 @@ class GoalCycle {
   /// How a stop is looked for where no building's map says what is behind a wall.
   struct Search {
     std::vector<SuspectedObstacle> looked_at;  // gaps that stayed shut when seen from near
-    int looks = 0;                             // begun; many a gap opens before the robot is there, and shuts again
     bool has_looked_twice = false;             // at all of them
     double first_length = 0.0;                 // [m] of the first way
     double driven = 0.0;                       // [m]
@@ -189,11 +183,12 @@ class GoalCycle {
   double blocker_distance_ = 0.0;                         // [m] from there to what blocked the way, then
   std::int64_t last_facing_ = 0;                          // [us] when the robot was last told to turn towards it
   std::string hold_reason_;
-  Search search_;                       // for the stop at hand
-  std::optional<Eigen::Vector2d> gap_;  // [m] world; that it looks at, or is on its way to
-  bool has_looked_again_ = false;       // at this blockage, from as near as can be
-  double reference_length_ = 0.0;       // [m] of the way that was blocked
-  std::int64_t hold_since_ = 0;         // [us] when the robot began to stand before the blockage; 0 = on its way there
+  Search search_;                  // for the stop at hand
+  bool looks_at_gap_ = false;      // what it holds before is one
+  double gap_limit_ = 0.0;         // [m] a way round it that is shorter is taken without the look, unknown counted more
+  bool has_looked_again_ = false;  // at this blockage, from as near as can be
+  double reference_length_ = 0.0;  // [m] of the way that was blocked
+  std::int64_t hold_since_ = 0;    // [us] when the robot began to stand before the blockage; 0 = on its way there
 };
 
 }  // namespace luminav

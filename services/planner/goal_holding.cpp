@@ -19,7 +19,6 @@ constexpr double kHoldReached = 0.4;       // [m] from the end of that way
 constexpr double kSlowestSpeed = 0.1;      // [m/s] that a way to a blockage may take
 constexpr double kWayAside = 3.0;          // [m] more than to the blockage that a place beside a door may be away
 constexpr double kFacing = radians(15.0);  // [rad] off it, what is in the door is seen
-constexpr double kGapRadius = 0.25;        // [m] round a gap that is not looked at twice
 constexpr std::size_t kPlacesTried = 4;    // beside a door
 constexpr double kWantsToPass = 0.9;       // [m] from where it holds
 
@@ -53,7 +52,7 @@ void GoalCycle::hold(const Polyline& way, std::size_t blocked_at, double referen
   blocked_way_ = way;
   last_facing_ = 0;
   has_looked_again_ = false;
-  gap_.reset();
+  looks_at_gap_ = false;
   phase_ = Phase::kNone;  // a new blockage has a time of its own
   enter(Phase::kHolding, NavigationState::kWaiting,
         fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait));
@@ -72,7 +71,7 @@ const Door* GoalCycle::door_in_the_way() const {
 }
 
 double GoalCycle::distance_of_what_blocks() const {
-  const Polyline way = rest_of(blocked_way_, nearest_of_all(blocked_way_, hold_place_), hold_place_);
+  const Polyline way = rest_of(blocked_way_, nearest_ahead(blocked_way_, 0, hold_place_), hold_place_);
   const std::optional<Eigen::Vector2d> place =
       what_blocks(planner_.space(), *grid_, way, planner_params_.space.hard_radius);
   return place ? (*place - hold_place_).norm() : std::numeric_limits<double>::infinity();
@@ -115,22 +114,20 @@ void GoalCycle::update_hold(const Situation& situation) {
   if (!path_.points.empty()) {
     at_ = nearest_ahead(path_.points, at_, situation.world_from_robot.position());
   }
-  const Pose2& robot = situation.world_from_robot;
-  const bool looks_away = gap_ && std::abs(wrap_angle(path_.theta - robot.theta)) > kFacing;
-  const bool there = path_.points.empty() || is_at_end(situation) ||
-                     ((path_.points.back() - robot.position()).norm() < kHoldReached && !looks_away);
+  const bool there = path_.points.empty() ||
+                     (path_.points.back() - situation.world_from_robot.position()).norm() < kHoldReached ||
+                     is_at_end(situation);
   const double drive_time = params_.blocked_wait + polyline_length(path_.points) / kSlowestSpeed;
   if (hold_since_ == 0 && (there || seconds_since(phase_since_) > drive_time)) {
     hold_since_ = now_;
   }
-  const double wait = gap_ ? params_.gap_wait : params_.blocked_wait;
+  const double wait = looks_at_gap_ ? params_.gap_wait : params_.blocked_wait;
   const bool waited = hold_since_ != 0 && seconds_since(hold_since_) >= wait;
   if (!waited && (!map_dirty_ || seconds_since(last_plan_) < params_.replan_period)) {
     return;
   }
   const Route route = plan_route(situation);
-  if (waited && gap_) {  // it stayed shut, or opened: the next one
-    search_.looked_at.push_back({*gap_, kGapRadius});
+  if (waited && looks_at_gap_) {  // it stayed shut, or opened: the next one
     if (!look_at_gap(situation, route)) {
       enter(Phase::kPlanning, NavigationState::kPlanning, "");
       plan(situation);
@@ -141,7 +138,9 @@ void GoalCycle::update_hold(const Situation& situation) {
     keep_holding(situation, route);
     return;
   }
-  const bool is_long = is_long_way_round(situation, route);
+  const double limit = params_.detour_ratio * reference_length_ + params_.detour_length;
+  const bool is_long =
+      looks_at_gap_ ? length_with_unknown(route.points) > gap_limit_ : polyline_length(route.points) > limit;
   if (waited || !is_long) {
     if (is_long) {
       suspect_blockage();
@@ -151,16 +150,6 @@ void GoalCycle::update_hold(const Situation& situation) {
     return;
   }
   face_blockage(situation);
-}
-
-bool GoalCycle::is_long_way_round(const Situation& situation, const Route& route) const {
-  if (!gap_) {
-    return polyline_length(route.points) > params_.detour_ratio * reference_length_ + params_.detour_length;
-  }
-  // from here: the nearer the gap, the shorter what speaks for another way must be
-  const Eigen::Vector2d robot = situation.world_from_robot.position();
-  const Polyline through = rest_of(blocked_way_, nearest_of_all(blocked_way_, robot), robot);
-  return length_with_unknown(route.points) > round_a_gap(length_with_unknown(through));
 }
 
 void GoalCycle::keep_holding(const Situation& situation, const Route& route) {
@@ -182,12 +171,12 @@ void GoalCycle::keep_holding(const Situation& situation, const Route& route) {
 
 // Between two cones nothing is heard: evidence there would outlive whoever stood in the way.
 void GoalCycle::face_blockage(const Situation& situation) {
-  if (hold_since_ == 0 || seconds_since(hold_since_) < params_.facing_after || gap_ ||
+  if (hold_since_ == 0 || seconds_since(hold_since_) < params_.facing_after || looks_at_gap_ ||
       (last_facing_ != 0 && seconds_since(last_facing_) < params_.facing_period)) {
     return;
   }
   const Pose2& robot = situation.world_from_robot;
-  const Polyline way = rest_of(blocked_way_, nearest_of_all(blocked_way_, robot.position()), robot.position());
+  const Polyline way = rest_of(blocked_way_, nearest_ahead(blocked_way_, 0, robot.position()), robot.position());
   const std::optional<Eigen::Vector2d> place =
       what_blocks(planner_.space(), *grid_, way, planner_params_.space.hard_radius);
   if (!place) {

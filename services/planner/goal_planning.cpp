@@ -12,6 +12,7 @@ namespace luminav {
 namespace {
 
 constexpr double kLookRound = 2.0 * kPi / 3.0;  // [rad] turned at a time; less than half a turn, so that it goes on
+constexpr double kGapRadius = 0.25;             // [m] round a gap that is not looked at twice
 constexpr double kArrivalError = 0.04;          // [m] the controller stops within this of a path's end
 
 }  // namespace
@@ -151,13 +152,14 @@ bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
   if (!is_found && !suspects_.empty()) {
     return false;  // no sonar draws what is only suspected: it is dropped before anything is looked at
   }
-  if (!planner_params_.space.unknown_is_free || search_.looks >= params_.gap_looks ||
+  if (!planner_params_.space.unknown_is_free || static_cast<int>(search_.looked_at.size()) >= params_.gap_looks ||
       (!is_found && route.outcome != RouteOutcome::kUnreachable && route.outcome != RouteOutcome::kGoalBlocked)) {
     return false;
   }
   const Eigen::Vector2d robot = situation.world_from_robot.position();
+  const auto worth = [&](double through) { return params_.gap_ratio * through + params_.gap_detour; };
   const double length = is_found ? length_with_unknown(route.points) : std::numeric_limits<double>::infinity();
-  if (length < round_a_gap((stop().pose.position() - robot).norm())) {
+  if (length < worth((stop().pose.position() - robot).norm())) {
     return false;
   }
   const auto beside = static_cast<std::size_t>(kSkipBesideRobot / planner_params_.shaping.spacing) + 1;
@@ -178,8 +180,7 @@ bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
     if (way.outcome != RouteOutcome::kFound) {
       continue;
     }
-    const double through =
-        round_a_gap(length_with_unknown(way.points));  // of two, the one with less doubt if about as long
+    const double through = worth(length_with_unknown(way.points));  // of two, the one with less doubt if about as long
     const std::optional<std::size_t> blocked = planner_.first_blocked(way.points, beside);
     if (blocked && through < best_length) {
       best = way.points;
@@ -193,18 +194,14 @@ bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
     }
     search_.has_looked_twice = true;  // from elsewhere they may look otherwise
     search_.looked_at.clear();
-    search_.looks = 0;
     return look_at_gap(situation, route);
   }
   hold(best, best_blocked, polyline_length(best));
-  gap_ = best[best_blocked];
-  ++search_.looks;
+  looks_at_gap_ = true;
+  gap_limit_ = best_length;
+  search_.looked_at.push_back({best[best_blocked], kGapRadius});
   report_.cause = fmt::format("{}; looking at it from near", hold_reason_);
   return true;
-}
-
-double GoalCycle::round_a_gap(double through) const {
-  return params_.gap_ratio * through + params_.gap_detour;
 }
 
 double GoalCycle::length_with_unknown(const Polyline& points) const {

@@ -23,13 +23,6 @@ std::size_t nearest_ahead(const Polyline& points, std::size_t at, const Eigen::V
   return best;
 }
 
-std::size_t nearest_of_all(const Polyline& points, const Eigen::Vector2d& position) {
-  const auto nearest = std::min_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
-    return (a - position).squaredNorm() < (b - position).squaredNorm();
-  });
-  return static_cast<std::size_t>(nearest - points.begin());
-}
-
 Polyline rest_of(const Polyline& points, std::size_t at, const Eigen::Vector2d& position) {
   Polyline left = {position};
   const std::size_t next = std::min(at + 1, points.size() - 1);

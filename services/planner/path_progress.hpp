@@ -10,9 +10,6 @@ namespace luminav {
 /// that ways which cross themselves are not cut short.
 std::size_t nearest_ahead(const Polyline& points, std::size_t at, const Eigen::Vector2d& position);
 
-/// The same of the whole of a way that does not cross itself.
-std::size_t nearest_of_all(const Polyline& points, const Eigen::Vector2d& position);
-
 /// From `position` along the points behind `at`; of a path that ends there, its last point.
 Polyline rest_of(const Polyline& points, std::size_t at, const Eigen::Vector2d& position);
 

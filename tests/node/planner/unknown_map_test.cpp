@@ -53,27 +53,6 @@ TEST(UnknownMap, LooksAtTheDoorBeforeItGoesRoundThroughWhatNobodyHasSeen) {
   EXPECT_TRUE(world.run_until(2.0, looks)) << world.status.cause;
 }
 
-TEST(UnknownMap, ComesToTheDoorBeforeItGoesRound) {
-  PlannerWorld world(mapping_config());
-  draw_by_sonar(world);
-  std::replace(world.grid.evidence.begin(), world.grid.evidence.end(), std::int8_t{50}, std::int8_t{80});
-  for (int row = 52; row < 62; ++row) {
-    for (int column = 61; column < 124; ++column) {
-      world.grid.evidence[world.grid.geometry.index({column, row})] = 0;
-    }
-  }
-  world.robot = {0.6, 0.6, 0.0};
-  world.go(1, 8.5, 2.0);  // the nearer the door, the nearer also the way round it
-  bool has_stood = false;
-  const auto turns_away = [&] {
-    world.obstacle(1.0, 5.0, 1.1, 5.1, false);  // each echo changes the map, and the planner looks for ways anew
-    has_stood = has_stood || std::hypot(world.robot.x - 6.1, world.robot.y - 3.2) < 0.5;
-    return world.status.state == Status::STATE_FOLLOWING;
-  };
-  EXPECT_TRUE(world.run_until(60.0, turns_away));
-  EXPECT_TRUE(has_stood) << "turned away at (" << world.robot.x << ", " << world.robot.y << ")";
-}
-
 TEST(UnknownMap, LooksAtNoObstacleThatIsOnlySuspected) {
   PlannerWorld world(mapping_config());
   draw_by_sonar(world);
