@@ -7,24 +7,15 @@
 #include "services/detector/detector.hpp"
 #include "tests/unit/detector/allocation_count.hpp"
 #include "tests/unit/detector/ceiling_picture.hpp"
+#include "tests/unit/detector/drawn_detections.hpp"
 
 namespace luminav {
 namespace {
 
+using test::detect;
 using test::DrawnCeiling;
 using test::DrawnShape;
-
-std::vector<Detection> detect(const DrawnCeiling& ceiling, const CameraDescription& camera = test::test_camera(),
-                              const CeilingCatalogue& catalogue = test::test_catalogue()) {
-  Detector detector({}, camera, catalogue);
-  return detector.detect(test::draw_ceiling(ceiling, camera, catalogue.ceiling_height).view());
-}
-
-void expect_at(const Detection& detection, const Pose2& truth, double position, double heading) {
-  EXPECT_NEAR(detection.robot_from_fixture.x, truth.x, position);
-  EXPECT_NEAR(detection.robot_from_fixture.y, truth.y, position);
-  EXPECT_NEAR(wrap_axis(detection.robot_from_fixture.theta - truth.theta), 0.0, heading);
-}
+using test::expect_at;
 
 struct Look {
   DetectionState state;
@@ -74,22 +65,6 @@ TEST(ModernDetector, FindsADarkHalfAsBrightAsTheCeilingByTheJointsThatItCovers) 
   }
 }
 
-TEST(ModernDetector, LeavesOpenWhetherAStripAtTheBorderIsHalfAFixture) {
-  for (const DetectionState state : {DetectionState::kLit, DetectionState::kHalf}) {
-    DrawnCeiling ceiling;
-    ceiling.joint_depth = 20.0;
-    const bool half = state == DetectionState::kHalf;
-    // burns from 0.88 to 1.03 m ahead; what lies beyond is cut off 1.08 m ahead
-    const Pose2 truth{half ? 1.03 : 0.955, 0.1, 0.5 * kPi};
-    ceiling.shapes = {{.pose = truth, .width = half ? 0.3 : 0.15, .state = state, .darker = 0.0}};
-    const auto detections = detect(ceiling);
-    ASSERT_EQ(detections.size(), 1U);
-    const double sigma = std::sqrt(detections[0].covariance(0, 0));
-    EXPECT_LT(std::abs(detections[0].robot_from_fixture.x - truth.x), 2.5 * sigma) << half;
-    EXPECT_LT(sigma, 0.05);
-  }
-}
-
 TEST(ModernDetector, PlacesAnUnlitFixtureBetweenTheJointsThatItsEndsPartlyCover) {
   std::uint32_t seed = 1;
   for (const double displaced : {-0.005, -0.003, 0.0, 0.002, 0.004}) {  // [m]
@@ -102,24 +77,6 @@ TEST(ModernDetector, PlacesAnUnlitFixtureBetweenTheJointsThatItsEndsPartlyCover)
     ASSERT_EQ(detections.size(), 1U) << "displaced by " << displaced;
     expect_at(detections[0], truth, 1.8e-3, radians(0.1));
     EXPECT_LT(std::sqrt(detections[0].covariance(0, 0)), 2.5e-3);
-  }
-}
-
-TEST(ModernDetector, PlacesACutUnlitFixtureByItsLoneEndThatPartlyCoversAJoint) {
-  constexpr double kPixel = 0.0045;  // [m] on the ceiling; the joint would take it 12 mm off
-  std::uint32_t seed = 1;
-  for (const double displaced : {-0.004, -0.002, 0.0, 0.002, 0.004}) {  // [m]
-    DrawnCeiling ceiling;
-    ceiling.seed = seed++;
-    ceiling.joint_depth = 25.0;
-    // one end lies at a joint, the other beyond the border, 1.44 m to the left
-    const Pose2 truth{0.10, 0.99 + displaced, 0.5 * kPi};
-    ceiling.shapes = {{.pose = truth, .state = DetectionState::kUnlit, .darker = 18.0}};
-    const auto detections = detect(ceiling);
-    ASSERT_EQ(detections.size(), 1U) << "displaced by " << displaced;
-    EXPECT_NE(detections[0].near_end_visible, detections[0].far_end_visible);
-    EXPECT_NEAR(detections[0].robot_from_fixture.y, truth.y, kPixel) << "displaced by " << displaced;
-    EXPECT_LT(std::sqrt(detections[0].covariance(1, 1)), 4e-3);
   }
 }
 
@@ -136,144 +93,6 @@ TEST(ModernDetector, PlacesALampBetweenBothItsEndsThoughTheBorderCutsOffTheBloom
   }
 }
 
-TEST(ModernDetector, SaysOfACutFixtureOnlyWhatIsSeen) {
-  DrawnCeiling ceiling;
-  const Pose2 truth{0.9, 0.1, 0.2};  // its far end lies beyond the upper border, 1.08 m ahead
-  ceiling.shapes = {{.pose = truth}};
-  const auto detections = detect(ceiling);
-  ASSERT_EQ(detections.size(), 1U);
-  EXPECT_TRUE(detections[0].clipped);
-  EXPECT_TRUE(detections[0].near_end_visible);
-  EXPECT_FALSE(detections[0].far_end_visible);
-  expect_at(detections[0], truth, 2e-3, radians(0.2));
-  EXPECT_LT(detections[0].length, 0.9);
-}
-
-TEST(ModernDetector, IsSurestOfThePartThatIsSeen) {
-  for (const DetectionState state : {DetectionState::kLit, DetectionState::kUnlit}) {
-    DrawnCeiling ceiling;
-    ceiling.shapes = {{.pose = {0.9, 0.1, 0.0}, .state = state, .darker = 40.0}};  // in view up to x = 1.08 m
-    const auto detections = detect(ceiling);
-    ASSERT_EQ(detections.size(), 1U);
-    const Eigen::Matrix3d& covariance = detections[0].covariance;
-    const double arm = 0.5 * detections[0].length - 0.6;  // from the centre to the middle of what is seen
-    const Eigen::Vector3d across(0.0, 1.0, arm);
-    EXPECT_LT(across.dot(covariance * across), covariance(1, 1)) << static_cast<int>(state);
-    EXPECT_LT(std::sqrt(covariance(0, 0)), state == DetectionState::kLit ? 1.5e-3 : 5e-3) << "one end is seen";
-  }
-}
-
-TEST(ModernDetector, KnowsTheDirectionOfALampAcrossACornerWhereTheLightOfTheCeilingChanges) {
-  // Its long sides are seen over different stretches, and its bloom is not as wide over both.
-  for (const double turn : {0.20, 0.24, 0.28, 0.32, 0.36}) {
-    const Pose2 truth{0.75, -1.05, -turn * kPi};  // the image ends 1.08 m ahead and 1.44 m to the right
-    const auto detections = detect({.shapes = {{.pose = truth}}, .slope_x = 45.0, .bloom = 250.0});
-    ASSERT_EQ(detections.size(), 1U);
-    EXPECT_NEAR(wrap_axis(detections[0].robot_from_fixture.theta - truth.theta), 0.0, radians(0.06)) << turn;
-  }
-}
-
-TEST(ModernDetector, FindsAnUnlitFixtureOfWhichOnlyAPartStandsOut) {
-  DrawnCeiling ceiling;
-  const Pose2 truth{0.1, 0.05, 0.3};
-  // its far third is so little darker than the ceiling that the region ends there
-  ceiling.shapes = {
-      {.pose = truth, .state = DetectionState::kUnlit, .darker = 5.0},
-      {.pose = truth * Pose2{-0.2, 0.0, 0.0}, .length = 0.8, .state = DetectionState::kUnlit, .darker = 15.0}};
-  const auto detections = detect(ceiling);
-  ASSERT_EQ(detections.size(), 1U);
-  EXPECT_EQ(detections[0].shape, DetectionShape::kRectangle);
-  expect_at(detections[0], truth, 10e-3, radians(0.3));
-}
-
-TEST(ModernDetector, PlacesAFixtureByOneLongSideAndItsEndsWhereTheOtherIsBeyondTheBorder) {
-  for (const DetectionState state : {DetectionState::kLit, DetectionState::kUnlit}) {
-    DrawnCeiling ceiling;
-    const Pose2 truth{0.98, 0.1, 0.5 * kPi + 0.03};  // its outer side lies beyond the upper border, 1.08 m ahead
-    ceiling.shapes = {{.pose = truth, .state = state, .darker = 40.0}};
-    const auto detections = detect(ceiling);
-    ASSERT_EQ(detections.size(), 1U);
-    EXPECT_TRUE(detections[0].clipped);
-    EXPECT_EQ(detections[0].state, state);
-    expect_at(detections[0], truth, 10e-3, radians(1.0));
-  }
-}
-
-TEST(ModernDetector, PlacesAFixtureByOneLongSideAloneButNoGlareOrHead) {
-  struct Case {
-    const char* what;
-    DetectionState state;
-    double lamp;  // [grey]
-    double blur;  // [m]
-    bool is_found;
-  };
-  CeilingCatalogue catalogue = test::test_catalogue();
-  catalogue.fixtures = {{.length = 3.2, .width = 0.3, .height = 2.8, .lamps = 1}};
-  const Pose2 truth{0.97, 0.1, 0.5 * kPi + 0.02};  // both ends and most of its outer side are out of view
-  for (const Case& c : {Case{"lamp", DetectionState::kLit, 600.0, 0.004, true},
-                        Case{"glare", DetectionState::kLit, 155.0, 0.004, false},
-                        Case{"unlit fixture", DetectionState::kUnlit, 0.0, 0.004, true},
-                        Case{"head", DetectionState::kUnlit, 0.0, 0.030, false}}) {
-    DrawnCeiling ceiling;
-    ceiling.lamp = c.lamp;
-    ceiling.bloom = c.lamp > 255.0 ? 80.0 : 0.0;
-    ceiling.blur = c.blur;
-    ceiling.shapes = {{.pose = truth, .length = 3.2, .state = c.state, .darker = 40.0}};
-    const auto detections = detect(ceiling, test::test_camera(), catalogue);
-    ASSERT_EQ(detections.size(), c.is_found ? 1U : 0U) << c.what;
-    if (c.is_found) {
-      const Pose2& pose = detections[0].robot_from_fixture;
-      EXPECT_FALSE(detections[0].near_end_visible || detections[0].far_end_visible) << c.what;
-      EXPECT_NEAR(pose.x - 0.02 * (truth.y - pose.y), truth.x, 10e-3) << c.what;
-      EXPECT_NEAR(wrap_axis(pose.theta - truth.theta), 0.0, radians(0.5)) << c.what;
-      EXPECT_GT(detections[0].covariance(1, 1), 0.008) << c.what << ": more than 0.3 m are out of view";
-    }
-  }
-}
-
-TEST(ModernDetector, LeavesOutAPieceThatIsNoDeeperThanANarrowerFixture) {
-  DrawnCeiling ceiling;
-  ceiling.shapes = {{.pose = {1.13, 0.1, 0.5 * kPi}}};  // 0.1 m of it is in view, and fixtures of 0.15 m are listed
-  EXPECT_TRUE(detect(ceiling).empty());
-}
-
-TEST(ModernDetector, LeavesTheCentreOpenWhenNoEndIsSeen) {
-  CeilingCatalogue catalogue = test::test_catalogue();
-  catalogue.fixtures = {{.length = 3.0, .width = 0.3, .height = 2.8, .lamps = 2}};
-  DrawnCeiling ceiling;
-  const Pose2 truth{0.3, 0.1, 0.0};
-  ceiling.shapes = {{.pose = truth, .length = 3.0}};
-  const auto detections = detect(ceiling, test::test_camera(), catalogue);
-  ASSERT_EQ(detections.size(), 1U);
-  EXPECT_FALSE(detections[0].near_end_visible);
-  EXPECT_FALSE(detections[0].far_end_visible);
-  EXPECT_GT(detections[0].covariance(0, 0), 0.065) << "0.84 m are out of view";
-  EXPECT_LT(detections[0].covariance(1, 1), 1e-5);
-  EXPECT_NEAR(detections[0].robot_from_fixture.y, truth.y, 2e-3);
-}
-
-TEST(ModernDetector, TakesNoJointsThatGoOnBeyondAFaintEndForTheSidesOfAPieceWithoutEnds) {
-  CeilingCatalogue catalogue = test::test_catalogue();
-  catalogue.fixtures = {{.length = 3.0, .width = 0.3, .height = 2.8, .lamps = 2}};
-  for (const double end : {0.6, 0.7, 0.8}) {  // [m] ahead, where the border is at 1.08
-    DrawnCeiling ceiling;
-    const auto darken = [&](double from, double to, double y, double width, double by) {
-      ceiling.shapes.push_back({.pose = {0.5 * (from + to), y, 0.0},
-                                .length = to - from,
-                                .width = width,
-                                .state = DetectionState::kUnlit,
-                                .darker = by});
-    };
-    darken(-2.0, end, 0.1, 0.3, 20.0);
-    for (int i = 0; i < 8; ++i) {  // the end fades
-      darken(end + 0.025 * i, end + 0.025 * (i + 1), 0.1, 0.26, 18.0 - 2.2 * i);
-    }
-    darken(end, 1.5, 0.24, 0.02, 20.0);
-    darken(end, 1.5, -0.04, 0.02, 20.0);
-    EXPECT_TRUE(detect(ceiling, test::test_camera(), catalogue).empty()) << "end at " << end << " m";
-  }
-}
-
 TEST(ModernDetector, TakesAVentForAnElementWholeOrCut) {
   for (const double x : {0.1, 0.95, 1.05}) {
     DrawnCeiling ceiling;
@@ -281,34 +100,6 @@ TEST(ModernDetector, TakesAVentForAnElementWholeOrCut) {
         {.pose = {x, 0.1, 0.1}, .length = 0.6, .width = 0.3, .state = DetectionState::kUnlit, .darker = 40.0}};
     for (const Detection& detection : detect(ceiling)) {
       EXPECT_EQ(detection.shape, DetectionShape::kElement) << "vent at x = " << x;
-    }
-  }
-}
-
-TEST(ModernDetector, TellsACutFixtureFromACutVentByItsSmoothSurface) {
-  CeilingCatalogue catalogue = test::test_catalogue();
-  for (CeilingKind& element : catalogue.elements) {
-    element.slatted = true;
-  }
-  struct Case {
-    double noise;
-    double darker;
-  };
-  for (const Case& c : {Case{8.0, 30.0}, Case{9.0, 12.0}}) {
-    DrawnCeiling ceiling;
-    ceiling.noise = c.noise;
-    // what is in view of it may be as long as a vent
-    const DrawnShape fixture{.pose = {1.2, 0.1, 0.1}, .state = DetectionState::kUnlit, .darker = c.darker};
-    ceiling.shapes = {fixture};
-    const auto found = detect(ceiling, test::test_camera(), catalogue);
-    ASSERT_EQ(found.size(), 1U) << c.darker;
-    EXPECT_EQ(found[0].shape, DetectionShape::kRectangle);
-    EXPECT_NEAR(found[0].robot_from_fixture.y, fixture.pose.y, 5e-3);
-    DrawnShape vent{.pose = {0.95, 0.1, 0.1}, .length = 0.6, .state = DetectionState::kUnlit, .darker = c.darker};
-    vent.slats = 0.5 * c.darker;
-    ceiling.shapes = {vent};
-    for (const Detection& detection : detect(ceiling, test::test_camera(), catalogue)) {
-      EXPECT_EQ(detection.shape, DetectionShape::kElement) << c.darker;
     }
   }
 }
