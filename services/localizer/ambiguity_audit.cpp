@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <queue>
 #include <set>
 #include <tuple>
@@ -52,23 +53,49 @@ AmbiguityAudit::AmbiguityAudit(const Building& building, const PriorMap& walls, 
       view_radius_(CeilingView(camera).mean_radius(building.ceiling_height)) {
   find_places(walls);
   find_motions();
+  find_rivals();
   std::vector<double> way(places_.size(), 0.0);
-  for (Motion& motion : motions_) {
-    motion.ways = ways(motion, -1);
-    for (const PlaceWay& each : motion.ways) {
-      const auto i = static_cast<std::size_t>(each.place);
-      places_[i].twins += places_[i].is_blind ? 0 : 1;
-      way[i] = std::max(way[i], each.way);
-      motion.sum += std::min(each.way, params_.never_way);
-    }
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const std::vector<RivalAtPlace>& rivals = ground_.rivals[i];
+    places_[i].twins = places_[i].is_blind ? 0 : static_cast<int>(rivals.size());
+    way[i] = rivals.empty() ? 0.0 : rivals.front().way;
   }
-  std::stable_sort(motions_.begin(), motions_.end(), [](const Motion& a, const Motion& b) { return a.sum > b.sum; });
   add_blind_ways(way);
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    places_[i].way = way[i];
+    places_[i].least_way = way[i];
     never_share_ += std::isinf(way[i]) ? 1.0 / static_cast<double>(places_.size()) : 0.0;
   }
-  mean_way_ = mean_of(way);
+  mean_least_way_ = mean_of(way);
+}
+
+void AmbiguityAudit::find_rivals() {
+  std::vector<std::vector<PlaceWay>> ways_of(motions_.size());
+  for (std::size_t m = 0; m < motions_.size(); ++m) {
+    ways_of[m] = ways(motions_[m], -1);
+    for (const PlaceWay& each : ways_of[m]) {
+      motions_[m].sum += std::min<double>(each.way, params_.never_way);
+    }
+  }
+  std::vector<std::size_t> costliest_first(motions_.size());
+  std::iota(costliest_first.begin(), costliest_first.end(), std::size_t{0});
+  std::stable_sort(costliest_first.begin(), costliest_first.end(),
+                   [&](std::size_t a, std::size_t b) { return motions_[a].sum > motions_[b].sum; });
+  std::vector<Motion> sorted;
+  ground_.rivals.resize(places_.size());
+  ground_.rival_count = motions_.size();
+  for (const std::size_t m : costliest_first) {
+    for (const PlaceWay& each : ways_of[m]) {
+      ground_.rivals[static_cast<std::size_t>(each.place)].push_back(
+          {static_cast<std::int32_t>(sorted.size()), each.way});
+    }
+    ways_of[m] = {};
+    sorted.push_back(std::move(motions_[m]));
+  }
+  motions_ = std::move(sorted);
+  for (std::vector<RivalAtPlace>& rivals : ground_.rivals) {
+    std::stable_sort(rivals.begin(), rivals.end(),
+                     [](const RivalAtPlace& a, const RivalAtPlace& b) { return a.way > b.way; });
+  }
 }
 
 void AmbiguityAudit::find_places(const PriorMap& walls) {
@@ -99,6 +126,8 @@ void AmbiguityAudit::find_places(const PriorMap& walls) {
         in_view_.emplace_back();
         map_.find_near(point, view_radius_, in_view_.back());
         places_.push_back({point, in_view_.back().empty(), 0, 0.0});
+        ground_.points.push_back(point);
+        ground_.is_blind.push_back(in_view_.back().empty());
       }
     }
   }
@@ -108,7 +137,7 @@ void AmbiguityAudit::find_places(const PriorMap& walls) {
       places_of_[static_cast<std::size_t>(index)].push_back(static_cast<std::int32_t>(i));
     }
   }
-  neighbours_.resize(places_.size());
+  ground_.neighbours.resize(places_.size());
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Cell cell = grid_.cell_at(places_[i].point);
     for (int row = cell.row - 1; row <= cell.row + 1; ++row) {
@@ -116,7 +145,7 @@ void AmbiguityAudit::find_places(const PriorMap& walls) {
         if (grid_.contains({column, row}) && Cell{column, row} != cell) {
           const std::int32_t other = place_of_cell_[grid_.index({column, row})];
           if (other >= 0) {
-            neighbours_[i].push_back(other);
+            ground_.neighbours[i].push_back(other);
           }
         }
       }
@@ -133,7 +162,7 @@ bool AmbiguityAudit::is_alike(const Fixture& a, const Pose2& world_from_a, const
 AmbiguityAudit::Motion AmbiguityAudit::make_motion(const Pose2& twin_from_true, int first) const {
   const auto count = static_cast<std::size_t>(map_.size());
   Motion motion{
-      twin_from_true, first, std::vector<bool>(count), std::vector<bool>(count), std::vector<int>(count, -1), {}, 0.0};
+      twin_from_true, first, std::vector<bool>(count), std::vector<bool>(count), std::vector<int>(count, -1), 0.0};
   std::vector<int> near;
   for (int i = 0; i < map_.size(); ++i) {
     const Pose2 moved = twin_from_true * map_[i].world_from_fixture;
@@ -228,7 +257,7 @@ std::vector<AmbiguityAudit::PlaceWay> AmbiguityAudit::ways(const Motion& motion,
     }
   }
   for (std::size_t next = 0; next < open.size(); ++next) {
-    const std::vector<std::int32_t>& around = neighbours_[static_cast<std::size_t>(open[next])];
+    const std::vector<std::int32_t>& around = ground_.neighbours[static_cast<std::size_t>(open[next])];
     std::for_each(around.begin(), around.end(), touch);
   }
   using Entry = std::pair<double, std::size_t>;
@@ -241,7 +270,7 @@ std::vector<AmbiguityAudit::PlaceWay> AmbiguityAudit::ways(const Motion& motion,
     }
   };
   for (const std::int32_t place : open) {
-    for (const std::int32_t neighbour : neighbours_[static_cast<std::size_t>(place)]) {
+    for (const std::int32_t neighbour : ground_.neighbours[static_cast<std::size_t>(place)]) {
       if (kind[static_cast<std::size_t>(neighbour)] == kRefuted) {
         relax(static_cast<std::size_t>(neighbour), static_cast<std::size_t>(place), 0.0);
       }
@@ -253,7 +282,7 @@ std::vector<AmbiguityAudit::PlaceWay> AmbiguityAudit::ways(const Motion& motion,
     if (length > way[place]) {
       continue;
     }
-    for (const std::int32_t neighbour : neighbours_[place]) {
+    for (const std::int32_t neighbour : ground_.neighbours[place]) {
       if (kind[static_cast<std::size_t>(neighbour)] == kTwin) {
         relax(place, static_cast<std::size_t>(neighbour), length);
       }
@@ -262,7 +291,7 @@ std::vector<AmbiguityAudit::PlaceWay> AmbiguityAudit::ways(const Motion& motion,
   std::vector<PlaceWay> result;
   result.reserve(open.size());
   for (const std::int32_t place : open) {
-    result.push_back({place, way[static_cast<std::size_t>(place)]});
+    result.push_back({place, static_cast<float>(way[static_cast<std::size_t>(place)])});
   }
   return result;
 }
@@ -284,7 +313,7 @@ void AmbiguityAudit::add_blind_ways(std::vector<double>& way) const {
     if (length > total[place]) {
       continue;
     }
-    for (const std::int32_t neighbour : neighbours_[place]) {
+    for (const std::int32_t neighbour : ground_.neighbours[place]) {
       const auto next = static_cast<std::size_t>(neighbour);
       const double longer = length + (places_[place].point - places_[next].point).norm();
       if (places_[next].is_blind && longer < total[next]) {
@@ -304,18 +333,6 @@ double AmbiguityAudit::mean_of(const std::vector<double>& way) const {
     sum += std::min(each, params_.never_way);
   }
   return sum / std::max(1.0, static_cast<double>(way.size()));
-}
-
-double AmbiguityAudit::way_quantile(double share) const {
-  if (places_.empty()) {
-    return 0.0;
-  }
-  std::vector<double> way;
-  for (const AuditPlace& place : places_) {
-    way.push_back(place.way);
-  }
-  std::sort(way.begin(), way.end());
-  return way[static_cast<std::size_t>(share * static_cast<double>(way.size() - 1))];
 }
 
 std::vector<int> AmbiguityAudit::costly_fixtures(std::size_t motions) const {
@@ -340,24 +357,25 @@ std::vector<int> AmbiguityAudit::costly_fixtures(std::size_t motions) const {
 std::vector<AuditChange> AmbiguityAudit::best_changes(std::size_t most) const {
   std::vector<AuditChange> changes;
   const std::size_t count = std::min(kMostForChanges, motions_.size());
-  if (count == 0 || mean_way_ < params_.cell) {
+  if (count == 0 || mean_least_way_ < params_.cell) {
     return changes;
   }
-  const auto take_longer = [](const std::vector<PlaceWay>& from, std::vector<double>& to) {
-    for (const PlaceWay& each : from) {
-      double& way = to[static_cast<std::size_t>(each.place)];
-      way = std::max(way, each.way);
-    }
-  };
   // what the motions left out ask for stays
   std::vector<double> rest(places_.size(), 0.0);
-  for (std::size_t m = count; m < motions_.size(); ++m) {
-    take_longer(motions_[m].ways, rest);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const std::vector<RivalAtPlace>& rivals = ground_.rivals[i];
+    const auto farthest = std::find_if(rivals.begin(), rivals.end(), [&](const RivalAtPlace& rival) {
+      return static_cast<std::size_t>(rival.rival) >= count;
+    });
+    rest[i] = farthest == rivals.end() ? 0.0 : farthest->way;
   }
   for (const int fixture : costly_fixtures(count)) {
     std::vector<double> way = rest;
     for (std::size_t m = 0; m < count; ++m) {
-      take_longer(ways(motions_[m], fixture), way);
+      for (const PlaceWay& each : ways(motions_[m], fixture)) {
+        double& longest = way[static_cast<std::size_t>(each.place)];
+        longest = std::max<double>(longest, each.way);
+      }
     }
     add_blind_ways(way);
     const auto never = std::count_if(way.begin(), way.end(), [](double each) { return std::isinf(each); });
@@ -365,7 +383,7 @@ std::vector<AuditChange> AmbiguityAudit::best_changes(std::size_t most) const {
         {map_[fixture].id, mean_of(way), static_cast<double>(never) / std::max(1.0, static_cast<double>(way.size()))});
   }
   std::stable_sort(changes.begin(), changes.end(),
-                   [](const AuditChange& a, const AuditChange& b) { return a.mean_way < b.mean_way; });
+                   [](const AuditChange& a, const AuditChange& b) { return a.mean_least_way < b.mean_least_way; });
   changes.resize(std::min(most, changes.size()));
   return changes;
 }

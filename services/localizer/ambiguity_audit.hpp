@@ -10,6 +10,7 @@
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/fixture_map.hpp"
+#include "services/localizer/resolving_walk.hpp"
 #include "services/localizer/wall_field.hpp"
 
 namespace luminav {
@@ -27,16 +28,16 @@ struct AuditParams {
 /// One place where the robot may be switched on.
 struct AuditPlace {
   Eigen::Vector2d point;
-  bool is_blind = false;  // no fixture in view
-  int twins = 0;          // other poses that look the same, half turns included
-  double way = 0.0;       // [m] to drive until every twin is refuted, at least; infinite: never
+  bool is_blind = false;   // no fixture in view
+  int twins = 0;           // other poses that look the same, half turns included
+  double least_way = 0.0;  // [m] to drive until the farthest twin is refuted; infinite: never. More: ResolvingWalk
 };
 
 /// What one change would do.
 struct AuditChange {
-  int fixture = 0;           // id of the fixture to be made another kind, or beside which a vent would be seen
-  double mean_way = 0.0;     // [m] over all places after it
-  double never_share = 0.0;  // of the places after it
+  int fixture = 0;              // id of the fixture to be made another kind, or beside which a vent would be seen
+  double mean_least_way = 0.0;  // [m] over all places after it
+  double never_share = 0.0;     // of the places after it
 };
 
 /// From where in a building the ceiling does not tell the pose, and how far the robot must drive until it does. A pose
@@ -53,11 +54,11 @@ class AmbiguityAudit {
   [[nodiscard]] double view_radius() const { return view_radius_; }
   /// Motions of the plane under which some place has a twin.
   [[nodiscard]] std::size_t motions() const { return motions_.size(); }
-  [[nodiscard]] double mean_way() const { return mean_way_; }
+  /// Which twins are possible where: ResolvingWalk finds the ways on it.
+  [[nodiscard]] const RivalGround& ground() const { return ground_; }
+  [[nodiscard]] double mean_least_way() const { return mean_least_way_; }
   /// Share of the places that never resolve.
   [[nodiscard]] double never_share() const { return never_share_; }
-  /// Way [m] that a share of the places needs at most; infinite when more than the rest never resolve.
-  [[nodiscard]] double way_quantile(double share) const;
   /// The single changes that help most, best first; empty when nothing needs help.
   [[nodiscard]] std::vector<AuditChange> best_changes(std::size_t most) const;
 
@@ -65,7 +66,7 @@ class AmbiguityAudit {
   /// Way from a place to where a motion is refuted; places that are not named need none.
   struct PlaceWay {
     std::int32_t place = 0;
-    double way = 0.0;
+    float way = 0.0F;  // [m]
   };
   struct Motion {
     Pose2 twin_from_true;
@@ -73,13 +74,13 @@ class AmbiguityAudit {
     std::vector<bool> maps;    // fixture i lies on one of its kind afterwards
     std::vector<bool> is_hit;  // some fixture lies on fixture i afterwards
     std::vector<int> image;    // which; -1 = none
-    std::vector<PlaceWay> ways;
-    double sum = 0.0;  // [m] over all places
+    double sum = 0.0;          // [m] of ways over all places
   };
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
   void find_places(const PriorMap& walls);
   void find_motions();
+  void find_rivals();
   [[nodiscard]] Motion make_motion(const Pose2& twin_from_true, int first) const;
   [[nodiscard]] bool is_alike(const Fixture& a, const Pose2& world_from_a, const Fixture& b) const;
   /// Looks the same at a place under a motion; `changed` is a fixture that became another kind, -1 = none.
@@ -95,13 +96,13 @@ class AmbiguityAudit {
   WallField walls_;
   double view_radius_;
   GridGeometry grid_;
-  std::vector<std::int32_t> place_of_cell_;  // -1 = not free
-  std::vector<std::vector<std::int32_t>> neighbours_;
+  std::vector<std::int32_t> place_of_cell_;           // -1 = not free
+  RivalGround ground_;                                // a motion is a rival
   std::vector<std::vector<int>> in_view_;             // fixtures by place
   std::vector<std::vector<std::int32_t>> places_of_;  // from which a fixture is in view
   std::vector<AuditPlace> places_;
   std::vector<Motion> motions_;
-  double mean_way_ = 0.0;
+  double mean_least_way_ = 0.0;
   double never_share_ = 0.0;
 };
 

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
@@ -27,67 +30,106 @@ std::string in_metres(double way) {
   return std::isinf(way) ? "never" : fmt::format("{:.1f} m", way);
 }
 
-void print(const Building& building, const AmbiguityAudit& audit, const std::vector<AuditChange>& changes) {
-  const auto count = static_cast<double>(std::max<std::size_t>(1, audit.places().size()));
-  const auto share = [&](auto claim) {
-    return 100.0 * static_cast<double>(std::count_if(audit.places().begin(), audit.places().end(), claim)) / count;
-  };
+/// What was found out, with the length [m] of the walk that resolves each place.
+struct Findings {
+  const Building& building;
+  const AmbiguityAudit& audit;
+  std::vector<double> ways;
+  std::vector<AuditChange> changes;
+
+  /// Way [m] that a share of the places needs at most; infinite when more than the rest never resolve.
+  [[nodiscard]] double way_quantile(double share) const {
+    std::vector<double> sorted = ways;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+  }
+};
+
+// Each thread takes a stretch of neighbouring places.
+std::vector<double> resolving_ways(const RivalGround& ground) {
+  const std::size_t count = ground.points.size();
+  const std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
+  std::vector<double> ways(count);
+  std::vector<std::future<void>> stretches;
+  for (std::size_t t = 0; t < threads; ++t) {
+    stretches.push_back(std::async(std::launch::async, [&, t] {
+      ResolvingWalk walk(ground);
+      for (std::size_t i = t * count / threads; i < (t + 1) * count / threads; ++i) {
+        ways[i] = walk.length(static_cast<std::int32_t>(i));
+      }
+    }));
+  }
+  for (std::future<void>& stretch : stretches) {
+    stretch.get();
+  }
+  return ways;
+}
+
+void print(const Findings& findings) {
+  const auto& [building, audit, ways, changes] = findings;
+  const auto count = static_cast<double>(ways.size());
+  const auto known_at_once = static_cast<double>(std::count(ways.begin(), ways.end(), 0.0));
+  const auto blind = static_cast<double>(std::count_if(audit.places().begin(), audit.places().end(),
+                                                       [](const AuditPlace& place) { return place.is_blind; }));
   fmt::print("{}: {} fixtures, {} places looked at, view of {:.2f} m radius\n", building.name, building.fixtures.size(),
              audit.places().size(), audit.view_radius());
   fmt::print("known at once from {:.0f} % of the places; no fixture in view from {:.0f} %\n",
-             share([](const AuditPlace& p) { return p.way == 0.0; }),
-             share([](const AuditPlace& p) { return p.is_blind; }));
+             100.0 * known_at_once / count, 100.0 * blind / count);
   fmt::print("way to drive until the pose is resolvable: median {}, 95 % {}, longest {}\n",
-             in_metres(audit.way_quantile(0.5)), in_metres(audit.way_quantile(0.95)),
-             in_metres(audit.way_quantile(1.0)));
+             in_metres(findings.way_quantile(0.5)), in_metres(findings.way_quantile(0.95)),
+             in_metres(findings.way_quantile(1.0)));
+  fmt::print("likewise if twins need not all be refuted on one drive: mean {:.2f} m\n", audit.mean_least_way());
   if (audit.never_share() > 0.0) {
     fmt::print("never resolvable from {:.1f} % of the places: part of the building maps onto itself\n",
                100.0 * audit.never_share());
   }
   for (const AuditChange& change : changes) {
     fmt::print(
-        "would help: fixture {} of another kind, or a vent beside it written into the file: mean way {:.2f} m "
-        "instead of {:.2f} m, never {:.1f} %\n",
-        change.fixture, change.mean_way, audit.mean_way(), 100.0 * change.never_share);
+        "would help: fixture {} of another kind, or a vent beside it written into the file: that mean {:.2f} m, "
+        "never {:.1f} %\n",
+        change.fixture, change.mean_least_way, 100.0 * change.never_share);
   }
 }
 
-void write_json(const std::string& file, const Building& building, const AmbiguityAudit& audit,
-                const std::vector<AuditChange>& changes) {
+void write_json(const std::string& file, const Findings& findings) {
+  const auto& [building, audit, ways, changes] = findings;
   const auto finite = [](double way) { return std::isinf(way) ? nlohmann::json(nullptr) : nlohmann::json(way); };
   nlohmann::json report = {{"building", building.name},
                            {"fixtures", building.fixtures.size()},
                            {"view_radius_m", audit.view_radius()},
-                           {"median_way_m", finite(audit.way_quantile(0.5))},
-                           {"p95_way_m", finite(audit.way_quantile(0.95))},
-                           {"mean_way_m", audit.mean_way()},
+                           {"median_way_m", finite(findings.way_quantile(0.5))},
+                           {"p95_way_m", finite(findings.way_quantile(0.95))},
+                           {"mean_least_way_m", audit.mean_least_way()},
                            {"never_share", audit.never_share()},
                            {"places", nlohmann::json::array()},
                            {"changes", nlohmann::json::array()}};
-  for (const AuditPlace& place : audit.places()) {
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    const AuditPlace& place = audit.places()[i];
     report["places"].push_back({{"x", place.point.x()},
                                 {"y", place.point.y()},
                                 {"blind", place.is_blind},
                                 {"twins", place.twins},
-                                {"way_m", finite(place.way)}});
+                                {"least_way_m", finite(place.least_way)},
+                                {"way_m", finite(ways[i])}});
   }
   for (const AuditChange& change : changes) {
-    report["changes"].push_back(
-        {{"fixture", change.fixture}, {"mean_way_m", change.mean_way}, {"never_share", change.never_share}});
+    report["changes"].push_back({{"fixture", change.fixture},
+                                 {"mean_least_way_m", change.mean_least_way},
+                                 {"never_share", change.never_share}});
   }
   write_whole_file(file, report.dump(1) + "\n");
 }
 
-cv::Scalar colour_of(const AuditPlace& place) {
-  if (std::isinf(place.way)) {
+cv::Scalar colour_of(double way) {
+  if (std::isinf(way)) {
     return {60, 0, 120};
   }
-  const double share = std::min(1.0, place.way / kLongWay);
+  const double share = std::min(1.0, way / kLongWay);
   return {80.0, 220.0 - 160.0 * share, 80.0 + 160.0 * share};  // blue, green, red: green to red
 }
 
-void draw_picture(const std::string& file, const Building& building, const AmbiguityAudit& audit,
-                  const std::vector<AuditChange>& changes) {
+void draw_picture(const std::string& file, const Findings& findings) {
+  const auto& [building, audit, ways, changes] = findings;
   Eigen::Vector2d least(1e9, 1e9);
   Eigen::Vector2d most(-1e9, -1e9);
   for (const AuditPlace& place : audit.places()) {
@@ -103,9 +145,10 @@ void draw_picture(const std::string& file, const Building& building, const Ambig
   const cv::Point corner = pixel({most.x() + margin, least.y() - margin});
   cv::Mat image(corner.y + 1, corner.x + 1, CV_8UC3, cv::Scalar(40, 40, 40));
   const double half = 0.5 * audit.params().cell;
-  for (const AuditPlace& place : audit.places()) {
-    cv::rectangle(image, pixel(place.point + Eigen::Vector2d(-half, half)),
-                  pixel(place.point + Eigen::Vector2d(half, -half)), colour_of(place), cv::FILLED);
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    const Eigen::Vector2d& point = audit.places()[i].point;
+    cv::rectangle(image, pixel(point + Eigen::Vector2d(-half, half)), pixel(point + Eigen::Vector2d(half, -half)),
+                  colour_of(ways[i]), cv::FILLED);
   }
   for (const Fixture& fixture : building.fixtures) {
     std::vector<cv::Point> outline;
@@ -162,13 +205,13 @@ int run(int argc, char** argv) {
   if (audit.places().empty()) {
     throw std::runtime_error(file.string() + ": its map has no place where a robot could stand");
   }
-  const std::vector<AuditChange> changes = audit.best_changes(3);
-  print(building, audit, changes);
+  const Findings findings{building, audit, resolving_ways(audit.ground()), audit.best_changes(3)};
+  print(findings);
   if (!json_file.empty()) {
-    write_json(json_file, building, audit, changes);
+    write_json(json_file, findings);
   }
   if (!png_file.empty()) {
-    draw_picture(png_file, building, audit, changes);
+    draw_picture(png_file, findings);
   }
   return 0;
 }

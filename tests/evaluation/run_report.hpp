@@ -74,7 +74,8 @@ struct RunReport {
   bool localized = false;
   double localized_s = 0.0;
   double localized_after_m = 0.0;
-  double resolvable_after_m = -1.0;  // least way from that start that tells the pose; infinite = never, -1 = not known
+  double resolvable_after_m =
+      -1.0;  // shortest drive from that start that tells the pose; infinite = never, -1 = not known
   double tracking_ratio = 0.0;
   double ambiguous_ratio = 0.0;  // share of all time with the state AMBIGUOUS
   double confident_wrong_s = 0.0;

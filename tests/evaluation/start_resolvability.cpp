@@ -12,14 +12,13 @@ namespace {
 constexpr std::size_t kMostFixtures = 1000;  // beyond, the audit takes longer than all runs
 constexpr double kNearEnough = 0.75;         // [m] from the start to the next place: it may stand nearer to a wall
 
-std::vector<AuditPlace> audited_places(const std::filesystem::path& building_file,
-                                       const std::filesystem::path& robot_file) {
+RivalGround audited_ground(const std::filesystem::path& building_file, const std::filesystem::path& robot_file) {
   const Building building = read_building(building_file);
   if (building.fixtures.empty() || building.fixtures.size() > kMostFixtures) {
     return {};
   }
   const PriorMap walls = building.map_file.empty() ? PriorMap{} : read_map(building.map_file);
-  return AmbiguityAudit(building, walls, read_robot(robot_file).camera, AuditParams{}).places();
+  return AmbiguityAudit(building, walls, read_robot(robot_file).camera, AuditParams{}).ground();
 }
 
 }  // namespace
@@ -32,12 +31,14 @@ double StartResolvability::way(const std::filesystem::path& building_file, const
     audit = &audits_[{building_file, robot_file}];
   }
   // outside of the lock: who asks for another building need not wait
-  std::call_once(audit->is_made, [&] { audit->places = audited_places(building_file, robot_file); });
-  const auto distance_to = [&](const AuditPlace& place) { return (place.point - start).norm(); };
-  const auto nearest =
-      std::min_element(audit->places.begin(), audit->places.end(),
-                       [&](const AuditPlace& a, const AuditPlace& b) { return distance_to(a) < distance_to(b); });
-  return nearest == audit->places.end() || distance_to(*nearest) > kNearEnough ? -1.0 : nearest->way;
+  std::call_once(audit->is_made, [&] { audit->ground = audited_ground(building_file, robot_file); });
+  const std::vector<Eigen::Vector2d>& points = audit->ground.points;
+  const auto nearest = std::min_element(
+      points.begin(), points.end(),
+      [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return (a - start).norm() < (b - start).norm(); });
+  return nearest == points.end() || (*nearest - start).norm() > kNearEnough
+             ? -1.0
+             : ResolvingWalk(audit->ground).length(static_cast<std::int32_t>(nearest - points.begin()));
 }
 
 }  // namespace luminav

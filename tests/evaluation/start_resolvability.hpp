@@ -15,16 +15,16 @@ namespace luminav {
 /// once for all runs in it, which takes longer than many of them; any thread may ask.
 class StartResolvability {
  public:
-  /// Way [m] from a start straight to where its last twin is refuted, whatever its heading. Infinite: never; negative:
-  /// not known, for a floor of more than a thousand fixtures or a start outside of the places looked at. Throws
-  /// ConfigurationError for files that cannot be used.
+  /// Length [m] of the shortest walk on which a start's last twin is refuted, whatever its heading. Infinite: never;
+  /// negative: not known, for a floor of more than a thousand fixtures or a start outside of the places looked at.
+  /// Throws ConfigurationError for files that cannot be used.
   [[nodiscard]] double way(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
                            const Eigen::Vector2d& start);
 
  private:
   struct Audit {
     std::once_flag is_made;
-    std::vector<AuditPlace> places;
+    RivalGround ground;
   };
   std::mutex mutex_;
   std::map<std::pair<std::filesystem::path, std::filesystem::path>, Audit> audits_;  // by building's and robot's file
