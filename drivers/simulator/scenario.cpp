@@ -177,6 +177,16 @@ void read_door_event(const TomlTable& table, const Building& building, ScenarioE
   }
 }
 
+void read_carry_event(const TomlTable& table, ScenarioEvent& event) {
+  event.has_place = has_position(table);
+  if (event.has_place) {
+    event.pose = {table.number("x", kCoordinate), table.number("y", kCoordinate), read_theta(table)};
+  } else if (table.has("theta")) {
+    table.fail("theta", "needs x and y; without them place and heading are drawn");
+  }
+  event.duration = table.number("duration", 3.0, kDuration);
+}
+
 ScenarioEvent read_event(const TomlTable& table, const Building& building) {
   ScenarioEvent event;
   event.at = table.number("at", kDuration);
@@ -185,8 +195,7 @@ ScenarioEvent read_event(const TomlTable& table, const Building& building) {
       table.choice("kind", "", {"carry", "slip", "bump", "light", "door", "unplug", "lamp", "kill", "clock"});
   if (kind == "carry") {
     event.kind = EventKind::kCarry;
-    event.pose = {table.number("x", kCoordinate), table.number("y", kCoordinate), read_theta(table)};
-    event.duration = table.number("duration", 3.0, kDuration);
+    read_carry_event(table, event);
   } else if (kind == "slip") {
     event.kind = EventKind::kSlip;
     event.factor = table.number("factor", {0.0, 2.0});

@@ -59,6 +59,7 @@ struct ScenarioEvent {
   double at = 0.0;  // [s] since the start
   EventKind kind = EventKind::kCarry;
   Pose2 pose;                      // carry: where to, world; bump and lamp: displacement, world
+  bool has_place = true;           // carry; false: drawn from the free space by seed
   double duration = 0.0;           // [s] carry, slip, unplug
   double factor = 1.0;             // slip: ground covered per wheel travel
   std::optional<double> daylight;  // light: 0..1

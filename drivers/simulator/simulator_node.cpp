@@ -12,7 +12,7 @@ static_assert(kLampOff == sim_truth_t::LAMP_OFF && kLampOn == sim_truth_t::LAMP_
 
 SimulatorNode::SimulatorNode(lcm::LCM& lcm, const Scenario& scenario, const WorldTruth& truth,
                              ArcosController& controller)
-    : lcm_(lcm), controller_(controller), world_(scenario, truth) {}
+    : lcm_(lcm), controller_(controller), world_(scenario.seed, truth) {}
 
 void SimulatorNode::advance_to(std::int64_t utime) {
   if (session_ == 0) {

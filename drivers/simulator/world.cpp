@@ -41,14 +41,14 @@ double smooth_step(double fraction) {
 
 }  // namespace
 
-World::World(const Scenario& scenario, const WorldTruth& truth)
+World::World(std::uint64_t seed, const WorldTruth& truth)
     : truth_(truth),
-      events_(by_time(scenario.events)),
+      events_(by_time(truth.events)),
       scene_(truth_),
-      robot_(truth_, scenario.seed),
-      sonar_(truth_.robot.sonar, scenario.seed),
-      floor_(truth_.floor_tilt, scenario.seed),
-      contact_random_(scenario.seed, "contact") {
+      robot_(truth_, seed),
+      sonar_(truth_.robot.sonar, seed),
+      floor_(truth_.floor_tilt, seed),
+      contact_random_(seed, "contact") {
   for (const WalkingPerson& person : truth_.people) {
     people_.emplace_back(person);
   }

@@ -47,7 +47,7 @@ class World {
  public:
   static constexpr double kTick = 0.010;  // [s]
 
-  World(const Scenario& scenario, const WorldTruth& truth);
+  World(std::uint64_t seed, const WorldTruth& truth);
   World(const World&) = delete;  // the scene refers to the truth
   World& operator=(const World&) = delete;
 

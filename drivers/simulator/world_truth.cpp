@@ -19,8 +19,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kStartClearance = 0.45;   // [m] of a random start to everything that is not free
-constexpr double kFromObstacles = 0.6;     // [m] of a random start to obstacles with a given place
+constexpr double kStartClearance = 0.45;   // [m] of a random place to stand to everything that is not free
+constexpr double kFromObstacles = 0.6;     // [m] of a random place to stand to obstacles with a given place
 constexpr double kPersonClearance = 0.35;  // [m] of a drawn person's path to everything
 constexpr double kPersonPath = 3.0;        // [m] at least, of a drawn person
 constexpr double kPersonFromStart = 1.0;   // [m] between a drawn person and the robot when the run begins
@@ -211,6 +211,7 @@ class Placement {
       }
     }
     place_start();
+    place_carries();
     place_obstacles();
     place_people();
     check_events();
@@ -231,15 +232,31 @@ class Placement {
       return;
     }
     RandomStream random(scenario_.seed, "start");
-    for (int i = 0; i < kTries; ++i) {
-      const Vector2d point = space().draw_point(kStartClearance, random.state());
-      truth_.start = {point.x(), point.y(), random.uniform(-kPi, kPi)};
-      const auto is_near = [&](const Polygon& other) { return distance(other, point) < kFromObstacles; };
-      if (std::none_of(given_.begin(), given_.end(), is_near)) {
-        return;
+    truth_.start = draw_standing_place("the start", random);
+  }
+
+  void place_carries() {
+    truth_.events = scenario_.events;
+    for (std::size_t i = 0; i < truth_.events.size(); ++i) {
+      ScenarioEvent& event = truth_.events[i];
+      if (event.kind == EventKind::kCarry && !event.has_place) {
+        RandomStream random(scenario_.seed, "carry", i);
+        event.pose = draw_standing_place("a carry", random);
+        event.has_place = true;
       }
     }
-    fail(scenario_, "no free place for the start between the obstacles");
+  }
+
+  Pose2 draw_standing_place(std::string_view what, RandomStream& random) {
+    for (int i = 0; i < kTries; ++i) {
+      const Vector2d point = space().draw_point(kStartClearance, random.state());
+      const double theta = random.uniform(-kPi, kPi);
+      const auto is_near = [&](const Polygon& other) { return distance(other, point) < kFromObstacles; };
+      if (std::none_of(given_.begin(), given_.end(), is_near)) {
+        return {point.x(), point.y(), theta};
+      }
+    }
+    fail(scenario_, fmt::format("no free place for {} between the obstacles", what));
   }
 
   void place_obstacles() {
@@ -255,7 +272,7 @@ class Placement {
     for (const ScenarioGoal& goal : scenario_.goals) {
       placement.keep_away_from(goal.pose.position());
     }
-    for (const ScenarioEvent& event : scenario_.events) {
+    for (const ScenarioEvent& event : truth_.events) {
       if (event.kind == EventKind::kCarry) {
         placement.keep_away_from(event.pose.position());
       }
@@ -312,7 +329,7 @@ class Placement {
   }
 
   void check_events() {
-    for (const ScenarioEvent& event : scenario_.events) {
+    for (const ScenarioEvent& event : truth_.events) {
       if (event.kind == EventKind::kCarry) {
         check_standing_place("the place of a carry", event.pose);
       } else if (event.kind == EventKind::kLamp) {

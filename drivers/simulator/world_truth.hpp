@@ -30,6 +30,7 @@ struct WorldTruth {
   Pose2 start;                           // true world_from_robot
   std::vector<Obstacle> obstacles;       // all with a pose
   std::vector<WalkingPerson> people;     // all with waypoints
+  std::vector<ScenarioEvent> events;     // all with a place
   std::string table;                     // the spread and what was drawn, for the report
   std::string hash;                      // of that table
 };

@@ -203,6 +203,13 @@ step = 1.0
   EXPECT_EQ(scenario.events[8].step, 1.0);
 }
 
+TEST(ScenarioFile, LeavesOpenWhereACarryLeads) {
+  const Scenario scenario = read("[[event]]\nat = 10\nkind = \"carry\"\n");
+  EXPECT_FALSE(scenario.events.at(0).has_place);
+  EXPECT_EQ(scenario.events.at(0).duration, 3.0);
+  EXPECT_THAT(error_of("[[event]]\nat = 10\nkind = \"carry\"\ntheta = 1.0\n"), HasSubstr("needs x and y"));
+}
+
 TEST(ScenarioFile, NamesFileLineAndKeyOfWhatIsWrong) {
   const std::string error = error_of("[lighting]\ndaylight = 1.5\n");
   EXPECT_THAT(error, HasSubstr("case.toml:4: lighting.daylight"));

@@ -15,8 +15,12 @@ const MotorCommand kForward{0.4, 0.0, true};
 const MotorCommand kBackward{-0.4, 0.0, true};
 
 /// A hall that is free from 0.5 to 10.5 and from 0.5 to 6.5.
-WorldTruth truth_at(const Pose2& start) {
-  return exact_truth(map_from_text(hall(20, 12)), start);
+constexpr std::uint64_t kSeed = 1;
+
+WorldTruth truth_at(const Pose2& start, const std::vector<ScenarioEvent>& events = {}) {
+  WorldTruth truth = exact_truth(map_from_text(hall(20, 12)), start);
+  truth.events = events;
+  return truth;
 }
 
 ScenarioEvent event(double at, EventKind kind) {
@@ -44,7 +48,7 @@ Way run(World& world, const MotorCommand& command, double seconds) {
 }
 
 TEST(World, DrivesWhereTheWheelsSay) {
-  World world({}, truth_at({3.0, 3.0, 0.5 * kPi}));
+  World world(kSeed, truth_at({3.0, 3.0, 0.5 * kPi}));
   const Way way = run(world, kForward, 3.0);
   EXPECT_NEAR(world.state().world_from_robot.y, 3.0 + way.left, 1e-9);
   EXPECT_NEAR(world.state().linear, 0.4, 1e-3);
@@ -55,9 +59,7 @@ TEST(World, DrivesWhereTheWheelsSay) {
 TEST(World, StopsAtAWallCountsOneContactAndStallsOrSpins) {
   int spins = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    Scenario scenario;
-    scenario.seed = seed;
-    World world(scenario, truth_at({9.0, 3.0, 0.0}));
+    World world(seed, truth_at({9.0, 3.0, 0.0}));
     const Way way = run(world, kForward, 10.0);
     EXPECT_NEAR(world.state().world_from_robot.x + 0.21, 10.5, 0.005);
     EXPECT_LE(world.state().world_from_robot.x + 0.21, 10.5);
@@ -73,7 +75,7 @@ TEST(World, StopsAtAWallCountsOneContactAndStallsOrSpins) {
 }
 
 TEST(World, CountsAnotherContactOnlyAfterSeparation) {
-  World world({}, truth_at({10.0, 3.0, 0.0}));
+  World world(kSeed, truth_at({10.0, 3.0, 0.0}));
   run(world, kForward, 3.0);
   run(world, kStand, 1.0);
   run(world, kForward, 1.0);
@@ -86,13 +88,13 @@ TEST(World, CountsAnotherContactOnlyAfterSeparation) {
 
 TEST(World, FeelsTheRearCornerSwingIntoAWall) {
   // along the wall with 5 cm of room: the right rear corner, 0.37 m from the axis, swings out when turning left
-  World world({}, truth_at({5.0, 0.5 + 0.2125 + 0.05, 0.0}));
+  World world(kSeed, truth_at({5.0, 0.5 + 0.2125 + 0.05, 0.0}));
   EXPECT_NEAR(world.state().clearance, 0.05, 1e-6);
   run(world, {0.0, 0.6, true}, 3.0);
   EXPECT_EQ(world.contacts().contacts(), 1);
   EXPECT_LT(world.state().world_from_robot.theta, 0.3);
   // with 20 cm more it turns freely
-  World free({}, truth_at({5.0, 0.5 + 0.38, 0.0}));
+  World free(kSeed, truth_at({5.0, 0.5 + 0.38, 0.0}));
   run(free, {0.0, 0.6, true}, 12.0);
   EXPECT_EQ(free.contacts().contacts(), 0);
 }
@@ -100,7 +102,7 @@ TEST(World, FeelsTheRearCornerSwingIntoAWall) {
 TEST(World, CountsHardObstaclesApart) {
   WorldTruth truth = truth_at({3.0, 3.0, 0.0});
   truth.obstacles = {{Pose2{4.5, 3.0, 0.0}, 0.4, 0.4, ObstacleKind::kTable}};
-  World world({}, truth);
+  World world(kSeed, truth);
   run(world, kForward, 5.0);
   EXPECT_EQ(world.contacts().contacts(), 0);
   EXPECT_EQ(world.contacts().hard_contacts(), 1);
@@ -109,7 +111,7 @@ TEST(World, CountsHardObstaclesApart) {
 TEST(World, LetsPeopleWalkToAndFroAndStopBeforeTheRobot) {
   WorldTruth truth = truth_at({5.0, 3.0, 0.0});
   truth.people = {{{{1.0, 3.0}, {9.0, 3.0}}, 0.8}, {{{1.0, 5.5}, {3.0, 5.5}}, 1.0}};
-  World world({}, truth);
+  World world(kSeed, truth);
   run(world, kStand, 1.0);
   EXPECT_NEAR(world.people()[0].centre.x(), 1.8, 0.01);
   run(world, kStand, 6.0);
@@ -125,7 +127,7 @@ TEST(World, LetsPeopleWalkToAndFroAndStopBeforeTheRobot) {
 TEST(World, LetsAPersonGoOnWhenTheRobotClearsTheWay) {
   WorldTruth truth = truth_at({5.0, 3.0, 0.5 * kPi});
   truth.people = {{{{1.0, 3.0}, {9.0, 3.0}}, 0.8}};
-  World world({}, truth);
+  World world(kSeed, truth);
   run(world, kStand, 6.0);
   const double waiting = world.people()[0].centre.x();
   EXPECT_LT(waiting, 4.6);
@@ -137,7 +139,7 @@ TEST(World, LetsAPersonGoOnWhenTheRobotClearsTheWay) {
 TEST(World, CountsAContactWithAPersonThatTheRobotDrivesInto) {
   WorldTruth truth = truth_at({3.0, 3.0, 0.0});
   truth.people = {{{{4.5, 3.0}, {4.5, 3.0}}, 0.0}};
-  World world({}, truth);
+  World world(kSeed, truth);
   run(world, kForward, 5.0);
   EXPECT_EQ(world.contacts().contacts(), 1);
   EXPECT_LE(world.state().world_from_robot.x + 0.21 + kPersonRadius, 4.5);
@@ -167,11 +169,10 @@ TEST(ContactCounter, ExcusesARobotThatHadStoodStill) {
 }
 
 TEST(World, CarriesTheRobotWithoutTurningItsWheels) {
-  Scenario scenario;
-  scenario.events = {event(1.0, EventKind::kCarry)};
-  scenario.events[0].pose = {8.0, 5.0, 1.0};
-  scenario.events[0].duration = 2.0;
-  World world(scenario, truth_at({3.0, 3.0, 0.0}));
+  std::vector<ScenarioEvent> events = {event(1.0, EventKind::kCarry)};
+  events[0].pose = {8.0, 5.0, 1.0};
+  events[0].duration = 2.0;
+  World world(kSeed, truth_at({3.0, 3.0, 0.0}, events));
   run(world, kForward, 0.99);
   EXPECT_FALSE(world.state().carried);
   const Way way = run(world, kForward, 2.0);
@@ -188,11 +189,10 @@ TEST(World, CarriesTheRobotWithoutTurningItsWheels) {
 }
 
 TEST(World, SlipsForAWhile) {
-  Scenario scenario;
-  scenario.events = {event(1.0, EventKind::kSlip)};
-  scenario.events[0].factor = 0.5;
-  scenario.events[0].duration = 2.0;
-  World world(scenario, truth_at({1.0, 3.0, 0.0}));
+  std::vector<ScenarioEvent> events = {event(1.0, EventKind::kSlip)};
+  events[0].factor = 0.5;
+  events[0].duration = 2.0;
+  World world(kSeed, truth_at({1.0, 3.0, 0.0}, events));
   run(world, kForward, 0.99);
   const double before = world.state().world_from_robot.x;
   const Way slipping = run(world, kForward, 2.0);
@@ -203,40 +203,39 @@ TEST(World, SlipsForAWhile) {
 }
 
 TEST(World, BumpsTheRobotAsideButNotThroughWalls) {
-  Scenario scenario;
-  scenario.events = {event(0.5, EventKind::kBump)};
-  scenario.events[0].pose = {0.1, -0.05, 0.3};
-  World world(scenario, truth_at({3.0, 3.0, 0.0}));
+  std::vector<ScenarioEvent> events = {event(0.5, EventKind::kBump)};
+  events[0].pose = {0.1, -0.05, 0.3};
+  World world(kSeed, truth_at({3.0, 3.0, 0.0}, events));
   const Way way = run(world, kStand, 2.0);
   EXPECT_EQ(way.left, 0.0);
   EXPECT_NEAR(world.state().world_from_robot.x, 3.1, 1e-9);
   EXPECT_NEAR(world.state().world_from_robot.y, 2.95, 1e-9);
   EXPECT_NEAR(world.state().world_from_robot.theta, 0.3, 1e-9);
-  World near_wall(scenario, truth_at({10.5 - 0.21 - 0.05, 3.0, 0.0}));
+  World near_wall(kSeed, truth_at({10.5 - 0.21 - 0.05, 3.0, 0.0}, events));
   run(near_wall, kStand, 2.0);
   EXPECT_LE(near_wall.state().world_from_robot.x + 0.21, 10.5);
   EXPECT_EQ(near_wall.contacts().contacts(), 0);  // not the robot's doing
 }
 
 TEST(World, ChangesLightLampsAndPlugs) {
-  Scenario scenario;
-  scenario.events = {event(0.3, EventKind::kUnplug), event(0.1, EventKind::kLight), event(0.2, EventKind::kLamp),
-                     event(0.25, EventKind::kLamp), event(0.4, EventKind::kUnplug)};
-  scenario.events[0].device = "camera";
-  scenario.events[0].duration = 0.5;
-  scenario.events[1].daylight = 0.9;
-  scenario.events[1].off = {11};
-  scenario.events[2].id = 12;
-  scenario.events[2].pose = {0.3, 0.0, 0.1};
-  scenario.events[3] = scenario.events[2];
-  scenario.events[4].device = "serial";
-  scenario.events[4].duration = 0.2;
-  WorldTruth truth = truth_at({3.0, 3.0, 0.0});
+  std::vector<ScenarioEvent> events = {event(0.3, EventKind::kUnplug), event(0.1, EventKind::kLight),
+                                       event(0.2, EventKind::kLamp), event(0.25, EventKind::kLamp),
+                                       event(0.4, EventKind::kUnplug)};
+  events[0].device = "camera";
+  events[0].duration = 0.5;
+  events[1].daylight = 0.9;
+  events[1].off = {11};
+  events[2].id = 12;
+  events[2].pose = {0.3, 0.0, 0.1};
+  events[3] = events[2];
+  events[4].device = "serial";
+  events[4].duration = 0.2;
+  WorldTruth truth = truth_at({3.0, 3.0, 0.0}, events);
   truth.building.fixtures.resize(2);
   truth.building.fixtures[0].id = 11;
   truth.building.fixtures[1].id = 12;
   truth.lamp_states = {kLampOn, kLampOn};
-  World world(scenario, truth);
+  World world(kSeed, truth);
   EXPECT_EQ(world.state().daylight, 0.5);
   run(world, kStand, 0.5);
   EXPECT_EQ(world.state().daylight, 0.9);
@@ -254,13 +253,12 @@ TEST(World, ChangesLightLampsAndPlugs) {
 }
 
 TEST(World, ClosesADoorOnlyWhenNobodyStandsInIt) {
-  Scenario scenario;
-  scenario.events = {event(0.5, EventKind::kDoor), event(20.0, EventKind::kDoor)};
-  scenario.events[0].id = scenario.events[1].id = 3;
-  scenario.events[0].open = false;
-  WorldTruth truth = truth_at({5.0, 3.0, 0.0});
+  std::vector<ScenarioEvent> events = {event(0.5, EventKind::kDoor), event(20.0, EventKind::kDoor)};
+  events[0].id = events[1].id = 3;
+  events[0].open = false;
+  WorldTruth truth = truth_at({5.0, 3.0, 0.0}, events);
   truth.building.doors = {{3, {5.0, 3.0, 0.5 * kPi}, 1.0}};
-  World world(scenario, truth);
+  World world(kSeed, truth);
   run(world, kStand, 2.0);
   EXPECT_TRUE(world.state().door_open[0]);
   run(world, kForward, 3.0);
@@ -273,15 +271,13 @@ TEST(World, ClosesADoorOnlyWhenNobodyStandsInIt) {
 }
 
 TEST(World, IsTheSameForTheSameSeedAndCommands) {
-  Scenario scenario;
-  scenario.seed = 4;
   WorldTruth truth = truth_at({3.0, 3.0, 0.0});
   truth.odometry_position = 0.01;
   truth.odometry_heading = 0.01;
   truth.floor_tilt = 0.002;
   truth.people = {{{{1.0, 1.0}, {9.0, 5.0}}, 0.8}};
-  World first(scenario, truth);
-  World second(scenario, truth);
+  World first(4, truth);
+  World second(4, truth);
   for (int i = 0; i < 3000; ++i) {
     const MotorCommand command{0.3, std::sin(0.01 * i), true};
     first.step(command);
@@ -304,7 +300,7 @@ TEST(World, NeverPenetratesAnything) {
   truth.obstacles = {{Pose2{1.5, 3.5, 0.4}, 0.5, 0.4, ObstacleKind::kBox},
                      {Pose2{3.6, 1.5, 0.0}, 0.4, 0.4, ObstacleKind::kLegs}};
   truth.people = {{{{1.0, 1.0}, {4.0, 4.0}}, 0.8}};
-  World world({}, truth);
+  World world(kSeed, truth);
   RandomStream random(8, "drive");
   MotorCommand command;
   double way = 0.0;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <functional>
+#include <set>
 
 #include "drivers/simulator/free_space.hpp"
 #include "drivers/simulator/lamp_state.hpp"
@@ -192,6 +193,30 @@ TEST(WorldTruth, StartsInTheLargestRegionAwayFromWalls) {
     EXPECT_GE(distances.at(start.position()), 0.45);
     EXPECT_FALSE(start.x > 11.0 && start.y < 1.0);  // the cupboard
   }
+}
+
+TEST(WorldTruth, CarriesToPlacesWhereARobotCanStand) {
+  Scenario scenario;
+  scenario.obstacles = {{Pose2{6.0, 3.0, 0.0}, 0.5, 0.5, ObstacleKind::kBox}};
+  scenario.events.resize(2);
+  for (ScenarioEvent& event : scenario.events) {
+    event.kind = EventKind::kCarry;
+    event.has_place = false;
+  }
+  const DistanceField distances = distance_to_not_free(map_from_text(kFloor));
+  const Pose2 start = draw(scenario).start;
+  std::set<double> headings;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    scenario.seed = seed;
+    for (const ScenarioEvent& event : draw(scenario).events) {
+      EXPECT_GE(distances.at(event.pose.position()), 0.45);
+      EXPECT_GE((event.pose.position() - Eigen::Vector2d(6.0, 3.0)).norm(), 0.6 + 0.25);
+      headings.insert(event.pose.theta);
+    }
+  }
+  EXPECT_EQ(headings.size(), 120U);
+  scenario.seed = Scenario{}.seed;
+  EXPECT_EQ(draw(scenario).start.x, start.x);
 }
 
 TEST(WorldTruth, RefusesTheImpossible) {
