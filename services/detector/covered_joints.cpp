@@ -6,18 +6,20 @@
 namespace luminav {
 namespace {
 
-constexpr double kInwards = -0.036;      // [m] from the outline, where profiles begin ...
-constexpr std::size_t kSteps = 18;       // ... and how long they are: as far as joints are looked for
-constexpr double kFromCorner = 0.012;    // [m] of the side's lines from its corners, which blur rounds
-constexpr double kBeyondCorner = 0.025;  // [m] of the lines beyond them, where the other joint may cross
-constexpr double kApart = 0.004;         // [m] between lines on the side, about a pixel ...
-constexpr double kApartBeyond = 0.012;   // ... and beyond its corners
-constexpr int kLeastLines = 8;           // on the side, and beyond its corners
-constexpr int kBeyond = 16;              // lines beyond each corner
+constexpr int kBegin = -72;                            // [places] outwards of the outline, where profiles begin ...
+constexpr std::size_t kSteps = 18;                     // ... and how long they are: as far as joints are looked for
+constexpr int kPerStep = 8;                            // places from one grey level of a profile to the next
+constexpr double kInwards = kBegin * EndCosts::kStep;  // [m]
+constexpr double kFromCorner = 0.012;                  // [m] of the side's lines from its corners, which blur rounds
+constexpr double kBeyondCorner = 0.025;                // [m] of the lines beyond them, where the other joint may cross
+constexpr double kApart = 0.004;                       // [m] between lines on the side, about a pixel ...
+constexpr double kApartBeyond = 0.004;                 // ... and beyond its corners
+constexpr int kLeastLines = 8;                         // on the side, and beyond its corners
+constexpr int kBeyond = 64;                            // lines beyond each corner
 constexpr std::array<double, EndCosts::kBlurs> kWidths{3.4, 4.5, 6.0, 8.0, 12.0};  // [px] of an edge, foot to top
 constexpr double kUnknowns = 4.0;                                                  // inside, outside, place and blur
 constexpr double kCorrelation = 1.8;  // neighbouring samples are alike: chi squared counts that much less
-constexpr double kLeastShare = 0.05;  // of a pixel's variance that a line has
+constexpr double kLeastShare = 0.3;   // of a pixel's variance that a line has
 constexpr double kMisfit = 0.0003;    // [m] by which a size may be off ...
 constexpr double kScale = 0.001;      // ... plus this share of half the size
 constexpr int kMostMisfit = 4;        // places
@@ -119,6 +121,38 @@ CeilingBeyond ceiling_beyond_corners(const GreyView& image, const CeilingCamera&
   return ceiling;
 }
 
+/// How much of a blurred edge's far side is seen at each place beside it: all profiles ask for the same places.
+class BlurredEdge {
+  static_assert(kPerStep * EndCosts::kStep == SideProfile::kStep);
+
+ public:
+  /// `width` [m] from foot to top.
+  explicit BlurredEdge(double width) : half_width_(0.5 * width / EndCosts::kStep) {
+    const int half = std::min(kMost, static_cast<int>(half_width_));
+    for (int offset = -half; offset <= half; ++offset) {
+      passed_[static_cast<std::size_t>(offset + kMost)] = passed(offset * EndCosts::kStep, width);
+    }
+  }
+
+  /// `offset` [places] outwards of the edge, between its foot and its top.
+  [[nodiscard]] double passed_at(int offset) const { return passed_[static_cast<std::size_t>(offset + kMost)]; }
+  /// The first step of a profile that lies outwards of the foot of an edge at `place`; kSteps if none does.
+  [[nodiscard]] std::size_t foot(int place) const { return step_at(place - half_width_); }
+  /// The same for its top.
+  [[nodiscard]] std::size_t top(int place) const { return step_at(place + half_width_); }
+
+ private:
+  static constexpr int kMost = kPerStep * static_cast<int>(kSteps);
+  static_assert(kMost >= EndCosts::kReach - kBegin && kMost >= kBegin + kMost + EndCosts::kReach);
+
+  static std::size_t step_at(double place) {
+    return static_cast<std::size_t>(std::clamp(std::ceil((place - kBegin) / kPerStep), 0.0, 1.0 * kSteps));
+  }
+
+  double half_width_;  // [places]
+  std::array<double, 2 * kMost + 1> passed_{};
+};
+
 /// Grey levels across a side, to be compared with fixtures that end at different places.
 class SideFit {
  public:
@@ -133,18 +167,18 @@ class SideFit {
     }
   }
 
-  /// Sum of squares that a fixture which ends `end` [m] outwards leaves of the grey levels:
-  /// grey = inside * (1 - passed) + gain * passed * ceiling, inside and gain by least squares. `width` [m] of the edge.
-  [[nodiscard]] double misfit(double end, double width) const {
-    const std::size_t first = step_at(end - 0.5 * width);  // before it all is inside ...
-    const std::size_t last = step_at(end + 0.5 * width);   // ... and from there on outside
+  /// Sum of squares that a fixture which ends at `place` leaves of the grey levels:
+  /// grey = inside * (1 - passed) + gain * passed * ceiling, inside and gain by least squares.
+  [[nodiscard]] double misfit(int place, const BlurredEdge& edge) const {
+    const std::size_t first = edge.foot(place);  // before it all is inside ...
+    const std::size_t last = edge.top(place);    // ... and from there on outside
     auto ii = static_cast<double>(first);
     double ic = 0.0;
     double cc = cc_[kSteps] - cc_[last];
     double ig = g_[first];
     double cg = cg_[kSteps] - cg_[last];
     for (std::size_t k = first; k < last; ++k) {
-      const double beyond = passed(kInwards + SideProfile::kStep * static_cast<double>(k) - end, width);
+      const double beyond = edge.passed_at(kBegin + kPerStep * static_cast<int>(k) - place);
       const double i = 1.0 - beyond;
       const double c = beyond * ceiling_.grey[k];
       const double g = own_.grey[k];
@@ -161,12 +195,6 @@ class SideFit {
   }
 
  private:
-  /// The first that lies at least so far outwards [m].
-  static std::size_t step_at(double place) {
-    return static_cast<std::size_t>(
-        std::clamp(std::ceil((place - kInwards) / SideProfile::kStep), 0.0, static_cast<double>(kSteps)));
-  }
-
   const SideProfile& own_;
   const CeilingBeyond& ceiling_;
   // Sums of the grey levels, of the ceiling's squared and of their products over the first steps.
@@ -197,9 +225,9 @@ std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& ca
   EndCosts costs;
   double least = 1e18;
   for (std::size_t blur = 0; blur < EndCosts::kBlurs; ++blur) {
+    const BlurredEdge edge(kWidths[blur] * metres_per_px);
     for (std::size_t place = 0; place < EndCosts::kPlaces; ++place) {
-      const double end = EndCosts::kStep * (static_cast<int>(place) - EndCosts::kReach);
-      const double misfit = fit.misfit(end, kWidths[blur] * metres_per_px);
+      const double misfit = fit.misfit(static_cast<int>(place) - EndCosts::kReach, edge);
       costs.cost[blur][place] = misfit;
       least = std::min(least, misfit);
     }

@@ -12,19 +12,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kLargest = 0.018;      // [m] to move
-constexpr double kCovered = 0.0025;     // [m] by which an edge lies beyond the joint's, where the fixture covers it ...
-constexpr double kClearer = 0.0032;     // ... and more than on the opposite side
-constexpr double kTrustedEnd = 0.0007;  // [m] error of a place given by ends without joints ...
-constexpr double kLoneEnd = 0.0014;     // ... by one end without a joint, the other not being in view ...
-constexpr double kTrustedSide = 0.0003;  // ... and by long sides
-constexpr double kCovering = 0.0025;     // [m] by one that covers its joint
-constexpr double kNoisy = 0.1;           // [px] error of a side whose step is as high as the noise of a pixel
-
-/// How far an edge lies beyond the joint's.
-double cover(const JointBeside& beside, double edge) {
-  return beside.found ? edge - beside.end : 1.0;
-}
+constexpr double kFarthest = 0.030;  // [m] outwards of a side, of a joint that its profile would cross
+constexpr double kLargest = 0.018;   // [m] to move
+constexpr double kLoneEnd = 0.0014;  // [m] error of a place given by the edge points of the only end in view
+constexpr double kNoisy = 0.1;       // [px] error of a side whose step is as high as the noise of a pixel
 
 /// Of the outline's place along one axis of its frame [m^2].
 void set_variance(int axis, double variance, OutlineFit& fit) {
@@ -35,46 +26,6 @@ void set_variance(int axis, double variance, OutlineFit& fit) {
   fit.covariance(axis, axis) = variance + arm * arm * fit.covariance(2, 2);
   fit.covariance(axis, 2) = fit.covariance(2, axis) = arm * fit.covariance(2, 2);
 }
-
-/// What opposite sides say about the place between them.
-class OppositeEdges {
- public:
-  OppositeEdges(const JointBeside& positive, double positive_edge, const JointBeside& negative, double negative_edge)
-      : positive_(positive), negative_(negative), positive_edge_(positive_edge), negative_edge_(negative_edge) {}
-
-  /// How far the outline is to be moved along one axis of its frame [m]; that axis of the fit's covariance becomes what
-  /// this leaves open and `least_variance` [m^2] of other errors. Nothing, and no change, when joints leave no side to
-  /// go by.
-  [[nodiscard]] std::optional<double> settle(int axis, double least_variance, OutlineFit& fit) const {
-    if (!positive_.is_in_view || !negative_.is_in_view) {
-      return std::nullopt;
-    }
-    const double by_positive = cover(positive_, positive_edge_);
-    const double by_negative = cover(negative_, negative_edge_);
-    double shift = 0.0;
-    if (positive_.found || negative_.found) {
-      if (by_negative > kCovered && by_negative - by_positive > kClearer) {
-        shift = -negative_edge_;
-      } else if (by_positive > kCovered && by_positive - by_negative > kClearer) {
-        shift = positive_edge_;
-      } else {
-        return std::nullopt;
-      }
-    }
-    if (std::abs(shift) > kLargest) {
-      return std::nullopt;
-    }
-    const double sigma = positive_.found && negative_.found ? kCovering : axis == 0 ? kTrustedEnd : kTrustedSide;
-    set_variance(axis, sigma * sigma + least_variance, fit);
-    return shift;
-  }
-
- private:
-  JointBeside positive_;
-  JointBeside negative_;
-  double positive_edge_;
-  double negative_edge_;
-};
 
 /// Settles one axis of an unlit outline after the other.
 class JointRemoval {
@@ -88,22 +39,22 @@ class JointRemoval {
 
   /// [m] to move it towards its left side.
   [[nodiscard]] double settle_across() {
-    const SideLine left = side_line(kLeftSide);
-    const SideLine right = side_line(kRightSide);
-    const JointBeside by_left = joint_beside(left);
-    const JointBeside by_right = joint_beside(right);
-    is_joint_along_ = by_left.found || by_right.found;
-    if (const auto shift = edges(by_left, kLeftSide, by_right, kRightSide).settle(1, least_variance_, fit_)) {
-      return *shift;
-    }
-    return is_joint_along_ ? settle_by_profiles(1, &left, &right, CeilingOutside::kAsBeyondCorners).value_or(0.0) : 0.0;
+    const Beside left = look_beside(kLeftSide);
+    const Beside right = look_beside(kRightSide);
+    is_joint_along_ = left.joint.found || right.joint.found;
+    // Where it is not seen whether a joint runs along, edge points decide: of both sides they tell it by its step down.
+    const bool is_clear = left.joint.is_in_view && right.joint.is_in_view;
+    return is_clear || is_joint_along_ ? settle_between(1, left, right).value_or(0.0) : 0.0;
   }
 
   /// [m] to move it towards its far end.
   [[nodiscard]] double settle_along() {
     const bool far = fit_.end_visible(kFarEnd);
     const bool near = fit_.end_visible(kNearEnd);
-    return far && near ? settle_between_ends() : far ? settle_end(kFarEnd) : near ? -settle_end(kNearEnd) : 0.0;
+    return far && near ? settle_between(0, look_beside(kFarEnd), look_beside(kNearEnd)).value_or(0.0)
+           : far       ? settle_end(kFarEnd)
+           : near      ? -settle_end(kNearEnd)
+                       : 0.0;
   }
 
  private:
@@ -119,60 +70,60 @@ class JointRemoval {
             0.5 * (end ? outline_.width : outline_.length),
             0.5 * (end ? outline_.length : outline_.width)};
   }
-  static CeilingOutside outside_of(bool is_joint) {
-    return is_joint ? CeilingOutside::kAsBeyondCorners : CeilingOutside::kEven;
+  /// A side, and what runs along it.
+  struct Beside {
+    SideLine line;
+    JointBeside joint;
+  };
+  [[nodiscard]] Beside look_beside(Side side) const {
+    const SideLine line = side_line(side);
+    return {line, find_joint_beside(image_, camera_, line, {.farthest = kFarthest, .noise = noise_})};
   }
-  [[nodiscard]] JointBeside joint_beside(const SideLine& side) const {
-    return find_joint_beside(image_, camera_, side, {.noise = noise_});
-  }
-  [[nodiscard]] std::optional<EndCosts> costs_of(const SideLine& side, CeilingOutside outside) const {
-    return end_costs(image_, camera_, side, fit_.metres_per_px, noise_, outside);
-  }
-  [[nodiscard]] OppositeEdges edges(const JointBeside& by_positive, Side positive, const JointBeside& by_negative,
-                                    Side negative) const {
-    return {by_positive, fit_.side_edge[positive], by_negative, fit_.side_edge[negative]};
+  /// Nothing for a side so close to the image's border that no joint would show beside it: there may be one.
+  [[nodiscard]] std::optional<EndCosts> costs_of(const Beside& side) const {
+    if (!side.joint.is_in_view) {
+      return std::nullopt;
+    }
+    return end_costs(image_, camera_, side.line, fit_.metres_per_px, noise_,
+                     side.joint.found ? CeilingOutside::kAsBeyondCorners : CeilingOutside::kEven);
   }
 
-  /// By all grey levels across both sides, or across one where the other is not in view; [m] towards the positive one.
-  [[nodiscard]] std::optional<double> settle_by_profiles(int axis, const SideLine* positive, const SideLine* negative,
-                                                         CeilingOutside outside) {
-    const auto positive_costs = positive != nullptr ? costs_of(*positive, outside) : std::nullopt;
-    const auto negative_costs = negative != nullptr ? costs_of(*negative, outside) : std::nullopt;
+  /// By all grey levels across opposite sides, or across one where the other says nothing: edge points are each found
+  /// in noise for itself, the profile of a whole side says more. [m] towards the positive one.
+  [[nodiscard]] std::optional<double> settle_between(int axis, const Beside& positive, const Beside& negative) {
     const double half_size = 0.5 * (axis == 0 ? outline_.length : outline_.width);
-    const auto place = positive_costs && negative_costs ? place_between(*positive_costs, *negative_costs, half_size)
-                       : positive_costs                 ? place_of(*positive_costs, half_size)
-                       : negative_costs                 ? place_of(*negative_costs, half_size)
-                                                        : std::nullopt;
+    const auto positive_costs = costs_of(positive);
+    const auto negative_costs = costs_of(negative);
+    if (positive_costs && negative_costs) {
+      return settle(axis, place_between(*positive_costs, *negative_costs, half_size));
+    }
+    if (positive_costs) {
+      return settle(axis, place_of(*positive_costs, half_size));
+    }
+    const auto inwards = negative_costs ? settle(axis, place_of(*negative_costs, half_size)) : std::nullopt;
+    return inwards ? std::optional(-*inwards) : std::nullopt;
+  }
+
+  /// [m] to move it.
+  [[nodiscard]] std::optional<double> settle(int axis, const std::optional<PlaceBetween>& place) {
     if (!place) {
       return std::nullopt;
     }
     set_variance(axis, place->variance + least_variance_, fit_);
-    return positive_costs ? place->shift : -place->shift;
-  }
-
-  [[nodiscard]] double settle_between_ends() {
-    const SideLine far = side_line(kFarEnd);
-    const SideLine near = side_line(kNearEnd);
-    const JointBeside by_far = joint_beside(far);
-    const JointBeside by_near = joint_beside(near);
-    // A short side's edge points are few, each found in noise for itself: the profile of the whole side says more. An
-    // end so close to the image's border that no joint would show beside it may be one.
-    const auto shift = settle_by_profiles(0, by_far.is_in_view ? &far : nullptr, by_near.is_in_view ? &near : nullptr,
-                                          outside_of(by_far.found || by_near.found));
-    return shift ? *shift : edges(by_far, kFarEnd, by_near, kNearEnd).settle(0, least_variance_, fit_).value_or(0.0);
+    return place->shift;
   }
 
   /// [m] to move the only end in view outwards.
   [[nodiscard]] double settle_end(Side side) {
-    const SideLine end = side_line(side);
-    const JointBeside beside = joint_beside(end);
-    if (!beside.is_in_view) {
+    const Beside end = look_beside(side);
+    if (!end.joint.is_in_view) {
       return 0.0;
     }
-    if (const auto shift = settle_by_profiles(0, &end, nullptr, outside_of(beside.found))) {
+    const auto costs = costs_of(end);
+    if (const auto shift = costs ? settle(0, place_of(*costs, 0.5 * outline_.length)) : std::nullopt) {
       return *shift;
     }
-    if (beside.found) {
+    if (end.joint.found) {
       return 0.0;
     }
     set_variance(0, kLoneEnd * kLoneEnd + least_variance_, fit_);

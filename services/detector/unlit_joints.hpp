@@ -7,10 +7,10 @@
 
 namespace luminav {
 
-/// Moves the outline of an unlit fixture off the joints of the ceiling that it was fitted to. A joint beside a side is
-/// as dark as the fixture and hides where that side ends, but it goes on beyond the fixture's corners and shows there.
-/// Then the opposite side alone says where the fixture is, its size being known; or, where a joint hides there too,
-/// what each side leaves of its own. Changes place and covariance.
+/// Moves the outline of an unlit fixture to where the grey levels across its opposite sides place it best, its size
+/// being known. A joint of the ceiling beside a side is as dark as the fixture and hides where that side ends, but it
+/// goes on beyond the fixture's corners and shows there: what is left of it beside the side is compared with that.
+/// Changes place and covariance.
 void take_off_joints(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
                      const OutlineFitParams& params, OutlineFit& fit);
 

@@ -80,6 +80,23 @@ TEST(ModernDetector, PlacesAnUnlitFixtureBetweenTheJointsThatItsEndsPartlyCover)
   }
 }
 
+TEST(ModernDetector, PlacesAnUnlitFixtureBesideAJointThatItDoesNotTouch) {
+  constexpr int kPictures = 12;
+  double squares = 0.0;
+  for (int i = 0; i < kPictures; ++i) {
+    DrawnCeiling ceiling;
+    ceiling.seed = static_cast<std::uint32_t>(i + 1);
+    ceiling.noise = 5.0;
+    ceiling.joint_depth = 25.0;
+    const Pose2 truth{0.07, 0.215 + 0.0005 * i, 0.0};  // its left side 25 to 19 mm beside the middle of the joint
+    ceiling.shapes = {{.pose = truth, .state = DetectionState::kUnlit, .darker = 20.0}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << i;
+    squares += std::pow(detections[0].robot_from_fixture.y - truth.y, 2);
+  }
+  EXPECT_LT(std::sqrt(squares / kPictures), 0.35e-3) << "a thirteenth of a pixel";
+}
+
 TEST(ModernDetector, PlacesALampBetweenBothItsEndsThoughTheBorderCutsOffTheBloomOfOne) {
   for (const double margin : {0.06, 0.07, 0.08}) {
     DrawnCeiling ceiling;
