@@ -172,15 +172,33 @@ Detection DetectionWriter::detection_of(const Candidate& candidate, DetectionSta
   return detection;
 }
 
-bool DetectionWriter::burns_on_one_side(const CeilingFrame& frame, const Candidate& candidate) const {
-  constexpr double kDifference = 25.0;  // [grey] between the halves; two burning tubes both saturate
+const CeilingKind* DetectionWriter::kind_of(const Outline& outline) const {
+  const CeilingKind* found = nullptr;
+  for (const CeilingKind& kind : catalogue_.fixtures) {
+    if (kind.shape == FixtureShape::kRectangle && std::abs(kind.length - outline.length) <= 0.05 &&
+        std::abs(kind.width - outline.width) < 0.03) {
+      found = &kind;
+    }
+  }
+  return found;
+}
+
+std::optional<Side> DetectionWriter::dark_half(const CeilingFrame& frame, const Candidate& candidate) const {
+  constexpr double kDifference = 15.0;  // [grey] between the halves; two burning tubes both saturate
+  constexpr double kAcross = 0.38;      // of the width from the middle: the burning half shines over it
   const Outline& outline = candidate.hypothesis.outline;
+  const CeilingKind* kind = kind_of(outline);
+  if (candidate.hypothesis.is_element || outline.shape != FixtureShape::kRectangle || kind == nullptr ||
+      kind->lamps < 2) {
+    return std::nullopt;
+  }
   const PointTransform pose(candidate.fit.robot_from_outline);
   std::array<double, 2> sum{};
   std::array<int, 2> count{};
   for (int i = 0; i < 24; ++i) {
     for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) {
-      const Vector2d place(0.9 * outline.length * ((i + 0.5) / 24.0 - 0.5), outline.width * (half == 0 ? 0.28 : -0.28));
+      const Vector2d place(0.9 * outline.length * ((i + 0.5) / 24.0 - 0.5),
+                           outline.width * (half == 0 ? kAcross : -kAcross));
       const auto pixel = camera_.pixel_of_ceiling_point(pose * place, outline.height);
       if (pixel && camera_.is_in_image(*pixel, frame.factor)) {
         sum[half] += cell_at(frame.reduced, *pixel, frame.factor);
@@ -188,28 +206,27 @@ bool DetectionWriter::burns_on_one_side(const CeilingFrame& frame, const Candida
       }
     }
   }
-  return count[0] >= 3 && count[1] >= 3 && std::abs(sum[0] / count[0] - sum[1] / count[1]) > kDifference;
+  if (count[0] < 3 || count[1] < 3) {
+    return std::nullopt;
+  }
+  const double difference = sum[0] / count[0] - sum[1] / count[1];
+  return std::abs(difference) <= kDifference ? std::nullopt : std::optional(difference > 0.0 ? kRightSide : kLeftSide);
 }
 
 std::optional<Detection> DetectionWriter::resolve_strip(const CeilingFrame& frame, const Candidate& strip) const {
   const double width = strip.hypothesis.outline.width;
-  const CeilingKind* pair = nullptr;    // a fixture of two lamps of which this may be one
-  const CeilingKind* single = nullptr;  // a fixture that looks like this when it is whole
+  const CeilingKind* single = kind_of(strip.hypothesis.outline);
+  const CeilingKind* pair = nullptr;  // a fixture of two lamps of which this may be one
   for (const CeilingKind& kind : catalogue_.fixtures) {
     if (kind.shape != FixtureShape::kRectangle || std::abs(kind.length - strip.hypothesis.outline.length) > 0.05) {
       continue;
     }
-    if (std::abs(kind.width - width) < 0.03) {
-      single = &kind;
-    } else if (kind.lamps >= 2 && std::abs(0.5 * kind.width - width) < 0.03) {
+    if (std::abs(kind.width - width) >= 0.03 && kind.lamps >= 2 && std::abs(0.5 * kind.width - width) < 0.03) {
       pair = &kind;
     }
   }
-  if (single != nullptr && single->lamps >= 2 && burns_on_one_side(frame, strip)) {
-    Candidate fixture = strip;
-    // one side shows bloom and the other none, so the outline is off by up to the swelling
-    fixture.fit.covariance(1, 1) += std::pow(std::max(strip.fit.swelling, 0.005), 2);
-    return detection_of(fixture, DetectionState::kHalf);
+  if (dark_half(frame, strip)) {
+    return detection_of(strip, DetectionState::kHalf);
   }
   if (pair == nullptr) {
     return single == nullptr ? std::nullopt : std::optional(detection_of(strip, DetectionState::kLit));

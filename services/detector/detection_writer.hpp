@@ -19,10 +19,13 @@ class DetectionWriter {
   /// Decides whether a lit strip is a fixture of one lamp or the burning half of one of two; nothing when the picture
   /// does not say.
   [[nodiscard]] std::optional<Detection> resolve_strip(const CeilingFrame& frame, const Candidate& strip) const;
+  /// The side of a lit fixture of two lamps on which the one that does not burn lies; nothing when both burn, or none
+  /// of that size has two.
+  [[nodiscard]] std::optional<Side> dark_half(const CeilingFrame& frame, const Candidate& candidate) const;
 
  private:
-  /// True when one half along the outline is clearly brighter than the other.
-  [[nodiscard]] bool burns_on_one_side(const CeilingFrame& frame, const Candidate& candidate) const;
+  /// The kind of fixture that looks like this outline when it is whole; a null pointer when there is none.
+  [[nodiscard]] const CeilingKind* kind_of(const Outline& outline) const;
 
   CeilingCamera camera_;
   CeilingCatalogue catalogue_;

@@ -236,8 +236,13 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
         continue;
       }
       const OutlineFitParams params = fit_params(region, level);
+      const OutlineFit seen = candidate->fit;
       level_bloom(frame.image, camera_, candidate->hypothesis.outline, params, candidate->fit);
       balance_bloom(frame.image, camera_, candidate->hypothesis.outline, params, candidate->fit);
+      if (const auto dark_side = writer_.dark_half(frame, *candidate)) {
+        place_by_dark_half(frame.image, camera_, candidate->hypothesis.outline, params, seen, *dark_side,
+                           candidate->fit);
+      }
       const bool bar = candidate->hypothesis.outline.shape == FixtureShape::kRectangle;
       const std::optional<Detection> detection = candidate->hypothesis.is_element
                                                      ? writer_.detection_of(*candidate, DetectionState::kUnknown)

@@ -12,10 +12,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kFarthest = 0.030;  // [m] outwards of a side, of a joint that its profile would cross
-constexpr double kLargest = 0.018;   // [m] to move
-constexpr double kLoneEnd = 0.0014;  // [m] error of a place given by the edge points of the only end in view
-constexpr double kNoisy = 0.1;       // [px] error of a side whose step is as high as the noise of a pixel
+constexpr double kFarthest = 0.030;       // [m] outwards of a side, of a joint that its profile would cross
+constexpr double kLargest = 0.018;        // [m] to move
+constexpr double kLoneEnd = 0.0014;       // [m] error of a place given by the edge points of the only end in view
+constexpr double kOneSidedBloom = 0.005;  // [m] by which bloom on one side may move an outline, at least
+constexpr double kNoisy = 0.1;            // [px] error of a side whose step is as high as the noise of a pixel
 
 /// Of the outline's place along one axis of its frame [m^2].
 void set_variance(int axis, double variance, OutlineFit& fit) {
@@ -45,6 +46,16 @@ class JointRemoval {
     // Where it is not seen whether a joint runs along, edge points decide: of both sides they tell it by its step down.
     const bool is_clear = left.joint.is_in_view && right.joint.is_in_view;
     return is_clear || is_joint_along_ ? settle_between(1, left, right).value_or(0.0) : 0.0;
+  }
+
+  /// The same by one side, whose edge lies `beyond` [m] outwards of the outline; nothing when it is not in view.
+  [[nodiscard]] std::optional<double> settle_across_by(Side side, double beyond) {
+    Beside beside{side_line(side), {}};
+    beside.line.distance += beyond;
+    beside.joint = joint_beside(beside.line);
+    const auto costs = costs_of(beside);
+    const auto outwards = costs ? settle(1, place_of(*costs, 0.5 * outline_.width)) : std::nullopt;
+    return outwards ? std::optional((side == kLeftSide ? 1.0 : -1.0) * (beyond + *outwards)) : std::nullopt;
   }
 
   /// [m] to move it towards its far end.
@@ -77,7 +88,10 @@ class JointRemoval {
   };
   [[nodiscard]] Beside look_beside(Side side) const {
     const SideLine line = side_line(side);
-    return {line, find_joint_beside(image_, camera_, line, {.farthest = kFarthest, .noise = noise_})};
+    return {line, joint_beside(line)};
+  }
+  [[nodiscard]] JointBeside joint_beside(const SideLine& line) const {
+    return find_joint_beside(image_, camera_, line, {.farthest = kFarthest, .noise = noise_});
   }
   /// Nothing for a side so close to the image's border that no joint would show beside it: there may be one.
   [[nodiscard]] std::optional<EndCosts> costs_of(const Beside& side) const {
@@ -152,6 +166,19 @@ void take_off_joints(const GreyView& image, const CeilingCamera& camera, const O
   const double across = removal.settle_across();
   const double along = removal.settle_along();
   fit.robot_from_outline = fit.robot_from_outline * Pose2{along, across, 0.0};
+}
+
+void place_by_dark_half(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
+                        const OutlineFitParams& params, const OutlineFit& seen, Side dark_side, OutlineFit& fit) {
+  const double outwards = dark_side == kLeftSide ? 1.0 : -1.0;
+  const double moved = (seen.robot_from_outline.inverse() * fit.robot_from_outline).y;
+  JointRemoval removal(image, camera, outline, params, fit);
+  const auto across = removal.settle_across_by(dark_side, seen.side_edge[dark_side] - outwards * moved);
+  if (across) {
+    fit.robot_from_outline = fit.robot_from_outline * Pose2{0.0, *across, 0.0};
+  } else {
+    fit.covariance(1, 1) += std::pow(std::max(fit.swelling, kOneSidedBloom), 2);
+  }
 }
 
 }  // namespace luminav

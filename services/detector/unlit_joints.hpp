@@ -14,4 +14,10 @@ namespace luminav {
 void take_off_joints(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
                      const OutlineFitParams& params, OutlineFit& fit);
 
+/// Moves a fixture of which one half burns across, to where the long side of its dark half is seen: that has no bloom,
+/// the other one's moves an outline fitted to both. `seen` is the fit to the edges as they are. Changes place and
+/// covariance, which says how far it may be off where the dark side is not in view.
+void place_by_dark_half(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
+                        const OutlineFitParams& params, const OutlineFit& seen, Side dark_side, OutlineFit& fit);
+
 }  // namespace luminav

@@ -59,7 +59,9 @@ GreyImage draw_ceiling(const DrawnCeiling& ceiling, const CameraDescription& cam
           } else if (shape.state == DetectionState::kHalf && local.y() > 0.0) {
             inside = ceiling.lamp;
           }
-          grey = covered * inside + (1.0 - covered) * (grey + glow);
+          const double beside_half = std::max({outside, -local.y(), 0.0});
+          grey = covered * inside + (1.0 - covered) * (grey + glow) +
+                 shape.half_bloom * std::exp(-beside_half / ceiling.bloom_reach);
         }
       }
       grey += ceiling.noise * noise(rng);

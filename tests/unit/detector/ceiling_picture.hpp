@@ -17,8 +17,9 @@ struct DrawnShape {
   double length = 1.2;
   double width = 0.3;
   DetectionState state = DetectionState::kLit;
-  double darker = 25.0;  // [grey] that an unlit one, or its dark half, lies below the ceiling
-  double slats = 0.0;    // [grey] by which stripes 50 mm apart differ from that, but for a frame of 30 mm
+  double darker = 25.0;     // [grey] that an unlit one, or its dark half, lies below the ceiling
+  double half_bloom = 0.0;  // [grey] at the edge of the burning half of one that burns by half
+  double slats = 0.0;       // [grey] by which stripes 50 mm apart differ from that, but for a frame of 30 mm
 };
 
 /// Everything that makes a picture of a ceiling hard, in grey levels.

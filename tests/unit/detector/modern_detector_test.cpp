@@ -97,6 +97,21 @@ TEST(ModernDetector, PlacesAnUnlitFixtureBesideAJointThatItDoesNotTouch) {
   EXPECT_LT(std::sqrt(squares / kPictures), 0.35e-3) << "a thirteenth of a pixel";
 }
 
+TEST(ModernDetector, PlacesAHalfLitFixtureByItsDarkSideThatHasNoBloom) {
+  for (const double brighter : {90.0, 120.0}) {  // [grey] of the dark half, by leaked light, than the ceiling
+    for (const double theta : {0.4, 0.4 - kPi}) {
+      DrawnCeiling ceiling;
+      const Pose2 truth{0.05, 0.1, theta};
+      ceiling.shapes = {{.pose = truth, .state = DetectionState::kHalf, .darker = -brighter, .half_bloom = 130.0}};
+      const auto detections = detect(ceiling);
+      ASSERT_EQ(detections.size(), 1U) << brighter;
+      EXPECT_EQ(detections[0].state, DetectionState::kHalf) << brighter;
+      expect_at(detections[0], truth, 2e-3, radians(0.2));
+      EXPECT_LT(std::sqrt(detections[0].covariance(1, 1)), 3e-3) << brighter;
+    }
+  }
+}
+
 TEST(ModernDetector, PlacesALampBetweenBothItsEndsThoughTheBorderCutsOffTheBloomOfOne) {
   for (const double margin : {0.06, 0.07, 0.08}) {
     DrawnCeiling ceiling;
