@@ -16,7 +16,6 @@ constexpr double kFarthest = 0.030;       // [m] outwards of a side, of a joint 
 constexpr double kLargest = 0.018;        // [m] to move
 constexpr double kLoneEnd = 0.0014;       // [m] error of a place given by the edge points of the only end in view
 constexpr double kOneSidedBloom = 0.005;  // [m] by which bloom on one side may move an outline, at least
-constexpr double kNoisy = 0.1;            // [px] error of a side whose step is as high as the noise of a pixel
 
 /// Of the outline's place along one axis of its frame [m^2].
 void set_variance(int axis, double variance, OutlineFit& fit) {
@@ -34,8 +33,7 @@ class JointRemoval {
   JointRemoval(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
                const OutlineFitParams& params, OutlineFit& fit)
       : image_(image), camera_(camera), outline_(outline), noise_(params.pixel_noise), fit_(fit) {
-    const double error_px = std::hypot(params.outline_sigma_px, kNoisy * noise_ / std::max(fit.step, 1.0));
-    least_variance_ = std::pow(error_px * fit.metres_per_px, 2);
+    least_variance_ = std::pow(params.outline_sigma_px * fit.metres_per_px, 2);
   }
 
   /// [m] to move it towards its left side.

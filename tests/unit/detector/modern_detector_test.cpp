@@ -160,6 +160,9 @@ TEST(ModernDetector, FindsAFaintUnlitFixtureInANoisyPicture) {
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].state, DetectionState::kUnlit);
   expect_at(detections[0], truth, 5e-3, radians(0.2));
+  const Eigen::Vector2d across(-std::sin(truth.theta), std::cos(truth.theta));
+  const double variance = across.dot(detections[0].covariance.topLeftCorner<2, 2>() * across);
+  EXPECT_LT(std::sqrt(variance), 0.65e-3) << "the profile of a side averages noise";
 }
 
 TEST(ModernDetector, FindsNarrowUnlitFixturesWhoseShortEndsDrownInNoise) {
