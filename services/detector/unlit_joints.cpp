@@ -43,7 +43,17 @@ class JointRemoval {
     is_joint_along_ = left.joint.found || right.joint.found;
     // Where it is not seen whether a joint runs along, edge points decide: of both sides they tell it by its step down.
     const bool is_clear = left.joint.is_in_view && right.joint.is_in_view;
-    return is_clear || is_joint_along_ ? settle_between(1, left, right).value_or(0.0) : 0.0;
+    if (!is_clear && !is_joint_along_) {
+      return 0.0;
+    }
+    // A fixture hangs askew between the joints: over a long side that is as much as the joint is wide. The side without
+    // one says enough.
+    if (is_clear && left.joint.found != right.joint.found) {
+      if (const auto shift = left.joint.found ? settle_by(1, right) : settle_by(1, left)) {
+        return left.joint.found ? -*shift : *shift;
+      }
+    }
+    return settle_between(1, left, right).value_or(0.0);
   }
 
   /// The same by one side, whose edge lies `beyond` [m] outwards of the outline; nothing when it is not in view.
@@ -51,8 +61,7 @@ class JointRemoval {
     Beside beside{side_line(side), {}};
     beside.line.distance += beyond;
     beside.joint = joint_beside(beside.line);
-    const auto costs = costs_of(beside);
-    const auto outwards = costs ? settle(1, place_of(*costs, 0.5 * outline_.width)) : std::nullopt;
+    const auto outwards = settle_by(1, beside);
     return outwards ? std::optional((side == kLeftSide ? 1.0 : -1.0) * (beyond + *outwards)) : std::nullopt;
   }
 
@@ -115,6 +124,11 @@ class JointRemoval {
     const auto inwards = negative_costs ? settle(axis, place_of(*negative_costs, half_size)) : std::nullopt;
     return inwards ? std::optional(-*inwards) : std::nullopt;
   }
+  /// By one side alone; [m] outwards of it.
+  [[nodiscard]] std::optional<double> settle_by(int axis, const Beside& side) {
+    const auto costs = costs_of(side);
+    return costs ? settle(axis, place_of(*costs, 0.5 * (axis == 0 ? outline_.length : outline_.width))) : std::nullopt;
+  }
 
   /// [m] to move it.
   [[nodiscard]] std::optional<double> settle(int axis, const std::optional<PlaceBetween>& place) {
@@ -131,8 +145,7 @@ class JointRemoval {
     if (!end.joint.is_in_view) {
       return 0.0;
     }
-    const auto costs = costs_of(end);
-    if (const auto shift = costs ? settle(0, place_of(*costs, 0.5 * outline_.length)) : std::nullopt) {
+    if (const auto shift = settle_by(0, end)) {
       return *shift;
     }
     if (end.joint.found) {

@@ -97,6 +97,24 @@ TEST(ModernDetector, PlacesAnUnlitFixtureBesideAJointThatItDoesNotTouch) {
   EXPECT_LT(std::sqrt(squares / kPictures), 0.35e-3) << "a thirteenth of a pixel";
 }
 
+TEST(ModernDetector, PlacesAnUnlitFixtureByTheSideWithoutAJointWhereItHangsAskew) {
+  double squares = 0.0;
+  int count = 0;
+  for (const double askew : {-0.005, 0.005}) {  // [rad] against the joint beside its right side ...
+    for (const double y : {-0.70, 0.70}) {      // ... of which the border leaves what is beyond one corner
+      DrawnCeiling ceiling;
+      ceiling.seed = static_cast<std::uint32_t>(++count);
+      ceiling.joint_depth = 25.0;
+      const Pose2 truth{0.323, y, 0.5 * kPi + askew};
+      ceiling.shapes = {{.pose = truth, .state = DetectionState::kUnlit, .darker = 18.0}};
+      const auto detections = detect(ceiling);
+      ASSERT_EQ(detections.size(), 1U) << y;
+      squares += std::pow((truth.inverse() * detections[0].robot_from_fixture).y, 2);
+    }
+  }
+  EXPECT_LT(std::sqrt(squares / count), 0.45e-3);
+}
+
 TEST(ModernDetector, PlacesAHalfLitFixtureByItsDarkSideThatHasNoBloom) {
   for (const double brighter : {90.0, 120.0}) {  // [grey] of the dark half, by leaked light, than the ceiling
     for (const double theta : {0.4, 0.4 - kPi}) {
