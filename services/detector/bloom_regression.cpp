@@ -11,11 +11,17 @@ namespace {
 
 constexpr int kStretches = Differences::kStretches;
 constexpr int kDistances = Differences::kDistances;
-constexpr double kNoise = 3.0;         // [grey] of a stretch's mean
-constexpr double kMedianNoise = 1.2;   // [grey] of the median over stretches
-constexpr double kBlurError = 0.03;    // [px] by which the fall of the light may differ between sides
-constexpr double kCutoff = 3.0;        // sigmas, Tukey's
-constexpr double kOutwardSigma = 4.0;  // [grey] change of the difference over all distances
+constexpr double kNoise = 3.0;        // [grey] of a stretch's mean
+constexpr double kMedianNoise = 1.2;  // [grey] of the median over stretches
+constexpr double kBlurError = 0.03;   // [px] by which the fall of the light may differ between sides
+constexpr double kCutoff = 3.0;       // sigmas, Tukey's
+// Change of the difference over all distances, 1 sigma, from that of light that changes evenly over the ceiling:
+constexpr double kEvenOutwardSigma = 1.5;  // [grey]
+constexpr double kUnevenLight = 0.06;      // of the difference
+constexpr double kOutwardSigma = 4.0;      // [grey] of the whole, where it does not change evenly
+// Of the constant difference, 1 sigma, by which the edges' light may differ: the brighter side's is cut off farther
+// out.
+constexpr double kUnevenEdge = 0.3;
 // Of a joint that is seen beyond the corners:
 constexpr double kProfileHeight = 1.25;    // of its profile in depths, which are means over some pixels
 constexpr double kHeightSigma = 0.15;      // of its height ...
@@ -73,7 +79,7 @@ class Regression {
     }
     take_medians();
     suppose_no_joint();
-    const double cost = fit_medians();
+    const double cost = suppose_even_light();
     if (cost > kPriceOfJoint) {
       look_for_joint(cost);
     }
@@ -82,23 +88,31 @@ class Regression {
       return std::nullopt;
     }
     const Matrix covariance = information_.inverse();
+    const double steepest = *std::max_element(samples_.fall.begin(), samples_.fall.end());
+    const double uneven_px = kUnevenEdge * solution_(1) / std::max(steepest, 1.0);
+    const double variance = covariance(0, 0) + joint_variance_ + square(uneven_px);
     Balance balance;
     balance.shift = step * (solution_(0) + joint_pull_);
     balance.turn = step * solution_(4) / length;
-    balance.covariance << step * step * (covariance(0, 0) + joint_variance_), step * step / length * covariance(0, 4),
+    balance.covariance << step * step * variance, step * step / length * covariance(0, 4),
         step * step / length * covariance(0, 4), step * step / (length * length) * covariance(4, 4);
     return balance;
   }
 
  private:
+  /// Of how the difference changes outwards.
+  struct OutwardPrior {
+    double per_constant = 0.0;  // its mean, of the constant difference
+    double information = 0.0;   // [1/grey^2]
+  };
   static constexpr double kPriceOfJoint = 4.0;
-  static constexpr double kOutwardPrior = 1.0 / (kOutwardSigma * kOutwardSigma);
+  static constexpr double kPriceOfUneven = 3.0;
   /// Of a joint's height.
   struct JointPrior {
     double mean = 0.0;                        // [grey]
     double information = 1.0 / square(22.0);  // [1/grey^2]
   };
-  static constexpr std::array<double, kUnknowns> kPriors{1e-1, 1e-6, kOutwardPrior, 0.0, 1e-2, 1e-4};
+  static constexpr std::array<double, kUnknowns> kPriors{1e-1, 1e-6, 0.0, 0.0, 1e-2, 1e-4};
   static constexpr double kTemperature = 3.0;  // costs this much apart are e times as likely
 
   void take_medians() {
@@ -114,6 +128,36 @@ class Regression {
         median_[k] = 0.5 * (sorted[(count - 1) / 2][k] + sorted[count / 2][k]);
       }
     }
+  }
+
+  /// Where the ceiling's light changes evenly, what the sides differ by says how the difference goes on outwards; where
+  /// another surface lies beside one of them it does not. Fits the medians and returns the cost of the better.
+  double suppose_even_light() {
+    const double middles_apart = differences_.apart + kDistances - 2.0 * Differences::kInside;  // [px] of the profiles
+    const OutwardPrior even{2.0 * kDistances / std::max(middles_apart, 1.0),
+                            1.0 / (square(kEvenOutwardSigma) + square(kUnevenLight * level_far_out()))};
+    outward_prior_ = even;
+    const double cost = fit_medians();
+    if (cost <= kPriceOfUneven) {
+      return cost;
+    }
+    outward_prior_ = {0.0, 1.0 / square(kOutwardSigma)};
+    const double cost_uneven = fit_medians() + kPriceOfUneven;
+    if (cost_uneven < cost) {
+      return cost_uneven;
+    }
+    outward_prior_ = even;
+    return fit_medians();
+  }
+
+  /// By what the sides differ far from them [grey].
+  [[nodiscard]] double level_far_out() const {
+    constexpr std::size_t kFar = 4;  // distances
+    double level = 0.0;
+    for (std::size_t k = kDistances - kFar; k < kDistances; ++k) {
+      level += has_median_[k] ? median_[k] / kFar : 0.0;
+    }
+    return level;
   }
 
   /// The mean of all places where a joint may lie, weighted by how well each explains the medians; what is known of the
@@ -212,6 +256,10 @@ class Regression {
     for (std::size_t i = 0; i < 4; ++i) {
       sums.information[i][i] = kPriors[i];
     }
+    // Where the ceiling's light changes evenly, what it differs by on the sides says how it goes on outwards.
+    sums.information[1][1] += square(outward_prior_.per_constant) * outward_prior_.information;
+    sums.information[1][2] = sums.information[2][1] = -outward_prior_.per_constant * outward_prior_.information;
+    sums.information[2][2] = outward_prior_.information;
     sums.information[3][3] = joint_prior_.information;
     sums.right_side[3] = joint_prior_.information * joint_prior_.mean;
   }
@@ -235,8 +283,8 @@ class Regression {
         }
       }
       solution = information.ldlt().solve(right_side);
-      cost = sums.cost +
-             (square(solution(3) - joint_prior_.mean) * joint_prior_.information + square(solution(2)) * kOutwardPrior);
+      cost = sums.cost + (square(solution(3) - joint_prior_.mean) * joint_prior_.information +
+                          square(solution(2) - outward_prior_.per_constant * solution(1)) * outward_prior_.information);
     }
     solution_ << solution, 0.0, 0.0;
     return cost;
@@ -281,6 +329,7 @@ class Regression {
   std::array<double, RegressionSamples::kCount> median_{};  // [grey] of the stretches
   std::array<bool, RegressionSamples::kCount> has_median_{};
   RegressionSamples samples_;
+  OutwardPrior outward_prior_;
   JointPrior joint_prior_;
   std::array<double, kStretches> place_{};  // of the length
   Vector solution_ = Vector::Zero();

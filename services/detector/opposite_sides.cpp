@@ -155,6 +155,7 @@ void compare(const float* light, std::size_t pairs, DifferenceSums& sums, Falls&
 
 Differences OppositeSides::measure(const Pose2& robot_from_outline, double step) const {
   Differences result;
+  result.apart = 2.0 * half_width_ / step;
   const double usable = length_ - 2.0 * std::min(kCorner * step, 0.2 * length_);
   std::array<LineEnds, 2 * kLines> lines;
   project(PointTransform(robot_from_outline), usable, step, lines);

@@ -21,6 +21,7 @@ struct Differences {
   std::array<std::array<bool, kDistances>, kStretches> valid{};
   std::array<double, kStretches> place{};                // [m] along the sides
   std::array<std::array<double, kDistances>, 2> fall{};  // [grey/px] outwards, of the positive and the negative side
+  double apart = 0.0;                                    // [px] from the one side to the other
   int count = 0;
 };
 

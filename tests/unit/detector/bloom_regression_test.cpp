@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <random>
 
 namespace luminav {
@@ -11,6 +12,7 @@ namespace {
 constexpr double kLength = 1.2;  // [m] of the sides
 constexpr double kPixel = 4e-3;  // [m]
 constexpr std::size_t kSaturated = 3;
+constexpr double kApart = 70.0;  // [px] from one side to the other
 constexpr double kJoint = 25.0;  // [grey] its height in the light's profile
 
 double light_at(double k) {
@@ -21,15 +23,14 @@ double joint_at(double k, double place) {
   return kJoint * std::exp(-0.5 * std::pow((k - place) / 1.3, 2));
 }
 
-/// Of a lamp, saturated at first, that lies `shift` [px] towards its positive side, with a joint `place` [px] outwards
-/// of that side's first distance.
-Differences differences_beside_a_joint(double shift, double place, std::mt19937& rng) {
+/// Of profiles that are saturated at first.
+template <typename Light>
+Differences differences_between(const Light& positive, const Light& negative, std::mt19937& rng) {
   std::normal_distribution<double> noise(0.0, 2.0);  // [grey] of a stretch's mean
   Differences differences;
+  differences.apart = kApart;
   for (std::size_t k = 0; k < Differences::kDistances; ++k) {
     const auto at = static_cast<double>(k);
-    const auto positive = [&](double x) { return light_at(x - shift) - joint_at(x, place); };
-    const auto negative = [&](double x) { return light_at(x + shift); };
     for (std::size_t s = 0; s < Differences::kStretches; ++s) {
       differences.value[s][k] = static_cast<float>(positive(at) - negative(at) + noise(rng));
       differences.valid[s][k] = k >= kSaturated;
@@ -42,6 +43,41 @@ Differences differences_beside_a_joint(double shift, double place, std::mt19937&
     differences.place[s] = kLength * ((static_cast<double>(s) + 0.5) / Differences::kStretches - 0.5);
   }
   return differences;
+}
+
+/// Of a lamp that lies `shift` [px] towards its positive side, with a joint `place` [px] outwards of that side's first
+/// distance.
+Differences differences_beside_a_joint(double shift, double place, std::mt19937& rng) {
+  using Light = std::function<double(double)>;
+  return differences_between<Light>([&](double x) { return light_at(x - shift) - joint_at(x, place); },
+                                    [&](double x) { return light_at(x + shift); }, rng);
+}
+
+/// Of one on a ceiling that grows brighter by `slope` [grey/px] towards the positive side.
+Differences differences_on_a_slope(double shift, double slope, std::mt19937& rng) {
+  using Light = std::function<double(double)>;
+  const auto from_middle = [](double x) { return 0.5 * kApart + x - Differences::kInside; };
+  return differences_between<Light>([&](double x) { return light_at(x - shift) + slope * from_middle(x); },
+                                    [&](double x) { return light_at(x + shift) - slope * from_middle(x); }, rng);
+}
+
+/// RMS of the error [px] over lamps and slopes, with or without the distance between the sides.
+double error_on_slopes(bool distance_is_known) {
+  std::mt19937 rng(7);
+  double squares = 0.0;
+  int count = 0;
+  for (const double shift : {-0.4, -0.2, 0.0, 0.2, 0.4}) {
+    for (const double slope : {-0.6, -0.4, 0.4, 0.6}) {
+      Differences differences = differences_on_a_slope(shift, slope, rng);
+      differences.apart = distance_is_known ? kApart : 1e9;
+      constexpr KnownJoint kNone{.is_known = true};
+      const auto balance = balance_sides(differences, kLength, kPixel, {kNone, kNone});
+      EXPECT_TRUE(balance) << shift << ' ' << slope;
+      squares += balance ? std::pow(balance->shift / kPixel - shift, 2) : 0.0;
+      ++count;
+    }
+  }
+  return std::sqrt(squares / count);
 }
 
 /// RMS of the error [px] over lamps, with what is known of the joint beside them.
@@ -60,6 +96,21 @@ double error_beside_joints(bool depth_is_known) {
     }
   }
   return std::sqrt(squares / count);
+}
+
+TEST(BloomRegression, TellsAShiftFromACeilingThatGrowsBrighterToOneSide) {
+  const double known = error_on_slopes(true);
+  EXPECT_LT(known, 0.06);
+  EXPECT_LT(known, 0.5 * error_on_slopes(false));
+}
+
+TEST(BloomRegression, IsLessSureWhereOneSideIsMuchBrighter) {
+  std::mt19937 rng(7);
+  constexpr KnownJoint kNone{.is_known = true};
+  const auto even = balance_sides(differences_on_a_slope(0.2, 0.0, rng), kLength, kPixel, {kNone, kNone});
+  const auto uneven = balance_sides(differences_on_a_slope(0.2, 0.8, rng), kLength, kPixel, {kNone, kNone});
+  ASSERT_TRUE(even && uneven);
+  EXPECT_GT(uneven->covariance(0, 0), 4.0 * even->covariance(0, 0));
 }
 
 TEST(BloomRegression, TakesAJointForAsDeepAsItIsBeyondTheCorners) {
