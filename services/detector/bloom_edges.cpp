@@ -28,6 +28,7 @@ constexpr std::size_t kDistances = 6;  // 2 px apart
 constexpr double kLevel = 0.8;         // of the way from the ceiling to saturation
 constexpr double kWhite = 255.0;
 constexpr double kUnevenGuess = 0.3;   // of the swelling's own deviation: where one side alone is seen it is a guess
+constexpr double kOneSideBloom = 0.3;  // [px] 1 sigma: the ends' bloom is that of a side no better (simulated pictures)
 constexpr double kUnevenBloom = 0.03;  // of the swelling, 1 sigma
 // [1/m] of the swelling, 1 sigma: its change along a fixture that is cut (0.17 to 0.22, simulated pictures)
 constexpr double kTaperOfBloom = 0.2;
@@ -427,6 +428,7 @@ class BloomLevel {
     fit.covariance(1, 1) += shared * shared;
     fit.covariance(2, 2) += 0.1 * shared * shared / (lever * lever);
     if (fit.only_side()) {
+      fit.covariance(1, 1) += std::pow(kOneSideBloom * metres_per_px_, 2);
       fit.covariance(2, 2) += kOneSideTaper * kOneSideTaper;
     }
   }

@@ -111,6 +111,19 @@ TEST(CutFixture, PlacesAFixtureByOneLongSideAndItsEndsWhereTheOtherIsBeyondTheBo
   }
 }
 
+TEST(CutFixture, SaysHowFarBloomMayMoveALampOfWhichOneLongSideIsSeen) {
+  double squares = 0.0;
+  constexpr int kPictures = 8;
+  for (std::uint32_t i = 0; i < kPictures; ++i) {
+    const Pose2 truth{0.97, 0.1, 0.5 * kPi + 0.01 * (i % 4)};  // its outer side lies beyond the upper border
+    const auto detections = detect({.shapes = {{.pose = truth}}, .bloom = 60.0 + 25.0 * i, .seed = i + 1});
+    ASSERT_EQ(detections.size(), 1U) << i;
+    const double ahead = detections[0].robot_from_fixture.x - truth.x;
+    squares += ahead * ahead / detections[0].covariance(0, 0);
+  }
+  EXPECT_LT(std::sqrt(squares / kPictures), 2.0) << "standard deviations";
+}
+
 TEST(CutFixture, PlacesAFixtureByOneLongSideAloneButNoGlareOrHead) {
   struct Case {
     const char* what;
