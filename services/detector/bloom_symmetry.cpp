@@ -17,7 +17,7 @@ constexpr int kInside = Differences::kInside;
 constexpr int kDistances = Differences::kDistances;
 constexpr double kBloomReach = 0.05;     // [m] from a corner, beyond which a joint shows
 constexpr double kNarrowBloom = 0.008;   // [m] of swelling; in broader bloom a joint shows less than on the ceiling
-constexpr double kUnevenBloom = 0.02;    // of the swelling, 1 sigma
+constexpr double kUnevenBloom = 0.01;    // of the swelling, 1 sigma
 constexpr double kLargestShift = 0.008;  // [m]
 
 }  // namespace
