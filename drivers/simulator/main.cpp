@@ -56,7 +56,7 @@ int run(const Options& options) {
                           ? ArcosServer::on_pty(controller, options.pty_link)
                           : ArcosServer::on_tcp(controller, static_cast<int>(options.port), options.all_addresses);
   const auto lcm = open_lcm(options.lcm_url);
-  SimulatorNode node(*lcm, scenario, truth, controller);
+  SimulatorNode node(*lcm, scenario.seed, truth, controller);
   receive_only(*lcm, options.lcm_url, {});  // it only speaks
   fmt::print("simulator: {} seed {}, robot at {}\n{}world {}\n", scenario.name, scenario.seed, server->address(),
              truth.table, truth.hash);

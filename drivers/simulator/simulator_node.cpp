@@ -10,9 +10,8 @@ namespace luminav {
 static_assert(kLampOff == sim_truth_t::LAMP_OFF && kLampOn == sim_truth_t::LAMP_ON &&
               kLampHalf == sim_truth_t::LAMP_HALF && kLampFlicker == sim_truth_t::LAMP_FLICKER);
 
-SimulatorNode::SimulatorNode(lcm::LCM& lcm, const Scenario& scenario, const WorldTruth& truth,
-                             ArcosController& controller)
-    : lcm_(lcm), controller_(controller), world_(scenario.seed, truth) {}
+SimulatorNode::SimulatorNode(lcm::LCM& lcm, std::uint64_t seed, const WorldTruth& truth, ArcosController& controller)
+    : lcm_(lcm), controller_(controller), world_(seed, truth) {}
 
 void SimulatorNode::advance_to(std::int64_t utime) {
   if (session_ == 0) {

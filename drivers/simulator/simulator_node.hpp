@@ -5,7 +5,6 @@
 
 #include "drivers/simulator/arcos_controller.hpp"
 #include "drivers/simulator/battery.hpp"
-#include "drivers/simulator/scenario.hpp"
 #include "drivers/simulator/world.hpp"
 #include "drivers/simulator/world_truth.hpp"
 
@@ -17,7 +16,7 @@ class SimulatorNode {
  public:
   static constexpr std::int64_t kTick = 10'000;  // [us]
 
-  SimulatorNode(lcm::LCM& lcm, const Scenario& scenario, const WorldTruth& truth, ArcosController& controller);
+  SimulatorNode(lcm::LCM& lcm, std::uint64_t seed, const WorldTruth& truth, ArcosController& controller);
 
   /// Ticks of exactly 10 ms up to a time [us]; the first call only sets where time begins.
   void advance_to(std::int64_t utime);

@@ -77,7 +77,7 @@ struct WholeRobot::Parts {
         world(draw_world(s, believed, robot)),
         controller_board(board_config()),
         serial(controller_board),
-        simulator(lcm, scenario, world, controller_board),
+        simulator(lcm, scenario.seed, world, controller_board),
         subscriber(lcm) {
     subscriber.on(channels::kSimTruth, &Parts::on_truth, this);
     if (options.geometric != nullptr) {

@@ -117,8 +117,8 @@ class ForeignClient : public testing::Test {
  protected:
   void build(const ArcosConfig& config) {
     controller_ = std::make_unique<ArcosController>(config);
-    node_ = std::make_unique<SimulatorNode>(lcm_, Scenario(),
-                                            exact_truth(map_from_text(hall(80, 80)), {20.0, 20.0, 0.0}), *controller_);
+    node_ = std::make_unique<SimulatorNode>(lcm_, 1, exact_truth(map_from_text(hall(80, 80)), {20.0, 20.0, 0.0}),
+                                            *controller_);
     node_->advance_to(now_);
   }
 

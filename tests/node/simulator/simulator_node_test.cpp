@@ -19,6 +19,7 @@
 namespace luminav {
 namespace {
 
+constexpr std::uint64_t kSeed = 1;
 constexpr std::int64_t kStart = 1'000'000'000;  // [us]
 
 /// A simulator with a client at the other end of its line and an ear on the bus.
@@ -26,12 +27,11 @@ class SimulatorNodeTest : public testing::Test {
  protected:
   SimulatorNodeTest() : SimulatorNodeTest(exact_truth(map_from_text(hall(20, 12)), {3.0, 3.0, 0.0})) {}
   explicit SimulatorNodeTest(const WorldTruth& truth)
-      : controller_(ArcosConfig{}), node_(lcm_, scenario(), with_building(truth), controller_), subscriber_(lcm_) {
+      : controller_(ArcosConfig{}), node_(lcm_, kSeed, with_building(truth), controller_), subscriber_(lcm_) {
     subscriber_.on(channels::kSimTruth, &SimulatorNodeTest::on_truth, this);
   }
 
-  static Scenario scenario() {
-    Scenario result;
+  static std::vector<ScenarioEvent> events() {
     ScenarioEvent unplug;
     unplug.at = 8.0;
     unplug.kind = EventKind::kUnplug;
@@ -42,8 +42,7 @@ class SimulatorNodeTest : public testing::Test {
     lamp.kind = EventKind::kLamp;
     lamp.id = 2;
     lamp.pose = {0.3, -0.1, 0.0};
-    result.events = {unplug, lamp};
-    return result;
+    return {unplug, lamp};
   }
 
   static WorldTruth with_building(WorldTruth truth) {
@@ -54,6 +53,7 @@ class SimulatorNodeTest : public testing::Test {
     truth.building.doors[0].world_from_door = {9.0, 6.0, 0.0};
     truth.lamp_states = {kLampOn, kLampHalf};
     truth.people = {{{{1.0, 6.0}, {2.0, 6.0}}, 0.5}};
+    truth.events = events();
     return truth;
   }
 
@@ -205,7 +205,7 @@ TEST_F(SimulatorNodeTest, SendsTheSameBytesTwice) {
     WorldTruth truth = exact_truth(map_from_text(hall(20, 12)), {3.0, 3.0, 0.0});
     truth.odometry_position = 0.01;
     truth.odometry_heading = 0.01;
-    SimulatorNode node(lcm, scenario(), with_building(truth), controller);
+    SimulatorNode node(lcm, kSeed, with_building(truth), controller);
     for (const ArcosCommand command :
          {ArcosCommand::kPulse, ArcosCommand::kOpen, ArcosCommand::kClose, ArcosCommand::kOpen}) {
       controller.receive(encode_command(command));
