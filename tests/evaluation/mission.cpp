@@ -63,6 +63,9 @@ void Mission::on_truth(const sim_truth_t& truth) {
     driven_.back() += std::hypot(truth.x - truth_->x, truth.y - truth_->y);
   }
   truth_ = truth;
+  if (!truth.carried) {
+    standing_ = truth;
+  }
   if (first_utime_ == 0) {
     first_utime_ = truth.utime;
   }
@@ -131,8 +134,10 @@ void Mission::watch_goal(const sim_truth_t& truth) {
   if (ended_since_ == 0) {
     ended_since_ = truth.utime;
   }
-  if (truth.utime - ended_since_ >= kSettled) {
-    finish_goal(truth, navigation_->state == navigation_status_t::STATE_ARRIVED);
+  const bool arrived = navigation_->state == navigation_status_t::STATE_ARRIVED;
+  // who is carried off upon its arrival had arrived where it was lifted
+  if (truth.utime - ended_since_ >= kSettled || (arrived && truth.carried)) {
+    finish_goal(standing_.value_or(truth), arrived);
   }
 }
 

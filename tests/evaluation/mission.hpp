@@ -61,6 +61,7 @@ class Mission {
   std::optional<navigation_status_t> navigation_;
   std::optional<pose_t> pose_;
   std::optional<sim_truth_t> truth_;
+  std::optional<sim_truth_t> standing_;  // the newest truth with the robot on its own wheels
   std::vector<GoalResult> results_;
   std::vector<Pose2> request_poses_;
   std::vector<double> driven_;      // [m] for each requested goal

@@ -249,9 +249,11 @@ RunReport RunJudge::report(std::vector<GoalResult> goals) const {
   if (truth_) {
     r.contacts = truth_->contacts;
     r.hard_contacts = truth_->hard_contacts;
-    r.carries = truth_->carries;
+    // one that goes on as the run ends tells nothing yet
+    const bool in_hands = truth_->carried != 0;
+    r.carries = truth_->carries - (in_hands ? 1 : 0);
+    r.carries_noticed = carries_noticed_ - (in_hands && carry_noticed_ ? 1 : 0);
   }
-  r.carries_noticed = carries_noticed_;
   r.carries_recovered = carries_recovered_;
   if (const auto grid = this->grid(); grid && !world_.walls.cells.empty()) {
     r.map = score_map(*grid, world_, trail_);

@@ -9,18 +9,24 @@ namespace {
 
 constexpr std::int64_t kTick = 100'000;  // [us]
 
-/// The robot stands at `pose` and its planner says ARRIVED as soon as it is asked: how the only goal ended.
-GoalResult arrive(const ScenarioGoal& goal, const Pose2& pose) {
+/// The robot stands at `pose` and its planner says ARRIVED as soon as it is asked: how the only goal ended. It may be
+/// carried away to the origin two ticks later.
+GoalResult arrive(const ScenarioGoal& goal, const Pose2& pose, bool is_carried_away = false) {
   lcm::LCM lcm("memq://");
   Scenario scenario;
   scenario.goals = {goal};
   Mission mission(lcm, scenario);
+  int ticks_arrived = 0;
   for (std::int64_t utime = kTick; utime < 100 * kTick && !mission.is_finished(); utime += kTick) {
     sim_truth_t truth{};
     truth.utime = utime;
     truth.x = pose.x;
     truth.y = pose.y;
     truth.theta = pose.theta;
+    if (is_carried_away && ticks_arrived > 2) {
+      truth.x = truth.y = truth.theta = 0.0;
+      truth.carried = 1;
+    }
     lcm.publish(channels::kSimTruth, &truth);
     if (mission.goal_id() != 0) {
       navigation_status_t status{};
@@ -28,6 +34,7 @@ GoalResult arrive(const ScenarioGoal& goal, const Pose2& pose) {
       status.goal_id = mission.goal_id();
       status.state = navigation_status_t::STATE_ARRIVED;
       lcm.publish(channels::kNavigationStatus, &status);
+      ++ticks_arrived;
     }
     while (lcm.handleTimeout(0) > 0) {
     }
@@ -53,6 +60,12 @@ TEST(Mission, CountsAGoalAsReachedOnlyInTheHeadingThatWasAskedFor) {
   EXPECT_NEAR(turned.heading_error_deg.value(), 180.0, 1e-9);
   EXPECT_NE(turned.cause.find("180 deg"), std::string::npos);
   EXPECT_FALSE(arrive(goal, {2.3, 3.0, radians(178.0)}).reached);
+}
+
+TEST(Mission, JudgesAnArrivalWhereTheRobotWasLifted) {
+  const ScenarioGoal goal = goal_with_heading(0.0);
+  EXPECT_TRUE(arrive(goal, {2.1, 3.0, 0.0}, true).reached);
+  EXPECT_FALSE(arrive(goal, {2.5, 3.0, 0.0}, true).reached);
 }
 
 TEST(Mission, AsksForNoHeadingWhereTheGoalHasNone) {
