@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::array kGrips = {1.0, 0.5, 0.0};  // share of its own way by which a wheel moves the robot
 constexpr double kDeviations = 3.0;             // of image noise
+constexpr int kRushSteps = 2;                   // from image to image
 constexpr double kMostInOneImage = 0.6;         // of a motion: more is the centre of a cut fixture found elsewhere
 
 /// The step of a robot whose wheels moved it by so much [m], along its mean heading.
@@ -24,6 +25,7 @@ Pose2 step_of_wheels(double left, double right, double wheel_base) {
 void DisplacementWatch::clear() {
   looks_.clear();
   run_ = 0;
+  is_rushing_ = false;
 }
 
 bool DisplacementWatch::look(const SightingFrame& frame, const std::vector<int>& objects, const SceneMemory& scene,
@@ -41,11 +43,15 @@ bool DisplacementWatch::look(const SightingFrame& frame, const std::vector<int>&
   // is not to speak for the others.
   std::int64_t since = frame.utime;
   bool displaced = false;
+  is_rushing_ = false;
   for (std::size_t i = first_of_now; i < looks_.size(); ++i) {
     const auto before =
         std::find_if(looks_.begin(), looks_.end(), [&](const Look& look) { return look.object == looks_[i].object; });
     if (before->utime <= since) {
-      displaced = (before->utime < since || displaced) && is_displaced(*before, looks_[i]) && moved_on(looks_[i]);
+      const bool is_oldest = before->utime < since;
+      const bool moves = moved_on(looks_[i]);
+      displaced = (is_oldest || displaced) && moves && is_displaced(*before, looks_[i], rules_.displacement);
+      is_rushing_ = (is_oldest || is_rushing_) && moves && rushes(looks_[i]);
       since = before->utime;
     }
   }
@@ -75,7 +81,24 @@ bool DisplacementWatch::moved_on(const Look& now) const {
   return longest < kMostInOneImage * offsets.front().norm();
 }
 
-bool DisplacementWatch::is_displaced(const Look& before, const Look& now) const {
+bool DisplacementWatch::rushes(const Look& now) const {
+  const Look* later = &now;
+  int steps = 0;
+  for (auto look = looks_.rbegin(); look != looks_.rend() && steps < kRushSteps; ++look) {
+    if (look->object != now.object || look->utime == later->utime) {
+      continue;
+    }
+    const double time = 1e-6 * static_cast<double>(later->utime - look->utime);
+    if (!is_displaced(*look, *later, rules_.rush_speed * time)) {
+      return false;
+    }
+    later = &*look;
+    ++steps;
+  }
+  return steps == kRushSteps;
+}
+
+bool DisplacementWatch::is_displaced(const Look& before, const Look& now, double most) const {
   const Pose2 step = before.odom_from_robot.inverse() * now.odom_from_robot;
   const double way = step.x * std::cos(0.5 * step.theta) + step.y * std::sin(0.5 * step.theta);
   const double left = way - 0.5 * wheel_base_ * step.theta;
@@ -86,13 +109,13 @@ bool DisplacementWatch::is_displaced(const Look& before, const Look& now) const 
       const Eigen::Vector2d offset =
           now.robot_from_object.position() - moved.inverse() * before.robot_from_object.position();
       const double length = offset.norm();
-      if (length <= rules_.displacement) {
+      if (length <= most) {
         return false;
       }
       const Eigen::Vector2d direction = offset / length;
       const Eigen::Vector2d then = PointTransform(moved).turned(direction);
       const double variance = direction.dot(now.covariance * direction) + then.dot(before.covariance * then);
-      if (length <= rules_.displacement + kDeviations * std::sqrt(variance)) {
+      if (length <= most + kDeviations * std::sqrt(variance)) {
         return false;
       }
     }

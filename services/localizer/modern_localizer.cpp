@@ -218,6 +218,8 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
                                          odometer_ - odometer_at_fixture_, verdict_.is_doubted());
   if (contradiction) {
     verdict_.doubt(*contradiction);
+  } else if (displacement_.is_rushing() && matches.empty() && !verdict_.is_doubted()) {
+    verdict_.doubt({"what is seen rushes past faster than the wheels turn", params_.rules.bonus_after_misfit, true});
   }
   const Pose2 before = filter_.belief().pose;
   correct_filter(frame, matches, odometry);
