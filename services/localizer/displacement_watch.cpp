@@ -2,30 +2,18 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace luminav {
 namespace {
 
-constexpr std::array kGrips = {1.0, 0.5, 0.0};  // share of its own way by which a wheel moves the robot
-constexpr double kDeviations = 3.0;             // of image noise
-constexpr int kRushSteps = 2;                   // from image to image
-constexpr double kMostInOneImage = 0.6;         // of a motion: more is the centre of a cut fixture found elsewhere
-
-/// The step of a robot whose wheels moved it by so much [m], along its mean heading.
-Pose2 step_of_wheels(double left, double right, double wheel_base) {
-  const double way = 0.5 * (left + right);
-  const double turn = (right - left) / wheel_base;
-  return {way * std::cos(0.5 * turn), way * std::sin(0.5 * turn), wrap_angle(turn)};
-}
+constexpr double kMostInOneImage = 0.6;  // of a motion: more is the centre of a cut fixture found elsewhere
 
 }  // namespace
 
 void DisplacementWatch::clear() {
   looks_.clear();
   run_ = 0;
-  is_rushing_ = false;
 }
 
 bool DisplacementWatch::look(const SightingFrame& frame, const std::vector<int>& objects, const SceneMemory& scene,
@@ -36,22 +24,20 @@ bool DisplacementWatch::look(const SightingFrame& frame, const std::vector<int>&
   const std::size_t first_of_now = looks_.size();
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const FixtureSighting& sighting = frame.sightings[i];
-    looks_.push_back({frame.utime, scene.objects()[static_cast<std::size_t>(objects[i])].id, odom_from_robot,
-                      sighting.robot_from_fixture, sighting.covariance.topLeftCorner<2, 2>()});
+    looks_.push_back(
+        {{frame.utime, odom_from_robot, sighting.robot_from_fixture, sighting.covariance.topLeftCorner<2, 2>()},
+         scene.objects()[static_cast<std::size_t>(objects[i])].id});
   }
   // What is in view for longest tells, and of things that came at once all must: one that is seen wrongly now and then
   // is not to speak for the others.
   std::int64_t since = frame.utime;
   bool displaced = false;
-  is_rushing_ = false;
   for (std::size_t i = first_of_now; i < looks_.size(); ++i) {
     const auto before =
         std::find_if(looks_.begin(), looks_.end(), [&](const Look& look) { return look.object == looks_[i].object; });
     if (before->utime <= since) {
-      const bool is_oldest = before->utime < since;
-      const bool moves = moved_on(looks_[i]);
-      displaced = (is_oldest || displaced) && moves && is_displaced(*before, looks_[i], rules_.displacement);
-      is_rushing_ = (is_oldest || is_rushing_) && moves && rushes(looks_[i]);
+      displaced = (before->utime < since || displaced) &&
+                  is_beyond_slip(*before, looks_[i], wheel_base_, rules_.displacement) && moved_on(looks_[i]);
       since = before->utime;
     }
   }
@@ -71,7 +57,7 @@ bool DisplacementWatch::moved_on(const Look& now) const {
   for (const Look& look : looks_) {
     if (look.object == now.object) {
       const Pose2 now_from_then = now.odom_from_robot.inverse() * look.odom_from_robot;
-      offsets.push_back(now_from_then * look.robot_from_object.position() - now.robot_from_object.position());
+      offsets.push_back(now_from_then * look.robot_from_thing.position() - now.robot_from_thing.position());
     }
   }
   double longest = 0.0;
@@ -79,48 +65,6 @@ bool DisplacementWatch::moved_on(const Look& now) const {
     longest = std::max(longest, (offsets[i] - offsets[i - 1]).norm());
   }
   return longest < kMostInOneImage * offsets.front().norm();
-}
-
-bool DisplacementWatch::rushes(const Look& now) const {
-  const Look* later = &now;
-  int steps = 0;
-  for (auto look = looks_.rbegin(); look != looks_.rend() && steps < kRushSteps; ++look) {
-    if (look->object != now.object || look->utime == later->utime) {
-      continue;
-    }
-    const double time = 1e-6 * static_cast<double>(later->utime - look->utime);
-    if (!is_displaced(*look, *later, rules_.rush_speed * time)) {
-      return false;
-    }
-    later = &*look;
-    ++steps;
-  }
-  return steps == kRushSteps;
-}
-
-bool DisplacementWatch::is_displaced(const Look& before, const Look& now, double most) const {
-  const Pose2 step = before.odom_from_robot.inverse() * now.odom_from_robot;
-  const double way = step.x * std::cos(0.5 * step.theta) + step.y * std::sin(0.5 * step.theta);
-  const double left = way - 0.5 * wheel_base_ * step.theta;
-  const double right = way + 0.5 * wheel_base_ * step.theta;
-  for (const double left_grip : kGrips) {
-    for (const double right_grip : kGrips) {
-      const Pose2 moved = step_of_wheels(left_grip * left, right_grip * right, wheel_base_);
-      const Eigen::Vector2d offset =
-          now.robot_from_object.position() - moved.inverse() * before.robot_from_object.position();
-      const double length = offset.norm();
-      if (length <= most) {
-        return false;
-      }
-      const Eigen::Vector2d direction = offset / length;
-      const Eigen::Vector2d then = PointTransform(moved).turned(direction);
-      const double variance = direction.dot(now.covariance * direction) + then.dot(before.covariance * then);
-      if (length <= most + kDeviations * std::sqrt(variance)) {
-        return false;
-      }
-    }
-  }
-  return true;
 }
 
 }  // namespace luminav

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "services/localizer/scene_memory.hpp"
+#include "services/localizer/slipping_wheels.hpp"
 #include "services/localizer/tracking_rules.hpp"
 
 namespace luminav {
@@ -22,26 +23,13 @@ class DisplacementWatch {
   /// images in a row as the rules ask for; and for as long at most while what is in view is too new to tell.
   [[nodiscard]] bool look(const SightingFrame& frame, const std::vector<int>& objects, const SceneMemory& scene,
                           const Pose2& odom_from_robot);
-  /// By the newest image: what is in view for longest rushed past, from each of the last three images to the next
-  /// faster than wheels and noise explain. Too short a look to wait for rest upon, but the pose is to be doubted.
-  [[nodiscard]] bool is_rushing() const { return is_rushing_; }
   /// Relative motion across now is unknown, or the scene begins anew.
   void clear();
 
  private:
-  struct Look {
-    std::int64_t utime = 0;  // [us]
+  struct Look : CeilingLook {
     int object = 0;
-    Pose2 odom_from_robot;
-    Pose2 robot_from_object;
-    Eigen::Matrix2d covariance;  // [m^2] of its place, robot frame
   };
-
-  /// No wheel motion between the two looks explains them to `most` [m] and image noise.
-  [[nodiscard]] bool is_displaced(const Look& before, const Look& now, double most) const;
-
-  /// Each of its last two steps was a displacement at the rules' speed.
-  [[nodiscard]] bool rushes(const Look& now) const;
 
   /// It went there from image to image and did not jump.
   [[nodiscard]] bool moved_on(const Look& now) const;
@@ -51,7 +39,6 @@ class DisplacementWatch {
   std::deque<Look> looks_;            // oldest first
   int run_ = 0;                       // images that showed it, others that could not tell left out
   std::int64_t displaced_utime_ = 0;  // [us] of the last of them
-  bool is_rushing_ = false;
 };
 
 }  // namespace luminav

@@ -33,6 +33,7 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
               {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors, params.tracking),
       watch_(map_, view_, building.ceiling_height, params.rules),
       displacement_(robot.wheel_base, params.rules),
+      rush_(robot.wheel_base, params.rules),
       verdict_(map_, scene_, bank_, filter_, watch_, params.rules),
       echoes_(robot.sonar, {params.hypotheses.sonar_way, params.hypotheses.sonar_turn, params.hypotheses.sonar_surface,
                             params.hypotheses.sonar_looks}) {}
@@ -65,6 +66,7 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
 void ModernLocalizer::bridge(const std::string& why, const MotionGap& gap) {
   queue_.restart();
   displacement_.clear();
+  rush_.clear();
   scene_.clear();
   echoes_.clear();
   filter_odometry_.reset();
@@ -161,6 +163,7 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   advance(timed.odometry);
   const SightingFrame frame = usable_sightings(timed.frame, timed.odometry);
   const std::vector<int> objects = scene_.update(frame, timed.odometry.odom_from_robot, odometer_);
+  is_rushing_ = rush_.look(frame, timed.odometry.odom_from_robot);
   if (displacement_.look(frame, objects, scene_, timed.odometry.odom_from_robot)) {
     wait_for_rest(frame, timed.odometry);
     return;
@@ -201,6 +204,7 @@ bool ModernLocalizer::is_followed() const {
 void ModernLocalizer::begin_at_rest() {
   is_displaced_ = false;
   displacement_.clear();
+  rush_.clear();
   echoes_.clear();
   verdict_.resume(is_followed());
 }
@@ -218,7 +222,7 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
                                          odometer_ - odometer_at_fixture_, verdict_.is_doubted());
   if (contradiction) {
     verdict_.doubt(*contradiction);
-  } else if (displacement_.is_rushing() && matches.empty() && !verdict_.is_doubted()) {
+  } else if (is_rushing_ && matches.empty() && !verdict_.is_doubted()) {
     verdict_.doubt({"what is seen rushes past faster than the wheels turn", params_.rules.bonus_after_misfit, true});
   }
   const Pose2 before = filter_.belief().pose;

@@ -15,6 +15,7 @@
 #include "services/localizer/localizer.hpp"
 #include "services/localizer/motion_gap.hpp"
 #include "services/localizer/pose_verdict.hpp"
+#include "services/localizer/rush_watch.hpp"
 #include "services/localizer/tracking_filter.hpp"
 #include "services/localizer/tracking_rules.hpp"
 
@@ -78,12 +79,14 @@ class ModernLocalizer final : public Localizer {
   TrackingFilter filter_;
   ContradictionWatch watch_;
   DisplacementWatch displacement_;
+  RushWatch rush_;
   PoseVerdict verdict_;
   EchoCollector echoes_;
   int listens_since_ = 0;                           // which list of hypotheses hears the echoes
   std::optional<OdometryReading> filter_odometry_;  // where bank and filter stand
   double odometer_ = 0.0;                           // [m]
 
+  bool is_rushing_ = false;    // something rushes past in the last image
   bool is_displaced_ = false;  // somebody moved the robot at the last image
   int images_unmatched_ = 0;   // then, in a row, without a fixture that the filter foretold
   bool motors_enabled_ = true;

@@ -24,7 +24,7 @@ struct TrackingRules {
   double displacement_time = 0.6;             // [s] over which the motion of fixtures is compared with the wheels'
   double displacement = 0.15;                 // [m] beyond image noise that wheels, slipping or not, do not explain
   int displacement_frames = 3;                // images in a row that show it: somebody moves the robot
-  double rush_speed = 0.9;                    // [m/s] likewise: what does not fit the pose either is no fixture of it
+  double rush_speed = 0.4;                    // [m/s] of a thing past the robot, likewise, in two steps between images
   int miss_frames = 10;                       // images without a fixture that ought to be there
   int miss_fixtures = 2;                      // so many of them, and nothing else seen meanwhile ...
   double miss_distance = 1.5;                 // [m] ... or one of them over this way

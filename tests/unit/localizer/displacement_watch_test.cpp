@@ -138,32 +138,6 @@ TEST(DisplacementWatch, TakesAFixtureFoundElsewhereAllAtOnceForNoMotion) {
   EXPECT_FALSE(robot.drive({0.5, 0.5}, {0.5, 0.5}, 1.0));
 }
 
-TEST(DisplacementWatch, SeesByThreeImagesThatAFixtureRushesPast) {
-  for (const WheelSpeeds wheels : {WheelSpeeds{}, {0.4, 0.4}}) {
-    WatchedRobot robot;
-    EXPECT_FALSE(robot.move(wheels, {0.0, 2.4, 0.3}, 3.5 * kPeriod)) << "no more than a suspicion";
-    EXPECT_TRUE(robot.watch().is_rushing()) << wheels.left;
-    robot.move(wheels, step_of(wheels, 1.0), 1.5 * kPeriod);
-    EXPECT_FALSE(robot.watch().is_rushing()) << wheels.left;
-  }
-}
-
-TEST(DisplacementWatch, TakesNothingSlowNorItsOwnTurnForRushing) {
-  WatchedRobot pushed;
-  pushed.move({}, {0.7, 0.0, 0.0}, 3.5 * kPeriod);
-  EXPECT_FALSE(pushed.watch().is_rushing());
-  for (const WheelSpeeds wheels : {WheelSpeeds{0.5, 0.5}, {-0.3, 0.3}}) {
-    WatchedRobot robot;
-    robot.drive(wheels, wheels, 3.5 * kPeriod);
-    EXPECT_FALSE(robot.watch().is_rushing());
-  }
-  WatchedRobot two_outlines;
-  ASSERT_FALSE(two_outlines.move({}, {}, 3.5 * kPeriod));
-  two_outlines.find_fixture_elsewhere(0.4);
-  two_outlines.move({}, {}, 1.5 * kPeriod);
-  EXPECT_FALSE(two_outlines.watch().is_rushing());
-}
-
 TEST(DisplacementWatch, ForgetsWhatWasBeforeAGap) {
   WatchedRobot robot;
   ASSERT_FALSE(robot.move({}, {}, 1.0));

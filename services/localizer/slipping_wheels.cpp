@@ -1,0 +1,47 @@
+#include "services/localizer/slipping_wheels.hpp"
+
+#include <Eigen/Dense>
+#include <array>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+constexpr std::array kGrips = {1.0, 0.5, 0.0};  // share of its own way by which a wheel moves the robot
+constexpr double kDeviations = 3.0;             // of image noise
+
+/// The step of a robot whose wheels moved it by so much [m], along its mean heading.
+Pose2 step_of_wheels(double left, double right, double wheel_base) {
+  const double way = 0.5 * (left + right);
+  const double turn = (right - left) / wheel_base;
+  return {way * std::cos(0.5 * turn), way * std::sin(0.5 * turn), wrap_angle(turn)};
+}
+
+}  // namespace
+
+bool is_beyond_slip(const CeilingLook& before, const CeilingLook& now, double wheel_base, double most) {
+  const Pose2 step = before.odom_from_robot.inverse() * now.odom_from_robot;
+  const double way = step.x * std::cos(0.5 * step.theta) + step.y * std::sin(0.5 * step.theta);
+  const double left = way - 0.5 * wheel_base * step.theta;
+  const double right = way + 0.5 * wheel_base * step.theta;
+  for (const double left_grip : kGrips) {
+    for (const double right_grip : kGrips) {
+      const Pose2 moved = step_of_wheels(left_grip * left, right_grip * right, wheel_base);
+      const Eigen::Vector2d offset =
+          now.robot_from_thing.position() - moved.inverse() * before.robot_from_thing.position();
+      const double length = offset.norm();
+      if (length <= most) {
+        return false;
+      }
+      const Eigen::Vector2d direction = offset / length;
+      const Eigen::Vector2d then = PointTransform(moved).turned(direction);
+      const double variance = direction.dot(now.covariance * direction) + then.dot(before.covariance * then);
+      if (length <= most + kDeviations * std::sqrt(variance)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace luminav
