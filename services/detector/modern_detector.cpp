@@ -227,7 +227,7 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
       break;
     }
     cut_out_bright(level);
-    for (const Region& region : finder_.find(mask_, least_cells_)) {
+    for (const Region& region : finder_.find(mask_, least_cells_, {row_peaks_, level})) {
       if (is_explained(region, detections)) {
         continue;
       }

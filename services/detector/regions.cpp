@@ -63,7 +63,7 @@ int RegionFinder::root(int run) {
   return run;
 }
 
-const std::vector<Region>& RegionFinder::find(const Raster& mask, int least_cells) {
+const std::vector<Region>& RegionFinder::find(const Raster& mask, int least_cells, const FilledRows& filled) {
   runs_.clear();
   parent_.clear();
   int above = 0;  // first run of the row above that may touch
@@ -71,7 +71,8 @@ const std::vector<Region>& RegionFinder::find(const Raster& mask, int least_cell
   for (int y = 0; y < mask.height; ++y) {
     const int row_begin = static_cast<int>(runs_.size());
     const std::uint8_t* row = mask.row(y);
-    for (int x = next_set(row, 0, mask.width); x < mask.width; x = next_set(row, x, mask.width)) {
+    for (int x = filled.may_be(y) ? next_set(row, 0, mask.width) : mask.width; x < mask.width;
+         x = next_set(row, x, mask.width)) {
       const int end = next_clear(row, x, mask.width);
       const int current = static_cast<int>(runs_.size());
       runs_.push_back({y, x, end - 1});

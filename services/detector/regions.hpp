@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -25,11 +26,20 @@ struct Region {
   std::span<const Run> runs;  // from the top, each row's from the left
 };
 
+/// Which rows of a mask can hold anything: those whose brightest cell lies above the level that it was cut out at. All
+/// of them when there are no peaks.
+struct FilledRows {
+  std::span<const std::uint8_t> peaks;
+  int level = 0;
+
+  [[nodiscard]] bool may_be(int row) const { return peaks.empty() || peaks[static_cast<std::size_t>(row)] > level; }
+};
+
 /// Finds the connected parts of a mask from its runs: the cost follows the number of runs, not of cells.
 class RegionFinder {
  public:
   /// Parts of at least `least_cells` cells; valid until the next call.
-  const std::vector<Region>& find(const Raster& mask, int least_cells);
+  const std::vector<Region>& find(const Raster& mask, int least_cells, const FilledRows& filled = {});
 
  private:
   int root(int run);

@@ -108,6 +108,16 @@ TEST(RegionFinder, LeavesOutWhatIsTooSmall) {
   EXPECT_TRUE(finder.find(raster_of({".....", "....."}), 1).empty());
 }
 
+TEST(RegionFinder, LooksOnlyIntoRowsThatReachTheLevel) {
+  RegionFinder finder;
+  const Raster mask = raster_of({"##.", "...", "###"});
+  const std::vector<std::uint8_t> peaks{200, 0, 100};
+  EXPECT_EQ(finder.find(mask, 1, {peaks, 99}).size(), 2U);
+  const auto& regions = finder.find(mask, 1, {peaks, 100});
+  ASSERT_EQ(regions.size(), 1U);
+  EXPECT_EQ(regions[0].cells, 2);
+}
+
 TEST(GreyCounts, FindTheMedianFromAnyGuess) {
   for (const int levels : {1, 3, 256}) {
     Raster image = random_raster(640, 80, 7);  // more than the vectors' bytes can count without a break
