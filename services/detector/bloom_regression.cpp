@@ -70,7 +70,7 @@ class Regression {
     for (std::size_t k = 0; k < kDistances; ++k) {
       samples_.outwards[k] = static_cast<double>(k) / kDistances - 0.5;
     }
-    samples_.variance.fill(1.0);
+    samples_.precision.fill(1.0);
   }
 
   std::optional<Balance> solve(double length, double step) {
@@ -228,7 +228,7 @@ class Regression {
     }
     samples_.joint.fill(0.0);
     samples_.fill_rows();
-    take_variances(kMedianNoise);
+    take_precisions(kMedianNoise);
   }
 
   /// `half` [0.5 px] from the first distance.
@@ -241,12 +241,12 @@ class Regression {
       samples_.joint[i] = kProfiles[width][static_cast<std::size_t>(std::abs(2 * k - half))];
     }
     samples_.fill_rows();
-    take_variances(kMedianNoise);
+    take_precisions(kMedianNoise);
   }
 
-  void take_variances(double noise) {
+  void take_precisions(double noise) {
     for (std::size_t k = 0; k < kDistances; ++k) {
-      samples_.variance[k] = noise * noise + square(kBlurError * samples_.fall[k]);
+      samples_.precision[k] = 1.0 / (noise * noise + square(kBlurError * samples_.fall[k]));
     }
   }
 
@@ -291,16 +291,15 @@ class Regression {
   }
 
   void fit_all() {
-    take_variances(kNoise);
-    constexpr int kPasses = 4;
-    for (int pass = 0; pass < kPasses; ++pass) {
+    take_precisions(kNoise);
+    for (int pass = 0; pass < 4; ++pass) {
       RegressionSums sums;
       add_priors(sums);
-      sums.corner[0] = kPriors[4];
-      sums.corner[3] = kPriors[5];
+      sums.corner[0][0] = kPriors[4];
+      sums.corner[1][1] = kPriors[5];
       for (std::size_t s = 0; s < kStretches; ++s) {
         sums.add_stretch(samples_, differences_.value[s].data(), differences_.valid[s].data(), place_[s],
-                         solution_.data(), kCutoff, pass + 1 == kPasses);
+                         solution_.data(), kCutoff);
       }
       Vector right_side;
       for (int i = 0; i < 4; ++i) {
@@ -310,17 +309,17 @@ class Regression {
         }
       }
       for (int i = 0; i < 2; ++i) {
+        const auto column = static_cast<std::size_t>(i);
         right_side(4 + i) = sums.right_side_along[i];
         for (int j = 0; j < 4; ++j) {
-          information_(4 + i, j) = sums.below[static_cast<std::size_t>(j / 2)][2 * (j % 2) + i];
-          information_(j, 4 + i) = sums.above[static_cast<std::size_t>(i)][j];
+          information_(4 + i, j) = information_(j, 4 + i) = sums.along[column][j];
         }
         for (int j = 0; j < 2; ++j) {
-          information_(4 + i, 4 + j) = sums.corner[2 * j + i];
+          information_(4 + j, 4 + i) = sums.corner[column][j];
         }
       }
       weights_ = sums.weights;
-      solution_ = information_.ldlt().solve(right_side);  // reads what is below the diagonal
+      solution_ = information_.ldlt().solve(right_side);
     }
   }
 

@@ -15,14 +15,11 @@ struct RegressionSamples {
   static constexpr std::size_t kCount = 16;  // the distances, and one to fill the vectors
   static_assert(Differences::kDistances <= static_cast<int>(kCount));
 
-  alignas(32) std::array<double, kCount> fall{};      // [grey] by which a shift of one pixel changes the difference
-  alignas(32) std::array<double, kCount> outwards{};  // -0.5 to 0.5
-  alignas(32) std::array<double, kCount> joint{};     // its profile, 1 high
-  alignas(32) std::array<double, kCount> variance{};  // [grey^2]
-  std::array<FourDoubles, kCount> row{};              // of the regression: fall, 1, outwards, joint
-  std::array<FourDoubles, kCount> first_pair{};       // fall, fall, 1, 1
-  std::array<FourDoubles, kCount> second_pair{};      // outwards, outwards, joint, joint
-  std::array<FourDoubles, kCount> by_turns{};         // fall, 1, fall, 1
+  alignas(32) std::array<double, kCount> fall{};       // [grey] by which a shift of one pixel changes the difference
+  alignas(32) std::array<double, kCount> outwards{};   // -0.5 to 0.5
+  alignas(32) std::array<double, kCount> joint{};      // its profile, 1 high
+  alignas(32) std::array<double, kCount> precision{};  // [1/grey^2]
+  std::array<FourDoubles, kCount> row{};               // of the regression: fall, 1, outwards, joint
 
   /// After fall and joint were set.
   void fill_rows();
@@ -31,17 +28,16 @@ struct RegressionSamples {
 /// Normal equations of six unknowns: the factors of fall, 1, outwards, joint, fall x place, place.
 struct RegressionSums {
   std::array<FourDoubles, 4> information{};  // columns of the first four with each other
-  std::array<FourDoubles, 2> below{};        // of the last two with the first, second; with the third, fourth
-  FourDoubles corner{};                      // of the last two with each other
-  std::array<FourDoubles, 2> above{};        // of the first four with the fifth, the sixth, rounded on its own
+  std::array<FourDoubles, 2> along{};        // of the first four with the fifth, the sixth
+  std::array<FourDoubles, 2> corner{};       // of the last two with each other: the first two numbers of each
   FourDoubles right_side{};                  // of the first four
-  FourDoubles right_side_along{};            // of the last two, by turns
+  FourDoubles right_side_along{};            // of the last two: the first two numbers
   double weights = 0.0;
 
-  /// Adds the differences of one stretch, whose place is a share of the length; `complete`: with `above`. Tukey's
-  /// weights by the residuals of `solution`.
+  /// Adds the differences of one stretch, whose place is a share of the length. Tukey's weights by the residuals of
+  /// `solution`.
   void add_stretch(const RegressionSamples& samples, const float* values, const bool* valid, double place,
-                   const double* solution, double cutoff, bool complete);
+                   const double* solution, double cutoff);
 };
 
 /// Normal equations of the first four unknowns, for one value at each distance.
