@@ -19,6 +19,7 @@ constexpr double kBloomReach = 0.05;     // [m] from a corner, beyond which a jo
 constexpr double kNarrowBloom = 0.008;   // [m] of swelling; in broader bloom a joint shows less than on the ceiling
 constexpr double kUnevenBloom = 0.01;    // of the swelling, 1 sigma
 constexpr double kLargestShift = 0.008;  // [m]
+constexpr double kSettled = 0.03;        // [px] of a shift: it would be measured the same again
 
 }  // namespace
 
@@ -63,22 +64,29 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
   const double middle = 0.5 * (fit.visible_from + fit.visible_to);
   std::optional<Balance> across;
   std::optional<Balance> along;
-  for (int pass = 0; pass < 3; ++pass) {
-    across = compare(sides, outline.length, side_joints);
-    along = compare(ends, outline.width, end_joints);
-    // The edges know the direction as well: the mean of both is better than either.
-    const double turn = across && pass == 0 ? 0.5 * across->turn : 0.0;
-    // What is left of the turn must not move what is seen of the sides.
-    const Pose2 change{along ? along->shift : 0.0, across ? across->shift + (across->turn - turn) * middle : 0.0, turn};
+  bool across_settled = false;
+  bool along_settled = false;
+  for (int pass = 0; pass < 3 && !(across_settled && along_settled); ++pass) {
+    Pose2 change;
+    if (!along_settled) {
+      along = compare(ends, outline.width, end_joints);
+      change.x = along ? along->shift : 0.0;
+    }
+    if (!across_settled) {
+      across = compare(sides, outline.length, side_joints);
+      // The edges know the direction as well: the mean of both is better than either.
+      change.theta = across && pass == 0 ? 0.5 * across->turn : 0.0;
+      // What is left of the turn must not move what is seen of the sides.
+      change.y = across ? across->shift + (across->turn - change.theta) * middle : 0.0;
+    }
     if (std::abs(change.x) > kLargestShift || std::abs(change.y) > kLargestShift || std::abs(change.theta) > 0.02) {
       return;
     }
     pose = pose * change;
     move(side_joints, change.y);
     move(end_joints, change.x);
-    if (std::hypot(change.x, change.y) < 0.03 * step) {
-      break;
-    }
+    along_settled = std::abs(change.x) < kSettled * step;
+    across_settled = std::abs(change.y) < kSettled * step;
   }
   fit.robot_from_outline = pose;
   // Of the place `at` [m] along the sides.

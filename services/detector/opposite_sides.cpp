@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <cstring>
 
 #include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/pixel_sampling.hpp"
@@ -13,86 +13,88 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kStretches = Differences::kStretches;
-constexpr int kDistances = Differences::kDistances;
-constexpr int kLinesPerStretch = 6;  // profiles in a stretch
-constexpr int kLines = kStretches * kLinesPerStretch;
-constexpr int kPadded = 16;  // the distances, filled up to whole vectors
+constexpr std::size_t kStretches = Differences::kStretches;
+constexpr std::size_t kDistances = Differences::kDistances;
+constexpr std::size_t kMostLines = OppositeSides::kMostLines;
+constexpr std::size_t kPadded = 16;  // the distances, filled up to whole vectors
 constexpr float kSaturated = 250.0F;
-constexpr double kCorner = 6.0;  // [px] from a corner nothing is compared
-constexpr int kLeastInView = 5;  // distances: less of the fall of the light says too little
+constexpr double kCorner = 6.0;          // [px] from a corner nothing is compared
+constexpr std::size_t kLeastInView = 5;  // distances: less of the fall of the light says too little
+constexpr double kLinesApart = 1.0;      // [px] at least: nearer ones see the same pixels
 
 constexpr std::size_t kRow = kPadded + 16;  // a line's lights with room for the neighbours of the first and last
 constexpr std::size_t kFirst = 8;           // of them
 
+/// Numbers that one instruction works on, where the processor can. The compiler does not find that in `compare`.
+constexpr std::size_t kLanes = 8;
+using EachFloat [[gnu::vector_size(kLanes * sizeof(float))]] = float;
+using EightInMemory [[gnu::vector_size(kLanes * sizeof(float)), gnu::aligned(4), gnu::may_alias]] = float;
+using EachInt [[gnu::vector_size(kLanes * sizeof(int))]] = int;
+
 /// What the lens takes of the light towards the image's corners.
 struct Vignetting {
-  double share;
-  double middle_x;  // [px]
-  double middle_y;
-  double corner;  // [px^2] squared distance from the middle
+  float per_px2;   // share that is lost, of the squared distance from the middle
+  float middle_x;  // [px]
+  float middle_y;
 };
 
 /// The lines of one stretch in pairs, from the positive and from the negative side.
 struct StretchLines {
-  static constexpr std::size_t kSamples = std::size_t{2} * kLinesPerStretch * kPadded;
+  static constexpr std::size_t kSamples = 2 * kMostLines * kPadded;
   alignas(32) std::array<float, kSamples> x;  // [px]
   alignas(32) std::array<float, kSamples> y;
   alignas(32) std::array<float, kSamples> gain;
   alignas(32) std::array<float, kSamples> grey;
-  alignas(32) std::array<float, 2 * kLinesPerStretch * kRow> light{};
+  alignas(32) std::array<float, 2 * kMostLines * kRow> light{};
 };
 
 /// Over the lines of one stretch.
-struct DifferenceSums {
+struct StretchSums {
   alignas(32) std::array<float, kPadded> difference{};
   alignas(32) std::array<int, kPadded> lines{};
+  alignas(32) std::array<std::array<float, kPadded>, 2> fall{};
+  alignas(32) std::array<int, kPadded> falls{};
 };
 
-/// Over all lines.
-struct Falls {
-  alignas(32) std::array<std::array<double, kPadded>, 2> sum{};
-  alignas(32) std::array<int, kPadded> count{};
-};
-
-constexpr std::array<double, kPadded> count_up() {
-  std::array<double, kPadded> steps{};
-  for (int k = 0; k < kPadded; ++k) {
-    steps[static_cast<std::size_t>(k)] = k;
+constexpr std::array<float, kPadded> count_up() {
+  std::array<float, kPadded> steps{};
+  for (std::size_t k = 0; k < kPadded; ++k) {
+    steps[k] = static_cast<float>(k);
   }
   return steps;
 }
 
 /// Those after the `last` like that one.
 LUMINAV_VECTOR_CLONES
-void place_along(const Vector2d& first, const Vector2d& advance, double last, const Vignetting& lens, float* x,
+void place_along(const Vector2d& first, const Vector2d& advance, std::size_t last, const Vignetting& lens, float* x,
                  float* y, float* gain) {
-  static constexpr std::array<double, kPadded> kSteps = count_up();
-  const double first_x = first.x();
-  const double first_y = first.y();
-  const double advance_x = advance.x();
-  const double advance_y = advance.y();
+  alignas(32) static constexpr std::array<float, kPadded> kSteps = count_up();
+  const auto first_x = static_cast<float>(first.x());
+  const auto first_y = static_cast<float>(first.y());
+  const auto advance_x = static_cast<float>(advance.x());
+  const auto advance_y = static_cast<float>(advance.y());
+  const auto farthest = static_cast<float>(last);
   const Vignetting v = lens;
 #pragma GCC ivdep
   for (std::size_t k = 0; k < kPadded; ++k) {
-    const double at = kSteps[k] < last ? kSteps[k] : last;
-    const double at_x = first_x + at * advance_x;
-    const double at_y = first_y + at * advance_y;
-    const double dx = at_x - v.middle_x;
-    const double dy = at_y - v.middle_y;
-    x[k] = static_cast<float>(at_x);
-    y[k] = static_cast<float>(at_y);
-    gain[k] = static_cast<float>(1.0 - v.share * (dx * dx + dy * dy) / v.corner);
+    const float at = kSteps[k] < farthest ? kSteps[k] : farthest;
+    const float at_x = first_x + at * advance_x;
+    const float at_y = first_y + at * advance_y;
+    const float dx = at_x - v.middle_x;
+    const float dy = at_y - v.middle_y;
+    x[k] = at_x;
+    y[k] = at_y;
+    gain[k] = 1.0F - v.per_px2 * (dx * dx + dy * dy);
   }
 }
 
 /// How many distances from the first on are in view, all of them up to there.
-int count_in_view(const GreyView& image, const Vector2d& first, const Vector2d& advance) {
+std::size_t count_in_view(const GreyView& image, const Vector2d& first, const Vector2d& advance) {
   if (!is_sampled(image, first)) {  // or there is no pixel
     return 0;
   }
-  int count = kDistances;
-  while (count > 1 && !is_sampled(image, first + (count - 1) * advance)) {
+  std::size_t count = kDistances;
+  while (count > 1 && !is_sampled(image, first + static_cast<double>(count - 1) * advance)) {
     --count;
   }
   return count;
@@ -118,36 +120,45 @@ void unveil(const float* grey, const float* gain, std::size_t pairs, float* ligh
 /// Adds what opposite lines differ by and how the light falls along each, between the neighbours that are valid. The
 /// first of a line is its own neighbour, and so is the last: the samples beyond it are the same.
 LUMINAV_VECTOR_CLONES
-void compare(const float* light, std::size_t pairs, DifferenceSums& sums, Falls& falls) {
+void compare(const float* light, std::size_t pairs, StretchSums& sums) {
   alignas(32) std::array<float, kPadded> by_two;  // [1/px] where the one before is valid, to the one after
   alignas(32) std::array<float, kPadded> by_one;
+  const auto eight = [](const float* values) { return reinterpret_cast<const EightInMemory*>(values); };
   by_two.fill(0.5F);
   by_one.fill(1.0F);
   by_two[0] = by_two[kDistances - 1] = 1.0F;
   by_one[kDistances - 1] = 0.0F;  // there is none after it, and none before: it says nothing
-  for (std::size_t pair = 0; pair < pairs; ++pair) {
-    const float* a = light + 2 * pair * kRow + kFirst;
-    const float* b = a + kRow;
-    alignas(32) std::array<std::array<float, kPadded>, 2> fall;
-    for (std::ptrdiff_t k = 0; k < kPadded; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      const bool before = a[k - 1] >= 0.0F;
-      const bool here = a[k] >= 0.0F;
-      const float per_px = before ? by_two[i] : by_one[i];
-      const bool falls_on = here & (a[k + 1] >= 0.0F) & (per_px > 0.0F);
-      const float fall_a = ((before ? a[k - 1] : a[k]) - a[k + 1]) * per_px;
-      const float fall_b = ((before ? b[k - 1] : b[k]) - b[k + 1]) * per_px;
-      sums.difference[i] += here ? a[k] - b[k] : 0.0F;
-      sums.lines[i] += here ? 1 : 0;
-      falls.count[i] += falls_on ? 1 : 0;
-      fall[0][i] = falls_on ? fall_a : 0.0F;
-      fall[1][i] = falls_on ? fall_b : 0.0F;
+  for (std::size_t k = 0; k < kPadded; k += kLanes) {
+    const EachFloat to_two = *eight(&by_two[k]);
+    const EachFloat to_one = *eight(&by_one[k]);
+    EachFloat difference{};
+    std::array<EachFloat, 2> fall{};
+    EachInt lines{};
+    EachInt falls{};
+    for (std::size_t pair = 0; pair < pairs; ++pair) {
+      const float* a = light + 2 * pair * kRow + kFirst + k;
+      const float* b = a + kRow;
+      const EachFloat here_a = *eight(a);
+      const EachFloat here_b = *eight(b);
+      const EachFloat before_a = *eight(a - 1);
+      const EachFloat after_a = *eight(a + 1);
+      const EachInt here = here_a >= 0.0F;
+      const EachInt before = before_a >= 0.0F;
+      const EachFloat per_px = before ? to_two : to_one;
+      const EachInt falls_on = here & (after_a >= 0.0F) & (per_px > 0.0F);
+      const EachFloat fall_a = ((before ? before_a : here_a) - after_a) * per_px;
+      const EachFloat fall_b = ((before ? *eight(b - 1) : here_b) - *eight(b + 1)) * per_px;
+      difference += here ? here_a - here_b : EachFloat{};
+      lines -= here;
+      fall[0] += falls_on ? fall_a : EachFloat{};
+      fall[1] += falls_on ? fall_b : EachFloat{};
+      falls -= falls_on;
     }
-    for (std::size_t side = 0; side < 2; ++side) {
-      for (std::size_t k = 0; k < kPadded; ++k) {
-        falls.sum[side][k] += static_cast<double>(fall[side][k]);
-      }
-    }
+    std::memcpy(&sums.difference[k], &difference, sizeof difference);
+    std::memcpy(&sums.lines[k], &lines, sizeof lines);
+    std::memcpy(&sums.fall[0][k], &fall[0], sizeof fall[0]);
+    std::memcpy(&sums.fall[1][k], &fall[1], sizeof fall[1]);
+    std::memcpy(&sums.falls[k], &falls, sizeof falls);
   }
 }
 
@@ -157,21 +168,24 @@ Differences OppositeSides::measure(const Pose2& robot_from_outline, double step)
   Differences result;
   result.apart = 2.0 * half_width_ / step;
   const double usable = length_ - 2.0 * std::min(kCorner * step, 0.2 * length_);
-  std::array<LineEnds, 2 * kLines> lines;
-  project(PointTransform(robot_from_outline), usable, step, lines);
+  const double stretch_px = usable / (step * static_cast<double>(kStretches));
+  const std::size_t count = std::clamp<std::size_t>(static_cast<std::size_t>(stretch_px / kLinesApart), 2, kMostLines);
+  std::array<LineEnds, 2 * kStretches * kMostLines> lines;
+  project(PointTransform(robot_from_outline), usable, step, count, lines);
   const double width = image_.width;
   const double height = image_.height;
-  const Vignetting lens{vignetting_, 0.5 * width, 0.5 * height, 0.25 * (width * width + height * height)};
-  Falls falls;
+  const Vignetting lens{static_cast<float>(vignetting_ / (0.25 * (width * width + height * height))),
+                        static_cast<float>(0.5 * width), static_cast<float>(0.5 * height)};
+  std::array<std::array<double, kDistances>, 2> falls{};  // sums over all lines
+  std::array<int, kDistances> fall_counts{};
   StretchLines seen;
-  for (int s = 0; s < kStretches; ++s) {
-    const auto stretch = static_cast<std::size_t>(s);
-    result.place[stretch] = usable * ((s + 0.5) / kStretches - 0.5);
-    DifferenceSums sums;
+  for (std::size_t stretch = 0; stretch < kStretches; ++stretch) {
+    result.place[stretch] = usable * ((static_cast<double>(stretch) + 0.5) / kStretches - 0.5);
+    StretchSums sums;
     std::size_t pairs = 0;
-    std::array<int, kLinesPerStretch> in_view;
-    for (std::size_t line = stretch * kLinesPerStretch; line < (stretch + 1) * kLinesPerStretch; ++line) {
-      const int both = std::min(lines[2 * line].in_view, lines[2 * line + 1].in_view);
+    std::array<std::size_t, kMostLines> in_view;
+    for (std::size_t line = stretch * count; line < (stretch + 1) * count; ++line) {
+      const std::size_t both = std::min(lines[2 * line].in_view, lines[2 * line + 1].in_view);
       if (both < kLeastInView) {
         continue;
       }
@@ -186,13 +200,16 @@ Differences OppositeSides::measure(const Pose2& robot_from_outline, double step)
     bilinear_at(image_, seen.x.data(), seen.y.data(), 2 * pairs * kPadded, seen.grey.data());
     unveil(seen.grey.data(), seen.gain.data(), pairs, seen.light.data());
     for (std::size_t pair = 0; pair < pairs; ++pair) {
-      for (std::size_t k = static_cast<std::size_t>(in_view[pair]); k < kDistances; ++k) {
+      for (std::size_t k = in_view[pair]; k < kDistances; ++k) {
         seen.light[2 * pair * kRow + kFirst + k] = seen.light[(2 * pair + 1) * kRow + kFirst + k] = -1.0F;
       }
     }
-    compare(seen.light.data(), pairs, sums, falls);
+    compare(seen.light.data(), pairs, sums);
     for (std::size_t k = 0; k < kDistances; ++k) {
-      result.valid[stretch][k] = 2 * sums.lines[k] > kLinesPerStretch;
+      falls[0][k] += static_cast<double>(sums.fall[0][k]);
+      falls[1][k] += static_cast<double>(sums.fall[1][k]);
+      fall_counts[k] += sums.falls[k];
+      result.valid[stretch][k] = 2 * sums.lines[k] > static_cast<int>(count);
       if (result.valid[stretch][k]) {
         result.value[stretch][k] = sums.difference[k] / static_cast<float>(sums.lines[k]);
         ++result.count;
@@ -201,7 +218,7 @@ Differences OppositeSides::measure(const Pose2& robot_from_outline, double step)
   }
   for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
     for (std::size_t k = 0; k < kDistances; ++k) {
-      result.fall[side][k] = falls.count[k] > 0 ? falls.sum[side][k] / falls.count[k] : 0.0;
+      result.fall[side][k] = fall_counts[k] > 0 ? falls[side][k] / fall_counts[k] : 0.0;
     }
   }
   return result;
@@ -251,22 +268,24 @@ bool OppositeSides::take_ceiling_off(const Pose2& robot_from_outline, double ste
   return corners > 0;
 }
 
-void OppositeSides::project(const PointTransform& pose, double usable, double step, std::span<LineEnds> lines) const {
+void OppositeSides::project(const PointTransform& pose, double usable, double step, std::size_t count,
+                            std::span<LineEnds> lines) const {
   constexpr double kAhead = 0.02;  // [m]
-  std::array<Vector2d, 4 * kLines> points;
-  for (int line = 0; line < kLines; ++line) {
-    const double place = usable * ((line + 0.5) / kLines - 0.5);
-    for (const int negative : {0, 1}) {
+  const std::size_t pairs = kStretches * count;
+  std::array<Vector2d, 4 * kStretches * kMostLines> points;
+  for (std::size_t line = 0; line < pairs; ++line) {
+    const double place = usable * ((static_cast<double>(line) + 0.5) / static_cast<double>(pairs) - 0.5);
+    for (const std::size_t negative : {std::size_t{0}, std::size_t{1}}) {
       const double side = negative == 0 ? 1.0 : -1.0;
       const Vector2d on_edge = place * along_ + side * half_width_ * out_;
-      const auto i = static_cast<std::size_t>(4 * line + 2 * negative);
+      const std::size_t i = 4 * line + 2 * negative;
       points[i] = pose * on_edge;
       points[i + 1] = pose * (on_edge + kAhead * side * out_);
     }
   }
-  std::array<Vector2d, 4 * kLines> pixels;
-  camera_.pixels_of_ceiling_points(points, height_, pixels);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
+  std::array<Vector2d, 4 * kStretches * kMostLines> pixels;
+  camera_.pixels_of_ceiling_points({points.data(), 4 * pairs}, height_, {pixels.data(), 4 * pairs});
+  for (std::size_t i = 0; i < 2 * pairs; ++i) {
     const Vector2d& pixel = pixels[2 * i];
     LineEnds& line = lines[i];
     line.advance = (pixels[2 * i + 1] - pixel) * (step / kAhead);

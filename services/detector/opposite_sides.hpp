@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <span>
 
 #include "services/common/geometry/camera_model.hpp"
@@ -28,6 +29,8 @@ struct Differences {
 /// Two opposite sides of a lit outline, to compare the light that falls off outwards from them.
 class OppositeSides {
  public:
+  static constexpr std::size_t kMostLines = 6;  // profiles in a stretch
+
   /// `along` is the direction of the sides in the outline's frame, `out` the normal of the positive one.
   OppositeSides(const GreyView& image, const CeilingCamera& camera, const Outline& outline, double vignetting,
                 const Eigen::Vector2d& along, const Eigen::Vector2d& out, double length, double half_width)
@@ -53,10 +56,11 @@ class OppositeSides {
   struct LineEnds {
     Eigen::Vector2d first;    // [px]
     Eigen::Vector2d advance;  // [px] from one distance to the next
-    int in_view = 0;          // distances from the first on
+    std::size_t in_view = 0;  // distances from the first on
   };
-  /// Lines evenly along both sides, by turns.
-  void project(const PointTransform& pose, double usable, double step, std::span<LineEnds> lines) const;
+  /// `count` lines in each stretch, evenly along both sides, by turns.
+  void project(const PointTransform& pose, double usable, double step, std::size_t count,
+               std::span<LineEnds> lines) const;
 
   const GreyView& image_;
   const CeilingCamera& camera_;
