@@ -3,32 +3,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/detector/blurred_edge.hpp"
+
 namespace luminav {
 namespace {
 
-constexpr int kBegin = -72;                            // [places] outwards of the outline, where profiles begin ...
-constexpr std::size_t kSteps = 18;                     // ... and how long they are: as far as joints are looked for
+constexpr int kBegin = -104;                           // [places] outwards of the outline, where profiles begin ...
+constexpr std::size_t kSteps = 26;                     // ... and how long they are: texture hides a tile's grey
 constexpr int kPerStep = 8;                            // places from one grey level of a profile to the next
 constexpr double kInwards = kBegin * EndCosts::kStep;  // [m]
-constexpr double kFromCorner = 0.012;                  // [m] of the side's lines from its corners, which blur rounds
-constexpr double kBeyondCorner = 0.025;                // [m] of the lines beyond them, where the other joint may cross
-constexpr double kApart = 0.004;                       // [m] between lines on the side, about a pixel ...
-constexpr double kApartBeyond = 0.004;                 // ... and beyond its corners
-constexpr int kLeastLines = 8;                         // on the side, and beyond its corners
-constexpr int kBeyond = 64;                            // lines beyond each corner
-constexpr std::array<double, EndCosts::kBlurs> kWidths{3.4, 4.5, 6.0, 8.0, 12.0};  // [px] of an edge, foot to top
-constexpr double kUnknowns = 4.0;                                                  // inside, outside, place and blur
-constexpr double kCorrelation = 1.8;  // neighbouring samples are alike: chi squared counts that much less
+constexpr double kFromCorner = 0.008;                  // [m] of the side's lines from its corners, which blur rounds
+constexpr double kApart = 0.004;                       // [m] between lines on the side, about a pixel
+constexpr int kLeastLines = 8;                         // on the side
+constexpr std::array<double, EndCosts::kBlurs> kWidths{3.6, 4.4, 5.4, 7.0, 10.0};  // [px] of an edge, foot to top
+constexpr double kUnlike = 12.0;      // chi squared by which one blur and the next speak against each other
+constexpr double kUnknowns = 4.0;     // inside, outside, place and blur
+constexpr double kCorrelation = 1.5;  // neighbouring samples are alike: chi squared counts that much less
+constexpr double kNotQuite = 3.0;     // the same beside a joint, that is not quite as bright as beyond the corners
 constexpr double kLeastShare = 0.3;   // of a pixel's variance that a line has
 constexpr double kMisfit = 0.0003;    // [m] by which a size may be off ...
 constexpr double kScale = 0.001;      // ... plus this share of half the size
 constexpr int kMostMisfit = 4;        // places
-
-/// How much of a blurred edge's far side is seen, `outside` [m] of it.
-double passed(double outside, double width) {
-  const double t = std::clamp(0.5 + outside / width, 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
 
 /// Costs of the places from -count / 2 on.
 struct PlaceCosts {
@@ -43,8 +38,8 @@ struct PlaceCosts {
 };
 
 /// Mean and variance, each place weighted by its likelihood over all blurs: beside a joint another blur may mean
-/// another place. `costs_of(blur)` are those of each place. Nothing when a place at the border of the search is best,
-/// for what lies beyond may be better.
+/// another place. `costs_of(blur)` are those of each place. Nothing when a place at
+/// the border of the search is best, for what lies beyond may be better.
 template <typename CostsOf>
 std::optional<PlaceBetween> mean_place(CostsOf costs_of) {
   std::array<PlaceCosts, EndCosts::kBlurs> costs;
@@ -85,40 +80,12 @@ double size_sigma(double half_size) {
   return kMisfit + kScale * half_size;
 }
 
-using Greys = std::array<double, kSteps>;
-
 SideProfile profile_of_side(const GreyView& image, const CeilingCamera& camera, const SideLine& side) {
   const double usable = 2.0 * (side.half_length - kFromCorner);
   const int count = std::clamp(static_cast<int>(usable / kApart) + 1, 2, SideProfile::kMostLines);
   return mean_profile(
       image, camera, side,
       {.first = kInwards, .steps = kSteps, .from = -0.5 * usable, .apart = usable / (count - 1), .count = count});
-}
-
-/// The ceiling beyond both corners of a side.
-struct CeilingBeyond {
-  Greys grey{};
-  int lines = 0;
-};
-
-CeilingBeyond ceiling_beyond_corners(const GreyView& image, const CeilingCamera& camera, const SideLine& side) {
-  CeilingBeyond ceiling;
-  for (const double corner : {1.0, -1.0}) {
-    const SideProfile beyond = mean_profile(image, camera, side,
-                                            {.first = kInwards,
-                                             .steps = kSteps,
-                                             .from = corner * (side.half_length + kBeyondCorner),
-                                             .apart = corner * kApartBeyond,
-                                             .count = kBeyond});
-    for (std::size_t k = 0; k < kSteps; ++k) {
-      ceiling.grey[k] += beyond.lines * beyond.grey[k];
-    }
-    ceiling.lines += beyond.lines;
-  }
-  for (double& grey : ceiling.grey) {
-    grey /= std::max(ceiling.lines, 1);
-  }
-  return ceiling;
 }
 
 /// How much of a blurred edge's far side is seen at each place beside it: all profiles ask for the same places.
@@ -130,7 +97,7 @@ class BlurredEdge {
   explicit BlurredEdge(double width) : half_width_(0.5 * width / EndCosts::kStep) {
     const int half = std::min(kMost, static_cast<int>(half_width_));
     for (int offset = -half; offset <= half; ++offset) {
-      passed_[static_cast<std::size_t>(offset + kMost)] = passed(offset * EndCosts::kStep, width);
+      passed_[static_cast<std::size_t>(offset + kMost)] = blurred_step(offset * EndCosts::kStep, width);
     }
   }
 
@@ -156,72 +123,85 @@ class BlurredEdge {
 /// Grey levels across a side, to be compared with fixtures that end at different places.
 class SideFit {
  public:
-  SideFit(const SideProfile& own, const CeilingBeyond& ceiling) : own_(own), ceiling_(ceiling) {
+  SideFit(const SideProfile& own, const std::optional<CeilingJoint>& joint) : own_(own) {
     for (std::size_t k = 0; k < kSteps; ++k) {
-      const double g = own.grey[k];
-      const double c = ceiling.grey[k];
-      g_[k + 1] = g_[k] + g;
-      cc_[k + 1] = cc_[k] + c * c;
-      cg_[k + 1] = cg_[k] + c * g;
-      gg_ += g * g;
+      const double share = joint ? joint->share_at(kInwards + SideProfile::kStep * static_cast<double>(k)) : 0.0;
+      tile_[k] = 1.0 - share;
+      of_joint_[k] = joint ? share * joint->grey : 0.0;
+      inside_[k + 1] = inside_[k];
+      inside_[k + 1].add(1.0, 0.0, own.grey[k]);
+      outside_[k + 1] = outside_[k];
+      outside_[k + 1].add(0.0, tile_[k], own.grey[k] - of_joint_[k]);
     }
   }
 
   /// Sum of squares that a fixture which ends at `place` leaves of the grey levels:
-  /// grey = inside * (1 - passed) + gain * passed * ceiling, inside and gain by least squares.
+  /// grey = inside * (1 - passed) + passed * (tile * (1 - share) + joint * share), inside and tile by least squares.
   [[nodiscard]] double misfit(int place, const BlurredEdge& edge) const {
     const std::size_t first = edge.foot(place);  // before it all is inside ...
     const std::size_t last = edge.top(place);    // ... and from there on outside
-    auto ii = static_cast<double>(first);
-    double ic = 0.0;
-    double cc = cc_[kSteps] - cc_[last];
-    double ig = g_[first];
-    double cg = cg_[kSteps] - cg_[last];
+    Sums sums = inside_[first];
+    sums.add(outside_[kSteps], 1.0);
+    sums.add(outside_[last], -1.0);
     for (std::size_t k = first; k < last; ++k) {
       const double beyond = edge.passed_at(kBegin + kPerStep * static_cast<int>(k) - place);
-      const double i = 1.0 - beyond;
-      const double c = beyond * ceiling_.grey[k];
-      const double g = own_.grey[k];
-      ii += i * i;
-      ic += i * c;
-      cc += c * c;
-      ig += i * g;
-      cg += c * g;
+      sums.add(1.0 - beyond, beyond * tile_[k], own_.grey[k] - beyond * of_joint_[k]);
     }
-    const double determinant = std::max(ii * cc - ic * ic, 1e-9);
-    const double inside = (cc * ig - ic * cg) / determinant;
-    const double gain = (ii * cg - ic * ig) / determinant;
-    return std::max(0.0, gg_ - inside * ig - gain * cg);
+    return sums.rest();
   }
 
  private:
+  /// Of the shares that inside and tile have in the grey levels.
+  struct Sums {
+    double ii = 0.0;
+    double it = 0.0;
+    double tt = 0.0;
+    double ig = 0.0;
+    double tg = 0.0;
+    double gg = 0.0;
+
+    void add(double inside, double tile, double grey) {
+      ii += inside * inside;
+      it += inside * tile;
+      tt += tile * tile;
+      ig += inside * grey;
+      tg += tile * grey;
+      gg += grey * grey;
+    }
+    void add(const Sums& others, double sign) {
+      ii += sign * others.ii;
+      it += sign * others.it;
+      tt += sign * others.tt;
+      ig += sign * others.ig;
+      tg += sign * others.tg;
+      gg += sign * others.gg;
+    }
+    /// What both levels leave when each is as it fits best.
+    [[nodiscard]] double rest() const {
+      const double determinant = std::max(ii * tt - it * it, 1e-9);
+      const double inside = (tt * ig - it * tg) / determinant;
+      const double tile = (ii * tg - it * ig) / determinant;
+      return std::max(0.0, gg - inside * ig - tile * tg);
+    }
+  };
+
   const SideProfile& own_;
-  const CeilingBeyond& ceiling_;
-  // Sums of the grey levels, of the ceiling's squared and of their products over the first steps.
-  std::array<double, kSteps + 1> g_{};
-  std::array<double, kSteps + 1> cc_{};
-  std::array<double, kSteps + 1> cg_{};
-  double gg_ = 0.0;
+  std::array<double, kSteps> tile_{};      // share of the tile where there is no fixture
+  std::array<double, kSteps> of_joint_{};  // [grey] what the joint adds there
+  // Over the first steps, if they are all inside or all outside of the fixture.
+  std::array<Sums, kSteps + 1> inside_{};
+  std::array<Sums, kSteps + 1> outside_{};
 };
 
 }  // namespace
 
 std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
-                                  double metres_per_px, double noise, CeilingOutside outside) {
+                                  double metres_per_px, double noise, const std::optional<CeilingJoint>& joint) {
   const SideProfile own = profile_of_side(image, camera, side);
   if (own.lines < kLeastLines) {
     return std::nullopt;
   }
-  CeilingBeyond ceiling;
-  if (outside == CeilingOutside::kEven) {
-    ceiling.grey.fill(1.0);
-  } else {
-    ceiling = ceiling_beyond_corners(image, camera, side);
-    if (ceiling.lines < kLeastLines) {
-      return std::nullopt;
-    }
-  }
-  const SideFit fit(own, ceiling);
+  const SideFit fit(own, joint);
   EndCosts costs;
   double least = 1e18;
   for (std::size_t blur = 0; blur < EndCosts::kBlurs; ++blur) {
@@ -233,8 +213,8 @@ std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& ca
     }
   }
   // What the best leaves of the grey levels is their noise, with texture and whatever else is there.
-  const double variance =
-      kCorrelation * std::max(least / (kSteps - kUnknowns), kLeastShare * noise * noise / own.lines);
+  const double variance = (joint ? kNotQuite : 1.0) * kCorrelation *
+                          std::max(least / (kSteps - kUnknowns), kLeastShare * noise * noise / own.lines);
   for (auto& of_blur : costs.cost) {
     for (double& cost : of_blur) {
       cost /= variance;
@@ -243,7 +223,24 @@ std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& ca
   return costs;
 }
 
-std::optional<PlaceBetween> place_between(const EndCosts& positive, const EndCosts& negative, double half_size) {
+void learn_blur(const EndCosts& side, BlurCosts& blurs) {
+  BlurCosts least;
+  for (std::size_t blur = 0; blur < least.size(); ++blur) {
+    least[blur] = *std::min_element(side.cost[blur].begin(), side.cost[blur].end());
+  }
+  const double best = *std::min_element(least.begin(), least.end());
+  for (std::size_t blur = 0; blur < blurs.size(); ++blur) {
+    double cost = 1e18;
+    for (std::size_t other = 0; other < least.size(); ++other) {
+      const double apart = static_cast<double>(blur) - static_cast<double>(other);
+      cost = std::min(cost, least[other] - best + kUnlike * apart * apart);
+    }
+    blurs[blur] += cost;
+  }
+}
+
+std::optional<PlaceBetween> place_between(const EndCosts& positive, const EndCosts& negative, double half_size,
+                                          const BlurCosts& blurs) {
   const double sigma = size_sigma(half_size);
   constexpr int kMostShift = EndCosts::kReach - kMostMisfit;
   return mean_place([&](std::size_t blur) {
@@ -254,17 +251,17 @@ std::optional<PlaceBetween> place_between(const EndCosts& positive, const EndCos
         least = std::min(least, positive.at(blur, misfit + shift) + negative.at(blur, misfit - shift) +
                                     std::pow(misfit * EndCosts::kStep / sigma, 2));
       }
-      costs.add(least);
+      costs.add(least + blurs[blur]);
     }
     return costs;
   });
 }
 
-std::optional<PlaceBetween> place_of(const EndCosts& end, double half_size) {
+std::optional<PlaceBetween> place_of(const EndCosts& end, double half_size, const BlurCosts& blurs) {
   auto place = mean_place([&](std::size_t blur) {
     PlaceCosts costs;
     for (int at = -EndCosts::kReach; at <= EndCosts::kReach; ++at) {
-      costs.add(end.at(blur, at));
+      costs.add(end.at(blur, at) + blurs[blur]);
     }
     return costs;
   });

@@ -3,12 +3,10 @@
 #include <array>
 #include <optional>
 
+#include "services/detector/ceiling_joint.hpp"
 #include "services/detector/side_profile.hpp"
 
 namespace luminav {
-
-/// What lies outside of a side: one grey, or the ceiling with its joints as it shows beyond the fixture's corners.
-enum class CeilingOutside { kEven, kAsBeyondCorners };
 
 /// How well the grey levels across one side of an unlit outline agree with a fixture that ends at each place: inside of
 /// it there is the fixture's grey, outside of it the ceiling.
@@ -25,9 +23,15 @@ struct EndCosts {
   }
 };
 
-/// Nothing when too little is in view. `noise` [grey] of a pixel.
+/// `joint`: what runs along the side. Nothing when too little is in view. `noise` [grey] of a pixel.
 std::optional<EndCosts> end_costs(const GreyView& image, const CeilingCamera& camera, const SideLine& side,
-                                  double metres_per_px, double noise, CeilingOutside outside);
+                                  double metres_per_px, double noise, const std::optional<CeilingJoint>& joint);
+
+/// What other sides say against each blur, chi squared; 0: nothing is known.
+using BlurCosts = std::array<double, EndCosts::kBlurs>;
+/// Adds what a side says. All sides of a fixture are about as soft, and beside a joint the softness of an edge cannot
+/// be told from its place.
+void learn_blur(const EndCosts& side, BlurCosts& blurs);
 
 /// Where an outline of known size lies between two sides.
 struct PlaceBetween {
@@ -36,8 +40,9 @@ struct PlaceBetween {
 };
 /// `half_size` [m] from the middle to each of the sides. Nothing when it agrees best at the border of the search: then
 /// the fixture's side is not what was seen.
-std::optional<PlaceBetween> place_between(const EndCosts& positive, const EndCosts& negative, double half_size);
+std::optional<PlaceBetween> place_between(const EndCosts& positive, const EndCosts& negative, double half_size,
+                                          const BlurCosts& blurs = {});
 /// The same by one side alone, outwards, where the other is not in view.
-std::optional<PlaceBetween> place_of(const EndCosts& end, double half_size);
+std::optional<PlaceBetween> place_of(const EndCosts& end, double half_size, const BlurCosts& blurs = {});
 
 }  // namespace luminav

@@ -24,7 +24,7 @@ struct SideLine {
 struct SideProfile {
   static constexpr double kStep = 0.004;  // [m] from one to the next, about a pixel
   static constexpr std::size_t kMostSteps = 40;
-  static constexpr int kMostLines = 72;
+  static constexpr int kMostLines = 144;
 
   std::array<double, kMostSteps> grey{};
   std::size_t steps = 0;

@@ -12,9 +12,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kFarthest = 0.030;       // [m] outwards of a side, of a joint that its profile would cross
-constexpr double kLargest = 0.018;        // [m] to move
-constexpr double kLoneEnd = 0.0014;       // [m] error of a place given by the edge points of the only end in view
+constexpr double kFarthest = 0.062;  // [m] outwards of a side, of a joint that its profile would cross
+constexpr double kBeside = 0.030;    // [m] the same of one that may reach under the side where a fixture hangs askew
+constexpr double kLargest = 0.018;   // [m] to move
+constexpr double kLoneEnd = 0.0014;  // [m] error of a place given by the edge points of the only end in view
 constexpr double kOneSidedBloom = 0.005;  // [m] by which bloom on one side may move an outline, at least
 
 /// Of the outline's place along one axis of its frame [m^2].
@@ -40,7 +41,9 @@ class JointRemoval {
   [[nodiscard]] double settle_across() {
     const Beside left = look_beside(kLeftSide);
     const Beside right = look_beside(kRightSide);
-    is_joint_along_ = left.joint.found || right.joint.found;
+    const bool is_left_free = !left.joint.found || left.joint.middle > kBeside;
+    const bool is_right_free = !right.joint.found || right.joint.middle > kBeside;
+    is_joint_along_ = !is_left_free || !is_right_free;
     // Where it is not seen whether a joint runs along, edge points decide: of both sides they tell it by its step down.
     const bool is_clear = left.joint.is_in_view && right.joint.is_in_view;
     if (!is_clear && !is_joint_along_) {
@@ -48,9 +51,9 @@ class JointRemoval {
     }
     // A fixture hangs askew between the joints: over a long side that is as much as the joint is wide. The side without
     // one says enough.
-    if (is_clear && left.joint.found != right.joint.found) {
-      if (const auto shift = left.joint.found ? settle_by(1, right) : settle_by(1, left)) {
-        return left.joint.found ? -*shift : *shift;
+    if (is_clear && is_left_free != is_right_free) {
+      if (const auto shift = settle_by(1, is_left_free ? left : right)) {
+        return is_left_free ? *shift : -*shift;
       }
     }
     return settle_between(1, left, right).value_or(0.0);
@@ -105,8 +108,14 @@ class JointRemoval {
     if (!side.joint.is_in_view) {
       return std::nullopt;
     }
-    return end_costs(image_, camera_, side.line, fit_.metres_per_px, noise_,
-                     side.joint.found ? CeilingOutside::kAsBeyondCorners : CeilingOutside::kEven);
+    std::optional<CeilingJoint> joint;
+    if (side.joint.found) {
+      joint = fit_ceiling_joint(image_, camera_, side.line, side.joint.middle, fit_.metres_per_px);
+      if (!joint) {
+        return std::nullopt;
+      }
+    }
+    return end_costs(image_, camera_, side.line, fit_.metres_per_px, noise_, joint);
   }
 
   /// By all grey levels across opposite sides, or across one where the other says nothing: edge points are each found
@@ -116,18 +125,26 @@ class JointRemoval {
     const auto positive_costs = costs_of(positive);
     const auto negative_costs = costs_of(negative);
     if (positive_costs && negative_costs) {
-      return settle(axis, place_between(*positive_costs, *negative_costs, half_size));
+      const auto place = place_between(*positive_costs, *negative_costs, half_size, blurs_);
+      learn_blur(*positive_costs, blurs_);
+      learn_blur(*negative_costs, blurs_);
+      return settle(axis, place);
     }
     if (positive_costs) {
-      return settle(axis, place_of(*positive_costs, half_size));
+      return settle(axis, *positive_costs);
     }
-    const auto inwards = negative_costs ? settle(axis, place_of(*negative_costs, half_size)) : std::nullopt;
+    const auto inwards = negative_costs ? settle(axis, *negative_costs) : std::nullopt;
     return inwards ? std::optional(-*inwards) : std::nullopt;
   }
   /// By one side alone; [m] outwards of it.
   [[nodiscard]] std::optional<double> settle_by(int axis, const Beside& side) {
     const auto costs = costs_of(side);
-    return costs ? settle(axis, place_of(*costs, 0.5 * (axis == 0 ? outline_.length : outline_.width))) : std::nullopt;
+    return costs ? settle(axis, *costs) : std::nullopt;
+  }
+  [[nodiscard]] std::optional<double> settle(int axis, const EndCosts& costs) {
+    const auto place = place_of(costs, 0.5 * (axis == 0 ? outline_.length : outline_.width), blurs_);
+    learn_blur(costs, blurs_);
+    return settle(axis, place);
   }
 
   /// [m] to move it.
@@ -162,6 +179,7 @@ class JointRemoval {
   const Outline& outline_;
   double noise_;  // [grey]
   OutlineFit& fit_;
+  BlurCosts blurs_{};            // as the sides looked at so far show it
   double least_variance_ = 0.0;  // [m^2] of other errors
   bool is_joint_along_ = false;  // beside a long side
 };

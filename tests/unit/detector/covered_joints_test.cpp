@@ -22,24 +22,32 @@ EndCosts costs_around(double place, double sigma) {
   return costs;
 }
 
-/// Where the profiles of both ends place a faint fixture that lies `off` [m] ahead of where it was thought to be.
-std::optional<PlaceBetween> place_of_faint_fixture(double off, std::uint32_t seed) {
+/// Where the profiles of both ends, or both long sides, place a faint fixture that lies `off` [m] ahead, or to the
+/// left, of where it was thought to be.
+std::optional<PlaceBetween> place_of_faint_fixture(Side side, double off, std::uint32_t seed) {
   constexpr double kHeight = 2.8;  // [m]
   const CameraDescription description = test::test_camera();
+  const bool end = side == kFarEnd;
   test::DrawnCeiling ceiling;
-  ceiling.shapes = {{.pose = {off, 0.0, 0.0}, .state = DetectionState::kUnlit, .darker = 8.0}};
+  ceiling.shapes = {{.pose = {end ? off : 0.0, end ? 0.0 : off, 0.0}, .state = DetectionState::kUnlit, .darker = 8.0}};
   ceiling.noise = 6.0;
   ceiling.seed = seed;
   const GreyImage image = test::draw_ceiling(ceiling, description, kHeight);
   const CeilingCamera camera(description.intrinsics, description.mounting);
+  const Eigen::Vector2d x = Eigen::Vector2d::UnitX();
+  const Eigen::Vector2d y = Eigen::Vector2d::UnitY();
   const auto costs = [&](double sign) {
-    const SideLine end{
-        .pose = {}, .height = kHeight, .along = {0.0, 1.0}, .out = {sign, 0.0}, .half_length = 0.15, .distance = 0.6};
-    return end_costs(image.view(), camera, end, 0.004, ceiling.noise, CeilingOutside::kEven);
+    const SideLine line{.pose = {},
+                        .height = kHeight,
+                        .along = end ? y : x,
+                        .out = sign * (end ? x : y),
+                        .half_length = end ? 0.15 : 0.6,
+                        .distance = end ? 0.6 : 0.15};
+    return end_costs(image.view(), camera, line, 0.004, ceiling.noise, std::nullopt);
   };
-  const auto far = costs(1.0);
-  const auto near = costs(-1.0);
-  return far && near ? place_between(*far, *near, 0.6) : std::nullopt;
+  const auto positive = costs(1.0);
+  const auto negative = costs(-1.0);
+  return positive && negative ? place_between(*positive, *negative, end ? 0.6 : 0.15) : std::nullopt;
 }
 
 TEST(CoveredJoints, PlaceAFaintFixtureByTheGreyLevelsOfItsWholeEnds) {
@@ -48,13 +56,25 @@ TEST(CoveredJoints, PlaceAFaintFixtureByTheGreyLevelsOfItsWholeEnds) {
   double normalised = 0.0;
   for (int i = 0; i < kPictures; ++i) {
     const double off = -0.009 + 0.001 * i;
-    const auto place = place_of_faint_fixture(off, static_cast<std::uint32_t>(i + 1));
+    const auto place = place_of_faint_fixture(kFarEnd, off, static_cast<std::uint32_t>(i + 1));
     ASSERT_TRUE(place) << off;
     squares += std::pow(place->shift - off, 2);
     normalised += std::pow(place->shift - off, 2) / place->variance;
   }
   EXPECT_LT(std::sqrt(squares / kPictures), 0.9e-3) << "a fifth of a pixel, with a step of 1.3 sigmas of noise";
   EXPECT_LT(normalised / kPictures, 1.7);  // chi squared of 20 values exceeds it once in 36 times
+}
+
+TEST(CoveredJoints, PlaceAFaintFixtureByAllPixelsAlongItsSides) {
+  constexpr int kPictures = 20;
+  double squares = 0.0;
+  for (int i = 0; i < kPictures; ++i) {
+    const double off = -0.009 + 0.001 * i;
+    const auto place = place_of_faint_fixture(kLeftSide, off, static_cast<std::uint32_t>(i + 1));
+    ASSERT_TRUE(place) << off;
+    squares += std::pow(place->shift - off, 2);
+  }
+  EXPECT_LT(std::sqrt(squares / kPictures), 0.4e-3) << "a twelfth of a pixel";
 }
 
 TEST(CoveredJoints, PlaceAFixtureByItsEndInAJointWhereTheOtherIsAtTheBorder) {
@@ -100,6 +120,51 @@ TEST(CoveredJoints, LeaveOpenWhichOfTwoBlursIsRight) {
   ASSERT_TRUE(place);
   EXPECT_NEAR(place->shift, 0.0, 0.1 * EndCosts::kStep);
   EXPECT_GT(std::sqrt(place->variance), 6.0 * EndCosts::kStep);
+}
+
+TEST(CoveredJoints, TakeTheBlurThatOtherSidesShow) {
+  EndCosts costs = costs_around(-6.0, 2.0);
+  costs.cost[1] = costs_around(6.0, 2.0).cost[1];  // as likely, at another place
+  EndCosts other = costs_around(0.0, 2.0);
+  for (std::size_t blur = 0; blur < EndCosts::kBlurs; ++blur) {
+    costs.cost[blur][0] += 100.0 * static_cast<double>(blur > 1);
+    for (double& cost : other.cost[blur]) {
+      cost += blur == 1 ? 0.0 : 100.0;
+    }
+  }
+  BlurCosts blurs{};
+  learn_blur(other, blurs);
+  const auto place = place_of(costs, 0.0, blurs);
+  ASSERT_TRUE(place);
+  EXPECT_NEAR(place->shift, 6.0 * EndCosts::kStep, 0.2 * EndCosts::kStep);
+  EXPECT_LT(std::sqrt(place->variance), 2.5 * EndCosts::kStep);
+}
+
+/// The joint found along the end of a fixture that is turned by `askew` [rad] in a grid of 0.6 m, the light changing
+/// along it. The end's middle is `outside` [m] beyond the joint.
+std::optional<CeilingJoint> joint_along_end(double askew, double outside) {
+  constexpr double kHeight = 2.8;  // [m]
+  test::DrawnCeiling ceiling;
+  ceiling.joint_depth = 25.0;
+  ceiling.slope_y = 60.0;
+  const CameraDescription description = test::test_camera();
+  const GreyImage image = test::draw_ceiling(ceiling, description, kHeight);
+  const CeilingCamera camera(description.intrinsics, description.mounting);
+  const SideLine end{.pose = {-0.13 + outside, 0.09, askew},
+                     .height = kHeight,
+                     .along = {0.0, 1.0},
+                     .out = {1.0, 0.0},
+                     .half_length = 0.1,
+                     .distance = 0.0};
+  return fit_ceiling_joint(image.view(), camera, end, 0.002 - outside, 0.0046);
+}
+
+TEST(CoveredJoints, FindAJointBetweenWhereItShowsBeyondBothCorners) {
+  for (const double askew : {0.0, radians(0.5), -radians(0.5)}) {
+    const auto joint = joint_along_end(askew, 0.004);
+    ASSERT_TRUE(joint);
+    EXPECT_NEAR(joint->middle, -0.004, 0.4e-3) << askew;
+  }
 }
 
 TEST(CoveredJoints, SayNothingWhenTheBorderOfTheSearchIsBest) {

@@ -97,6 +97,23 @@ TEST(ModernDetector, PlacesAnUnlitFixtureBesideAJointThatItDoesNotTouch) {
   EXPECT_LT(std::sqrt(squares / kPictures), 0.35e-3) << "a thirteenth of a pixel";
 }
 
+TEST(ModernDetector, PlacesAnUnlitFixtureWhereAJointRunsFartherFromItsEnd) {
+  constexpr int kPictures = 8;
+  double squares = 0.0;
+  for (int i = 0; i < kPictures; ++i) {
+    DrawnCeiling ceiling;
+    ceiling.seed = static_cast<std::uint32_t>(i + 1);
+    ceiling.joint_depth = 25.0;
+    const Pose2 truth{-0.178 + 0.001 * i, 0.10, 0.0};  // its far end 48 to 41 mm beside the middle of the joint
+    ceiling.shapes = {{.pose = truth, .state = DetectionState::kUnlit, .darker = 12.0}};
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << i;
+    squares += std::pow(detections[0].robot_from_fixture.x - truth.x, 2);
+    EXPECT_LT(std::sqrt(detections[0].covariance(0, 0)), 0.8e-3);
+  }
+  EXPECT_LT(std::sqrt(squares / kPictures), 0.4e-3) << "a twelfth of a pixel";
+}
+
 TEST(ModernDetector, PlacesAnUnlitFixtureByTheSideWithoutAJointWhereItHangsAskew) {
   double squares = 0.0;
   int count = 0;
