@@ -53,10 +53,11 @@ bool Disambiguation::look_alike(const View& a, const View& b) const {
 }
 
 // Chance that the truth and a rival, both drawn by weight, are told apart there.
-double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives, bool is_known_floor,
+double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives, const SearchMap& map,
                              std::vector<View>& views) const {
   views.clear();
-  double with_fixture = 0.0;
+  const bool is_known_floor = map.ground_at(place) == Ground::kFree;
+  double with_new_fixture = 0.0;
   for (const LookedAt& alternative : alternatives) {
     const Eigen::Vector2d there = alternative.world_from_odom * place;
     View view;
@@ -69,7 +70,8 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const Looke
           params_.sure_within * forecast_.view_radius()) {
         continue;  // at the border of the image: it may be seen or not
       }
-      with_fixture += view.weight;
+      // one that it passed by confirms nothing anew: a pose that is left alone waits for the next one
+      with_new_fixture += map.is_near_trail(view.odom_from_fixture.position()) ? 0.0 : view.weight;
     }
     const auto same = std::find_if(views.begin(), views.end(), [&](const View& v) { return look_alike(v, view); });
     if (same != views.end()) {
@@ -78,7 +80,7 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const Looke
       views.push_back(view);
     }
   }
-  double worth = params_.any_fixture * with_fixture;
+  double worth = params_.any_fixture * with_new_fixture;
   for (const View& truth : views) {
     for (const View& rival : views) {
       if (&truth != &rival && !truth.is_wall) {
@@ -127,7 +129,7 @@ std::optional<std::vector<Eigen::Vector2d>> Disambiguation::way(
     }
     const Eigen::Vector2d here = lattice.place_of(visit->node);
     if (!map.is_near_trail(here)) {
-      const double value = worth(here, looked_at, map.ground_at(here) == Ground::kFree, views);
+      const double value = worth(here, looked_at, map, views);
       const bool is_where_it_heads = heading_for && (here - *heading_for).norm() < 2.0 * params_.step;
       const double score = value * (is_where_it_heads ? params_.faithfulness : 1.0) / (visit->way + params_.head_start);
       if (value > params_.least_worth && score > best_score) {

@@ -34,7 +34,7 @@ struct DisambiguationParams {
   double seen_and_not = 0.55;           // what it tells when a fixture is seen that the rival has not, 1 = everything
   double missed = 0.25;                 // likewise one that the rival has and that is not there
   double wall = 0.25;                   // likewise to drive where the rival has a wall
-  double any_fixture = 0.05;            // worth of a fixture that all have
+  double any_fixture = 0.05;            // worth of a fixture that all have and none saw yet
   double least_worth = 0.02;            // less is not worth a way
   double head_start = 1.5;              // [m] added to each way, so that a little worth close by does not win
   double faithfulness = 3.0;            // what another place must be better than where it is heading
@@ -72,7 +72,7 @@ class Disambiguation {
   /// Metres that a metre there counts for; infinite: no way leads through.
   [[nodiscard]] double price(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives,
                              const SearchMap& map) const;
-  [[nodiscard]] double worth(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives, bool is_known_floor,
+  [[nodiscard]] double worth(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives, const SearchMap& map,
                              std::vector<View>& views) const;
   [[nodiscard]] bool look_alike(const View& a, const View& b) const;
 

@@ -106,6 +106,13 @@ TEST_F(DisambiguationTest, DoesNotLookAgainWhereItHasBeen) {
   EXPECT_TRUE(!found || std::abs(found->back().x()) > 1.0) << found->back().transpose();
 }
 
+TEST_F(DisambiguationTest, LeadsAPoseThatIsAloneToAFixtureThatItDidNotPass) {
+  // the first is seen well from some steps on too, but only the second says more than is known
+  const auto found = way({fixture_at(0, 1), fixture_at(0, -5)}, floor_with_walls({}), {{{0, 0, 0}, 1.0}});
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->back() - Eigen::Vector2d(0, -5)).norm(), 1.0) << found->back().transpose();
+}
+
 TEST_F(DisambiguationTest, StaysWithThePlaceItHeadsForWhileAnotherIsAsGood) {
   const std::vector<Fixture> both{fixture_at(0, 0), fixture_at(20, 0), fixture_at(20, 3), fixture_at(20, -3)};
   for (const double side : {1.0, -1.0}) {
