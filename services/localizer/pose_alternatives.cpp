@@ -6,8 +6,9 @@
 namespace luminav {
 namespace {
 
-// Whoever drives to tell poses apart must not take those for done that only sonar holds down: boxes are on no map.
-constexpr double kMostBySonar = 2.0;
+// Whoever drives to tell poses apart must not take those for done that only sonar holds down: boxes are on no map. Nor
+// must they count like the leader: the robot would for minutes seek the door that only they have.
+constexpr double kMostBySonar = 4.0;
 
 }  // namespace
 

@@ -67,7 +67,7 @@ TEST_F(PoseAlternatives, AreNotToldApartByWhatOnlySonarSays) {
   hold({3.0, 1.0, 0.0}, -12.0, -1.0);
   const std::vector<WeightedPose> poses = weigh(bank_, {}, 10);
   ASSERT_EQ(poses.size(), 3U);
-  EXPECT_GT(poses[1].weight, 0.1 * poses[0].weight);
+  EXPECT_GT(poses[1].weight, 0.01 * poses[0].weight);
   EXPECT_NEAR(poses[2].weight, std::exp(-12.0) * poses[0].weight, kTolerance);
 }
 
