@@ -8,8 +8,6 @@ namespace luminav {
 namespace {
 
 constexpr int kMargin = 4;           // steps beyond the places searched
-constexpr double kApart = 0.012;     // [m] between lines along the side
-constexpr int kLines = 16;           // beyond each corner
 constexpr double kLeastDepth = 3.0;  // [grey]
 constexpr double kSigmas = 4.0;
 
@@ -26,8 +24,8 @@ SideProfile profile_beyond(const GreyView& image, const CeilingCamera& camera, c
                       {.first = search.nearest - kMargin * SideProfile::kStep,
                        .steps = static_cast<std::size_t>(span / SideProfile::kStep) + 1,
                        .from = corner * (side.half_length + search.from_corner),
-                       .apart = corner * kApart,
-                       .count = kLines});
+                       .apart = corner * search.apart,
+                       .count = search.lines});
 }
 
 /// The deepest dark line of a profile.
@@ -65,7 +63,7 @@ JointBeside find_joint_beside(const GreyView& image, const CeilingCamera& camera
   int count = 0;
   for (const double corner : {1.0, -1.0}) {
     const SideProfile profile = profile_beyond(image, camera, side, search, corner);
-    if (profile.lines < kLines / 2) {
+    if (profile.lines < search.lines / 2) {
       continue;
     }
     beside.is_in_view = true;

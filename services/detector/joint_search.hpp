@@ -10,6 +10,8 @@ struct JointSearch {
   double nearest = -0.010;     // [m] of the joint's middle from the side, outwards
   double farthest = 0.018;     // [m]
   double from_corner = 0.025;  // [m] beyond a corner where to begin to look
+  double apart = 0.012;        // [m] between the lines looked at, along the side
+  int lines = 16;              // beyond each corner
   double noise = 4.0;          // [grey] of a pixel
 };
 

@@ -14,8 +14,12 @@ using Eigen::Vector2d;
 
 constexpr double kFarthest = 0.062;  // [m] outwards of a side, of a joint that its profile would cross
 constexpr double kBeside = 0.030;    // [m] the same of one that may reach under the side where a fixture hangs askew
-constexpr double kLargest = 0.018;   // [m] to move
-constexpr double kLoneEnd = 0.0014;  // [m] error of a place given by the edge points of the only end in view
+// Lines in which a joint is looked for beyond each corner, about as far apart as pixels are: in dim light it is hardly
+// deeper than their noise, and beside one that is missed the end lies elsewhere.
+constexpr double kApart = 0.006;  // [m]
+constexpr int kLines = 32;
+constexpr double kLargest = 0.018;        // [m] to move
+constexpr double kLoneEnd = 0.0014;       // [m] error of a place given by the edge points of the only end in view
 constexpr double kOneSidedBloom = 0.005;  // [m] by which bloom on one side may move an outline, at least
 
 /// Of the outline's place along one axis of its frame [m^2].
@@ -101,7 +105,8 @@ class JointRemoval {
     return {line, joint_beside(line)};
   }
   [[nodiscard]] JointBeside joint_beside(const SideLine& line) const {
-    return find_joint_beside(image_, camera_, line, {.farthest = kFarthest, .noise = noise_});
+    return find_joint_beside(image_, camera_, line,
+                             {.farthest = kFarthest, .apart = kApart, .lines = kLines, .noise = noise_});
   }
   /// Nothing for a side so close to the image's border that no joint would show beside it: there may be one.
   [[nodiscard]] std::optional<EndCosts> costs_of(const Beside& side) const {
