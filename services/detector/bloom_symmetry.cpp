@@ -52,10 +52,12 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     joints[1].place += shift / step;
   };
   const auto compare = [&](const OppositeSides& pair, double length, const KnownJoints& joints) {
-    Differences differences = pair.measure(pose, step);
     const bool is_joint = joints[0].is_seen() || joints[1].is_seen();
-    if (is_joint && fit.swelling < kNarrowBloom &&
-        pair.take_ceiling_off(pose, step, kBloomReach + fit.swelling, differences)) {
+    const bool is_narrow = fit.swelling < kNarrowBloom;
+    // Saturation cuts off a part of a joint that lies in broad bloom.
+    Differences differences =
+        pair.measure(pose, step, is_joint && !is_narrow ? Saturated::kLeftOut : Saturated::kCutOff);
+    if (is_joint && is_narrow && pair.take_ceiling_off(pose, step, kBloomReach + fit.swelling, differences)) {
       constexpr KnownJoint kNone{.is_known = true};
       return balance_sides(differences, length, step, {kNone, kNone});
     }

@@ -26,6 +26,12 @@ struct Differences {
   int count = 0;
 };
 
+/// What becomes of saturated samples.
+enum class Saturated {
+  kCutOff,   // both sides are cut off equally high above their ceilings, saturated or not
+  kLeftOut,  // with the opposite sample
+};
+
 /// Two opposite sides of a lit outline, to compare the light that falls off outwards from them.
 class OppositeSides {
  public:
@@ -43,8 +49,11 @@ class OppositeSides {
         length_(length),
         half_width_(half_width) {}
 
-  /// Profiles outwards from both sides, `step` [m] between samples, vignetting undone; saturated ones are left out.
-  [[nodiscard]] Differences measure(const Pose2& robot_from_outline, double step) const;
+  /// Profiles outwards from both sides, `step` [m] between samples, vignetting undone. Saturation begins nearer to a
+  /// lamp on the side with the darker ceiling; cut off, the sides differ but by what the ceilings do and by where the
+  /// lamp is, up to its steep edge. Where the ceiling beyond the bloom is out of view saturated samples are always left
+  /// out.
+  [[nodiscard]] Differences measure(const Pose2& robot_from_outline, double step, Saturated saturated) const;
 
   /// Takes off the differences what the ceiling differs by where it shows beyond the corners, `from_corner` [m] and
   /// farther: its joints, which lie beside the sides as well. False, and no change, where no corner shows both sides.

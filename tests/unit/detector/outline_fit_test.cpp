@@ -111,10 +111,48 @@ TEST(OppositeSides, TakeOffAJointBesideOneOfThemAsItShowsBeyondTheCorners) {
     }
     return most;
   };
-  Differences differences = sides.measure(truth, step);
+  Differences differences = sides.measure(truth, step, Saturated::kLeftOut);
   EXPECT_GT(largest(differences), 20.0);  // [grey]
   ASSERT_TRUE(sides.take_ceiling_off(truth, step, 0.05, differences));
   EXPECT_LT(largest(differences), 3.0);
+}
+
+TEST(OppositeSides, DifferByWhatTheirCeilingsDoUpToWhereTheyAreCutOff) {
+  const CameraDescription camera = test::test_camera();
+  const CeilingCamera model(camera.intrinsics, camera.mounting);
+  const Pose2 truth{0.1, -0.1, 0.3};
+  test::DrawnCeiling ceiling;
+  ceiling.shapes = {{.pose = truth}};
+  ceiling.slope_x = 40.0 * std::cos(truth.theta);  // [grey/m] along the lamp
+  ceiling.slope_y = 40.0 * std::sin(truth.theta);
+  const GreyImage image = test::draw_ceiling(ceiling, camera, kHeight);
+  const Outline outline{.length = 1.2, .width = 0.3, .height = kHeight};
+  const double step = 0.0045;  // [m]
+  const double swelling = 0.005;
+  const GreyView view = image.view();
+  const OppositeSides ends(view, model, outline, 0.0, {0.0, 1.0}, {1.0, 0.0}, 0.3, 0.6 + swelling);
+  const auto mean = [](const Differences& differences, std::size_t k) {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t s = 0; s < Differences::kStretches; ++s) {
+      sum += differences.valid[s][k] ? static_cast<double>(differences.value[s][k]) : 0.0;
+      count += differences.valid[s][k] ? 1 : 0;
+    }
+    return count > 0 ? sum / count : std::nan("");
+  };
+  const double of_ceiling = 40.0 * 1.2;  // [grey]
+  const auto farthest_off = [&](Saturated saturated) {
+    const Differences differences = ends.measure(truth, step, saturated);
+    double most = 0.0;
+    for (std::size_t k = 0; k < Differences::kInside + 3; ++k) {
+      const double off = std::abs(mean(differences, k) - of_ceiling);
+      most = std::isnan(off) ? most : std::max(most, off);
+    }
+    return most;
+  };
+  // The brighter end alone is saturated on the lamp's steep edge: what is left of it there looks too dark.
+  EXPECT_GT(farthest_off(Saturated::kLeftOut), 12.0);
+  EXPECT_LT(farthest_off(Saturated::kCutOff), 8.0);
 }
 
 TEST(BalanceBloom, LeavesAnOutlineInPlaceWhereTheLightIsEven) {

@@ -84,5 +84,28 @@ TEST(ProfileLanes, FindsTheLargestStepNearestToTheMiddle) {
   EXPECT_EQ(steps.at[3], -1);
 }
 
+TEST(PixelSampling, CutsPixelsOffBeforeItLooksBetweenThem) {
+  const GreyImage image = textured();
+  constexpr std::size_t kPlaces = 16;
+  std::array<float, kPlaces> x{};
+  std::array<float, kPlaces> y{};
+  std::array<float, kPlaces> limit{};
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    x[i] = 1.0F + 3.7F * static_cast<float>(i);
+    y[i] = 45.9F - 2.9F * static_cast<float>(i);
+    limit[i] = i % 2 == 0 ? 300.0F : 60.3F + static_cast<float>(i);
+  }
+  std::array<float, kPlaces> grey{};
+  bilinear_below_at(image.view(), x.data(), y.data(), limit.data(), kPlaces, grey.data());
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    GreyImage cut = image;
+    for (std::uint8_t& pixel : cut.pixels) {
+      pixel = std::min(pixel, static_cast<std::uint8_t>(std::min(limit[i], 255.0F)));
+    }
+    EXPECT_EQ(grey[i], bilinear_below(image.view(), x[i], y[i], limit[i])) << i;
+    EXPECT_NEAR(grey[i], bilinear(cut.view(), x[i], y[i]), 1.0F) << i;  // its limits are whole grey levels
+  }
+}
+
 }  // namespace
 }  // namespace luminav
