@@ -21,12 +21,13 @@ constexpr double kReach = 0.030;  // [m] of the profiles to both sides of the gu
 constexpr std::size_t kSteps = 16;
 constexpr double kStep = 0.0005;  // [m] from one place to the next
 constexpr int kFarthest = 12;     // [places] from the guess
-/// Width and depth of so thin a line cannot both be told: one of these fits, and then says how bright it is.
+/// Width and depth of so thin a line cannot both be told: one of these fits, and then says how bright it is. One that
+/// the lens blurs is taken narrower than it is: grey levels between pixels blur it once more.
 struct JointShape {
   double half_width;  // [m]
   double blur_px;     // foot to top
 };
-constexpr std::array<JointShape, 3> kShapes{{{0.006, 2.0}, {0.006, 4.4}, {0.012, 4.4}}};
+constexpr std::array<JointShape, 3> kShapes{{{0.006, 2.0}, {0.005, 4.4}, {0.012, 4.4}}};
 
 /// Tile, joint and tile of one profile.
 struct LineFit {

@@ -167,6 +167,50 @@ TEST(CoveredJoints, FindAJointBetweenWhereItShowsBeyondBothCorners) {
   }
 }
 
+/// Where a fixture is placed that hangs at the middle of the picture and is little brighter than the joints, the lens
+/// blurring both: one joint `outside` [m] of its far end, the other as far inside of its near one. No noise.
+std::optional<PlaceBetween> place_between_soft_joints(double outside) {
+  constexpr double kHeight = 2.8;  // [m]
+  const CameraDescription description = test::test_camera();
+  const CeilingCamera camera(description.intrinsics, description.mounting);
+  const auto beyond = [](double distance, double sigma) {
+    return 0.5 * std::erfc(-distance / (std::sqrt(2.0) * sigma));
+  };
+  GreyImage image = test::draw_ceiling({}, description, kHeight);
+  for (int row = 0; row < image.height; ++row) {
+    for (int column = 0; column < image.width; ++column) {
+      const auto point = camera.point_on_ceiling({1.0 * column, 1.0 * row}, kHeight);
+      const double along = std::remainder(point->x() - outside - 0.6, 0.6);
+      const double joint = beyond(along + 0.007, 0.0032) - beyond(along - 0.007, 0.0032);
+      const double covered = beyond(0.6 - std::abs(point->x()), 0.0041) * beyond(0.15 - std::abs(point->y()), 0.0041);
+      const double grey = 110.0 * (covered * 0.8 + (1.0 - covered) * (1.0 - 0.26 * joint));
+      image.pixels[static_cast<std::size_t>(row * image.width + column)] = static_cast<std::uint8_t>(std::lround(grey));
+    }
+  }
+  const auto costs = [&](double sign) {
+    const SideLine end{
+        .pose = {}, .height = kHeight, .along = {0.0, 1.0}, .out = {sign, 0.0}, .half_length = 0.15, .distance = 0.6};
+    const auto joint = fit_ceiling_joint(image.view(), camera, end, sign * outside, 0.0046);
+    return end_costs(image.view(), camera, end, 0.0046, 4.0, joint);
+  };
+  const auto far = costs(1.0);
+  const auto near = costs(-1.0);
+  const SideLine left{
+      .pose = {}, .height = kHeight, .along = {1.0, 0.0}, .out = {0.0, 1.0}, .half_length = 0.6, .distance = 0.15};
+  const auto side = end_costs(image.view(), camera, left, 0.0046, 4.0, std::nullopt);
+  BlurCosts blurs{};
+  learn_blur(side.value_or(EndCosts{}), blurs);
+  return far && near ? place_between(*far, *near, 0.6, blurs) : std::nullopt;
+}
+
+TEST(CoveredJoints, PlaceAFixtureBetweenJointsThatTheLensBlurs) {
+  for (const double outside : {-0.007, 0.005, 0.007}) {
+    const auto place = place_between_soft_joints(outside);
+    ASSERT_TRUE(place) << outside;
+    EXPECT_NEAR(place->shift, 0.0, 1e-3) << outside;
+  }
+}
+
 TEST(CoveredJoints, SayNothingWhenTheBorderOfTheSearchIsBest) {
   for (const double beyond : {-45.0, 45.0}) {
     EXPECT_FALSE(place_of(costs_around(beyond, 2.0), 0.6));
