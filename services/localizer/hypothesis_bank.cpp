@@ -283,15 +283,21 @@ void HypothesisBank::add_guess(const PoseBelief& belief, double bonus) {
   guess.settled = null_settled_;
   guess.sonar = best_sonar_;
   guess.bonus = bonus;
-  // it stands where the others do: where the robot was at the round's image, or at the one before
-  if (has_moved_) {
-    guess.belief.pose = guess.belief.pose * lag_.pose.inverse();
-  }
-  if (awaits_visit(hypotheses_.size()) && round_.has_moved) {
-    guess.belief.pose = guess.belief.pose * round_.step.pose.inverse();
-  }
+  guess.belief.pose = standing(hypotheses_.size(), belief.pose);
   add(std::move(guess));
   ranking_.begin();
+}
+
+void HypothesisBank::place(std::size_t index, const PoseBelief& belief) {
+  hypotheses_[index].belief = {standing(index, belief.pose), belief.covariance};
+}
+
+Pose2 HypothesisBank::standing(std::size_t index, const Pose2& now) const {
+  Pose2 pose = has_moved_ ? now * lag_.pose.inverse() : now;
+  if (awaits_visit(index) && round_.has_moved) {
+    pose = pose * round_.step.pose.inverse();
+  }
+  return pose;
 }
 
 PoseBelief HypothesisBank::belief_now(std::size_t index) const {

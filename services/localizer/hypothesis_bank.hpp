@@ -66,6 +66,8 @@ class HypothesisBank {
 
   /// A guess from outside, of where the robot is now.
   void add_guess(const PoseBelief& belief, double bonus);
+  /// Puts a hypothesis where the robot is now by what others know of it.
+  void place(std::size_t index, const PoseBelief& belief);
 
   [[nodiscard]] const std::vector<Hypothesis>& hypotheses() const { return hypotheses_; }
   [[nodiscard]] std::vector<Hypothesis>& hypotheses() { return hypotheses_; }
@@ -89,6 +91,8 @@ class HypothesisBank {
   void correct(Hypothesis& hypothesis, const FrameComparison& comparison) const;
   void bear_next();
   void add(Hypothesis hypothesis);
+  /// Where a pose of now stood when the hypotheses did: at the round's image, or at the one before.
+  [[nodiscard]] Pose2 standing(std::size_t index, const Pose2& now) const;
   [[nodiscard]] bool awaits_visit(std::size_t index) const { return phase_ == Phase::kCompare && index >= next_; }
 
   const FixtureMap& map_;

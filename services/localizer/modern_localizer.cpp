@@ -183,6 +183,9 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
     bank_.seed(scene_);
   }
   bank_.tidy();
+  if (fixture_utime_ == frame.utime) {
+    verdict_.keep_leader_at_filter(frame);
+  }
   decide(frame);
 }
 

@@ -246,6 +246,15 @@ void PoseVerdict::favour_what_foretold() {
   held->bonus += rules_.bonus_when_foretold;
 }
 
+// The filter follows a robot that somebody pushes or carries slowly, for fixtures stand metres apart. The leader, which
+// believes the wheels more, would lose sight of them all, and seconds later its place to any other pose.
+void PoseVerdict::keep_leader_at_filter(const SightingFrame& frame) {
+  const Hypothesis* held = leader();
+  if (is_tracking() && doubt_.empty() && held != nullptr && !bank_.is_busy() && held->last_match < frame.utime) {
+    bank_.place(static_cast<std::size_t>(held - bank_.hypotheses().data()), filter_.belief());
+  }
+}
+
 void PoseVerdict::add_rival(const PoseBelief& belief) {
   const Hypothesis* held = leader();
   const Pose2 pose = filter_.belief().pose;

@@ -43,6 +43,9 @@ class PoseVerdict {
   void judge_recalled_pose(const std::vector<int>& objects, const std::vector<FixtureMatch>& matches);
   /// Gives a doubted pose more weight once it foretold a fixture.
   void favour_what_foretold();
+  /// While TRACKING, after an image whose fixtures the filter matched: a leader that matched none of them goes where
+  /// the filter is.
+  void keep_leader_at_filter(const SightingFrame& frame);
   /// A user's guess while TRACKING: as good as the tracked pose for now.
   void add_rival(const PoseBelief& belief);
 

@@ -80,6 +80,10 @@ class CorridorDrive {
   void hang_false_fixture(double x) { false_fixtures_.push_back(x); }
 
   [[nodiscard]] LocalizerState state() const { return localizer_.estimate().state; }
+  /// How far [m] the best hypothesis is off.
+  [[nodiscard]] double hypothesis_error() const {
+    return distance(localizer_.hypotheses(1).front().pose, {x_, kMiddle, 0.0});
+  }
   [[nodiscard]] double error() const { return distance(localizer_.estimate().belief.pose, {x_, kMiddle, 0.0}); }
 
  private:
@@ -272,6 +276,16 @@ TEST(Doubt, AfterALongCutInWhichTheRobotMayHaveBeenCarriedNeedsTwoFixtures) {
   drive.drive_to(13.6);  // under the next
   EXPECT_EQ(drive.state(), LocalizerState::kTracking);
   EXPECT_LT(drive.error(), 0.05);
+}
+
+TEST(Doubt, TakesTheHypothesisAlongWhenTheRobotIsPushedInSight) {
+  CorridorDrive drive;
+  EXPECT_TRUE(drive.drive_to(4.0).size() < 5);
+  EXPECT_FALSE(drive.push_to(4.9, 0.1)) << "slower than any slip, and always below the same fixture";
+  EXPECT_LT(drive.error(), 0.1);
+  EXPECT_LT(drive.hypothesis_error(), 0.1) << "the list must not hold another pose for the best than POSE says";
+  EXPECT_TRUE(drive.drive_to(9.0).empty());
+  EXPECT_LT(drive.hypothesis_error(), 0.05);
 }
 
 }  // namespace
