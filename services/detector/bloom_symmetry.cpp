@@ -51,12 +51,11 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     joints[0].place -= shift / step;
     joints[1].place += shift / step;
   };
-  const auto compare = [&](const OppositeSides& pair, double length, const KnownJoints& joints) {
+  const auto compare = [&](const OppositeSides& pair, double length, const KnownJoints& joints, Saturated saturated) {
     const bool is_joint = joints[0].is_seen() || joints[1].is_seen();
     const bool is_narrow = fit.swelling < kNarrowBloom;
     // Saturation cuts off a part of a joint that lies in broad bloom.
-    Differences differences =
-        pair.measure(pose, step, is_joint && !is_narrow ? Saturated::kLeftOut : Saturated::kCutOff);
+    Differences differences = pair.measure(pose, step, is_joint && !is_narrow ? Saturated::kLeftOut : saturated);
     if (is_joint && is_narrow && pair.take_ceiling_off(pose, step, kBloomReach + fit.swelling, differences)) {
       constexpr KnownJoint kNone{.is_known = true};
       return balance_sides(differences, length, step, {kNone, kNone});
@@ -71,11 +70,12 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
   for (int pass = 0; pass < 3 && !(across_settled && along_settled); ++pass) {
     Pose2 change;
     if (!along_settled) {
-      along = compare(ends, outline.width, end_joints);
+      along = compare(ends, outline.width, end_joints, Saturated::kCutOff);
       change.x = along ? along->shift : 0.0;
     }
     if (!across_settled) {
-      across = compare(sides, outline.length, side_joints);
+      // The burning half of a fixture fades into the dark one more slowly than into the ceiling.
+      across = compare(sides, outline.length, side_joints, Saturated::kLeftOut);
       // The edges know the direction as well: the mean of both is better than either.
       change.theta = across && pass == 0 ? 0.5 * across->turn : 0.0;
       // What is left of the turn must not move what is seen of the sides.
