@@ -14,8 +14,10 @@ std::vector<Disambiguation::LookedAt> Disambiguation::chosen(std::span<const Pos
     sum += std::pow(alternative.weight, params_.flattening);
   }
   std::vector<LookedAt> result;
-  const auto look_at = [&](const PoseAlternative& alternative, double weight) {
-    result.push_back({PointTransform(alternative.world_from_odom), alternative.world_from_odom.inverse(), weight});
+  // one chosen for many stands for their chance too
+  const auto look_at = [&](const PoseAlternative& alternative, double weight, double stands_for) {
+    result.push_back({PointTransform(alternative.world_from_odom), alternative.world_from_odom.inverse(), weight,
+                      stands_for * alternative.weight});
   };
   double passed = 0.0;
   double next = 0.5;  // in shares of 1 / most
@@ -23,10 +25,10 @@ std::vector<Disambiguation::LookedAt> Disambiguation::chosen(std::span<const Pos
     const double share = sum > 0.0 ? std::pow(alternative.weight, params_.flattening) / sum : 0.0;
     passed += share * params_.most;
     if (static_cast<int>(alternatives.size()) <= params_.most) {
-      look_at(alternative, share);
+      look_at(alternative, share, 1.0);
     } else if (passed > next) {
       const double count = std::ceil(passed - next);
-      look_at(alternative, count / params_.most);
+      look_at(alternative, count / params_.most, count / (params_.most * share));
       next += count;
     }
   }
@@ -34,11 +36,13 @@ std::vector<Disambiguation::LookedAt> Disambiguation::chosen(std::span<const Pos
 }
 
 double Disambiguation::free_share(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives) const {
-  double share = 0.0;
+  double with_room = 0.0;
+  double sum = 0.0;
   for (const LookedAt& alternative : alternatives) {
-    share += forecast_.has_room(alternative.world_from_odom * place) ? alternative.weight : 0.0;
+    with_room += forecast_.has_room(alternative.world_from_odom * place) ? alternative.chance : 0.0;
+    sum += alternative.chance;
   }
-  return share;
+  return sum > 0.0 ? with_room / sum : 0.0;
 }
 
 bool Disambiguation::look_alike(const View& a, const View& b) const {

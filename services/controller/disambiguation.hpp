@@ -65,7 +65,8 @@ class Disambiguation {
   struct LookedAt {
     PointTransform world_from_odom;
     Pose2 odom_from_world;
-    double weight = 0.0;
+    double weight = 0.0;  // flattened: what it counts as a rival
+    double chance = 0.0;  // of being the truth
   };
   [[nodiscard]] std::vector<LookedAt> chosen(std::span<const PoseAlternative> alternatives) const;
   [[nodiscard]] double free_share(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives) const;

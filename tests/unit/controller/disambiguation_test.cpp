@@ -79,6 +79,20 @@ TEST_F(DisambiguationTest, GoesAroundAWallThatAllHave) {
   EXPECT_GT(farthest, 2.0);
 }
 
+TEST_F(DisambiguationTest, GoesAroundAWallOfTheLikeliestHoweverManyUnlikelyOnesHaveNone) {
+  const PriorMap walls = floor_with_walls({{{-2, 1.2}, {2, 1.4}}});
+  for (const int many : {20, 2000}) {
+    std::vector<PoseAlternative> alternatives(static_cast<std::size_t>(many), {{20, 0, 0}, 0.1 / many});
+    alternatives.front() = {{0, 0, 0}, 0.9};
+    const auto found = way(kTwoAlike, walls, alternatives);
+    ASSERT_TRUE(found);
+    EXPECT_GT(found->back().y(), 1.4);
+    for (const Eigen::Vector2d& place : *found) {
+      EXPECT_TRUE(std::abs(place.x()) > 2.0 || std::abs(place.y() - 1.3) > 0.2) << many << ": " << place.transpose();
+    }
+  }
+}
+
 TEST_F(DisambiguationTest, GoesAroundWhatWasFoundShut) {
   for (double x = -1.5; x < 1.6; x += 0.3) {
     map_.shut({x, 1.3});
