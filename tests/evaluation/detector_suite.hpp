@@ -16,8 +16,8 @@ struct DetectorCondition {
   double milliseconds = 0.0;  // per frame
 };
 
-/// Measures the lighting matrix on the laboratory's ceiling, lamps and mounting drawn anew for each world; the last
-/// entry, "matrix", is over all frames. `mode` "paper", else modern. Says on stderr how far it is.
+/// Measures the lighting matrix on the ceilings of laboratory and office, lamps and mounting drawn anew for each world;
+/// the last entry, "matrix", is over all frames. `mode` "paper", else modern. Says on stderr how far it is.
 std::vector<DetectorCondition> measure_detector(const std::string& mode, int threads);
 
 }  // namespace luminav
