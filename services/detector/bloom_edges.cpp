@@ -22,7 +22,6 @@ using Eigen::Vector2d;
 constexpr int kMostPoints = 240;       // the long and the short sides of a large one
 constexpr double kSpacing = 4.0;       // [px]
 constexpr double kCorner = 6.0;        // [px] from a corner nothing is measured
-constexpr int kSearch = 6;             // [px] to each side of the edge that the fit found
 constexpr double kBeyondBloom = 14.0;  // [px] from there to the middle of where the ceiling is taken
 constexpr std::size_t kDistances = 6;  // 2 px apart
 constexpr double kLevel = 0.8;         // of the way from the ceiling to saturation
@@ -179,8 +178,8 @@ class BloomLevel {
         point.pixel = pixel;
         point.normal_px = (ahead - pixel) / step;
         point.metres_per_px = kAhead / step;
-        point.in_view = is_sampled(image_, pixel + (kSearch + 1) * point.normal_px) &&
-                        is_sampled(image_, pixel - (kSearch + 1) * point.normal_px);
+        point.in_view = is_sampled(image_, pixel + (kBloomSearch + 1) * point.normal_px) &&
+                        is_sampled(image_, pixel - (kBloomSearch + 1) * point.normal_px);
       }
     }
   }
@@ -316,7 +315,7 @@ class BloomLevel {
     SomePoints::AllMeans near_means;
     seen.sample(image_, kNear, near_means);
     SomePoints open;
-    std::array<std::array<float, 2 * kSearch + 1>, kMostPoints> profiles;
+    std::array<std::array<float, 2 * kBloomSearch + 1>, kMostPoints> profiles;
     for (std::size_t n = 0; n < seen.indices().size(); ++n) {
       const std::size_t i = seen.indices()[n];
       const auto nearest = crossing(near_means[n], -4, level_at(points_[i]));
@@ -333,7 +332,7 @@ class BloomLevel {
       std::copy_n(far_means[n].begin(), 2, profiles[n].begin());
       std::copy_n(far_means[n].begin() + 2, 3, profiles[n].end() - 3);
       const std::size_t i = open.indices()[n];
-      offsets[i] = crossing(profiles[n], -kSearch, level_at(points_[i])).value_or(kNothing);
+      offsets[i] = crossing(profiles[n], -kBloomSearch, level_at(points_[i])).value_or(kNothing);
     }
   }
 

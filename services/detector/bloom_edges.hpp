@@ -6,6 +6,8 @@
 
 namespace luminav {
 
+inline constexpr int kBloomSearch = 6;  // [px] to each side of the edge that the fit found
+
 /// Moves the outline of a lit fixture to where its bloom falls to the same height above the ceiling on all sides.
 ///
 /// A lamp saturates the sensor, and so does the bloom next to it: the fixture's own edge does not show, the edge that

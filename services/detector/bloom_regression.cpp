@@ -19,9 +19,9 @@ constexpr double kCutoff = 3.0;       // sigmas, Tukey's
 constexpr double kEvenOutwardSigma = 1.5;  // [grey]
 constexpr double kUnevenLight = 0.06;      // of the difference
 constexpr double kOutwardSigma = 4.0;      // [grey] of the whole, where it does not change evenly
-// Of the constant difference, 1 sigma, by which the edges' light may differ: the brighter side's is cut off farther
-// out.
-constexpr double kUnevenEdge = 0.3;
+// [1/px] of the square of what the edges would have to move to make the constant difference, 1 sigma: much of the steep
+// edge is cut off beside a dark ceiling, and a little of it matters little (rendered window glare).
+constexpr double kUnevenEdge = 0.04;
 // Of a joint that is seen beyond the corners:
 constexpr double kProfileHeight = 1.25;    // of its profile in depths, which are means over some pixels
 constexpr double kHeightSigma = 0.15;      // of its height ...
@@ -89,13 +89,13 @@ class Regression {
     }
     const Matrix covariance = information_.inverse();
     const double steepest = *std::max_element(samples_.fall.begin(), samples_.fall.end());
-    const double uneven_px = kUnevenEdge * solution_(1) / std::max(steepest, 1.0);
-    const double variance = covariance(0, 0) + joint_variance_ + square(uneven_px);
     Balance balance;
+    balance.uneven_variance = step * step * square(kUnevenEdge * square(solution_(1) / std::max(steepest, 1.0)));
     balance.shift = step * (solution_(0) + joint_pull_);
     balance.turn = step * solution_(4) / length;
-    balance.covariance << step * step * variance, step * step / length * covariance(0, 4),
-        step * step / length * covariance(0, 4), step * step / (length * length) * covariance(4, 4);
+    const double variance = step * step * (covariance(0, 0) + joint_variance_) + balance.uneven_variance;
+    balance.covariance << variance, step * step / length * covariance(0, 4), step * step / length * covariance(0, 4),
+        step * step / (length * length) * covariance(4, 4);
     return balance;
   }
 

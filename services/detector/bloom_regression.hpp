@@ -25,6 +25,7 @@ using KnownJoints = std::array<KnownJoint, 2>;  // of the positive and the negat
 struct Balance {
   double shift = 0.0;          // [m] towards the positive side
   double turn = 0.0;           // [rad]
+  double uneven_variance = 0;  // [m^2] of the shift, in its covariance: for sides that are not equally bright
   Eigen::Matrix2d covariance;  // of both
 };
 

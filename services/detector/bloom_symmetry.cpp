@@ -4,9 +4,11 @@
 #include <cmath>
 #include <optional>
 
+#include "services/detector/bloom_edges.hpp"
 #include "services/detector/bloom_regression.hpp"
 #include "services/detector/joint_search.hpp"
 #include "services/detector/opposite_sides.hpp"
+#include "services/detector/pixel_sampling.hpp"
 
 namespace luminav {
 namespace {
@@ -18,8 +20,37 @@ constexpr int kDistances = Differences::kDistances;
 constexpr double kBloomReach = 0.05;     // [m] from a corner, beyond which a joint shows
 constexpr double kNarrowBloom = 0.008;   // [m] of swelling; in broader bloom a joint shows less than on the ceiling
 constexpr double kUnevenBloom = 0.01;    // of the swelling, 1 sigma
-constexpr double kLargestShift = 0.008;  // [m]
+constexpr double kLargestShift = 0.008;  // [m] ...
+constexpr double kLargestShare = 0.5;    // ... or this share of the swelling: of a joint in broad bloom
 constexpr double kSettled = 0.03;        // [px] of a shift: it would be measured the same again
+// How far off level bloom may put an outline, 1 sigma (rendered frames):
+constexpr double kLevelSigmaPx = 0.7;
+constexpr double kUnevenLevel = 0.2;  // of the swelling
+
+/// [m] by which to go back of what an outline was `moved` along it from where its bloom is level. Where the ceilings
+/// beyond its ends are far from equally bright the balance is less sure than the level.
+double go_back(double moved, double level_variance, Balance& balance) {
+  const double share = balance.uneven_variance / (balance.uneven_variance + level_variance);
+  balance.covariance(0, 0) -= share * balance.uneven_variance;
+  return -share * moved;
+}
+
+/// The only end whose bloom could be levelled, the border being too close to the other: 1 the far one, -1 the near one;
+/// 0 if that is true of both or none.
+int only_level_end(const GreyView& image, const CeilingCamera& camera, const Outline& outline, const OutlineFit& fit) {
+  const auto is_in_view = [&](double end) {
+    const double edge = 0.5 * outline.length + fit.swelling;
+    for (const double place : {edge, edge + kBloomSearch * fit.metres_per_px}) {
+      const auto pixel =
+          camera.pixel_of_ceiling_point(fit.robot_from_outline * Vector2d(end * place, 0.0), outline.height);
+      if (!pixel || !is_sampled(image, *pixel)) {
+        return false;
+      }
+    }
+    return true;
+  };
+  return (is_in_view(1.0) ? 1 : 0) - (is_in_view(-1.0) ? 1 : 0);
+}
 
 }  // namespace
 
@@ -62,6 +93,7 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     }
     return balance_sides(differences, length, step, joints);
   };
+  const double largest_shift = std::max(kLargestShift, kLargestShare * fit.swelling);
   const double middle = 0.5 * (fit.visible_from + fit.visible_to);
   std::optional<Balance> across;
   std::optional<Balance> along;
@@ -70,8 +102,9 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
   for (int pass = 0; pass < 3 && !(across_settled && along_settled); ++pass) {
     Pose2 change;
     if (!along_settled) {
-      along = compare(ends, outline.width, end_joints, Saturated::kCutOff);
-      change.x = along ? along->shift : 0.0;
+      const auto balance = compare(ends, outline.width, end_joints, Saturated::kCutOff);
+      along = balance ? balance : along;
+      change.x = balance ? balance->shift : 0.0;
     }
     if (!across_settled) {
       // The burning half of a fixture fades into the dark one more slowly than into the ceiling.
@@ -81,7 +114,7 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
       // What is left of the turn must not move what is seen of the sides.
       change.y = across ? across->shift + (across->turn - change.theta) * middle : 0.0;
     }
-    if (std::abs(change.x) > kLargestShift || std::abs(change.y) > kLargestShift || std::abs(change.theta) > 0.02) {
+    if (std::max(std::abs(change.x), std::abs(change.y)) > largest_shift || std::abs(change.theta) > 0.02) {
       return;
     }
     pose = pose * change;
@@ -90,7 +123,15 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     along_settled = std::abs(change.x) < kSettled * step;
     across_settled = std::abs(change.y) < kSettled * step;
   }
-  fit.robot_from_outline = pose;
+  const Pose2 moved = fit.robot_from_outline.inverse() * pose;
+  Pose2 back;
+  if (along) {
+    back.x = go_back(moved.x, std::pow(kLevelSigmaPx * step, 2) + std::pow(kUnevenLevel * fit.swelling, 2), *along);
+  } else {
+    // What was off the level beside a long side went by halves into place and swelling, by which the end was placed.
+    back.x = -only_level_end(image, camera, outline, fit) * std::abs(moved.y + moved.theta * middle);
+  }
+  fit.robot_from_outline = pose * back;
   // Of the place `at` [m] along the sides.
   const auto variance = [&](const Balance& balance, double at) {
     return balance.covariance(0, 0) + 2.0 * at * balance.covariance(0, 1) + at * at * balance.covariance(1, 1) +

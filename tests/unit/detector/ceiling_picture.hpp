@@ -24,7 +24,7 @@ struct DrawnShape {
 
 /// Everything that makes a picture of a ceiling hard, in grey levels.
 struct DrawnCeiling {
-  std::vector<DrawnShape> shapes;
+  std::vector<DrawnShape> shapes = {};
   double grey = 110.0;
   double slope_x = 0.0;  // [grey/m] of daylight, robot frame
   double slope_y = 0.0;

@@ -56,36 +56,66 @@ TEST(OutlineFitter, RefusesAPlaceWithoutEdges) {
   EXPECT_FALSE(fitter.fit(image.view(), {.length = 1.2, .width = 0.3, .height = kHeight}, {}, {0.0, 0.0, 0.0}));
 }
 
-/// A lamp whose bloom saturates, with a dark joint 18 mm beside its right side.
-struct LampBesideAJoint {
+/// A lamp whose bloom has been levelled.
+struct LevelledLamp {
   CameraDescription camera = test::test_camera();
   CeilingCamera model{camera.intrinsics, camera.mounting};
-  Pose2 truth{0.1, -0.117, 0.0};
-  Outline outline{.length = 1.2, .width = 0.15, .height = kHeight};
+  Pose2 truth;
+  Outline outline;
   OutlineFitParams params{.swelling_sigma = 0.02, .vignetting = 0.0};
   GreyImage image;
   OutlineFit fit;
 
-  explicit LampBesideAJoint(double joint_depth) {
-    test::DrawnCeiling ceiling;
-    ceiling.shapes = {{.pose = truth, .width = 0.15}};
-    ceiling.joint_depth = joint_depth;
-    ceiling.bloom = 250.0;
+  LevelledLamp(test::DrawnCeiling ceiling, const Pose2& lamp, double width)
+      : truth(lamp), outline{.length = 1.2, .width = width, .height = kHeight} {
+    ceiling.shapes = {{.pose = truth, .width = width}};
     image = test::draw_ceiling(ceiling, camera, kHeight);
     const auto found = OutlineFitter(model).fit(image.view(), outline, params, truth);
     EXPECT_TRUE(found);
     fit = found.value_or(OutlineFit{});
     level_bloom(image.view(), model, outline, params, fit);
   }
+  void balance() { balance_bloom(image.view(), model, outline, params, fit); }
+  [[nodiscard]] Pose2 error() const { return truth.inverse() * fit.robot_from_outline; }
 };
 
+constexpr double kSaturatedBloom = 250.0;     // [grey] at the lamp's edge
+constexpr double kLampWidth = 0.15;           // [m]
+const Pose2 kBesideAJoint{0.1, -0.117, 0.0};  // 18 mm beside its right side
+
 TEST(BalanceBloom, TakesAJointBesideOneSideForWhatItIs) {
-  LampBesideAJoint seen(30.0);
-  EXPECT_GT(std::abs(seen.fit.robot_from_outline.y - seen.truth.y), 1.0e-3);
-  balance_bloom(seen.image.view(), seen.model, seen.outline, seen.params, seen.fit);
-  EXPECT_NEAR(seen.fit.robot_from_outline.x, seen.truth.x, 0.9e-3);  // 4.5 mm per pixel
-  EXPECT_NEAR(seen.fit.robot_from_outline.y, seen.truth.y, 0.9e-3);
-  EXPECT_NEAR(seen.fit.robot_from_outline.theta, seen.truth.theta, radians(0.05));
+  LevelledLamp lamp({.joint_depth = 30.0, .bloom = kSaturatedBloom}, kBesideAJoint, kLampWidth);
+  EXPECT_GT(std::abs(lamp.error().y), 1.0e-3);
+  lamp.balance();
+  EXPECT_NEAR(lamp.error().x, 0.0, 0.9e-3);  // 4.5 mm per pixel
+  EXPECT_NEAR(lamp.error().y, 0.0, 0.9e-3);
+  EXPECT_NEAR(lamp.error().theta, 0.0, radians(0.05));
+}
+
+TEST(BalanceBloom, MovesAnOutlineFarWhereAJointLiesInBroadBloom) {
+  const Pose2 truth{-0.163, -0.45, 0.0};  // its far end 33 mm beside the middle of a joint
+  LevelledLamp lamp({.joint_depth = 50.0, .bloom = kSaturatedBloom, .bloom_reach = 0.06}, truth, kLampWidth);
+  EXPECT_LT(lamp.error().x, -7.0e-3);
+  lamp.balance();
+  EXPECT_NEAR(lamp.error().x, 0.0, 1.5e-3);
+}
+
+TEST(BalanceBloom, KeepsToTheLevelWhereTheCeilingBeyondOneEndIsFarBrighter) {
+  for (const double slope : {-140.0, 140.0}) {  // [grey/m] along it
+    LevelledLamp lamp({.grey = 130.0, .slope_x = slope}, {0.1, -0.1, 0.0}, 0.3);
+    lamp.balance();
+    EXPECT_NEAR(lamp.error().x, 0.0, 1.2e-3) << "3 mm by the balance alone";
+    EXPECT_GT(std::sqrt(lamp.fit.covariance(0, 0)), 1.0e-3);
+  }
+}
+
+TEST(BalanceBloom, PlacesTheOnlyEndInViewByTheBloomOfASideWithoutAJoint) {
+  const Pose2 truth{0.475, -0.117, 0.0};  // the border hides its far end's bloom
+  LevelledLamp lamp({.joint_depth = 35.0, .bloom = kSaturatedBloom}, truth, kLampWidth);
+  EXPECT_LT(lamp.error().x, -3.0e-3);
+  lamp.balance();
+  EXPECT_NEAR(lamp.error().x, 0.0, 1.0e-3);
+  EXPECT_NEAR(lamp.error().y, 0.0, 1.0e-3);
 }
 
 TEST(OppositeSides, TakeOffAJointBesideOneOfThemAsItShowsBeyondTheCorners) {
@@ -156,10 +186,10 @@ TEST(OppositeSides, DifferByWhatTheirCeilingsDoUpToWhereTheyAreCutOff) {
 }
 
 TEST(BalanceBloom, LeavesAnOutlineInPlaceWhereTheLightIsEven) {
-  LampBesideAJoint seen(0.0);
-  balance_bloom(seen.image.view(), seen.model, seen.outline, seen.params, seen.fit);
-  EXPECT_NEAR(seen.fit.robot_from_outline.x, seen.truth.x, 0.9e-3);
-  EXPECT_NEAR(seen.fit.robot_from_outline.y, seen.truth.y, 0.9e-3);
+  LevelledLamp lamp({.bloom = kSaturatedBloom}, kBesideAJoint, kLampWidth);
+  lamp.balance();
+  EXPECT_NEAR(lamp.error().x, 0.0, 0.9e-3);
+  EXPECT_NEAR(lamp.error().y, 0.0, 0.9e-3);
 }
 
 }  // namespace
