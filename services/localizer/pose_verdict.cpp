@@ -208,6 +208,7 @@ void PoseVerdict::resume(bool was_followed) {
     return;
   }
   is_recalled_ = false;
+  was_tracking_ = false;  // it is plain that it was carried: no pose is in doubt, and the search is as the first one
   watch_.reset();
   scene_.clear();
   bank_.clear();

@@ -83,7 +83,7 @@ class PoseVerdict {
 
   LocalizerState state_ = LocalizerState::kLost;
   std::string reason_ = "no fixture seen yet";
-  bool was_tracking_ = false;  // a pose was held for true before
+  bool was_tracking_ = false;  // a pose was held for true, and nobody was seen to carry the robot off since
   int leader_id_ = 0;          // hypothesis that the filter follows; 0 = none
   bool wide_ = false;          // the filter's covariance is too wide to call it tracking
   std::string doubt_;          // why the leader was put in doubt; "" = it is not

@@ -27,7 +27,9 @@ RobotDescription robot() {
 class CorridorDrive {
  public:
   /// With one more fixture at `extra`, if given.
-  explicit CorridorDrive(std::optional<double> extra = {}) : corridor_(corridor(extra)) {
+  explicit CorridorDrive(std::optional<double> extra = {}, const TrackingRules& rules = {})
+      : corridor_(corridor(extra)),
+        localizer_(corridor_.building, corridor_.walls, robot(), ErrorParams{}, {{}, {}, rules}) {
     localizer_.recall({{x_, kMiddle, 0.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()});
   }
 
@@ -125,7 +127,7 @@ class CorridorDrive {
   }
 
   testing::TestBuilding corridor_;
-  ModernLocalizer localizer_{corridor_.building, corridor_.walls, robot(), ErrorParams{}, ModernLocalizerParams{}};
+  ModernLocalizer localizer_;
   double x_ = 1.0;     // [m] true place along the corridor
   double odom_ = 0.0;  // [m]
   double reach_ = 0.5;
@@ -250,6 +252,19 @@ TEST(Doubt, OfARobotPushedOutOfSightOfItsFixtureEndsInASearch) {
   EXPECT_EQ(drive.state(), LocalizerState::kAmbiguous);
   drive.drive_to(13.6);  // here too all fixtures look alike
   EXPECT_EQ(drive.state(), LocalizerState::kAmbiguous);
+}
+
+TEST(Doubt, OfARobotThatWasPlainlyMovedAwayIsNoneAndTheSearchAsTheFirst) {
+  TrackingRules rules;
+  rules.first_margin = 3.5;
+  rules.enter_margin = 1000.0;  // after a doubt
+  CorridorDrive drive(11.7, rules);
+  drive.drive_to(7.3);
+  drive.push_to(9.0);
+  ASSERT_EQ(drive.state(), LocalizerState::kLost);
+  drive.drive_to(20.0);  // past the one place that has no like
+  EXPECT_EQ(drive.state(), LocalizerState::kTracking);
+  EXPECT_LT(drive.error(), 0.05);
 }
 
 TEST(Doubt, AfterTheSerialLineWasCutEndsAtTheFirstFixture) {
