@@ -6,6 +6,18 @@
 #include "services/controller/seconds_between.hpp"
 
 namespace luminav {
+namespace {
+
+/// Is a point of one list nearer than a distance [m] to a point of the other?
+bool are_within(const std::vector<Eigen::Vector2d>& some, const std::vector<Eigen::Vector2d>& others, double distance) {
+  return std::any_of(some.begin(), some.end(), [&](const Eigen::Vector2d& one) {
+    return std::any_of(others.begin(), others.end(),
+                       [&](const Eigen::Vector2d& other) { return (one - other).squaredNorm() < distance * distance; });
+  });
+}
+
+}  // namespace
+
 EchoMemory::EchoMemory(const SonarRing& ring, const EchoMemoryParams& params) : ring_(ring), params_(params) {
   for (const Pose2& disc : ring_.robot_from_sonar) {
     Sector sector{-ring_.half_angle, ring_.half_angle};
@@ -48,13 +60,9 @@ double EchoMemory::approach_speed(const SonarFiring& firing) const {
 
 // Is one of its points where another echo came from a while ago? Somebody who walks has gone on since.
 bool EchoMemory::was_heard_before(const Echo& echo) const {
-  const double within = params_.stands_within * params_.stands_within;
   return std::any_of(echoes_.begin(), echoes_.end(), [&](const Echo& older) {
     return seconds_between(older.utime, echo.utime) >= params_.stands_after &&
-           std::any_of(older.points_in_odom.begin(), older.points_in_odom.end(), [&](const Eigen::Vector2d& then) {
-             return std::any_of(echo.points_in_odom.begin(), echo.points_in_odom.end(),
-                                [&](const Eigen::Vector2d& now) { return (now - then).squaredNorm() < within; });
-           });
+           are_within(older.points_in_odom, echo.points_in_odom, params_.stands_within);
   });
 }
 
@@ -64,11 +72,13 @@ void EchoMemory::refute(const SonarFiring& firing) {
   const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
   const PointTransform sonar_from_odom(odom_from_sonar.inverse());
   const double cone = 0.8 * ring_.half_angle;
+  std::vector<Eigen::Vector2d> gone;
   for (Echo& echo : echoes_) {
     const bool is_same_view =
         echo.disc == firing.disc && distance(echo.odom_from_robot, firing.odom_from_robot) < params_.same_place &&
         std::abs(wrap_angle(echo.odom_from_robot.theta - firing.odom_from_robot.theta)) < params_.same_heading;
     if (is_same_view && firing.range > echo.range + params_.refute_margin) {
+      gone.insert(gone.end(), echo.points_in_odom.begin(), echo.points_in_odom.end());
       echo.points_in_odom.clear();
       continue;
     }
@@ -85,6 +95,15 @@ void EchoMemory::refute(const SonarFiring& firing) {
       return range > ring_.minimum_range && range < firing.range - params_.refute_margin &&
              std::abs(std::atan2(seen.y(), seen.x())) < cone;
     });
+  }
+  if (!gone.empty()) {
+    remember_less_beside(gone);
+  }
+}
+
+void EchoMemory::remember_less_beside(const std::vector<Eigen::Vector2d>& gone) {
+  for (Echo& echo : echoes_) {
+    echo.may_be_gone = echo.may_be_gone || are_within(echo.points_in_odom, gone, params_.stands_within);
   }
 }
 
@@ -156,7 +175,8 @@ std::vector<ObstaclePoint> EchoMemory::points_of(std::int64_t now, const Pose2& 
     const bool is_near = echo.range < params_.near;
     // a rear corner swings where no disc looks, and at a slant a thing is silent: it stands there all the same
     const double standing = is_near && echo.has_stood && !echo.is_known ? params_.remember : 0.0;
-    if (age > std::max({echo.keep, standing, is_near ? longest_near : longest})) {
+    const double longer = std::max(standing, is_near ? longest_near : longest);
+    if (age > std::max(echo.keep, echo.may_be_gone ? 0.0 : longer)) {
       continue;
     }
     // after half a second a newer firing has the say about who approaches

@@ -78,6 +78,7 @@ class EchoMemory {
     double axis_in_odom = 0.0;  // [rad] of the disc that heard it
     bool is_known = false;
     bool has_stood = false;
+    bool may_be_gone = false;  // what was heard beside it has gone
     std::vector<Eigen::Vector2d> points_in_odom;
   };
   [[nodiscard]] std::vector<ObstaclePoint> points_of(std::int64_t now, const Pose2& odom_from_robot, double longest,
@@ -85,6 +86,9 @@ class EchoMemory {
   [[nodiscard]] bool was_heard_before(const Echo& echo) const;
   [[nodiscard]] double approach_speed(const SonarFiring& firing) const;
   void refute(const SonarFiring& firing);
+  /// Of what has gone from these places [m, odom] other echoes tell too, from other headings and by other discs: they
+  /// are remembered no longer than what never stood.
+  void remember_less_beside(const std::vector<Eigen::Vector2d>& gone);
 
   SonarRing ring_;
   EchoMemoryParams params_;

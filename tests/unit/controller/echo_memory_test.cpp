@@ -91,6 +91,18 @@ TEST_F(EchoMemoryTest, KeepsWhatStandsNearThoughItFallsSilent) {
   EXPECT_TRUE(at(23.0).empty());
 }
 
+// Somebody stood beside a robot that turned a little meanwhile, and went away.
+TEST_F(EchoMemoryTest, TakesWhatStoodForGoneWhereTheSameThingWasHeardAndIsNotHeardAnyMore) {
+  const Pose2 turned{0.0, 0.0, radians(8.0)};
+  fire(0.0, kAhead, 0.3);
+  fire(1.0, kAhead, 0.3);
+  fire(2.0, kAhead, 0.3, turned);
+  fire(2.5, kAhead, 5.0, turned);
+  EXPECT_FALSE(memory_.obstacles_without_map(time(3.0), turned).empty()) << "for a while it may have been an error";
+  EXPECT_TRUE(at(4.0, turned).empty());
+  EXPECT_TRUE(memory_.obstacles_without_map(time(4.0), turned).empty());
+}
+
 TEST_F(EchoMemoryTest, TellsWhatStandsFromWhatWalks) {
   fire(0.0, kAhead, 1.5);
   EXPECT_FALSE(at(0.0).back().has_stood);
