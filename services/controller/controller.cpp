@@ -118,6 +118,9 @@ bool Controller::has_met_people(std::int64_t now) const {
 // half a metre later.
 DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const {
   const double share = std::clamp(nearest / config_.care_within, config_.care_least, 1.0);
+  // without a map all walls are unknown, but people do not stand still for long: it turns beside what stands
+  const double news = task_ == ControlTask::kWander ? obstacles_.least_news_distance(10.0) : nearest;
+  const double turn_share = std::clamp(news / config_.care_within, config_.care_least, 1.0);
   double linear = share * config_.robot.limits.linear;
   const std::span<const ObstaclePoint> measured = obstacles_.measured();
   for (std::size_t i = 0; i < measured.size(); ++i) {
@@ -135,7 +138,7 @@ DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const
     const double most = config_.robot.limits.linear;
     linear = std::min(linear, most - (1.0 - fraction) * std::max(0.0, most - config_.news_speed));
   }
-  const double angular = share * config_.robot.limits.angular;
+  const double angular = turn_share * config_.robot.limits.angular;
   return {std::clamp(wanted.linear, -linear, linear), std::clamp(wanted.angular, -angular, angular)};
 }
 
@@ -252,10 +255,19 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, Contro
   situation.may_back = input.ages.rear_sonar < config_.stop_logic.disc_silent_after;
   situation.by_unknown = by_unknown;
   situation.people_about = has_met_people(input.now);
-  if (output.follow.phase == FollowPhase::kTurning) {
+  if (input.task == ControlTask::kWander) {
+    situation.wish = situation.turn = wander_.turn_left();
+    situation.people_about = false;  // it waited for them, and elsewhere it learns as much
+  } else if (output.follow.phase == FollowPhase::kTurning) {
     situation.turn = output.follow.heading_error;
   }
-  if (const auto move = choose_escape(situation, obstacles_, stop_logic_)) {
+  const auto move = choose_escape(situation, obstacles_, stop_logic_);
+  // a way is not wrong because there is no room to turn to it
+  const bool keeps_to_its_way = move && move->frees_a_turn && escapes_ < config_.escapes_most;
+  if (input.task == ControlTask::kWander && !keeps_to_its_way) {
+    wander_.give_up(input.now, input.odom_from_robot);
+  }
+  if (move) {
     escape_ = Escape{*move, input.now};
     output.state = ControlState::kEscaping;
     output.reason = move->name;
@@ -319,16 +331,14 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
       follower_.is_within_tolerance(*input.world_from_robot)) {
     follower_.settle();
   }
-  const double patience = waits_for_people ? config_.patience : config_.patience_with_things;
+  const double with_people = input.task == ControlTask::kWander ? config_.patience_searching : config_.patience;
+  const double patience = waits_for_people ? with_people : config_.patience_with_things;
   const bool is_stuck = output.seconds_without_progress > config_.stuck_after;
   const bool is_waiting = standing > 0.0 && standing < patience;
   // who is only to turn where it stands does not leave its place for that
   const bool only_turns = input.task == ControlTask::kFollow && follower_.path().points.size() == 1;
   if ((standing > patience || without_progress > config_.stuck_after) && !is_waiting && !only_turns &&
       input.now >= next_escape_) {
-    if (input.task == ControlTask::kWander) {
-      wander_.give_up(input.now, input.odom_from_robot);
-    }
     begin_escape(input, verdict.by_unknown, output);
   }
   // somebody who stands about is no reason to give up a goal, for a while

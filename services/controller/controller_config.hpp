@@ -34,6 +34,7 @@ struct ControllerConfig {
   double teleop_silent_after = 0.3;   // [s] dead man
   double teleop_pause = 1.0;          // [s] after a person let go, before it drives by itself again
   double patience = 6.5;              // [s] it waits for people to go away
+  double patience_searching = 3.0;    // [s] the same while it can as well look elsewhere
   double patience_with_things = 1.5;  // [s] the same for what never moved
   double people_within = 2.0;         // [m] something that comes nearer within it is a person
   double people_remembered = 8.0;     // [s]

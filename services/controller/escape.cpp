@@ -65,7 +65,7 @@ Moves places_to_turn(double side) {
   for (const double duration : {0.8, 1.6, 2.8}) {
     for (const double linear : {-0.12, 0.12}) {
       for (const double angular : {0.0, 0.35 * side, -0.35 * side}) {
-        moves.push_back({{{{linear, angular}, duration}}, "making room to turn"});
+        moves.push_back({{{{linear, angular}, duration}}, "making room to turn", true});
       }
     }
   }

@@ -15,7 +15,8 @@ struct EscapeMove {
     double duration = 0.0;  // [s]
   };
   std::vector<Arc> arcs;
-  std::string name;  // for people: "backing", "turning left", ...
+  std::string name;           // for people: "backing", "turning left", ...
+  bool frees_a_turn = false;  // that was not free before
 };
 
 struct EscapeSituation {

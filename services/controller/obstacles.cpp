@@ -86,18 +86,28 @@ double Obstacles::least_distance_ahead(double most) const {
   return least;
 }
 
-double Obstacles::least_unknown_distance(double most) const {
+template <class Counts>
+double Obstacles::least_distance_of(double most, const Counts& counts) const {
   double least_squared = kInfinite;
   for (std::size_t i = 0; i < measured_.size(); ++i) {
-    least_squared = measured_[i].is_known ? least_squared : std::min(least_squared, squared_from_box_[i]);
+    least_squared = counts(measured_[i]) ? std::min(least_squared, squared_from_box_[i]) : least_squared;
   }
   double least = most;
   visit_within(std::min(most, std::sqrt(least_squared) + footprint_.most_inside_box()), [&](std::size_t i) {
-    if (i < measured_.size() && !measured_[i].is_known) {
+    if (i < measured_.size() && counts(measured_[i])) {
       least = std::min(least, footprint_.distance(points_[i]));
     }
   });
   return least;
+}
+
+double Obstacles::least_unknown_distance(double most) const {
+  return least_distance_of(most, [](const ObstaclePoint& obstacle) { return !obstacle.is_known; });
+}
+
+double Obstacles::least_news_distance(double most) const {
+  return least_distance_of(most,
+                           [](const ObstaclePoint& obstacle) { return !obstacle.is_known && !obstacle.has_stood; });
 }
 
 }  // namespace luminav

@@ -57,6 +57,8 @@ class Obstacles {
   [[nodiscard]] double least_distance_ahead(double most) const;
   /// The same of what is on no map.
   [[nodiscard]] double least_unknown_distance(double most) const;
+  /// The same of what is on no map and was not there half a second ago.
+  [[nodiscard]] double least_news_distance(double most) const;
   /// Calls `visit(i)` for all that are at most `distance` [m] from the outline, in order, and for a few more.
   template <typename Visit>
   void visit_within(double distance, const Visit& visit) const {
@@ -80,6 +82,9 @@ class Obstacles {
   /// Which of a block's points have at most this squared distance [m^2] from the box.
   [[nodiscard]] std::uint64_t within(std::size_t first, double squared) const;
   void measure();
+  /// The least distance of those measured that count.
+  template <class Counts>
+  [[nodiscard]] double least_distance_of(double most, const Counts& counts) const;
 
   Footprint footprint_;
   std::vector<ObstaclePoint> measured_;

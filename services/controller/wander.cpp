@@ -12,6 +12,7 @@ void Wander::clear() {
   last_step_ = 0;
   decided_at_.reset();
   is_turning_ = is_turning_to_way_ = false;
+  turn_left_ = 0.0;
   heading_.reset();
   map_.clear();
   way_.clear();
@@ -69,6 +70,15 @@ void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
   decided_at_.reset();
 }
 
+double Wander::way_round(double angle, const Obstacles& obstacles) const {
+  const auto is_free = [&](double turn) {
+    return stop_logic_.is_free({0.0, std::copysign(params_.angular, turn)}, std::abs(turn) / params_.angular,
+                               obstacles);
+  };
+  const double sign = angle > 0.0 ? 1.0 : -1.0;
+  return !is_free(angle) && is_free(angle - sign * 2.0 * kPi) ? -sign : sign;
+}
+
 void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
                     std::span<const ObstaclePoint> remembered) {
   const Obstacles obstacles(stop_logic_.footprint(), remembered);
@@ -88,15 +98,7 @@ void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_ro
   }
   is_turning_ = true;
   target_ = wrap_angle(odom_from_robot.theta + best);
-  turn_sign_ = best > 0.0 ? 1.0 : -1.0;
-  // the short way unless only the long one is free
-  const auto is_turn_free = [&](double angle) {
-    return stop_logic_.is_free({0.0, std::copysign(params_.angular, angle)}, std::abs(angle) / params_.angular,
-                               obstacles);
-  };
-  if (!is_turn_free(best) && is_turn_free(best - turn_sign_ * 2.0 * kPi)) {
-    turn_sign_ = -turn_sign_;
-  }
+  turn_sign_ = way_round(best, obstacles);
 }
 
 void Wander::plan(const WanderInput& input) {
@@ -169,6 +171,7 @@ DriveTwist Wander::step(const WanderInput& input) {
     map_.fade();
   }
   plan(input);
+  turn_left_ = 0.0;
   return way_.empty() ? explore(duration, input) : follow_way(duration, input);
 }
 
@@ -188,13 +191,15 @@ DriveTwist Wander::follow_way(double duration, const WanderInput& input) {
   const double direction = std::atan2(target.y(), target.x());
   if (!is_turning_to_way_ && std::abs(direction) > params_.turn_from) {
     is_turning_to_way_ = true;
-    turn_sign_ = std::copysign(1.0, direction);
+    turn_sign_ = way_round(direction, input.obstacles);
+    takes_long_way_round_ = turn_sign_ * direction < 0.0;
   }
   is_turning_to_way_ = is_turning_to_way_ && std::abs(direction) > params_.turn_until;
   if (is_turning_to_way_) {
     heading_.reset();
     // what lies behind changes sides with every step: once begun, the turn goes on the same way round
-    const double sign = std::abs(direction) < 0.5 * kPi ? direction : turn_sign_;
+    const double sign = std::abs(direction) < 0.5 * kPi && !takes_long_way_round_ ? direction : turn_sign_;
+    turn_left_ = direction;
     return {0.0, std::copysign(params_.angular, sign)};
   }
   return steer(direction, duration, input);
@@ -210,6 +215,7 @@ DriveTwist Wander::explore(double duration, const WanderInput& input) {
       is_turning_ = false;
       decided_at_ = odom_from_robot.position();
     } else {
+      turn_left_ = error;
       const double rate = std::clamp(1.6 * std::abs(error), 0.15, params_.angular);
       // near the end the sign is the error's own, before it the way round that was chosen
       return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_sign_ * params_.angular};

@@ -74,6 +74,8 @@ class Wander {
   void clear();
   /// The current direction did not work: the stop logic refused it.
   void give_up(std::int64_t now, const Pose2& odom_from_robot);
+  /// What is left of the turn on the spot that it wishes for [rad]; 0: it wishes for none.
+  [[nodiscard]] double turn_left() const { return turn_left_; }
 
  private:
   struct Failure {
@@ -89,6 +91,8 @@ class Wander {
   [[nodiscard]] DriveTwist follow_way(double duration, const WanderInput& input);
   [[nodiscard]] DriveTwist explore(double duration, const WanderInput& input);
   [[nodiscard]] DriveTwist steer(double direction, double duration, const WanderInput& input);
+  /// Sign of the way round to a heading [rad, robot frame]: the short one unless only the long one is free.
+  [[nodiscard]] double way_round(double angle, const Obstacles& obstacles) const;
   void decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
               std::span<const ObstaclePoint> remembered);
   [[nodiscard]] bool stays(std::int64_t now, const Eigen::Vector2d& place);
@@ -117,6 +121,8 @@ class Wander {
   double target_ = 0.0;  // [rad] odom, of the turn
   double turn_sign_ = 1.0;
   bool is_turning_to_way_ = false;
+  bool takes_long_way_round_ = false;  // of that turn
+  double turn_left_ = 0.0;             // [rad] of a turn on the spot
   Eigen::Vector2d repulsive_ = Eigen::Vector2d::Zero();
 };
 

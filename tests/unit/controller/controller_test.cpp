@@ -69,6 +69,64 @@ TEST(Controller, DoesNotLeaveItsPlaceWhenItIsOnlyToTurnThere) {
   }
 }
 
+/// A robot that searches before a wall, so that it wants to turn, with a thing at a place.
+ControlInput search_with(const ObstaclePoint& thing) {
+  ControlInput input;
+  input.task = ControlTask::kWander;
+  input.ages = {0.05, 0.05, 0.2, 0.2, false, false};
+  for (double y = -0.6; y < 0.65; y += 0.1) {
+    input.echoes.push_back(thing_at(0.60, y, true));
+  }
+  input.echoes.push_back(thing);
+  input.remembered = input.echoes;
+  return input;
+}
+
+TEST(Controller, MakesRoomWhereACornerForbidsTheTurnToItsWayOfSearch) {
+  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  ControlInput input = search_with(thing_at(-0.27, 0.285, true));
+  input.echoes.push_back(thing_at(-0.27, -0.285, true));  // beside the rear corners, which swing out
+  input.remembered = input.echoes;
+  std::string reason;
+  for (int i = 1; i <= 100 && reason.empty(); ++i) {
+    input.now = 1'000'000 + 50'000 * i;
+    const ControlOutput output = controller.step(input);
+    reason = output.state == ControlState::kEscaping ? output.reason : "";
+  }
+  EXPECT_EQ(reason, "making room to turn");
+}
+
+TEST(Controller, TurnsAtFullSpeedBesideWhatStoodWhileItSearches) {
+  const auto rate_beside = [](bool has_stood) {
+    Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+    ControlInput input = search_with(thing_at(0.0, 0.55, has_stood));
+    double rate = 0.0;
+    for (int i = 1; i <= 30; ++i) {
+      input.now = 1'000'000 + 50'000 * i;
+      rate = std::max(rate, std::abs(controller.step(input).twist.angular));
+    }
+    return rate;
+  };
+  EXPECT_NEAR(rate_beside(true), radians(45.0), 1e-6);
+  EXPECT_LT(rate_beside(false), radians(42.0));
+}
+
+TEST(Controller, DoesNotWaitLongForPeopleWhileItMayAsWellSearchElsewhere) {
+  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  ControlInput input = search_with(thing_at(0.0, 0.29, false));
+  input.echoes.back().approach = 0.5;
+  input.echoes.push_back(thing_at(0.0, -0.29, false));
+  input.echoes.back().approach = 0.5;
+  input.remembered = input.echoes;
+  double waited = 0.0;  // [s]
+  for (int i = 1; i <= 200 && waited == 0.0; ++i) {
+    input.now = 1'000'000 + 50'000 * i;
+    waited = controller.step(input).state == ControlState::kEscaping ? 0.05 * i : 0.0;
+  }
+  EXPECT_GT(waited, 2.9);
+  EXPECT_LT(waited, 6.4) << "which is what it waits on its way to a goal";
+}
+
 TEST(Controller, ForgetsThePeopleItMetWhenTheOdometryBeginsAnew) {
   Controller controller(ControllerConfig::for_robot(testing::test_robot()));
   controller.set_path({.points = {{0.0, 0.0}, {2.0, 0.0}}});

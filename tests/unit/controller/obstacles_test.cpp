@@ -55,6 +55,16 @@ TEST(Obstacles, AreTheMeasuredOnesThenTheWalls) {
   EXPECT_DOUBLE_EQ(obstacles[1].approach, 0.0);
 }
 
+TEST(Obstacles, TellHowFarNewsAreFromTheOutline) {
+  const ObstaclePoint wall{{1.3, 0.0}, 0.0, 0.1, true, false};
+  const ObstaclePoint what_stood{{1.4, 0.0}, 0.0, 0.1, false, true};
+  const ObstaclePoint news{{1.5, 0.0}, 0.0, 0.1, false, false};
+  const Obstacles obstacles(kOctagon, std::vector<ObstaclePoint>{wall, what_stood, news});
+  EXPECT_NEAR(obstacles.least_unknown_distance(10.0), 1.2, 1e-9);
+  EXPECT_NEAR(obstacles.least_news_distance(10.0), 1.3, 1e-9);
+  EXPECT_DOUBLE_EQ(obstacles.least_news_distance(0.5), 0.5);
+}
+
 TEST(Obstacles, ForgetWhatStoodNearerBefore) {
   std::vector<ObstaclePoint> near(6);
   for (std::size_t i = 0; i < near.size(); ++i) {

@@ -138,6 +138,25 @@ TEST_F(WanderTest, TakesTheLongWayRoundIfOnlyThatIsFree) {
   EXPECT_LT(step({}, things).angular, 0.0);
 }
 
+TEST_F(WanderTest, TurnsTheLongWayRoundToItsWayIfOnlyThatIsFree) {
+  hear({kBehindLeft}, 2.4);
+  ASSERT_GT(step().angular, 0.0);
+  step({0.0, 0.0, radians(150.0)});  // it has turned there
+  const std::vector<ObstaclePoint> things{testing::obstacle_at(-0.137, -0.376)};
+  ASSERT_FALSE(stop_logic_.is_free({0.0, 0.5}, 3.0, testing::around(things))) << "a rear corner would swing into it";
+  for (double theta = 0.0; theta > -150.0; theta -= 10.0) {
+    EXPECT_LT(step({0.0, 0.0, radians(theta)}, things).angular, 0.0) << theta;
+  }
+}
+
+TEST_F(WanderTest, SaysWhatIsLeftOfATurn) {
+  EXPECT_DOUBLE_EQ(wander_.turn_left(), 0.0);
+  hear({kBehindLeft}, 2.4);
+  EXPECT_NEAR(wander_.turn_left(), radians(150.0), radians(12.0));
+  step({0.0, 0.0, radians(145.0)});
+  EXPECT_DOUBLE_EQ(wander_.turn_left(), 0.0);
+}
+
 TEST_F(WanderTest, ForgetsAllOnClear) {
   const auto drive = [&](Wander& wander) {
     now_ = 1'000'000;
