@@ -18,7 +18,7 @@
 namespace luminav {
 
 struct WanderParams {
-  double speed = 0.25;                // [m/s]
+  double speed = 0.4;                 // [m/s]
   double angular = radians(45.0);     // [rad/s]
   double place_side = 0.5;            // [m] of the squares in which it counts where it has been
   double reach = 3.0;                 // [m] a direction is worth at most so much free way

@@ -82,6 +82,19 @@ ControlInput search_with(const ObstaclePoint& thing) {
   return input;
 }
 
+TEST(Controller, SearchesFreeFloorAlmostAsFastAsItDrivesThere) {
+  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  ControlInput input = search_with(thing_at(9.0, 0.0, true));
+  input.echoes.clear();
+  input.remembered.clear();
+  double speed = 0.0;
+  for (int i = 1; i <= 40; ++i) {
+    input.now = 1'000'000 + 50'000 * i;
+    speed = controller.step(input).twist.linear;
+  }
+  EXPECT_GE(speed, 0.8 * testing::test_robot().limits.linear - 1e-6);
+}
+
 TEST(Controller, MakesRoomWhereACornerForbidsTheTurnToItsWayOfSearch) {
   Controller controller(ControllerConfig::for_robot(testing::test_robot()));
   ControlInput input = search_with(thing_at(-0.27, 0.285, true));
