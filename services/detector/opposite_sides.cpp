@@ -33,6 +33,55 @@ std::size_t count_in_view(const GreyView& image, const Vector2d& first, const Ve
   return count;
 }
 
+/// Over the lines of all stretches, by distance.
+struct StretchTotals {
+  std::array<std::array<double, kDistances>, 2> falls{};
+  std::array<int, kDistances> fall_counts{};
+  DistanceSums room{};
+  std::size_t pairs = 0;
+
+  void add(const StretchSums& sums) {
+    for (std::size_t k = 0; k < kDistances; ++k) {
+      falls[0][k] += static_cast<double>(sums.fall[0][k]);
+      falls[1][k] += static_cast<double>(sums.fall[1][k]);
+      fall_counts[k] += sums.falls[k];
+    }
+  }
+  [[nodiscard]] double fall(std::size_t side, std::size_t k) const {
+    return fall_counts[k] > 0 ? falls[side][k] / fall_counts[k] : 0.0;
+  }
+  /// Where both sides are at their limits there is nothing to compare.
+  [[nodiscard]] bool is_cut_off(std::size_t k) const {
+    return k < kNear && static_cast<double>(room[k]) < kLeastRoom * static_cast<double>(pairs);
+  }
+};
+
+/// Compares the lines of a stretch, of which the far halves have been sampled: cut off where the positive side's
+/// ceiling is known to be `brighter` [grey], otherwise without what is saturated.
+StretchSums compare_near(const GreyView& image, const std::optional<float>& brighter, StretchLines& lines,
+                         StretchTotals& totals) {
+  alignas(32) std::array<float, 2 * kMostLines * kRow> light{};
+  if (brighter) {
+    limit_near(*brighter, lines);
+    bilinear_below_at(image, lines.x.data(), lines.y.data(), lines.limit.data(), 2 * lines.pairs * kNear,
+                      lines.grey.data());
+    unveil_cut(lines, light.data(), totals.room);
+  } else {
+    bilinear_at(image, lines.x.data(), lines.y.data(), 2 * lines.pairs * kNear, lines.grey.data());
+    unveil(lines, light.data());
+  }
+  totals.pairs += lines.pairs;
+  for (std::size_t line = 0; line < 2 * lines.pairs; ++line) {
+    float* of_line = &light[line * kRow + kFirst];
+    of_line[-1] = of_line[0];
+    std::fill(of_line + lines.in_view[line / 2], of_line + kDistances, -1.0F);
+  }
+  StretchSums sums;
+  compare(light.data(), lines.pairs, sums);
+  totals.add(sums);
+  return sums;
+}
+
 }  // namespace
 
 Differences OppositeSides::measure(const Pose2& robot_from_outline, double step, Saturated saturated) const {
@@ -44,6 +93,38 @@ Differences OppositeSides::measure(const Pose2& robot_from_outline, double step,
   std::array<LineEnds, 2 * kStretches * kMostLines> lines;
   project(PointTransform(robot_from_outline), usable, step, count, lines);
   Stretches stretches;
+  place_lines(lines, count, stretches);
+  constexpr std::size_t kHalf = StretchLines::kHalf;
+  for (StretchLines& seen : stretches) {
+    bilinear_at(image_, &seen.x[kHalf], &seen.y[kHalf], 2 * seen.pairs * kNear, &seen.grey[kHalf]);
+  }
+  // Without it there is nothing to tell how high above their ceilings the sides are cut off.
+  const std::optional<float> brighter = saturated == Saturated::kCutOff ? ceiling_step(stretches) : std::nullopt;
+  StretchTotals totals;
+  for (std::size_t stretch = 0; stretch < kStretches; ++stretch) {
+    result.place[stretch] = usable * ((static_cast<double>(stretch) + 0.5) / kStretches - 0.5);
+    const StretchSums sums = compare_near(image_, brighter, stretches[stretch], totals);
+    for (std::size_t k = 0; k < kDistances; ++k) {
+      result.valid[stretch][k] = 2 * sums.lines[k] > static_cast<int>(count);
+      if (result.valid[stretch][k]) {
+        result.value[stretch][k] = sums.difference[k] / static_cast<float>(sums.lines[k]);
+      }
+    }
+  }
+  for (std::size_t k = 0; k < kDistances; ++k) {
+    const bool is_cut_off = brighter && totals.is_cut_off(k);
+    for (std::size_t stretch = 0; stretch < kStretches; ++stretch) {
+      result.valid[stretch][k] = result.valid[stretch][k] && !is_cut_off;
+      result.count += result.valid[stretch][k] ? 1 : 0;
+    }
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+      result.fall[side][k] = totals.fall(side, k);
+    }
+  }
+  return result;
+}
+
+void OppositeSides::place_lines(std::span<const LineEnds> lines, std::size_t count, Stretches& stretches) const {
   const double width = image_.width;
   const double height = image_.height;
   const Vignetting lens{static_cast<float>(vignetting_ / (0.25 * (width * width + height * height))),
@@ -61,61 +142,6 @@ Differences OppositeSides::measure(const Pose2& robot_from_outline, double step,
     place_along(negative.first, negative.advance, both - 1, lens, 2 * stretch.pairs + 1, stretch);
     ++stretch.pairs;
   }
-  constexpr std::size_t kHalf = StretchLines::kHalf;
-  for (StretchLines& seen : stretches) {
-    bilinear_at(image_, &seen.x[kHalf], &seen.y[kHalf], 2 * seen.pairs * kNear, &seen.grey[kHalf]);
-  }
-  // Without it there is nothing to tell how high above their ceilings the sides are cut off.
-  const std::optional<float> brighter = saturated == Saturated::kCutOff ? ceiling_step(stretches) : std::nullopt;
-  std::array<std::array<double, kDistances>, 2> falls{};  // sums over all lines
-  std::array<int, kDistances> fall_counts{};
-  DistanceSums room{};
-  std::size_t all_pairs = 0;
-  alignas(32) std::array<float, 2 * kMostLines * kRow> light{};
-  for (std::size_t stretch = 0; stretch < kStretches; ++stretch) {
-    StretchLines& seen = stretches[stretch];
-    result.place[stretch] = usable * ((static_cast<double>(stretch) + 0.5) / kStretches - 0.5);
-    if (brighter) {
-      limit_near(*brighter, seen);
-      bilinear_below_at(image_, seen.x.data(), seen.y.data(), seen.limit.data(), 2 * seen.pairs * kNear,
-                        seen.grey.data());
-      unveil_cut(seen, light.data(), room);
-    } else {
-      bilinear_at(image_, seen.x.data(), seen.y.data(), 2 * seen.pairs * kNear, seen.grey.data());
-      unveil(seen, light.data());
-    }
-    all_pairs += seen.pairs;
-    for (std::size_t pair = 0; pair < seen.pairs; ++pair) {
-      for (std::size_t line = 2 * pair; line < 2 * pair + 2; ++line) {
-        float* of_line = &light[line * kRow + kFirst];
-        of_line[-1] = of_line[0];
-        std::fill(of_line + seen.in_view[pair], of_line + kDistances, -1.0F);
-      }
-    }
-    StretchSums sums;
-    compare(light.data(), seen.pairs, sums);
-    for (std::size_t k = 0; k < kDistances; ++k) {
-      falls[0][k] += static_cast<double>(sums.fall[0][k]);
-      falls[1][k] += static_cast<double>(sums.fall[1][k]);
-      fall_counts[k] += sums.falls[k];
-      result.valid[stretch][k] = 2 * sums.lines[k] > static_cast<int>(count);
-      if (result.valid[stretch][k]) {
-        result.value[stretch][k] = sums.difference[k] / static_cast<float>(sums.lines[k]);
-      }
-    }
-  }
-  for (std::size_t k = 0; k < kDistances; ++k) {
-    const bool is_cut_off =
-        brighter && k < kNear && static_cast<double>(room[k]) < kLeastRoom * static_cast<double>(all_pairs);
-    for (std::size_t stretch = 0; stretch < kStretches; ++stretch) {
-      result.valid[stretch][k] = result.valid[stretch][k] && !is_cut_off;
-      result.count += result.valid[stretch][k] ? 1 : 0;
-    }
-    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-      result.fall[side][k] = fall_counts[k] > 0 ? falls[side][k] / fall_counts[k] : 0.0;
-    }
-  }
-  return result;
 }
 
 bool OppositeSides::take_ceiling_off(const Pose2& robot_from_outline, double step, double from_corner,

@@ -32,6 +32,8 @@ enum class Saturated {
   kLeftOut,  // with the opposite sample
 };
 
+struct StretchLines;
+
 /// Two opposite sides of a lit outline, to compare the light that falls off outwards from them.
 class OppositeSides {
  public:
@@ -70,6 +72,9 @@ class OppositeSides {
   /// `count` lines in each stretch, evenly along both sides, by turns.
   void project(const PointTransform& pose, double usable, double step, std::size_t count,
                std::span<LineEnds> lines) const;
+  /// Those pairs that are in view, `count` lines of each side in a stretch.
+  void place_lines(std::span<const LineEnds> lines, std::size_t count,
+                   std::array<StretchLines, Differences::kStretches>& stretches) const;
 
   const GreyView& image_;
   const CeilingCamera& camera_;
