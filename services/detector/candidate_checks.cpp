@@ -13,13 +13,15 @@ namespace {
 
 using Eigen::Vector2d;
 
+constexpr std::array<Side, 2> kEnds{kFarEnd, kNearEnd};
 constexpr double kBlurredEdge = 2.5;   // [px] by which an outline may always miss, however coarse the pixels
 constexpr double kFitted = 0.020;      // [m] by which bloom may be wider than it was proposed
 constexpr double kMostAcross = 0.030;  // [m] 1 sigma of its place across
 constexpr double kLeastDisc = 16.0;    // [px] across: smaller ones must be lit, with an edge nearly all round
 constexpr double kSpeckFit = 0.92;
-constexpr double kAlikeSides = 0.6;  // least step of a side, of the other's
-constexpr double kSureSides = 0.79;  // share of both sides and of one end, where the other end is noisy
+constexpr double kOfLeastVisible = 0.85;  // so close to the border no edges are looked for
+constexpr double kAlikeSides = 0.6;       // least step of a side, of the other's
+constexpr double kSureSides = 0.79;       // share of both sides and of one end, where the other end is noisy
 // Of a fixture whose other long side is out of view:
 constexpr double kLeastStretch = 0.4;  // of the side that is seen, or of an unlit piece without ends
 constexpr double kLeastOfLamp = 0.32;  // of the length, of a lit piece without ends
@@ -28,6 +30,28 @@ constexpr double kMostHeading = radians(0.7);
 // Of an unlit fixture without ends, the least depth of its outermost stretches against that of the others: joints carry
 // its long sides on beyond an end that is in view (there 0 to 0.57, up to the border 0.73 to 1.0; simulated pictures).
 constexpr double kGoesOn = 0.6;
+
+// Step of one side, of the other's: 0.88 to 1.0 of lamps, to 0.75 of the burning half beside a dark one (simulated
+// pictures).
+constexpr double kSameLight = 0.8;
+constexpr int kSaturated = 225;  // [grey] what is filled above that has no dark half
+
+/// [m] of the length that is in the image; edge points leave out the corners of lit ones.
+double length_in_view(const OutlineFit& fit, const Outline& outline) {
+  const double from = fit.end_visible(kNearEnd) ? -0.5 * outline.length : fit.visible_from;
+  const double to = fit.end_visible(kFarEnd) ? 0.5 * outline.length : fit.visible_to;
+  return to - from;
+}
+
+/// True when a long side of which only a point or two are in view shows its edge there, and an end reaches up to it.
+bool shows_its_width(const OutlineFit& fit, Side only_side) {
+  const auto other = static_cast<std::size_t>(only_side == kLeftSide ? kRightSide : kLeftSide);
+  const bool any_end = std::any_of(kEnds.begin(), kEnds.end(), [&](Side end) {
+    return fit.end_visible(end) && 4 * fit.on_edge[end] >= 3 * fit.expected[end];
+  });
+  const auto [least, most] = std::minmax(fit.side_step[kLeftSide], fit.side_step[kRightSide]);
+  return any_end && fit.in_view[other] > 0 && fit.on_edge[other] == fit.in_view[other] && least > kSameLight * most;
+}
 
 }  // namespace
 
@@ -47,8 +71,9 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
     return objection_to_disc(frame, candidate, level);
   }
   const std::optional<Side> only_side = fit.only_side();
+  const bool one_side = only_side && !(bright && shows_its_width(fit, *only_side));
   if (const char* why =
-          only_side ? objection_to_one_side(candidate, *only_side, bright) : objection_to_edges(candidate, bright)) {
+          one_side ? objection_to_one_side(candidate, *only_side, bright) : objection_to_edges(candidate, level)) {
     return why;
   }
   if (!bright && !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
@@ -81,7 +106,7 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   if (!candidate.hypothesis.is_element && fit.covariance(1, 1) > kMostAcross * kMostAcross) {
     return "too uncertain";
   }
-  if (only_side) {
+  if (one_side) {
     const PieceFromOneSide piece(frame, camera_, candidate, *only_side, bright);
     return !piece.stands_out()                ? "no brighter or darker than its surroundings"
            : piece.may_be_another(catalogue_) ? "may be another kind"
@@ -104,21 +129,25 @@ const char* CandidateChecks::objection_to_disc(const CeilingFrame& frame, const 
   return !sound ? "no edge all round" : !is_filled(frame, candidate, level) ? kNotFilled.data() : nullptr;
 }
 
-const char* CandidateChecks::objection_to_edges(const Candidate& candidate, bool bright) const {
+const char* CandidateChecks::objection_to_edges(const Candidate& candidate, int level) const {
+  const bool bright = level > 0;
   const OutlineFit& fit = candidate.fit;
   const Outline& outline = candidate.hypothesis.outline;
-  const double seen = fit.visible_to - fit.visible_from;
-  if (fit.in_view[kLeftSide] < 3 || fit.in_view[kRightSide] < 3 ||
-      fit.in_view[kLeftSide] + fit.in_view[kRightSide] < 10 || seen < params_.minimum_visible * outline.length * 0.8) {
+  const int least = fit.only_side() ? 1 : 3;
+  if (fit.in_view[kLeftSide] < least || fit.in_view[kRightSide] < least ||
+      fit.in_view[kLeftSide] + fit.in_view[kRightSide] < 10 ||
+      length_in_view(fit, outline) < kOfLeastVisible * params_.minimum_visible * outline.length) {
     return "too little in view";
   }
   if (fit.share(kLeftSide) < params_.minimum_long_side_fit || fit.share(kRightSide) < params_.minimum_long_side_fit) {
     return "no edge along a long side";
   }
   // The burning half of a fixture next to its dark half looks like a whole one with one faint side; the shadow between
-  // a lamp's glow and a joint like an unlit one.
-  const bool whole = fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd);
-  const double least_share = bright ? 0.5 : whole ? 0.0 : 0.25;
+  // a lamp's glow and a joint like an unlit one. Where all of the inside burns, a side is faint also because the
+  // ceiling beside it is bright; an end tells that from daylight.
+  const int ends = (fit.end_visible(kFarEnd) ? 1 : 0) + (fit.end_visible(kNearEnd) ? 1 : 0);
+  const bool all_burns = level >= kSaturated && !candidate.hypothesis.half_width && ends == 1;
+  const double least_share = all_burns ? 0.42 : bright ? 0.5 : ends == 2 ? 0.0 : 0.25;
   if (std::min(fit.side_step[kLeftSide], fit.side_step[kRightSide]) <
       least_share * std::max(fit.side_step[kLeftSide], fit.side_step[kRightSide])) {
     return "sides of different brightness";

@@ -25,7 +25,7 @@ class CandidateChecks {
 
  private:
   [[nodiscard]] const char* objection_to_disc(const CeilingFrame& frame, const Candidate& candidate, int level) const;
-  [[nodiscard]] const char* objection_to_edges(const Candidate& candidate, bool bright) const;
+  [[nodiscard]] const char* objection_to_edges(const Candidate& candidate, int level) const;
   /// Of a candidate whose other long side is beyond the image border.
   [[nodiscard]] const char* objection_to_one_side(const Candidate& candidate, Side side, bool bright) const;
   [[nodiscard]] const char* objection_to_ends(const OutlineFit& fit, bool bright) const;

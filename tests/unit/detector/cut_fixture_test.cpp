@@ -156,6 +156,33 @@ TEST(CutFixture, PlacesAFixtureByOneLongSideAloneButNoGlareOrHead) {
   }
 }
 
+TEST(CutFixture, FindsTheLastThirdOfALampUpToItsEnd) {
+  for (const double turn : {-0.8, 0.8}) {
+    const Pose2 truth{1.36, 0.1, turn};  // the upper border is 1.08 m ahead
+    const auto detections = detect({.shapes = {{.pose = truth}}});
+    ASSERT_EQ(detections.size(), 1U) << turn;
+    EXPECT_NE(detections[0].near_end_visible, detections[0].far_end_visible) << turn;
+    expect_at(detections[0], truth, 10e-3, radians(1.0));
+  }
+}
+
+TEST(CutFixture, KnowsHowWideALampIsByTheLastOfItsOtherSide) {
+  for (const double aside : {0.4, 0.7}) {
+    const Pose2 truth{1.06, aside, 0.5 * kPi + 0.15};  // of its outer side the border leaves 0.1 m at one end
+    const auto detections = detect({.shapes = {{.pose = truth, .width = 0.15}}});
+    ASSERT_EQ(detections.size(), 1U) << aside;
+    EXPECT_NEAR(detections[0].width, 0.15, 0.05) << aside;
+    expect_at(detections[0], truth, 10e-3, radians(1.0));
+  }
+}
+
+TEST(CutFixture, FindsALampBesideWhichTheCeilingIsBrightOnOneSide) {
+  const Pose2 truth{0.9, 0.1, 0.2};
+  const auto detections = detect({.shapes = {{.pose = truth}}, .grey = 130.0, .slope_y = 200.0, .bloom = 60.0});
+  ASSERT_EQ(detections.size(), 1U);
+  expect_at(detections[0], truth, 10e-3, radians(1.0));
+}
+
 TEST(CutFixture, LeavesOutAPieceThatIsNoDeeperThanANarrowerFixture) {
   DrawnCeiling ceiling;
   ceiling.shapes = {{.pose = {1.13, 0.1, 0.5 * kPi}}};  // 0.1 m of it is in view, and fixtures of 0.15 m are listed
