@@ -17,14 +17,12 @@ constexpr double kAspectTolerance = 0.01;
 
 /// Over every third pixel of every fourth row: 25,600 of a webcam's image.
 double median_of(const GreyView& image, double guess) {
-  const int count = (image.height + 2) / 4 * ((image.width + 1) / 3);
+  const int rows = (image.height + 2) / 4;
+  const int count = rows * ((image.width + 1) / 3);
+  const auto width = static_cast<std::size_t>(image.width);
+  const GreyRows every_fourth{image.pixels.data() + width, width, static_cast<std::size_t>(rows), 4 * width};
   return median_level(static_cast<int>(guess), [&](int level) {
-    int below = 0;
-    for (int y = 1; y < image.height; y += 4) {
-      below += count_thirds_up_to(image.pixels.data() + static_cast<std::ptrdiff_t>(y) * image.width,
-                                  static_cast<std::size_t>(image.width), static_cast<std::uint8_t>(level));
-    }
-    return 2 * below >= count;
+    return 2 * count_thirds_up_to(every_fourth, static_cast<std::uint8_t>(level)) >= count;
   });
 }
 

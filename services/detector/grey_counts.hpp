@@ -5,10 +5,18 @@
 
 namespace luminav {
 
+/// Some rows of an image.
+struct GreyRows {
+  const std::uint8_t* first;
+  std::size_t count;  // in each row
+  std::size_t rows;
+  std::size_t apart;  // from one row to the next that counts
+};
+
 /// How many of `count` grey levels are not above `level`.
 int count_up_to(const std::uint8_t* grey, std::size_t count, std::uint8_t level);
-/// The same over the second, fifth, eighth, ... of them.
-int count_thirds_up_to(const std::uint8_t* grey, std::size_t count, std::uint8_t level);
+/// The same over the second, fifth, eighth, ... of each row.
+int count_thirds_up_to(const GreyRows& rows, std::uint8_t level);
 
 /// The lowest of the levels 0 .. 255 for which `holds`, which then holds for all above; 255 when none does. Looks near
 /// `guess` first: the image before was much the same, and counting is what costs.

@@ -125,15 +125,25 @@ TEST(GreyCounts, FindTheMedianFromAnyGuess) {
       cell = static_cast<std::uint8_t>(levels == 256 ? cell : cell % levels);
     }
     std::vector<std::uint8_t> all(image.cells.begin(), image.cells.end() - 7);  // fills no whole vectors
-    std::vector<std::uint8_t> thirds;
-    for (std::size_t i = 1; i < all.size(); i += 3) {
-      thirds.push_back(all[i]);
-    }
+    const GreyRows row{all.data(), all.size(), 1, all.size()};
+    const GreyRows rows{all.data(), 637, 40, 1280};  // every other one but for three pixels
+    const auto thirds_of = [&](const GreyRows& some) {
+      std::vector<std::uint8_t> thirds;
+      for (std::size_t y = 0; y < some.rows; ++y) {
+        for (std::size_t i = 1; i < some.count; i += 3) {
+          thirds.push_back(some.first[y * some.apart + i]);
+        }
+      }
+      return thirds;
+    };
     for (const int value : {0, 1, 2, 77, 254, 255}) {
       const auto level = static_cast<std::uint8_t>(value);
       const auto below = [&](std::uint8_t grey) { return grey <= level; };
       EXPECT_EQ(count_up_to(all.data(), all.size(), level), std::count_if(all.begin(), all.end(), below));
-      EXPECT_EQ(count_thirds_up_to(all.data(), all.size(), level), std::count_if(thirds.begin(), thirds.end(), below));
+      for (const GreyRows& some : {row, rows}) {
+        const std::vector<std::uint8_t> thirds = thirds_of(some);
+        EXPECT_EQ(count_thirds_up_to(some, level), std::count_if(thirds.begin(), thirds.end(), below));
+      }
     }
     const int size = static_cast<int>(all.size());
     const auto reached = [&](int level) {
