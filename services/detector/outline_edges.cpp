@@ -78,6 +78,9 @@ void OutlineEdges::look_at(const GreyView& image, const Outline& outline, const 
     OutlinePoint& point = points_[first + i];
     point.found = false;
     point.in_view = false;
+    if (i % search.every != search.every / 2) {
+      continue;
+    }
     const Vector2d& pixel = pixels_[2 * i];
     const Vector2d& ahead = pixels_[2 * i + 1];
     const double px_per_step = (ahead - pixel).norm();

@@ -48,6 +48,7 @@ struct EdgeSearch {
   double least_edge;  // [grey]
   int first_side = kLeftSide;
   int last_side = kNearEnd;
+  std::size_t every = 1;  // so many points is one looked at: the others are as if out of view
 };
 
 /// Looks for the edges of an outline: grey profiles across it, and in each the largest step.

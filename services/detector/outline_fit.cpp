@@ -19,7 +19,11 @@ constexpr double kLargestSideOffset = 3.2;  // [px] a joint of 12 mm, 2.5 m away
 constexpr double kLargestLensError = 2.0;   // [px] by which a side of a lit fixture may lie elsewhere as a whole
 constexpr double kJointSigma = 0.0045;      // [m] of an unlit fixture's end: it may be a joint's edge, 12 mm wide
 constexpr double kLeastShare = 0.45;        // of the points of a long side that must lie on edges
-constexpr double kFaintest = 0.4;           // of the mean step: fainter ones belong to something else
+// So many points of a side are looked at first; less than this share of them on edges refutes it. That leaves what is
+// found as it was (rendered frames): of a fixture's side most are.
+constexpr std::size_t kGlance = ProfileLanes::kLanes;
+constexpr double kLeastAtAGlance = 0.3;
+constexpr double kFaintest = 0.4;  // of the mean step: fainter ones belong to something else
 
 double tukey_weight(double residual, double cutoff) {
   const double ratio = residual / cutoff;
@@ -61,15 +65,15 @@ double median_offset(std::span<const OutlinePoint> points) {
   return offsets[count / 2];
 }
 
-/// True when a side in view shows so few edges that the outline cannot be there.
-bool has_few_edges(std::span<const OutlinePoint> points, double centre_px, double cutoff_px) {
+/// True when of a side in view less than `least_share` lies on edges.
+bool has_few_edges(std::span<const OutlinePoint> points, double centre_px, double cutoff_px, double least_share) {
   int in_view = 0;
   int on_edge = 0;
   for (const OutlinePoint& point : points) {
     in_view += point.in_view ? 1 : 0;
     on_edge += point.found && tukey_weight(point.offset_px - centre_px, cutoff_px) > 0.0 ? 1 : 0;
   }
-  return in_view >= 5 && static_cast<double>(on_edge) / in_view < kLeastShare;
+  return in_view >= 5 && static_cast<double>(on_edge) / in_view < least_share;
 }
 
 struct Pass {
@@ -150,14 +154,23 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
         const auto points = edges_.points_of(side);
         const double centre = std::clamp(median_offset(points), -limit, limit);
         centre_px[static_cast<std::size_t>(side)] = centre;
-        if ((side == kLeftSide || side == kRightSide) && has_few_edges(points, centre, cutoff)) {
+        const double least_share = search.every > 1 ? kLeastAtAGlance : kLeastShare;
+        if ((side == kLeftSide || side == kRightSide) && has_few_edges(points, centre, cutoff, least_share)) {
           return false;
         }
       }
       return true;
     };
+    // Profiles many lines wide cost most: a few of them refute most guesses.
+    const auto may_be_there_at_a_glance = [&](int side) {
+      search.every = lines > 1 ? std::max<std::size_t>(1, edges_.points_of(side).size() / kGlance) : 1;
+      const bool may_be = search.every == 1 || may_be_there(side, side);
+      search.every = 1;
+      return may_be;
+    };
     // Most guesses are refuted by one long side, at once: the others need not be looked at then.
-    if (pass == 0 ? !may_be_there(kLeftSide, kLeftSide) || !may_be_there(kRightSide, kRightSide) ||
+    if (pass == 0 ? !may_be_there_at_a_glance(kLeftSide) || !may_be_there_at_a_glance(kRightSide) ||
+                        !may_be_there(kLeftSide, kLeftSide) || !may_be_there(kRightSide, kRightSide) ||
                         !may_be_there(kFarEnd, kNearEnd)
                   : !may_be_there(kLeftSide, kNearEnd)) {
       return std::nullopt;

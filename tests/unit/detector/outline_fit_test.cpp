@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "services/detector/bloom_edges.hpp"
 #include "services/detector/bloom_symmetry.hpp"
 #include "services/detector/opposite_sides.hpp"
+#include "services/detector/outline_edges.hpp"
 #include "services/detector/outline_fit.hpp"
 #include "tests/unit/detector/ceiling_picture.hpp"
 
@@ -54,6 +57,31 @@ TEST(OutlineFitter, RefusesAPlaceWithoutEdges) {
   const GreyImage image = test::draw_ceiling({}, camera, kHeight);
   OutlineFitter fitter(model);
   EXPECT_FALSE(fitter.fit(image.view(), {.length = 1.2, .width = 0.3, .height = kHeight}, {}, {0.0, 0.0, 0.0}));
+}
+
+TEST(OutlineEdges, LooksAtNoMorePointsThanItIsTold) {
+  const CameraDescription camera = test::test_camera();
+  const CeilingCamera model(camera.intrinsics, camera.mounting);
+  test::DrawnCeiling ceiling;
+  ceiling.shapes = {{}};
+  const GreyImage image = test::draw_ceiling(ceiling, camera, kHeight);
+  const Outline outline{.length = 1.2, .width = 0.3, .height = kHeight};
+  OutlineEdges edges(model);
+  edges.place(outline, 0.0045, 6.0, true);
+  EdgeSearch search{.search_px = 6, .half_filter = 4, .lines = 1, .least_edge = 10.0, .last_side = kLeftSide};
+  edges.measure(image.view(), outline, {}, {}, search);
+  const std::span<const OutlinePoint> points = edges.points_of(kLeftSide);
+  const std::vector<OutlinePoint> all(points.begin(), points.end());
+  ASSERT_EQ(edges.count_in_view(kLeftSide), static_cast<std::ptrdiff_t>(all.size()));
+  search.every = 3;
+  edges.measure(image.view(), outline, {}, {}, search);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(points[i].found, i % 3 == 1) << i;
+    EXPECT_EQ(points[i].in_view, i % 3 == 1) << i;
+    if (points[i].found) {
+      EXPECT_EQ(points[i].offset_px, all[i].offset_px) << i;
+    }
+  }
 }
 
 /// A lamp whose bloom has been levelled.
