@@ -20,6 +20,7 @@ constexpr double kMostAcross = 0.030;  // [m] 1 sigma of its place across
 constexpr double kLeastDisc = 16.0;    // [px] across: smaller ones must be lit, with an edge nearly all round
 constexpr double kSpeckFit = 0.92;
 constexpr double kOfLeastVisible = 0.85;  // so close to the border no edges are looked for
+constexpr double kOfLeastWithEnd = 0.55;  // where the border runs across a lamp, one side is longer than that
 constexpr double kAlikeSides = 0.6;       // least step of a side, of the other's
 constexpr double kSureSides = 0.79;       // share of both sides and of one end, where the other end is noisy
 // Of a fixture whose other long side is out of view:
@@ -34,7 +35,8 @@ constexpr double kGoesOn = 0.6;
 // Step of one side, of the other's: 0.88 to 1.0 of lamps, to 0.75 of the burning half beside a dark one (simulated
 // pictures).
 constexpr double kSameLight = 0.8;
-constexpr int kSaturated = 225;  // [grey] what is filled above that has no dark half
+constexpr double kOtherWidth = 0.03;  // [m] by which widths of kinds differ
+constexpr int kSaturated = 225;       // [grey] what is filled above that has no dark half
 
 /// [m] of the length that is in the image; edge points leave out the corners of lit ones.
 double length_in_view(const OutlineFit& fit, const Outline& outline) {
@@ -44,13 +46,30 @@ double length_in_view(const OutlineFit& fit, const Outline& outline) {
 }
 
 /// True when a long side of which only a point or two are in view shows its edge there, and an end reaches up to it.
-bool shows_its_width(const OutlineFit& fit, Side only_side) {
+/// `by_light`: the width may be that of a burning half, whose inner side is fainter.
+bool shows_its_width(const OutlineFit& fit, Side only_side, bool by_light) {
   const auto other = static_cast<std::size_t>(only_side == kLeftSide ? kRightSide : kLeftSide);
   const bool any_end = std::any_of(kEnds.begin(), kEnds.end(), [&](Side end) {
     return fit.end_visible(end) && 4 * fit.on_edge[end] >= 3 * fit.expected[end];
   });
   const auto [least, most] = std::minmax(fit.side_step[kLeftSide], fit.side_step[kRightSide]);
-  return any_end && fit.in_view[other] > 0 && fit.on_edge[other] == fit.in_view[other] && least > kSameLight * most;
+  return any_end && fit.in_view[other] > 0 && fit.on_edge[other] == fit.in_view[other] &&
+         (!by_light || least > kSameLight * most);
+}
+
+/// True when half of a listed fixture of two lamps is as wide.
+bool may_be_half(const CeilingCatalogue& catalogue, double width) {
+  return std::any_of(catalogue.fixtures.begin(), catalogue.fixtures.end(), [&](const CeilingKind& kind) {
+    return kind.lamps >= 2 && std::abs(0.5 * kind.width - width) < kOtherWidth;
+  });
+}
+
+/// True when a burning end shows its edge all across, and all of what both long sides show of theirs.
+bool is_sure_of_its_end(const OutlineFit& fit) {
+  const auto all = [&](Side side) { return fit.on_edge[side] == fit.in_view[side]; };
+  return all(kLeftSide) && all(kRightSide) && std::any_of(kEnds.begin(), kEnds.end(), [&](Side end) {
+           return fit.end_visible(end) && fit.on_edge[end] == fit.expected[end];
+         });
 }
 
 }  // namespace
@@ -71,7 +90,9 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
     return objection_to_disc(frame, candidate, level);
   }
   const std::optional<Side> only_side = fit.only_side();
-  const bool one_side = only_side && !(bright && shows_its_width(fit, *only_side));
+  const bool one_side =
+      only_side &&
+      !(bright && shows_its_width(fit, *only_side, level < kSaturated || may_be_half(catalogue_, outline.width)));
   if (const char* why =
           one_side ? objection_to_one_side(candidate, *only_side, bright) : objection_to_edges(candidate, level)) {
     return why;
@@ -134,9 +155,12 @@ const char* CandidateChecks::objection_to_edges(const Candidate& candidate, int 
   const OutlineFit& fit = candidate.fit;
   const Outline& outline = candidate.hypothesis.outline;
   const int least = fit.only_side() ? 1 : 3;
+  // Too little of a lamp tells whether it is half of a fixture.
+  const bool may_be_short = level >= kSaturated && is_sure_of_its_end(fit) && !may_be_half(catalogue_, outline.width);
+  const double least_length = may_be_short ? kOfLeastWithEnd : kOfLeastVisible;
   if (fit.in_view[kLeftSide] < least || fit.in_view[kRightSide] < least ||
       fit.in_view[kLeftSide] + fit.in_view[kRightSide] < 10 ||
-      length_in_view(fit, outline) < kOfLeastVisible * params_.minimum_visible * outline.length) {
+      length_in_view(fit, outline) < least_length * params_.minimum_visible * outline.length) {
     return "too little in view";
   }
   if (fit.share(kLeftSide) < params_.minimum_long_side_fit || fit.share(kRightSide) < params_.minimum_long_side_fit) {

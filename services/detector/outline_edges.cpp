@@ -10,9 +10,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kLeastOfLitEnd = 7;  // points
-constexpr int kLeastSearch = 3;    // [px] outwards
-constexpr double kCertain = 2.5;   // sigmas of noise that a step must have
+constexpr int kLeastOfLitEnd = 7;      // points
+constexpr double kWidestBloom = 14.0;  // [px] 0.065 m, 2.3 m above the camera
+constexpr int kLeastSearch = 3;        // [px] outwards
+constexpr double kCertain = 2.5;       // sigmas of noise that a step must have
 
 }  // namespace
 
@@ -107,6 +108,7 @@ void OutlineEdges::look_at(const GreyView& image, const Outline& outline, const 
       }
     }
     point.in_view = true;
+    point.at_border = !camera_->is_in_image(pixel + kWidestBloom * normal_px);
     point.metres_per_px = kAhead / px_per_step;
     viewed_.push_back({first + i, pixel, normal_px, reach + seen});
   }
@@ -220,6 +222,19 @@ void OutlineEdges::measure(const GreyView& image, const Outline& outline, const 
 std::ptrdiff_t OutlineEdges::count_in_view(int side) const {
   const std::span<const OutlinePoint> points = points_of(side);
   return std::count_if(points.begin(), points.end(), [](const OutlinePoint& point) { return point.in_view; });
+}
+
+bool OutlineEdges::runs_along_border(int side) const {
+  const std::span<const OutlinePoint> points = points_of(side);
+  return std::all_of(points.begin(), points.end(),
+                     [](const OutlinePoint& point) { return !point.in_view || point.at_border; });
+}
+
+void OutlineEdges::leave_out(int side) {
+  for (OutlinePoint& point : own_points_of(side)) {
+    point.in_view = false;
+    point.found = false;
+  }
 }
 
 /// Where single profiles are too noisy, the mean of all of a side still shows its edge; then a fainter step there will

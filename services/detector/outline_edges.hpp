@@ -20,6 +20,7 @@ struct OutlinePoint {
   Eigen::Vector2d normal;  // outward
   int side = 0;
   bool in_view = false;
+  bool at_border = false;  // bloom may be as wide as what is in view outwards
   bool found = false;
   double offset = 0.0;  // [m] of the edge along the normal
   double offset_px = 0.0;
@@ -66,6 +67,10 @@ class OutlineEdges {
     return points().subspan(first_of(side), first_of(side + 1) - first_of(side));
   }
   [[nodiscard]] std::ptrdiff_t count_in_view(int side) const;
+  /// True when the border may cut off the bloom of a side wherever the side is in view.
+  [[nodiscard]] bool runs_along_border(int side) const;
+  /// Takes a side to be out of view until edges are measured again.
+  void leave_out(int side);
 
  private:
   static constexpr int kLongest = ProfileLanes::kLongest;

@@ -19,6 +19,7 @@ constexpr double kLargestSideOffset = 3.2;  // [px] a joint of 12 mm, 2.5 m away
 constexpr double kLargestLensError = 2.0;   // [px] by which a side of a lit fixture may lie elsewhere as a whole
 constexpr double kJointSigma = 0.0045;      // [m] of an unlit fixture's end: it may be a joint's edge, 12 mm wide
 constexpr double kLeastShare = 0.45;        // of the points of a long side that must lie on edges
+constexpr int kLeastToRefute = 5;           // points of a long side in view
 // So many points of a side are looked at first; less than this share of them on edges refutes it. That leaves what is
 // found as it was (rendered frames): of a fixture's side most are.
 constexpr std::size_t kGlance = ProfileLanes::kLanes;
@@ -65,15 +66,16 @@ double median_offset(std::span<const OutlinePoint> points) {
   return offsets[count / 2];
 }
 
-/// True when of a side in view less than `least_share` lies on edges.
-bool has_few_edges(std::span<const OutlinePoint> points, double centre_px, double cutoff_px, double least_share) {
+/// True when of a side in view, of which `least_in_view` points are seen, less than `least_share` lies on edges.
+bool has_few_edges(std::span<const OutlinePoint> points, double centre_px, double cutoff_px, double least_share,
+                   int least_in_view = kLeastToRefute) {
   int in_view = 0;
   int on_edge = 0;
   for (const OutlinePoint& point : points) {
     in_view += point.in_view ? 1 : 0;
     on_edge += point.found && tukey_weight(point.offset_px - centre_px, cutoff_px) > 0.0 ? 1 : 0;
   }
-  return in_view >= 5 && static_cast<double>(on_edge) / in_view < least_share;
+  return in_view >= least_in_view && static_cast<double>(on_edge) / in_view < least_share;
 }
 
 struct Pass {
@@ -154,9 +156,17 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
         const auto points = edges_.points_of(side);
         const double centre = std::clamp(median_offset(points), -limit, limit);
         centre_px[static_cast<std::size_t>(side)] = centre;
+        if (side != kLeftSide && side != kRightSide) {
+          continue;
+        }
         const double least_share = search.every > 1 ? kLeastAtAGlance : kLeastShare;
-        if ((side == kLeftSide || side == kRightSide) && has_few_edges(points, centre, cutoff, least_share)) {
-          return false;
+        // The bloom of a lamp's side may reach beyond the border: then it says nothing, neither for nor against.
+        const bool may_be_hidden = params.inside_brighter && pass > 0 && edges_.runs_along_border(side);
+        if (has_few_edges(points, centre, cutoff, least_share, may_be_hidden ? 1 : kLeastToRefute)) {
+          if (!may_be_hidden) {
+            return false;
+          }
+          edges_.leave_out(side);
         }
       }
       return true;

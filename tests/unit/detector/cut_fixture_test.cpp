@@ -166,6 +166,27 @@ TEST(CutFixture, FindsTheLastThirdOfALampUpToItsEnd) {
   }
 }
 
+TEST(CutFixture, FindsTheObliqueEndOfALampBetweenItsSides) {
+  for (const double turn : {-0.6, 0.6}) {
+    const Pose2 truth{1.40, 0.1, turn};  // of one side less than a quarter of the length is in view
+    const auto detections = detect({.shapes = {{.pose = truth}}});
+    ASSERT_EQ(detections.size(), 1U) << turn;
+    EXPECT_NE(detections[0].near_end_visible, detections[0].far_end_visible) << turn;
+    expect_at(detections[0], truth, 5e-3, radians(1.0));
+  }
+}
+
+TEST(CutFixture, LeavesOutTheSideOfALampWhoseBloomReachesTheBorder) {
+  for (const double ahead : {0.910, 0.915, 0.920}) {
+    const Pose2 truth{ahead, 0.9, 0.5 * kPi};  // its outer side runs 3 to 4 px from the upper border
+    const auto detections = detect({.shapes = {{.pose = truth}}, .bloom = 160.0});
+    ASSERT_EQ(detections.size(), 1U) << ahead;
+    const double sigma = std::sqrt(detections[0].covariance(0, 0));
+    EXPECT_LT(std::abs(detections[0].robot_from_fixture.x - truth.x), 2.0 * sigma) << ahead;
+    EXPECT_LT(sigma, 0.03) << ahead;
+  }
+}
+
 TEST(CutFixture, KnowsHowWideALampIsByTheLastOfItsOtherSide) {
   for (const double aside : {0.4, 0.7}) {
     const Pose2 truth{1.06, aside, 0.5 * kPi + 0.15};  // of its outer side the border leaves 0.1 m at one end
