@@ -1,6 +1,7 @@
 #include "tests/unit/localizer/synthetic_world.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace luminav::testing {
@@ -8,6 +9,17 @@ namespace {
 
 constexpr double kStep = 1.0 / 30.0;  // [s]
 constexpr double kRadius = 0.30;      // [m] that the wandering robot keeps free
+
+constexpr double kSlanted = 1.19;  // over a beam of 13 degrees either way, of a wall at 20 degrees of incidence
+constexpr double kLostAtRightAngle = 0.01;
+
+using Reaches = std::array<double, 5>;  // [m] to the first wall, from side to side of a beam
+
+/// A smooth wall at more than some 20 degrees of incidence sends a ping away, and so may one that ends in the beam.
+bool is_slanted(const Reaches& reaches) {
+  const auto [nearest, farthest] = std::minmax_element(reaches.begin(), reaches.end());
+  return *farthest > kSlanted * *nearest;
+}
 
 void fill(PriorMap& map, double x0, double y0, double x1, double y1, Prior value) {
   for (int row = 0; row < map.geometry.rows; ++row) {
@@ -381,16 +393,18 @@ SonarScan SyntheticWorld::hear() {
     next_disc_ = (next_disc_ + 3) % std::max(1, discs);
     SonarEcho reading{disc, robot_.sonar.maximum_range, false, utime_};
     const Pose2 world_from_sonar = truth_ * robot_.sonar.robot_from_sonar[static_cast<std::size_t>(disc)];
-    double range = robot_.sonar.maximum_range;
-    for (const double across : {-0.9, -0.45, 0.0, 0.45, 0.9}) {
-      const double heading = world_from_sonar.theta + across * robot_.sonar.half_angle;
-      range = std::min(
-          range, walls_.range_to_wall(world_from_sonar.position(), {std::cos(heading), std::sin(heading)}, range));
+    Reaches reaches{};
+    for (std::size_t ray = 0; ray < reaches.size(); ++ray) {
+      const double heading = world_from_sonar.theta + (0.45 * static_cast<double>(ray) - 0.9) * robot_.sonar.half_angle;
+      reaches[ray] = walls_.range_to_wall(world_from_sonar.position(), {std::cos(heading), std::sin(heading)},
+                                          robot_.sonar.maximum_range);
     }
+    double range = *std::min_element(reaches.begin(), reaches.end());
+    const double lost = is_slanted(reaches) ? options_.sonar_dropout : kLostAtRightAngle;
     const double chance = uniform(0.0, 1.0);
     if (chance < 0.03) {
       range = uniform(0.3, range);  // somebody walks by
-    } else if (chance < 0.03 + options_.sonar_dropout) {
+    } else if (chance < 0.03 + lost) {
       range = std::min(robot_.sonar.maximum_range,
                        range + uniform(0.0, 4.0));  // reflected away, heard over a detour or not
     }

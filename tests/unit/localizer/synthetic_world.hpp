@@ -27,14 +27,14 @@ struct SyntheticOptions {
   bool fixture_errors = true;
   bool floor_errors = true;
   bool odometry_noise = true;
-  double off_ratio = 0.0;      // of the fixtures
-  double overlooked = 0.15;    // share of the unlit fixtures that are never detected
-  double miss_lit = 0.02;      // per image
-  double miss_unlit = 0.20;    // per image
-  double false_alarm = 0.002;  // per image, anywhere
-  int clutter = 1;             // things on the ceiling that pass for fixtures in every other image
-  int unknown_boxes = 4;       // in the way of sonar and robot, not in the map
-  double sonar_dropout = 0.2;
+  double off_ratio = 0.0;       // of the fixtures
+  double overlooked = 0.15;     // share of the unlit fixtures that are never detected
+  double miss_lit = 0.02;       // per image
+  double miss_unlit = 0.20;     // per image
+  double false_alarm = 0.002;   // per image, anywhere
+  int clutter = 1;              // things on the ceiling that pass for fixtures in every other image
+  int unknown_boxes = 4;        // in the way of sonar and robot, not in the map
+  double sonar_dropout = 0.4;   // of beams that meet a wall at a slant
   double speed = 0.4;           // [m/s]
   double spin_way = 0.0;        // [m] after which it turns once on the spot, as one drives to calibrate; 0 = never
   double image_latency = 0.06;  // [s]
