@@ -10,9 +10,13 @@ constexpr std::size_t kMostEchoes = 64;
 constexpr std::size_t kFewestEchoes = 3;
 constexpr std::int64_t kOldest = 1'000'000;  // [us]
 constexpr std::size_t kMostPlaces = 100;     // odometry has drifted since those before
-constexpr std::size_t kMostSurfaces = 400;   // likewise
+constexpr std::size_t kMostSurfaces = 800;   // likewise
 constexpr double kFarAway = 1e9;             // [m]
 constexpr double kUsableRange = 0.9;         // of the maximum: beyond it the ring says its maximum for nothing heard
+constexpr double kSurelyHeard = 0.8;         // of the maximum: a wall that faces the disc echoes from there
+constexpr std::int64_t kAlive = 20'000'000;  // [us] after an echo in which a disc's silence counts
+constexpr double kPassage = 1.0;             // [m] from the disc: what passes there passes on from there
+constexpr double kSector = radians(30.0);
 
 /// Keeps so many, evenly over the ring.
 void thin_out(std::vector<PlacedEcho>& echoes, std::size_t most) {
@@ -28,9 +32,16 @@ void thin_out(std::vector<PlacedEcho>& echoes, std::size_t most) {
 
 void EchoCollector::add(const SonarScan& scan) {
   for (const SonarEcho& reading : scan.readings) {
-    if (reading.has_echo && reading.disc >= 0 && reading.disc < static_cast<int>(sonar_.robot_from_sonar.size()) &&
-        reading.range >= sonar_.minimum_range && reading.range < kUsableRange * sonar_.maximum_range) {
+    const auto disc = static_cast<std::size_t>(reading.disc);
+    if (reading.disc < 0 || disc >= sonar_.robot_from_sonar.size()) {
+      continue;
+    }
+    const bool is_echo = reading.has_echo && reading.range < kUsableRange * sonar_.maximum_range;
+    if (is_echo && reading.range >= sonar_.minimum_range) {
+      heard_utime_[disc] = reading.utime;
       echoes_.push_back(reading);
+    } else if (!is_echo && heard_utime_[disc] != 0 && reading.utime - heard_utime_[disc] < kAlive) {
+      echoes_.push_back({reading.disc, kSurelyHeard * sonar_.maximum_range, false, reading.utime});
     }
   }
   if (echoes_.size() > kMostEchoes) {
@@ -62,18 +73,19 @@ bool EchoCollector::has_listened_at(const Pose2& odom_from_robot) const {
   });
 }
 
-double EchoCollector::look_at(const Eigen::Vector2d& end_in_odom) {
-  const int column = static_cast<int>(std::floor(end_in_odom.x() / rules_.surface));
-  const int row = static_cast<int>(std::floor(end_in_odom.y() / rules_.surface));
-  auto surface = std::find_if(surfaces_.begin(), surfaces_.end(),
-                              [&](const Surface& s) { return s.column == column && s.row == row; });
+double EchoCollector::look_at(const Eigen::Vector2d& place_in_odom, int sector, int most_looks) {
+  const int column = static_cast<int>(std::floor(place_in_odom.x() / rules_.surface));
+  const int row = static_cast<int>(std::floor(place_in_odom.y() / rules_.surface));
+  auto surface = std::find_if(surfaces_.begin(), surfaces_.end(), [&](const Surface& s) {
+    return s.column == column && s.row == row && s.sector == sector;
+  });
   if (surface == surfaces_.end()) {
     if (surfaces_.size() >= kMostSurfaces) {
       surfaces_.erase(surfaces_.begin());
     }
-    surface = surfaces_.insert(surfaces_.end(), {column, row, 0});
+    surface = surfaces_.insert(surfaces_.end(), {column, row, sector, 0});
   }
-  return ++surface->looks <= rules_.looks ? 1.0 / rules_.looks : 0.0;
+  return ++surface->looks <= most_looks ? 1.0 / most_looks : 0.0;
 }
 
 std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history, std::size_t most) {
@@ -94,8 +106,8 @@ std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHi
     }
     has_disc[disc] = true;
     const Pose2 now_from_sonar = now->odom_from_robot.inverse() * then->odom_from_robot * sonar_.robot_from_sonar[disc];
-    echoes.push_back(
-        {now_from_sonar.position(), now_from_sonar * Eigen::Vector2d(reading->range, 0.0), reading->range});
+    echoes.push_back({now_from_sonar.position(), now_from_sonar * Eigen::Vector2d(reading->range, 0.0), reading->range,
+                      reading->has_echo ? 1.0 : 0.0});
   }
   if (echoes.size() < kFewestEchoes) {
     return {};
@@ -110,9 +122,14 @@ std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHi
   // before they count for their surfaces: what nobody hears must not use them up
   thin_out(echoes, most);
   for (PlacedEcho& echo : echoes) {
-    echo.weight = look_at(now->odom_from_robot * echo.end);
+    const Eigen::Vector2d along = (echo.end - echo.disc) / echo.range;
+    const double heading = wrap_angle(now->odom_from_robot.theta + std::atan2(along.y(), along.x()));
+    const int sector = static_cast<int>(std::floor((heading + kPi) / kSector));
+    echo.weight = echo.weight > 0.0 ? look_at(now->odom_from_robot * echo.end, kNoSector, rules_.looks) : 0.0;
+    echo.passage_weight =
+        look_at(now->odom_from_robot * Eigen::Vector2d(echo.disc + kPassage * along), sector, rules_.passage_looks);
   }
-  std::erase_if(echoes, [](const PlacedEcho& echo) { return echo.weight == 0.0; });
+  std::erase_if(echoes, [](const PlacedEcho& echo) { return echo.weight == 0.0 && echo.passage_weight == 0.0; });
   return echoes;
 }
 

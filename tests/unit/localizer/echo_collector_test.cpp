@@ -36,6 +36,17 @@ class ListeningRobot {
         std::find_if(echoes.begin(), echoes.end(), [](const PlacedEcho& echo) { return echo.end.x() > 1e-3; });
     return ahead == echoes.end() ? 0.0 : ahead->weight;
   }
+  /// Stands at a place where the first disc hears nothing, and says what weight that has as passage.
+  double hear_nothing(const Pose2& odom_from_robot) {
+    is_silent_ahead_ = true;
+    const std::vector<PlacedEcho> echoes = step(odom_from_robot);
+    is_silent_ahead_ = false;
+    const auto silent =
+        std::find_if(echoes.begin(), echoes.end(), [](const PlacedEcho& echo) { return echo.weight == 0.0; });
+    return silent == echoes.end() || silent->range < 3.0 ? 0.0 : silent->passage_weight;
+  }
+  /// Stands there for so long [s] without scans.
+  void wait(double seconds) { utime_ += static_cast<std::int64_t>(1e6 * seconds); }
 
  private:
   static constexpr int kSteps = 40;
@@ -57,7 +68,8 @@ class ListeningRobot {
     place_ = next;
     SonarScan scan;
     for (int disc = 0; disc < 4; ++disc) {
-      scan.readings.push_back({disc, disc == 0 ? range_ahead_ : 1.0, true, utime_});
+      const bool is_silent = disc == 0 && is_silent_ahead_;
+      scan.readings.push_back({disc, is_silent ? 5.0 : disc == 0 ? range_ahead_ : 1.0, !is_silent, utime_});
     }
     collector_.add(scan);
     return collector_.take(utime_, history_, 16);
@@ -67,6 +79,7 @@ class ListeningRobot {
   OdometryHistory history_;
   Pose2 place_;
   double range_ahead_ = 1.0;  // [m]
+  bool is_silent_ahead_ = false;
   std::int64_t utime_ = 1'000'000;
 };
 
@@ -103,6 +116,24 @@ TEST(EchoCollector, CountsAThingOnceFromWhereverItIsHeard) {
   }
   EXPECT_NEAR(weight, 1.0, 1e-9);
   EXPECT_GT(robot.hear({5.0, 0.25, 0.0}, 1.2), 0.0) << "another thing is news";
+}
+
+TEST(EchoCollector, CountsSilenceTwiceForAPassage) {
+  ListeningRobot robot;
+  ASSERT_GT(robot.hear({0.2, 0.2, 0.0}, 1.0), 0.0);
+  // three places from which the beam passes the same square 1 m ahead
+  EXPECT_NEAR(robot.hear_nothing({2.1, 0.1, 0.05}), 0.5, 1e-9);
+  EXPECT_NEAR(robot.hear_nothing({2.1, 0.4, 0.05}), 0.5, 1e-9);
+  EXPECT_NEAR(robot.hear_nothing({2.45, 0.2, 0.05}), 0.0, 1e-9);
+}
+
+TEST(EchoCollector, BelievesNoSilenceOfADiscThatMayBeDead) {
+  ListeningRobot robot;
+  EXPECT_EQ(robot.hear_nothing({0.0, 0.0, 0.0}), 0.0) << "it never heard anything";
+  ASSERT_GT(robot.hear({1.0, 0.0, 0.0}, 1.0), 0.0);
+  EXPECT_GT(robot.hear_nothing({2.0, 0.0, 0.0}), 0.0);
+  robot.wait(30.0);
+  EXPECT_EQ(robot.hear_nothing({3.0, 0.0, 0.0}), 0.0) << "nor in the last half minute";
 }
 
 TEST(EchoCollector, ListensAnewWhereverTheMotionWasLost) {

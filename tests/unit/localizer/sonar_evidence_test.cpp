@@ -33,6 +33,11 @@ PlacedEcho echo_at(double range) {
   return {{0.0, 0.0}, {range, 0.0}, range};
 }
 
+/// Likewise of a beam whose passage counts, silent or not.
+PlacedEcho passing(double range, bool is_silent) {
+  return {{0.0, 0.0}, {range, 0.0}, range, is_silent ? 0.0 : 1.0, 1.0};
+}
+
 class SonarEvidence : public ::testing::Test {
  protected:
   [[nodiscard]] double of(const PoseBelief& belief, const std::vector<PlacedEcho>& echoes) const {
@@ -53,6 +58,19 @@ TEST_F(SonarEvidence, SaysNothingOfAnEchoFarFromAllWalls) {
 
 TEST_F(SonarEvidence, SpeaksAgainstAPoseFromWhichTheEchoComesThroughAWall) {
   EXPECT_NEAR(of(at(facing_), {echo_at(3.5)}), -0.7, kFieldError);
+}
+
+TEST_F(SonarEvidence, SpeaksLoudlyAgainstAPoseWhoseFacingWallIsNotHeard) {
+  EXPECT_NEAR(of(at(facing_), {passing(4.0, true)}), -3.0, kFieldError);
+  EXPECT_NEAR(of(at(facing_), {passing(3.5, false)}), -3.7, kFieldError) << "it came through besides";
+  EXPECT_NEAR(of(at(facing_, 0.9), {passing(4.0, true)}), 0.0, kFieldError) << "the wall may be farther away";
+}
+
+TEST_F(SonarEvidence, SaysNothingOfSilenceThatAWallMayExplain) {
+  const Pose2 oblique{2.05, 3.0, radians(30.0)};
+  EXPECT_NEAR(of(at(oblique), {passing(4.0, true)}), 0.0, kFieldError) << "a smooth wall seen at a slant is silent";
+  EXPECT_NEAR(of(at({2.05, 5.9, 0.0}), {passing(4.0, true)}), 0.0, kFieldError) << "the wall ends beside the beam";
+  EXPECT_NEAR(of(at({2.05, 3.0, kPi}), {passing(4.0, true)}), 0.0, kFieldError) << "no wall there";
 }
 
 TEST_F(SonarEvidence, HearsTheFaceOfAThickWallAndNotItsInside) {
