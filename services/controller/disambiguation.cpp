@@ -56,7 +56,8 @@ bool Disambiguation::look_alike(const View& a, const View& b) const {
          (period == 0.0 || std::abs(std::remainder(turn, period)) < params_.same_axis);
 }
 
-// Chance that the truth and a rival, both drawn by weight, are told apart there.
+// Chance that the truth, drawn by its chance, and a rival are told apart there. Once one of them is likely it is its
+// own way that counts, not how its rivals might be told from each other.
 double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const LookedAt> alternatives, const SearchMap& map,
                              std::vector<View>& views) const {
   views.clear();
@@ -66,6 +67,7 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const Looke
     const Eigen::Vector2d there = alternative.world_from_odom * place;
     View view;
     view.weight = alternative.weight;
+    view.chance = alternative.chance;
     view.is_wall = !is_known_floor && !forecast_.has_room(there);
     view.fixture = view.is_wall ? nullptr : forecast_.fixture_above(there);
     if (view.fixture != nullptr) {
@@ -80,6 +82,7 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const Looke
     const auto same = std::find_if(views.begin(), views.end(), [&](const View& v) { return look_alike(v, view); });
     if (same != views.end()) {
       same->weight += view.weight;
+      same->chance += view.chance;
     } else {
       views.push_back(view);
     }
@@ -91,7 +94,7 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const Looke
         const double telling = rival.is_wall              ? params_.wall
                                : truth.fixture != nullptr ? params_.seen_and_not
                                                           : params_.missed;
-        worth += truth.weight * rival.weight * telling;
+        worth += truth.chance * rival.weight * telling;
       }
     }
   }
@@ -105,13 +108,18 @@ double Disambiguation::price(const Eigen::Vector2d& place, std::span<const Looke
     return std::numeric_limits<double>::infinity();
   }
   const bool is_narrow = map.stands_within(place, params_.clearance);
-  const double share = ground == Ground::kFree && !is_narrow ? 1.0 : free_share(place, alternatives);
-  // echoes from door posts close doorways: where the alternatives have one it is open until they have not
-  if (share < (is_narrow ? params_.least_free_in_narrows : params_.least_free)) {
+  const bool is_heard_free = ground == Ground::kFree && !is_narrow;
+  const double share = free_share(place, alternatives);
+  // Echoes from door posts close doorways: where the alternatives have one it is open until they have not. And sonar
+  // hears free floor behind walls that it meets at a slant.
+  if (share < (is_heard_free ? params_.least_free_if_heard
+               : is_narrow   ? params_.least_free_in_narrows
+                             : params_.least_free)) {
     return std::numeric_limits<double>::infinity();
   }
+  const double doubt = is_heard_free ? 0.0 : 1.0 - share;
   const double narrowness = is_narrow ? 4.0 : map.stands_within(place, params_.comfortable) ? 2.0 : 1.0;
-  return (1.0 + 2.0 * (1.0 - share)) * narrowness;
+  return (1.0 + 2.0 * doubt) * narrowness;
 }
 
 // Dijkstra over a lattice around the robot; it ends when no farther place can be better than the best so far.

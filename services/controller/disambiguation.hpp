@@ -27,6 +27,7 @@ struct DisambiguationParams {
   double clearance = 0.2;               // [m] least room that sonar must leave
   double comfortable = 0.4;             // [m] less room costs double
   double least_free = 0.3;              // share of the alternatives that must have room where no sonar looked yet
+  double least_free_if_heard = 0.1;     // likewise where sonar found it free
   double sure_within = 0.65;            // of the view's radius: a fixture farther off may be seen or not
   double least_free_in_narrows = 0.35;  // likewise where sonar leaves less room than `clearance`
   double same_place = 0.6;              // [m] fixtures as near as that are seen as one
@@ -41,7 +42,8 @@ struct DisambiguationParams {
 };
 
 /// Finds the place to drive to when several poses are possible: where what they foretell differs most for the least
-/// way. In the odometry frame; floor that sonar knows counts as it is, the rest by what the alternatives' walls say.
+/// way. In the odometry frame; floor that sonar knows counts as it is if any likely alternative has room there, the
+/// rest by what their walls say.
 class Disambiguation {
  public:
   Disambiguation(CeilingForecast forecast, const DisambiguationParams& params)
@@ -59,7 +61,8 @@ class Disambiguation {
     const Fixture* fixture = nullptr;
     Pose2 odom_from_fixture;
     bool is_wall = false;
-    double weight = 0.0;
+    double weight = 0.0;  // sums of theirs, see LookedAt
+    double chance = 0.0;
   };
   /// An alternative ready to map thousands of places.
   struct LookedAt {

@@ -93,6 +93,40 @@ TEST_F(DisambiguationTest, GoesAroundAWallOfTheLikeliestHoweverManyUnlikelyOnesH
   }
 }
 
+TEST_F(DisambiguationTest, GoesAroundAWallThatAllHaveThoughSonarHeardFreeFloorBehindIt) {
+  const std::size_t discs = test_robot().sonar.robot_from_sonar.size();
+  std::int64_t utime = 0;
+  for (double x = -1.0; x < 1.05; x += 0.1) {
+    std::vector<SonarFiring> firings;
+    for (std::size_t disc = 0; disc < discs; ++disc) {
+      firings.push_back({disc, utime += 1'000, 2.6, true, {x, 0.3, kPi / 2}});
+    }
+    map_.add(firings);
+  }
+  ASSERT_EQ(map_.ground_at({0.0, 1.3}), Ground::kFree);
+  const PriorMap walls = floor_with_walls({{{-2, 1.2}, {2, 1.4}}, {{18, 1.2}, {22, 1.4}}});
+  const auto found = way(kTwoAlike, walls, kBelowEither);
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->back().y(), 1.4);
+  for (const Eigen::Vector2d& place : *found) {
+    EXPECT_TRUE(std::abs(place.x()) > 2.0 || std::abs(place.y() - 1.3) > 0.2) << place.transpose();
+  }
+}
+
+TEST_F(DisambiguationTest, LeadsToWhatTellsALikelyPoseFromItsRivalsRatherThanThoseFromEachOther) {
+  // to the left half of the unlikely poses see a fixture that the other half has not; to the right the likely one does
+  const std::vector<Fixture> fixtures{fixture_at(0, 0), fixture_at(20, 0), fixture_at(20, -3), fixture_at(-10, 0),
+                                      fixture_at(-10, 3)};
+  std::vector<PoseAlternative> alternatives{{{20, 0, 0}, 0.5}};
+  for (int i = 0; i < 5; ++i) {
+    alternatives.push_back({{0, 0, 0}, 0.05});
+    alternatives.push_back({{-10, 0, 0}, 0.05});
+  }
+  const auto found = way(fixtures, floor_with_walls({}), alternatives);
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->back().y(), -1.0) << found->back().transpose();
+}
+
 TEST_F(DisambiguationTest, GoesAroundWhatWasFoundShut) {
   for (double x = -1.5; x < 1.6; x += 0.3) {
     map_.shut({x, 1.3});
