@@ -12,7 +12,7 @@ namespace luminav {
 
 struct HypothesisParams {
   double gate = 16.27;                 // chi2(3) at 99.9 %
-  double misfit = -5.0;                // least log-likelihood of one object: it may be something else than a fixture
+  double misfit = -6.5;                // least log-likelihood of one object: it may be something else than a fixture
   double miss_probability = 0.12;      // that a fixture well inside the image is overlooked during a whole pass
   int frames_for_full_vote = 4;        // images an object needs for its full weight
   int frames_for_full_miss = 8;        // images a fixture must have been missed in for its full weight
