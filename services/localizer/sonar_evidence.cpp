@@ -7,11 +7,13 @@
 namespace luminav {
 namespace {
 
-constexpr double kFromWall = 0.6;     // share of echoes that come from the building's walls
-constexpr double kBehindWall = 0.7;   // that an echo from behind a wall speaks against the pose
-constexpr double kThroughWall = 3.0;  // that a wall which faces the disc is not heard: one beam in a hundred is so
-constexpr double kFacing = 1.1;       // a wall faces the disc if it is nowhere in the beam this much farther
-constexpr double kInWall = 0.05;      // [m] from a wall's face to the middle of its cell, to which distances are
+constexpr double kFromWall = 0.6;    // share of echoes that come from the building's walls
+constexpr double kBehindWall = 0.7;  // that an echo from behind a wall speaks against the pose
+// That a wall which faces the disc is not heard: one beam in a hundred is so, and two of one wall by the same cause.
+// Both together, doubled as all sonar is, must not decide alone (TrackingRules::first_margin).
+constexpr double kThroughWall = 2.9;
+constexpr double kFacing = 1.1;   // a wall faces the disc if it is nowhere in the beam this much farther
+constexpr double kInWall = 0.05;  // [m] from a wall's face to the middle of its cell, to which distances are
 constexpr std::array kAcross = {-0.9, -0.45, 0.0, 0.45, 0.9};  // where a beam is looked at, in half angles
 
 using Reaches = std::array<double, kAcross.size()>;  // [m] to the first wall, from side to side of a beam
