@@ -6,6 +6,7 @@
 #include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/bloom_edges.hpp"
 #include "services/detector/bloom_symmetry.hpp"
+#include "services/detector/coarse_glance.hpp"
 #include "services/detector/grey_counts.hpp"
 #include "services/detector/unlit_joints.hpp"
 
@@ -342,8 +343,12 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
     of_fixture.first_swelling = wide_bloom ? std::min(hypothesis.swelling, kWidestBloom) : 0.0;
     of_fixture.least_edge = bright ? params_.lit_edge * (wide_bloom ? kSlowFall : 1.0) : params_.unlit_edge;
     of_fixture.expected_step = wide_bloom ? 0.7 * params_.lit_edge : expected_step;
+    const bool may_be_there =
+        bright || may_have_long_sides(frame, camera_, hypothesis.outline, hypothesis.start, params_.unlit_edge);
     const std::optional<OutlineFit> fit =
-        fitter_.fit(frame.image, hypothesis.outline, hypothesis.is_element ? of_element : of_fixture, hypothesis.start);
+        may_be_there ? fitter_.fit(frame.image, hypothesis.outline, hypothesis.is_element ? of_element : of_fixture,
+                                   hypothesis.start)
+                     : std::nullopt;
     if (!fit) {
       if (trace != nullptr) {
         trace->rectangles.push_back(corners_of(hypothesis, camera_));
