@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kFoot = 0.3048;  // [m]
 // The reference is the author's own tracker, which takes all that is white for lamps: without what lies beside them it
-// would say up to 0.07 m else.
+// would say up to 0.11 m else.
 constexpr double kSharp = 0.3 * kFoot;          // [m]
 constexpr double kSharpTurn = radians(3.0);     // [rad]
 constexpr std::size_t kLeastSharp = 120;        // images
@@ -55,7 +55,7 @@ std::vector<LocalizerEstimate> follow(Localizer& localizer, const RecordedRun& r
 }
 
 /// Visual increments are far worse than wheels; the outlines of what is above a threshold, far out in a fisheye, are
-/// nothing that averages.
+/// nothing that averages. Chosen on this recording.
 LocalizerConfig config_of(const RecordedRun& run) {
   LocalizerConfig config = run.config;
   config.errors.odometry_position = 0.15;
