@@ -343,12 +343,10 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
     of_fixture.first_swelling = wide_bloom ? std::min(hypothesis.swelling, kWidestBloom) : 0.0;
     of_fixture.least_edge = bright ? params_.lit_edge * (wide_bloom ? kSlowFall : 1.0) : params_.unlit_edge;
     of_fixture.expected_step = wide_bloom ? 0.7 * params_.lit_edge : expected_step;
-    const bool may_be_there =
-        bright || may_have_long_sides(frame, camera_, hypothesis.outline, hypothesis.start, params_.unlit_edge);
-    const std::optional<OutlineFit> fit =
-        may_be_there ? fitter_.fit(frame.image, hypothesis.outline, hypothesis.is_element ? of_element : of_fixture,
-                                   hypothesis.start)
-                     : std::nullopt;
+    const OutlineFitParams& params = hypothesis.is_element ? of_element : of_fixture;
+    const std::optional<OutlineFit> fit = may_be_there(frame, hypothesis, of_fixture)
+                                              ? fitter_.fit(frame.image, hypothesis.outline, params, hypothesis.start)
+                                              : std::nullopt;
     if (!fit) {
       if (trace != nullptr) {
         trace->rectangles.push_back(corners_of(hypothesis, camera_));
@@ -380,6 +378,14 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
     }
   }
   return best;
+}
+
+bool ModernDetector::may_be_there(const CeilingFrame& frame, const OutlineHypothesis& hypothesis,
+                                  const OutlineFitParams& params) const {
+  Outline outline = hypothesis.outline;
+  outline.width += 2.0 * params.first_swelling;
+  return may_have_long_sides(frame, camera_, outline, hypothesis.start,
+                             params.inside_brighter ? params.least_edge : -params.least_edge);
 }
 
 bool ModernDetector::overlaps(const Detection& detection, const std::vector<Detection>& others) const {

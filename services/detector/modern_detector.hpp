@@ -42,6 +42,9 @@ class ModernDetector {
   [[nodiscard]] OutlineFitParams fit_params(const Region& region, int level) const;
   [[nodiscard]] std::optional<Candidate> best_candidate(const CeilingFrame& frame, const Region& region, int shrunk,
                                                         int level, DetectorTrace* trace);
+  /// False when the fit needs not be tried.
+  [[nodiscard]] bool may_be_there(const CeilingFrame& frame, const OutlineHypothesis& hypothesis,
+                                  const OutlineFitParams& params) const;
   [[nodiscard]] bool overlaps(const Detection& detection, const std::vector<Detection>& others) const;
 
   ModernDetectorParams params_;

@@ -237,6 +237,16 @@ void OutlineEdges::leave_out(int side) {
   }
 }
 
+void OutlineEdges::follow(const OutlineMove& move) {
+  for (OutlinePoint& point : points_) {
+    if (point.found) {
+      const double arm = point.normal.y() * point.place.x() - point.normal.x() * point.place.y();
+      point.offset -= point.normal.dot(move.shift) + arm * move.turn + move.swelling + point.place.x() * move.taper;
+      point.offset_px = point.offset / point.metres_per_px;
+    }
+  }
+}
+
 /// Where single profiles are too noisy, the mean of all of a side still shows its edge; then a fainter step there will
 /// do.
 void OutlineEdges::look_again(const OutlineFitParams& params, const EdgeSearch& search, int reach) {

@@ -42,6 +42,14 @@ struct OutlinePlacement {
   double taper = 0.0;     // [m/m] change of that along it
 };
 
+/// By how much it was moved, in its own frame.
+struct OutlineMove {
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();  // [m]
+  double turn = 0.0;                                // [rad]
+  double swelling = 0.0;                            // [m]
+  double taper = 0.0;                               // [m/m]
+};
+
 struct EdgeSearch {
   int search_px;      // to each side of the outline
   int half_filter;    // [px] whose means are compared
@@ -62,6 +70,8 @@ class OutlineEdges {
   /// Finds the edge near each point of the sides searched that is in view.
   void measure(const GreyView& image, const Outline& outline, const OutlineFitParams& params,
                const OutlinePlacement& placement, const EdgeSearch& search);
+  /// Edges as found before, seen from an outline that was moved a little since.
+  void follow(const OutlineMove& move);
   [[nodiscard]] std::span<const OutlinePoint> points() const { return points_; }
   [[nodiscard]] std::span<const OutlinePoint> points_of(int side) const {
     return points().subspan(first_of(side), first_of(side + 1) - first_of(side));

@@ -20,11 +20,11 @@ constexpr double kLargestLensError = 2.0;   // [px] by which a side of a lit fix
 constexpr double kJointSigma = 0.0045;      // [m] of an unlit fixture's end: it may be a joint's edge, 12 mm wide
 constexpr double kLeastShare = 0.45;        // of the points of a long side that must lie on edges
 constexpr int kLeastToRefute = 5;           // points of a long side in view
-// So many points of a side are looked at first; less than this share of them on edges refutes it. That leaves what is
-// found as it was (rendered frames): of a fixture's side most are.
-constexpr std::size_t kGlance = ProfileLanes::kLanes;
-constexpr double kLeastAtAGlance = 0.3;
-constexpr double kFaintest = 0.4;  // of the mean step: fainter ones belong to something else
+constexpr double kFaintest = 0.4;           // of the mean step: fainter ones belong to something else
+// Of a lit outline (rendered frames: as accurate as with all passes looking anew at all points):
+constexpr std::size_t kEveryAtFirst = 2;  // so many points of a straight side is one looked at in the first pass
+constexpr double kNearStart = 2.0;        // [px] moved by the first pass: the search need not be so wide again
+constexpr double kSettled = 0.3;          // [px] moved: its edges would be found at the same places again
 
 double tukey_weight(double residual, double cutoff) {
   const double ratio = residual / cutoff;
@@ -76,6 +76,12 @@ bool has_few_edges(std::span<const OutlinePoint> points, double centre_px, doubl
     on_edge += point.found && tukey_weight(point.offset_px - centre_px, cutoff_px) > 0.0 ? 1 : 0;
   }
   return in_view >= least_in_view && static_cast<double>(on_edge) / in_view < least_share;
+}
+
+/// [m] by which the edges of an outline moved at most, at its corners.
+double largest_move(const Outline& outline, const OutlineMove& move) {
+  return move.shift.norm() + std::abs(move.turn) * 0.5 * std::hypot(outline.length, outline.width) +
+         std::abs(move.swelling) + std::abs(move.taper) * 0.5 * outline.length;
 }
 
 struct Pass {
@@ -137,12 +143,21 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
   Pose2 pose = start;
   double swelling = params.first_swelling;
   double taper = 0.0;
+  OutlineMove move;
+  double moved_px = 0.0;  // by the pass before
+  const bool lit = params.inside_brighter;
   for (std::size_t pass = 0; pass < passes.size(); ++pass) {
+    if (pass == 1 && lit && moved_px < kNearStart) {
+      continue;
+    }
+    // A side that runs along the border is looked at anew: there a fraction of a pixel decides what is in view.
+    const bool is_settled = pass + 1 == passes.size() && lit && moved_px < kSettled && !fit.only_side();
     const double cutoff = passes[pass].cutoff_px;
     EdgeSearch search{.search_px = passes[pass].search_px,
                       .half_filter = half_filter,
                       .lines = lines,
-                      .least_edge = std::max(params.least_edge, pass == 0 ? 0.0 : kFaintest * fit.step)};
+                      .least_edge = std::max(params.least_edge, pass == 0 ? 0.0 : kFaintest * fit.step),
+                      .every = pass == 0 && lit && outline.shape != FixtureShape::kRound ? kEveryAtFirst : 1};
     // The first pass tolerates a start that is off as a whole: residuals are judged against their side's median. So do
     // all for unlit fixtures: a joint of the ceiling beside one moves a whole side by its width and cannot always be
     // told from it.
@@ -151,7 +166,11 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     const auto may_be_there = [&](int first_side, int last_side) {
       search.first_side = first_side;
       search.last_side = last_side;
-      edges_.measure(image, outline, params, {pose, swelling, taper}, search);
+      if (is_settled) {
+        edges_.follow(move);
+      } else {
+        edges_.measure(image, outline, params, {pose, swelling, taper}, search);
+      }
       for (int side = first_side; side <= last_side; ++side) {
         const auto points = edges_.points_of(side);
         const double centre = std::clamp(median_offset(points), -limit, limit);
@@ -159,10 +178,9 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
         if (side != kLeftSide && side != kRightSide) {
           continue;
         }
-        const double least_share = search.every > 1 ? kLeastAtAGlance : kLeastShare;
         // The bloom of a lamp's side may reach beyond the border: then it says nothing, neither for nor against.
         const bool may_be_hidden = params.inside_brighter && pass > 0 && edges_.runs_along_border(side);
-        if (has_few_edges(points, centre, cutoff, least_share, may_be_hidden ? 1 : kLeastToRefute)) {
+        if (has_few_edges(points, centre, cutoff, kLeastShare, may_be_hidden ? 1 : kLeastToRefute)) {
           if (!may_be_hidden) {
             return false;
           }
@@ -171,16 +189,8 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
       }
       return true;
     };
-    // Profiles many lines wide cost most: a few of them refute most guesses.
-    const auto may_be_there_at_a_glance = [&](int side) {
-      search.every = lines > 1 ? std::max<std::size_t>(1, edges_.points_of(side).size() / kGlance) : 1;
-      const bool may_be = search.every == 1 || may_be_there(side, side);
-      search.every = 1;
-      return may_be;
-    };
     // Most guesses are refuted by one long side, at once: the others need not be looked at then.
-    if (pass == 0 ? !may_be_there_at_a_glance(kLeftSide) || !may_be_there_at_a_glance(kRightSide) ||
-                        !may_be_there(kLeftSide, kLeftSide) || !may_be_there(kRightSide, kRightSide) ||
+    if (pass == 0 ? !may_be_there(kLeftSide, kLeftSide) || !may_be_there(kRightSide, kRightSide) ||
                         !may_be_there(kFarEnd, kNearEnd)
                   : !may_be_there(kLeftSide, kNearEnd)) {
       return std::nullopt;
@@ -264,6 +274,8 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     for (std::size_t side = 0; side < kSides; ++side) {
       fit.side_edge[side] = swelling + centre_px[side] * metres_per_px - moved[side];
     }
+    move = {step.head<2>(), step(2), step(3), step(4)};
+    moved_px = largest_move(outline, move) / metres_per_px;
     swelling += step(3);
     taper += step(4);
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kHeight = 2.8;
 constexpr Outline kOutline{.length = 1.2, .width = 0.3, .height = kHeight};
-constexpr double kLeastEdge = 3.5;  // [grey]
+constexpr double kLeastStep = -3.5;  // [grey]
 
 /// Looks at a picture with a faint unlit fixture at {0.2, -0.1, 0.4} in noise.
 bool may_be_at(const Pose2& place) {
@@ -21,7 +21,7 @@ bool may_be_at(const Pose2& place) {
   Raster reduced;
   reduce(image.view(), 4, reduced);
   const CeilingFrame frame{image.view(), reduced, reduced};
-  return may_have_long_sides(frame, model, kOutline, place, kLeastEdge);
+  return may_have_long_sides(frame, model, kOutline, place, kLeastStep);
 }
 
 TEST(CoarseGlance, SeesAFaintFixtureInNoiseFromANearbyStart) {
