@@ -22,7 +22,7 @@ constexpr double kNarrowBloom = 0.008;   // [m] of swelling; in broader bloom a 
 constexpr double kUnevenBloom = 0.01;    // of the swelling, 1 sigma
 constexpr double kLargestShift = 0.008;  // [m] ...
 constexpr double kLargestShare = 0.5;    // ... or this share of the swelling: of a joint in broad bloom
-constexpr double kSettled = 0.03;        // [px] of a shift: it would be measured the same again
+constexpr double kSettled = 0.1;         // [px] of a shift: the next is a quarter of it, less than its error
 // How far off level bloom may put an outline, 1 sigma (rendered frames):
 constexpr double kLevelSigmaPx = 0.7;
 constexpr double kUnevenLevel = 0.2;  // of the swelling
