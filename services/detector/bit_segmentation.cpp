@@ -6,66 +6,12 @@
 #include <cstddef>
 
 #include "services/common/geometry/vector_clones.hpp"
-
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
+#include "services/detector/row_bits.hpp"
 
 namespace luminav {
 namespace {
 
 using Word = std::uint64_t;
-
-/// Bits of up to 64 pixels that are above `above` or not above `not_above`.
-Word threshold_plain(const std::uint8_t* pixels, int count, int above, int not_above) {
-  Word bits = 0;
-  for (int i = 0; i < count; ++i) {
-    const Word in = pixels[i] > above || pixels[i] <= not_above ? 1 : 0;
-    bits |= in << i;
-  }
-  return bits;
-}
-
-void threshold_row_plain(const std::uint8_t* pixels, int width, int above, int not_above, Word* out) {
-  for (int x = 0; x < width; x += 64) {
-    out[x / 64] = threshold_plain(pixels + x, std::min(64, width - x), above, not_above);
-  }
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) void threshold_row_avx2(const std::uint8_t* pixels, int width, int above, int not_above,
-                                                        Word* out) {
-  // Saturating arithmetic makes an unsigned comparison: p - above > 0, and not_above - p >= 0 as min(p, low) = p.
-  const __m256i high = _mm256_set1_epi8(static_cast<char>(std::clamp(above, 0, 255)));
-  const __m256i low = _mm256_set1_epi8(static_cast<char>(std::clamp(not_above, 0, 255)));
-  const __m256i no_low = _mm256_set1_epi8(static_cast<char>(not_above < 0 ? 0 : -1));
-  const __m256i zero = _mm256_setzero_si256();
-  const auto bits_of = [&](const std::uint8_t* p) __attribute__((target("avx2"))) {
-    const __m256i v = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p));
-    const __m256i not_bright = _mm256_cmpeq_epi8(_mm256_subs_epu8(v, high), zero);
-    const __m256i dark = _mm256_and_si256(_mm256_cmpeq_epi8(_mm256_min_epu8(v, low), v), no_low);
-    return ~static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_andnot_si256(dark, not_bright)));
-  };
-  int x = 0;
-  for (; x + 64 <= width; x += 64) {
-    out[x / 64] = static_cast<Word>(bits_of(pixels + x)) | static_cast<Word>(bits_of(pixels + x + 32)) << 32;
-  }
-  if (x < width) {
-    out[x / 64] = threshold_plain(pixels + x, width - x, above, not_above);
-  }
-}
-#endif
-
-using ThresholdRow = void (*)(const std::uint8_t*, int, int, int, Word*);
-
-ThresholdRow fastest_threshold() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) {
-    return threshold_row_avx2;
-  }
-#endif
-  return threshold_row_plain;
-}
 
 /// a &= a shifted towards lower x by `shift` pixels; the array's last word is not written.
 LUMINAV_VECTOR_CLONES
@@ -343,7 +289,6 @@ void BitSegmentation::smallest_rectangle(Blob& blob) const {
 }
 
 const std::vector<Blob>& BitSegmentation::find(const GreyView& image, const BitSegmentationParams& params) {
-  static const ThresholdRow threshold_row = fastest_threshold();
   const int radius = std::clamp(params.opening, 0, 15);
   words_ = (image.width + 63) / 64 + 2;
   rows_ = image.height + 2 * radius;
@@ -354,7 +299,7 @@ const std::vector<Blob>& BitSegmentation::find(const GreyView& image, const BitS
     Word* row = mask_.data() + static_cast<std::size_t>(y + radius) * static_cast<std::size_t>(words_);
     row[0] = 0;
     row[words_ - 1] = 0;
-    threshold_row(image.pixels.data() + static_cast<std::ptrdiff_t>(y) * image.width, image.width, params.above,
+    take_row_bits(image.pixels.data() + static_cast<std::ptrdiff_t>(y) * image.width, image.width, params.above,
                   params.not_above, row + 1);
   }
   if (radius > 0) {

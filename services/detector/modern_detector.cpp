@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/bloom_edges.hpp"
@@ -85,14 +86,6 @@ std::uint8_t largest(const std::uint8_t* cells, std::size_t count) {
   return most;
 }
 
-LUMINAV_VECTOR_CLONES
-void cut_above(const std::uint8_t* cells, std::size_t count, std::uint8_t level, std::uint8_t* mask) {
-#pragma GCC ivdep
-  for (std::size_t i = 0; i < count; ++i) {
-    mask[i] = cells[i] > level ? 1 : 0;
-  }
-}
-
 /// Deeper than `least` and than a share [1/256] of the depth nearby.
 LUMINAV_VECTOR_CLONES
 void cut_deep(const std::uint8_t* depth, const std::uint8_t* peak, std::size_t count, int least, int share,
@@ -163,15 +156,14 @@ ModernDetector::ModernDetector(const ModernDetectorParams& params, const Ceiling
 OutlineFitParams ModernDetector::fit_params(const Region& region, int level) const {
   const bool bright = level > 0;
   const Raster& contrast = bright ? reduced_ : contrast_.dark();
-  double sum = 0.0;
+  int sum = 0;
   for (const Run& run : region.runs) {
-    for (int x = run.first; x <= run.last; ++x) {
-      sum += contrast.row(run.row)[x];
-    }
+    const std::uint8_t* row = contrast.row(run.row);
+    sum = std::accumulate(row + run.first, row + run.last + 1, sum);
   }
   return {.inside_brighter = bright,
           .least_edge = bright ? params_.lit_edge : params_.unlit_edge,
-          .expected_step = sum / std::max(region.cells, 1) - (bright ? median_ : 0),
+          .expected_step = static_cast<double>(sum) / std::max(region.cells, 1) - (bright ? median_ : 0),
           .pixel_noise = std::clamp(contrast_.noise() * factor_, 1.0, 14.0),
           .swelling_sigma = bright ? 0.4 * params_.largest_bloom : 0.4 * params_.largest_misfit,
           .taper_sigma = bright ? 0.5 * params_.largest_bloom : 1e-4,
@@ -181,22 +173,13 @@ OutlineFitParams ModernDetector::fit_params(const Region& region, int level) con
           .first_search_px = 11};
 }
 
-/// Only the rows that reach the level: those above stay empty, and the levels fall.
-void ModernDetector::cut_out_bright(int level) {
-  for (int y = 0; y < reduced_.height; ++y) {
-    if (row_peaks_[static_cast<std::size_t>(y)] > level) {
-      cut_above(reduced_.row(y), static_cast<std::size_t>(reduced_.width), static_cast<std::uint8_t>(level),
-                mask_.row(y));
-    }
-  }
-}
-
-void ModernDetector::cut_out_dark(double level_share) {
+int ModernDetector::cut_out_dark(double level_share) {
   const Raster& dark = contrast_.dark();
   const auto least = static_cast<int>(std::max(params_.unlit_contrast, params_.noise_factor * contrast_.noise()) + 0.5);
   const auto share = static_cast<int>(level_share * 256.0);
   mask_.resize(dark.width, dark.height);
   cut_deep(dark.cells.data(), contrast_.dark_peak().cells.data(), dark.cells.size(), least, share, mask_.cells.data());
+  return static_cast<int>(mask_.cells.size()) - count_up_to(mask_.cells.data(), mask_.cells.size(), 0);
 }
 
 void ModernDetector::detect(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace) {
@@ -218,8 +201,6 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
   for (int y = 0; y < reduced_.height; ++y) {
     row_peaks_[static_cast<std::size_t>(y)] = largest(reduced_.row(y), static_cast<std::size_t>(reduced_.width));
   }
-  mask_.resize(reduced_.width, reduced_.height);
-  std::fill(mask_.cells.begin(), mask_.cells.end(), std::uint8_t{0});
   // A lit fixture is brighter than all around it, however the light is distributed: at some level it stands alone. The
   // highest comes first, because there bloom adds least.
   const auto contrast = static_cast<int>(std::max(params_.lit_contrast, params_.noise_factor * contrast_.noise()));
@@ -227,8 +208,7 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
     if (level < median_ + contrast) {
       break;
     }
-    cut_out_bright(level);
-    for (const Region& region : finder_.find(mask_, least_cells_, {row_peaks_, level})) {
+    for (const Region& region : finder_.find(reduced_, least_cells_, {level, row_peaks_})) {
       if (is_explained(region, detections)) {
         continue;
       }
@@ -261,15 +241,19 @@ void ModernDetector::look_for_unlit(const CeilingFrame& frame, std::vector<Detec
   tried_.clear();
   // What shading or a neighbour joins to a fixture falls away deeper down; so do parts of it, and only whole ones
   // count.
+  int before = 0;  // [cells]
   for (const double level_share : {params_.unlit_level_share, kDeeperShare}) {
-    look_for_unlit_at(level_share, frame, detections, trace);
+    const int cells = cut_out_dark(level_share);
+    if (cells != before) {  // or the same regions are cut out again
+      look_for_unlit_at(level_share, frame, detections, trace);
+    }
+    before = cells;
   }
 }
 
 void ModernDetector::look_for_unlit_at(double level_share, const CeilingFrame& frame,
                                        std::vector<Detection>& detections, DetectorTrace* trace) {
   const bool deeper = level_share > params_.unlit_level_share;
-  cut_out_dark(level_share);
   if (erosion_ > 0) {
     erode(mask_, erosion_, eroded_, scratch_);
   }

@@ -35,10 +35,10 @@ class ModernDetector {
   void look_for_lit(const CeilingFrame& frame, std::vector<Detection>& detections, DetectorTrace* trace);
   void look_for_unlit(const CeilingFrame& frame, std::vector<Detection>& detections, DetectorTrace* trace);
   [[nodiscard]] bool is_explained(const Region& region, const std::vector<Detection>& detections) const;
-  void cut_out_bright(int level);
   void look_for_unlit_at(double level_share, const CeilingFrame& frame, std::vector<Detection>& detections,
                          DetectorTrace* trace);
-  void cut_out_dark(double level_share);
+  /// Into the mask; returns how many cells.
+  int cut_out_dark(double level_share);
   [[nodiscard]] OutlineFitParams fit_params(const Region& region, int level) const;
   [[nodiscard]] std::optional<Candidate> best_candidate(const CeilingFrame& frame, const Region& region, int shrunk,
                                                         int level, DetectorTrace* trace);

@@ -108,7 +108,10 @@ bool OutlineProposer::take_hull(const Region& region) {
 }
 
 OutlineProposer::Extents OutlineProposer::extents(double theta) const {
-  const Vector2d along(std::cos(theta), std::sin(theta));
+  return extents(Vector2d(std::cos(theta), std::sin(theta)));
+}
+
+OutlineProposer::Extents OutlineProposer::extents(const Vector2d& along) const {
   const Vector2d across(-along.y(), along.x());
   Extents e{1e9, -1e9, 1e9, -1e9};
   for (const Corner& corner : corners_) {
@@ -132,9 +135,10 @@ void OutlineProposer::choose_directions() {
     const Corner& a = corners_[i];
     const Corner& b = corners_[(i + 1) % corners_.size()];
     const Vector2d edge = b.place - a.place;
+    const double length = edge.norm();
     const double theta = std::atan2(edge.y(), edge.x());
-    edges_.push_back({edge.norm(), theta, !(a.at_border && b.at_border), a.place, b.place});
-    const Extents e = extents(theta);
+    edges_.push_back({length, theta, !(a.at_border && b.at_border), a.place, b.place});
+    const Extents e = extents(edge / length);
     const double area = (e.most_along - e.least_along) * (e.most_across - e.least_across);
     if (area < smallest) {
       smallest = area;

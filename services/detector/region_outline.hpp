@@ -96,6 +96,7 @@ class OutlineProposer {
   };
   bool take_hull(const Region& region);
   [[nodiscard]] Extents extents(double theta) const;
+  [[nodiscard]] Extents extents(const Eigen::Vector2d& along) const;  // a direction
   void choose_directions();
   void propose_kind(const CeilingKind& kind, int index, bool half_width, bool bright, double theta,
                     const SizeTolerance& tolerance);

@@ -3,53 +3,34 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <cstring>
+
+#include "services/detector/row_bits.hpp"
 
 namespace luminav {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);  // the first of eight cells is the lowest byte
-
-std::uint64_t eight_cells(const std::uint8_t* cells) {
-  std::uint64_t eight;
-  std::memcpy(&eight, cells, sizeof eight);
-  return eight;
-}
-
-/// First cell at or after `x` that is set (or not set), `width` when there is none. Masks are mostly empty, so empty
-/// stretches are crossed many cells at a time.
-int next_set(const std::uint8_t* row, int x, int width) {
-  while (x + 32 <= width) {
-    const std::uint8_t* many = row + x;
-    if ((eight_cells(many) | eight_cells(many + 8) | eight_cells(many + 16) | eight_cells(many + 24)) != 0) {
-      break;
+/// Calls `take` with both ends of every run of set bits of a row.
+template <typename Take>
+void for_each_run(std::span<const std::uint64_t> bits, int width, Take take) {
+  std::uint64_t before = 0;  // whether the bit before the word is set
+  int first = 0;
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    const std::uint64_t word = bits[i];
+    // set where a run begins and behind its end
+    for (std::uint64_t changes = word ^ (word << 1 | before); changes != 0; changes &= changes - 1) {
+      const int bit = std::countr_zero(changes);
+      const int x = 64 * static_cast<int>(i) + bit;
+      if ((word >> bit & 1) != 0) {
+        first = x;
+      } else {
+        take(first, x - 1);
+      }
     }
-    x += 32;
+    before = word >> 63;
   }
-  for (; x + 8 <= width; x += 8) {
-    if (const std::uint64_t eight = eight_cells(row + x); eight != 0) {
-      return x + std::countr_zero(eight) / 8;
-    }
+  if (before != 0) {
+    take(first, width - 1);
   }
-  while (x < width && row[x] == 0) {
-    ++x;
-  }
-  return x;
-}
-
-int next_clear(const std::uint8_t* row, int x, int width) {
-  constexpr std::uint64_t kOnes = 0x0101010101010101;
-  for (; x + 8 <= width; x += 8) {
-    const std::uint64_t eight = eight_cells(row + x);
-    // the lowest bit that is left stands in the first empty cell (Mycroft 1987)
-    if (const std::uint64_t clear = (eight - kOnes) & ~eight & (kOnes << 7); clear != 0) {
-      return x + std::countr_zero(clear) / 8;
-    }
-  }
-  while (x < width && row[x] != 0) {
-    ++x;
-  }
-  return x;
 }
 
 }  // namespace
@@ -63,39 +44,44 @@ int RegionFinder::root(int run) {
   return run;
 }
 
-const std::vector<Region>& RegionFinder::find(const Raster& mask, int least_cells, const FilledRows& filled) {
+void RegionFinder::take_runs(const Raster& image, const Cut& cut) {
   runs_.clear();
   parent_.clear();
-  int above = 0;  // first run of the row above that may touch
-  int above_end = 0;
-  for (int y = 0; y < mask.height; ++y) {
-    const int row_begin = static_cast<int>(runs_.size());
-    const std::uint8_t* row = mask.row(y);
-    for (int x = filled.may_be(y) ? next_set(row, 0, mask.width) : mask.width; x < mask.width;
-         x = next_set(row, x, mask.width)) {
-      const int end = next_clear(row, x, mask.width);
-      const int current = static_cast<int>(runs_.size());
-      runs_.push_back({y, x, end - 1});
-      parent_.push_back(current);
-      while (above < above_end && runs_[static_cast<std::size_t>(above)].last < x - 1) {
-        ++above;
-      }
-      for (int other = above; other < above_end && runs_[static_cast<std::size_t>(other)].first <= end; ++other) {
-        const int a = root(other);
-        const int b = root(current);
-        parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-      }
-      x = end;
+  bits_.resize(static_cast<std::size_t>(image.width + 63) / 64);
+  std::size_t above = 0;  // first run of the row above that may touch
+  std::size_t above_end = 0;
+  for (int y = 0; y < image.height; ++y) {
+    const std::size_t row_begin = runs_.size();
+    if (cut.may_be_in(y)) {
+      take_row_bits(image.row(y), image.width, cut.level, -1, bits_.data());
+      for_each_run(bits_, image.width, [&](int first, int last) {
+        const int current = static_cast<int>(runs_.size());
+        runs_.push_back({y, first, last});
+        parent_.push_back(current);
+        while (above < above_end && runs_[above].last < first - 1) {
+          ++above;
+        }
+        for (std::size_t other = above; other < above_end && runs_[other].first <= last + 1; ++other) {
+          const int a = root(static_cast<int>(other));
+          const int b = root(current);
+          parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+        }
+      });
     }
     above = row_begin;
-    above_end = static_cast<int>(runs_.size());
+    above_end = runs_.size();
   }
+}
 
+const std::vector<Region>& RegionFinder::find(const Raster& image, int least_cells, const Cut& cut) {
+  take_runs(image, cut);
   const std::size_t count = runs_.size();
   cells_.assign(count, 0);
   run_counts_.assign(count, 0);
   for (std::size_t i = 0; i < count; ++i) {
-    const auto top = static_cast<std::size_t>(root(static_cast<int>(i)));
+    const int top_run = root(static_cast<int>(i));
+    parent_[i] = top_run;
+    const auto top = static_cast<std::size_t>(top_run);
     cells_[top] += runs_[i].last - runs_[i].first + 1;
     ++run_counts_[top];
   }
@@ -105,14 +91,14 @@ const std::vector<Region>& RegionFinder::find(const Raster& mask, int least_cell
   region_of_root_.assign(count, -1);
   std::size_t taken = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto top = static_cast<std::size_t>(root(static_cast<int>(i)));
+    const auto top = static_cast<std::size_t>(parent_[i]);
     if (cells_[top] < least_cells) {
       continue;
     }
     if (region_of_root_[top] < 0) {
       region_of_root_[top] = static_cast<int>(regions_.size());
       const auto run_count = static_cast<std::size_t>(run_counts_[top]);
-      const int beyond = mask.width + mask.height;
+      const int beyond = image.width + image.height;
       regions_.push_back({.cells = cells_[top],
                           .left = beyond,
                           .right = -1,

@@ -16,7 +16,7 @@ struct Run {
   int last = 0;
 };
 
-/// A connected part (8 neighbours) of a mask.
+/// A connected part (8 neighbours) of what is cut out.
 struct Region {
   int cells = 0;
   int left = 0;
@@ -26,24 +26,28 @@ struct Region {
   std::span<const Run> runs;  // from the top, each row's from the left
 };
 
-/// Which rows of a mask can hold anything: those whose brightest cell lies above the level that it was cut out at. All
-/// of them when there are no peaks.
-struct FilledRows {
-  std::span<const std::uint8_t> peaks;
+/// The level above which cells are taken; rows whose brightest cell, where these are given, is not above it hold none.
+struct Cut {
   int level = 0;
+  std::span<const std::uint8_t> row_peaks;
 
-  [[nodiscard]] bool may_be(int row) const { return peaks.empty() || peaks[static_cast<std::size_t>(row)] > level; }
+  [[nodiscard]] bool may_be_in(int row) const {
+    return row_peaks.empty() || row_peaks[static_cast<std::size_t>(row)] > level;
+  }
 };
 
-/// Finds the connected parts of a mask from its runs: the cost follows the number of runs, not of cells.
+/// Finds the connected parts of what is cut out of an image, or of a mask, from their runs: the cost follows the number
+/// of runs, not of cells.
 class RegionFinder {
  public:
   /// Parts of at least `least_cells` cells; valid until the next call.
-  const std::vector<Region>& find(const Raster& mask, int least_cells, const FilledRows& filled = {});
+  const std::vector<Region>& find(const Raster& image, int least_cells, const Cut& cut = {});
 
  private:
+  void take_runs(const Raster& image, const Cut& cut);
   int root(int run);
 
+  std::vector<std::uint64_t> bits_;  // of a row
   std::vector<Run> runs_;
   std::vector<int> parent_;
   std::vector<int> region_of_root_;

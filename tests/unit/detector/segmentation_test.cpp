@@ -110,12 +110,34 @@ TEST(RegionFinder, LeavesOutWhatIsTooSmall) {
 
 TEST(RegionFinder, LooksOnlyIntoRowsThatReachTheLevel) {
   RegionFinder finder;
-  const Raster mask = raster_of({"##.", "...", "###"});
+  Raster image = raster_of({"##.", "...", "###"});
+  for (std::uint8_t& cell : image.cells) {
+    cell = cell > 0 ? 255 : 0;
+  }
   const std::vector<std::uint8_t> peaks{200, 0, 100};
-  EXPECT_EQ(finder.find(mask, 1, {peaks, 99}).size(), 2U);
-  const auto& regions = finder.find(mask, 1, {peaks, 100});
+  EXPECT_EQ(finder.find(image, 1, {99, peaks}).size(), 2U);
+  const auto& regions = finder.find(image, 1, {100, peaks});
   ASSERT_EQ(regions.size(), 1U);
   EXPECT_EQ(regions[0].cells, 2);
+}
+
+TEST(RegionFinder, FindsRunsOverTheBoundsOfWordsAndUpToTheLastCell) {
+  RegionFinder finder;
+  for (const int width : {1, 31, 32, 63, 64, 65, 96, 100, 128, 160, 200}) {
+    Raster image = random_raster(width, 3, static_cast<std::uint32_t>(width));
+    for (const int level : {0, 100, 200, 254}) {
+      int cells = 0;
+      for (const Region& region : finder.find(image, 1, {level, {}})) {
+        for (const auto& run : region.runs) {
+          for (int x = run.first; x <= run.last; ++x) {
+            ASSERT_GT(image.row(run.row)[x], level);
+          }
+          cells += run.last - run.first + 1;
+        }
+      }
+      EXPECT_EQ(cells, std::count_if(image.cells.begin(), image.cells.end(), [&](int cell) { return cell > level; }));
+    }
+  }
 }
 
 TEST(GreyCounts, FindTheMedianFromAnyGuess) {
