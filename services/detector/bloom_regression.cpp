@@ -1,7 +1,6 @@
 #include "services/detector/bloom_regression.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 
 #include "services/detector/regression_sums.hpp"
@@ -80,22 +79,26 @@ class Regression {
     take_medians();
     suppose_no_joint();
     const double cost = suppose_even_light();
-    if (cost > kPriceOfJoint) {
+    const bool needs_joint = cost > kPriceOfJoint;
+    if (needs_joint) {
       look_for_joint(cost);
     }
     fit_all();
     if (!solution_.allFinite() || weights_ < kLeastInliers * differences_.count) {
       return std::nullopt;
     }
-    const Matrix covariance = information_.inverse();
+    const Eigen::LLT<Matrix> root(information_);
+    const Vector of_shift = root.solve(Vector::Unit(0));
+    const Vector of_turn = root.solve(Vector::Unit(4));
     const double steepest = *std::max_element(samples_.fall.begin(), samples_.fall.end());
     Balance balance;
+    balance.needs_joint = needs_joint;
     balance.uneven_variance = step * step * square(kUnevenEdge * square(solution_(1) / std::max(steepest, 1.0)));
     balance.shift = step * (solution_(0) + joint_pull_);
     balance.turn = step * solution_(4) / length;
-    const double variance = step * step * (covariance(0, 0) + joint_variance_) + balance.uneven_variance;
-    balance.covariance << variance, step * step / length * covariance(0, 4), step * step / length * covariance(0, 4),
-        step * step / (length * length) * covariance(4, 4);
+    const double variance = step * step * (of_shift(0) + joint_variance_) + balance.uneven_variance;
+    const double of_both = step * step / length * of_shift(4);
+    balance.covariance << variance, of_both, of_both, step * step / (length * length) * of_turn(4);
     return balance;
   }
 
@@ -282,7 +285,7 @@ class Regression {
           information(i, j) = sums.information[static_cast<std::size_t>(j)][i];
         }
       }
-      solution = information.ldlt().solve(right_side);
+      solution = information.llt().solve(right_side);
       cost = sums.cost + (square(solution(3) - joint_prior_.mean) * joint_prior_.information +
                           square(solution(2) - outward_prior_.per_constant * solution(1)) * outward_prior_.information);
     }
@@ -320,7 +323,7 @@ class Regression {
         }
       }
       weights_ = sums.weights;
-      solution_ = information_.ldlt().solve(right_side);
+      solution_ = information_.llt().solve(right_side);
     }
   }
 

@@ -27,6 +27,7 @@ struct Balance {
   double turn = 0.0;           // [rad]
   double uneven_variance = 0;  // [m^2] of the shift, in its covariance: for sides that are not equally bright
   Eigen::Matrix2d covariance;  // of both
+  bool needs_joint = false;    // the differences are not explained without one
 };
 
 /// By how much an outline must move that its light falls off alike on opposite sides. `length` [m] of the sides, `step`

@@ -52,6 +52,82 @@ int only_level_end(const GreyView& image, const CeilingCamera& camera, const Out
   return (is_in_view(1.0) ? 1 : 0) - (is_in_view(-1.0) ? 1 : 0);
 }
 
+/// Opposite sides with the joints beside them. Those are looked for only when the differences are not explained
+/// without: most lamps have none, and the look costs as much as all else.
+class SidePair {
+ public:
+  SidePair(const GreyView& image, const CeilingCamera& camera, const Outline& outline, const OutlineFitParams& params,
+           const OutlineFit& fit, bool across)
+      : image_(image),
+        camera_(camera),
+        height_(outline.height),
+        noise_(params.pixel_noise),
+        swelling_(fit.swelling),
+        step_(fit.metres_per_px),
+        along_(across ? Vector2d::UnitX() : Vector2d::UnitY()),
+        out_(across ? Vector2d::UnitY() : Vector2d::UnitX()),
+        length_(across ? outline.length : outline.width),
+        half_width_(0.5 * (across ? outline.width : outline.length)),
+        // The burning half of a fixture fades into the dark one more slowly than into the ceiling.
+        saturated_(across ? Saturated::kLeftOut : Saturated::kCutOff),
+        sides_(image, camera, outline, params.vignetting, along_, out_, length_, half_width_ + swelling_) {}
+
+  /// By how much an outline at `pose` is off balance.
+  [[nodiscard]] std::optional<Balance> measure(const Pose2& pose) {
+    constexpr KnownJoint kNone{.is_known = true};
+    Differences differences = sides_.measure(pose, step_, saturated_);
+    if (!joints_) {
+      const std::optional<Balance> balance = balance_sides(differences, length_, step_, {kNone, kNone});
+      if (balance && !balance->needs_joint) {
+        return balance;
+      }
+      joints_ = {look_beside(pose, 1.0), look_beside(pose, -1.0)};
+    }
+    if ((*joints_)[0].is_seen() || (*joints_)[1].is_seen()) {
+      if (swelling_ >= kNarrowBloom) {
+        // Saturation cuts off a part of a joint that lies in broad bloom.
+        differences = sides_.measure(pose, step_, Saturated::kLeftOut);
+      } else if (sides_.take_ceiling_off(pose, step_, kBloomReach + swelling_, differences)) {
+        return balance_sides(differences, length_, step_, {kNone, kNone});
+      }
+    }
+    return balance_sides(differences, length_, step_, *joints_);
+  }
+
+  /// The outline was moved towards the positive side.
+  void move(double shift) {
+    if (joints_) {
+      (*joints_)[0].place -= shift / step_;
+      (*joints_)[1].place += shift / step_;
+    }
+  }
+
+ private:
+  [[nodiscard]] KnownJoint look_beside(const Pose2& pose, double side) const {
+    const JointSearch search{.nearest = swelling_ - kInside * step_,
+                             .farthest = swelling_ + (kDistances - kInside) * step_,
+                             .from_corner = kBloomReach + swelling_,
+                             .noise = noise_};
+    const JointBeside beside =
+        find_joint_beside(image_, camera_, {pose, height_, along_, side * out_, 0.5 * length_, half_width_}, search);
+    return {beside.is_in_view, beside.found, (beside.middle - swelling_) / step_ + kInside, beside.depth};
+  }
+
+  const GreyView& image_;
+  const CeilingCamera& camera_;
+  double height_;
+  double noise_;  // [grey]
+  double swelling_;
+  double step_;
+  Vector2d along_;
+  Vector2d out_;
+  double length_;
+  double half_width_;
+  Saturated saturated_;
+  OppositeSides sides_;
+  std::optional<KnownJoints> joints_;
+};
+
 }  // namespace
 
 void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
@@ -59,40 +135,10 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
   if (outline.shape == FixtureShape::kRound) {
     return;
   }
-  const Vector2d x = Vector2d::UnitX();
-  const Vector2d y = Vector2d::UnitY();
   const double step = fit.metres_per_px;
-  const OppositeSides sides(image, camera, outline, params.vignetting, x, y, outline.length,
-                            0.5 * outline.width + fit.swelling);
-  const OppositeSides ends(image, camera, outline, params.vignetting, y, x, outline.width,
-                           0.5 * outline.length + fit.swelling);
-  const JointSearch search{.nearest = fit.swelling - kInside * step,
-                           .farthest = fit.swelling + (kDistances - kInside) * step,
-                           .from_corner = kBloomReach + fit.swelling,
-                           .noise = params.pixel_noise};
+  SidePair sides(image, camera, outline, params, fit, true);
+  SidePair ends(image, camera, outline, params, fit, false);
   Pose2 pose = fit.robot_from_outline;
-  const auto known = [&](const Vector2d& line, const Vector2d& out, double length, double width) {
-    const JointBeside beside =
-        find_joint_beside(image, camera, {pose, outline.height, line, out, 0.5 * length, 0.5 * width}, search);
-    return KnownJoint{beside.is_in_view, beside.found, (beside.middle - fit.swelling) / step + kInside, beside.depth};
-  };
-  KnownJoints side_joints{known(x, y, outline.length, outline.width), known(x, -y, outline.length, outline.width)};
-  KnownJoints end_joints{known(y, x, outline.width, outline.length), known(y, -x, outline.width, outline.length)};
-  const auto move = [&](KnownJoints& joints, double shift) {
-    joints[0].place -= shift / step;
-    joints[1].place += shift / step;
-  };
-  const auto compare = [&](const OppositeSides& pair, double length, const KnownJoints& joints, Saturated saturated) {
-    const bool is_joint = joints[0].is_seen() || joints[1].is_seen();
-    const bool is_narrow = fit.swelling < kNarrowBloom;
-    // Saturation cuts off a part of a joint that lies in broad bloom.
-    Differences differences = pair.measure(pose, step, is_joint && !is_narrow ? Saturated::kLeftOut : saturated);
-    if (is_joint && is_narrow && pair.take_ceiling_off(pose, step, kBloomReach + fit.swelling, differences)) {
-      constexpr KnownJoint kNone{.is_known = true};
-      return balance_sides(differences, length, step, {kNone, kNone});
-    }
-    return balance_sides(differences, length, step, joints);
-  };
   const double largest_shift = std::max(kLargestShift, kLargestShare * fit.swelling);
   const double middle = 0.5 * (fit.visible_from + fit.visible_to);
   std::optional<Balance> across;
@@ -102,13 +148,12 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
   for (int pass = 0; pass < 3 && !(across_settled && along_settled); ++pass) {
     Pose2 change;
     if (!along_settled) {
-      const auto balance = compare(ends, outline.width, end_joints, Saturated::kCutOff);
+      const auto balance = ends.measure(pose);
       along = balance ? balance : along;
       change.x = balance ? balance->shift : 0.0;
     }
     if (!across_settled) {
-      // The burning half of a fixture fades into the dark one more slowly than into the ceiling.
-      across = compare(sides, outline.length, side_joints, Saturated::kLeftOut);
+      across = sides.measure(pose);
       // The edges know the direction as well: the mean of both is better than either.
       change.theta = across && pass == 0 ? 0.5 * across->turn : 0.0;
       // What is left of the turn must not move what is seen of the sides.
@@ -118,8 +163,8 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
       return;
     }
     pose = pose * change;
-    move(side_joints, change.y);
-    move(end_joints, change.x);
+    sides.move(change.y);
+    ends.move(change.x);
     along_settled = std::abs(change.x) < kSettled * step;
     across_settled = std::abs(change.y) < kSettled * step;
   }
