@@ -1,7 +1,6 @@
 #include "services/detector/bloom_edges.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "services/detector/edge_means.hpp"
 #include "services/detector/pixel_sampling.hpp"
+#include "services/detector/side_sums.hpp"
 
 namespace luminav {
 namespace {
@@ -69,23 +69,6 @@ class SomePoints {
 struct Bloom {
   double swelling = 0.0;  // [m]
   double taper = 0.0;     // [m/m] change of that along the long sides
-};
-
-/// Weighted sums over the edges of one side.
-struct SideSums {
-  double weights = 0.0;
-  double places = 0.0;   // [m] along the side
-  double places2 = 0.0;  // [m^2]
-  double offsets = 0.0;  // [m] outward
-  double places_offsets = 0.0;
-
-  void add(double weight, double place, double offset) {
-    weights += weight;
-    places += weight * place;
-    places2 += weight * place * place;
-    offsets += weight * offset;
-    places_offsets += weight * place * offset;
-  }
 };
 
 struct Solution {
@@ -339,12 +322,13 @@ class BloomLevel {
   std::optional<Solution> step(const OutlineFitParams& params, Pose2& pose, Bloom& bloom) const {
     const double sigma = params.edge_sigma_px * metres_per_px_;
     const double free_along = std::max(outline_.length, outline_.width);
-    Matrix5d information = Matrix5d::Zero();
+    OutlineEquations equations;
+    Matrix5d& information = equations.information;
     information(0, 0) = information(1, 1) = sigma * sigma / (free_along * free_along);
     information(2, 2) = sigma * sigma / (kPi * kPi);
     information(3, 3) = sigma * sigma / (params.swelling_sigma * params.swelling_sigma);
     information(4, 4) = sigma * sigma / (taper_sigma_ * taper_sigma_);
-    Vector5d right_side = Vector5d::Zero();
+    Vector5d& right_side = equations.right_side;
     right_side(3) = -information(3, 3) * bloom.swelling;
     right_side(4) = -information(4, 4) * bloom.taper;
     std::array<double, kMostPoints> offsets;
@@ -383,28 +367,14 @@ class BloomLevel {
     }
     double weights = 0.0;
     for (std::size_t side = 0; side < kSides; ++side) {
-      const SideSums& of_side = sums[side];
-      // The equation of an edge at the coordinate c has the coefficients fixed + c * along.
-      const double outward = side == kLeftSide || side == kFarEnd ? 1.0 : -1.0;
-      Vector5d fixed;
-      Vector5d along;
-      if (side == kLeftSide || side == kRightSide) {
-        fixed << 0.0, outward, 0.0, 1.0, -middle_;
-        along << 0.0, 0.0, outward, 0.0, 1.0;
-      } else {
-        fixed << outward, 0.0, 0.0, 1.0, 0.0;
-        along << 0.0, 0.0, -outward, 0.0, 0.0;
-      }
-      const Vector5d mean = of_side.weights * fixed + of_side.places * along;
-      const Vector5d spread = of_side.places * fixed + of_side.places2 * along;
-      information += fixed * mean.transpose() + along * spread.transpose();
-      right_side += of_side.offsets * fixed + of_side.places_offsets * along;
-      weights += of_side.weights;
+      const bool is_long = side == kLeftSide || side == kRightSide;
+      sums[side].add_to(equations, static_cast<int>(side), is_long ? -middle_ : 0.0);
+      weights += sums[side].weights;
     }
     if (used < 12) {
       return std::nullopt;
     }
-    const Vector5d change = information.ldlt().solve(right_side);
+    const Vector5d change = information.llt().solve(right_side);
     if (!change.allFinite() || change.head<2>().norm() > 0.05 || std::abs(change(2)) > 0.05) {
       return std::nullopt;
     }
@@ -416,7 +386,7 @@ class BloomLevel {
 
   void take_covariance(const OutlineFitParams& params, const Solution& solution, OutlineFit& fit) const {
     const double edge_sigma = std::max(params.edge_sigma_px, solution.residual_px) * metres_per_px_;
-    const Matrix5d inverse = solution.information.inverse();
+    const Matrix5d inverse = solution.information.llt().solve(Matrix5d::Identity());
     fit.covariance = edge_sigma * edge_sigma * inverse.topLeftCorner<3, 3>();
     // What bloom does not do alike on all sides grows with its reach.
     const double unknown = edge_sigma * std::sqrt(inverse(3, 3));

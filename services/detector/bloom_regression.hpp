@@ -18,6 +18,7 @@ struct KnownJoint {
   double depth = 0.0;  // [grey] below the ceiling, where it is there
 
   [[nodiscard]] bool is_seen() const { return is_known && is_there; }
+  [[nodiscard]] bool is_ruled_out() const { return is_known && !is_there; }
   [[nodiscard]] bool may_be_at(double at) const { return !is_known || (is_there && std::abs(at - place) <= kWithin); }
 };
 using KnownJoints = std::array<KnownJoint, 2>;  // of the positive and the negative side

@@ -82,6 +82,9 @@ class SidePair {
         return balance;
       }
       joints_ = {look_beside(pose, 1.0), look_beside(pose, -1.0)};
+      if ((*joints_)[0].is_ruled_out() && (*joints_)[1].is_ruled_out()) {
+        return balance;
+      }
     }
     if ((*joints_)[0].is_seen() || (*joints_)[1].is_seen()) {
       if (swelling_ >= kNarrowBloom) {

@@ -1,10 +1,11 @@
 #include "services/detector/outline_fit.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <span>
+
+#include "services/detector/side_sums.hpp"
 
 namespace luminav {
 namespace {
@@ -197,8 +198,9 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     }
 
     // Priors: the swelling is about zero, and what no edge holds stays where it is.
-    Matrix5d information = Matrix5d::Zero();
-    Vector5d right_side = Vector5d::Zero();
+    OutlineEquations equations;
+    Matrix5d& information = equations.information;
+    Vector5d& right_side = equations.right_side;
     const double sigma = params.edge_sigma_px * metres_per_px;
     const double free_along = std::max(outline.length, outline.width);
     information(0, 0) = information(1, 1) = sigma * sigma / (free_along * free_along);
@@ -221,6 +223,8 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     fit.corner_on_edge.fill(0);
     fit.visible_from = 0.5 * outline.length;
     fit.visible_to = -0.5 * outline.length;
+    const bool round = outline.shape == FixtureShape::kRound;
+    std::array<SideSums, kSides> sums{};
     double squares = 0.0;
     double steps = 0.0;
     int used = 0;
@@ -246,13 +250,14 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
       if (weight <= 0.0) {
         continue;
       }
-      const double arm = outline.shape == FixtureShape::kRound
-                             ? 0.0
-                             : point.normal.y() * point.place.x() - point.normal.x() * point.place.y();
-      Vector5d jacobian;
-      jacobian << point.normal.x(), point.normal.y(), arm, 1.0, point.place.x();
-      information += weight * jacobian * jacobian.transpose();
-      right_side += weight * point.offset * jacobian;
+      if (round) {
+        Vector5d jacobian;
+        jacobian << point.normal, 0.0, 1.0, point.place.x();
+        information += weight * jacobian * jacobian.transpose();
+        right_side += weight * point.offset * jacobian;
+      } else {
+        sums[side].add(weight, long_side ? point.place.x() : point.place.y(), point.offset);
+      }
       ++fit.on_edge[side];
       fit.corner_on_edge[corner] += at_corner ? 1 : 0;
       squares += point.offset_px * point.offset_px;
@@ -263,7 +268,12 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     if (used < kLeastPoints) {
       return std::nullopt;
     }
-    const Vector5d step = information.ldlt().solve(right_side);
+    const double half_length = 0.5 * outline.length;
+    sums[kLeftSide].add_to(equations, kLeftSide, 0.0);
+    sums[kRightSide].add_to(equations, kRightSide, 0.0);
+    sums[kFarEnd].add_to(equations, kFarEnd, half_length);
+    sums[kNearEnd].add_to(equations, kNearEnd, -half_length);
+    const Vector5d step = information.llt().solve(right_side);
     if (!step.allFinite() || std::abs(step(2)) > 0.5) {
       return std::nullopt;
     }
@@ -286,7 +296,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     }
     if (pass + 1 == passes.size()) {
       const double edge_sigma = std::max(params.edge_sigma_px, fit.residual_px) * metres_per_px;
-      const Matrix5d inverse = information.inverse();
+      const Matrix5d inverse = information.llt().solve(Matrix5d::Identity());
       // Edges that scatter say less; what is known beforehand says as much as ever.
       const Matrix5d scattered = edge_sigma * edge_sigma * (information - prior) + sigma * sigma * prior;
       fit.covariance = (inverse * scattered * inverse).topLeftCorner<3, 3>();
