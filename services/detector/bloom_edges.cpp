@@ -33,6 +33,7 @@ constexpr double kUnevenBloom = 0.03;  // of the swelling, 1 sigma
 constexpr double kTaperOfBloom = 0.2;
 constexpr double kLeastSwelling = 0.002;  // [m] that it is reckoned from
 constexpr double kNoTaper = 1e-5;         // [m/m]
+constexpr double kSettled = 0.3;          // [px] of a move: it would be measured the same again
 constexpr double kCutoff = 1.5;           // [px] Tukey's
 
 struct EdgePoint {
@@ -101,12 +102,17 @@ class BloomLevel {
     }
     std::optional<Solution> solution;
     for (int pass = 0; pass < 2; ++pass) {
+      const Pose2 before = pose;
       if (pass > 0) {
         project(pose, bloom);
       }
       solution = step(params, pose, bloom);
       if (!solution) {
         return false;
+      }
+      const double moved = distance(before, pose) + 0.5 * outline_.length * std::abs(pose.theta - before.theta);
+      if (moved < kSettled * metres_per_px_) {
+        break;
       }
     }
     fit.robot_from_outline = pose;
