@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 
 #include "services/common/geometry/vector_clones.hpp"
+#include "services/detector/grey_counts.hpp"
 
 namespace luminav {
 namespace {
@@ -15,15 +15,21 @@ static_assert(std::endian::native == std::endian::little);  // the left one of t
 
 constexpr int kCap = 6;  // [grey] by which the ceiling may rise above its own opening (tiles, their joints)
 
+/// Whole vectors in place of a row of `count` cells: what is mixed in from the next row lands where that is written
+/// later. The last two rows, behind which there is none, are left as they are.
+int whole_vectors(int count, int row, int height) {
+  constexpr int kVector = 32;
+  return row + 2 < height ? (count + kVector - 1) / kVector * kVector : count;
+}
+
 /// Twice the size in x and y by linear interpolation between cell centres; nothing is invented beyond the border. All
 /// in 16 bits, and two cells are written at once: the compiler then finds vectors of them.
 LUMINAV_VECTOR_CLONES
 void enlarge(const Raster& half, int width, int height, Raster& result) {
-  constexpr std::size_t kWidest = 4096;
-  std::array<std::uint16_t, kWidest> column;  // four times the grey between two rows
-  std::array<std::uint16_t, kWidest> pair;
-  const int last = std::min(half.width, static_cast<int>(kWidest)) - 1;
-  const int pairs = std::min((width - 1) / 2, last);
+  constexpr int kWidest = 4096;
+  constexpr int kBeyond = 32;                           // what lies beyond the border is like the last
+  std::array<std::uint16_t, kWidest + kBeyond> column;  // four times the grey between two rows
+  const int cells = std::min(half.width, kWidest);
   result.resize(width, height);
   for (int y = 0; y < height; ++y) {
     const int near_row = std::min(y / 2, half.height - 1);
@@ -31,18 +37,25 @@ void enlarge(const Raster& half, int width, int height, Raster& result) {
     const std::uint8_t* a = half.row(near_row);
     const std::uint8_t* b = half.row(far_row);
     std::uint16_t* c = column.data();
-    for (int i = 0; i <= last; ++i) {
+    const int mixed = std::min(whole_vectors(cells, std::max(near_row, far_row), half.height), kWidest);
+#pragma GCC ivdep
+    for (int i = 0; i < mixed; ++i) {
       c[i] = static_cast<std::uint16_t>(3 * a[i] + b[i]);
     }
+    std::fill_n(c + cells, kBeyond, c[cells - 1]);
+    std::uint8_t* out = result.row(y);
+    out[0] = static_cast<std::uint8_t>((4 * c[0] + 8) >> 4);
+    const int pairs = std::min(whole_vectors(width - 1, y, height) / 2, cells + kBeyond - 1);
+#pragma GCC ivdep
     for (int i = 0; i < pairs; ++i) {
       const auto left = static_cast<std::uint16_t>(3 * c[i] + c[i + 1] + 8);
       const auto right = static_cast<std::uint16_t>(c[i] + 3 * c[i + 1] + 8);
-      pair[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>((left >> 4) | ((right >> 4) << 8));
+      const auto pair = static_cast<std::uint16_t>((left >> 4) | ((right >> 4) << 8));
+      std::memcpy(out + 1 + 2 * i, &pair, sizeof pair);
     }
-    std::uint8_t* out = result.row(y);
-    out[0] = static_cast<std::uint8_t>((4 * c[0] + 8) >> 4);
-    std::memcpy(out + 1, pair.data(), 2 * static_cast<std::size_t>(pairs));
-    std::fill(out + 2 * pairs + 1, out + width, static_cast<std::uint8_t>((4 * c[last] + 8) >> 4));
+    for (int x = 2 * pairs + 1; x < width; ++x) {
+      out[x] = static_cast<std::uint8_t>((4 * c[cells - 1] + 8) >> 4);
+    }
   }
 }
 
@@ -79,14 +92,17 @@ void continue_beyond(const Raster& image, int margin, Raster& result) {
   }
 }
 
-/// Quotients, rounded; each quotient is below 256.
+constexpr int kMostExact = 1 << 14;  // cells of a window
+
+/// Means of windows of up to `kMostExact` cells, rounded; `per_cell` are the areas' inverses.
 LUMINAV_VECTOR_CLONES
-void divide(const std::uint32_t* sums, const std::uint32_t* areas, int count, std::uint8_t* out) {
+void divide(const std::uint32_t* sums, const std::uint32_t* areas, const float* per_cell, int count,
+            std::uint8_t* out) {
+#pragma GCC ivdep
   for (int x = 0; x < count; ++x) {
-    // Exact: both are below 2^24, and no quotient comes nearer to the next whole number than a float resolves.
-    const auto sum = static_cast<float>(static_cast<std::int32_t>(sums[x] + areas[x] / 2));
-    out[x] = static_cast<std::uint8_t>(
-        static_cast<std::int32_t>(sum / static_cast<float>(static_cast<std::int32_t>(areas[x]))));
+    // Exact: half a cell's share away from the next whole number is farther than the product may be off.
+    const auto sum = static_cast<float>(static_cast<std::int32_t>(sums[x] + areas[x] / 2)) + 0.5F;
+    out[x] = static_cast<std::uint8_t>(static_cast<std::int32_t>(sum * per_cell[x]));
   }
 }
 
@@ -100,7 +116,8 @@ void subtract(const std::uint32_t* a, const std::uint32_t* b, int count, std::ui
 
 /// Means over 2 radius + 1 cells in x and y; beyond the border the window is cut off on both sides alike, so that a
 /// slope is its own mean everywhere.
-void average(const Raster& image, int radius, Raster& result, std::vector<std::uint32_t>& sums) {
+void average(const Raster& image, int radius, Raster& result, std::vector<std::uint32_t>& sums,
+             std::vector<float>& per_cell) {
   const int width = image.width;
   const int height = image.height;
   const auto stride = static_cast<std::size_t>(width) + 1;
@@ -122,24 +139,31 @@ void average(const Raster& image, int radius, Raster& result, std::vector<std::u
   std::uint32_t* windows = columns + stride;
   std::uint32_t* areas = windows + stride;
   const int reach = std::min(radius, (width - 1) / 2);
-  const bool small = static_cast<std::int64_t>(2 * radius + 1) * (2 * radius + 1) < (1 << 16);
+  const bool small = static_cast<std::int64_t>(2 * radius + 1) * (2 * radius + 1) < kMostExact;
+  per_cell.resize(stride);
+  std::uint32_t rows = 0;
   result.resize(width, height);
   for (int y = 0; y < height; ++y) {
     const int ry = std::min({radius, y, height - 1 - y});
-    const auto rows = static_cast<std::uint32_t>(2 * ry + 1);
+    if (rows != static_cast<std::uint32_t>(2 * ry + 1)) {
+      rows = static_cast<std::uint32_t>(2 * ry + 1);
+      for (int x = 0; x < width; ++x) {
+        const int rx = std::min({reach, x, width - 1 - x});
+        areas[x] = static_cast<std::uint32_t>(2 * rx + 1) * rows;
+        per_cell[static_cast<std::size_t>(x)] = 1.0F / static_cast<float>(areas[x]);
+      }
+    }
     subtract(sums.data() + static_cast<std::size_t>(y + ry + 1) * stride,
              sums.data() + static_cast<std::size_t>(y - ry) * stride, width + 1, columns);
     for (int x = 0; x < reach; ++x) {
       const int mirrored = width - 1 - x;
       windows[x] = columns[2 * x + 1];
       windows[mirrored] = columns[width] - columns[mirrored - x];
-      areas[x] = areas[mirrored] = static_cast<std::uint32_t>(2 * x + 1) * rows;
     }
     subtract(columns + 2 * reach + 1, columns, width - 2 * reach, windows + reach);
-    std::fill_n(areas + reach, width - 2 * reach, static_cast<std::uint32_t>(2 * reach + 1) * rows);
     std::uint8_t* out = result.row(y);
     if (small) {
-      divide(windows, areas, width, out);
+      divide(windows, areas, per_cell.data(), width, out);
     } else {
       for (int x = 0; x < width; ++x) {
         out[x] = static_cast<std::uint8_t>((windows[x] + areas[x] / 2) / areas[x]);
@@ -199,18 +223,24 @@ void saturating_difference(const Raster& minuend, const Raster& subtrahend, Rast
 LUMINAV_VECTOR_CLONES
 void smooth(const Raster& image, Raster& result) {
   result.resize(image.width, image.height);
-  std::array<std::uint16_t, 8192> sums;
-  const int last = std::min(image.width, 8192) - 1;
+  constexpr int kWidest = 8192;
+  std::array<std::uint16_t, kWidest + 2> padded;
+  std::uint16_t* sums = padded.data() + 1;
+  const int last = std::min(image.width, kWidest) - 1;
   for (int y = 0; y < image.height; ++y) {
     const std::uint8_t* above = image.row(std::max(y - 1, 0));
     const std::uint8_t* here = image.row(y);
     const std::uint8_t* below = image.row(std::min(y + 1, image.height - 1));
-    for (int x = 0; x <= last; ++x) {
-      sums[static_cast<std::size_t>(x)] = static_cast<std::uint16_t>(above[x] + here[x] + below[x]);
+    const int count = std::min(whole_vectors(image.width, y + 1, image.height), kWidest);
+#pragma GCC ivdep
+    for (int x = 0; x < count; ++x) {
+      sums[x] = static_cast<std::uint16_t>(above[x] + here[x] + below[x]);
     }
+    sums[-1] = sums[count] = 0;  // only to be read
     std::uint8_t* out = result.row(y);
-    const std::uint16_t* s = sums.data();
-    for (int x = 1; x < last; ++x) {
+    const std::uint16_t* s = sums;
+#pragma GCC ivdep
+    for (int x = 0; x < count; ++x) {
       // 7282 / 65536 = 1 / 9
       const auto sum = static_cast<std::uint16_t>(s[x - 1] + s[x] + s[x + 1] + 4);
       out[x] = static_cast<std::uint8_t>(static_cast<std::uint16_t>((sum * 7282U) >> 16));
@@ -220,33 +250,38 @@ void smooth(const Raster& image, Raster& result) {
   }
 }
 
+LUMINAV_VECTOR_CLONES
+void take_steps(const std::uint8_t* row, int count, std::uint8_t* steps) {
+#pragma GCC ivdep
+  for (int x = 0; x < count; ++x) {
+    steps[x] = static_cast<std::uint8_t>(std::max(row[x], row[x + 1]) - std::min(row[x], row[x + 1]));
+  }
+}
+
 /// Median absolute difference of horizontal neighbours, over every seventh row, as a standard deviation.
-double noise_of(const Raster& image) {
-  std::array<int, 256> histogram{};
-  int count = 0;
+double noise_of(const Raster& image, std::vector<std::uint8_t>& steps) {
+  constexpr double kLeast = 0.3;
+  steps.resize(static_cast<std::size_t>((image.height + 3) / 7 * (image.width - 1)));
+  std::uint8_t* end = steps.data();
   for (int y = 3; y < image.height; y += 7) {
-    const std::uint8_t* row = image.row(y);
-    for (int x = 1; x < image.width; ++x) {
-      ++histogram[static_cast<std::size_t>(std::abs(row[x] - row[x - 1]))];
-      ++count;
-    }
+    take_steps(image.row(y), image.width - 1, end);
+    end += image.width - 1;
   }
-  int below = 0;
-  for (std::size_t level = 0; level < histogram.size(); ++level) {
-    below += histogram[level];
-    if (2 * below >= count) {
-      // median of |a - b| = 0.954 sigma of one; linear within the grey level
-      const double inside = (0.5 * count - (below - histogram[level])) / std::max(histogram[level], 1);
-      return std::max(0.3, (static_cast<double>(level) - 0.5 + inside) / 0.954);
-    }
-  }
-  return 0.3;
+  const auto up_to = [&](int level) {
+    return level < 0 ? 0 : count_up_to(steps.data(), steps.size(), static_cast<std::uint8_t>(level));
+  };
+  const double half = 0.5 * static_cast<double>(steps.size());
+  const int median = median_level(1, [&](int level) { return up_to(level) >= half; });
+  // median of |a - b| = 0.954 sigma of one; linear within the grey level
+  const int below = up_to(median - 1);
+  const double inside = (half - below) / std::max(up_to(median) - below, 1);
+  return std::max(kLeast, (static_cast<double>(median) - 0.5 + inside) / 0.954);
 }
 
 }  // namespace
 
 void ContrastMap::compute(const Raster& image, int radius, bool ignore_lines) {
-  noise_ = noise_of(image);
+  noise_ = noise_of(image, steps_);
   const int half_radius = std::max(1, (radius + 1) / 2);
   const Raster* clean = &image;
   if (ignore_lines) {
@@ -263,7 +298,7 @@ void ContrastMap::compute(const Raster& image, int radius, bool ignore_lines) {
   const std::size_t count = wide_.cells.size();
   cap(wide_.cells.data(), wide_opened_.cells.data(), count, capped_.cells.data());
   // A closing fills a hollow only up to its lowest rim: without its slope, the rim is the same all round.
-  average(capped_, 2 * half_radius, mean_, sums_);
+  average(capped_, 2 * half_radius, mean_, sums_, per_cell_);
   flatten(capped_.cells.data(), mean_.cells.data(), count);
   dilate(capped_, half_radius, eroded_, scratch_);
   erode(eroded_, half_radius, closed_, scratch_);

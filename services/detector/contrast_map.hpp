@@ -33,6 +33,8 @@ class ContrastMap {
   Raster capped_;
   Raster mean_;
   std::vector<std::uint32_t> sums_;
+  std::vector<float> per_cell_;      // inverse areas of windows
+  std::vector<std::uint8_t> steps_;  // between neighbours
   Raster closed_;
   Raster peak_;
   Raster scratch_;

@@ -284,7 +284,7 @@ bool ModernDetector::is_explained(const Region& region, const std::vector<Detect
   const Run& middle = region.runs[region.runs.size() / 2];
   const Vector2d place = plane_.at((middle.first + middle.last) / 2, middle.row);
   for (const Detection& detection : detections) {
-    const Vector2d inside = detection.robot_from_fixture.inverse() * place;
+    const Vector2d inside = PointTransform::inverse_of(detection.robot_from_fixture) * place;
     if (std::abs(inside.x()) < 0.5 * detection.length + 0.02 && std::abs(inside.y()) < 0.5 * detection.width + 0.02) {
       return true;
     }

@@ -143,14 +143,33 @@ __attribute__((target("avx2"))) int fold_four_rows_avx2(const std::uint8_t* firs
   }
   return done;
 }
+
+/// Cells of two by two pixels; returns how many were done, the first of the row.
+__attribute__((target("avx2"))) int fold_two_rows_avx2(const std::uint8_t* first, std::size_t stride, int cells,
+                                                       std::uint8_t* out) {
+  const __m256i one_byte = _mm256_set1_epi8(1);
+  const __m256i half = _mm256_set1_epi16(2);
+  int done = 0;
+  for (; done + 16 <= cells; done += 16) {
+    const std::uint8_t* p = first + 2 * done;
+    const __m256i upper = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p));
+    const __m256i lower = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p + stride));
+    const __m256i pairs =
+        _mm256_add_epi16(_mm256_maddubs_epi16(upper, one_byte), _mm256_maddubs_epi16(lower, one_byte));
+    const __m256i means = _mm256_srli_epi16(_mm256_add_epi16(pairs, half), 2);
+    const __m128i bytes = _mm_packus_epi16(_mm256_castsi256_si128(means), _mm256_extracti128_si256(means, 1));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(out + done), bytes);
+  }
+  return done;
+}
 #endif
 
 /// As many as are worth it; the rest is done by those above.
-int fold_four_rows(const std::uint8_t* first, std::size_t stride, int cells, std::uint8_t* out) {
+int fold_rows(const std::uint8_t* first, std::size_t stride, int factor, int cells, std::uint8_t* out) {
 #if defined(__x86_64__)
   static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
   if (has_avx2) {
-    return fold_four_rows_avx2(first, stride, cells, out);
+    return factor == 4 ? fold_four_rows_avx2(first, stride, cells, out) : fold_two_rows_avx2(first, stride, cells, out);
   }
 #endif
   return 0;
@@ -170,7 +189,7 @@ void reduce(const GreyView& image, int factor, Raster& result) {
   const int width = std::min(result.width * factor, kWidest);
   for (int y = 0; y < result.height; ++y) {
     const std::uint8_t* first = image.pixels.data() + static_cast<std::size_t>(y * factor) * stride;
-    const int done = factor == 4 ? fold_four_rows(first, stride, width / 4, result.row(y)) : 0;
+    const int done = fold_rows(first, stride, factor, width / factor, result.row(y));
     const int left = width - factor * done;
     if (left == 0) {
       continue;
@@ -179,7 +198,7 @@ void reduce(const GreyView& image, int factor, Raster& result) {
     if (factor == 4) {
       fold_by_four(sums.data(), left / 4, result.row(y) + done);
     } else {
-      fold_by_two(sums.data(), width / 2, result.row(y));
+      fold_by_two(sums.data(), left / 2, result.row(y) + done);
     }
   }
 }
