@@ -174,7 +174,8 @@ void OutlineProposer::add(const CeilingKind& kind, const Placing& placing, doubl
                          .half_width = placing.half_width,
                          .outline = {kind.shape, kind.length, placing.width, kind.height},
                          .start = {centre.x(), centre.y(), wrap_axis(placing.theta)},
-                         .swelling = placing.swelling});
+                         .swelling = placing.swelling,
+                         .uneven = placing.uneven});
 }
 
 void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half_width, bool bright, double theta,
@@ -196,12 +197,14 @@ void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half
   if (!whole && !cut) {
     return;
   }
-  const Placing placing{theta, scale, width, index, half_width, 0.5 * (seen_width - width)};
+  Placing placing{theta, scale, width, index, half_width, 0.5 * (seen_width - width)};
   const double middle_across = 0.5 * (e.least_across + e.most_across);
   const double half_length = 0.5 * kind.length / scale;
   if (whole) {
+    placing.uneven = std::abs((seen_length - kind.length) - (seen_width - width));
     add(kind, placing, 0.5 * (e.least_along + e.most_along), middle_across);
   }
+  placing.uneven = 0.0;
   if (cut) {
     const double half_bloom = 0.25 * tolerance.bloom;
     add(kind, placing, e.least_along + half_bloom + half_length, middle_across);
@@ -284,6 +287,13 @@ void OutlineProposer::propose_from_an_edge(const CeilingKind& kind, int index, c
   }
 }
 
+void OutlineProposer::put_in_order() {
+  const auto is_before = [](const OutlineHypothesis& a, const OutlineHypothesis& b) { return a.uneven < b.uneven; };
+  for (auto next = hypotheses_.begin(); next != hypotheses_.end(); ++next) {  // std::stable_sort takes memory
+    std::rotate(std::upper_bound(hypotheses_.begin(), next, *next, is_before), next, next + 1);
+  }
+}
+
 const std::vector<OutlineHypothesis>& OutlineProposer::propose(const Region& region, int shrunk, bool bright,
                                                                const SizeTolerance& tolerance) {
   hypotheses_.clear();
@@ -308,6 +318,9 @@ const std::vector<OutlineHypothesis>& OutlineProposer::propose(const Region& reg
         }
       }
     }
+  }
+  if (bright && !touches_border_) {
+    put_in_order();
   }
   if (!bright) {
     for (std::size_t i = 0; i < catalogue_->elements.size(); ++i) {

@@ -46,6 +46,7 @@ struct OutlineHypothesis {
   Outline outline;
   Pose2 start;
   double swelling = 0.0;   // [m] by which the region is wider on each side
+  double uneven = 0.0;     // [m] by which it is wider than longer than the outline; of a whole one, or nothing is said
   bool from_edge = false;  // guessed from one edge of a region whose other side is something else's
 };
 
@@ -93,6 +94,7 @@ class OutlineProposer {
     int index;     // of the kind
     bool half_width;
     double swelling = 0.0;  // [m]
+    double uneven = 0.0;    // [m]
   };
   bool take_hull(const Region& region);
   [[nodiscard]] Extents extents(double theta) const;
@@ -105,6 +107,8 @@ class OutlineProposer {
   /// Outlines of which an edge of a hull that is too wide is one long side: shading or a neighbour joined the rest.
   void propose_from_an_edge(const CeilingKind& kind, int index, const Edge& edge, const SizeTolerance& tolerance);
   void add(const CeilingKind& kind, const Placing& placing, double along, double across);
+  /// Light makes a region longer by as much as wider: guesses of which that is truest come first.
+  void put_in_order();
   /// True when what reaches farthest in a direction is all of it cut off by the border, false when some of it is.
   [[nodiscard]] bool is_cut_off(const Eigen::Vector2d& direction) const;
 
