@@ -25,10 +25,9 @@ constexpr double kShareOfStep = 0.7;  // that the cells, and samples between the
 constexpr double kLeastShare = 0.4;   // of the points in view that must show an edge
 
 /// The side to the left (1) or to the right (-1).
-bool may_have_edges(const CeilingFrame& frame, const CeilingCamera& camera, const Outline& outline, const Pose2& start,
-                    double side, double least_step) {
+bool may_have_edges(const CeilingFrame& frame, const CeilingCamera& camera, const Outline& outline,
+                    const PointTransform& pose, double side, double least_step) {
   constexpr double kAhead = 0.02;  // [m] to find the normal's direction in the image
-  const PointTransform pose(start);
   std::array<Vector2d, 2 * kPoints> places;
   for (std::size_t i = 0; i < kPoints; ++i) {
     const double along = kUsable * outline.length * ((static_cast<double>(i) + 0.5) / kPoints - 0.5);
@@ -79,8 +78,9 @@ bool may_have_long_sides(const CeilingFrame& frame, const CeilingCamera& camera,
   if (frame.factor < kLeastFactor || outline.shape == FixtureShape::kRound) {
     return true;
   }
-  return may_have_edges(frame, camera, outline, start, 1.0, least_step) &&
-         may_have_edges(frame, camera, outline, start, -1.0, least_step);
+  const PointTransform pose(start);
+  return may_have_edges(frame, camera, outline, pose, 1.0, least_step) &&
+         may_have_edges(frame, camera, outline, pose, -1.0, least_step);
 }
 
 }  // namespace luminav

@@ -99,11 +99,12 @@ const std::vector<Detection>& Detector::detect(const GreyView& image, DetectorTr
     return detections_;
   }
   prepare_for(image.width, image.height);
-  median_grey_ = median_of(image, median_grey_);
   if (paper_) {
+    median_grey_ = median_of(image, median_grey_);
     paper_->detect(image, median_grey_, detections_, trace);
   } else {
     modern_->detect(image, detections_, trace);
+    median_grey_ = modern_->median_grey();
   }
   return detections_;
 }

@@ -101,7 +101,7 @@ void cut_deep(const std::uint8_t* depth, const std::uint8_t* peak, std::size_t c
   }
 }
 
-int median_grey(const Raster& image, int guess) {
+int median_of(const Raster& image, int guess) {
   const auto size = static_cast<int>(image.cells.size());
   return median_level(guess, [&](int level) {
     return 2 * count_up_to(image.cells.data(), image.cells.size(), static_cast<std::uint8_t>(level)) >= size;
@@ -116,7 +116,8 @@ bool touches_border(const Region& region, const Raster& mask) {
 bool is_nearly_same(const OutlineHypothesis& a, const OutlineHypothesis& b) {
   return std::abs(a.outline.length - b.outline.length) < 1e-3 && std::abs(a.outline.width - b.outline.width) < 1e-3 &&
          std::abs(a.outline.height - b.outline.height) < 1e-3 && a.is_element == b.is_element &&
-         distance(a.start, b.start) < 0.03 && std::abs(wrap_axis(a.start.theta - b.start.theta)) < radians(3.0);
+         (a.start.position() - b.start.position()).squaredNorm() < 0.03 * 0.03 &&
+         std::abs(wrap_axis(a.start.theta - b.start.theta)) < radians(3.0);
 }
 
 std::array<Vector2d, 4> corners_of(const OutlineHypothesis& hypothesis, const CeilingCamera& camera) {
@@ -184,11 +185,11 @@ int ModernDetector::cut_out_dark(double level_share) {
 
 void ModernDetector::detect(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace) {
   detections.clear();
+  reduce(image, factor_, reduced_);
+  median_ = median_of(reduced_, median_);
   if (catalogue_.fixtures.empty()) {
     return;
   }
-  reduce(image, factor_, reduced_);
-  median_ = median_grey(reduced_, median_);
   contrast_.compute(reduced_, window_radius_, ignore_lines_);
   const CeilingFrame frame{image, reduced_, contrast_.dark(), factor_, contrast_.noise() * factor_};
   look_for_lit(frame, detections, trace);

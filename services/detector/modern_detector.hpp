@@ -30,6 +30,8 @@ class ModernDetector {
 
   /// The image has the camera model's size. `trace` may be null.
   void detect(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace);
+  /// Of the image seen last, over its cells of several pixels.
+  [[nodiscard]] int median_grey() const { return median_; }
 
  private:
   void look_for_lit(const CeilingFrame& frame, std::vector<Detection>& detections, DetectorTrace* trace);

@@ -64,25 +64,17 @@ void place_along(const Vector2d& first, const Vector2d& advance, std::size_t las
   const auto advance_y = static_cast<float>(advance.y());
   const auto farthest = static_cast<float>(last);
   const Vignetting v = lens;
-  alignas(32) std::array<float, kPadded> x;
-  alignas(32) std::array<float, kPadded> y;
-  alignas(32) std::array<float, kPadded> gain;
-#pragma GCC ivdep
-  for (std::size_t k = 0; k < kPadded; ++k) {
-    const float at = kSteps[k] < farthest ? kSteps[k] : farthest;
-    const float at_x = first_x + at * advance_x;
-    const float at_y = first_y + at * advance_y;
-    const float dx = at_x - v.middle_x;
-    const float dy = at_y - v.middle_y;
-    x[k] = at_x;
-    y[k] = at_y;
-    gain[k] = 1.0F - v.per_px2 * (dx * dx + dy * dy);
-  }
   for (std::size_t half = 0; half < 2; ++half) {
     const std::size_t begin = half * StretchLines::kHalf + line * kNear;
-    std::memcpy(&lines.x[begin], &x[half * kNear], kNear * sizeof(float));
-    std::memcpy(&lines.y[begin], &y[half * kNear], kNear * sizeof(float));
-    std::memcpy(&lines.gain[begin], &gain[half * kNear], kNear * sizeof(float));
+    const EachFloat steps = *eight(&kSteps[half * kNear]);
+    const EachFloat at = steps < farthest ? steps : EachFloat{} + farthest;
+    const EachFloat at_x = first_x + at * advance_x;
+    const EachFloat at_y = first_y + at * advance_y;
+    const EachFloat dx = at_x - v.middle_x;
+    const EachFloat dy = at_y - v.middle_y;
+    *eight(&lines.x[begin]) = at_x;
+    *eight(&lines.y[begin]) = at_y;
+    *eight(&lines.gain[begin]) = 1.0F - v.per_px2 * (dx * dx + dy * dy);
   }
 }
 

@@ -162,8 +162,9 @@ void project_pinhole(const CameraIntrinsics& lens, const CameraMounting& mountin
     const double pz = r(0, 2) * ox + r(1, 2) * oy + r(2, 2) * oz;
     const double limit = largest_radius * pz;
     const bool seen = (pz > 1e-6) & (px * px + py * py <= limit * limit);
-    const double x = px / pz;
-    const double y = py / pz;
+    const double per_z = 1.0 / pz;
+    const double x = px * per_z;
+    const double y = py * per_z;
     const double r2 = x * x + y * y;
     const double radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
     const double dx = x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x);
@@ -226,8 +227,7 @@ std::optional<Vector2d> CeilingCamera::pixel_of(const Vector3d& point_in_camera)
         point_in_camera.head<2>().squaredNorm() > std::pow(largest_radius_ * point_in_camera.z(), 2)) {
       return std::nullopt;
     }
-    distorted = distort_pinhole({point_in_camera.x() / point_in_camera.z(), point_in_camera.y() / point_in_camera.z()},
-                                intrinsics_.distortion);
+    distorted = distort_pinhole(point_in_camera.head<2>() * (1.0 / point_in_camera.z()), intrinsics_.distortion);
   } else {
     const double planar = std::hypot(point_in_camera.x(), point_in_camera.y());
     const double angle = std::atan2(planar, point_in_camera.z());
