@@ -24,6 +24,7 @@ constexpr int kLeastToRefute = 5;           // points of a long side in view
 constexpr double kFaintest = 0.4;           // of the mean step: fainter ones belong to something else
 // Of a lit outline (rendered frames: as accurate as with all passes looking anew at all points):
 constexpr std::size_t kEveryAtFirst = 2;  // so many points of a straight side is one looked at in the first pass
+constexpr std::size_t kManyPoints = 16;   // of a long side: with fewer, one that is half hidden would be lost
 constexpr double kNearStart = 2.0;        // [px] moved by the first pass: the search need not be so wide again
 constexpr double kSettled = 0.3;          // [px] moved: its edges would be found at the same places again
 
@@ -147,6 +148,8 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
   OutlineMove move;
   double moved_px = 0.0;  // by the pass before
   const bool lit = params.inside_brighter;
+  const bool has_many_points =
+      outline.shape != FixtureShape::kRound && edges_.points_of(kLeftSide).size() >= kManyPoints;
   for (std::size_t pass = 0; pass < passes.size(); ++pass) {
     if (pass == 1 && lit && moved_px < kNearStart) {
       continue;
@@ -158,7 +161,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
                       .half_filter = half_filter,
                       .lines = lines,
                       .least_edge = std::max(params.least_edge, pass == 0 ? 0.0 : kFaintest * fit.step),
-                      .every = pass == 0 && lit && outline.shape != FixtureShape::kRound ? kEveryAtFirst : 1};
+                      .every = pass == 0 && lit && has_many_points ? kEveryAtFirst : 1};
     // The first pass tolerates a start that is off as a whole: residuals are judged against their side's median. So do
     // all for unlit fixtures: a joint of the ceiling beside one moves a whole side by its width and cannot always be
     // told from it.
