@@ -15,6 +15,7 @@ constexpr double kFarAway = 1e9;             // [m]
 constexpr double kUsableRange = 0.9;         // of the maximum: beyond it the ring says its maximum for nothing heard
 constexpr double kSurelyHeard = 0.8;         // of the maximum: a wall that faces the disc echoes from there
 constexpr std::int64_t kAlive = 20'000'000;  // [us] after an echo in which a disc's silence counts
+constexpr double kFarther = 0.5;             // [m] by which an earlier reading of a disc went farther than its newest
 constexpr double kPassage = 1.0;             // [m] from the disc: what passes there passes on from there
 constexpr double kSector = radians(30.0);
 
@@ -88,6 +89,23 @@ double EchoCollector::look_at(const Eigen::Vector2d& place_in_odom, int sector, 
   return ++surface->looks <= most_looks ? 1.0 / most_looks : 0.0;
 }
 
+std::vector<PlacedEcho> EchoCollector::place_readings(int disc, std::int64_t utime, const OdometryReading& now,
+                                                      const OdometryHistory& history) const {
+  std::vector<PlacedEcho> readings;
+  const Pose2& robot_from_sonar = sonar_.robot_from_sonar[static_cast<std::size_t>(disc)];
+  for (auto reading = echoes_.rbegin(); reading != echoes_.rend(); ++reading) {
+    if (reading->disc != disc || reading->utime > utime || utime - reading->utime > kOldest) {
+      continue;
+    }
+    if (const auto then = history.at(reading->utime)) {
+      const Pose2 now_from_sonar = now.odom_from_robot.inverse() * then->odom_from_robot * robot_from_sonar;
+      readings.push_back({now_from_sonar.position(), now_from_sonar * Eigen::Vector2d(reading->range, 0.0),
+                          reading->range, reading->has_echo ? 1.0 : 0.0});
+    }
+  }
+  return readings;
+}
+
 std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history, std::size_t most) {
   if (way_since_ < rules_.way && turn_since_ < rules_.turn) {
     return {};
@@ -96,18 +114,26 @@ std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHi
   if (!now || has_listened_at(now->odom_from_robot)) {
     return {};
   }
-  std::vector<PlacedEcho> echoes;
-  std::vector<bool> has_disc(sonar_.robot_from_sonar.size(), false);
-  for (auto reading = echoes_.rbegin(); reading != echoes_.rend(); ++reading) {
-    const auto disc = static_cast<std::size_t>(reading->disc);
-    const auto then = history.at(reading->utime);
-    if (!then || reading->utime > utime || utime - reading->utime > kOldest || has_disc[disc]) {
+  std::vector<PlacedEcho> echoes;    // the newest reading of each disc
+  std::vector<PlacedEcho> passages;  // doorways passed since the last collection
+  for (std::size_t disc = 0; disc < sonar_.robot_from_sonar.size(); ++disc) {
+    const std::vector<PlacedEcho> readings = place_readings(static_cast<int>(disc), utime, *now, history);
+    if (readings.empty()) {
       continue;
     }
-    has_disc[disc] = true;
-    const Pose2 now_from_sonar = now->odom_from_robot.inverse() * then->odom_from_robot * sonar_.robot_from_sonar[disc];
-    echoes.push_back({now_from_sonar.position(), now_from_sonar * Eigen::Vector2d(reading->range, 0.0), reading->range,
-                      reading->has_echo ? 1.0 : 0.0});
+    const auto goes_farther = [&](const PlacedEcho& reading) {
+      return reading.range > readings.front().range + kFarther;
+    };
+    echoes.push_back(readings.front());
+    // One beam in a hundred is silent by chance: whoever picks the freest of several must see two in a row.
+    const auto pair =
+        std::adjacent_find(readings.begin(), readings.end(), [&](const PlacedEcho& later, const PlacedEcho& earlier) {
+          return goes_farther(later) && goes_farther(earlier);
+        });
+    if (pair != readings.end()) {
+      passages.insert(passages.end(), pair, pair + 2);
+      passages.end()[-1].weight = passages.end()[-2].weight = 0.0;
+    }
   }
   if (echoes.size() < kFewestEchoes) {
     return {};
@@ -121,6 +147,8 @@ std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHi
   places_.push_back(now->odom_from_robot);
   // before they count for their surfaces: what nobody hears must not use them up
   thin_out(echoes, most);
+  thin_out(passages, most);
+  echoes.insert(echoes.begin(), passages.begin(), passages.end());
   for (PlacedEcho& echo : echoes) {
     const Eigen::Vector2d along = (echo.end - echo.disc) / echo.range;
     const double heading = wrap_angle(now->odom_from_robot.theta + std::atan2(along.y(), along.x()));

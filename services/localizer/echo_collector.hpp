@@ -38,9 +38,10 @@ class EchoCollector {
   /// Every place and surface is as good as new, for whoever has not heard it.
   void forget_places();
   void advance(const Pose2& delta);
-  /// The newest reading of each disc, at most so many of them, of the last second before `utime` [us], in the robot
-  /// frame of that instant, without those of surfaces and passages that have had their weight; empty while the robot
-  /// has not moved enough or fewer than three discs have readings.
+  /// The newest reading of each disc, and as passages alone two in a row before it that went farther, as beside a
+  /// doorway, at most so many of either, of the last second before `utime` [us], in the robot frame of that instant,
+  /// without those of surfaces and passages that have had their weight; empty while the robot has not moved enough or
+  /// fewer than three discs have readings.
   [[nodiscard]] std::vector<PlacedEcho> take(std::int64_t utime, const OdometryHistory& history, std::size_t most);
 
  private:
@@ -53,6 +54,9 @@ class EchoCollector {
   };
   static constexpr int kNoSector = -1;
 
+  /// A disc's readings of the last second in the robot frame of `now`, the newest first.
+  [[nodiscard]] std::vector<PlacedEcho> place_readings(int disc, std::int64_t utime, const OdometryReading& now,
+                                                       const OdometryHistory& history) const;
   [[nodiscard]] bool has_listened_at(const Pose2& odom_from_robot) const;
   /// Counts a look at a place and returns what it weighs.
   double look_at(const Eigen::Vector2d& place_in_odom, int sector, int most_looks);
