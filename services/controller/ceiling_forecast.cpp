@@ -7,6 +7,7 @@ namespace luminav {
 namespace {
 
 constexpr double kCeilingCell = 0.2;  // [m]
+constexpr double kBesideWall = 0.55;  // [m] from a wall: the middle of a door of a metre
 
 /// Calls `visit` with each cell whose centre is within `radius` [m] of a point.
 template <typename Visit>
@@ -58,16 +59,18 @@ CeilingForecast::CeilingForecast(const Building& building, const PriorMap& walls
                      });
   }
   floor_ = walls.geometry;
-  has_room_.assign(walls.cells.size(), 1);
+  room_.assign(walls.cells.size(), Room::kOpen);
   for (std::size_t i = 0; i < walls.cells.size(); ++i) {
     if (walls.cells[i] != Prior::kFree) {
-      has_room_[i] = 0;
+      room_[i] = Room::kNone;
     }
     if (walls.cells[i] == Prior::kOccupied) {
       const Cell cell{static_cast<int>(i % static_cast<std::size_t>(floor_.columns)),
                       static_cast<int>(i / static_cast<std::size_t>(floor_.columns))};
-      for_cells_within(floor_, floor_.centre_of(cell), clearance,
-                       [&](std::size_t near, double) { has_room_[near] = 0; });
+      for_cells_within(floor_, floor_.centre_of(cell), std::max(clearance, kBesideWall),
+                       [&](std::size_t near, double distance) {
+                         room_[near] = std::min(room_[near], distance <= clearance ? Room::kNone : Room::kBesideWall);
+                       });
     }
   }
 }
@@ -82,12 +85,20 @@ const Fixture* CeilingForecast::fixture_above(const Eigen::Vector2d& place) cons
   return (fixture.world_from_fixture.position() - place).norm() <= view_radius_ ? &fixture : nullptr;
 }
 
-bool CeilingForecast::has_room(const Eigen::Vector2d& place) const {
-  if (has_room_.empty()) {
-    return true;
+CeilingForecast::Room CeilingForecast::room_at(const Eigen::Vector2d& place) const {
+  if (room_.empty()) {
+    return Room::kOpen;
   }
   const Cell cell = floor_.cell_at(place);
-  return floor_.contains(cell) && has_room_[floor_.index(cell)] != 0;
+  return floor_.contains(cell) ? room_[floor_.index(cell)] : Room::kNone;
+}
+
+bool CeilingForecast::has_room(const Eigen::Vector2d& place) const {
+  return room_at(place) != Room::kNone;
+}
+
+bool CeilingForecast::is_doorway(const Eigen::Vector2d& place) const {
+  return room_at(place) == Room::kBesideWall;
 }
 
 }  // namespace luminav

@@ -198,6 +198,11 @@ bool SearchMap::is_near_trail(const Eigen::Vector2d& place) const {
   return index >= 0 && cells_[static_cast<std::size_t>(index)].is_seen;
 }
 
+bool SearchMap::is_shut(const Eigen::Vector2d& place) const {
+  const int index = origin_ ? index_of(place) : -1;
+  return index >= 0 && cells_[static_cast<std::size_t>(index)].shut > 0;
+}
+
 Ground SearchMap::ground_at(const Eigen::Vector2d& place) const {
   const int index = origin_ ? index_of(place) : -1;
   if (index < 0) {

@@ -52,6 +52,8 @@ class SearchMap {
 
   /// It has been near [m, odom], or knows that it cannot go there.
   [[nodiscard]] bool is_near_trail(const Eigen::Vector2d& place) const;
+  /// No way led through, see `shut`.
+  [[nodiscard]] bool is_shut(const Eigen::Vector2d& place) const;
   [[nodiscard]] Ground ground_at(const Eigen::Vector2d& place) const;
   /// Something stands within `radius` [m] of a place; outside of the map nothing does.
   [[nodiscard]] bool stands_within(const Eigen::Vector2d& place, double radius) const;

@@ -19,6 +19,7 @@ void Wander::clear() {
   planned_ = approached_ = 0;
   driven_ = faded_at_ = 0.0;
   last_place_.reset();
+  began_at_.reset();
   stayed_at_.reset();
   repulsive_.setZero();
 }
@@ -108,8 +109,8 @@ void Wander::plan(const WanderInput& input) {
   }
   planned_ = now;
   const Eigen::Vector2d place = input.odom_from_robot.position();
-  auto way = disambiguation_.way(place, input.alternatives, map_,
-                                 way_.empty() ? std::nullopt : std::optional<Eigen::Vector2d>(way_.back()));
+  auto way = disambiguation_.way({place, *began_at_, way_.empty() ? std::nullopt : std::optional(way_.back())},
+                                 input.alternatives, map_);
   if (!way && driven_ > params_.look_around) {
     way = map_.way_to_new_ground(place);
   }
@@ -148,7 +149,7 @@ void Wander::end_way(const Eigen::Vector2d& place) {
   for (const Eigen::Vector2d& point : way_) {
     const double ahead = (point - place).norm();
     if (ahead > params_.dead_end_from && ahead < params_.dead_end_until &&
-        (map_.ground_at(point) != Ground::kFree || map_.stands_within(point, params_.disambiguation.clearance))) {
+        (map_.ground_at(point) != Ground::kFree || map_.stands_within(point, params_.disambiguation.price.clearance))) {
       map_.shut(point);
     }
   }
@@ -163,6 +164,7 @@ DriveTwist Wander::step(const WanderInput& input) {
   const Eigen::Vector2d place = input.odom_from_robot.position();
   driven_ += last_place_ ? (place - *last_place_).norm() : 0.0;
   last_place_ = place;
+  began_at_ = began_at_.value_or(place);
   visits_[square_at(place)] += duration;
   map_.visit(place);
   map_.add(input.firings);

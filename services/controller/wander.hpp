@@ -109,6 +109,7 @@ class Wander {
   double driven_ = 0.0;                        // [m]
   double faded_at_ = 0.0;                      // [m] of it
   std::optional<Eigen::Vector2d> last_place_;  // [m] odom
+  std::optional<Eigen::Vector2d> began_at_;    // [m] odom, where it began to look
   std::vector<Eigen::Vector2d> way_;           // [m] odom, to new ground; empty: none that it knows
   std::int64_t planned_ = 0;                   // [us]
   std::int64_t approached_ = 0;                // [us] when it last came nearer to the end of its way

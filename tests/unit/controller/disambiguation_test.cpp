@@ -42,7 +42,7 @@ class DisambiguationTest : public ::testing::Test {
     Building building;
     building.fixtures = fixtures;
     const Disambiguation disambiguation(CeilingForecast(building, walls, 1.2, 0.28), {});
-    return disambiguation.way(Eigen::Vector2d::Zero(), alternatives, map_, heading_for);
+    return disambiguation.way({Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), heading_for}, alternatives, map_);
   }
 
   SearchMap map_{test_robot().sonar, SearchMapParams{}};
@@ -93,16 +93,21 @@ TEST_F(DisambiguationTest, GoesAroundAWallOfTheLikeliestHoweverManyUnlikelyOnesH
   }
 }
 
-TEST_F(DisambiguationTest, GoesAroundAWallThatAllHaveThoughSonarHeardFreeFloorBehindIt) {
+/// Sonars at x = -1 to 1 heard something `range` [m] to the left of them.
+void hear_to_the_left(SearchMap& map, double range) {
   const std::size_t discs = test_robot().sonar.robot_from_sonar.size();
   std::int64_t utime = 0;
   for (double x = -1.0; x < 1.05; x += 0.1) {
     std::vector<SonarFiring> firings;
     for (std::size_t disc = 0; disc < discs; ++disc) {
-      firings.push_back({disc, utime += 1'000, 2.6, true, {x, 0.3, kPi / 2}});
+      firings.push_back({disc, utime += 1'000, range, true, {x, 0.3, kPi / 2}});
     }
-    map_.add(firings);
+    map.add(firings);
   }
+}
+
+TEST_F(DisambiguationTest, GoesAroundAWallThatAllHaveThoughSonarHeardFreeFloorBehindIt) {
+  hear_to_the_left(map_, 2.6);
   ASSERT_EQ(map_.ground_at({0.0, 1.3}), Ground::kFree);
   const PriorMap walls = floor_with_walls({{{-2, 1.2}, {2, 1.4}}, {{18, 1.2}, {22, 1.4}}});
   const auto found = way(kTwoAlike, walls, kBelowEither);
@@ -137,6 +142,57 @@ TEST_F(DisambiguationTest, GoesAroundWhatWasFoundShut) {
   for (const Eigen::Vector2d& place : *found) {
     EXPECT_TRUE(std::abs(place.x()) > 1.5 || std::abs(place.y() - 1.3) > 0.2) << place.transpose();
   }
+}
+
+TEST_F(DisambiguationTest, DrivesThroughTheDoorOfALikelyPoseThoughItsPostsEcho) {
+  hear_to_the_left(map_, 1.0);  // a door's posts, drawn as wide as the beams
+  ASSERT_EQ(map_.ground_at({0.0, 1.3}), Ground::kStands);
+  // a corridor whose left wall has a door in the likely pose only; its fixture to the left is inside the room
+  const PriorMap walls = floor_with_walls({{{-14, 1.2}, {-0.5, 1.4}}, {{0.5, 1.2}, {14, 1.4}}, {{15, 1.2}, {34, 1.4}}});
+  const std::vector<PoseAlternative> likely{{{0, 0, 0}, 0.6}, {{20, 0, 0}, 0.2}, {{24, 0, 0}, 0.2}};
+  const auto found = way({fixture_at(0, 0), fixture_at(20, 0), fixture_at(24, 0), fixture_at(0, 3)}, walls, likely);
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->back().y(), 1.0) << found->back().transpose();
+  for (const Eigen::Vector2d& place : *found) {
+    EXPECT_TRUE(std::abs(place.y() - 1.3) > 0.2 || std::abs(place.x()) < 0.5) << place.transpose();
+  }
+}
+
+TEST_F(DisambiguationTest, DrivesThroughNoDoorThatOnlyUnlikelyPosesHaveOrThatWasFoundShut) {
+  hear_to_the_left(map_, 1.0);
+  const PriorMap walls = floor_with_walls({{{-14, 1.2}, {-0.5, 1.4}}, {{0.5, 1.2}, {14, 1.4}}, {{15, 1.2}, {34, 1.4}}});
+  const std::vector<Fixture> fixtures{fixture_at(0, 0), fixture_at(20, 0), fixture_at(24, 0), fixture_at(0, 3)};
+  const auto leads_in = [](const std::optional<std::vector<Eigen::Vector2d>>& found) {
+    return found && std::any_of(found->begin(), found->end(), [](const Eigen::Vector2d& p) { return p.y() > 1.1; });
+  };
+  EXPECT_FALSE(leads_in(way(fixtures, walls, {{{0, 0, 0}, 0.2}, {{20, 0, 0}, 0.4}, {{24, 0, 0}, 0.4}})));
+  for (double x = -0.6; x < 0.7; x += 0.3) {
+    map_.shut({x, 1.3});
+  }
+  EXPECT_FALSE(leads_in(way(fixtures, walls, {{{0, 0, 0}, 0.6}, {{20, 0, 0}, 0.2}, {{24, 0, 0}, 0.2}})));
+}
+
+TEST_F(DisambiguationTest, TurnsBackForAPoseThatOneLookTheOtherWayWouldHaveFound) {
+  // It began at the origin and has come 2 m to the left. Farther on one of four poses sees a fixture that the others
+  // have not; another would have seen one 2 m to the right.
+  const std::vector<Fixture> fixtures{fixture_at(-10, 0), fixture_at(-10, 6),   fixture_at(0, 0),
+                                      fixture_at(10, 0),  fixture_at(10, -2.5), fixture_at(20, 0)};
+  const std::vector<PoseAlternative> alternatives{
+      {{-10, 0, 0}, 0.25}, {{0, 0, 0}, 0.25}, {{10, 0, 0}, 0.25}, {{20, 0, 0}, 0.25}};
+  Building building;
+  building.fixtures = fixtures;
+  for (double y = 0.0; y < 3.1; y += 0.2) {
+    map_.visit({0.0, y});
+  }
+  const auto end_of_way = [&](const DisambiguationParams& params) {
+    const Disambiguation search(CeilingForecast(building, floor_with_walls({}), 1.2, 0.28), params);
+    const auto found = search.way({{0.0, 2.2}, {0.0, 0.0}, std::nullopt}, alternatives, map_);
+    return found ? found->back().y() : 0.0;
+  };
+  DisambiguationParams indifferent;
+  indifferent.urgency.power = 0.0;
+  EXPECT_GT(end_of_way(indifferent), 3.0) << "that is nearer from here";
+  EXPECT_LT(end_of_way({}), -1.0) << "but it was the longer way from where it began";
 }
 
 TEST_F(DisambiguationTest, KnowsNoWayWhereAllForetellTheSame) {
@@ -192,6 +248,10 @@ TEST(CeilingForecast, KnowsTheNearestFixtureAndWhereThereIsRoom) {
   EXPECT_TRUE(forecast.has_room({2.5, 0.0}));
   EXPECT_FALSE(forecast.has_room({500.0, 0.0}));
   EXPECT_TRUE(CeilingForecast(building, PriorMap{}, 1.0, 0.28).has_room({500.0, 0.0}));
+  EXPECT_TRUE(forecast.is_doorway({2.55, 0.0}));
+  EXPECT_FALSE(forecast.is_doorway({2.3, 0.0})) << "that is open floor";
+  EXPECT_FALSE(forecast.is_doorway({2.85, 0.0})) << "no room";
+  EXPECT_FALSE(CeilingForecast(building, PriorMap{}, 1.0, 0.28).is_doorway({0.0, 0.0}));
 }
 
 }  // namespace
