@@ -6,7 +6,9 @@ namespace luminav {
 
 /// When one hypothesis counts as the truth, and when no longer.
 struct TrackingRules {
-  double first_margin = 6.0;                  // log-score ahead of every other pose, listed or not, at first
+  // Log-score ahead of every other pose, listed or not, at first: neither a wall that is not heard nor one misfit may
+  // decide alone.
+  double first_margin = 6.6;
   double enter_margin = 9.0;                  // likewise once a pose was held for true: it may have been wrong
   double least_without_sonar = -3.0;          // of these margins: how far the ceiling may speak against the pose
   double leave_margin = 3.0;                  // below this another pose is possible again
