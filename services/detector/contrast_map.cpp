@@ -15,11 +15,11 @@ static_assert(std::endian::native == std::endian::little);  // the left one of t
 
 constexpr int kCap = 6;  // [grey] by which the ceiling may rise above its own opening (tiles, their joints)
 
-/// Whole vectors in place of a row of `count` cells: what is mixed in from the next row lands where that is written
-/// later. The last two rows, behind which there is none, are left as they are.
-int whole_vectors(int count, int row, int height) {
+/// Whole vectors in place of `count` cells of a row: what is mixed in from the rows behind lands where those are
+/// written later. Where too little is behind them, `count`; the last two rows are never touched.
+int whole_vectors(int count, const Raster& raster, int row) {
   constexpr int kVector = 32;
-  return row + 2 < height ? (count + kVector - 1) / kVector * kVector : count;
+  return (raster.height - 2 - row) * raster.width >= kVector ? (count + kVector - 1) / kVector * kVector : count;
 }
 
 /// Twice the size in x and y by linear interpolation between cell centres; nothing is invented beyond the border. All
@@ -37,7 +37,7 @@ void enlarge(const Raster& half, int width, int height, Raster& result) {
     const std::uint8_t* a = half.row(near_row);
     const std::uint8_t* b = half.row(far_row);
     std::uint16_t* c = column.data();
-    const int mixed = std::min(whole_vectors(cells, std::max(near_row, far_row), half.height), kWidest);
+    const int mixed = std::min(whole_vectors(cells, half, std::max(near_row, far_row)), kWidest);
 #pragma GCC ivdep
     for (int i = 0; i < mixed; ++i) {
       c[i] = static_cast<std::uint16_t>(3 * a[i] + b[i]);
@@ -45,7 +45,7 @@ void enlarge(const Raster& half, int width, int height, Raster& result) {
     std::fill_n(c + cells, kBeyond, c[cells - 1]);
     std::uint8_t* out = result.row(y);
     out[0] = static_cast<std::uint8_t>((4 * c[0] + 8) >> 4);
-    const int pairs = std::min(whole_vectors(width - 1, y, height) / 2, cells + kBeyond - 1);
+    const int pairs = std::min(whole_vectors(width - 1, result, y) / 2, cells + kBeyond - 1);
 #pragma GCC ivdep
     for (int i = 0; i < pairs; ++i) {
       const auto left = static_cast<std::uint16_t>(3 * c[i] + c[i + 1] + 8);
@@ -231,7 +231,7 @@ void smooth(const Raster& image, Raster& result) {
     const std::uint8_t* above = image.row(std::max(y - 1, 0));
     const std::uint8_t* here = image.row(y);
     const std::uint8_t* below = image.row(std::min(y + 1, image.height - 1));
-    const int count = std::min(whole_vectors(image.width, y + 1, image.height), kWidest);
+    const int count = std::min(whole_vectors(image.width, image, y + 1), kWidest);
 #pragma GCC ivdep
     for (int x = 0; x < count; ++x) {
       sums[x] = static_cast<std::uint16_t>(above[x] + here[x] + below[x]);

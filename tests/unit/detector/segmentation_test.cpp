@@ -204,6 +204,21 @@ TEST(ContrastMap, IsBlindForASlopeAndForUniformGrey) {
   EXPECT_LE(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 4);
 }
 
+// Rows are worked on in whole vectors: of the narrowest images one spans many rows. Sanitized builds say more.
+TEST(ContrastMap, TakesImagesNarrowerThanAVector) {
+  ContrastMap map;
+  for (const int width : {2, 3, 8, 15, 16, 31, 32, 33}) {
+    for (const int height : {2, 3, 8, 40}) {
+      Raster image;
+      image.resize(width, height);
+      std::fill(image.cells.begin(), image.cells.end(), std::uint8_t{90});
+      map.compute(image, 3, true);
+      ASSERT_EQ(map.dark().cells.size(), image.cells.size());
+      EXPECT_EQ(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 0) << width << " x " << height;
+    }
+  }
+}
+
 TEST(ContrastMap, MeasuresADarkPatchBesideABrightOne) {
   Raster image;
   image.resize(80, 60);
