@@ -97,7 +97,7 @@ bool CeilingForecast::has_room(const Eigen::Vector2d& place) const {
   return room_at(place) != Room::kNone;
 }
 
-bool CeilingForecast::is_doorway(const Eigen::Vector2d& place) const {
+bool CeilingForecast::is_beside_wall(const Eigen::Vector2d& place) const {
   return room_at(place) == Room::kBesideWall;
 }
 

@@ -23,20 +23,19 @@ class CeilingForecast {
   [[nodiscard]] const Fixture* fixture_above(const Eigen::Vector2d& place) const;
   [[nodiscard]] double view_radius() const { return view_radius_; }
   [[nodiscard]] bool has_room(const Eigen::Vector2d& place) const;
-  /// There is room, and a wall so near that its echoes may be heard there: between the posts of a door, beside a wall.
-  [[nodiscard]] bool is_doorway(const Eigen::Vector2d& place) const;
+  /// There is room, and a wall so near that its echoes may be drawn there, as into a doorway between its posts.
+  [[nodiscard]] bool is_beside_wall(const Eigen::Vector2d& place) const;
 
  private:
+  enum class Room : std::uint8_t { kNone, kBesideWall, kOpen };
+  [[nodiscard]] Room room_at(const Eigen::Vector2d& place) const;
+
   Building building_;
   double view_radius_ = 0.0;           // [m]
   GridGeometry ceiling_;               // of `nearest_`
   std::vector<std::int32_t> nearest_;  // fixture whose centre is nearest to the cell's, -1 = none is near
-  enum class Room : std::uint8_t { kNone, kBesideWall, kOpen };
-
-  [[nodiscard]] Room room_at(const Eigen::Vector2d& place) const;
-
-  GridGeometry floor_;      // of `room_`
-  std::vector<Room> room_;  // empty = open everywhere
+  GridGeometry floor_;                 // of `room_`
+  std::vector<Room> room_;             // empty = open everywhere
 };
 
 }  // namespace luminav

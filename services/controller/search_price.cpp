@@ -29,8 +29,8 @@ double search_price(const Eigen::Vector2d& place, std::span<const PossiblePose> 
   // An echo from a door's post is drawn as wide as the beam and closes the doorway: where the alternatives have one it
   // is open until they have not.
   if (ground == Ground::kStands && chance_that(poses, [&](const PossiblePose& pose) {
-                                     return forecast.is_doorway(pose.world_from_odom * place);
-                                   }) < params.least_doorway) {
+                                     return forecast.is_beside_wall(pose.world_from_odom * place);
+                                   }) < params.least_beside_wall) {
     return kBlocked;
   }
   const double share =

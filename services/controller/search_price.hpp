@@ -17,7 +17,7 @@ struct SearchPriceParams {
   double least_free = 0.3;              // share of the alternatives that must have room where no sonar looked yet
   double least_free_if_heard = 0.1;     // likewise where sonar found it free
   double least_free_in_narrows = 0.35;  // likewise where sonar leaves less room than `clearance`
-  double least_doorway = 0.35;          // share that must have a doorway where sonar heard something stand
+  double least_beside_wall = 0.35;      // share that must have room beside a wall where sonar heard something stand
 };
 
 /// Metres that a metre at a place [m, odom] counts for whoever looks for its pose; infinite: no way leads through.

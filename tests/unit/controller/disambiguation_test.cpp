@@ -248,10 +248,10 @@ TEST(CeilingForecast, KnowsTheNearestFixtureAndWhereThereIsRoom) {
   EXPECT_TRUE(forecast.has_room({2.5, 0.0}));
   EXPECT_FALSE(forecast.has_room({500.0, 0.0}));
   EXPECT_TRUE(CeilingForecast(building, PriorMap{}, 1.0, 0.28).has_room({500.0, 0.0}));
-  EXPECT_TRUE(forecast.is_doorway({2.55, 0.0}));
-  EXPECT_FALSE(forecast.is_doorway({2.3, 0.0})) << "that is open floor";
-  EXPECT_FALSE(forecast.is_doorway({2.85, 0.0})) << "no room";
-  EXPECT_FALSE(CeilingForecast(building, PriorMap{}, 1.0, 0.28).is_doorway({0.0, 0.0}));
+  EXPECT_TRUE(forecast.is_beside_wall({2.55, 0.0}));
+  EXPECT_FALSE(forecast.is_beside_wall({2.3, 0.0})) << "that is open floor";
+  EXPECT_FALSE(forecast.is_beside_wall({2.85, 0.0})) << "no room";
+  EXPECT_FALSE(CeilingForecast(building, PriorMap{}, 1.0, 0.28).is_beside_wall({0.0, 0.0}));
 }
 
 }  // namespace
