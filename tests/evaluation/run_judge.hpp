@@ -16,9 +16,9 @@
 #include "drivers/simulator/world_truth.hpp"
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/process/subscriber.hpp"
-#include "tests/evaluation/fixture_visibility.hpp"
 #include "tests/evaluation/run_report.hpp"
 #include "tests/evaluation/trail_point.hpp"
+#include "tests/support/fixture_visibility.hpp"
 
 namespace luminav {
 

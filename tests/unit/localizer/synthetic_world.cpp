@@ -364,24 +364,14 @@ SightingFrame SyntheticWorld::look(const Pose2& pose, double, double) {
   return frame;
 }
 
-int SyntheticWorld::fixtures_in_view(const Pose2& pose, double share) const {
-  const CeilingCamera camera(true_robot_.camera.intrinsics, true_robot_.camera.mounting);
-  int count = 0;
+FixtureVisibility SyntheticWorld::visibility() const {
+  std::vector<Fixture> fixtures;
   for (std::size_t i = 0; i < true_building_.fixtures.size(); ++i) {
-    const Fixture& fixture = true_building_.fixtures[i];
-    if (never_seen_[i] || distance(fixture.world_from_fixture, pose) > 3.0) {
-      continue;
+    if (!never_seen_[i]) {
+      fixtures.push_back(true_building_.fixtures[i]);
     }
-    int inside = 0;
-    for (int j = 0; j < 20; ++j) {
-      const Eigen::Vector2d point =
-          fixture.world_from_fixture * Eigen::Vector2d((j / 19.0 - 0.5) * fixture.length, 0.0);
-      const auto pixel = camera.pixel_of_ceiling_point(pose.inverse() * point, fixture.height);
-      inside += pixel && camera.is_in_image(*pixel) ? 1 : 0;
-    }
-    count += inside >= share * 20.0 ? 1 : 0;
   }
-  return count;
+  return {std::move(fixtures), CeilingCamera(true_robot_.camera.intrinsics, true_robot_.camera.mounting)};
 }
 
 SonarScan SyntheticWorld::hear() {

@@ -12,6 +12,7 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/fixture_sighting.hpp"
 #include "services/localizer/wall_field.hpp"
+#include "tests/support/fixture_visibility.hpp"
 
 namespace luminav::testing {
 
@@ -77,8 +78,8 @@ class SyntheticWorld {
   [[nodiscard]] double true_wheel_base() const { return true_base_; }
   [[nodiscard]] double driven() const { return driven_; }
   [[nodiscard]] std::int64_t utime() const { return utime_; }
-  /// Fixtures of which the camera sees at least `share` from a pose, by the true camera.
-  [[nodiscard]] int fixtures_in_view(const Pose2& pose, double share) const;
+  /// What the true camera ought to see of the true fixtures that its detector can find at all.
+  [[nodiscard]] FixtureVisibility visibility() const;
 
  private:
   [[nodiscard]] double uniform(double least, double most);

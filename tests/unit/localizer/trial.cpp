@@ -23,7 +23,12 @@ double thread_seconds() {
 class TrialJudge {
  public:
   TrialJudge(const SyntheticWorld& world, const TrialPlan& plan)
-      : world_(world), grace_(plan.grace), trace_(plan.trace), start_(world.utime()), oracle_(world) {
+      : world_(world),
+        visibility_(world.visibility()),
+        grace_(plan.grace),
+        trace_(plan.trace),
+        start_(world.utime()),
+        oracle_(world) {
     oracle_.follow(world.truth());
   }
 
@@ -66,6 +71,7 @@ class TrialJudge {
   static constexpr double kPeriod = 0.1;  // [s] between two odometry readings
 
   const SyntheticWorld& world_;
+  FixtureVisibility visibility_;
   double grace_;
   bool trace_;
   std::int64_t start_;  // [us]
@@ -106,11 +112,11 @@ void TrialJudge::resolve() {
   }
 }
 
-// An image contradicts by what is seen in it, or by showing nothing of a fixture expected well inside; one without
-// sightings, of a fixture that the detector misses, tells nobody anything.
+// What is seen where the robot is and fits the believed pose as well contradicts nothing, nor does an image without
+// sightings where none is expected.
 void TrialJudge::contradict(const Pose2& believed) {
-  if (carry_.awaits_contradiction &&
-      (carry_.was_seen || (carry_.was_imaged && world_.fixtures_in_view(believed, 0.8) > 0))) {
+  const bool tells = carry_.was_seen || (carry_.was_imaged && !visibility_.visible_from(believed, 0.8).empty());
+  if (carry_.awaits_contradiction && tells && visibility_.contradicts(world_.truth(), believed)) {
     carry_.awaits_contradiction = false;
     carry_.contradicted = now();
   }
@@ -158,8 +164,7 @@ void TrialJudge::judge_tracking(bool is_tracking, const Error& error) {
   if (is_tracking && error.is_wrong() && !is_forgiven) {
     result_.confident_wrong += kPeriod;
   }
-  if (carry_.is_recovering && is_tracking && !error.is_wrong() && !carry_.awaits_contradiction &&
-      now() > carry_.contradicted) {
+  if (carry_.is_recovering && is_tracking && !error.is_wrong()) {
     carry_.is_recovering = false;
     ++result_.recovered;
     result_.recovery_way.push_back(world_.driven() - carry_.driven);
@@ -184,7 +189,7 @@ void TrialJudge::add_errors(const PoseBelief& belief, const Error& error) {
   result_.nees_forward += std::pow(off.head<2>().dot(forward), 2) / forward.dot(place * forward);
   result_.nees_left += std::pow(off.head<2>().dot(left), 2) / left.dot(place * left);
   result_.nees_heading += off.z() * off.z() / belief.covariance(2, 2);
-  if (world_.fixtures_in_view(truth, 0.3) > 0) {
+  if (!visibility_.visible_from(truth, 0.3).empty()) {
     ++result_.in_view;
     result_.position_square += error.position * error.position;
     result_.heading_square += error.heading * error.heading;

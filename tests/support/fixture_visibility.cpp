@@ -1,4 +1,4 @@
-#include "tests/evaluation/fixture_visibility.hpp"
+#include "tests/support/fixture_visibility.hpp"
 
 #include <algorithm>
 #include <cmath>
