@@ -29,18 +29,19 @@ std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame
     return std::nullopt;
   }
   const std::optional<Eigen::Vector2d> unexplained = find_unexplained(frame, objects, scene, belief);
+  const bool lacks_something = count_missing(frame, belief, odom_from_robot);
   misfit_run_ += unexplained ? 1 : 0;
-  const std::optional<int> missed = count_missing(frame, belief, odom_from_robot, way_since_match);
+  contradicting_ += unexplained || lacks_something ? 1 : 0;
   if (is_doubted) {
     return std::nullopt;
   }
-  if (misfit_run_ >= rules_.misfit_frames && unexplained) {
+  if (unexplained && (misfit_run_ >= rules_.misfit_frames || was_carried())) {
     misfit_ = unexplained;
     return Contradiction{fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none",
                                      unexplained->x(), unexplained->y()),
                          is_beyond_carrying(frame.utime) ? rules_.bonus_when_driving : rules_.bonus_after_misfit, true};
   }
-  if (missed) {
+  if (const std::optional<int> missed = missing_too_long(way_since_match)) {
     missed_fixture_ = *missed;
     return Contradiction{fmt::format("fixture {} ought to be in view and is not seen", map_[*missed].id),
                          rules_.bonus_after_miss};
@@ -49,8 +50,7 @@ std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame
 }
 
 void ContradictionWatch::reset() {
-  misfit_run_ = 0;
-  missed_frames_.clear();
+  forget_run();
   seen_lately_.clear();
 }
 
@@ -69,8 +69,14 @@ void ContradictionWatch::confirm(bool was_doubted) {
   }
   missed_fixture_ = -1;
   misfit_.reset();
+  forget_run();
+}
+
+void ContradictionWatch::forget_run() {
   misfit_run_ = 0;
+  contradicting_ = 0;
   missed_frames_.clear();
+  vanished_.reset();
 }
 
 void ContradictionWatch::note_pause(const Pose2& odom_from_robot) {
@@ -78,6 +84,9 @@ void ContradictionWatch::note_pause(const Pose2& odom_from_robot) {
   odom_at_frame_ = odom_from_robot;
   const bool still = std::hypot(step.x, step.y) < 0.001 && std::abs(step.theta) < radians(0.1);
   still_frames_ = still ? still_frames_ + 1 : 0;
+  if (still_frames_ == 1 && !paused_) {
+    contradicting_ = 0;  // whoever carries it begins here
+  }
   paused_ = paused_ || still_frames_ >= rules_.pause_frames;
   halted_ = halted_ || still_frames_ >= rules_.halt_frames;
 }
@@ -88,8 +97,7 @@ bool ContradictionWatch::is_beyond_carrying(std::int64_t utime) const {
 }
 
 void ContradictionWatch::note_match(const std::vector<FixtureMatch>& matches, const Pose2& odom_from_robot) {
-  misfit_run_ = 0;
-  missed_frames_.clear();
+  forget_run();
   still_frames_ = 0;
   paused_ = false;
   halted_ = false;
@@ -118,8 +126,8 @@ std::optional<Eigen::Vector2d> ContradictionWatch::find_unexplained(const Sighti
   return unexplained;
 }
 
-std::optional<int> ContradictionWatch::count_missing(const SightingFrame& frame, const PoseBelief& belief,
-                                                     const Pose2& odom_from_robot, double way_since_match) {
+bool ContradictionWatch::count_missing(const SightingFrame& frame, const PoseBelief& belief,
+                                       const Pose2& odom_from_robot) {
   const Pose2 since_match = odom_at_match_.inverse() * odom_from_robot;
   const auto moved_less = [&](double way, double turn) {
     return std::hypot(since_match.x, since_match.y) < way && std::abs(since_match.theta) < turn;
@@ -129,6 +137,7 @@ std::optional<int> ContradictionWatch::count_missing(const SightingFrame& frame,
       moved_less(rules_.still_distance, rules_.still_turn) ||
       (still_frames_ >= rules_.vanish_frames && moved_less(rules_.stop_distance, rules_.stop_turn));
   const double margin = rules_.visible_margin + 2.0 * position_sigma(belief.covariance);
+  bool any = false;
   std::vector<int> near;
   map_.find_near(belief.pose.position(), view_.radius(ceiling_height_) + 1.0, near);
   for (const int index : near) {
@@ -147,17 +156,25 @@ std::optional<int> ContradictionWatch::count_missing(const SightingFrame& frame,
         view_.visible_share(robot_from_fixture, map_[index], least_inside) < least) {
       continue;
     }
+    any = true;
     const int frames = ++missed_frames_[index];
     if (vanished && frames >= rules_.vanish_frames) {
-      return index;
+      vanished_ = index;
     }
   }
-  return worst_missing(way_since_match);
+  return any;
 }
 
-std::optional<int> ContradictionWatch::worst_missing(double way_since_match) const {
+bool ContradictionWatch::was_carried() const {
+  return (paused_ || may_be_carried_) && contradicting_ >= rules_.misfit_frames;
+}
+
+std::optional<int> ContradictionWatch::missing_too_long(double way_since_match) const {
+  if (vanished_) {
+    return vanished_;
+  }
   // The detector misses a fixture from some places while the robot passes; that it misses several, or one over a long
-  // way, is unlikely. Who stood still since the last match may have been carried: then one is enough.
+  // way, is unlikely. Who stood still since the last match may have been carried: then few images are enough.
   int worst = -1;
   int several = 0;
   for (const auto& [index, frames] : missed_frames_) {
@@ -168,8 +185,8 @@ std::optional<int> ContradictionWatch::worst_missing(double way_since_match) con
   }
   const bool over_a_way =
       worst >= 0 && missed_frames_.at(worst) >= rules_.miss_frames && way_since_match > rules_.miss_distance;
-  return several >= (paused_ || may_be_carried_ ? 1 : rules_.miss_fixtures) || over_a_way ? std::optional(worst)
-                                                                                          : std::nullopt;
+  const bool is_missed = worst >= 0 && (several >= rules_.miss_fixtures || over_a_way || was_carried());
+  return is_missed ? std::optional(worst) : std::nullopt;
 }
 
 }  // namespace luminav

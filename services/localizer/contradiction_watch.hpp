@@ -47,6 +47,8 @@ class ContradictionWatch {
   void confirm(bool was_doubted);
 
  private:
+  /// Begins to count anew.
+  void forget_run();
   void note_pause(const Pose2& odom_from_robot);
   void note_match(const std::vector<FixtureMatch>& matches, const Pose2& odom_from_robot);
   /// The pose was right for long, and since its last match the wheels have not stood still: nobody carries a robot away
@@ -57,20 +59,25 @@ class ContradictionWatch {
                                                                 const std::vector<int>& objects,
                                                                 const SceneMemory& scene,
                                                                 const PoseBelief& belief) const;
-  [[nodiscard]] std::optional<int> count_missing(const SightingFrame& frame, const PoseBelief& belief,
-                                                 const Pose2& odom_from_robot, double way_since_match);
-  [[nodiscard]] std::optional<int> worst_missing(double way_since_match) const;
+  /// Counts what ought to be in view and is not; false = nothing.
+  bool count_missing(const SightingFrame& frame, const PoseBelief& belief, const Pose2& odom_from_robot);
+  /// The fixture whose absence puts the pose in doubt.
+  [[nodiscard]] std::optional<int> missing_too_long(double way_since_match) const;
+  /// So many images contradict that a robot which may have been carried was.
+  [[nodiscard]] bool was_carried() const;
 
   const FixtureMap& map_;
   const CeilingView& view_;
   double ceiling_height_;  // [m]
   TrackingRules rules_;
-  int misfit_run_ = 0;                       // images
+  int misfit_run_ = 0;                       // images since the last match that show what fits nothing
+  int contradicting_ = 0;                    // since it stood still: that, or lack what they ought to show
   std::set<int> foretold_;                   // fixtures that came where the pose has them
   bool halted_ = false;                      // the wheels stood for a moment since the last match
   std::int64_t match_utime_ = 0;             // [us] of the last match
   std::map<int, int> missed_frames_;         // images since the last match that ought to show a fixture and do not
   std::set<int> unreliable_;                 // fixtures that were missed though the pose was right: no longer missed
+  std::optional<int> vanished_;              // fixture that is no longer seen from where it was seen
   int missed_fixture_ = -1;                  // whose absence put the pose in doubt; -1 = something else
   std::optional<Eigen::Vector2d> misfit_;    // [world] what put the pose in doubt by being seen there
   std::deque<Eigen::Vector2d> no_fixtures_;  // [world] places of such things while the pose was right

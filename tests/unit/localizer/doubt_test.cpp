@@ -198,6 +198,16 @@ TEST(Doubt, ComesWithinASecondOfImagesAfterTheRobotWasPutBetweenFixtures) {
   EXPECT_NE(drive.state(), LocalizerState::kTracking);
 }
 
+TEST(Doubt, ComesWithFewImagesThatLackAFixtureAfterTheRobotStood) {
+  CorridorDrive drive;
+  drive.drive_to(8.9);
+  drive.stand(1.5);  // nothing in view: who knows what happened to it
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  drive.carry_to(5.0);
+  drive.drive_to(6.25);  // five images after the fixture at 10.5 ought to be seen whole
+  EXPECT_NE(drive.state(), LocalizerState::kTracking);
+}
+
 TEST(Doubt, ComesWhereTheFixtureOverheadVanishesFromARobotThatHasJustStopped) {
   CorridorDrive drive;
   drive.drive_to(7.44);
