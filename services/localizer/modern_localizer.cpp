@@ -90,6 +90,13 @@ void ModernLocalizer::add_frame(const SightingFrame& frame) {
 
 void ModernLocalizer::add_sonar(const SonarScan& scan) {
   echoes_.add(scan);
+  if (queue_.history().is_empty()) {
+    return;
+  }
+  const bool is_carried = surroundings_.look(scan, queue_.history().newest().odom_from_robot);
+  if (is_carried && verdict_.has_leader() && !is_displaced_) {
+    verdict_.doubt({"the sonars hear everything move while the wheels stand still", params_.rules.bonus_after_misfit});
+  }
 }
 
 void ModernLocalizer::add_base_state(const BaseState& state) {

@@ -16,6 +16,7 @@
 #include "services/localizer/motion_gap.hpp"
 #include "services/localizer/pose_verdict.hpp"
 #include "services/localizer/rush_watch.hpp"
+#include "services/localizer/surroundings_watch.hpp"
 #include "services/localizer/tracking_filter.hpp"
 #include "services/localizer/tracking_rules.hpp"
 
@@ -80,6 +81,7 @@ class ModernLocalizer final : public Localizer {
   ContradictionWatch watch_;
   DisplacementWatch displacement_;
   RushWatch rush_;
+  SurroundingsWatch surroundings_;
   PoseVerdict verdict_;
   EchoCollector echoes_;
   int listens_since_ = 0;                           // which list of hypotheses hears the echoes

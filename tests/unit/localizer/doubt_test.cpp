@@ -77,6 +77,17 @@ class CorridorDrive {
     }
     return is_tracking;
   }
+  /// Stands as long while all of its discs hear this [m].
+  void stand_hearing(double range, double time) {
+    for (int i = 0; i < static_cast<int>(time / 0.1); ++i) {
+      SonarScan scan{utime_, {}};
+      for (int disc = 0; disc < 16; ++disc) {
+        scan.readings.push_back({disc, range, true, utime_});
+      }
+      localizer_.add_sonar(scan);
+      stand(0.1);
+    }
+  }
   /// How far [m] along the corridor fixtures are seen.
   void see_as_far_as(double reach) { reach_ = reach; }
   void hang_false_fixture(double x) { false_fixtures_.push_back(x); }
@@ -226,6 +237,15 @@ TEST(Doubt, ComesWhereAFixtureVanishesOfWhichTheImageShowedNoMoreThanHalf) {
   ASSERT_TRUE(drive.stand(1.0));
   drive.carry_to(3.0);  // nothing in view
   EXPECT_FALSE(drive.stand(1.0));
+}
+
+TEST(Doubt, ComesWhereAllThatTheSonarsHearMovesThoughTheWheelsStandStill) {
+  CorridorDrive drive;
+  drive.drive_to(8.9);  // nothing ought to be in view here, and nothing is
+  drive.stand_hearing(1.0, 1.0);
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  drive.stand_hearing(1.3, 0.2);
+  EXPECT_EQ(drive.state(), LocalizerState::kAmbiguous);
 }
 
 TEST(Doubt, ComesWhileARobotIsPushedUnderAFixture) {

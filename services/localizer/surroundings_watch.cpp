@@ -1,0 +1,69 @@
+#include "services/localizer/surroundings_watch.hpp"
+
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+constexpr int kAtRest = 3;                  // scans without wheel motion: it does not roll on
+constexpr std::int64_t kLongest = 5000000;  // [us] of a comparison: one by one people and chairs change everything
+constexpr double kElsewhere = 0.1;          // [m] an echo is when it has moved by more
+// Measured in the simulated laboratory: of a robot that stands among four people this never comes together.
+constexpr int kLeastMoved = 5;         // echoes that were heard before and now
+constexpr double kLeastShare = 0.7;    // of those
+constexpr double kLeastChanged = 8.0;  // discs; an echo that came or went counts half, for slanted walls come and go
+
+bool stands_still(const Pose2& before, const Pose2& now) {
+  const Pose2 step = before.inverse() * now;
+  return std::hypot(step.x, step.y) < 0.001 && std::abs(step.theta) < radians(0.1);
+}
+
+}  // namespace
+
+bool SurroundingsWatch::look(const SonarScan& scan, const Pose2& odom_from_robot) {
+  still_scans_ = stands_still(odom_from_robot_, odom_from_robot) ? still_scans_ + 1 : 0;
+  odom_from_robot_ = odom_from_robot;
+  if (still_scans_ < kAtRest) {
+    return false;
+  }
+  if (still_scans_ == kAtRest || scan.utime - begun_ > kLongest) {
+    begin(scan.utime);
+  }
+  for (const SonarEcho& reading : scan.readings) {
+    const auto index = static_cast<std::size_t>(reading.disc);
+    if (index >= discs_.size()) {
+      discs_.resize(index + 1);
+    }
+    Disc& disc = discs_[index];
+    (disc.first ? disc.last : disc.first) = reading;
+  }
+  const bool moved = has_moved();
+  if (moved) {
+    begin(scan.utime);
+  }
+  return moved;
+}
+
+void SurroundingsWatch::begin(std::int64_t utime) {
+  begun_ = utime;
+  discs_.clear();
+}
+
+bool SurroundingsWatch::has_moved() const {
+  int heard = 0;  // before and now
+  int moved = 0;
+  int came_or_went = 0;
+  for (const auto& [first, last] : discs_) {
+    if (!last) {
+      continue;
+    }
+    came_or_went += first->has_echo != last->has_echo ? 1 : 0;
+    if (first->has_echo && last->has_echo) {
+      ++heard;
+      moved += std::abs(last->range - first->range) > kElsewhere ? 1 : 0;
+    }
+  }
+  return moved >= kLeastMoved && moved >= kLeastShare * heard && moved + 0.5 * came_or_went >= kLeastChanged;
+}
+
+}  // namespace luminav
