@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLeastFit = 0.35;                  // outlines that fit worse are not used
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
+constexpr std::int64_t kFixtureInView = 500'000;    // [us] since it was matched
 constexpr std::size_t kMostSightings = 12;          // of one image
 constexpr int kMostUnmatched = 3;               // images in a row in which a fixture followed by sight may be missed
 constexpr double kMovedByHand = 0.05;           // [m] by which one image moves a pose that wheels did not move
@@ -93,8 +94,10 @@ void ModernLocalizer::add_sonar(const SonarScan& scan) {
   if (queue_.history().is_empty()) {
     return;
   }
+  // a fixture in view tells better, and at once, whether the robot is carried
+  const bool sees_fixture = scan.utime - fixture_utime_ < kFixtureInView;
   const bool is_carried = surroundings_.look(scan, queue_.history().newest().odom_from_robot);
-  if (is_carried && verdict_.has_leader() && !is_displaced_) {
+  if (is_carried && !sees_fixture && verdict_.has_leader() && !is_displaced_) {
     verdict_.doubt({"the sonars hear everything move while the wheels stand still", params_.rules.bonus_after_misfit});
   }
 }

@@ -49,7 +49,7 @@ class Ring {
 TEST(SurroundingsWatch, HearsThatItIsCarried) {
   Ring ring;
   ASSERT_FALSE(ring.hear(1.0));
-  ring.move(0, 11, 0.15);
+  ring.move(0, 12, 0.15);
   EXPECT_TRUE(ring.hear(0.1));
   EXPECT_FALSE(ring.hear(1.0)) << "that is over";
 }
@@ -58,9 +58,9 @@ TEST(SurroundingsWatch, HearsItWhereSomeEchoesComeAndGo) {
   Ring ring;
   ring.move(12, 15, kSilence);
   ASSERT_FALSE(ring.hear(1.0));
-  ring.move(0, 5, -0.2);
-  EXPECT_FALSE(ring.hear(0.5)) << "of twelve that go on to hear something six are too few";
-  ring.move(6, 9, kSilence);
+  ring.move(0, 6, -0.2);
+  EXPECT_FALSE(ring.hear(0.5)) << "of twelve that go on to hear something seven are too few";
+  ring.move(7, 10, kSilence);
   EXPECT_TRUE(ring.hear(0.1));
 }
 
