@@ -35,18 +35,32 @@ void for_each_run(std::span<const std::uint64_t> bits, int width, Take take) {
 
 }  // namespace
 
-int RegionFinder::root(int run) {
-  while (parent_[static_cast<std::size_t>(run)] != run) {
-    const int above = parent_[static_cast<std::size_t>(run)];
-    parent_[static_cast<std::size_t>(run)] = parent_[static_cast<std::size_t>(above)];
-    run = above;
+int RegionFinder::root(int part) {
+  while (parts_[static_cast<std::size_t>(part)].joined_to != part) {
+    const int above = parts_[static_cast<std::size_t>(part)].joined_to;
+    parts_[static_cast<std::size_t>(part)].joined_to = parts_[static_cast<std::size_t>(above)].joined_to;
+    part = above;
   }
-  return run;
+  return part;
+}
+
+int RegionFinder::join(int a, int b) {
+  const int first = std::min(a, b);
+  const int other = std::max(a, b);
+  if (first != other) {
+    Part& into = parts_[static_cast<std::size_t>(first)];
+    Part& from = parts_[static_cast<std::size_t>(other)];
+    into.cells += from.cells;
+    into.runs += from.runs;
+    from.joined_to = first;
+  }
+  return first;
 }
 
 void RegionFinder::take_runs(const Raster& image, const Cut& cut) {
   runs_.clear();
-  parent_.clear();
+  part_of_run_.clear();
+  parts_.clear();
   bits_.resize(static_cast<std::size_t>(image.width + 63) / 64);
   std::size_t above = 0;  // first run of the row above that may touch
   std::size_t above_end = 0;
@@ -55,17 +69,23 @@ void RegionFinder::take_runs(const Raster& image, const Cut& cut) {
     if (cut.may_be_in(y)) {
       take_row_bits(image.row(y), image.width, cut.level, -1, bits_.data());
       for_each_run(bits_, image.width, [&](int first, int last) {
-        const int current = static_cast<int>(runs_.size());
-        runs_.push_back({y, first, last});
-        parent_.push_back(current);
         while (above < above_end && runs_[above].last < first - 1) {
           ++above;
         }
+        int part = -1;
         for (std::size_t other = above; other < above_end && runs_[other].first <= last + 1; ++other) {
-          const int a = root(static_cast<int>(other));
-          const int b = root(current);
-          parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+          const int touched = root(part_of_run_[other]);
+          part = part < 0 ? touched : join(part, touched);
         }
+        if (part < 0) {
+          part = static_cast<int>(parts_.size());
+          parts_.push_back({.joined_to = part});
+        }
+        Part& own = parts_[static_cast<std::size_t>(part)];
+        own.cells += last - first + 1;
+        ++own.runs;
+        runs_.push_back({y, first, last});
+        part_of_run_.push_back(part);
       });
     }
     above = row_begin;
@@ -75,47 +95,37 @@ void RegionFinder::take_runs(const Raster& image, const Cut& cut) {
 
 const std::vector<Region>& RegionFinder::find(const Raster& image, int least_cells, const Cut& cut) {
   take_runs(image, cut);
-  const std::size_t count = runs_.size();
-  cells_.assign(count, 0);
-  run_counts_.assign(count, 0);
-  for (std::size_t i = 0; i < count; ++i) {
-    const int top_run = root(static_cast<int>(i));
-    parent_[i] = top_run;
-    const auto top = static_cast<std::size_t>(top_run);
-    cells_[top] += runs_[i].last - runs_[i].first + 1;
-    ++run_counts_[top];
-  }
   regions_.clear();
-  runs_end_.clear();
-  runs_by_region_.resize(count);
-  region_of_root_.assign(count, -1);
+  runs_by_region_.resize(runs_.size());
   std::size_t taken = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto top = static_cast<std::size_t>(parent_[i]);
-    if (cells_[top] < least_cells) {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    Part& part = parts_[i];
+    if (part.joined_to != static_cast<int>(i) || part.cells < least_cells) {
       continue;
     }
-    if (region_of_root_[top] < 0) {
-      region_of_root_[top] = static_cast<int>(regions_.size());
-      const auto run_count = static_cast<std::size_t>(run_counts_[top]);
-      const int beyond = image.width + image.height;
-      regions_.push_back({.cells = cells_[top],
-                          .left = beyond,
-                          .right = -1,
-                          .top = beyond,
-                          .bottom = -1,
-                          .runs = std::span(runs_by_region_).subspan(taken, run_count)});
-      runs_end_.push_back(taken);
-      taken += run_count;
+    part.region = static_cast<int>(regions_.size());
+    const int beyond = image.width + image.height;
+    regions_.push_back({.cells = part.cells,
+                        .left = beyond,
+                        .right = -1,
+                        .top = beyond,
+                        .bottom = -1,
+                        .runs = std::span(runs_by_region_).subspan(taken, static_cast<std::size_t>(part.runs))});
+    part.next_run = taken;
+    taken += static_cast<std::size_t>(part.runs);
+  }
+  for (std::size_t i = 0; i < runs_.size() && taken > 0; ++i) {
+    Part& part = parts_[static_cast<std::size_t>(root(part_of_run_[i]))];
+    if (part.region < 0) {
+      continue;
     }
-    const auto index = static_cast<std::size_t>(region_of_root_[top]);
-    Region& region = regions_[index];
     const Run& run = runs_[i];
-    runs_by_region_[runs_end_[index]++] = run;
+    runs_by_region_[part.next_run++] = run;
+    Region& region = regions_[static_cast<std::size_t>(part.region)];
     region.left = std::min(region.left, run.first);
     region.right = std::max(region.right, run.last);
     region.top = std::min(region.top, run.row);
-    region.bottom = std::max(region.bottom, run.row);
+    region.bottom = run.row;
   }
   return regions_;
 }

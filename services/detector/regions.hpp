@@ -44,17 +44,23 @@ class RegionFinder {
   const std::vector<Region>& find(const Raster& image, int least_cells, const Cut& cut = {});
 
  private:
+  /// What is connected as far as the rows above tell; parts that prove to be one are joined to the first of them.
+  struct Part {
+    int joined_to = 0;  // itself: not to another
+    int cells = 0;
+    int runs = 0;
+    int region = -1;           // none: it is too small
+    std::size_t next_run = 0;  // of the region, to be filled in
+  };
   void take_runs(const Raster& image, const Cut& cut);
-  int root(int run);
+  int root(int part);
+  int join(int a, int b);
 
   std::vector<std::uint64_t> bits_;  // of a row
   std::vector<Run> runs_;
-  std::vector<int> parent_;
-  std::vector<int> region_of_root_;
-  std::vector<int> cells_;             // per root
-  std::vector<int> run_counts_;        // per root
-  std::vector<Run> runs_by_region_;    // region after region
-  std::vector<std::size_t> runs_end_;  // per region: of those filled in
+  std::vector<int> part_of_run_;
+  std::vector<Part> parts_;
+  std::vector<Run> runs_by_region_;  // region after region
   std::vector<Region> regions_;
 };
 
