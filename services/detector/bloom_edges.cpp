@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "services/detector/column_sort.hpp"
 #include "services/detector/edge_means.hpp"
 #include "services/detector/pixel_sampling.hpp"
 #include "services/detector/side_sums.hpp"
@@ -19,12 +20,12 @@ using Matrix5d = Eigen::Matrix<double, 5, 5>;
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Eigen::Vector2d;
 
-constexpr int kMostPoints = 240;       // the long and the short sides of a large one
-constexpr double kSpacing = 4.0;       // [px]
-constexpr double kCorner = 6.0;        // [px] from a corner nothing is measured
-constexpr double kBeyondBloom = 14.0;  // [px] from there to the middle of where the ceiling is taken
-constexpr std::size_t kDistances = 6;  // 2 px apart
-constexpr double kLevel = 0.8;         // of the way from the ceiling to saturation
+constexpr std::size_t kMostPoints = 240;  // the long and the short sides of a large one
+constexpr double kSpacing = 4.0;          // [px]
+constexpr double kCorner = 6.0;           // [px] from a corner nothing is measured
+constexpr double kBeyondBloom = 14.0;     // [px] from there to the middle of where the ceiling is taken
+constexpr std::size_t kDistances = 6;     // 2 px apart
+constexpr double kLevel = 0.8;            // of the way from the ceiling to saturation
 constexpr double kWhite = 255.0;
 constexpr double kUnevenGuess = 0.3;   // of the swelling's own deviation: where one side alone is seen it is a guess
 constexpr double kOneSideBloom = 0.3;  // [px] 1 sigma: the ends' bloom is that of a side no better (simulated pictures)
@@ -80,8 +81,20 @@ struct Solution {
 struct Line {  // level along a side: value at the middle, slope per metre
   double level = 0.0;
   double slope = 0.0;
-  int count = 0;
+  bool is_seen = false;
 };
+
+/// Of those that are numbers; 0 where there is none.
+double median_of_found(std::span<const double> offsets) {
+  std::array<double, kMostPoints> found;
+  const auto end = std::copy_if(offsets.begin(), offsets.end(), found.begin(), [](double o) { return !std::isnan(o); });
+  if (end == found.begin()) {
+    return 0.0;
+  }
+  const auto middle = found.begin() + (end - found.begin()) / 2;
+  std::nth_element(found.begin(), middle, end);
+  return *middle;
+}
 
 class BloomLevel {
  public:
@@ -130,11 +143,12 @@ class BloomLevel {
       const double usable = extent - 2.0 * std::min(kCorner * metres_per_px_, 0.2 * extent);
       const int count = std::clamp(static_cast<int>(usable / (kSpacing * metres_per_px_)), 4, 60);
       for (int i = 0; i < count && count_ < kMostPoints; ++i) {
-        EdgePoint& point = points_[static_cast<std::size_t>(count_++)];
+        EdgePoint& point = points_[count_++];
         point.place = middle + usable * ((i + 0.5) / count - 0.5) * along;
         point.normal = normal;
         point.side = side;
       }
+      first_of_side_[static_cast<std::size_t>(side) + 1] = count_;
     };
     const Vector2d x = Vector2d::UnitX();
     const Vector2d y = Vector2d::UnitY();
@@ -149,15 +163,14 @@ class BloomLevel {
     const PointTransform to_robot(pose);
     std::array<Vector2d, 2 * kMostPoints> places;
     std::array<Vector2d, 2 * kMostPoints> pixels;
-    const auto count = static_cast<std::size_t>(count_);
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count_; ++i) {
       const EdgePoint& point = points_[i];
       const Vector2d on_edge = point.place + (bloom.swelling + bloom.taper * along_side(point)) * point.normal;
       places[2 * i] = to_robot * on_edge;
       places[2 * i + 1] = to_robot * (on_edge + kAhead * point.normal);
     }
-    camera_.pixels_of_ceiling_points({places.data(), 2 * count}, outline_.height, {pixels.data(), 2 * count});
-    for (std::size_t i = 0; i < count; ++i) {
+    camera_.pixels_of_ceiling_points({places.data(), 2 * count_}, outline_.height, {pixels.data(), 2 * count_});
+    for (std::size_t i = 0; i < count_; ++i) {
       EdgePoint& point = points_[i];
       const Vector2d& pixel = pixels[2 * i];
       const Vector2d& ahead = pixels[2 * i + 1];
@@ -191,13 +204,13 @@ class BloomLevel {
   /// The ceiling beside each side, from beyond its bloom, as a line along it; false when no side shows it. The median
   /// over distances of the medians along the side: a joint of the ceiling may run along it.
   bool measure_ceiling() {
-    std::array<std::array<std::array<float, kMostPoints>, kDistances>, kSides> levels;
-    std::array<int, kSides> counts{};
+    std::array<std::size_t, kSides> counts{};
     SomePoints seen;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+    for (std::size_t i = 0; i < count_; ++i) {
       const EdgePoint& point = points_[i];
       if (point.in_view && is_sampled(image_, point.pixel + (kBeyondBloom + 2.0 * kDistances) * point.normal_px)) {
         seen.add(i, point);
+        ++counts[static_cast<std::size_t>(point.side)];
       }
     }
     EdgeMeans::Distances distances;
@@ -206,27 +219,19 @@ class BloomLevel {
     }
     SomePoints::AllMeans means;
     seen.sample(image_, distances, means);
-    for (std::size_t i = 0; i < seen.indices().size(); ++i) {
-      const auto side = static_cast<std::size_t>(points_[seen.indices()[i]].side);
-      const auto n = static_cast<std::size_t>(counts[side]++);
-      for (std::size_t k = 0; k < kDistances; ++k) {
-        levels[side][k][n] = means[i][k];
-      }
-    }
+    std::span<EdgeMeans::Means> not_taken(means);  // side after side
     double mean = 0.0;
     int sides = 0;
     for (std::size_t side = 0; side < kSides; ++side) {
-      ceiling_[side].count = counts[side];
-      if (counts[side] < 4) {
-        ceiling_[side].count = 0;
+      const std::span<EdgeMeans::Means> of_side = not_taken.first(counts[side]);
+      not_taken = not_taken.subspan(counts[side]);
+      ceiling_[side].is_seen = of_side.size() >= 4;
+      if (!ceiling_[side].is_seen) {
         continue;
       }
+      sort_columns(of_side);
       std::array<float, kDistances> at_distance;
-      for (std::size_t k = 0; k < kDistances; ++k) {
-        auto& values = levels[side][k];
-        std::nth_element(values.begin(), values.begin() + counts[side] / 2, values.begin() + counts[side]);
-        at_distance[k] = values[static_cast<std::size_t>(counts[side] / 2)];
-      }
+      std::copy_n(of_side[of_side.size() / 2].begin(), kDistances, at_distance.begin());
       std::sort(at_distance.begin(), at_distance.end());
       ceiling_[side].level = 0.5 * (at_distance[kDistances / 2] + at_distance[kDistances / 2 - 1]);
       mean += ceiling_[side].level;
@@ -240,23 +245,23 @@ class BloomLevel {
     // From beyond the bloom to the edge, by the slope between opposite sides.
     const double beyond = kBeyondBloom * metres_per_px_;
     const auto carry = [&](std::size_t a, std::size_t b, double apart) {
-      if (ceiling_[a].count > 0 && ceiling_[b].count > 0) {
+      if (ceiling_[a].is_seen && ceiling_[b].is_seen) {
         const double inward = beyond * (ceiling_[a].level - ceiling_[b].level) / (apart + 2.0 * beyond);
         ceiling_[a].level -= inward;
         ceiling_[b].level += inward;
-      } else if (ceiling_[a].count > 0 || ceiling_[b].count > 0) {
-        ceiling_[ceiling_[a].count > 0 ? b : a].level = ceiling_[ceiling_[a].count > 0 ? a : b].level;
+      } else if (ceiling_[a].is_seen || ceiling_[b].is_seen) {
+        ceiling_[ceiling_[a].is_seen ? b : a].level = ceiling_[ceiling_[a].is_seen ? a : b].level;
       } else {
         ceiling_[a].level = ceiling_[b].level = mean;
       }
     };
     const double across = ceiling_[kLeftSide].level - ceiling_[kRightSide].level;
     const double along = ceiling_[kFarEnd].level - ceiling_[kNearEnd].level;
-    if (ceiling_[kLeftSide].count > 0 && ceiling_[kRightSide].count > 0) {
+    if (ceiling_[kLeftSide].is_seen && ceiling_[kRightSide].is_seen) {
       const double slope = across / (outline_.width + 2.0 * beyond);
       ceiling_[kFarEnd].slope = ceiling_[kNearEnd].slope = slope;
     }
-    if (ceiling_[kFarEnd].count > 0 && ceiling_[kNearEnd].count > 0) {
+    if (ceiling_[kFarEnd].is_seen && ceiling_[kNearEnd].is_seen) {
       const double slope = along / (outline_.length + 2.0 * beyond);
       ceiling_[kLeftSide].slope = ceiling_[kRightSide].slope = slope;
     }
@@ -296,7 +301,7 @@ class BloomLevel {
     constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
     offsets.fill(kNothing);
     SomePoints seen;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+    for (std::size_t i = 0; i < count_; ++i) {
       if (points_[i].in_view) {
         seen.add(i, points_[i]);
       }
@@ -341,27 +346,17 @@ class BloomLevel {
     find_crossings(offsets);
     // Judged against their side's median: the fit before may have been off by a side's width of error.
     std::array<double, kSides> centre{};
-    for (int side = 0; side < kSides; ++side) {
-      std::array<double, kMostPoints> of_side;
-      int count = 0;
-      for (int i = 0; i < count_; ++i) {
-        const double offset = offsets[static_cast<std::size_t>(i)];
-        if (points_[static_cast<std::size_t>(i)].side == side && !std::isnan(offset)) {
-          of_side[static_cast<std::size_t>(count++)] = offset;
-        }
-      }
-      if (count > 0) {
-        std::nth_element(of_side.begin(), of_side.begin() + count / 2, of_side.begin() + count);
-        centre[static_cast<std::size_t>(side)] = of_side[static_cast<std::size_t>(count / 2)];
-      }
+    for (std::size_t side = 0; side < kSides; ++side) {
+      centre[side] = median_of_found(
+          std::span(offsets).subspan(first_of_side_[side], first_of_side_[side + 1] - first_of_side_[side]));
     }
     std::array<SideSums, kSides> sums{};
     double squares = 0.0;
     int used = 0;
-    for (int i = 0; i < count_; ++i) {
-      const EdgePoint& point = points_[static_cast<std::size_t>(i)];
+    for (std::size_t i = 0; i < count_; ++i) {
+      const EdgePoint& point = points_[i];
       const auto side = static_cast<std::size_t>(point.side);
-      const double offset = offsets[static_cast<std::size_t>(i)];
+      const double offset = offsets[i];
       const double ratio = (offset - centre[side]) / kCutoff;
       if (!(std::abs(ratio) < 1.0)) {  // or not found
         continue;
@@ -412,8 +407,9 @@ class BloomLevel {
   const CeilingCamera& camera_;
   const Outline& outline_;
   double vignetting_;
-  std::array<EdgePoint, kMostPoints> points_{};
-  int count_ = 0;
+  std::array<EdgePoint, kMostPoints> points_;
+  std::size_t count_ = 0;
+  std::array<std::size_t, kSides + 1> first_of_side_{};  // of the points
   double metres_per_px_ = 0.0;
   double middle_ = 0.0;       // [m] along the outline, of what is seen of it
   double taper_sigma_ = 0.0;  // [m/m]

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 #include "services/common/geometry/vector_clones.hpp"
+#include "services/detector/column_sort.hpp"
 
 namespace luminav {
 namespace {
@@ -104,42 +104,6 @@ void add_medians_to(MedianSums& result, const RegressionSamples& samples, const 
   }
 }
 
-/// A sorting network of the least comparisons for eight (Floyd and Knuth 1970).
-LUMINAV_VECTOR_CLONES
-void sort_each(SortedStretches& rows) {
-  static_assert(kStretches == 8);
-  constexpr std::array<std::pair<std::size_t, std::size_t>, 19> kComparisons{{{0, 2},
-                                                                              {1, 3},
-                                                                              {4, 6},
-                                                                              {5, 7},
-                                                                              {0, 4},
-                                                                              {1, 5},
-                                                                              {2, 6},
-                                                                              {3, 7},
-                                                                              {0, 1},
-                                                                              {2, 3},
-                                                                              {4, 5},
-                                                                              {6, 7},
-                                                                              {2, 4},
-                                                                              {3, 5},
-                                                                              {1, 4},
-                                                                              {3, 6},
-                                                                              {1, 2},
-                                                                              {3, 4},
-                                                                              {5, 6}}};
-  for (const auto& [low, high] : kComparisons) {
-    float* a = rows[low].data();
-    float* b = rows[high].data();
-#pragma GCC ivdep
-    for (std::size_t k = 0; k < kCount; ++k) {
-      const float x = a[k];
-      const float y = b[k];
-      a[k] = y < x ? y : x;
-      b[k] = y < x ? x : y;
-    }
-  }
-}
-
 }  // namespace
 
 void RegressionSamples::fill_rows() {
@@ -167,7 +131,7 @@ void sort_stretches(const Differences& differences, SortedStretches& sorted) {
       }
     }
   }
-  sort_each(sorted);
+  sort_columns(sorted);
 }
 
 }  // namespace luminav
