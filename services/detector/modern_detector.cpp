@@ -150,7 +150,7 @@ ModernDetector::ModernDetector(const ModernDetectorParams& params, const Ceiling
   window_radius_ = static_cast<int>(std::ceil(0.5 * (1.25 * widest_width(catalogue_) + 0.08) / cell));
   least_cells_ = std::max(6, static_cast<int>(0.5 * least_area(catalogue_, params_.minimum_visible) / (cell * cell)));
   // joints between tiles are thinner than two cells; the narrowest fixture must survive
-  erosion_ = narrowest_side(catalogue_) / cell >= 5.0 ? 1 : 0;
+  is_eroded_ = narrowest_side(catalogue_) / cell >= 5.0;
   ignore_lines_ = narrowest_side(catalogue_) / cell >= 7.5;
 }
 
@@ -209,7 +209,7 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
     if (level < median_ + contrast) {
       break;
     }
-    for (const Region& region : finder_.find(reduced_, least_cells_, {level, row_peaks_})) {
+    for (const Region& region : finder_.find(reduced_, least_cells_, {.level = level, .row_peaks = row_peaks_})) {
       if (is_explained(region, detections)) {
         continue;
       }
@@ -255,14 +255,11 @@ void ModernDetector::look_for_unlit(const CeilingFrame& frame, std::vector<Detec
 void ModernDetector::look_for_unlit_at(double level_share, const CeilingFrame& frame,
                                        std::vector<Detection>& detections, DetectorTrace* trace) {
   const bool deeper = level_share > params_.unlit_level_share;
-  if (erosion_ > 0) {
-    erode(mask_, erosion_, eroded_, scratch_);
-  }
-  for (const Region& region : finder_.find(erosion_ > 0 ? eroded_ : mask_, least_cells_)) {
+  for (const Region& region : finder_.find(mask_, least_cells_, {.is_eroded = is_eroded_})) {
     if ((deeper && touches_border(region, mask_)) || is_explained(region, detections)) {
       continue;
     }
-    std::optional<Candidate> candidate = best_candidate(frame, region, erosion_, 0, trace);
+    std::optional<Candidate> candidate = best_candidate(frame, region, is_eroded_ ? 1 : 0, 0, trace);
     if (!candidate) {
       continue;
     }

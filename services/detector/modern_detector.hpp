@@ -58,13 +58,11 @@ class ModernDetector {
   int window_radius_;  // [cells]
   int least_cells_;    // of a region
   int median_ = 0;     // [grey] of the reduced image
-  int erosion_;        // [cells] of dark regions
+  bool is_eroded_;     // of dark regions, by a cell
   bool ignore_lines_;  // between tiles
   Raster reduced_;
   std::vector<std::uint8_t> row_peaks_;  // of the reduced image
   Raster mask_;
-  Raster eroded_;
-  Raster scratch_;
   ContrastMap contrast_;
   std::vector<OutlineHypothesis> tried_;  // in this frame
   RegionFinder finder_;

@@ -9,6 +9,10 @@
 namespace luminav {
 namespace {
 
+std::size_t words_of(const Raster& image) {
+  return static_cast<std::size_t>(image.width + 63) / 64;
+}
+
 /// Calls `take` with both ends of every run of set bits of a row.
 template <typename Take>
 void for_each_run(std::span<const std::uint64_t> bits, int width, Take take) {
@@ -57,18 +61,55 @@ int RegionFinder::join(int a, int b) {
   return first;
 }
 
+void RegionFinder::take_bits(const Raster& image, const Cut& cut) {
+  const std::size_t words = words_of(image);
+  bits_.resize(words * static_cast<std::size_t>(image.height));
+  for (int y = 0; y < image.height; ++y) {
+    if (cut.may_be_in(y)) {
+      take_row_bits(image.row(y), image.width, cut.level, -1, &bits_[words * static_cast<std::size_t>(y)]);
+    }
+  }
+}
+
+void RegionFinder::erode_bits(const Raster& image) {
+  const std::size_t words = words_of(image);
+  const auto rows = static_cast<std::size_t>(image.height);
+  eroded_.resize(words * rows);
+  for (std::size_t y = 0; y < rows; ++y) {
+    const std::uint64_t* above = &bits_[words * (y == 0 ? 0 : y - 1)];
+    const std::uint64_t* here = &bits_[words * y];
+    const std::uint64_t* below = &bits_[words * std::min(y + 1, rows - 1)];
+    const auto in_all_three = [&](std::size_t i) { return above[i] & here[i] & below[i]; };
+    std::uint64_t before = ~std::uint64_t{0};  // beyond the border
+    std::uint64_t word = in_all_three(0);
+    for (std::size_t i = 0; i < words; ++i) {
+      const bool is_last = i + 1 == words;
+      const std::uint64_t after = is_last ? 0 : in_all_three(i + 1);
+      const std::uint64_t beyond = is_last ? std::uint64_t{1} << (image.width - 1) % 64 : 0;
+      eroded_[words * y + i] = word & (word << 1 | before >> 63) & (word >> 1 | after << 63 | beyond);
+      before = word;
+      word = after;
+    }
+  }
+  bits_.swap(eroded_);
+}
+
 void RegionFinder::take_runs(const Raster& image, const Cut& cut) {
   runs_.clear();
   part_of_run_.clear();
   parts_.clear();
-  bits_.resize(static_cast<std::size_t>(image.width + 63) / 64);
+  take_bits(image, cut);
+  if (cut.is_eroded) {
+    erode_bits(image);
+  }
+  const std::span<const std::uint64_t> bits(bits_);
+  const std::size_t words = words_of(image);
   std::size_t above = 0;  // first run of the row above that may touch
   std::size_t above_end = 0;
   for (int y = 0; y < image.height; ++y) {
     const std::size_t row_begin = runs_.size();
     if (cut.may_be_in(y)) {
-      take_row_bits(image.row(y), image.width, cut.level, -1, bits_.data());
-      for_each_run(bits_, image.width, [&](int first, int last) {
+      for_each_run(bits.subspan(words * static_cast<std::size_t>(y), words), image.width, [&](int first, int last) {
         while (above < above_end && runs_[above].last < first - 1) {
           ++above;
         }

@@ -29,7 +29,8 @@ struct Region {
 /// The level above which cells are taken; rows whose brightest cell, where these are given, is not above it hold none.
 struct Cut {
   int level = 0;
-  std::span<const std::uint8_t> row_peaks;
+  std::span<const std::uint8_t> row_peaks{};
+  bool is_eroded = false;  // by a cell on every side but the border
 
   [[nodiscard]] bool may_be_in(int row) const {
     return row_peaks.empty() || row_peaks[static_cast<std::size_t>(row)] > level;
@@ -52,11 +53,15 @@ class RegionFinder {
     int region = -1;           // none: it is too small
     std::size_t next_run = 0;  // of the region, to be filled in
   };
+  /// The bits of all rows that may hold some.
+  void take_bits(const Raster& image, const Cut& cut);
+  void erode_bits(const Raster& image);
   void take_runs(const Raster& image, const Cut& cut);
   int root(int part);
   int join(int a, int b);
 
-  std::vector<std::uint64_t> bits_;  // of a row
+  std::vector<std::uint64_t> bits_;  // row after row
+  std::vector<std::uint64_t> eroded_;
   std::vector<Run> runs_;
   std::vector<int> part_of_run_;
   std::vector<Part> parts_;

@@ -181,6 +181,30 @@ TEST(GreyCounts, FindTheMedianFromAnyGuess) {
   }
 }
 
+TEST(RegionFinder, ErodesAsTheImageWouldBe) {
+  std::mt19937 random(5);
+  for (const int width : {1, 5, 63, 64, 65, 160}) {
+    Raster image;
+    image.resize(width, 9);
+    for (std::uint8_t& cell : image.cells) {
+      cell = random() % 12 > 0 ? 1 : 0;
+    }
+    Raster eroded;
+    Raster scratch;
+    erode(image, 1, eroded, scratch);
+    RegionFinder finder;
+    RegionFinder of_eroded;
+    const auto& expected = of_eroded.find(eroded, 1);
+    const auto& regions = finder.find(image, 1, {.is_eroded = true});
+    ASSERT_EQ(regions.size(), expected.size()) << width;
+    for (std::size_t i = 0; i < regions.size(); ++i) {
+      EXPECT_EQ(regions[i].cells, expected[i].cells);
+      EXPECT_EQ(regions[i].left, expected[i].left);
+      EXPECT_EQ(regions[i].right, expected[i].right);
+    }
+  }
+}
+
 TEST(RegionFinder, FindsNothingNewInTheSameMaskTwice) {
   RegionFinder finder;
   Raster mask = random_raster(64, 48, 5);
