@@ -114,6 +114,18 @@ void subtract(const std::uint32_t* a, const std::uint32_t* b, int count, std::ui
   }
 }
 
+/// Cells in the windows of a row, and their inverses.
+LUMINAV_VECTOR_CLONES
+void measure_windows(int reach, std::uint32_t rows, int width, std::uint32_t* areas, float* per_cell) {
+#pragma GCC ivdep
+  for (int x = 0; x < width; ++x) {
+    const int to_border = x < width - 1 - x ? x : width - 1 - x;
+    const auto columns = static_cast<std::uint32_t>(2 * (reach < to_border ? reach : to_border) + 1);
+    areas[x] = columns * rows;
+    per_cell[x] = 1.0F / static_cast<float>(static_cast<std::int32_t>(areas[x]));
+  }
+}
+
 /// Means over 2 radius + 1 cells in x and y; beyond the border the window is cut off on both sides alike, so that a
 /// slope is its own mean everywhere.
 void average(const Raster& image, int radius, Raster& result, std::vector<std::uint32_t>& sums,
@@ -130,6 +142,7 @@ void average(const Raster& image, int radius, Raster& result, std::vector<std::u
     std::uint32_t* below = sums.data() + static_cast<std::size_t>(y + 1) * stride;
     below[0] = 0;
     std::uint32_t row_sum = 0;
+#pragma GCC unroll 8
     for (int x = 0; x < width; ++x) {
       row_sum += in[x];
       below[x + 1] = above[x + 1] + row_sum;
@@ -147,11 +160,7 @@ void average(const Raster& image, int radius, Raster& result, std::vector<std::u
     const int ry = std::min({radius, y, height - 1 - y});
     if (rows != static_cast<std::uint32_t>(2 * ry + 1)) {
       rows = static_cast<std::uint32_t>(2 * ry + 1);
-      for (int x = 0; x < width; ++x) {
-        const int rx = std::min({reach, x, width - 1 - x});
-        areas[x] = static_cast<std::uint32_t>(2 * rx + 1) * rows;
-        per_cell[static_cast<std::size_t>(x)] = 1.0F / static_cast<float>(areas[x]);
-      }
+      measure_windows(reach, rows, width, areas, per_cell.data());
     }
     subtract(sums.data() + static_cast<std::size_t>(y + ry + 1) * stride,
              sums.data() + static_cast<std::size_t>(y - ry) * stride, width + 1, columns);
