@@ -271,9 +271,4 @@ void CeilingCamera::pixels_of_ceiling_points(std::span<const Vector2d> points, d
   }
 }
 
-bool CeilingCamera::is_in_image(const Vector2d& pixel, double margin) const {
-  return pixel.x() >= margin && pixel.y() >= margin && pixel.x() <= intrinsics_.width - 1 - margin &&
-         pixel.y() <= intrinsics_.height - 1 - margin;
-}
-
 }  // namespace luminav

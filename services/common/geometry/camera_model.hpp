@@ -59,7 +59,10 @@ class CeilingCamera {
   void pixels_of_ceiling_points(std::span<const Eigen::Vector2d> points, double height,
                                 std::span<Eigen::Vector2d> pixels) const;
   /// True for pixels inside the image with at least `margin` [px] to its border.
-  [[nodiscard]] bool is_in_image(const Eigen::Vector2d& pixel, double margin = 0.0) const;
+  [[nodiscard]] bool is_in_image(const Eigen::Vector2d& pixel, double margin = 0.0) const {
+    return pixel.x() >= margin && pixel.y() >= margin && pixel.x() <= intrinsics_.width - 1 - margin &&
+           pixel.y() <= intrinsics_.height - 1 - margin;
+  }
 
   [[nodiscard]] const CameraIntrinsics& intrinsics() const { return intrinsics_; }
   [[nodiscard]] const CameraMounting& mounting() const { return mounting_; }
