@@ -130,19 +130,18 @@ void OutlineProposer::choose_directions() {
   directions_.clear();
   edges_.clear();
   double smallest = 1e18;
-  double direction_of_smallest = 0.0;
+  std::size_t side_of_smallest = 0;
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const Corner& a = corners_[i];
     const Corner& b = corners_[(i + 1) % corners_.size()];
     const Vector2d edge = b.place - a.place;
     const double length = edge.norm();
-    const double theta = std::atan2(edge.y(), edge.x());
-    edges_.push_back({length, theta, !(a.at_border && b.at_border), a.place, b.place});
+    edges_.push_back({length, !(a.at_border && b.at_border), a.place, b.place});
     const Extents e = extents(edge / length);
     const double area = (e.most_along - e.least_along) * (e.most_across - e.least_across);
     if (area < smallest) {
       smallest = area;
-      direction_of_smallest = theta;
+      side_of_smallest = i;
     }
   }
   const auto add = [&](double theta) {
@@ -154,12 +153,12 @@ void OutlineProposer::choose_directions() {
     }
     directions_.push_back(theta);
   };
-  add(direction_of_smallest);
+  add(edges_[side_of_smallest].theta());
   std::sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) { return a.length > b.length; });
   if (touches_border_) {
     for (const Edge& edge : edges_) {
       if (edge.own && directions_.size() < 4) {
-        add(edge.theta);
+        add(edge.theta());
       }
     }
   }
@@ -259,20 +258,21 @@ void OutlineProposer::propose_from_one_side(const CeilingKind& kind, int index, 
 void OutlineProposer::propose_from_an_edge(const CeilingKind& kind, int index, const Edge& edge,
                                            const SizeTolerance& tolerance) {
   const double scale = (kind.height - plane_->camera_height()) / (plane_->ceiling_height() - plane_->camera_height());
-  const Extents e = extents(edge.theta);
+  const double theta = edge.theta();
+  const Extents e = extents(theta);
   const double seen_width = scale * (e.most_across - e.least_across);
   const double seen_length = scale * edge.length + 2.0 * grow_;
   if (seen_width < kind.width || fits(seen_width, kind.width, tolerance) || seen_length < kLeastEdge * kind.length ||
       seen_length > kind.length + tolerance.absolute + tolerance.bloom) {
     return;
   }
-  const Vector2d along(std::cos(edge.theta), std::sin(edge.theta));
+  const Vector2d along(std::cos(theta), std::sin(theta));
   const Vector2d across(-along.y(), along.x());
   const double line = across.dot(edge.start);
   const bool is_least = line - e.least_across < e.most_across - line;
   const double outline_edge = is_least ? e.least_across : e.most_across;
   const double middle_across = outline_edge + (is_least ? 0.5 : -0.5) * kind.width / scale;
-  const Placing placing{edge.theta, scale, kind.width, index, false, 0.0};
+  const Placing placing{theta, scale, kind.width, index, false, 0.0};
   const double half_length = 0.5 * kind.length / scale;
   const double from = along.dot(edge.start) - grow_;
   const double to = along.dot(edge.end) + grow_;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "services/common/geometry/camera_model.hpp"
@@ -78,10 +79,11 @@ class OutlineProposer {
   };
   struct Edge {  // of the hull
     double length;
-    double theta;
     bool own;               // not along the image border
     Eigen::Vector2d start;  // [m] on the reference ceiling
     Eigen::Vector2d end;
+
+    [[nodiscard]] double theta() const { return std::atan2(end.y() - start.y(), end.x() - start.x()); }
   };
   struct Extents {
     double least_along, most_along, least_across, most_across;
