@@ -320,9 +320,19 @@ void ContrastMap::compute(const Raster& image, int radius, bool ignore_lines) {
 
   // Not of single cells: the peak is to be that of something as wide as a fixture.
   saturating_difference(closed_, half_, peak_);
-  erode(peak_, 1, eroded_, scratch_);
-  dilate(eroded_, half_radius / 2 + 1, peak_, scratch_);
-  enlarge(peak_, image.width, image.height, dark_peak_);
+  erode(peak_, 1, broad_, scratch_);
+  deepest_ = largest_of(broad_.cells.data(), broad_.cells.size());
+  half_radius_ = half_radius;
+  has_dark_peak_ = false;
+}
+
+const Raster& ContrastMap::dark_peak() {
+  if (!has_dark_peak_) {
+    dilate(broad_, half_radius_ / 2 + 1, peak_, scratch_);
+    enlarge(peak_, dark_.width, dark_.height, dark_peak_);
+    has_dark_peak_ = true;
+  }
+  return dark_peak_;
 }
 
 }  // namespace luminav

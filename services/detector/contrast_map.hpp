@@ -18,8 +18,10 @@ class ContrastMap {
   void compute(const Raster& image, int radius, bool ignore_lines);
 
   [[nodiscard]] const Raster& dark() const { return dark_; }
-  /// Largest dark() of something broad within the window round each cell.
-  [[nodiscard]] const Raster& dark_peak() const { return dark_peak_; }
+  /// The largest dark() of something broad.
+  [[nodiscard]] int deepest() const { return deepest_; }
+  /// The same within the window round each cell. Made where it is asked for.
+  [[nodiscard]] const Raster& dark_peak();
   /// Noise of one cell of the reduced image [grey], from the median difference of neighbours.
   [[nodiscard]] double noise() const { return noise_; }
 
@@ -37,10 +39,14 @@ class ContrastMap {
   std::vector<std::uint8_t> steps_;  // between neighbours
   Raster closed_;
   Raster peak_;
+  Raster broad_;
   Raster scratch_;
   Raster closed_full_;
   Raster dark_;
   Raster dark_peak_;
+  bool has_dark_peak_ = false;
+  int deepest_ = 0;      // [grey]
+  int half_radius_ = 1;  // of the window, in cells of half the size again
   double noise_ = 1.0;
 };
 

@@ -1,5 +1,6 @@
 #include "services/detector/grey_counts.hpp"
 
+#include <algorithm>
 #include <array>
 #include <numeric>
 
@@ -70,6 +71,15 @@ LUMINAV_VECTOR_CLONES
 int count_thirds_up_to(const GreyRows& rows, std::uint8_t level) {
   alignas(32) static constexpr auto kThirds = every<3 * kLanes>(3, 1);
   return count_wanted(rows, level, kThirds);
+}
+
+LUMINAV_VECTOR_CLONES
+std::uint8_t largest_of(const std::uint8_t* grey, std::size_t count) {
+  std::uint8_t most = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    most = std::max(most, grey[i]);
+  }
+  return most;
 }
 
 }  // namespace luminav

@@ -18,6 +18,9 @@ int count_up_to(const std::uint8_t* grey, std::size_t count, std::uint8_t level)
 /// The same over the second, fifth, eighth, ... of each row.
 int count_thirds_up_to(const GreyRows& rows, std::uint8_t level);
 
+/// 0 of none.
+std::uint8_t largest_of(const std::uint8_t* grey, std::size_t count);
+
 /// The lowest of the levels 0 .. 255 for which `holds`, which then holds for all above; 255 when none does. Looks near
 /// `guess` first: the image before was much the same, and counting is what costs.
 template <typename Holds>

@@ -77,15 +77,6 @@ int reduction_factor(const CeilingCamera& camera, const CeilingCatalogue& catalo
   return narrowest_px >= 20.0 ? 4 : narrowest_px >= 10.0 ? 2 : 1;
 }
 
-LUMINAV_VECTOR_CLONES
-std::uint8_t largest(const std::uint8_t* cells, std::size_t count) {
-  std::uint8_t most = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    most = std::max(most, cells[i]);
-  }
-  return most;
-}
-
 /// Deeper than `least` and than a share [1/256] of the depth nearby.
 LUMINAV_VECTOR_CLONES
 void cut_deep(const std::uint8_t* depth, const std::uint8_t* peak, std::size_t count, int least, int share,
@@ -174,12 +165,22 @@ OutlineFitParams ModernDetector::fit_params(const Region& region, int level) con
           .first_search_px = 11};
 }
 
+bool ModernDetector::is_deep_anywhere(double level_share) const {
+  return static_cast<int>(level_share * 256.0) * contrast_.deepest() / 256 > least_depth();
+}
+
+int ModernDetector::least_depth() const {
+  return static_cast<int>(std::max(params_.unlit_contrast, params_.noise_factor * contrast_.noise()) + 0.5);
+}
+
 int ModernDetector::cut_out_dark(double level_share) {
   const Raster& dark = contrast_.dark();
-  const auto least = static_cast<int>(std::max(params_.unlit_contrast, params_.noise_factor * contrast_.noise()) + 0.5);
-  const auto share = static_cast<int>(level_share * 256.0);
   mask_.resize(dark.width, dark.height);
-  cut_deep(dark.cells.data(), contrast_.dark_peak().cells.data(), dark.cells.size(), least, share, mask_.cells.data());
+  // Mostly nothing is so deep that a share of it would be more than the least depth.
+  const bool is_deep = is_deep_anywhere(level_share);
+  const Raster& peak = is_deep ? contrast_.dark_peak() : dark;
+  const int share = is_deep ? static_cast<int>(level_share * 256.0) : 0;
+  cut_deep(dark.cells.data(), peak.cells.data(), dark.cells.size(), least_depth(), share, mask_.cells.data());
   return static_cast<int>(mask_.cells.size()) - count_up_to(mask_.cells.data(), mask_.cells.size(), 0);
 }
 
@@ -200,7 +201,7 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
   tried_.clear();
   row_peaks_.resize(static_cast<std::size_t>(reduced_.height));
   for (int y = 0; y < reduced_.height; ++y) {
-    row_peaks_[static_cast<std::size_t>(y)] = largest(reduced_.row(y), static_cast<std::size_t>(reduced_.width));
+    row_peaks_[static_cast<std::size_t>(y)] = largest_of(reduced_.row(y), static_cast<std::size_t>(reduced_.width));
   }
   // A lit fixture is brighter than all around it, however the light is distributed: at some level it stands alone. The
   // highest comes first, because there bloom adds least.
@@ -249,6 +250,9 @@ void ModernDetector::look_for_unlit(const CeilingFrame& frame, std::vector<Detec
       look_for_unlit_at(level_share, frame, detections, trace);
     }
     before = cells;
+    if (!is_deep_anywhere(std::max(kDeeperShare, params_.unlit_level_share))) {
+      break;  // the least depth cuts out the same again
+    }
   }
 }
 

@@ -39,6 +39,9 @@ class ModernDetector {
   [[nodiscard]] bool is_explained(const Region& region, const std::vector<Detection>& detections) const;
   void look_for_unlit_at(double level_share, const CeilingFrame& frame, std::vector<Detection>& detections,
                          DetectorTrace* trace);
+  [[nodiscard]] int least_depth() const;  // [grey]
+  /// False when that share of the local depth is nowhere more than the least.
+  [[nodiscard]] bool is_deep_anywhere(double level_share) const;
   /// Into the mask; returns how many cells.
   int cut_out_dark(double level_share);
   [[nodiscard]] OutlineFitParams fit_params(const Region& region, int level) const;
