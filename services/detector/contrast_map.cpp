@@ -228,14 +228,17 @@ void saturating_difference(const Raster& minuend, const Raster& subtrahend, Rast
   difference(minuend.cells.data(), subtrahend.cells.data(), result.cells.size(), result.cells.data());
 }
 
-/// Means of 3 x 3 cells, the border repeated.
+/// By how much means of 3 x 3 cells, the border repeated, stay below `level`.
 LUMINAV_VECTOR_CLONES
-void smooth(const Raster& image, Raster& result) {
+void sink_below(const Raster& level, const Raster& image, Raster& result) {
   result.resize(image.width, image.height);
   constexpr int kWidest = 8192;
   std::array<std::uint16_t, kWidest + 2> padded;
   std::uint16_t* sums = padded.data() + 1;
   const int last = std::min(image.width, kWidest) - 1;
+  const auto depth = [](std::uint8_t top, std::uint8_t mean) {
+    return static_cast<std::uint8_t>(std::max(top, mean) - mean);
+  };
   for (int y = 0; y < image.height; ++y) {
     const std::uint8_t* above = image.row(std::max(y - 1, 0));
     const std::uint8_t* here = image.row(y);
@@ -246,16 +249,17 @@ void smooth(const Raster& image, Raster& result) {
       sums[x] = static_cast<std::uint16_t>(above[x] + here[x] + below[x]);
     }
     sums[-1] = sums[count] = 0;  // only to be read
+    const std::uint8_t* top = level.row(y);
     std::uint8_t* out = result.row(y);
     const std::uint16_t* s = sums;
 #pragma GCC ivdep
     for (int x = 0; x < count; ++x) {
       // 7282 / 65536 = 1 / 9
       const auto sum = static_cast<std::uint16_t>(s[x - 1] + s[x] + s[x + 1] + 4);
-      out[x] = static_cast<std::uint8_t>(static_cast<std::uint16_t>((sum * 7282U) >> 16));
+      out[x] = depth(top[x], static_cast<std::uint8_t>(static_cast<std::uint16_t>((sum * 7282U) >> 16)));
     }
-    out[0] = static_cast<std::uint8_t>((2 * s[0] + s[1] + 4) / 9);
-    out[last] = static_cast<std::uint8_t>((2 * s[last] + s[last - 1] + 4) / 9);
+    out[0] = depth(top[0], static_cast<std::uint8_t>((2 * s[0] + s[1] + 4) / 9));
+    out[last] = depth(top[last], static_cast<std::uint8_t>((2 * s[last] + s[last - 1] + 4) / 9));
   }
 }
 
@@ -294,8 +298,8 @@ void ContrastMap::compute(const Raster& image, int radius, bool ignore_lines) {
   const int half_radius = std::max(1, (radius + 1) / 2);
   const Raster* clean = &image;
   if (ignore_lines) {
-    dilate(image, 1, smooth_, scratch_);
-    erode(smooth_, 1, clean_, scratch_);
+    dilate(image, 1, dilated_, scratch_);
+    erode(dilated_, 1, clean_, scratch_);
     clean = &clean_;
   }
   reduce({clean->width, clean->height, clean->cells}, 2, half_);
@@ -315,8 +319,7 @@ void ContrastMap::compute(const Raster& image, int radius, bool ignore_lines) {
   cut_margin(closed_, margin, wide_);
   std::swap(wide_, closed_);
   enlarge(closed_, image.width, image.height, closed_full_);
-  smooth(*clean, smooth_);
-  saturating_difference(closed_full_, smooth_, dark_);
+  sink_below(closed_full_, *clean, dark_);
 
   // Not of single cells: the peak is to be that of something as wide as a fixture.
   saturating_difference(closed_, half_, peak_);

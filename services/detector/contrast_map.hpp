@@ -27,7 +27,7 @@ class ContrastMap {
 
  private:
   Raster clean_;  // without lines
-  Raster smooth_;
+  Raster dilated_;
   Raster half_;  // half the size again: surroundings are smooth, so they may be computed coarsely
   Raster wide_;  // continued beyond the borders
   Raster eroded_;
