@@ -24,9 +24,6 @@ using EightInMemory [[gnu::vector_size(kLanes * sizeof(float)), gnu::aligned(4),
 
 template <std::size_t kColumns>
 [[gnu::always_inline]] inline void sort(float* table, std::size_t rows) {
-  if (rows < 2) {
-    return;
-  }
   const std::size_t largest = std::bit_ceil(rows) / 2;
   for (std::size_t length = largest; length > 0; length /= 2) {
     std::size_t apart = length;
@@ -64,11 +61,15 @@ void sort_sixteen(float* table, std::size_t rows) {
 }  // namespace
 
 void sort_columns(std::span<std::array<float, 8>> rows) {
-  sort_eight(rows.data()->data(), rows.size());
+  if (rows.size() > 1) {
+    sort_eight(rows.front().data(), rows.size());
+  }
 }
 
 void sort_columns(std::span<std::array<float, 16>> rows) {
-  sort_sixteen(rows.data()->data(), rows.size());
+  if (rows.size() > 1) {
+    sort_sixteen(rows.front().data(), rows.size());
+  }
 }
 
 }  // namespace luminav
