@@ -65,8 +65,11 @@ void RegionFinder::take_bits(const Raster& image, const Cut& cut) {
   const std::size_t words = words_of(image);
   bits_.resize(words * static_cast<std::size_t>(image.height));
   for (int y = 0; y < image.height; ++y) {
+    std::uint64_t* row = &bits_[words * static_cast<std::size_t>(y)];
     if (cut.may_be_in(y)) {
-      take_row_bits(image.row(y), image.width, cut.level, -1, &bits_[words * static_cast<std::size_t>(y)]);
+      take_row_bits(image.row(y), image.width, cut.level, -1, row);
+    } else if (cut.is_eroded) {  // its neighbours look at it
+      std::fill_n(row, words, 0);
     }
   }
 }

@@ -205,6 +205,16 @@ TEST(RegionFinder, ErodesAsTheImageWouldBe) {
   }
 }
 
+TEST(RegionFinder, ErodesNextToRowsThatDoNotReachTheLevel) {
+  RegionFinder finder;
+  const Raster full = raster_of({"###", "###", "###"});
+  ASSERT_EQ(finder.find(full, 1, {.is_eroded = true}).size(), 1U);
+  const std::vector<std::uint8_t> peaks{1, 1, 0};
+  const auto& regions = finder.find(full, 1, {.row_peaks = peaks, .is_eroded = true});
+  ASSERT_EQ(regions.size(), 1U);
+  EXPECT_EQ(regions[0].bottom, 0);
+}
+
 TEST(RegionFinder, FindsNothingNewInTheSameMaskTwice) {
   RegionFinder finder;
   Raster mask = random_raster(64, 48, 5);
