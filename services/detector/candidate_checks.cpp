@@ -45,15 +45,18 @@ double length_in_view(const OutlineFit& fit, const Outline& outline) {
   return to - from;
 }
 
+/// True when an end shows its edge over three quarters of it or more.
+bool shows_an_end(const OutlineFit& fit) {
+  return std::any_of(kEnds.begin(), kEnds.end(),
+                     [&](Side end) { return fit.end_visible(end) && 4 * fit.on_edge[end] >= 3 * fit.expected[end]; });
+}
+
 /// True when a long side of which only a point or two are in view shows its edge there, and an end reaches up to it.
 /// `by_light`: the width may be that of a burning half, whose inner side is fainter.
 bool shows_its_width(const OutlineFit& fit, Side only_side, bool by_light) {
   const auto other = static_cast<std::size_t>(only_side == kLeftSide ? kRightSide : kLeftSide);
-  const bool any_end = std::any_of(kEnds.begin(), kEnds.end(), [&](Side end) {
-    return fit.end_visible(end) && 4 * fit.on_edge[end] >= 3 * fit.expected[end];
-  });
   const auto [least, most] = std::minmax(fit.side_step[kLeftSide], fit.side_step[kRightSide]);
-  return any_end && fit.in_view[other] > 0 && fit.on_edge[other] == fit.in_view[other] &&
+  return shows_an_end(fit) && fit.in_view[other] > 0 && fit.on_edge[other] == fit.in_view[other] &&
          (!by_light || least > kSameLight * most);
 }
 
@@ -184,8 +187,14 @@ const char* CandidateChecks::objection_to_one_side(const Candidate& candidate, S
   if (candidate.hypothesis.is_element || candidate.hypothesis.half_width) {
     return "one long side alone";
   }
-  if (fit.in_view[static_cast<std::size_t>(side)] < 10 ||
-      fit.visible_to - fit.visible_from < kLeastStretch * candidate.hypothesis.outline.length) {
+  const Outline& outline = candidate.hypothesis.outline;
+  // An end as wide as the outline says what it belongs to, unless the other side should show its edge as well: the end
+  // itself, which a joint makes longer, may look like a side.
+  const auto other = static_cast<std::size_t>(side == kLeftSide ? kRightSide : kLeftSide);
+  const bool has_end = bright && shows_an_end(fit) && fit.on_edge[other] == fit.in_view[other];
+  const bool enough = has_end ? length_in_view(fit, outline) >= params_.minimum_visible * outline.length
+                              : fit.visible_to - fit.visible_from >= kLeastStretch * outline.length;
+  if (fit.in_view[static_cast<std::size_t>(side)] < 10 || !enough) {
     return "too little in view";
   }
   if (fit.share(side) < std::max(kOneSideFit, params_.minimum_long_side_fit)) {

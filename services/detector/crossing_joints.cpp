@@ -16,6 +16,7 @@ constexpr int kLeastLines = 5;       // ... in view
 constexpr double kPitch = 0.12;      // [m] from one stretch to the next; they overlap, so that no joint is lost between
 constexpr double kFromEnd = 0.02;    // [m] from the strip's ends, where its bloom is rounded
 constexpr std::size_t kReach = 5;    // steps from a joint's middle to the ceiling beside it
+constexpr std::size_t kApart = 2;    // steps by which a joint may lie elsewhere on the other side of the strip
 constexpr double kLeastDepth = 3.0;  // [grey]
 constexpr double kLeastSigmas = 2.0;  // of the mean of a band's lines
 // Of a joint's depth; 3 of 460 strips in rendered frames lie between.
@@ -87,7 +88,8 @@ std::array<Beside, 2> look_for_crossing_joints(const GreyView& image, const Ceil
       if (source.lines < kLeastLines) {
         return;
       }
-      const Joint joint = deepest(source, 0, source.steps);
+      // Of a joint at the border of a stretch only the flank may be in it, and over there less still.
+      const Joint joint = deepest(source, kReach + 1, source.steps - kReach - 2);
       if (joint.depth < std::max(kLeastDepth, kLeastSigmas * pixel_noise / std::sqrt(source.lines))) {
         return;
       }
@@ -95,7 +97,7 @@ std::array<Beside, 2> look_for_crossing_joints(const GreyView& image, const Ceil
         if (beside[side].lines >= kLeastLines) {
           evidence[side].known += joint.depth;
           evidence[side].seen +=
-              std::clamp(deepest(beside[side], joint.step - 2, joint.step + 2).depth, 0.0, joint.depth);
+              std::clamp(deepest(beside[side], joint.step - kApart, joint.step + kApart).depth, 0.0, joint.depth);
         }
       }
     };

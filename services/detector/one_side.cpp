@@ -10,8 +10,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kSameSide = 0.06;      // [m] bloom and the fit's error, at most
-constexpr double kBloomReach = 6.0;     // [px] from the edge of a lamp its light is clearly less than its own
+constexpr double kSameSide = 0.06;  // [m] bloom and the fit's error, at most
+// [px] from the edge of a lamp its light is clearly less than its own. One side does not tell how far bloom moves its
+// edge; both ends do, and half-lit fixtures then look 1 to 2 px wider at most (rendered frames).
+constexpr double kBloomReach = 6.0;
+constexpr double kKnownBloomReach = 3.0;
 constexpr double kAsBright = 0.88;      // of the inside
 constexpr double kAsDark = 0.5;         // of the depth inside
 constexpr double kBlurredReach = 0.03;  // [m] from the edge of something dark, in cells of the reduced image
@@ -25,6 +28,8 @@ constexpr double kSoftEdge = 0.28;
 constexpr double kDeeperInside = 1.12;
 constexpr int kPlaces = 32;  // along the side
 constexpr int kLeastPlaces = 6;
+constexpr int kStrayPlaces = 1;     // that count for nothing
+constexpr double kFarther = 0.012;  // [m] from one row of places to the next
 
 }  // namespace
 
@@ -98,23 +103,43 @@ bool PieceFromOneSide::stands_out() const {
          (!fit.end_visible(kNearEnd) || is_clear(kNearEnd));
 }
 
-bool PieceFromOneSide::goes_on_beyond(double width) const {
-  const Outline& outline = candidate_.hypothesis.outline;
+double PieceFromOneSide::blurred_reach() const {
   const OutlineFit& fit = candidate_.fit;
+  const bool both_ends = fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd);
+  const double bloom_px = both_ends ? kKnownBloomReach : kBloomReach;
+  return bright_ ? std::max(fit.swelling, 0.0) + bloom_px * fit.metres_per_px : kBlurredReach;
+}
+
+PieceFromOneSide::Places PieceFromOneSide::look_at(double distance, double width) const {
+  const Outline& outline = candidate_.hypothesis.outline;
   const double outwards = side_ == kLeftSide ? 1.0 : -1.0;
-  const double margin = bright_ ? std::max(fit.swelling, 0.0) + kBloomReach * fit.metres_per_px : kBlurredReach;
-  int looked = 0;
-  int alike = 0;
+  Places places;
   for (int i = 0; i < kPlaces; ++i) {
     const double along = 0.92 * outline.length * ((i + 0.5) / kPlaces - 0.5);
     const auto inside = level_at({along, outwards * (0.5 * outline.width - 0.5 * width)});
-    const auto beyond = level_at({along, outwards * (0.5 * outline.width - width - margin)});
-    if (inside && beyond) {
-      ++looked;
-      alike += *beyond > (bright_ ? kAsBright : kAsDark) * *inside ? 1 : 0;
+    const auto there = level_at({along, outwards * (0.5 * outline.width - distance)});
+    if (inside && there) {
+      ++(*there > (bright_ ? kAsBright : kAsDark) * *inside ? places.like_inside : places.unlike);
     }
   }
-  return looked >= kLeastPlaces && 10 * alike >= 9 * looked;
+  return places;
+}
+
+bool PieceFromOneSide::goes_on_beyond(double width) const {
+  const double own_width = candidate_.hypothesis.outline.width;
+  const Places nearest = look_at(width + blurred_reach(), width);
+  const int looked = nearest.like_inside + nearest.unlike;
+  if (looked < kLeastPlaces || 10 * nearest.like_inside < 9 * looked) {
+    return false;
+  }
+  // A lamp is bright up to its other side. Where it is not, bloom moved the side in view, and it is a narrower one.
+  for (double distance = width + blurred_reach(); bright_ && distance < own_width - blurred_reach();
+       distance += kFarther) {
+    if (look_at(distance, width).unlike > kStrayPlaces) {
+      return false;
+    }
+  }
+  return true;
 }
 
 bool PieceFromOneSide::may_be(double length, double width) const {

@@ -34,6 +34,14 @@ class PieceFromOneSide {
   [[nodiscard]] bool is_evenly_dark() const;
   /// Mean difference between places inside of an edge and places beyond it.
   [[nodiscard]] std::optional<double> difference(Side side) const;
+  struct Places {
+    int like_inside = 0;
+    int unlike = 0;
+  };
+  /// Of those along the side that are in view so far from it [m], inwards; the inside is that of a thing of a `width`.
+  [[nodiscard]] Places look_at(double distance, double width) const;
+  /// [m] by which the far side of a thing may look farther off than it is.
+  [[nodiscard]] double blurred_reach() const;
   /// True when it goes on beyond the far side of a narrower thing.
   [[nodiscard]] bool goes_on_beyond(double width) const;
   [[nodiscard]] bool is_rather(const CeilingKind& kind) const;

@@ -226,8 +226,10 @@ std::ptrdiff_t OutlineEdges::count_in_view(int side) const {
 
 bool OutlineEdges::runs_along_border(int side) const {
   const std::span<const OutlinePoint> points = points_of(side);
-  return std::all_of(points.begin(), points.end(),
-                     [](const OutlinePoint& point) { return !point.in_view || point.at_border; });
+  const auto at_border = std::count_if(points.begin(), points.end(),
+                                       [](const OutlinePoint& point) { return point.in_view && point.at_border; });
+  const auto farther = count_in_view(side) - at_border;
+  return farther < std::min<std::ptrdiff_t>(kLeastToRefute, std::max<std::ptrdiff_t>(at_border, 1));
 }
 
 void OutlineEdges::leave_out(int side) {

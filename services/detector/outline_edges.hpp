@@ -60,6 +60,9 @@ struct EdgeSearch {
   std::size_t every = 1;  // so many points is one looked at: the others are as if out of view
 };
 
+/// Points of a long side without an edge that refute an outline.
+inline constexpr int kLeastToRefute = 5;
+
 /// Looks for the edges of an outline: grey profiles across it, and in each the largest step.
 class OutlineEdges {
  public:
@@ -77,7 +80,8 @@ class OutlineEdges {
     return points().subspan(first_of(side), first_of(side + 1) - first_of(side));
   }
   [[nodiscard]] std::ptrdiff_t count_in_view(int side) const;
-  /// True when the border may cut off the bloom of a side wherever the side is in view.
+  /// True when the border may cut off the bloom of a side wherever the side is in view, but for less than
+  /// `kLeastToRefute` points.
   [[nodiscard]] bool runs_along_border(int side) const;
   /// Takes a side to be out of view until edges are measured again.
   void leave_out(int side);

@@ -20,7 +20,7 @@ constexpr double kLargestSideOffset = 3.2;  // [px] a joint of 12 mm, 2.5 m away
 constexpr double kLargestLensError = 2.0;   // [px] by which a side of a lit fixture may lie elsewhere as a whole
 constexpr double kJointSigma = 0.0045;      // [m] of an unlit fixture's end: it may be a joint's edge, 12 mm wide
 constexpr double kLeastShare = 0.45;        // of the points of a long side that must lie on edges
-constexpr int kLeastToRefute = 5;           // points of a long side in view
+constexpr double kLeastOfEnd = 0.75;        // of an end's beside the border
 constexpr double kFaintest = 0.4;           // of the mean step: fainter ones belong to something else
 // Of a lit outline (rendered frames: as accurate as with all passes looking anew at all points):
 constexpr std::size_t kEveryAtFirst = 2;  // so many points of a straight side is one looked at in the first pass
@@ -179,16 +179,17 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
         const auto points = edges_.points_of(side);
         const double centre = std::clamp(median_offset(points), -limit, limit);
         centre_px[static_cast<std::size_t>(side)] = centre;
-        if (side != kLeftSide && side != kRightSide) {
-          continue;
-        }
         // The bloom of a lamp's side may reach beyond the border: then it says nothing, neither for nor against.
         const bool may_be_hidden = params.inside_brighter && pass > 0 && edges_.runs_along_border(side);
-        if (has_few_edges(points, centre, cutoff, kLeastShare, may_be_hidden ? 1 : kLeastToRefute)) {
-          if (!may_be_hidden) {
-            return false;
-          }
+        const bool is_end = side == kFarEnd || side == kNearEnd;
+        if (!has_few_edges(points, centre, cutoff, is_end ? kLeastOfEnd : kLeastShare,
+                           may_be_hidden ? 1 : kLeastToRefute)) {
+          continue;
+        }
+        if (may_be_hidden) {
           edges_.leave_out(side);
+        } else if (!is_end) {
+          return false;
         }
       }
       return true;

@@ -187,6 +187,77 @@ TEST(CutFixture, LeavesOutTheSideOfALampWhoseBloomReachesTheBorder) {
   }
 }
 
+/// One of its ends is in view, and it is where the truth is within what it says of itself.
+void expect_by_one_end(const Detection& detection, const Pose2& truth) {
+  EXPECT_NE(detection.near_end_visible, detection.far_end_visible);
+  const Pose2& found = detection.robot_from_fixture;
+  EXPECT_LT(std::abs(found.x - truth.x), 2.5 * std::sqrt(detection.covariance(0, 0)));
+  EXPECT_LT(std::abs(found.y - truth.y), 2.5 * std::sqrt(detection.covariance(1, 1)));
+}
+
+TEST(CutFixture, LeavesOutTheEndOfALampWhoseBloomReachesTheBorder) {
+  for (const double aside : {0.860, 0.864, 0.868}) {
+    const Pose2 truth{0.98, aside,
+                      0.5 * kPi};  // its outer side is beyond the upper border, its far end at the left one
+    const auto detections = detect({.shapes = {{.pose = truth}}, .bloom = 160.0});
+    ASSERT_EQ(detections.size(), 1U) << aside;
+    expect_by_one_end(detections[0], truth);
+    EXPECT_LT(std::sqrt(detections[0].covariance(1, 1)), 0.03) << aside;
+  }
+}
+
+TEST(CutFixture, LeavesOutTheSideOfALampThatALastCornerOfIsClearOfTheBorder) {
+  struct Case {
+    double aside;
+    double turn;
+  };
+  for (const Case& c : {Case{1.31, 0.08}, Case{1.29, 0.05}}) {
+    const Pose2 truth{0.6, c.aside, c.turn};  // its left side leaves the image, its far end is beyond the upper border
+    const auto detections = detect({.shapes = {{.pose = truth}}, .bloom = 220.0});
+    ASSERT_EQ(detections.size(), 1U) << c.turn;
+    const double sigma = std::sqrt(detections[0].covariance(1, 1));
+    EXPECT_LT(std::abs(detections[0].robot_from_fixture.y - truth.y), 2.0 * sigma) << c.turn;
+    EXPECT_LT(sigma, 0.03) << c.turn;
+  }
+}
+
+TEST(CutFixture, KnowsALampByHowDeepItIsWhereBothItsEndsSayHowFarItsBloomReaches) {
+  for (const double bloom : {80.0, 160.0}) {
+    const Pose2 truth{bloom > 100.0 ? 1.075 : 1.085, 0.1, 0.5 * kPi};  // little more than half of it is in view
+    const auto detections = detect({.shapes = {{.pose = truth}}, .bloom = bloom});
+    ASSERT_EQ(detections.size(), 1U) << bloom;
+    expect_at(detections[0], truth, 10e-3, radians(0.3));
+    for (const double ahead : {1.04, 1.06, 1.08, 1.10}) {  // the same of which only the half in view burns
+      const DrawnShape half{
+          .pose = {ahead, 0.1, 0.5 * kPi}, .state = DetectionState::kHalf, .darker = -20.0, .half_bloom = bloom};
+      for (const Detection& detection : detect({.shapes = {half}})) {
+        EXPECT_LT(detection.width, 0.25) << bloom << ", " << ahead;
+      }
+    }
+  }
+}
+
+TEST(CutFixture, FindsAPieceWhoseEndSaysHowWideItIs) {
+  for (const double in_view : {0.36, 0.40}) {                    // [m], up to the right border
+    const Pose2 truth{0.985, -1.44 + in_view - 0.6, 0.5 * kPi};  // its outer side is beyond the upper border
+    const auto detections = detect({.shapes = {{.pose = truth}}, .bloom = 160.0});
+    ASSERT_EQ(detections.size(), 1U) << in_view;
+    expect_by_one_end(detections[0], truth);
+  }
+}
+
+TEST(CutFixture, TakesNoLampForAHalfByAJointThatIsSeenBesideOneSideOnly) {
+  DrawnCeiling ceiling;
+  ceiling.joint_depth = 20.0;
+  for (const Pose2& truth : {Pose2{1.02, 0.30, 0.02}, Pose2{1.12, 0.17, 0.02}, Pose2{1.24, 0.17, 0.02}}) {
+    ceiling.shapes = {{.pose = truth, .width = 0.15}};  // the border cuts a joint off nearer on one side of it
+    const auto detections = detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << truth.x;
+    EXPECT_EQ(detections[0].state, DetectionState::kLit) << truth.x;
+    expect_at(detections[0], truth, 5e-3, radians(0.2));
+  }
+}
+
 TEST(CutFixture, KnowsHowWideALampIsByTheLastOfItsOtherSide) {
   for (const double aside : {0.4, 0.7}) {
     const Pose2 truth{1.06, aside, 0.5 * kPi + 0.15};  // of its outer side the border leaves 0.1 m at one end
