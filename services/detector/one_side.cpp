@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 
 constexpr double kSameSide = 0.06;  // [m] bloom and the fit's error, at most
 // [px] from the edge of a lamp its light is clearly less than its own. One side does not tell how far bloom moves its
-// edge; both ends do, and half-lit fixtures then look 1 to 2 px wider at most (rendered frames).
+// edge; both ends do: the burning half of a fixture then looks up to 1.5 px wider than it is (rendered frames).
 constexpr double kBloomReach = 6.0;
 constexpr double kKnownBloomReach = 3.0;
 constexpr double kAsBright = 0.88;      // of the inside
