@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/localizer/wheels_at_rest.hpp"
+
 namespace luminav {
 namespace {
 
@@ -80,10 +82,8 @@ void ContradictionWatch::forget_run() {
 }
 
 void ContradictionWatch::note_pause(const Pose2& odom_from_robot) {
-  const Pose2 step = odom_at_frame_.inverse() * odom_from_robot;
+  still_frames_ = are_wheels_at_rest(odom_at_frame_, odom_from_robot) ? still_frames_ + 1 : 0;
   odom_at_frame_ = odom_from_robot;
-  const bool still = std::hypot(step.x, step.y) < 0.001 && std::abs(step.theta) < radians(0.1);
-  still_frames_ = still ? still_frames_ + 1 : 0;
   if (still_frames_ == 1 && !paused_) {
     contradicting_ = 0;  // whoever carries it begins here
   }

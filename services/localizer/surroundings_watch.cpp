@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "services/localizer/wheels_at_rest.hpp"
+
 namespace luminav {
 namespace {
 
@@ -13,15 +15,10 @@ constexpr int kLeastMoved = 5;         // echoes that were heard before and now
 constexpr double kLeastShare = 0.8;    // of those
 constexpr double kLeastChanged = 8.0;  // discs; an echo that came or went counts half, for slanted walls come and go
 
-bool stands_still(const Pose2& before, const Pose2& now) {
-  const Pose2 step = before.inverse() * now;
-  return std::hypot(step.x, step.y) < 0.001 && std::abs(step.theta) < radians(0.1);
-}
-
 }  // namespace
 
 bool SurroundingsWatch::look(const SonarScan& scan, const Pose2& odom_from_robot) {
-  still_scans_ = stands_still(odom_from_robot_, odom_from_robot) ? still_scans_ + 1 : 0;
+  still_scans_ = are_wheels_at_rest(odom_from_robot_, odom_from_robot) ? still_scans_ + 1 : 0;
   odom_from_robot_ = odom_from_robot;
   if (still_scans_ < kAtRest) {
     return false;

@@ -16,7 +16,7 @@ struct TrackingRules {
   double enter_position_sigma = 0.14;         // [m] largest axis
   double leave_position_sigma = 0.16;         // [m] largest axis: beyond, 0.5 m are no longer two deviations away
   double leave_heading_sigma = radians(9.0);  // [rad]
-  int misfit_frames = 5;                      // images in a row in which what is seen fits nothing
+  int misfit_frames = 5;                      // images that show what fits nothing; after a pause, that contradict
   int vanish_frames = 7;                      // images without a fixture that was there, the robot standing still
   double still_distance = 0.02;               // [m] since the last match: the robot stands still
   double still_turn = radians(1.5);           // [rad] likewise
