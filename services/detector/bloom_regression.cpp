@@ -144,13 +144,15 @@ class Regression {
     if (cost <= kPriceOfUneven) {
       return cost;
     }
+    const Vector even_solution = solution_;
     outward_prior_ = {0.0, 1.0 / square(kOutwardSigma)};
     const double cost_uneven = fit_medians() + kPriceOfUneven;
     if (cost_uneven < cost) {
       return cost_uneven;
     }
     outward_prior_ = even;
-    return fit_medians();
+    solution_ = even_solution;
+    return cost;
   }
 
   /// By what the sides differ far from them [grey].
@@ -166,6 +168,10 @@ class Regression {
   /// The mean of all places where a joint may lie, weighted by how well each explains the medians; what is known of the
   /// rest comes from the best.
   void look_for_joint(double cost_without) {
+    if (joints_[0].is_ruled_out() && joints_[1].is_ruled_out()) {
+      return;
+    }
+    const Vector solution_without = solution_;
     double least = cost_without;
     double weights = 1.0;  // relative to the best so far
     double mean = solution_(0);
@@ -203,10 +209,11 @@ class Regression {
     }
     if (best_half >= 0) {
       suppose_joint(best_half, best_width, best_side);
+      fit_medians();
     } else {
       suppose_no_joint();
+      solution_ = solution_without;
     }
-    fit_medians();
     joint_pull_ = mean - solution_(0);
     joint_variance_ = squares / weights;
   }
