@@ -59,36 +59,52 @@ void enlarge(const Raster& half, int width, int height, Raster& result) {
   }
 }
 
+std::uint8_t continued(int edge, int mirrored) {
+  return static_cast<std::uint8_t>(std::clamp(2 * edge - mirrored, 0, 255));
+}
+
+/// Continues a row by `margin` cells to both sides; nothing else may be written there.
+LUMINAV_VECTOR_CLONES
+void continue_row(const std::uint8_t* row, int width, int margin, std::uint8_t* out) {
+  const int last = width - 1;
+  const int inside = std::min(margin, last);  // cells that are mirrored; beyond them the last is repeated
+  std::uint8_t* left = out - inside;
+  std::uint8_t* right = out + width;
+#pragma GCC ivdep
+  for (int i = 0; i < inside; ++i) {
+    left[i] = continued(row[0], row[inside - i]);
+  }
+#pragma GCC ivdep
+  for (int i = 0; i < inside; ++i) {
+    right[i] = continued(row[last], row[last - 1 - i]);
+  }
+  std::fill_n(out - margin, margin - inside, continued(row[0], row[last]));
+  std::fill_n(right + inside, margin - inside, continued(row[last], row[0]));
+}
+
+LUMINAV_VECTOR_CLONES
+void continue_column(const std::uint8_t* edge, const std::uint8_t* mirrored, int width, std::uint8_t* out) {
+#pragma GCC ivdep
+  for (int x = 0; x < width; ++x) {
+    out[x] = continued(edge[x], mirrored[x]);
+  }
+}
+
 /// Continues the image beyond its borders point-symmetrically, so that a slope stays a slope there. Without it the
 /// surroundings of a border cell would all lie on one side, and shading alone would give it contrast.
-LUMINAV_VECTOR_CLONES
 void continue_beyond(const Raster& image, int margin, Raster& result) {
   result.resize(image.width + 2 * margin, image.height + 2 * margin);
-  const auto continued = [](int edge, int mirrored) {
-    return static_cast<std::uint8_t>(std::clamp(2 * edge - mirrored, 0, 255));
-  };
   for (int y = 0; y < image.height; ++y) {
-    const std::uint8_t* in = image.row(y);
     std::uint8_t* out = result.row(y + margin) + margin;
-    std::copy_n(in, image.width, out);
-    const int last = image.width - 1;
-    for (int i = 1; i <= margin; ++i) {
-      out[-i] = continued(in[0], in[std::min(i, last)]);
-      out[last + i] = continued(in[last], in[std::max(last - i, 0)]);
-    }
+    std::copy_n(image.row(y), image.width, out);
+    continue_row(image.row(y), image.width, margin, out);
   }
   const int last = image.height - 1;
+  const std::uint8_t* top = result.row(margin);
+  const std::uint8_t* bottom = result.row(margin + last);
   for (int i = 1; i <= margin; ++i) {
-    const std::uint8_t* top = result.row(margin);
-    const std::uint8_t* below = result.row(margin + std::min(i, last));
-    const std::uint8_t* bottom = result.row(margin + last);
-    const std::uint8_t* above = result.row(margin + std::max(last - i, 0));
-    std::uint8_t* over = result.row(margin - i);
-    std::uint8_t* under = result.row(margin + last + i);
-    for (int x = 0; x < result.width; ++x) {
-      over[x] = continued(top[x], below[x]);
-      under[x] = continued(bottom[x], above[x]);
-    }
+    continue_column(top, result.row(margin + std::min(i, last)), result.width, result.row(margin - i));
+    continue_column(bottom, result.row(margin + std::max(last - i, 0)), result.width, result.row(margin + last + i));
   }
 }
 
