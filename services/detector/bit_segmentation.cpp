@@ -295,13 +295,14 @@ const std::vector<Blob>& BitSegmentation::find(const GreyView& image, const BitS
   const std::size_t all = static_cast<std::size_t>(words_) * static_cast<std::size_t>(rows_);
   mask_.resize(all);
   work_.resize(all);
+  Word* first_row = mask_.data() + static_cast<std::size_t>(radius) * static_cast<std::size_t>(words_);
   for (int y = 0; y < image.height; ++y) {
-    Word* row = mask_.data() + static_cast<std::size_t>(y + radius) * static_cast<std::size_t>(words_);
+    Word* row = first_row + static_cast<std::ptrdiff_t>(y) * words_;
     row[0] = 0;
     row[words_ - 1] = 0;
-    take_row_bits(image.pixels.data() + static_cast<std::ptrdiff_t>(y) * image.width, image.width, params.above,
-                  params.not_above, row + 1);
   }
+  take_row_bits(image.pixels.data(), image.width, image.height, params.above, params.not_above, first_row + 1,
+                static_cast<std::size_t>(words_));
   if (radius > 0) {
     open(radius, image.width);
   }

@@ -64,13 +64,21 @@ int RegionFinder::join(int a, int b) {
 void RegionFinder::take_bits(const Raster& image, const Cut& cut) {
   const std::size_t words = words_of(image);
   bits_.resize(words * static_cast<std::size_t>(image.height));
-  for (int y = 0; y < image.height; ++y) {
-    std::uint64_t* row = &bits_[words * static_cast<std::size_t>(y)];
-    if (cut.may_be_in(y)) {
-      take_row_bits(image.row(y), image.width, cut.level, -1, row);
-    } else if (cut.is_eroded) {  // its neighbours look at it
-      std::fill_n(row, words, 0);
-    }
+  int begin = 0;
+  int end = image.height;
+  while (begin < end && !cut.may_be_in(begin)) {
+    ++begin;
+  }
+  while (end > begin && !cut.may_be_in(end - 1)) {
+    --end;
+  }
+  const auto row = [&](int y) { return bits_.begin() + static_cast<std::ptrdiff_t>(words) * y; };
+  if (cut.is_eroded) {  // rows look at their neighbours
+    std::fill(bits_.begin(), row(begin), 0);
+    std::fill(row(end), bits_.end(), 0);
+  }
+  if (begin < end) {
+    take_row_bits(image.row(begin), image.width, end - begin, cut.level, -1, &*row(begin), words);
   }
 }
 

@@ -53,7 +53,7 @@ class RegionFinder {
     int region = -1;           // none: it is too small
     std::size_t next_run = 0;  // of the region, to be filled in
   };
-  /// The bits of all rows that may hold some.
+  /// The bits of the first row that may hold some, of the last, and of all between.
   void take_bits(const Raster& image, const Cut& cut);
   void erode_bits(const Raster& image);
   void take_runs(const Raster& image, const Cut& cut);

@@ -21,15 +21,18 @@ Word word_plain(const std::uint8_t* pixels, int count, int above, int not_above)
   return bits;
 }
 
-void take_plain(const std::uint8_t* pixels, int width, int above, int not_above, Word* out) {
-  for (int x = 0; x < width; x += 64) {
-    out[x / 64] = word_plain(pixels + x, std::min(64, width - x), above, not_above);
+void take_plain(const std::uint8_t* pixels, int width, int rows, int above, int not_above, Word* out,
+                std::size_t apart) {
+  for (int y = 0; y < rows; ++y, pixels += width, out += apart) {
+    for (int x = 0; x < width; x += 64) {
+      out[x / 64] = word_plain(pixels + x, std::min(64, width - x), above, not_above);
+    }
   }
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void take_avx2(const std::uint8_t* pixels, int width, int above, int not_above,
-                                               Word* out) {
+__attribute__((target("avx2"))) void take_avx2(const std::uint8_t* pixels, int width, int rows, int above,
+                                               int not_above, Word* out, std::size_t apart) {
   // Saturating arithmetic makes an unsigned comparison: p - above > 0, and not_above - p >= 0 as min(p, low) = p.
   const __m256i high = _mm256_set1_epi8(static_cast<char>(std::clamp(above, 0, 255)));
   const __m256i low = _mm256_set1_epi8(static_cast<char>(std::clamp(not_above, 0, 255)));
@@ -41,19 +44,21 @@ __attribute__((target("avx2"))) void take_avx2(const std::uint8_t* pixels, int w
     const __m256i dark = _mm256_and_si256(_mm256_cmpeq_epi8(_mm256_min_epu8(v, low), v), no_low);
     return static_cast<Word>(~static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_andnot_si256(dark, not_bright))));
   };
-  int x = 0;
-  for (; x + 64 <= width; x += 64) {
-    out[x / 64] = bits_of(pixels + x) | bits_of(pixels + x + 32) << 32;
-  }
-  if (x + 32 <= width) {  // a row of a reduced image ends like that
-    out[x / 64] = bits_of(pixels + x) | word_plain(pixels + x + 32, width - x - 32, above, not_above) << 32;
-  } else if (x < width) {
-    out[x / 64] = word_plain(pixels + x, width - x, above, not_above);
+  for (int y = 0; y < rows; ++y, pixels += width, out += apart) {
+    int x = 0;
+    for (; x + 64 <= width; x += 64) {
+      out[x / 64] = bits_of(pixels + x) | bits_of(pixels + x + 32) << 32;
+    }
+    if (x + 32 <= width) {  // a row of a reduced image ends like that
+      out[x / 64] = bits_of(pixels + x) | word_plain(pixels + x + 32, width - x - 32, above, not_above) << 32;
+    } else if (x < width) {
+      out[x / 64] = word_plain(pixels + x, width - x, above, not_above);
+    }
   }
 }
 #endif
 
-using TakeRowBits = void (*)(const std::uint8_t*, int, int, int, Word*);
+using TakeRowBits = void (*)(const std::uint8_t*, int, int, int, int, Word*, std::size_t);
 
 TakeRowBits fastest_take() {
 #if defined(__x86_64__)
@@ -66,9 +71,10 @@ TakeRowBits fastest_take() {
 
 }  // namespace
 
-void take_row_bits(const std::uint8_t* pixels, int width, int above, int not_above, std::uint64_t* bits) {
+void take_row_bits(const std::uint8_t* pixels, int width, int rows, int above, int not_above, std::uint64_t* bits,
+                   std::size_t apart) {
   static const TakeRowBits take = fastest_take();
-  take(pixels, width, above, not_above, bits);
+  take(pixels, width, rows, above, not_above, bits, apart);
 }
 
 }  // namespace luminav
