@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace luminav {
 namespace {
@@ -107,8 +108,9 @@ bool OutlineProposer::take_hull(const Region& region) {
   return corners_.size() >= 3;
 }
 
-OutlineProposer::Extents OutlineProposer::extents(double theta) const {
-  return extents(Vector2d(std::cos(theta), std::sin(theta)));
+OutlineProposer::Way OutlineProposer::way_at(double theta) const {
+  const Vector2d along(std::cos(theta), std::sin(theta));
+  return {theta, along, extents(along)};
 }
 
 OutlineProposer::Extents OutlineProposer::extents(const Vector2d& along) const {
@@ -164,24 +166,24 @@ void OutlineProposer::choose_directions() {
   }
 }
 
-void OutlineProposer::add(const CeilingKind& kind, const Placing& placing, double along, double across) {
-  const Vector2d axis(std::cos(placing.theta), std::sin(placing.theta));
-  const Vector2d on_reference = along * axis + across * Vector2d(-axis.y(), axis.x());
+void OutlineProposer::add(const CeilingKind& kind, const Placing& placing, const Way& way, double along,
+                          double across) {
+  const Vector2d on_reference = along * way.along + across * way.across();
   const Vector2d centre = plane_->camera_foot() + placing.scale * (on_reference - plane_->camera_foot());
   hypotheses_.push_back({.kind = placing.index,
                          .is_element = !kind.is_fixture,
                          .half_width = placing.half_width,
                          .outline = {kind.shape, kind.length, placing.width, kind.height},
-                         .start = {centre.x(), centre.y(), wrap_axis(placing.theta)},
+                         .start = {centre.x(), centre.y(), wrap_axis(way.theta)},
                          .swelling = placing.swelling,
                          .uneven = placing.uneven});
 }
 
-void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half_width, bool bright, double theta,
+void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half_width, bool bright, const Way& way,
                                    const SizeTolerance& tolerance) {
   const double width = half_width ? 0.5 * kind.width : kind.width;
   const double scale = (kind.height - plane_->camera_height()) / (plane_->ceiling_height() - plane_->camera_height());
-  const Extents e = extents(theta);
+  const Extents& e = way.extents;
   const double seen_length = scale * (e.most_along - e.least_along);
   const double seen_width = scale * (e.most_across - e.least_across);
   if (!fits(seen_width, width, tolerance)) {
@@ -196,20 +198,20 @@ void OutlineProposer::propose_kind(const CeilingKind& kind, int index, bool half
   if (!whole && !cut) {
     return;
   }
-  Placing placing{theta, scale, width, index, half_width, 0.5 * (seen_width - width)};
+  Placing placing{scale, width, index, half_width, 0.5 * (seen_width - width)};
   const double middle_across = 0.5 * (e.least_across + e.most_across);
   const double half_length = 0.5 * kind.length / scale;
   if (whole) {
     placing.uneven = std::abs((seen_length - kind.length) - (seen_width - width));
-    add(kind, placing, 0.5 * (e.least_along + e.most_along), middle_across);
+    add(kind, placing, way, 0.5 * (e.least_along + e.most_along), middle_across);
   }
   placing.uneven = 0.0;
   if (cut) {
     const double half_bloom = 0.25 * tolerance.bloom;
-    add(kind, placing, e.least_along + half_bloom + half_length, middle_across);
-    add(kind, placing, e.most_along - half_bloom - half_length, middle_across);
+    add(kind, placing, way, e.least_along + half_bloom + half_length, middle_across);
+    add(kind, placing, way, e.most_along - half_bloom - half_length, middle_across);
     if (!whole && touches_border_) {
-      add(kind, placing, 0.5 * (e.least_along + e.most_along), middle_across);
+      add(kind, placing, way, 0.5 * (e.least_along + e.most_along), middle_across);
     }
   }
 }
@@ -224,10 +226,10 @@ bool OutlineProposer::is_cut_off(const Vector2d& direction) const {
   });
 }
 
-void OutlineProposer::propose_from_one_side(const CeilingKind& kind, int index, double theta,
+void OutlineProposer::propose_from_one_side(const CeilingKind& kind, int index, const Way& way,
                                             const SizeTolerance& tolerance) {
   const double scale = (kind.height - plane_->camera_height()) / (plane_->ceiling_height() - plane_->camera_height());
-  const Extents e = extents(theta);
+  const Extents& e = way.extents;
   const double seen_length = scale * (e.most_along - e.least_along);
   const double seen_width = scale * (e.most_across - e.least_across);
   const double most = tolerance.absolute + tolerance.bloom;
@@ -235,11 +237,11 @@ void OutlineProposer::propose_from_one_side(const CeilingKind& kind, int index, 
       seen_length < kLeastStretch * kind.length || seen_length > kind.length + tolerance.share * kind.length + most) {
     return;
   }
-  const Placing placing{theta, scale, kind.width, index, false, 0.0};
+  const Placing placing{scale, kind.width, index, false, 0.0};
   const double half_bloom = 0.25 * tolerance.bloom;
   const double half_length = 0.5 * kind.length / scale;
   const double half_width = 0.5 * kind.width / scale;
-  const Vector2d across(-std::sin(theta), std::cos(theta));
+  const Vector2d across = way.across();
   for (const double side : {1.0, -1.0}) {  // the one in view
     if (is_cut_off(side * across) || !is_cut_off(-side * across)) {
       continue;
@@ -247,10 +249,10 @@ void OutlineProposer::propose_from_one_side(const CeilingKind& kind, int index, 
     const double edge = side > 0.0 ? e.most_across : e.least_across;
     const double middle_across = edge - side * (half_bloom + half_width);
     if (fits(seen_length, kind.length, tolerance)) {
-      add(kind, placing, 0.5 * (e.least_along + e.most_along), middle_across);
+      add(kind, placing, way, 0.5 * (e.least_along + e.most_along), middle_across);
     } else {
-      add(kind, placing, e.least_along + half_bloom + half_length, middle_across);
-      add(kind, placing, e.most_along - half_bloom - half_length, middle_across);
+      add(kind, placing, way, e.least_along + half_bloom + half_length, middle_across);
+      add(kind, placing, way, e.most_along - half_bloom - half_length, middle_across);
     }
   }
 }
@@ -258,30 +260,28 @@ void OutlineProposer::propose_from_one_side(const CeilingKind& kind, int index, 
 void OutlineProposer::propose_from_an_edge(const CeilingKind& kind, int index, const Edge& edge,
                                            const SizeTolerance& tolerance) {
   const double scale = (kind.height - plane_->camera_height()) / (plane_->ceiling_height() - plane_->camera_height());
-  const double theta = edge.theta();
-  const Extents e = extents(theta);
+  const Way way = way_at(edge.theta());
+  const Extents& e = way.extents;
   const double seen_width = scale * (e.most_across - e.least_across);
   const double seen_length = scale * edge.length + 2.0 * grow_;
   if (seen_width < kind.width || fits(seen_width, kind.width, tolerance) || seen_length < kLeastEdge * kind.length ||
       seen_length > kind.length + tolerance.absolute + tolerance.bloom) {
     return;
   }
-  const Vector2d along(std::cos(theta), std::sin(theta));
-  const Vector2d across(-along.y(), along.x());
-  const double line = across.dot(edge.start);
+  const double line = way.across().dot(edge.start);
   const bool is_least = line - e.least_across < e.most_across - line;
   const double outline_edge = is_least ? e.least_across : e.most_across;
   const double middle_across = outline_edge + (is_least ? 0.5 : -0.5) * kind.width / scale;
-  const Placing placing{theta, scale, kind.width, index, false, 0.0};
+  const Placing placing{scale, kind.width, index, false, 0.0};
   const double half_length = 0.5 * kind.length / scale;
-  const double from = along.dot(edge.start) - grow_;
-  const double to = along.dot(edge.end) + grow_;
+  const double from = way.along.dot(edge.start) - grow_;
+  const double to = way.along.dot(edge.end) + grow_;
   const std::size_t others = hypotheses_.size();
   if (fits(scale * (e.most_along - e.least_along), kind.length, tolerance)) {
-    add(kind, placing, 0.5 * (e.least_along + e.most_along), middle_across);
+    add(kind, placing, way, 0.5 * (e.least_along + e.most_along), middle_across);
   }
-  add(kind, placing, from + half_length, middle_across);
-  add(kind, placing, to - half_length, middle_across);
+  add(kind, placing, way, from + half_length, middle_across);
+  add(kind, placing, way, to - half_length, middle_across);
   for (std::size_t i = others; i < hypotheses_.size(); ++i) {
     hypotheses_[i].from_edge = true;
   }
@@ -302,20 +302,22 @@ const std::vector<OutlineHypothesis>& OutlineProposer::propose(const Region& reg
   }
   grow_ = (0.5 + shrunk) * plane_->cell_size((region.left + region.right) / 2, (region.top + region.bottom) / 2);
   choose_directions();
+  ways_.clear();
+  for (const double theta : directions_) {
+    ways_.push_back(way_at(theta));
+    ways_.push_back(way_at(theta + 0.5 * kPi));
+  }
   for (std::size_t i = 0; i < catalogue_->fixtures.size(); ++i) {
     const CeilingKind& kind = catalogue_->fixtures[i];
-    for (const double theta : directions_) {
-      for (const double turn : {0.0, 0.5 * kPi}) {
-        if (kind.shape != FixtureShape::kRectangle && turn > 0.0) {
-          continue;
-        }
-        propose_kind(kind, static_cast<int>(i), false, bright, theta + turn, tolerance);
-        if (bright && kind.shape == FixtureShape::kRectangle && kind.lamps >= 2) {
-          propose_kind(kind, static_cast<int>(i), true, bright, theta + turn, tolerance);
-        }
-        if (touches_border_ && kind.shape != FixtureShape::kRound) {
-          propose_from_one_side(kind, static_cast<int>(i), theta + turn, tolerance);
-        }
+    // The others look the same at right angles.
+    const std::size_t step = kind.shape == FixtureShape::kRectangle ? 1 : 2;
+    for (std::size_t w = 0; w < ways_.size(); w += step) {
+      propose_kind(kind, static_cast<int>(i), false, bright, ways_[w], tolerance);
+      if (bright && kind.shape == FixtureShape::kRectangle && kind.lamps >= 2) {
+        propose_kind(kind, static_cast<int>(i), true, bright, ways_[w], tolerance);
+      }
+      if (touches_border_ && kind.shape != FixtureShape::kRound) {
+        propose_from_one_side(kind, static_cast<int>(i), ways_[w], tolerance);
       }
     }
   }
@@ -324,8 +326,8 @@ const std::vector<OutlineHypothesis>& OutlineProposer::propose(const Region& reg
   }
   if (!bright) {
     for (std::size_t i = 0; i < catalogue_->elements.size(); ++i) {
-      for (const double turn : {0.0, 0.5 * kPi}) {
-        propose_kind(catalogue_->elements[i], static_cast<int>(i), false, false, directions_.front() + turn, tolerance);
+      for (const Way& way : std::span(ways_).first(2)) {
+        propose_kind(catalogue_->elements[i], static_cast<int>(i), false, false, way, tolerance);
       }
     }
     for (std::size_t i = 0; i < catalogue_->fixtures.size(); ++i) {

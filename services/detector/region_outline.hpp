@@ -88,9 +88,15 @@ class OutlineProposer {
   struct Extents {
     double least_along, most_along, least_across, most_across;
   };
-  /// An outline with its middle there, `across` and `along` [m] on the reference ceiling, in direction `theta`.
-  struct Placing {
+  /// One way in which outlines may lie, and how far the hull reaches along and across it.
+  struct Way {
     double theta;
+    Eigen::Vector2d along;
+    Extents extents;  // [m] on the reference ceiling
+
+    [[nodiscard]] Eigen::Vector2d across() const { return {-along.y(), along.x()}; }
+  };
+  struct Placing {
     double scale;  // from the reference ceiling to the kind's height
     double width;  // [m]
     int index;     // of the kind
@@ -99,16 +105,17 @@ class OutlineProposer {
     double uneven = 0.0;    // [m]
   };
   bool take_hull(const Region& region);
-  [[nodiscard]] Extents extents(double theta) const;
   [[nodiscard]] Extents extents(const Eigen::Vector2d& along) const;  // a direction
+  [[nodiscard]] Way way_at(double theta) const;
   void choose_directions();
-  void propose_kind(const CeilingKind& kind, int index, bool half_width, bool bright, double theta,
+  void propose_kind(const CeilingKind& kind, int index, bool half_width, bool bright, const Way& way,
                     const SizeTolerance& tolerance);
   /// Outlines of which one long side is beyond the image border.
-  void propose_from_one_side(const CeilingKind& kind, int index, double theta, const SizeTolerance& tolerance);
+  void propose_from_one_side(const CeilingKind& kind, int index, const Way& way, const SizeTolerance& tolerance);
   /// Outlines of which an edge of a hull that is too wide is one long side: shading or a neighbour joined the rest.
   void propose_from_an_edge(const CeilingKind& kind, int index, const Edge& edge, const SizeTolerance& tolerance);
-  void add(const CeilingKind& kind, const Placing& placing, double along, double across);
+  /// An outline that lies so, with its middle there, `along` and `across` [m] on the reference ceiling.
+  void add(const CeilingKind& kind, const Placing& placing, const Way& way, double along, double across);
   /// Light makes a region longer by as much as wider: guesses of which that is truest come first.
   void put_in_order();
   /// True when what reaches farthest in a direction is all of it cut off by the border, false when some of it is.
@@ -121,6 +128,7 @@ class OutlineProposer {
   std::vector<Corner> corners_;
   std::vector<Edge> edges_;
   std::vector<double> directions_;
+  std::vector<Way> ways_;  // each direction, then at right angles to it
   std::vector<OutlineHypothesis> hypotheses_;
   bool touches_border_ = false;
   double grow_ = 0.0;  // [m] from cell centres to the region's edge
