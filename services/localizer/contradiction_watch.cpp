@@ -10,6 +10,7 @@
 namespace luminav {
 namespace {
 
+constexpr double kMore = 0.05;           // by which a share is greater, less than one of its sixteen samples
 constexpr double kSameThing = 0.6;       // [m] a thing seen again within it is the same
 constexpr std::size_t kMostThings = 64;  // remembered that are no fixtures
 
@@ -26,7 +27,7 @@ std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame
                                                       double way_since_match, bool is_doubted) {
   note_pause(odom_from_robot);
   if (!matches.empty()) {
-    note_match(matches, odom_from_robot);
+    note_match(matches, belief, odom_from_robot);
     match_utime_ = frame.utime;
     return std::nullopt;
   }
@@ -96,7 +97,8 @@ bool ContradictionWatch::is_beyond_carrying(std::int64_t utime) const {
          1e-6 * static_cast<double>(utime - match_utime_) < rules_.match_age;
 }
 
-void ContradictionWatch::note_match(const std::vector<FixtureMatch>& matches, const Pose2& odom_from_robot) {
+void ContradictionWatch::note_match(const std::vector<FixtureMatch>& matches, const PoseBelief& belief,
+                                    const Pose2& odom_from_robot) {
   forget_run();
   still_frames_ = 0;
   paused_ = false;
@@ -104,7 +106,8 @@ void ContradictionWatch::note_match(const std::vector<FixtureMatch>& matches, co
   odom_at_match_ = odom_from_robot;
   seen_lately_.clear();
   for (const FixtureMatch& match : matches) {
-    seen_lately_.push_back(match.fixture);
+    const Pose2 robot_from_fixture = belief.pose.inverse() * map_[match.fixture].world_from_fixture;
+    seen_lately_[match.fixture] = view_.visible_share(robot_from_fixture, map_[match.fixture], 0.0);
     foretold_.insert(match.fixture);
   }
 }
@@ -145,9 +148,13 @@ bool ContradictionWatch::count_missing(const SightingFrame& frame, const PoseBel
     const bool is_there = std::any_of(frame.sightings.begin(), frame.sightings.end(), [&](const FixtureSighting& s) {
       return distance(s.robot_from_fixture, robot_from_fixture) < 0.5 * map_[index].length + 0.2;
     });
-    const bool vanished =
-        stands_still && std::find(seen_lately_.begin(), seen_lately_.end(), index) != seen_lately_.end();
-    const double least = vanished ? rules_.vanish_share : rules_.miss_share;
+    const auto seen = seen_lately_.find(index);
+    const bool was_seen = seen != seen_lately_.end();
+    const bool vanished = stands_still && was_seen;
+    // what was found when less of it was in view is found now
+    const double least = vanished   ? rules_.vanish_share
+                         : was_seen ? std::clamp(seen->second + kMore, rules_.vanish_share, rules_.miss_share)
+                                    : rules_.miss_share;
     // what was seen from here is out of sight only by what the robot moved since: the pose's error was the same then
     const double moved =
         std::hypot(since_match.x, since_match.y) + std::abs(since_match.theta) * robot_from_fixture.position().norm();

@@ -50,7 +50,7 @@ class ContradictionWatch {
   /// Begins to count anew.
   void forget_run();
   void note_pause(const Pose2& odom_from_robot);
-  void note_match(const std::vector<FixtureMatch>& matches, const Pose2& odom_from_robot);
+  void note_match(const std::vector<FixtureMatch>& matches, const PoseBelief& belief, const Pose2& odom_from_robot);
   /// The pose was right for long, and since its last match the wheels have not stood still: nobody carries a robot away
   /// so quickly.
   [[nodiscard]] bool is_beyond_carrying(std::int64_t utime) const;
@@ -81,7 +81,7 @@ class ContradictionWatch {
   int missed_fixture_ = -1;                  // whose absence put the pose in doubt; -1 = something else
   std::optional<Eigen::Vector2d> misfit_;    // [world] what put the pose in doubt by being seen there
   std::deque<Eigen::Vector2d> no_fixtures_;  // [world] places of such things while the pose was right
-  std::vector<int> seen_lately_;             // fixtures of the last match
+  std::map<int, double> seen_lately_;        // fixtures of the last match, and which share of them was in view
   Pose2 odom_at_frame_;                      // odom_from_robot at the image before
   int still_frames_ = 0;                     // images in a row without wheel motion
   bool may_be_carried_ = false;              // the motors are off

@@ -239,6 +239,28 @@ TEST(Doubt, ComesWhereAFixtureVanishesOfWhichTheImageShowedNoMoreThanHalf) {
   EXPECT_FALSE(drive.stand(1.0));
 }
 
+// It was seen with a third of it in the image, the most that may hide at the border of a robot that stands.
+TEST(Doubt, ComesWhereMoreOfAFixtureThatWasSeenMustBeInViewAndIsNot) {
+  CorridorDrive drive;
+  drive.see_as_far_as(1.35);
+  drive.drive_to(6.18);
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  drive.see_as_far_as(0.3);
+  drive.carry_to(3.0);  // nothing in view
+  ASSERT_TRUE(drive.stand(1.5));
+  drive.drive_to(3.5);  // no more than two thirds of the fixture at 7.5 would be in view
+  EXPECT_NE(drive.state(), LocalizerState::kTracking);
+}
+
+TEST(Doubt, DoesNotComeWhereLessOfAFixtureThatWasSeenWouldBeInView) {
+  CorridorDrive drive;
+  drive.see_as_far_as(1.2);
+  drive.drive_to(6.5);
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  drive.see_as_far_as(0.3);
+  EXPECT_TRUE(drive.drive_to(6.1).empty());
+}
+
 TEST(Doubt, ComesWhereAllThatTheSonarsHearMovesThoughTheWheelsStandStill) {
   CorridorDrive drive;
   drive.drive_to(8.9);  // nothing ought to be in view here, and nothing is
