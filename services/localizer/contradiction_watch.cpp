@@ -18,7 +18,7 @@ constexpr std::size_t kMostThings = 64;  // remembered that are no fixtures
 
 ContradictionWatch::ContradictionWatch(const FixtureMap& map, const CeilingView& view, double ceiling_height,
                                        const TrackingRules& rules)
-    : map_(map), view_(view), ceiling_height_(ceiling_height), rules_(rules) {}
+    : map_(map), view_(view), ceiling_height_(ceiling_height), rules_(rules), newcomers_(rules) {}
 
 std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame, const std::vector<int>& objects,
                                                       const SceneMemory& scene,
@@ -26,9 +26,16 @@ std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame
                                                       const PoseBelief& belief, const Pose2& odom_from_robot,
                                                       double way_since_match, bool is_doubted) {
   note_pause(odom_from_robot);
+  const std::optional<Eigen::Vector2d> newcomer = newcomers_.look(frame, matches, odom_from_robot);
   if (!matches.empty()) {
     note_match(matches, belief, odom_from_robot);
     match_utime_ = frame.utime;
+    if (newcomer && !is_doubted && !is_no_fixture(belief.pose * *newcomer)) {
+      misfit_ = belief.pose * *newcomer;
+      return Contradiction{fmt::format("something came into view at ({:.1f}, {:.1f}) though the robot stands still",
+                                       misfit_->x(), misfit_->y()),
+                           rules_.bonus_after_misfit};
+    }
     return std::nullopt;
   }
   const std::optional<Eigen::Vector2d> unexplained = find_unexplained(frame, objects, scene, belief);
@@ -55,6 +62,7 @@ std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame
 void ContradictionWatch::reset() {
   forget_run();
   seen_lately_.clear();
+  newcomers_.clear();
 }
 
 void ContradictionWatch::confirm(bool was_doubted) {
@@ -119,14 +127,16 @@ std::optional<Eigen::Vector2d> ContradictionWatch::find_unexplained(const Sighti
   std::optional<Eigen::Vector2d> unexplained;
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const Eigen::Vector2d place = belief.pose * frame.sightings[i].robot_from_fixture.position();
-    const bool is_known = std::any_of(no_fixtures_.begin(), no_fixtures_.end(), [&](const Eigen::Vector2d& known) {
-      return (known - place).norm() < kSameThing;
-    });
-    if (!is_known && scene.objects()[static_cast<std::size_t>(objects[i])].frames >= 2) {
+    if (!is_no_fixture(place) && scene.objects()[static_cast<std::size_t>(objects[i])].frames >= 2) {
       unexplained = place;
     }
   }
   return unexplained;
+}
+
+bool ContradictionWatch::is_no_fixture(const Eigen::Vector2d& place_in_world) const {
+  return std::any_of(no_fixtures_.begin(), no_fixtures_.end(),
+                     [&](const Eigen::Vector2d& known) { return (known - place_in_world).norm() < kSameThing; });
 }
 
 bool ContradictionWatch::count_missing(const SightingFrame& frame, const PoseBelief& belief,

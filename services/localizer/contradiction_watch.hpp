@@ -12,6 +12,7 @@
 #include "services/localizer/ceiling_view.hpp"
 #include "services/localizer/fixture_map.hpp"
 #include "services/localizer/fixture_matching.hpp"
+#include "services/localizer/newcomer_watch.hpp"
 #include "services/localizer/pose_belief.hpp"
 #include "services/localizer/scene_memory.hpp"
 #include "services/localizer/tracking_rules.hpp"
@@ -26,7 +27,7 @@ struct Contradiction {
 };
 
 /// Watches a tracked pose for signs that it is wrong: sightings that fit nothing, fixtures that vanish though the robot
-/// stands still, fixtures that never come.
+/// stands still, fixtures that never come, things that come into view of a robot that stands.
 class ContradictionWatch {
  public:
   ContradictionWatch(const FixtureMap& map, const CeilingView& view, double ceiling_height, const TrackingRules& rules);
@@ -54,6 +55,8 @@ class ContradictionWatch {
   /// The pose was right for long, and since its last match the wheels have not stood still: nobody carries a robot away
   /// so quickly.
   [[nodiscard]] bool is_beyond_carrying(std::int64_t utime) const;
+  /// The thing was found out to be no fixture.
+  [[nodiscard]] bool is_no_fixture(const Eigen::Vector2d& place_in_world) const;
   /// Where [world] something is seen that is no fixture of the building.
   [[nodiscard]] std::optional<Eigen::Vector2d> find_unexplained(const SightingFrame& frame,
                                                                 const std::vector<int>& objects,
@@ -70,6 +73,7 @@ class ContradictionWatch {
   const CeilingView& view_;
   double ceiling_height_;  // [m]
   TrackingRules rules_;
+  NewcomerWatch newcomers_;
   int misfit_run_ = 0;                       // images since the last match that show what fits nothing
   int contradicting_ = 0;                    // since it stood still: that, or lack what they ought to show
   std::set<int> foretold_;                   // fixtures that came where the pose has them

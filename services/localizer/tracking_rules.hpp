@@ -17,6 +17,7 @@ struct TrackingRules {
   double leave_position_sigma = 0.16;         // [m] largest axis: beyond, 0.5 m are no longer two deviations away
   double leave_heading_sigma = radians(9.0);  // [rad]
   int misfit_frames = 5;                      // images that show what fits nothing; after a pause, that contradict
+  int newcomer_frames = 7;                    // images of what came into view of a standing robot and fits nothing
   int vanish_frames = 7;                      // images without a fixture that was there, the robot standing still
   double still_distance = 0.02;               // [m] since the last match: the robot stands still
   double still_turn = radians(1.5);           // [rad] likewise

@@ -261,6 +261,18 @@ TEST(Doubt, DoesNotComeWhereLessOfAFixtureThatWasSeenWouldBeInView) {
   EXPECT_TRUE(drive.drive_to(6.1).empty());
 }
 
+// Put where another fixture is seen as the one before was, for they all look alike.
+TEST(Doubt, ComesWhereAThingComesIntoViewOfAStandingRobotBesideAFixtureThatFits) {
+  CorridorDrive drive;
+  drive.see_as_far_as(1.2);
+  drive.hang_false_fixture(18.9);
+  drive.drive_to(7.0);
+  drive.stand(1.0);
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  drive.carry_to(19.0);
+  EXPECT_FALSE(drive.stand(1.0));
+}
+
 TEST(Doubt, ComesWhereAllThatTheSonarsHearMovesThoughTheWheelsStandStill) {
   CorridorDrive drive;
   drive.drive_to(8.9);  // nothing ought to be in view here, and nothing is
