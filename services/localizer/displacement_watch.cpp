@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/localizer/wheels_at_rest.hpp"
+
 namespace luminav {
 namespace {
 
@@ -21,6 +23,10 @@ bool DisplacementWatch::look(const SightingFrame& frame, const std::vector<int>&
   const auto span = static_cast<std::int64_t>(1e6 * rules_.displacement_time);
   const std::int64_t oldest = frame.utime - span;
   std::erase_if(looks_, [&](const Look& look) { return look.utime < oldest; });
+  if (!are_wheels_at_rest(odom_at_frame_, odom_from_robot)) {
+    at_rest_since_ = frame.utime;
+  }
+  odom_at_frame_ = odom_from_robot;
   const std::size_t first_of_now = looks_.size();
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const FixtureSighting& sighting = frame.sightings[i];
@@ -36,8 +42,7 @@ bool DisplacementWatch::look(const SightingFrame& frame, const std::vector<int>&
     const auto before =
         std::find_if(looks_.begin(), looks_.end(), [&](const Look& look) { return look.object == looks_[i].object; });
     if (before->utime <= since) {
-      displaced = (before->utime < since || displaced) &&
-                  is_beyond_slip(*before, looks_[i], wheel_base_, rules_.displacement) && moved_on(looks_[i]);
+      displaced = (before->utime < since || displaced) && is_displaced(*before, looks_[i]) && moved_on(looks_[i]);
       since = before->utime;
     }
   }
@@ -50,6 +55,15 @@ bool DisplacementWatch::look(const SightingFrame& frame, const std::vector<int>&
     run_ = 0;
   }
   return run_ >= rules_.displacement_frames;
+}
+
+// Who is lifted while driving may have been moved by slipping wheels before, but not since they stand.
+bool DisplacementWatch::is_displaced(const Look& before, const Look& now) const {
+  const auto at_rest = std::find_if(looks_.begin(), looks_.end(), [&](const Look& look) {
+    return look.object == now.object && look.utime >= at_rest_since_;
+  });
+  return is_beyond_slip(before, now, wheel_base_, rules_.displacement) ||
+         is_beyond_slip(*at_rest, now, wheel_base_, rules_.displacement);
 }
 
 bool DisplacementWatch::moved_on(const Look& now) const {

@@ -31,12 +31,16 @@ class DisplacementWatch {
     int object = 0;
   };
 
+  /// Since `before`, or since they stand, the wheels do not explain where it is now.
+  [[nodiscard]] bool is_displaced(const Look& before, const Look& now) const;
   /// It went there from image to image and did not jump.
   [[nodiscard]] bool moved_on(const Look& now) const;
 
   double wheel_base_;  // [m]
   TrackingRules rules_;
   std::deque<Look> looks_;            // oldest first
+  Pose2 odom_at_frame_;               // odom_from_robot at the image before
+  std::int64_t at_rest_since_ = 0;    // [us] of the first image since which the wheels stand
   int run_ = 0;                       // images that showed it, others that could not tell left out
   std::int64_t displaced_utime_ = 0;  // [us] of the last of them
 };

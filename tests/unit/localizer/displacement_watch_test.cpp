@@ -104,6 +104,12 @@ TEST(DisplacementWatch, TellsThatARobotIsMovedAsideWhileItsWheelsTurn) {
   EXPECT_TRUE(robot.move({0.4, 0.4}, {0.0, 0.6, 0.0}, 1.0));
 }
 
+TEST(DisplacementWatch, TellsThatARobotLiftedWhileDrivingIsMovedBackAsSoonAsOfOneThatStood) {
+  WatchedRobot robot;
+  ASSERT_FALSE(robot.drive({0.5, 0.5}, {0.5, 0.5}, 1.0));
+  EXPECT_TRUE(robot.move({}, {-0.6, 0.0, 0.0}, 0.5));  // by less than the wheels turned within the last 0.6 s before
+}
+
 TEST(DisplacementWatch, TakesSlippingWheelsForWhatTheyAre) {
   for (const WheelSpeeds ground : {WheelSpeeds{0.0, 0.0}, {0.25, 0.25}, {0.5, 0.0}, {0.0, 0.5}}) {
     WatchedRobot robot;
