@@ -57,13 +57,14 @@ bool DisplacementWatch::look(const SightingFrame& frame, const std::vector<int>&
   return run_ >= rules_.displacement_frames;
 }
 
-// Who is lifted while driving may have been moved by slipping wheels before, but not since they stand.
+// Who is lifted while driving may have been moved by slipping wheels before, but not since they stand. Any look since
+// then tells: the first may be one that hardly says where the thing was.
 bool DisplacementWatch::is_displaced(const Look& before, const Look& now) const {
-  const auto at_rest = std::find_if(looks_.begin(), looks_.end(), [&](const Look& look) {
-    return look.object == now.object && look.utime >= at_rest_since_;
-  });
   return is_beyond_slip(before, now, wheel_base_, rules_.displacement) ||
-         is_beyond_slip(*at_rest, now, wheel_base_, rules_.displacement);
+         std::any_of(looks_.begin(), looks_.end(), [&](const Look& look) {
+           return look.object == now.object && look.utime >= at_rest_since_ &&
+                  is_beyond_slip(look, now, wheel_base_, rules_.displacement);
+         });
 }
 
 bool DisplacementWatch::moved_on(const Look& now) const {
