@@ -58,6 +58,7 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
   rules.leave_position_sigma = table.number("leave_position_sigma", rules.leave_position_sigma, {0.01, 5.0});
   rules.leave_heading_sigma = table.number("leave_heading_sigma", rules.leave_heading_sigma, {0.01, 3.0});
   rules.misfit_frames = table.count("misfit_frames", rules.misfit_frames, {1, 1000});
+  rules.newcomer_frames = table.count("newcomer_frames", rules.newcomer_frames, {1, 1000});
   rules.vanish_frames = table.count("vanish_frames", rules.vanish_frames, {1, 1000});
   rules.still_distance = table.number("still_distance", rules.still_distance, {0.0, 1.0});
   rules.still_turn = table.number("still_turn", rules.still_turn, {0.0, 1.0});
