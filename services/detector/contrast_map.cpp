@@ -208,9 +208,9 @@ void flatten(std::uint8_t* image, const std::uint8_t* mean, std::size_t count) {
 }
 
 LUMINAV_VECTOR_CLONES
-void unflatten(std::uint8_t* image, const std::uint8_t* mean, std::size_t count) {
+void unflatten(std::uint8_t* image, const std::uint8_t* mean, int count) {
 #pragma GCC ivdep
-  for (std::size_t i = 0; i < count; ++i) {
+  for (int i = 0; i < count; ++i) {
     image[i] = static_cast<std::uint8_t>(std::clamp(image[i] + mean[i] - kFlatLevel, 0, 255));
   }
 }
@@ -229,13 +229,6 @@ void cap(const std::uint8_t* image, const std::uint8_t* level, std::size_t count
   for (std::size_t i = 0; i < count; ++i) {
     const auto top = static_cast<std::uint8_t>(std::min<std::uint8_t>(level[i], 255 - kCap) + kCap);
     out[i] = std::min(image[i], top);
-  }
-}
-
-void cut_margin(const Raster& image, int margin, Raster& result) {
-  result.resize(image.width - 2 * margin, image.height - 2 * margin);
-  for (int y = 0; y < result.height; ++y) {
-    std::copy_n(image.row(y + margin) + margin, result.width, result.row(y));
   }
 }
 
@@ -326,14 +319,18 @@ void ContrastMap::compute(const Raster& image, int radius, bool ignore_lines) {
   capped_.resize(wide_.width, wide_.height);
   const std::size_t count = wide_.cells.size();
   cap(wide_.cells.data(), wide_opened_.cells.data(), count, capped_.cells.data());
-  // A closing fills a hollow only up to its lowest rim: without its slope, the rim is the same all round.
-  average(capped_, 2 * half_radius, mean_, sums_, per_cell_);
+  // A closing fills a hollow only up to its lowest rim: without its slope, the rim is the same all round. The slope is
+  // taken from the opening, or a lamp would make a hollow of its own beside it, and from a quarter of the cells: it is
+  // smooth.
+  reduce({wide_.width, wide_.height, wide_opened_.cells}, 2, coarse_);
+  average(coarse_, half_radius, coarse_mean_, sums_, per_cell_);
+  enlarge(coarse_mean_, wide_.width, wide_.height, mean_);
   flatten(capped_.cells.data(), mean_.cells.data(), count);
-  dilate(capped_, half_radius, eroded_, scratch_);
-  erode(eroded_, half_radius, closed_, scratch_);
-  unflatten(closed_.cells.data(), mean_.cells.data(), count);
-  cut_margin(closed_, margin, wide_);
-  std::swap(wide_, closed_);
+  dilate_within(capped_, half_radius, filled_);
+  erode_within(filled_, half_radius, closed_);
+  for (int y = 0; y < closed_.height; ++y) {
+    unflatten(closed_.row(y), mean_.row(y + margin) + margin, closed_.width);
+  }
   enlarge(closed_, image.width, image.height, closed_full_);
   sink_below(closed_full_, *clean, dark_);
 

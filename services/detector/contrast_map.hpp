@@ -33,10 +33,13 @@ class ContrastMap {
   Raster eroded_;
   Raster wide_opened_;
   Raster capped_;
+  Raster coarse_;  // half the size once more
+  Raster coarse_mean_;
   Raster mean_;
   std::vector<std::uint32_t> sums_;
   std::vector<float> per_cell_;      // inverse areas of windows
   std::vector<std::uint8_t> steps_;  // between neighbours
+  Raster filled_;
   Raster closed_;
   Raster peak_;
   Raster broad_;

@@ -82,22 +82,15 @@ void smaller_of_rows(const std::uint8_t* a, const std::uint8_t* b, int stride, i
   }
 }
 
-/// Running extreme over 2 radius + 1 cells in x, then in y. Windows of 1, 2, 4, ... cells are combined from two of half
-/// the size, so the cost grows with the logarithm of the radius; every step is one straight loop over all rows. What it
-/// mixes from the next row lands in columns that are no longer read.
-void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Combine combine, CombineRows combine_rows,
-                     Raster& result, Raster& padded) {
+/// Running extreme over 2 radius + 1 cells in x, then in y, where the windows lie within the image; its cells are lost.
+/// Windows of 1, 2, 4, ... cells are combined from two of half the size, so the cost grows with the logarithm of the
+/// radius; every step is one straight loop over all rows. What it mixes from the next row lands in columns that are no
+/// longer read.
+void extreme_within(Raster& image, int radius, Combine combine, CombineRows combine_rows, Raster& result) {
   const int window = 2 * radius + 1;
-  const int width = image.width;
-  const int height = image.height;
-  padded.resize(width + 2 * radius, height + 2 * radius);
-  const int stride = padded.width;
-  std::uint8_t* cells = padded.cells.data();
-  std::memset(cells, neutral, padded.cells.size());
-  for (int y = 0; y < height; ++y) {
-    std::memcpy(padded.row(y + radius) + radius, image.row(y), static_cast<std::size_t>(width));
-  }
-  int count = static_cast<int>(padded.cells.size());
+  const int stride = image.width;
+  std::uint8_t* cells = image.cells.data();
+  int count = static_cast<int>(image.cells.size());
   const auto combine_with = [&](int ahead) {
     count -= ahead;
     combine(cells, cells + ahead, count, cells);
@@ -109,12 +102,23 @@ void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Comb
   if (window > size) {
     combine_with(window - size);
   }
-  count = (height + 2 * radius) * stride;
+  count = image.height * stride;
   for (size = 1; 2 * size <= window; size *= 2) {
     combine_with(size * stride);
   }
-  result.resize(width, height);
-  combine_rows(cells, padded.row(window - size), stride, height, width, result.row(0));
+  result.resize(image.width - 2 * radius, image.height - 2 * radius);
+  combine_rows(cells, image.row(window - size), stride, result.height, result.width, result.row(0));
+}
+
+/// The same of all cells: beyond the border all is `neutral`.
+void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Combine combine, CombineRows combine_rows,
+                     Raster& result, Raster& padded) {
+  padded.resize(image.width + 2 * radius, image.height + 2 * radius);
+  std::memset(padded.cells.data(), neutral, padded.cells.size());
+  for (int y = 0; y < image.height; ++y) {
+    std::memcpy(padded.row(y + radius) + radius, image.row(y), static_cast<std::size_t>(image.width));
+  }
+  extreme_within(padded, radius, combine, combine_rows, result);
 }
 
 #if defined(__x86_64__)
@@ -209,6 +213,14 @@ void dilate(const Raster& image, int radius, Raster& result, Raster& scratch) {
 
 void erode(const Raster& image, int radius, Raster& result, Raster& scratch) {
   running_extreme(image, radius, 255, smaller_of, smaller_of_rows, result, scratch);
+}
+
+void dilate_within(Raster& image, int radius, Raster& result) {
+  extreme_within(image, radius, larger_of, larger_of_rows, result);
+}
+
+void erode_within(Raster& image, int radius, Raster& result) {
+  extreme_within(image, radius, smaller_of, smaller_of_rows, result);
 }
 
 }  // namespace luminav

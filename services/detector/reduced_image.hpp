@@ -32,5 +32,9 @@ void reduce(const GreyView& image, int factor, Raster& result);
 /// Largest (smallest) cell within `radius` cells in x and y; beyond the border there is nothing.
 void dilate(const Raster& image, int radius, Raster& result, Raster& scratch);
 void erode(const Raster& image, int radius, Raster& result, Raster& scratch);
+/// The same where all of that lies within the image, whose cells are lost: the result is smaller by `radius` on every
+/// side.
+void dilate_within(Raster& image, int radius, Raster& result);
+void erode_within(Raster& image, int radius, Raster& result);
 
 }  // namespace luminav

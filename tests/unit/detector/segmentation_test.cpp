@@ -85,6 +85,32 @@ TEST(Morphology, EqualsTheExtremesCountedByHand) {
   }
 }
 
+TEST(Morphology, IsTheSameWithinTheImageWhereTheBorderIsOutOfReach) {
+  for (const int radius : {1, 3, 7}) {
+    const Raster image = random_raster(37, 29, static_cast<std::uint32_t>(radius));
+    Raster scratch;
+    Raster dilated;
+    Raster eroded;
+    dilate(image, radius, dilated, scratch);
+    erode(image, radius, eroded, scratch);
+    Raster largest;
+    Raster smallest;
+    Raster lost = image;
+    dilate_within(lost, radius, largest);
+    lost = image;
+    erode_within(lost, radius, smallest);
+    ASSERT_EQ(largest.width, image.width - 2 * radius);
+    ASSERT_EQ(largest.height, image.height - 2 * radius);
+    ASSERT_EQ(smallest.cells.size(), largest.cells.size());
+    for (int y = 0; y < largest.height; ++y) {
+      for (int x = 0; x < largest.width; ++x) {
+        ASSERT_EQ(largest.row(y)[x], dilated.row(y + radius)[x + radius]) << radius << " at " << x << ", " << y;
+        ASSERT_EQ(smallest.row(y)[x], eroded.row(y + radius)[x + radius]) << radius << " at " << x << ", " << y;
+      }
+    }
+  }
+}
+
 TEST(RegionFinder, JoinsPartsThatMeetFurtherDown) {
   RegionFinder finder;
   const auto& regions = finder.find(raster_of({"#...#..#", "#...#...", "##.##...", ".###...."}), 1);
@@ -281,6 +307,24 @@ TEST(ContrastMap, SeesNoDarkStripBetweenALampAndTheBorder) {
   ContrastMap map;
   map.compute(image, 8, true);
   EXPECT_LE(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 6);
+}
+
+TEST(ContrastMap, SeesNoHollowBesideALampInItsBloom) {
+  Raster image;
+  image.resize(160, 120);
+  const double c = std::cos(0.6);
+  const double s = std::sin(0.6);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double along = std::max(std::abs(c * (x - 45) + s * (y - 40)) - 19.0, 0.0);
+      const double across = std::max(std::abs(-s * (x - 45) + c * (y - 40)) - 5.0, 0.0);
+      image.row(y)[x] =
+          static_cast<std::uint8_t>(std::min(255.0, 70.0 + 150.0 * std::exp(-std::hypot(along, across) / 2.0)));
+    }
+  }
+  ContrastMap map;
+  map.compute(image, 14, true);
+  EXPECT_LE(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 3);
 }
 
 }  // namespace
