@@ -21,7 +21,7 @@ using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Eigen::Vector2d;
 
 constexpr std::size_t kMostPoints = 240;  // the long and the short sides of a large one
-constexpr double kSpacing = 4.0;          // [px]
+constexpr double kSpacing = 8.0;          // [px]
 constexpr double kCorner = 6.0;           // [px] from a corner nothing is measured
 constexpr double kBeyondBloom = 14.0;     // [px] from there to the middle of where the ceiling is taken
 constexpr std::size_t kDistances = 6;     // 2 px apart
