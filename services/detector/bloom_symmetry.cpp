@@ -22,10 +22,14 @@ constexpr double kNarrowBloom = 0.008;   // [m] of swelling; in broader bloom a 
 constexpr double kUnevenBloom = 0.01;    // of the swelling, 1 sigma
 constexpr double kLargestShift = 0.008;  // [m] ...
 constexpr double kLargestShare = 0.5;    // ... or this share of the swelling: of a joint in broad bloom
-constexpr double kSettled = 0.1;         // [px] of a shift: the next is a quarter of it, less than its error
+constexpr double kSettled = 0.15;        // [px] of a shift: the next is mostly a tenth of it, less than its error
 // How far off level bloom may put an outline, 1 sigma (rendered frames):
 constexpr double kLevelSigmaPx = 0.7;
 constexpr double kUnevenLevel = 0.2;  // of the swelling
+// Beside ceilings that differ too much to balance the steepest fall of the light is less far off (the same), unless
+// something else falls more steeply:
+constexpr double kSteepestSigmaPx = 0.5;
+constexpr double kSameEdgesPx = 1.0;
 
 /// [m] by which to go back of what an outline was `moved` along it from where its bloom is level. Where the ceilings
 /// beyond its ends are far from equally bright the balance is less sure than the level.
@@ -33,6 +37,21 @@ double go_back(double moved, double level_variance, Balance& balance) {
   const double share = balance.uneven_variance / (balance.uneven_variance + level_variance);
   balance.covariance(0, 0) -= share * balance.uneven_variance;
   return -share * moved;
+}
+
+struct AlongMove {
+  double shift = 0.0;     // [m] from where the bloom is level
+  double variance = 0.0;  // [m^2] of the place
+};
+
+/// Where an outline lies along its sides whose ends are in view, but too unlike to balance.
+AlongMove place_unlike_ends(const OutlineFit& level, const OutlineFit& seen, double level_variance) {
+  const double to_edges = (level.robot_from_outline.inverse() * seen.robot_from_outline).x;
+  const double step = level.metres_per_px;
+  if (std::abs(to_edges) > kSameEdgesPx * step) {
+    return {0.0, level_variance};
+  }
+  return {to_edges, seen.covariance(0, 0) + std::pow(kSteepestSigmaPx * step, 2)};
 }
 
 /// The only end whose bloom could be levelled, the border being too close to the other: 1 the far one, -1 the near one;
@@ -76,6 +95,10 @@ class SidePair {
   [[nodiscard]] std::optional<Balance> measure(const Pose2& pose) {
     constexpr KnownJoint kNone{.is_known = true};
     Differences differences = sides_.measure(pose, step_, saturated_);
+    can_be_compared_ = differences.count >= Differences::kLeast;
+    if (!can_be_compared_) {
+      return std::nullopt;
+    }
     if (!joints_) {
       const std::optional<Balance> balance = balance_sides(differences, length_, step_, {kNone, kNone});
       if (balance && !balance->needs_joint) {
@@ -96,6 +119,9 @@ class SidePair {
     }
     return balance_sides(differences, length_, step_, *joints_);
   }
+
+  /// Whether there was enough to compare at the last measurement.
+  [[nodiscard]] bool can_be_compared() const { return can_be_compared_; }
 
   /// The outline was moved towards the positive side.
   void move(double shift) {
@@ -129,12 +155,13 @@ class SidePair {
   Saturated saturated_;
   OppositeSides sides_;
   std::optional<KnownJoints> joints_;
+  bool can_be_compared_ = false;
 };
 
 }  // namespace
 
 void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
-                   const OutlineFitParams& params, OutlineFit& fit) {
+                   const OutlineFitParams& params, const OutlineFit& seen, OutlineFit& fit) {
   if (outline.shape == FixtureShape::kRound) {
     return;
   }
@@ -152,8 +179,10 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     Pose2 change;
     if (!along_settled) {
       const auto balance = ends.measure(pose);
-      along = balance ? balance : along;
-      change.x = balance ? balance->shift : 0.0;
+      if (balance && std::abs(balance->shift) <= largest_shift) {
+        along = balance;
+        change.x = balance->shift;
+      }
     }
     if (!across_settled) {
       across = sides.measure(pose);
@@ -162,7 +191,7 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
       // What is left of the turn must not move what is seen of the sides.
       change.y = across ? across->shift + (across->turn - change.theta) * middle : 0.0;
     }
-    if (std::max(std::abs(change.x), std::abs(change.y)) > largest_shift || std::abs(change.theta) > 0.02) {
+    if (std::abs(change.y) > largest_shift || std::abs(change.theta) > 0.02) {
       return;
     }
     pose = pose * change;
@@ -172,9 +201,19 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     across_settled = std::abs(change.y) < kSettled * step;
   }
   const Pose2 moved = fit.robot_from_outline.inverse() * pose;
+  const auto set_along = [&](double variance_along) {
+    fit.covariance.row(0).setZero();
+    fit.covariance.col(0).setZero();
+    fit.covariance(0, 0) = variance_along;
+  };
   Pose2 back;
+  const double level_variance = std::pow(kLevelSigmaPx * step, 2) + std::pow(kUnevenLevel * fit.swelling, 2);
   if (along) {
-    back.x = go_back(moved.x, std::pow(kLevelSigmaPx * step, 2) + std::pow(kUnevenLevel * fit.swelling, 2), *along);
+    back.x = go_back(moved.x, level_variance, *along);
+  } else if (ends.can_be_compared()) {
+    const AlongMove move = place_unlike_ends(fit, seen, level_variance);
+    back.x = move.shift - moved.x;
+    set_along(move.variance);
   } else {
     // What was off the level beside a long side went by halves into place and swelling, by which the end was placed.
     back.x = -only_level_end(image, camera, outline, fit) * std::abs(moved.y + moved.theta * middle);
@@ -199,9 +238,7 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     fit.covariance(2, 2) = of_turn;
   }
   if (along) {
-    fit.covariance.row(0).setZero();
-    fit.covariance.col(0).setZero();
-    fit.covariance(0, 0) = variance(*along, 0.0);
+    set_along(variance(*along, 0.0));
   }
 }
 

@@ -90,6 +90,7 @@ Differences OppositeSides::measure(const Pose2& robot_from_outline, double step,
   const double usable = length_ - 2.0 * std::min(kCorner * step, 0.2 * length_);
   const double stretch_px = usable / (step * static_cast<double>(kStretches));
   const std::size_t count = std::clamp<std::size_t>(static_cast<std::size_t>(stretch_px / kLinesApart), 2, kMostLines);
+  result.lines = static_cast<int>(count);
   std::array<LineEnds, 2 * kStretches * kMostLines> lines;
   project(PointTransform(robot_from_outline), usable, step, count, lines);
   Stretches stretches;
@@ -191,26 +192,36 @@ bool OppositeSides::take_ceiling_off(const Pose2& robot_from_outline, double ste
 void OppositeSides::project(const PointTransform& pose, double usable, double step, std::size_t count,
                             std::span<LineEnds> lines) const {
   constexpr double kAhead = 0.02;  // [m]
-  const std::size_t pairs = kStretches * count;
-  std::array<Vector2d, 4 * kStretches * kMostLines> points;
-  for (std::size_t line = 0; line < pairs; ++line) {
-    const double place = usable * ((static_cast<double>(line) + 0.5) / static_cast<double>(pairs) - 0.5);
+  // Within a stretch the lens bends a side by less than a hundredth of a pixel: only where stretches meet are lines
+  // projected, and those between are taken from these.
+  constexpr std::size_t kMeetings = kStretches + 1;
+  std::array<Vector2d, 4 * kMeetings> points;
+  for (std::size_t meeting = 0; meeting < kMeetings; ++meeting) {
+    const double place = usable * (static_cast<double>(meeting) / static_cast<double>(kStretches) - 0.5);
     for (const std::size_t negative : {std::size_t{0}, std::size_t{1}}) {
       const double side = negative == 0 ? 1.0 : -1.0;
       const Vector2d on_edge = place * along_ + side * half_width_ * out_;
-      const std::size_t i = 4 * line + 2 * negative;
+      const std::size_t i = 4 * meeting + 2 * negative;
       points[i] = pose * on_edge;
       points[i + 1] = pose * (on_edge + kAhead * side * out_);
     }
   }
-  std::array<Vector2d, 4 * kStretches * kMostLines> pixels;
-  camera_.pixels_of_ceiling_points({points.data(), 4 * pairs}, height_, {pixels.data(), 4 * pairs});
-  for (std::size_t i = 0; i < 2 * pairs; ++i) {
-    const Vector2d& pixel = pixels[2 * i];
-    LineEnds& line = lines[i];
-    line.advance = (pixels[2 * i + 1] - pixel) * (step / kAhead);
-    line.first = pixel - Differences::kInside * line.advance;
-    line.in_view = count_in_view(image_, line.first, line.advance);
+  std::array<Vector2d, 4 * kMeetings> pixels;
+  camera_.pixels_of_ceiling_points(points, height_, pixels);
+  for (std::size_t stretch = 0; stretch < kStretches; ++stretch) {
+    for (const std::size_t negative : {std::size_t{0}, std::size_t{1}}) {
+      const Vector2d* from = &pixels[4 * stretch + 2 * negative];
+      const Vector2d* to = from + 4;
+      for (std::size_t i = 0; i < count; ++i) {
+        const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+        const Vector2d pixel = from[0] + share * (to[0] - from[0]);
+        const Vector2d ahead = from[1] + share * (to[1] - from[1]);
+        LineEnds& line = lines[2 * (stretch * count + i) + negative];
+        line.advance = (ahead - pixel) * (step / kAhead);
+        line.first = pixel - Differences::kInside * line.advance;
+        line.in_view = count_in_view(image_, line.first, line.advance);
+      }
+    }
   }
 }
 

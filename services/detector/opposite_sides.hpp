@@ -17,13 +17,15 @@ struct Differences {
   static constexpr int kStretches = 8;   // of a pair of sides, each averaged
   static constexpr int kInside = 3;      // [px] of a profile that lie inside the outline as it looks ...
   static constexpr int kDistances = 15;  // ... of its pixels
+  static constexpr int kLeast = 40;      // with fewer there is nothing to balance
 
   std::array<std::array<float, kDistances>, kStretches> value{};  // [grey]
   std::array<std::array<bool, kDistances>, kStretches> valid{};
   std::array<double, kStretches> place{};                // [m] along the sides
   std::array<std::array<double, kDistances>, 2> fall{};  // [grey/px] outwards, of the positive and the negative side
   double apart = 0.0;                                    // [px] from the one side to the other
-  int count = 0;
+  int lines = 1;                                         // of a stretch
+  int count = 0;                                         // of those that are valid
 };
 
 /// What becomes of saturated samples.

@@ -119,5 +119,27 @@ TEST(BloomRegression, TakesAJointForAsDeepAsItIsBeyondTheCorners) {
   EXPECT_LT(known, 0.9 * error_beside_joints(false));
 }
 
+TEST(BloomRegression, IsLessSureOfDifferencesThatScatterMoreThanNoise) {
+  constexpr KnownJoint kNone{.is_known = true};
+  std::mt19937 rng(11);
+  double calm = 0.0;
+  double restless = 0.0;
+  for (int lamp = 0; lamp < 10; ++lamp) {
+    Differences differences = differences_on_a_slope(0.2, 0.3, rng);
+    const auto quiet = balance_sides(differences, kLength, kPixel, {kNone, kNone});
+    std::normal_distribution<float> scatter(0.0F, 4.0F);  // [grey]
+    for (auto& stretch : differences.value) {
+      for (float& value : stretch) {
+        value += scatter(rng);
+      }
+    }
+    const auto disturbed = balance_sides(differences, kLength, kPixel, {kNone, kNone});
+    ASSERT_TRUE(quiet && disturbed);
+    calm += quiet->covariance(0, 0);
+    restless += disturbed->covariance(0, 0);
+  }
+  EXPECT_GT(restless, 2.0 * calm);
+}
+
 }  // namespace
 }  // namespace luminav

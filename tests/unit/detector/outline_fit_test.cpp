@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <span>
 #include <vector>
 
@@ -92,18 +93,37 @@ struct LevelledLamp {
   Outline outline;
   OutlineFitParams params{.swelling_sigma = 0.02, .vignetting = 0.0};
   GreyImage image;
+  OutlineFit seen;
   OutlineFit fit;
 
   LevelledLamp(test::DrawnCeiling ceiling, const Pose2& lamp, double width)
       : truth(lamp), outline{.length = 1.2, .width = width, .height = kHeight} {
     ceiling.shapes = {{.pose = truth, .width = width}};
     image = test::draw_ceiling(ceiling, camera, kHeight);
+    level();
+  }
+  void level() {
     const auto found = OutlineFitter(model).fit(image.view(), outline, params, truth);
     EXPECT_TRUE(found);
-    fit = found.value_or(OutlineFit{});
+    seen = fit = found.value_or(OutlineFit{});
     level_bloom(image.view(), model, outline, params, fit);
   }
-  void balance() { balance_bloom(image.view(), model, outline, params, fit); }
+  void balance() { balance_bloom(image.view(), model, outline, params, seen, fit); }
+  /// Any grey levels beyond its far end's bloom.
+  void clutter_far_end() {
+    std::mt19937 rng(5);
+    std::uniform_int_distribution<int> grey(60, 200);
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const auto place = model.point_on_ceiling({x, y}, kHeight);
+        const Eigen::Vector2d beyond = truth.inverse() * place.value_or(Eigen::Vector2d::Zero());
+        if (beyond.x() > 0.5 * outline.length + 0.03 && std::abs(beyond.y()) < outline.width) {
+          image.pixels[static_cast<std::size_t>(y * image.width + x)] = static_cast<std::uint8_t>(grey(rng));
+        }
+      }
+    }
+    level();
+  }
   [[nodiscard]] Pose2 error() const { return truth.inverse() * fit.robot_from_outline; }
 };
 
@@ -135,6 +155,17 @@ TEST(BalanceBloom, KeepsToTheLevelWhereTheCeilingBeyondOneEndIsFarBrighter) {
     EXPECT_NEAR(lamp.error().x, 0.0, 1.2e-3) << "3 mm by the balance alone";
     EXPECT_GT(std::sqrt(lamp.fit.covariance(0, 0)), 1.0e-3);
   }
+}
+
+TEST(BalanceBloom, SaysThatItIsUnsureOfEndsThatAreTooUnlikeToBalance) {
+  LevelledLamp lamp({.bloom = kSaturatedBloom}, {0.05, -0.1, 0.2}, 0.3);
+  lamp.balance();
+  EXPECT_LT(std::sqrt(lamp.fit.covariance(0, 0)), 0.5e-3);
+  lamp.clutter_far_end();
+  lamp.balance();
+  EXPECT_GT(std::sqrt(lamp.fit.covariance(0, 0)), 1.5e-3);
+  EXPECT_NEAR(lamp.error().x, 0.0, 4.0e-3);
+  EXPECT_NEAR(lamp.error().y, 0.0, 0.9e-3);
 }
 
 TEST(BalanceBloom, PlacesTheOnlyEndInViewByTheBloomOfASideWithoutAJoint) {
