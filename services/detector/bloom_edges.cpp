@@ -21,7 +21,9 @@ using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Eigen::Vector2d;
 
 constexpr std::size_t kMostPoints = 240;  // the long and the short sides of a large one
-constexpr double kSpacing = 8.0;          // [px]
+constexpr double kSpacing = 8.0;          // [px] ...
+constexpr double kLeastSpacing = 4.0;     // ... of short sides, whose ceiling fewer points may miss in window glare, ...
+constexpr int kEnough = 24;               // ... up to so many points
 constexpr double kCorner = 6.0;           // [px] from a corner nothing is measured
 constexpr double kBeyondBloom = 14.0;     // [px] from there to the middle of where the ceiling is taken
 constexpr std::size_t kDistances = 6;     // 2 px apart
@@ -141,7 +143,8 @@ class BloomLevel {
     const auto add = [&](int side, const Vector2d& middle, const Vector2d& along, const Vector2d& normal,
                          double extent) {
       const double usable = extent - 2.0 * std::min(kCorner * metres_per_px_, 0.2 * extent);
-      const int count = std::clamp(static_cast<int>(usable / (kSpacing * metres_per_px_)), 4, 60);
+      const auto fitting = [&](double apart_px) { return static_cast<int>(usable / (apart_px * metres_per_px_)); };
+      const int count = std::clamp(std::max(fitting(kSpacing), std::min(fitting(kLeastSpacing), kEnough)), 4, 60);
       for (int i = 0; i < count && count_ < kMostPoints; ++i) {
         EdgePoint& point = points_[count_++];
         point.place = middle + usable * ((i + 0.5) / count - 0.5) * along;

@@ -26,10 +26,6 @@ constexpr double kSettled = 0.15;        // [px] of a shift: the next is mostly 
 // How far off level bloom may put an outline, 1 sigma (rendered frames):
 constexpr double kLevelSigmaPx = 0.7;
 constexpr double kUnevenLevel = 0.2;  // of the swelling
-// Beside ceilings that differ too much to balance the steepest fall of the light is less far off (the same), unless
-// something else falls more steeply:
-constexpr double kSteepestSigmaPx = 0.5;
-constexpr double kSameEdgesPx = 1.0;
 
 /// [m] by which to go back of what an outline was `moved` along it from where its bloom is level. Where the ceilings
 /// beyond its ends are far from equally bright the balance is less sure than the level.
@@ -37,21 +33,6 @@ double go_back(double moved, double level_variance, Balance& balance) {
   const double share = balance.uneven_variance / (balance.uneven_variance + level_variance);
   balance.covariance(0, 0) -= share * balance.uneven_variance;
   return -share * moved;
-}
-
-struct AlongMove {
-  double shift = 0.0;     // [m] from where the bloom is level
-  double variance = 0.0;  // [m^2] of the place
-};
-
-/// Where an outline lies along its sides whose ends are in view, but too unlike to balance.
-AlongMove place_unlike_ends(const OutlineFit& level, const OutlineFit& seen, double level_variance) {
-  const double to_edges = (level.robot_from_outline.inverse() * seen.robot_from_outline).x;
-  const double step = level.metres_per_px;
-  if (std::abs(to_edges) > kSameEdgesPx * step) {
-    return {0.0, level_variance};
-  }
-  return {to_edges, seen.covariance(0, 0) + std::pow(kSteepestSigmaPx * step, 2)};
 }
 
 /// The only end whose bloom could be levelled, the border being too close to the other: 1 the far one, -1 the near one;
@@ -161,7 +142,7 @@ class SidePair {
 }  // namespace
 
 void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
-                   const OutlineFitParams& params, const OutlineFit& seen, OutlineFit& fit) {
+                   const OutlineFitParams& params, OutlineFit& fit) {
   if (outline.shape == FixtureShape::kRound) {
     return;
   }
@@ -210,13 +191,12 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
   const double level_variance = std::pow(kLevelSigmaPx * step, 2) + std::pow(kUnevenLevel * fit.swelling, 2);
   if (along) {
     back.x = go_back(moved.x, level_variance, *along);
-  } else if (ends.can_be_compared()) {
-    const AlongMove move = place_unlike_ends(fit, seen, level_variance);
-    back.x = move.shift - moved.x;
-    set_along(move.variance);
   } else {
     // What was off the level beside a long side went by halves into place and swelling, by which the end was placed.
     back.x = -only_level_end(image, camera, outline, fit) * std::abs(moved.y + moved.theta * middle);
+    if (ends.can_be_compared()) {  // both are in view, and nothing says how far off the level is there
+      set_along(level_variance);
+    }
   }
   fit.robot_from_outline = pose * back;
   // Of the place `at` [m] along the sides.

@@ -10,9 +10,9 @@ namespace luminav {
 /// Moves a lit outline to where the light around it falls off alike on opposite sides. One level of the bloom says
 /// where it ends only on an even ceiling; here the whole fall of the light is compared, a robust regression of the
 /// difference between opposite sides on the slope of their mean, so that a joint or anything else beside one side is an
-/// outlier. Sides that are not both in view keep their place, and round outlines theirs; ends in view whose difference
-/// is not explained go back to where their edges were `seen` before the bloom was levelled.
+/// outlier. Sides that are not both in view keep their place, and round outlines theirs; so do ends in view whose
+/// difference is not explained, with a covariance that says so.
 void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Outline& outline,
-                   const OutlineFitParams& params, const OutlineFit& seen, OutlineFit& fit);
+                   const OutlineFitParams& params, OutlineFit& fit);
 
 }  // namespace luminav

@@ -221,7 +221,7 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
       const OutlineFitParams params = fit_params(region, level);
       const OutlineFit seen = candidate->fit;
       level_bloom(frame.image, camera_, candidate->hypothesis.outline, params, candidate->fit);
-      balance_bloom(frame.image, camera_, candidate->hypothesis.outline, params, seen, candidate->fit);
+      balance_bloom(frame.image, camera_, candidate->hypothesis.outline, params, candidate->fit);
       if (const auto dark_side = writer_.dark_half(frame, *candidate)) {
         place_by_dark_half(frame.image, camera_, candidate->hypothesis.outline, params, seen, *dark_side,
                            candidate->fit);

@@ -93,7 +93,6 @@ struct LevelledLamp {
   Outline outline;
   OutlineFitParams params{.swelling_sigma = 0.02, .vignetting = 0.0};
   GreyImage image;
-  OutlineFit seen;
   OutlineFit fit;
 
   LevelledLamp(test::DrawnCeiling ceiling, const Pose2& lamp, double width)
@@ -105,10 +104,10 @@ struct LevelledLamp {
   void level() {
     const auto found = OutlineFitter(model).fit(image.view(), outline, params, truth);
     EXPECT_TRUE(found);
-    seen = fit = found.value_or(OutlineFit{});
+    fit = found.value_or(OutlineFit{});
     level_bloom(image.view(), model, outline, params, fit);
   }
-  void balance() { balance_bloom(image.view(), model, outline, params, seen, fit); }
+  void balance() { balance_bloom(image.view(), model, outline, params, fit); }
   /// Any grey levels beyond its far end's bloom.
   void clutter_far_end() {
     std::mt19937 rng(5);
