@@ -29,11 +29,18 @@ inline int cell_at(const Raster& cells, const Eigen::Vector2d& pixel, int factor
   return cells.row(row)[column];
 }
 
+/// A narrower kind of fixture that a piece may as well be of which the border hides one long side.
+struct NarrowerReading {
+  double width = 0.0;  // [m]
+  double share = 0.0;  // 0..1 how likely it is, by how many of the kinds the building has
+};
+
 /// A guess of what a region shows, moved onto the image's edges.
 struct Candidate {
   OutlineHypothesis hypothesis;
   OutlineFit fit;
   double score = 0.0;
+  std::optional<NarrowerReading> narrower{};
 };
 
 }  // namespace luminav

@@ -133,10 +133,16 @@ const char* CandidateChecks::objection(const CeilingFrame& frame, const Candidat
   if (one_side) {
     const PieceFromOneSide piece(frame, camera_, candidate, *only_side, bright);
     return !piece.stands_out()                ? "no brighter or darker than its surroundings"
-           : piece.may_be_another(catalogue_) ? "may be another kind"
+           : piece.may_be_another(catalogue_) ? kMayBeAnother.data()
                                               : nullptr;
   }
   return may_be_something_else(frame, candidate, bright) ? "may be another element" : nullptr;
+}
+
+std::optional<NarrowerReading> CandidateChecks::rare_narrower(const CeilingFrame& frame,
+                                                              const Candidate& candidate) const {
+  const std::optional<Side> side = candidate.fit.only_side();
+  return side ? PieceFromOneSide(frame, camera_, candidate, *side, true).rare_narrower(catalogue_) : std::nullopt;
 }
 
 const char* CandidateChecks::objection_to_disc(const CeilingFrame& frame, const Candidate& candidate, int level) const {

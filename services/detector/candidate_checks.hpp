@@ -11,6 +11,8 @@ namespace luminav {
 
 /// The objection that a region cut out at a lower level may overcome.
 inline constexpr std::string_view kNotFilled = "not filled";
+/// The objection that a kind may overcome of which the building has far more than of the other.
+inline constexpr std::string_view kMayBeAnother = "may be another kind";
 
 /// What speaks against a candidate: its size, sides and ends without edges, an inside that is not filled, or something
 /// else that is listed and may look the same.
@@ -22,6 +24,10 @@ class CandidateChecks {
   /// Why a candidate cannot be what it was guessed to be; null when nothing speaks against it. `level` [grey] at which
   /// its lit region was cut out, 0 = unlit.
   [[nodiscard]] const char* objection(const CeilingFrame& frame, const Candidate& candidate, int level) const;
+
+  /// Of a lit candidate that `kMayBeAnother` objects to: what else it may be, when it is likely all the same.
+  [[nodiscard]] std::optional<NarrowerReading> rare_narrower(const CeilingFrame& frame,
+                                                             const Candidate& candidate) const;
 
  private:
   [[nodiscard]] const char* objection_to_disc(const CeilingFrame& frame, const Candidate& candidate, int level) const;

@@ -15,8 +15,11 @@ void add_once(std::vector<CeilingKind>& kinds, const CeilingKind& kind) {
            std::abs(other.length - kind.length) < kSameSide && std::abs(other.width - kind.width) < kSameSide &&
            std::abs(other.height - kind.height) < kSameHeight;
   };
-  if (std::none_of(kinds.begin(), kinds.end(), same)) {
+  const auto known = std::find_if(kinds.begin(), kinds.end(), same);
+  if (known == kinds.end()) {
     kinds.push_back(kind);
+  } else {
+    known->count += kind.count;
   }
 }
 

@@ -16,10 +16,11 @@ struct CeilingKind {
   int lamps = 2;
   bool luminous = true;  // may be brighter than the ceiling
   bool slatted = false;  // striped, as vents are
+  int count = 1;         // how many the building has
 };
 
-/// What a detector looks for: the kinds of the fixtures and of the other elements of a building, each once. An element
-/// that is listed keeps the detector from taking it for a part of a fixture.
+/// What a detector looks for: the kinds of the fixtures and of the other elements of a building, each kind once. An
+/// element that is listed keeps the detector from taking it for a part of a fixture.
 struct CeilingCatalogue {
   std::vector<CeilingKind> fixtures;
   std::vector<CeilingKind> elements;

@@ -92,6 +92,11 @@ Detection DetectionWriter::detection_of(const Candidate& candidate, DetectionSta
   detection.robot_from_fixture = fit.robot_from_outline;
   const double period = symmetry_period(outline.shape);
   Matrix3d covariance = fit.covariance;
+  double width = outline.width;
+  if (candidate.narrower) {
+    width = candidate.narrower->width;
+    covariance(1, 1) += candidate.narrower->share * std::pow(0.5 * (outline.width - width), 2);
+  }
 
   const bool bar = outline.shape == FixtureShape::kRectangle;
   detection.far_end_visible = !bar || fit.end_visible(kFarEnd);
@@ -148,7 +153,7 @@ Detection DetectionWriter::detection_of(const Candidate& candidate, DetectionSta
   detection.robot_from_fixture.theta = wrap_modulo(detection.robot_from_fixture.theta, period);
 
   detection.length = seen_to - seen_from;
-  detection.width = outline.width + 2.0 * fit.swelling;
+  detection.width = width + 2.0 * fit.swelling;
   const Pose2& pose = detection.robot_from_fixture;
   // after wrapping by a quarter or half turn the ends may have changed places
   const double turned_by = std::abs(wrap_angle(pose.theta - fit.robot_from_outline.theta));

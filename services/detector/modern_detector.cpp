@@ -199,6 +199,7 @@ void ModernDetector::detect(const GreyView& image, std::vector<Detection>& detec
 
 void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detection>& detections, DetectorTrace* trace) {
   tried_.clear();
+  open_.clear();
   row_peaks_.resize(static_cast<std::size_t>(reduced_.height));
   for (int y = 0; y < reduced_.height; ++y) {
     row_peaks_[static_cast<std::size_t>(y)] = largest_of(reduced_.row(y), static_cast<std::size_t>(reduced_.width));
@@ -232,8 +233,14 @@ void ModernDetector::look_for_lit(const CeilingFrame& frame, std::vector<Detecti
                                                  : bar ? writer_.resolve_strip(frame, *candidate)
                                                        : writer_.detection_of(*candidate, DetectionState::kLit);
       if (detection && !overlaps(*detection, detections)) {
-        detections.push_back(*detection);
+        (candidate->narrower ? open_ : detections).push_back(*detection);
       }
+    }
+  }
+  // At a lower level it may have been told after all which kind it is.
+  for (const Detection& detection : open_) {
+    if (!overlaps(detection, detections)) {
+      detections.push_back(detection);
     }
   }
 }
@@ -316,7 +323,7 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
   std::optional<Candidate> best;
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     const OutlineHypothesis& hypothesis = hypotheses[i];
-    if (hypothesis.from_edge && best) {
+    if (hypothesis.from_edge && best && !best->narrower) {
       break;  // these come last
     }
     if (std::any_of(tried_.begin(), tried_.end(),
@@ -340,8 +347,12 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
       }
       continue;
     }
-    Candidate candidate{hypothesis, *fit, 0.0};
+    Candidate candidate{.hypothesis = hypothesis, .fit = *fit};
     const char* verdict = checks_.objection(frame, candidate, level);
+    if (bright && verdict != nullptr && verdict == kMayBeAnother) {
+      candidate.narrower = checks_.rare_narrower(frame, candidate);
+      verdict = candidate.narrower ? nullptr : verdict;
+    }
     if (trace != nullptr) {
       trace->rectangles.push_back(writer_.detection_of(candidate, DetectionState::kUnknown).corners_px);
       trace->verdicts.emplace_back(verdict == nullptr ? "accepted" : verdict);
@@ -355,10 +366,12 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
     // An end that is seen says more than one that is not; among equals the outline that needs the least swelling.
     const double ends = (fit->end_visible(kFarEnd) ? 0.1 : 0.0) + (fit->end_visible(kNearEnd) ? 0.1 : 0.0);
     candidate.score = fit->quality() + ends - 2.0 * std::abs(fit->swelling);
-    if (!best || candidate.score > best->score) {
+    if (!best || (best->narrower && !candidate.narrower) ||
+        (candidate.score > best->score && best->narrower.has_value() == candidate.narrower.has_value())) {
       best = candidate;
     }
-    const bool certain = fit->end_visible(kFarEnd) && fit->end_visible(kNearEnd) && fit->quality() > 0.9;
+    const bool certain =
+        !candidate.narrower && fit->end_visible(kFarEnd) && fit->end_visible(kNearEnd) && fit->quality() > 0.9;
     if (certain) {
       break;
     }

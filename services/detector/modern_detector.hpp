@@ -68,6 +68,7 @@ class ModernDetector {
   Raster mask_;
   ContrastMap contrast_;
   std::vector<OutlineHypothesis> tried_;  // in this frame
+  std::vector<Detection> open_;           // lit ones that may be narrower ones as well
   RegionFinder finder_;
   OutlineProposer proposer_;
   OutlineFitter fitter_;

@@ -10,7 +10,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kSameSide = 0.06;  // [m] bloom and the fit's error, at most
+constexpr double kSameSide = 0.06;   // [m] bloom and the fit's error, at most
+constexpr double kSameWidth = 0.02;  // [m]
+constexpr int kFarMore = 2;          // times as many
 // [px] from the edge of a lamp its light is clearly less than its own. One side does not tell how far bloom moves its
 // edge; both ends do: the burning half of a fixture then looks up to 1.5 px wider than it is (rendered frames).
 constexpr double kBloomReach = 6.0;
@@ -145,11 +147,11 @@ bool PieceFromOneSide::goes_on_beyond(double width) const {
 bool PieceFromOneSide::may_be(double length, double width) const {
   const Outline& outline = candidate_.hypothesis.outline;
   const OutlineFit& fit = candidate_.fit;
-  const bool same = std::abs(length - outline.length) < kSameSide && std::abs(width - outline.width) < 0.02;
+  const bool same = std::abs(length - outline.length) < kSameSide && std::abs(width - outline.width) < kSameWidth;
   const bool too_short = fit.visible_to - fit.visible_from > length + kSameSide;
   const bool both_ends = fit.end_visible(kFarEnd) && fit.end_visible(kNearEnd);
   const bool other_length = both_ends && std::abs(length - outline.length) > kSameSide;
-  return !same && !too_short && !other_length && !(width < outline.width - 0.02 && goes_on_beyond(width));
+  return !same && !too_short && !other_length && !(width < outline.width - kSameWidth && goes_on_beyond(width));
 }
 
 bool PieceFromOneSide::is_rather(const CeilingKind& kind) const {
@@ -160,13 +162,39 @@ bool PieceFromOneSide::may_be_another(const CeilingCatalogue& catalogue) const {
   const auto is_or_half_is = [&](const CeilingKind& kind) {
     return is_rather(kind) || (bright_ && kind.lamps >= 2 && may_be(kind.length, 0.5 * kind.width));
   };
-  const auto element_is = [&](const CeilingKind& kind) {
+  return std::any_of(catalogue.fixtures.begin(), catalogue.fixtures.end(), is_or_half_is) ||
+         may_be_an_element(catalogue);
+}
+
+bool PieceFromOneSide::may_be_an_element(const CeilingCatalogue& catalogue) const {
+  return std::any_of(catalogue.elements.begin(), catalogue.elements.end(), [&](const CeilingKind& kind) {
     return (kind.luminous || !bright_) && is_rather(kind) &&
            !(kind.slatted && is_surely_smooth(frame_.image, camera_, candidate_.hypothesis.outline, candidate_.fit,
                                               frame_.pixel_noise));
-  };
-  return std::any_of(catalogue.fixtures.begin(), catalogue.fixtures.end(), is_or_half_is) ||
-         std::any_of(catalogue.elements.begin(), catalogue.elements.end(), element_is);
+  });
+}
+
+std::optional<NarrowerReading> PieceFromOneSide::rare_narrower(const CeilingCatalogue& catalogue) const {
+  const Outline& outline = candidate_.hypothesis.outline;
+  int own = 0;
+  int narrower = 0;
+  double width = outline.width;
+  for (const CeilingKind& kind : catalogue.fixtures) {
+    const bool is_as_long =
+        kind.shape == FixtureShape::kRectangle && std::abs(kind.length - outline.length) < kSameSide;
+    if (is_as_long && std::abs(kind.width - outline.width) < kSameWidth) {
+      own += kind.count;
+    } else if (is_as_long && kind.width < outline.width && may_be(kind.length, kind.width)) {
+      narrower += kind.count;
+      width = std::min(width, kind.width);
+    } else if (is_rather(kind)) {
+      return std::nullopt;
+    }
+  }
+  if (own < kFarMore * narrower || may_be_an_element(catalogue)) {
+    return std::nullopt;
+  }
+  return NarrowerReading{width, static_cast<double>(narrower) / std::max(own + narrower, 1)};
 }
 
 }  // namespace luminav

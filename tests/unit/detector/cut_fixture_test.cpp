@@ -281,6 +281,18 @@ TEST(CutFixture, LeavesOutAPieceThatIsNoDeeperThanANarrowerFixture) {
   EXPECT_TRUE(detect(ceiling).empty());
 }
 
+TEST(CutFixture, TakesAPieceThatMayBeNarrowerForTheKindThatIsFarMoreCommon) {
+  const Pose2 truth{1.13, 0.1, 0.5 * kPi};  // as above
+  CeilingCatalogue catalogue = test::test_catalogue();
+  catalogue.fixtures[0].count = 3;
+  const auto detections = detect({.shapes = {{.pose = truth}}}, test::test_camera(), catalogue);
+  ASSERT_EQ(detections.size(), 1U);
+  expect_at(detections[0], truth, 10e-3, radians(0.3));
+  EXPECT_LT(detections[0].width, 0.20) << "what is sure of it";
+  EXPECT_NEAR(std::sqrt(detections[0].covariance(0, 0)), 0.5 * 0.075, 2e-3) << "one in four lies 75 mm nearer";
+  EXPECT_LT(detections[0].covariance(1, 1), 1e-4) << "both ends are in view";
+}
+
 TEST(CutFixture, LeavesTheCentreOpenWhenNoEndIsSeen) {
   CeilingCatalogue catalogue = test::test_catalogue();
   catalogue.fixtures = {{.length = 3.0, .width = 0.3, .height = 2.8, .lamps = 2}};
