@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kStretches = Differences::kStretches;
 constexpr int kDistances = Differences::kDistances;
-constexpr double kNoise = 3.0;        // [grey] of a stretch's mean
+constexpr double kNoise = 6.0;        // [grey] of a stretch's mean, with what nothing here explains, ...
+constexpr double kMostNoise = 12.0;   // ... and where more of them are off than mostly
 constexpr double kMedianNoise = 1.2;  // [grey] of the median over stretches
 constexpr double kBlurError = 0.03;   // [px] by which the fall of the light may differ between sides
 constexpr double kCutoff = 3.0;       // sigmas, Tukey's
@@ -28,9 +29,11 @@ constexpr double kHeightSigma = 0.15;      // of its height ...
 constexpr double kLeastHeightSigma = 1.0;  // [grey]
 constexpr double kPlaceSigma = 0.5;        // [px]
 constexpr double kLeastInliers = 0.5;      // of the samples, by weight
-// Tukey's weights leave so much of samples that scatter as they are taken to; where less is left they scatter more, in
-// variance (2,650 rendered lamps: as normalised squared errors grow).
-constexpr double kExpectedShare = 0.815;
+constexpr double kManyInliers = 0.7;
+// Tukey's weights leave so much of samples that scatter by half of the noise, in variance by the share that is left;
+// where they leave less that is more (2,280 rendered lamps: as normalised squared errors grow).
+constexpr double kExpectedShare = 0.95;
+constexpr double kLeastScatter = 0.28;
 constexpr double kScatterOfShare = 12.0;
 // [px] 1 sigma of a joint's profile, and of one that is not quite parallel
 constexpr std::array<double, 2> kJointSigmas{1.15, 1.6};
@@ -91,6 +94,7 @@ class Regression {
     if (!solution_.allFinite() || weights_ < kLeastInliers * differences_.count) {
       return std::nullopt;
     }
+    const double share = weights_ / differences_.count;
     const Eigen::LLT<Matrix> root(information_);
     const Vector of_shift = root.solve(Vector::Unit(0));
     const Vector of_turn = root.solve(Vector::Unit(4));
@@ -101,7 +105,7 @@ class Regression {
     balance.uneven_variance = step * step * square(kUnevenEdge * square(solution_(1) / std::max(steepest, 1.0)));
     balance.shift = step * (solution_(0) + joint_pull_);
     balance.turn = step * solution_(4) / length;
-    const double scatter = 1.0 + kScatterOfShare * std::max(0.0, kExpectedShare - weights_ / differences_.count);
+    const double scatter = kLeastScatter + kScatterOfShare * std::max(0.0, kExpectedShare - share);
     const double variance = step * step * (scatter * of_shift(0) + joint_variance_) + balance.uneven_variance;
     const double of_both = step * step / length * scatter * of_shift(4);
     balance.covariance << variance, of_both, of_both, step * step / (length * length) * scatter * of_turn(4);
@@ -306,9 +310,22 @@ class Regression {
     return cost;
   }
 
-  /// From the medians' solution on, of which two steps leave little (rendered frames: as accurate as four).
+  /// From the medians' solution on. Where many differences are off from what it explains, as beside a window, those
+  /// that are off by more say as much as the few that agree.
   void fit_all() {
-    take_precisions(kNoise);
+    const Vector of_medians = solution_;
+    for (double noise = kNoise; noise <= kMostNoise; noise *= 2.0) {
+      solution_ = of_medians;
+      fit_all_within(noise);
+      if (!solution_.allFinite() || weights_ >= kManyInliers * differences_.count) {
+        return;
+      }
+    }
+  }
+
+  /// By two steps, which leave little (rendered frames: as accurate as four). `noise` [grey] of a stretch's mean.
+  void fit_all_within(double noise) {
+    take_precisions(noise);
     for (int pass = 0; pass < 2; ++pass) {
       RegressionSums sums;
       add_priors(sums);

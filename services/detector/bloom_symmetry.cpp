@@ -159,11 +159,12 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
   for (int pass = 0; pass < 3 && !(across_settled && along_settled); ++pass) {
     Pose2 change;
     if (!along_settled) {
-      const auto balance = ends.measure(pose);
-      if (balance && std::abs(balance->shift) <= largest_shift) {
-        along = balance;
-        change.x = balance->shift;
+      along = ends.measure(pose);
+      if (along && std::abs(along->shift) > largest_shift) {
+        along.reset();
       }
+      // What does not come to rest is no balance: the level is kept then.
+      change.x = along ? along->shift : (pose.inverse() * fit.robot_from_outline).x;
     }
     if (!across_settled) {
       across = sides.measure(pose);
@@ -178,7 +179,7 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     pose = pose * change;
     sides.move(change.y);
     ends.move(change.x);
-    along_settled = std::abs(change.x) < kSettled * step;
+    along_settled = along_settled || !along || std::abs(change.x) < kSettled * step;
     across_settled = std::abs(change.y) < kSettled * step;
   }
   const Pose2 moved = fit.robot_from_outline.inverse() * pose;
