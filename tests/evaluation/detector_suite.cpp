@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <thread>
+#include <utility>
 
 #include "tests/evaluation/detector_score/detector_score.hpp"
 
@@ -50,6 +51,7 @@ std::vector<DetectorCondition> measure_detector(const std::string& mode, int thr
       fmt::print(stderr, "detector: {}\n", score::score_table_row(matrix[i].name, scores[i]));
     }
   };
+  fmt::print(stderr, "detector: {}\n", score::score_table_header());
   std::vector<std::thread> workers;
   for (int i = 1; i < threads; ++i) {
     workers.emplace_back(work);
@@ -59,12 +61,19 @@ std::vector<DetectorCondition> measure_detector(const std::string& mode, int thr
     worker.join();
   }
   std::vector<DetectorCondition> conditions;
+  score::DetectorScore lit;
   score::DetectorScore all;
   for (std::size_t i = 0; i < matrix.size(); ++i) {
     conditions.push_back(condition_of(matrix[i].name, scores[i]));
     all.add(scores[i]);
+    if (matrix[i].lamps_on) {
+      lit.add(scores[i]);
+    }
   }
-  conditions.push_back(condition_of("matrix", all));
+  for (const auto& [name, score] : {std::pair{"with lamps on", lit}, std::pair{"matrix", all}}) {
+    fmt::print(stderr, "detector: {}\n", score::score_table_row(name, score));
+    conditions.push_back(condition_of(name, score));
+  }
   return conditions;
 }
 

@@ -119,26 +119,45 @@ TEST(BloomRegression, TakesAJointForAsDeepAsItIsBeyondTheCorners) {
   EXPECT_LT(known, 0.9 * error_beside_joints(false));
 }
 
+/// What is off from everything that the regression knows, 1 sigma [grey].
+Differences disturbed(Differences differences, float sigma, std::mt19937& rng) {
+  std::normal_distribution<float> scatter(0.0F, sigma);
+  for (auto& stretch : differences.value) {
+    for (float& value : stretch) {
+      value += scatter(rng);
+    }
+  }
+  return differences;
+}
+
 TEST(BloomRegression, IsLessSureOfDifferencesThatScatterMoreThanNoise) {
   constexpr KnownJoint kNone{.is_known = true};
   std::mt19937 rng(11);
   double calm = 0.0;
   double restless = 0.0;
   for (int lamp = 0; lamp < 10; ++lamp) {
-    Differences differences = differences_on_a_slope(0.2, 0.3, rng);
+    const Differences differences = differences_on_a_slope(0.2, 0.3, rng);
     const auto quiet = balance_sides(differences, kLength, kPixel, {kNone, kNone});
-    std::normal_distribution<float> scatter(0.0F, 4.0F);  // [grey]
-    for (auto& stretch : differences.value) {
-      for (float& value : stretch) {
-        value += scatter(rng);
-      }
-    }
-    const auto disturbed = balance_sides(differences, kLength, kPixel, {kNone, kNone});
-    ASSERT_TRUE(quiet && disturbed);
+    const auto loud = balance_sides(disturbed(differences, 4.0F, rng), kLength, kPixel, {kNone, kNone});
+    ASSERT_TRUE(quiet && loud);
     calm += quiet->covariance(0, 0);
-    restless += disturbed->covariance(0, 0);
+    restless += loud->covariance(0, 0);
   }
   EXPECT_GT(restless, 2.0 * calm);
+}
+
+TEST(BloomRegression, BalancesSidesOfWhichMostDifferencesAreOffByMoreThanNoise) {
+  constexpr KnownJoint kNone{.is_known = true};
+  std::mt19937 rng(11);
+  double squares = 0.0;
+  constexpr int kLamps = 10;
+  for (int lamp = 0; lamp < kLamps; ++lamp) {
+    const Differences differences = disturbed(differences_on_a_slope(0.4, 0.3, rng), 10.0F, rng);
+    const auto balance = balance_sides(differences, kLength, kPixel, {kNone, kNone});
+    ASSERT_TRUE(balance) << lamp;
+    squares += std::pow(balance->shift / kPixel - 0.4, 2);
+  }
+  EXPECT_LT(std::sqrt(squares / kLamps), 0.2) << "px";
 }
 
 }  // namespace
