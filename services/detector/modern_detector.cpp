@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/bloom_edges.hpp"
@@ -366,8 +367,8 @@ std::optional<Candidate> ModernDetector::best_candidate(const CeilingFrame& fram
     // An end that is seen says more than one that is not; among equals the outline that needs the least swelling.
     const double ends = (fit->end_visible(kFarEnd) ? 0.1 : 0.0) + (fit->end_visible(kNearEnd) ? 0.1 : 0.0);
     candidate.score = fit->quality() + ends - 2.0 * std::abs(fit->swelling);
-    if (!best || (best->narrower && !candidate.narrower) ||
-        (candidate.score > best->score && best->narrower.has_value() == candidate.narrower.has_value())) {
+    const auto rank = [](const Candidate& one) { return std::pair(!one.narrower, one.score); };
+    if (!best || rank(candidate) > rank(*best)) {
       best = candidate;
     }
     const bool certain =

@@ -158,11 +158,13 @@ bool PieceFromOneSide::is_rather(const CeilingKind& kind) const {
   return kind.shape != FixtureShape::kRound && (may_be(kind.length, kind.width) || may_be(kind.width, kind.length));
 }
 
+bool PieceFromOneSide::may_be_it_or_half_of(const CeilingKind& kind) const {
+  return is_rather(kind) || (bright_ && kind.lamps >= 2 && may_be(kind.length, 0.5 * kind.width));
+}
+
 bool PieceFromOneSide::may_be_another(const CeilingCatalogue& catalogue) const {
-  const auto is_or_half_is = [&](const CeilingKind& kind) {
-    return is_rather(kind) || (bright_ && kind.lamps >= 2 && may_be(kind.length, 0.5 * kind.width));
-  };
-  return std::any_of(catalogue.fixtures.begin(), catalogue.fixtures.end(), is_or_half_is) ||
+  return std::any_of(catalogue.fixtures.begin(), catalogue.fixtures.end(),
+                     [&](const CeilingKind& kind) { return may_be_it_or_half_of(kind); }) ||
          may_be_an_element(catalogue);
 }
 
@@ -187,14 +189,14 @@ std::optional<NarrowerReading> PieceFromOneSide::rare_narrower(const CeilingCata
     } else if (is_as_long && kind.width < outline.width && may_be(kind.length, kind.width)) {
       narrower += kind.count;
       width = std::min(width, kind.width);
-    } else if (is_rather(kind)) {
+    } else if (may_be_it_or_half_of(kind)) {
       return std::nullopt;
     }
   }
-  if (own < kFarMore * narrower || may_be_an_element(catalogue)) {
+  if (own == 0 || own < kFarMore * narrower || may_be_an_element(catalogue)) {
     return std::nullopt;
   }
-  return NarrowerReading{width, static_cast<double>(narrower) / std::max(own + narrower, 1)};
+  return NarrowerReading{width, static_cast<double>(narrower) / (own + narrower)};
 }
 
 }  // namespace luminav

@@ -22,7 +22,7 @@ class PieceFromOneSide {
   /// True when the piece may as well be another of the kinds.
   [[nodiscard]] bool may_be_another(const CeilingCatalogue& catalogue) const;
   /// The narrower kind of fixture that it may be as well, when all that is open is which of these two it is, and far
-  /// more of the wider kind hang in the building.
+  /// more of the wider kind hang in the building. Half of a fixture of its own kind is no reading: few burn by half.
   [[nodiscard]] std::optional<NarrowerReading> rare_narrower(const CeilingCatalogue& catalogue) const;
 
  private:
@@ -48,6 +48,7 @@ class PieceFromOneSide {
   /// True when it goes on beyond the far side of a narrower thing.
   [[nodiscard]] bool goes_on_beyond(double width) const;
   [[nodiscard]] bool is_rather(const CeilingKind& kind) const;
+  [[nodiscard]] bool may_be_it_or_half_of(const CeilingKind& kind) const;
   [[nodiscard]] bool may_be_an_element(const CeilingCatalogue& catalogue) const;
 
   const CeilingFrame& frame_;

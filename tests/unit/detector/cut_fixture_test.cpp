@@ -291,6 +291,8 @@ TEST(CutFixture, TakesAPieceThatMayBeNarrowerForTheKindThatIsFarMoreCommon) {
   EXPECT_LT(detections[0].width, 0.20) << "what is sure of it";
   EXPECT_NEAR(std::sqrt(detections[0].covariance(0, 0)), 0.5 * 0.075, 2e-3) << "one in four lies 75 mm nearer";
   EXPECT_LT(detections[0].covariance(1, 1), 1e-4) << "both ends are in view";
+  catalogue.elements.push_back({.is_fixture = false, .length = 1.2, .width = 0.15, .height = 2.8, .lamps = 0});
+  EXPECT_TRUE(detect({.shapes = {{.pose = truth}}}, test::test_camera(), catalogue).empty()) << "a sign, perhaps";
 }
 
 TEST(CutFixture, LeavesTheCentreOpenWhenNoEndIsSeen) {
