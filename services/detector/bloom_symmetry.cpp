@@ -179,7 +179,7 @@ void balance_bloom(const GreyView& image, const CeilingCamera& camera, const Out
     pose = pose * change;
     sides.move(change.y);
     ends.move(change.x);
-    along_settled = along_settled || !along || std::abs(change.x) < kSettled * step;
+    along_settled = !along || std::abs(change.x) < kSettled * step;
     across_settled = std::abs(change.y) < kSettled * step;
   }
   const Pose2 moved = fit.robot_from_outline.inverse() * pose;
