@@ -59,6 +59,10 @@ P3dxNode::P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, 
 
 void P3dxNode::on_velocity_command(const velocity_command_t& message) {
   const std::int64_t now = wake();
+  if (message.robot != config_.robot.name) {
+    subscriber_.drop("VELOCITY_COMMAND: meant for another robot");
+    return;
+  }
   const std::string why = gate_.offer({.utime = message.utime,
                                        .session = message.session,
                                        .sequence = message.sequence,

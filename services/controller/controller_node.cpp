@@ -373,6 +373,7 @@ void ControllerNode::tick(std::int64_t utime) {
 void ControllerNode::publish_command(std::int64_t utime) {
   velocity_command_t command{};
   command.utime = utime;
+  command.robot = config_.robot.name;
   command.session = session_;
   command.sequence = command_sequence_++;
   command.linear_x = output_.twist.linear;

@@ -123,6 +123,7 @@ void DetectorNode::on_camera_image(const camera_image_t& message) {
     }
   }
   result.median_grey = detector_.median_grey();
+  result.exposure_us = message.exposure_us;
   result.count = static_cast<std::int32_t>(result.detections.size());
   lcm_.publish(channels::kFixtureDetections, &result);
 }

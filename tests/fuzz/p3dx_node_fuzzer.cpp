@@ -118,6 +118,7 @@ class Session {
   void command() {
     velocity_command_t message{};
     message.utime = clock_.utime();
+    message.robot = config().robot.name;
     message.session = 1;
     message.sequence = ++sequence_;
     message.linear_x = 0.1;

@@ -87,7 +87,7 @@ std::unique_ptr<lcm::LCM> open_lcm(const std::string& url) {
 }
 
 EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot)
-    : lcm_(lcm), process_(std::move(process)), robot_(std::move(robot)), host_(host_name()) {
+    : lcm_(lcm), process_(std::move(process)), robot_(std::move(robot)), host_(host_name()), instance_(now_wall()) {
   if (g_signal_pipe[0] < 0 && pipe2(g_signal_pipe, O_CLOEXEC | O_NONBLOCK) != 0) {
     throw std::runtime_error("cannot make a pipe for signals");
   }
@@ -195,6 +195,7 @@ void EventLoop::publish_status() {
   status.host = host_;
   status.robot = robot_;
   status.version = kVersion;
+  status.instance = instance_;
   published_state_ = status.state = state_of(health);
   status.reason = health.reason;
   status.dropped_inputs = health.dropped_inputs;

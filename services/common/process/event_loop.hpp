@@ -67,6 +67,7 @@ class EventLoop {
   std::string process_;
   std::string robot_;
   std::string host_;
+  std::int64_t instance_;  // [us] of the wall clock when it started
   std::vector<Watch> watches_;
   std::vector<pollfd> descriptors_;  // LCM, signals, then the watches
   std::vector<Timer> timers_;

@@ -61,8 +61,11 @@ class DetectorNodeTest : public testing::Test {
 
 TEST_F(DetectorNodeTest, AnswersAnImageWithItsFixtureAndItsCorrectedTime) {
   DetectorNode node(lcm_, config());
-  send(mono8(picture_with_one_fixture()));
+  camera_image_t image = mono8(picture_with_one_fixture());
+  image.exposure_us = 4000.0;
+  send(image);
   ASSERT_EQ(received_.size(), 1U);
+  EXPECT_EQ(received_[0].exposure_us, 4000.0);
   EXPECT_EQ(received_[0].utime, 5'000'000);
   EXPECT_EQ(received_[0].sequence, 7);
   ASSERT_EQ(received_[0].count, 1);

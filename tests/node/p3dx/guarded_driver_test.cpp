@@ -41,6 +41,7 @@ class Commander {
   void on_status(const robot_status_t& message) {
     velocity_command_t command{};
     command.utime = message.utime;
+    command.robot = P3dxBench::robot_config().robot.name;
     command.session = 1;
     command.sequence = ++sequence_;
     command.linear_x = kSpeed;

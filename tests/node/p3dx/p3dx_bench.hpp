@@ -73,10 +73,12 @@ class P3dxBench {
     linear_ = linear;
     angular_ = angular;
   }
+  std::string addressee = robot_config().robot.name;  // of the commands sent from now on
   void send_command(std::int64_t utime, std::int64_t session, std::int32_t sequence, double linear,
                     double angular = 0.0) {
     velocity_command_t command{};
     command.utime = utime;
+    command.robot = addressee;
     command.session = session;
     command.sequence = sequence;
     command.linear_x = linear;

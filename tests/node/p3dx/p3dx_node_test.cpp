@@ -99,6 +99,19 @@ TEST(P3dxNode, RefusesCommandsThatMakeNoSense) {
   EXPECT_EQ(bench.node.health().dropped_inputs, 4);
 }
 
+TEST(P3dxNode, RefusesCommandsForAnotherRobot) {
+  P3dxBench bench;
+  bench.run(2.0);
+  bench.addressee = "another";
+  bench.drive(0.4, 0.0);
+  bench.run(1.0);
+  EXPECT_EQ(bench.base.travel, 0.0);
+  EXPECT_GT(bench.node.health().dropped_inputs, 0);
+  bench.addressee = P3dxBench::robot_config().robot.name;
+  bench.run(1.0);
+  EXPECT_GT(bench.base.travel, 0.1);
+}
+
 TEST(P3dxNode, StandsStillWhileAStopIsInForce) {
   P3dxBench bench;
   bench.run(2.0);
