@@ -18,7 +18,7 @@ struct CameraConfig {
   double rate = 15.0;                             // [frames/s]
   ImageEncoding encoding = ImageEncoding::kJpeg;  // mono8 only within one program: it does not fit into a datagram
   int quality = 85;                               // JPEG quality 1..100 to begin with
-  int size_most = 60'000;                         // [bytes] of a JPEG; the quality is lowered until it fits
+  int max_size = 60'000;                          // [bytes] of a JPEG; the quality is lowered until it fits
   ExposureParams exposure;
 };
 

@@ -91,11 +91,11 @@ bool CameraNode::fill_jpeg(const GreyView& image, camera_image_t& message) {
   constexpr int kStep = 5;
   quality_ = std::min(config_.quality, quality_ + kStep);
   auto bytes = encoder_.encode(image, quality_);
-  while (static_cast<int>(bytes.size()) > config_.size_most && quality_ > kStep) {
+  while (static_cast<int>(bytes.size()) > config_.max_size && quality_ > kStep) {
     quality_ -= kStep;
     bytes = encoder_.encode(image, quality_);
   }
-  if (bytes.empty() || static_cast<int>(bytes.size()) > config_.size_most) {
+  if (bytes.empty() || static_cast<int>(bytes.size()) > config_.max_size) {
     return false;
   }
   message.format = camera_image_t::FORMAT_JPEG;

@@ -43,25 +43,25 @@ CeilingBrightness measure_brightness(const GreyView& image, double lamp_grey) {
 
 ExposureControl::ExposureControl(const ExposureParams& params)
     : params_(params), setting_{params.initial_exposure_us, 1.0} {
-  if (!(params.target_least > 0.0 && params.target_least < params.target_most &&
-        params.target_most < params.lamp_grey && params.lamp_grey <= 255.0)) {
-    throw std::invalid_argument("exposure: must be 0 < target_least < target_most < lamp_grey <= 255");
+  if (!(params.min_target > 0.0 && params.min_target < params.max_target && params.max_target < params.lamp_grey &&
+        params.lamp_grey <= 255.0)) {
+    throw std::invalid_argument("exposure: must be 0 < min_target < max_target < lamp_grey <= 255");
   }
-  if (!(params.exposure_least_us > 0.0 && params.exposure_least_us <= params.exposure_most_us &&
-        params.gain_most >= 1.0 && params.step_most > 1.0 && params.patience >= 1)) {
+  if (!(params.min_exposure_us > 0.0 && params.min_exposure_us <= params.max_exposure_us && params.max_gain >= 1.0 &&
+        params.max_step > 1.0 && params.patience >= 1)) {
     throw std::invalid_argument(
-        "exposure: must be 0 < exposure_least_us <= exposure_most_us, gain_most >= 1, step_most > 1, patience >= 1");
+        "exposure: must be 0 < min_exposure_us <= max_exposure_us, max_gain >= 1, max_step > 1, patience >= 1");
   }
   // A step that jumps across the dead band would swing for ever.
-  if (params.step_most > 20.0) {
-    throw std::invalid_argument("exposure: step_most must be at most 20");
+  if (params.max_step > 20.0) {
+    throw std::invalid_argument("exposure: max_step must be at most 20");
   }
-  setting_.exposure_us = std::clamp(setting_.exposure_us, params.exposure_least_us, params.exposure_most_us);
+  setting_.exposure_us = std::clamp(setting_.exposure_us, params.min_exposure_us, params.max_exposure_us);
 }
 
 ExposureSetting ExposureControl::split(double product) const {
-  const double exposure = std::clamp(product, params_.exposure_least_us, params_.exposure_most_us);
-  return {exposure, std::clamp(product / exposure, 1.0, params_.gain_most)};
+  const double exposure = std::clamp(product, params_.min_exposure_us, params_.max_exposure_us);
+  return {exposure, std::clamp(product / exposure, 1.0, params_.max_gain)};
 }
 
 ExposureSetting ExposureControl::update(const GreyView& image, double exposure_us, double gain, double angular) {
@@ -75,13 +75,13 @@ ExposureSetting ExposureControl::update(const GreyView& image, double exposure_u
       return setting_;
     }
   }
-  if (mean >= params_.target_least && mean <= params_.target_most) {
+  if (mean >= params_.min_target && mean <= params_.max_target) {
     out_of_range_ = 0;
     at_limit_ = 0;
     complaint_.clear();
     return setting_;
   }
-  const bool blind = mean < params_.target_least / kBlindFactor || mean > 0.5 * (params_.target_most + 255.0);
+  const bool blind = mean < params_.min_target / kBlindFactor || mean > 0.5 * (params_.max_target + 255.0);
   if (std::abs(angular) > params_.turning_rate && !blind) {
     out_of_range_ = 0;
     return setting_;
@@ -90,8 +90,8 @@ ExposureSetting ExposureControl::update(const GreyView& image, double exposure_u
     return setting_;
   }
   out_of_range_ = 0;
-  const double middle = 0.5 * (params_.target_least + params_.target_most);
-  const double factor = std::clamp(middle / std::max(mean, 1.0), 1.0 / params_.step_most, params_.step_most);
+  const double middle = 0.5 * (params_.min_target + params_.max_target);
+  const double factor = std::clamp(middle / std::max(mean, 1.0), 1.0 / params_.max_step, params_.max_step);
   const ExposureSetting wanted = split((product > 0.0 ? product : asked) * factor);
   const double change = wanted.exposure_us * wanted.gain / asked;
   if (std::abs(change - 1.0) < 1e-3) {
@@ -109,11 +109,11 @@ ExposureSetting ExposureControl::update(const GreyView& image, double exposure_u
 
 void ExposureControl::complain(double mean) {
   char text[160];
-  const bool dark = mean < params_.target_least;
+  const bool dark = mean < params_.min_target;
   std::snprintf(
       text, sizeof text,
       "too %s: ceiling at grey level %.0f, wanted %.0f to %.0f, with exposure %.0f us and gain %.1f at their limit",
-      dark ? "dark" : "bright", mean, params_.target_least, params_.target_most, setting_.exposure_us, setting_.gain);
+      dark ? "dark" : "bright", mean, params_.min_target, params_.max_target, setting_.exposure_us, setting_.gain);
   complaint_ = text;
 }
 

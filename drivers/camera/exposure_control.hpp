@@ -8,13 +8,13 @@ namespace luminav {
 
 /// How bright the ceiling shall be and what the camera can do about it.
 struct ExposureParams {
-  double target_least = 80.0;           // [grey levels] mean of the pixels that are not lamps; within the range nothing
-  double target_most = 120.0;           // changes (dead band)
+  double min_target = 80.0;             // [grey levels] mean of the pixels that are not lamps; within the range nothing
+  double max_target = 120.0;            // changes (dead band)
   double lamp_grey = 225.0;             // [grey levels] pixels at or above are lamps
-  double exposure_least_us = 300.0;     // [us]
-  double exposure_most_us = 20000.0;    // [us] longer ones blur: 10 mm at 0.5 m/s
-  double gain_most = 8.0;               // 1 = none
-  double step_most = 1.5;               // factor by which one step changes the exposure at most
+  double min_exposure_us = 300.0;       // [us]
+  double max_exposure_us = 20000.0;     // [us] longer ones blur: 10 mm at 0.5 m/s
+  double max_gain = 8.0;                // 1 = none
+  double max_step = 1.5;                // factor by which one step changes the exposure at most
   int patience = 3;                     // [frames] out of the range in a row before a step
   double turning_rate = 0.15;           // [rad/s] faster than this the exposure is held
   double initial_exposure_us = 8000.0;  // [us] at gain 1

@@ -98,7 +98,7 @@ int camera(const Arguments& arguments) {
   if (source.starts_with("v4l2:")) {
     const CameraIntrinsics& lens = config.camera.intrinsics;
     V4l2Camera device(
-        {path, lens.width, lens.height, config.rate, config.camera.row_time * 1e6, config.exposure.gain_most}, clock);
+        {path, lens.width, lens.height, config.rate, config.camera.row_time * 1e6, config.exposure.max_gain}, clock);
     return run(arguments, config, clock, device, 100'000);
   }
   if (source.starts_with("file:")) {

@@ -40,14 +40,14 @@ bool read_pgm(std::span<const std::uint8_t> bytes, GreyImage& image) {
   std::size_t at = 2;
   const auto width = next_number(bytes, at);
   const auto height = next_number(bytes, at);
-  const auto most = next_number(bytes, at);
-  if (!width || !height || !most || *width < 1 || *height < 1 || *width > kLargestSide || *height > kLargestSide ||
-      *most < 1 || *most > 65535) {
+  const auto max = next_number(bytes, at);
+  if (!width || !height || !max || *width < 1 || *height < 1 || *width > kLargestSide || *height > kLargestSide ||
+      *max < 1 || *max > 65535) {
     return false;
   }
   ++at;  // exactly one white space before the data
   const std::size_t pixels = static_cast<std::size_t>(*width) * static_cast<std::size_t>(*height);
-  const std::size_t bytes_per_pixel = *most > 255 ? 2 : 1;
+  const std::size_t bytes_per_pixel = *max > 255 ? 2 : 1;
   if (at > bytes.size() || bytes.size() - at < pixels * bytes_per_pixel) {
     return false;
   }
@@ -57,8 +57,7 @@ bool read_pgm(std::span<const std::uint8_t> bytes, GreyImage& image) {
   image.pixels.resize(pixels);
   for (std::size_t i = 0; i < pixels; ++i) {
     const int value = bytes_per_pixel == 1 ? data[i] : 256 * data[2 * i] + data[2 * i + 1];
-    image.pixels[i] =
-        static_cast<std::uint8_t>(*most == 255 ? value : std::min(255, (value * 255 + *most / 2) / *most));
+    image.pixels[i] = static_cast<std::uint8_t>(*max == 255 ? value : std::min(255, (value * 255 + *max / 2) / *max));
   }
   return true;
 }

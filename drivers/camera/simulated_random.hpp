@@ -21,7 +21,7 @@ class RandomStream {
   }
   /// [0, 1)
   double uniform() { return static_cast<double>(next() >> 11U) * 0x1p-53; }
-  double uniform(double least, double most) { return least + (most - least) * uniform(); }
+  double uniform(double min, double max) { return min + (max - min) * uniform(); }
   /// Mean 0, deviation 1; Box and Muller 1958.
   double gauss() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));

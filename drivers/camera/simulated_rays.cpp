@@ -6,7 +6,7 @@
 namespace luminav::simulated {
 namespace {
 
-constexpr double kLeastRise = 0.12;  // cosine to the zenith, 83 degrees: flatter rays end at a wall, not at the ceiling
+constexpr double kMinRise = 0.12;  // cosine to the zenith, 83 degrees: flatter rays end at a wall, not at the ceiling
 
 }  // namespace
 
@@ -22,8 +22,8 @@ RayTable::RayTable(const CeilingCamera& camera)
       // what the lens does not show is as dark as what lies below
       const Eigen::Vector3d nowhere(0.0, 0.0, -1.0);
       const Eigen::Vector3d ray = camera.rotation() * camera.ray_in_camera({column, row}).value_or(nowhere);
-      const double rise = std::max(ray.z(), kLeastRise);
-      if (ray.z() < kLeastRise) {
+      const double rise = std::max(ray.z(), kMinRise);
+      if (ray.z() < kMinRise) {
         below[x_.size()] = 1.0F;
         any_below = true;
       }

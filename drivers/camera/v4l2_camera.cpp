@@ -26,8 +26,8 @@ std::int64_t monotonic_now() {
 }
 
 int rounded_into(const V4l2Range& range, double value) {
-  const double steps = std::round((value - range.least) / range.step);
-  return std::clamp(range.least + static_cast<int>(std::clamp(steps, 0.0, 1e9)) * range.step, range.least, range.most);
+  const double steps = std::round((value - range.min) / range.step);
+  return std::clamp(range.min + static_cast<int>(std::clamp(steps, 0.0, 1e9)) * range.step, range.min, range.max);
 }
 
 }  // namespace
@@ -94,10 +94,10 @@ bool V4l2Camera::apply_exposure() {
   }
   exposure_us_ = *exposure * kExposureUnitUs;
   // Devices count gain in units of their own: taken as linear from 1 at the bottom of the range.
-  if (const auto gains = device_->range_of(V4L2_CID_GAIN); gains && gains->most > gains->least) {
-    const double per_unit = (params_.gain_most - 1.0) / (gains->most - gains->least);
-    const auto gain = device_->set(V4L2_CID_GAIN, rounded_into(*gains, gains->least + (wished_gain_ - 1.0) / per_unit));
-    gain_ = gain ? 1.0 + (*gain - gains->least) * per_unit : 1.0;
+  if (const auto gains = device_->range_of(V4L2_CID_GAIN); gains && gains->max > gains->min) {
+    const double per_unit = (params_.max_gain - 1.0) / (gains->max - gains->min);
+    const auto gain = device_->set(V4L2_CID_GAIN, rounded_into(*gains, gains->min + (wished_gain_ - 1.0) / per_unit));
+    gain_ = gain ? 1.0 + (*gain - gains->min) * per_unit : 1.0;
   }
   return true;
 }

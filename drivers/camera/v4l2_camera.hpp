@@ -19,7 +19,7 @@ struct V4l2CameraParams {
   int height = 480;                    // [px]
   double rate = 15.0;                  // [frames/s]
   double row_time_us = 0.0;            // [us] as believed; devices do not tell
-  double gain_most = 8.0;              // gain at the top of the device's range; its bottom is taken as 1
+  double max_gain = 8.0;               // gain at the top of the device's range; its bottom is taken as 1
 };
 
 /// A webcam through Video4Linux: manual exposure and gain, set and read back, and stamps of the kernel. A device that

@@ -47,7 +47,7 @@ V4l2Format layout_of(const v4l2_format& format) {
 const V4l2Offer& nearest_offer(std::span<const V4l2Offer> offers, int width, int height, double rate) {
   const auto distance = [&](const V4l2Offer& offer) {
     constexpr double kSameRate = 0.99;  // intervals are rounded: 333333/10000000 s is 30 frames/s
-    const double lacking = offer.rate_most < kSameRate * rate ? rate - offer.rate_most : 0.0;
+    const double lacking = offer.max_rate < kSameRate * rate ? rate - offer.max_rate : 0.0;
     return std::pair(std::abs(offer.format.width - width) + std::abs(offer.format.height - height), lacking);
   };
   return *std::min_element(offers.begin(), offers.end(),
@@ -115,12 +115,12 @@ std::optional<V4l2Offer> V4l2Device::offer_of(std::uint32_t pixel_format, int wi
     return std::nullopt;  // the driver would choose another one
   }
   V4l2Offer offer{layout_of(format)};
-  offer.rate_most = rate_most(offer.format);
+  offer.max_rate = max_rate(offer.format);
   return offer;
 }
 
-double V4l2Device::rate_most(const V4l2Format& format) const {
-  double most = 0.0;
+double V4l2Device::max_rate(const V4l2Format& format) const {
+  double max = 0.0;
   v4l2_frmivalenum interval{};
   interval.pixel_format = format.pixel_format;
   interval.width = static_cast<std::uint32_t>(format.width);
@@ -129,13 +129,13 @@ double V4l2Device::rate_most(const V4l2Format& format) const {
     const v4l2_fract& shortest =
         interval.type == V4L2_FRMIVAL_TYPE_DISCRETE ? interval.discrete : interval.stepwise.min;
     if (shortest.numerator > 0) {
-      most = std::max(most, static_cast<double>(shortest.denominator) / shortest.numerator);
+      max = std::max(max, static_cast<double>(shortest.denominator) / shortest.numerator);
     }
     if (interval.type != V4L2_FRMIVAL_TYPE_DISCRETE) {
       break;  // one entry says it all
     }
   }
-  return most > 0.0 ? most : std::numeric_limits<double>::infinity();
+  return max > 0.0 ? max : std::numeric_limits<double>::infinity();
 }
 
 void V4l2Device::choose_format(int width, int height, double rate) {

@@ -21,7 +21,7 @@ struct V4l2Format {
 /// A format that a device has, with the rate that it reaches in it.
 struct V4l2Offer {
   V4l2Format format;
-  double rate_most = std::numeric_limits<double>::infinity();  // [frames/s] infinite where the device does not tell
+  double max_rate = std::numeric_limits<double>::infinity();  // [frames/s] infinite where the device does not tell
 };
 
 /// The offer nearest to what is wanted: in size first, then in rate; the first of equals. `offers` must not be empty.
@@ -39,8 +39,8 @@ struct V4l2Buffer {
 
 /// Range of a control in the device's own units.
 struct V4l2Range {
-  int least = 0;
-  int most = 0;
+  int min = 0;
+  int max = 0;
   int step = 1;
 };
 
@@ -70,7 +70,7 @@ class V4l2Device {
   void open_device(const std::string& path);
   void choose_format(int width, int height, double rate);
   [[nodiscard]] std::optional<V4l2Offer> offer_of(std::uint32_t pixel_format, int width, int height) const;
-  [[nodiscard]] double rate_most(const V4l2Format& format) const;
+  [[nodiscard]] double max_rate(const V4l2Format& format) const;
   void choose_rate(double rate) const;
   void start();
   void release();

@@ -114,8 +114,8 @@ double ArcosLink::byte_time() const {
 
 void ArcosLink::read(std::int64_t now, LinkEvents& events) {
   std::array<std::uint8_t, 4096> bytes;
-  constexpr int kMostReads = 16;  // a flood must not starve the timers
-  for (int i = 0; i < kMostReads && stream_; ++i) {
+  constexpr int kMaxReads = 16;  // a flood must not starve the timers
+  for (int i = 0; i < kMaxReads && stream_; ++i) {
     const std::size_t count = stream_->read(bytes);
     parser_.push(std::span(bytes).first(count), now, byte_time());
     last_byte_ = count > 0 ? now : last_byte_;

@@ -12,7 +12,7 @@ constexpr double kHeadingUnit = 2.0 * kPi / kHeadingModulus;  // [rad]
 constexpr int kConfirmations = 3;
 constexpr double kDistanceSlack = 0.05;  // [m]
 constexpr double kHeadingSlack = radians(10.0);
-constexpr double kLeastInterval = 0.15;  // [s] packets that were held back arrive together, each with a whole cycle
+constexpr double kMinInterval = 0.15;  // [s] packets that were held back arrive together, each with a whole cycle
 
 int shortest(int difference, int modulus) {
   const int wrapped = ((difference % modulus) + modulus) % modulus;
@@ -22,7 +22,7 @@ int shortest(int difference, int modulus) {
 }  // namespace
 
 bool DeadReckoning::is_possible(const Registers& from, const Registers& to) const {
-  const double interval = std::max(kLeastInterval, static_cast<double>(to.utime - from.utime) * 1e-6);
+  const double interval = std::max(kMinInterval, static_cast<double>(to.utime - from.utime) * 1e-6);
   const double unit = params_.distance_factor * 1e-3;
   const double step =
       unit * std::hypot(shortest(to.x - from.x, kDistanceModulus), shortest(to.y - from.y, kDistanceModulus));

@@ -11,7 +11,7 @@ namespace luminav {
 namespace {
 
 constexpr std::int64_t kPeriod = 1'000'000;  // [us]
-constexpr int kMost = 20;                    // then the robot does not want to
+constexpr int kMax = 20;                     // then the robot does not want to
 
 int in_mm(double metres) {
   return static_cast<int>(std::lround(1000.0 * metres));
@@ -29,7 +29,7 @@ void MotionSettings::begin(double maximum_linear, double maximum_angular) {
 }
 
 std::vector<std::vector<std::uint8_t>> MotionSettings::poll(std::int64_t now, const ConfigurationPacket* robot) {
-  const bool some_were_lost = robot != nullptr && !in_force(*robot) && sent_ < kMost && now - sent_at_ > kPeriod;
+  const bool some_were_lost = robot != nullptr && !in_force(*robot) && sent_ < kMax && now - sent_at_ > kPeriod;
   if (sent_ > 0 && !some_were_lost) {
     return {};
   }

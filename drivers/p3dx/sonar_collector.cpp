@@ -7,7 +7,7 @@ namespace luminav {
 namespace {
 
 constexpr int kDiscsPerArray = 8;
-constexpr std::size_t kMostStaggered = 4;  // of an array and packet; more come from a robot that sends all at once
+constexpr std::size_t kMaxStaggered = 4;  // of an array and packet; more come from a robot that sends all at once
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void SonarCollector::update(const InformationPacket& packet, std::int64_t utime,
     Disc& disc = discs_[static_cast<std::size_t>(reading.disc)];
     // The last one was taken somewhere within the last cycle: half of it on average.
     const std::int64_t age =
-        per_array[array] <= kMostStaggered ? cycle * static_cast<std::int64_t>(later) + cycle / 2 : 0;
+        per_array[array] <= kMaxStaggered ? cycle * static_cast<std::int64_t>(later) + cycle / 2 : 0;
     const double range = 0.001 * reading.range_mm;
     disc.has_echo = range < maximum_range_;
     disc.range = std::min(range, maximum_range_);

@@ -102,8 +102,8 @@ class TcpArcosServer final : public ArcosServer {
 
   void receive() {
     std::array<std::uint8_t, 4096> bytes;
-    constexpr int kMostReads = 16;
-    for (int i = 0; i < kMostReads; ++i) {
+    constexpr int kMaxReads = 16;
+    for (int i = 0; i < kMaxReads; ++i) {
       const std::size_t count = client_->read(bytes);
       controller_.receive(std::span(bytes).first(count));
       if (count < bytes.size()) {

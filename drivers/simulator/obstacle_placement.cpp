@@ -123,14 +123,14 @@ std::vector<int> label_window(const GridGeometry& geometry, const std::vector<fl
 /// Calls back with each cell within `reach` [m] of the polygon's bounding box and inside the grid.
 template <typename Visit>
 void visit_cells_around(const GridGeometry& geometry, const Polygon& outline, double reach, Visit visit) {
-  Vector2d least = outline.front();
-  Vector2d most = outline.front();
+  Vector2d min = outline.front();
+  Vector2d max = outline.front();
   for (const Vector2d& corner : outline) {
-    least = least.cwiseMin(corner);
-    most = most.cwiseMax(corner);
+    min = min.cwiseMin(corner);
+    max = max.cwiseMax(corner);
   }
-  const Cell first = geometry.cell_at(least - Vector2d::Constant(reach));
-  const Cell last = geometry.cell_at(most + Vector2d::Constant(reach));
+  const Cell first = geometry.cell_at(min - Vector2d::Constant(reach));
+  const Cell last = geometry.cell_at(max + Vector2d::Constant(reach));
   for (int row = std::max(first.row, 0); row <= std::min(last.row, geometry.rows - 1); ++row) {
     for (int column = std::max(first.column, 0); column <= std::min(last.column, geometry.columns - 1); ++column) {
       visit(Cell{column, row});

@@ -36,7 +36,7 @@ class RandomStream {
 
   /// In [0, 1).
   double uniform() { return next_uniform(state_); }
-  double uniform(double least, double most) { return least + (most - least) * uniform(); }
+  double uniform(double min, double max) { return min + (max - min) * uniform(); }
   bool happens(double probability) { return uniform() < probability; }
   /// In [0, count).
   std::size_t below(std::size_t count) { return static_cast<std::size_t>(uniform() * static_cast<double>(count)); }

@@ -56,8 +56,8 @@ LightingPlan read_lighting(const TomlTable& table, const Building& building) {
 
 WorldSpread read_spread(const TomlTable& table) {
   WorldSpread spread;
-  const auto read = [&table](std::string_view key, double& value, double most) {
-    value = table.number(key, value, {0.0, most});
+  const auto read = [&table](std::string_view key, double& value, double max) {
+    value = table.number(key, value, {0.0, max});
   };
   spread.calibrated = table.boolean("calibrated", spread.calibrated);
   read("wheel_scale", spread.wheel_scale, 0.2);
@@ -75,11 +75,11 @@ WorldSpread read_spread(const TomlTable& table) {
   read("fixture_heading", spread.fixture_heading, 0.5);
   read("ceiling_height", spread.ceiling_height, 0.2);
   read("floor_tilt", spread.floor_tilt, 0.1);
-  read("unlit_darker_least", spread.unlit_darker_least, 255.0);
-  read("unlit_darker_most", spread.unlit_darker_most, 255.0);
+  read("min_unlit_darker", spread.min_unlit_darker, 255.0);
+  read("max_unlit_darker", spread.max_unlit_darker, 255.0);
   read("grey_noise", spread.grey_noise, 100.0);
-  if (spread.unlit_darker_most < spread.unlit_darker_least) {
-    table.fail("unlit_darker_most", "must not be below unlit_darker_least");
+  if (spread.max_unlit_darker < spread.min_unlit_darker) {
+    table.fail("max_unlit_darker", "must not be below min_unlit_darker");
   }
   table.reject_unknown();
   return spread;

@@ -91,8 +91,8 @@ struct WorldSpread {
   double fixture_heading = radians(0.5);  // [rad]
   double ceiling_height = 0.005;          // fraction
   double floor_tilt = radians(0.1);       // [rad] per axis, drawn anew every metre
-  double unlit_darker_least = 10.0;       // [grey levels] an unlit fixture is darker than its tile
-  double unlit_darker_most = 40.0;        // [grey levels]
+  double min_unlit_darker = 10.0;         // [grey levels] an unlit fixture is darker than its tile
+  double max_unlit_darker = 40.0;         // [grey levels]
   double grey_noise = 4.0;                // [grey levels]
 };
 

@@ -22,13 +22,13 @@ void keep_nearer(std::optional<SurfaceHit>& nearest, const std::optional<RayHit>
 
 /// Lower bound of the distance between an outline and a circle round something [m].
 double distance_bound(const Polygon& outline, const Vector2d& centre, double radius) {
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   double longest_edge = 0.0;
   for (std::size_t i = 0; i < outline.size(); ++i) {
-    least = std::min(least, (outline[i] - centre).norm());
+    min = std::min(min, (outline[i] - centre).norm());
     longest_edge = std::max(longest_edge, (outline[(i + 1) % outline.size()] - outline[i]).norm());
   }
-  return least - 0.5 * longest_edge - radius;
+  return min - 0.5 * longest_edge - radius;
 }
 
 }  // namespace
@@ -99,13 +99,13 @@ Separation Scene::separation(const Polygon& outline) const {
 }
 
 double Scene::person_distance(const Polygon& outline) const {
-  double least = Separation::kNoneNear;
+  double min = Separation::kNoneNear;
   for (const Disc& person : people_) {
-    if (distance_bound(outline, person.centre, person.radius) <= least) {
-      least = std::min(least, distance(outline, person.centre) - person.radius);
+    if (distance_bound(outline, person.centre, person.radius) <= min) {
+      min = std::min(min, distance(outline, person.centre) - person.radius);
     }
   }
-  return std::max(0.0, least);
+  return std::max(0.0, min);
 }
 
 double Scene::wall_distance(const Polygon& outline) const {
@@ -113,33 +113,33 @@ double Scene::wall_distance(const Polygon& outline) const {
     return Separation::kNoneNear;
   }
   const double resolution = walls_->geometry.resolution;
-  double least = DistanceField::kFar;
+  double min = DistanceField::kFar;
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const Vector2d& a = outline[i];
     const Vector2d edge = outline[(i + 1) % outline.size()] - a;
     const int steps = 1 + static_cast<int>(edge.norm() / std::max(resolution, 0.05));
     for (int j = 0; j < steps; ++j) {
-      least = std::min(least, wall_field_.at(Vector2d(a + edge * (static_cast<double>(j) / steps))));
+      min = std::min(min, wall_field_.at(Vector2d(a + edge * (static_cast<double>(j) / steps))));
     }
   }
-  if (least > kExactCells * resolution) {
-    return least;
+  if (min > kExactCells * resolution) {
+    return min;
   }
   // the field and the sampling are each wrong by less than a cell and a half
-  const double reach = least + 3.0 * resolution;
+  const double reach = min + 3.0 * resolution;
   return std::min(exact_wall_distance(outline, reach), reach);
 }
 
 double Scene::exact_wall_distance(const Polygon& outline, double reach) const {
   const GridGeometry& geometry = walls_->geometry;
-  Vector2d least = outline.front();
-  Vector2d most = outline.front();
+  Vector2d min = outline.front();
+  Vector2d max = outline.front();
   for (const Vector2d& corner : outline) {
-    least = least.cwiseMin(corner);
-    most = most.cwiseMax(corner);
+    min = min.cwiseMin(corner);
+    max = max.cwiseMax(corner);
   }
-  const Cell first = geometry.cell_at(least - Vector2d::Constant(reach));
-  const Cell last = geometry.cell_at(most + Vector2d::Constant(reach));
+  const Cell first = geometry.cell_at(min - Vector2d::Constant(reach));
+  const Cell last = geometry.cell_at(max + Vector2d::Constant(reach));
   const double half = 0.5 * geometry.resolution;
   Polygon square(4);
   double result = reach;

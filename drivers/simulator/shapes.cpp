@@ -33,13 +33,13 @@ bool has_separating_edge(const Polygon& a, const Polygon& b) {
 }
 
 double squared_distance_of_corners(const Polygon& corners, const Polygon& edges) {
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const Vector2d& corner : corners) {
     for (std::size_t i = 0; i < edges.size(); ++i) {
-      least = std::min(least, squared_distance_to_segment(corner, edges[i], edges[(i + 1) % edges.size()]));
+      min = std::min(min, squared_distance_to_segment(corner, edges[i], edges[(i + 1) % edges.size()]));
     }
   }
-  return least;
+  return min;
 }
 
 }  // namespace
@@ -70,14 +70,14 @@ double distance(const Polygon& a, const Polygon& b) {
 
 double distance(const Polygon& polygon, const Vector2d& point) {
   bool inside = true;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector2d& a = polygon[i];
     const Vector2d& b = polygon[(i + 1) % polygon.size()];
     inside = inside && cross(b - a, point - a) >= 0.0;
-    least = std::min(least, squared_distance_to_segment(point, a, b));
+    min = std::min(min, squared_distance_to_segment(point, a, b));
   }
-  return inside ? 0.0 : std::sqrt(least);
+  return inside ? 0.0 : std::sqrt(min);
 }
 
 double distance_to_segment(const Vector2d& point, const Vector2d& a, const Vector2d& b) {

@@ -124,7 +124,7 @@ void draw_ceiling(const Scenario& scenario, const WorldSpread& spread, WorldTrut
     fixture.world_from_fixture = draw_displaced(believed, spread, own);
     fixture.height *= 1.0 + height;
     squares += std::pow(distance(believed, fixture.world_from_fixture), 2);
-    truth.unlit_darker.push_back(own.uniform(spread.unlit_darker_least, spread.unlit_darker_most));
+    truth.unlit_darker.push_back(own.uniform(spread.min_unlit_darker, spread.max_unlit_darker));
   }
   for (std::size_t i = 0; i < truth.building.elements.size(); ++i) {
     RandomStream own(scenario.seed, "element", i);
@@ -139,8 +139,8 @@ void draw_ceiling(const Scenario& scenario, const WorldSpread& spread, WorldTrut
             std::sqrt(squares / (2.0 * count)));
   table.add("fixture_heading", "rad", spread.fixture_heading);
   table.add("floor_tilt", "rad per axis, every metre", spread.floor_tilt);
-  table.add("unlit_darker_least", "grey levels", spread.unlit_darker_least);
-  table.add("unlit_darker_most", "grey levels", spread.unlit_darker_most);
+  table.add("min_unlit_darker", "grey levels", spread.min_unlit_darker);
+  table.add("max_unlit_darker", "grey levels", spread.max_unlit_darker);
   table.add("grey_noise", "grey levels", spread.grey_noise);
 }
 

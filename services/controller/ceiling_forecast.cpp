@@ -48,12 +48,12 @@ CeilingForecast::CeilingForecast(const Building& building, const PriorMap& walls
     : building_(building), view_radius_(view_radius) {
   ceiling_ = around_fixtures(building_.fixtures, view_radius + kCeilingCell);
   nearest_.assign(ceiling_.size(), -1);
-  std::vector<float> least(ceiling_.size(), 1e9F);
+  std::vector<float> min(ceiling_.size(), 1e9F);
   for (std::size_t i = 0; i < building_.fixtures.size(); ++i) {
     for_cells_within(ceiling_, building_.fixtures[i].world_from_fixture.position(), view_radius + kCeilingCell,
                      [&](std::size_t cell, double distance) {
-                       if (static_cast<float>(distance) < least[cell]) {
-                         least[cell] = static_cast<float>(distance);
+                       if (static_cast<float>(distance) < min[cell]) {
+                         min[cell] = static_cast<float>(distance);
                          nearest_[cell] = static_cast<std::int32_t>(i);
                        }
                      });

@@ -75,7 +75,7 @@ ControlOutput Controller::step(const ControlInput& input) {
     return output;
   }
   look_for_people(input.now);
-  const double unknown = obstacles_.least_unknown_distance(10.0);
+  const double unknown = obstacles_.min_unknown_distance(10.0);
   const DriveTwist wanted = with_care(wish(input, output), unknown);
   DriveTwist smooth = ramp_.step(wanted, input.duration);
   if (escape_ && wanted.linear != 0.0) {
@@ -117,10 +117,10 @@ bool Controller::has_met_people(std::int64_t now) const {
 // appears ahead where nothing was may be somebody who walks towards it, and his next echo comes a third of a second and
 // half a metre later.
 DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const {
-  const double share = std::clamp(nearest / config_.care_within, config_.care_least, 1.0);
+  const double share = std::clamp(nearest / config_.care_within, config_.min_care, 1.0);
   // without a map all walls are unknown, but people do not stand still for long: it turns beside what stands
-  const double news = task_ == ControlTask::kWander ? obstacles_.least_news_distance(10.0) : nearest;
-  const double turn_share = std::clamp(news / config_.care_within, config_.care_least, 1.0);
+  const double news = task_ == ControlTask::kWander ? obstacles_.min_news_distance(10.0) : nearest;
+  const double turn_share = std::clamp(news / config_.care_within, config_.min_care, 1.0);
   double linear = share * config_.robot.limits.linear;
   const std::span<const ObstaclePoint> measured = obstacles_.measured();
   for (std::size_t i = 0; i < measured.size(); ++i) {
@@ -135,8 +135,8 @@ DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const
     }
     const double gap = stop_logic_.footprint().distance(obstacle.position) - come_nearer;
     const double fraction = std::clamp((gap - config_.news_slow) / (config_.news_free - config_.news_slow), 0.0, 1.0);
-    const double most = config_.robot.limits.linear;
-    linear = std::min(linear, most - (1.0 - fraction) * std::max(0.0, most - config_.news_speed));
+    const double max = config_.robot.limits.linear;
+    linear = std::min(linear, max - (1.0 - fraction) * std::max(0.0, max - config_.news_speed));
   }
   const double angular = turn_share * config_.robot.limits.angular;
   return {std::clamp(wanted.linear, -linear, linear), std::clamp(wanted.angular, -angular, angular)};
@@ -263,7 +263,7 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, Contro
   }
   const auto move = choose_escape(situation, obstacles_, stop_logic_);
   // a way is not wrong because there is no room to turn to it
-  const bool keeps_to_its_way = move && move->frees_a_turn && escapes_ < config_.escapes_most;
+  const bool keeps_to_its_way = move && move->frees_a_turn && escapes_ < config_.max_escapes;
   if (input.task == ControlTask::kWander && !keeps_to_its_way) {
     wander_.give_up(input.now, input.odom_from_robot);
   }
@@ -284,7 +284,7 @@ double Controller::judge_progress(const ControlInput& input, const StopVerdict& 
     escapes_ = 0;
   }
   // to and fro between escape and obstacle is no progress
-  const bool goes_in_circles = escapes_ >= config_.escapes_most;
+  const bool goes_in_circles = escapes_ >= config_.max_escapes;
   const double without_progress = progress_.update(input.now, place_of(input));
   output.seconds_without_progress = without_progress;
   // who drives freely again after the last escape is let drive: the next escape would only turn it back
@@ -312,7 +312,7 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
     return;
   }
   const double without_progress = judge_progress(input, verdict, output);
-  const bool goes_in_circles = escapes_ >= config_.escapes_most;
+  const bool goes_in_circles = escapes_ >= config_.max_escapes;
   end_escape(input.now, verdict);
   if (escape_) {
     return;

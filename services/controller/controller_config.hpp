@@ -43,9 +43,9 @@ struct ControllerConfig {
   double stuck_after_people = 30.0;   // [s] the same while people come towards it
   double escape_pause = 3.0;          // [s] between two escapes
   double escaped_after = 1.0;         // [m] from the place of the first escape
-  int escapes_most = 3;               // at one place; more is going in circles
+  int max_escapes = 3;                // at one place; more is going in circles
   double care_within = 0.5;           // [m] of something that no map has
-  double care_least = 0.4;            // share of the robot's limits left when it is that near
+  double min_care = 0.4;              // share of the robot's limits left when it is that near
   double news_slow = 0.45;            // [m] from something new ahead it drives at `news_speed`
   double news_free = 0.95;            // [m] and at full speed
   double news_speed = 0.20;           // [m/s] stops within the tenth of a metre that people keep

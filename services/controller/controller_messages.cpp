@@ -7,14 +7,14 @@
 namespace luminav {
 namespace {
 
-constexpr std::size_t kMostPathPoints = 20'000;
-constexpr std::size_t kMostAlternatives = 10'000;
+constexpr std::size_t kMaxPathPoints = 20'000;
+constexpr std::size_t kMaxAlternatives = 10'000;
 
 }  // namespace
 
 std::optional<FollowedPath> path_of(const path_t& message, std::string& why) {
   const auto count = static_cast<std::size_t>(std::max(0, message.count));
-  if (count > kMostPathPoints || message.x.size() < count || message.y.size() < count ||
+  if (count > kMaxPathPoints || message.x.size() < count || message.y.size() < count ||
       !all_finite({message.tolerance, message.theta, message.heading_tolerance})) {
     why = "PATH: impossible size or number";
     return std::nullopt;
@@ -40,7 +40,7 @@ std::optional<FollowedPath> path_of(const path_t& message, std::string& why) {
 std::optional<std::vector<PoseAlternative>> alternatives_of(const hypotheses_t& message, const Pose2& odom_from_robot,
                                                             std::string& why) {
   const auto count = static_cast<std::size_t>(std::max(0, message.count));
-  if (count > kMostAlternatives || message.x.size() < count || message.y.size() < count ||
+  if (count > kMaxAlternatives || message.x.size() < count || message.y.size() < count ||
       message.theta.size() < count || message.weight.size() < count) {
     why = "HYPOTHESES: impossible size";
     return std::nullopt;

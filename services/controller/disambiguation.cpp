@@ -23,12 +23,12 @@ std::vector<PossiblePose> Disambiguation::chosen(std::span<const PoseAlternative
   double next = 0.5;  // in shares of 1 / most
   for (const PoseAlternative& alternative : alternatives) {
     const double share = sum > 0.0 ? std::pow(alternative.weight, params_.flattening) / sum : 0.0;
-    passed += share * params_.most;
-    if (static_cast<int>(alternatives.size()) <= params_.most) {
+    passed += share * params_.max;
+    if (static_cast<int>(alternatives.size()) <= params_.max) {
       look_at(alternative, share, 1.0);
     } else if (passed > next) {
       const double count = std::ceil(passed - next);
-      look_at(alternative, count / params_.most, count / (params_.most * share));
+      look_at(alternative, count / params_.max, count / (params_.max * share));
       next += count;
     }
   }
@@ -91,13 +91,13 @@ std::optional<std::vector<Eigen::Vector2d>> Disambiguation::way(const SearchPlac
   set_urgency(
       poses, places.began_at, forecast_, map, params_.views,
       [&](const Eigen::Vector2d& place) { return price(place, places.began_at, poses, map); }, params_.urgency);
-  const double most_worth = std::max({params_.seen_and_not, params_.missed, params_.wall}) + params_.any_fixture;
+  const double max_worth = std::max({params_.seen_and_not, params_.missed, params_.wall}) + params_.any_fixture;
   WayLattice lattice(places.robot, params_.reach, params_.step);
   double best_score = 0.0;
   int best = -1;
   std::vector<View> views;
   while (const auto visit = lattice.next()) {
-    if (most_worth * params_.faithfulness / (visit->way + params_.head_start) < best_score) {
+    if (max_worth * params_.faithfulness / (visit->way + params_.head_start) < best_score) {
       break;
     }
     const Eigen::Vector2d here = lattice.place_of(visit->node);
@@ -105,7 +105,7 @@ std::optional<std::vector<Eigen::Vector2d>> Disambiguation::way(const SearchPlac
       const double value = worth(here, poses, map, views);
       const bool is_where_it_heads = places.heading_for && (here - *places.heading_for).norm() < 2.0 * params_.step;
       const double score = value * (is_where_it_heads ? params_.faithfulness : 1.0) / (visit->way + params_.head_start);
-      if (value > params_.least_worth && score > best_score) {
+      if (value > params_.min_worth && score > best_score) {
         best_score = score;
         best = visit->node;
       }

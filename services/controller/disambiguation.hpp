@@ -25,13 +25,13 @@ struct PoseAlternative {
 struct DisambiguationParams {
   double reach = 10.0;         // [m] around the robot places are looked at
   double step = 0.2;           // [m] between them
-  int most = 48;               // alternatives looked at
+  int max = 48;                // alternatives looked at
   double flattening = 0.5;     // power of the weights: all rivals have to go, the unlikely ones too
   double seen_and_not = 0.55;  // what it tells when a fixture is seen that the rival has not, 1 = everything
   double missed = 0.25;        // likewise one that the rival has and that is not there
   double wall = 1.0;           // likewise to drive where the rival has a wall
   double any_fixture = 0.05;   // worth of a fixture that all have and none saw yet
-  double least_worth = 0.02;   // less is not worth a way
+  double min_worth = 0.02;     // less is not worth a way
   double head_start = 1.5;     // [m] added to each way, so that a little worth close by does not win
   double faithfulness = 2.0;   // what another place must be better than where it is heading
   double room_at_start = 0.4;  // [m] around it there is room, whatever the sonars heard

@@ -55,7 +55,7 @@ double EchoMemory::approach_speed(const SonarFiring& firing) const {
   const double nearer = last.range - firing.range - std::max(0.0, own);
   const double speed = nearer / passed;
   // faster than people walk is another thing that came into the cone
-  return speed < params_.approach_least || speed > params_.approach_most ? 0.0 : speed;
+  return speed < params_.min_approach || speed > params_.max_approach ? 0.0 : speed;
 }
 
 // Is one of its points where another echo came from a while ago? Somebody who walks has gone on since.

@@ -31,8 +31,8 @@ struct EchoMemoryParams {
   double refute_angle = radians(25.0);  // [rad] between the axes of the two, no more
   double same_place = 0.08;             // [m] between two firings of a disc that see the same
   double same_heading = radians(6.0);   // [rad]
-  double approach_least = 0.25;         // [m/s] slower than this is noise
-  double approach_most = 1.4;           // [m/s] a brisk walk
+  double min_approach = 0.25;           // [m/s] slower than this is noise
+  double max_approach = 1.4;            // [m/s] a brisk walk
   double stands_after = 0.5;            // [s] what was heard there this long ago stands
   double stands_within = 0.12;          // [m]
   double approach_at_once = 1.1;        // [m] nearer than this one sign of approach is enough, farther off it takes two

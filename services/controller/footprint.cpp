@@ -13,7 +13,7 @@ namespace {
 /// Squares of how far points lie outside a box, whole lanes of them, and the least of each block.
 LUMINAV_VECTOR_CLONES
 void square_beside(const PlanePoints& points, const Eigen::Vector2d& low, const Eigen::Vector2d& high, double* squared,
-                   double* least_of_block) {
+                   double* min_of_block) {
   // by value: for all the compiler knows, a square that is written may be part of what is referred to
   const Doubles low_x = Doubles{} + low.x();
   const Doubles low_y = Doubles{} + low.y();
@@ -23,7 +23,7 @@ void square_beside(const PlanePoints& points, const Eigen::Vector2d& low, const 
   const double* const all_y = points.y();
   const std::size_t size = points.size();
   for (std::size_t first = 0; first < size; first += Footprint::kBlock) {
-    Doubles least = Doubles{} + std::numeric_limits<double>::infinity();
+    Doubles min = Doubles{} + std::numeric_limits<double>::infinity();
     const std::size_t end = std::min(first + Footprint::kBlock, size);
     for (std::size_t i = first; i < end; i += kLanes) {
       Doubles x;
@@ -40,9 +40,9 @@ void square_beside(const PlanePoints& points, const Eigen::Vector2d& low, const 
       const Doubles beside_y = nearer_y > 0.0 ? nearer_y : Doubles{};
       const Doubles sum = beside_x * beside_x + beside_y * beside_y;
       std::memcpy(squared + i, &sum, sizeof(sum));
-      least = sum < least ? sum : least;
+      min = sum < min ? sum : min;
     }
-    *least_of_block++ = std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
+    *min_of_block++ = std::min(std::min(min[0], min[1]), std::min(min[2], min[3]));
   }
 }
 
@@ -81,13 +81,13 @@ Footprint::Footprint(const std::vector<Eigen::Vector2d>& corners) {
   }
   for (const double x : {box_low_.x(), box_high_.x()}) {
     for (const double y : {box_low_.y(), box_high_.y()}) {
-      most_inside_box_ = std::max(most_inside_box_, distance({x, y}));
+      max_inside_box_ = std::max(max_inside_box_, distance({x, y}));
     }
   }
 }
 
-void Footprint::measure_from_box(const PlanePoints& points, double* squared, double* least_of_block) const {
-  square_beside(points, box_low_, box_high_, squared, least_of_block);
+void Footprint::measure_from_box(const PlanePoints& points, double* squared, double* min_of_block) const {
+  square_beside(points, box_low_, box_high_, squared, min_of_block);
 }
 
 double Footprint::distance(const Eigen::Vector2d& point) const {

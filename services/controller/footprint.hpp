@@ -33,10 +33,10 @@ class Footprint {
   /// Squared distance [m^2] of each point from the upright box around the outline: no point is nearer to the outline
   /// than to that; and the least of each `kBlock` of them. The last lanes of the points must be filled, and the squares
   /// have room for them.
-  void measure_from_box(const PlanePoints& points, double* squared, double* least_of_block) const;
+  void measure_from_box(const PlanePoints& points, double* squared, double* min_of_block) const;
   static constexpr std::size_t kBlock = 64;
   /// How much farther [m] a point may be from the outline than from the box.
-  [[nodiscard]] double most_inside_box() const { return most_inside_box_; }
+  [[nodiscard]] double max_inside_box() const { return max_inside_box_; }
   /// Farthest corner from the wheel axis [m]: what a turn on the spot sweeps.
   [[nodiscard]] double swept_radius() const { return swept_radius_; }
 
@@ -57,7 +57,7 @@ class Footprint {
 
   std::vector<Edge> edges_;
   double swept_radius_ = 0.0;                           // [m]
-  double most_inside_box_ = 0.0;                        // [m]
+  double max_inside_box_ = 0.0;                         // [m]
   Eigen::Vector2d box_low_ = Eigen::Vector2d::Zero();   // [m] corners of the upright box around the outline
   Eigen::Vector2d box_high_ = Eigen::Vector2d::Zero();  // [m]
 };

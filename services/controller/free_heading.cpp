@@ -36,20 +36,20 @@ double nearest_in(const Strip& strip, const PlanePoints& points) {
     const Doubles way = is_in ? ahead : kNone;
     nearest = way < nearest ? way : nearest;
   }
-  double least = std::min(std::min(nearest[0], nearest[1]), std::min(nearest[2], nearest[3]));
+  double min = std::min(std::min(nearest[0], nearest[1]), std::min(nearest[2], nearest[3]));
   for (std::size_t i = in_vectors; i < points.size(); ++i) {
     const double ahead = strip.c * points.x()[i] + strip.s * points.y()[i];
     const double beside = -strip.s * points.x()[i] + strip.c * points.y()[i];
-    least = ahead > 0.0 && std::abs(beside) < strip.half_width ? std::min(least, ahead) : least;
+    min = ahead > 0.0 && std::abs(beside) < strip.half_width ? std::min(min, ahead) : min;
   }
-  return least;
+  return min;
 }
 
 }  // namespace
 
-double free_way(double direction, double most, const PlanePoints& obstacles, const FreeHeadingParams& params) {
+double free_way(double direction, double max, const PlanePoints& obstacles, const FreeHeadingParams& params) {
   const Strip strip{std::cos(direction), std::sin(direction), params.half_width};
-  return std::max(0.0, std::min(most, nearest_in(strip, obstacles) - params.nose));
+  return std::max(0.0, std::min(max, nearest_in(strip, obstacles) - params.nose));
 }
 
 double choose_free_heading(double wish, double needed, std::optional<double> last, const PlanePoints& obstacles,

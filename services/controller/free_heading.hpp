@@ -15,8 +15,8 @@ struct FreeHeadingParams {
   double price = 2.0;        // [rad] a metre of missing free way counts as much as so much of a detour
 };
 
-/// Way [m] that the robot's strip is free in a direction [rad, robot frame], at most `most`.
-double free_way(double direction, double most, const PlanePoints& obstacles, const FreeHeadingParams& params);
+/// Way [m] that the robot's strip is free in a direction [rad, robot frame], at most `max`.
+double free_way(double direction, double max, const PlanePoints& obstacles, const FreeHeadingParams& params);
 
 /// The heading [rad, robot frame] nearest to the wish along which the strip is free for `needed` metres; where no
 /// heading is, the best compromise. `last` is the heading chosen before, in today's robot frame: keeping to it avoids

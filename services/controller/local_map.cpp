@@ -221,9 +221,9 @@ class ColumnsWithin {
       : columns_(columns), count_(count), nearest_(nearest), last_(count) {}
 
   /// Bits of the columns whose square and another together are at most so much.
-  std::uint64_t of_row(double other_square, double most) {
+  std::uint64_t of_row(double other_square, double max) {
     const auto is_within = [&](int bit) {
-      return columns_.square[static_cast<std::size_t>(bit)] + other_square <= most;
+      return columns_.square[static_cast<std::size_t>(bit)] + other_square <= max;
     };
     if (!is_within(nearest_)) {
       return 0;
@@ -249,7 +249,7 @@ class ColumnsWithin {
 
 /// Is there nothing in the cells between two points, both included, as far as the grid goes?
 bool is_box_free(const OccupancyGrid& grid, const Eigen::Vector2d& low_in_world, const Eigen::Vector2d& high_in_world,
-                 int most_evidence) {
+                 int max_evidence) {
 #if defined(__x86_64__)
   const GridGeometry& geometry = grid.geometry;
   const Cell low = geometry.cell_at(low_in_world);
@@ -258,19 +258,19 @@ bool is_box_free(const OccupancyGrid& grid, const Eigen::Vector2d& low_in_world,
       low.column + kGroup > geometry.columns || high.column < low.column) {
     return false;  // perhaps it is
   }
-  const __m128i most = _mm_set1_epi8(static_cast<char>(most_evidence));
+  const __m128i max = _mm_set1_epi8(static_cast<char>(max_evidence));
   __m128i occupied = _mm_setzero_si128();
   for (int row = low.row; row <= high.row; ++row) {
     const std::size_t start = geometry.index({low.column, row});
     const __m128i prior = _mm_loadu_si128(reinterpret_cast<const __m128i*>(grid.prior.data() + start));
     const __m128i evidence = _mm_loadu_si128(reinterpret_cast<const __m128i*>(grid.evidence.data() + start));
-    const __m128i is_occupied = _mm_or_si128(_mm_cmpeq_epi8(prior, _mm_set1_epi8(2)), _mm_cmpgt_epi8(evidence, most));
+    const __m128i is_occupied = _mm_or_si128(_mm_cmpeq_epi8(prior, _mm_set1_epi8(2)), _mm_cmpgt_epi8(evidence, max));
     occupied = _mm_or_si128(occupied, is_occupied);
   }
   const auto bits = static_cast<std::uint32_t>(_mm_movemask_epi8(occupied));
   return (bits & ((2U << (high.column - low.column)) - 1)) == 0;
 #else
-  (void)grid, (void)low_in_world, (void)high_in_world, (void)most_evidence;
+  (void)grid, (void)low_in_world, (void)high_in_world, (void)max_evidence;
   return false;  // perhaps it is
 #endif
 }
@@ -330,7 +330,7 @@ void find_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, 
   std::vector<RowFaces> many_faces(rows > few_faces.size() ? rows : 0);
   RowFaces* const faces = many_faces.empty() ? few_faces.data() : many_faces.data();
   const PointTransform robot_from_world = PointTransform::inverse_of(world_from_robot);
-  const double most = largest_square(params.radius);
+  const double max = largest_square(params.radius);
   for (int column = first_column; column <= last_column; column += kInner) {
     const WordColumn word{column, std::min(kInner, last_column + 1 - column)};
     const std::size_t rows_with_faces =
@@ -342,7 +342,7 @@ void find_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, 
       const double centre_y = geometry.origin.y() + (faces[i].row + 0.5) * geometry.resolution;
       const double face_y = towards(robot.y(), centre_y, 0.5 * geometry.resolution);
       const double away_y = face_y - robot.y();
-      add_row(columns, faces[i].bits & within.of_row(away_y * away_y, most), robot_from_world.turned({0.0, face_y}),
+      add_row(columns, faces[i].bits & within.of_row(away_y * away_y, max), robot_from_world.turned({0.0, face_y}),
               walls);
     }
   }

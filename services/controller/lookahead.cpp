@@ -42,8 +42,8 @@ LookAhead find_look_ahead(const MeasuredPath& path, double travelled, const Eige
     const double segment = path.segments[i];
     if (start + segment >= travelled && segment > 0.0) {
       const Eigen::Vector2d step = points[i + 1] - points[i];
-      const double least = std::max(0.0, travelled - start);
-      const double along = std::clamp(step.dot(position - points[i]) / segment, least, segment);
+      const double min = std::max(0.0, travelled - start);
+      const double along = std::clamp(step.dot(position - points[i]) / segment, min, segment);
       const double apart = (points[i] + step * (along / segment) - position).norm();
       if (apart < nearest) {
         nearest = apart;
@@ -62,8 +62,8 @@ LookAhead find_look_ahead(const MeasuredPath& path, double travelled, const Eige
   result.distance_left = std::max((points.back() - position).norm(), along_path);
   double ahead = params.distance;
   result.point = point_at(path, result.travelled + ahead);
-  while (ahead > params.least + 1e-9 && !is_line_free(position, result.point)) {
-    ahead = std::max(params.least, ahead - kShortening);
+  while (ahead > params.min + 1e-9 && !is_line_free(position, result.point)) {
+    ahead = std::max(params.min, ahead - kShortening);
     result.point = point_at(path, result.travelled + ahead);
   }
   return result;

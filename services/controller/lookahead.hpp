@@ -8,7 +8,7 @@ namespace luminav {
 
 struct LookAheadParams {
   double distance = 1.0;       // [m] along the path
-  double least = 0.35;         // [m] never shortened below
+  double min = 0.35;           // [m] never shortened below
   double search_window = 1.5;  // [m] of path in which the robot's place is sought, forward only
 };
 

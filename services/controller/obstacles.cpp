@@ -14,13 +14,13 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// Bit i: squares[i] <= most, for 64 of them.
 LUMINAV_VECTOR_CLONES
-std::uint64_t at_most(const double* squares, double most) {
+std::uint64_t at_most(const double* squares, double max) {
   Longs flag = {1, 2, 4, 8};
   Longs found{};
   for (std::size_t i = 0; i < 64; i += kLanes, flag <<= kLanes) {
     Doubles four;
     load(squares + i, four);
-    found |= (four <= most) & flag;
+    found |= (four <= max) & flag;
   }
   return static_cast<std::uint64_t>(found[0] | found[1] | found[2] | found[3]);
 }
@@ -55,9 +55,9 @@ Obstacles Obstacles::seen_from(const Pose2& there_from_here) const {
 void Obstacles::measure() {
   const std::size_t whole_blocks = (size() + kBlock - 1) / kBlock * kBlock;
   squared_from_box_.resize(whole_blocks);
-  least_of_block_.resize(whole_blocks / kBlock);
+  min_of_block_.resize(whole_blocks / kBlock);
   points_.fill_last_lanes();
-  footprint_.measure_from_box(points_, squared_from_box_.data(), least_of_block_.data());
+  footprint_.measure_from_box(points_, squared_from_box_.data(), min_of_block_.data());
   std::fill(squared_from_box_.begin() + static_cast<std::ptrdiff_t>(size()), squared_from_box_.end(), kInfinite);
 }
 
@@ -65,49 +65,48 @@ std::uint64_t Obstacles::within(std::size_t first, double squared) const {
   return at_most(squared_from_box_.data() + first, squared);
 }
 
-double Obstacles::least_distance(double most) const {
+double Obstacles::min_distance(double max) const {
   if (points_.empty()) {
-    return most;
+    return max;
   }
-  const double nearest = std::sqrt(*std::min_element(least_of_block_.begin(), least_of_block_.end()));
-  double least = most;
-  visit_within(std::min(most, nearest + footprint_.most_inside_box()),
-               [&](std::size_t i) { least = std::min(least, footprint_.distance(points_[i])); });
-  return least;
+  const double nearest = std::sqrt(*std::min_element(min_of_block_.begin(), min_of_block_.end()));
+  double min = max;
+  visit_within(std::min(max, nearest + footprint_.max_inside_box()),
+               [&](std::size_t i) { min = std::min(min, footprint_.distance(points_[i])); });
+  return min;
 }
 
-double Obstacles::least_distance_ahead(double most) const {
-  double least = most;
-  visit_within(most, [&](std::size_t i) {
+double Obstacles::min_distance_ahead(double max) const {
+  double min = max;
+  visit_within(max, [&](std::size_t i) {
     if (points_[i].x() > 0.0) {
-      least = std::min(least, footprint_.distance(points_[i]));
+      min = std::min(min, footprint_.distance(points_[i]));
     }
   });
-  return least;
+  return min;
 }
 
 template <class Counts>
-double Obstacles::least_distance_of(double most, const Counts& counts) const {
-  double least_squared = kInfinite;
+double Obstacles::min_distance_of(double max, const Counts& counts) const {
+  double min_squared = kInfinite;
   for (std::size_t i = 0; i < measured_.size(); ++i) {
-    least_squared = counts(measured_[i]) ? std::min(least_squared, squared_from_box_[i]) : least_squared;
+    min_squared = counts(measured_[i]) ? std::min(min_squared, squared_from_box_[i]) : min_squared;
   }
-  double least = most;
-  visit_within(std::min(most, std::sqrt(least_squared) + footprint_.most_inside_box()), [&](std::size_t i) {
+  double min = max;
+  visit_within(std::min(max, std::sqrt(min_squared) + footprint_.max_inside_box()), [&](std::size_t i) {
     if (i < measured_.size() && counts(measured_[i])) {
-      least = std::min(least, footprint_.distance(points_[i]));
+      min = std::min(min, footprint_.distance(points_[i]));
     }
   });
-  return least;
+  return min;
 }
 
-double Obstacles::least_unknown_distance(double most) const {
-  return least_distance_of(most, [](const ObstaclePoint& obstacle) { return !obstacle.is_known; });
+double Obstacles::min_unknown_distance(double max) const {
+  return min_distance_of(max, [](const ObstaclePoint& obstacle) { return !obstacle.is_known; });
 }
 
-double Obstacles::least_news_distance(double most) const {
-  return least_distance_of(most,
-                           [](const ObstaclePoint& obstacle) { return !obstacle.is_known && !obstacle.has_stood; });
+double Obstacles::min_news_distance(double max) const {
+  return min_distance_of(max, [](const ObstaclePoint& obstacle) { return !obstacle.is_known && !obstacle.has_stood; });
 }
 
 }  // namespace luminav

@@ -51,20 +51,20 @@ class Obstacles {
     const double reach = distance + Footprint::kRounding;
     return reach > 0.0 && squared_from_box_[i] > reach * reach;
   }
-  /// Distance [m] from the outline to the nearest, negative inside; `most` where nothing is nearer.
-  [[nodiscard]] double least_distance(double most) const;
-  /// The same of what is before the wheel axis; meant for a small `most`.
-  [[nodiscard]] double least_distance_ahead(double most) const;
+  /// Distance [m] from the outline to the nearest, negative inside; `max` where nothing is nearer.
+  [[nodiscard]] double min_distance(double max) const;
+  /// The same of what is before the wheel axis; meant for a small `max`.
+  [[nodiscard]] double min_distance_ahead(double max) const;
   /// The same of what is on no map.
-  [[nodiscard]] double least_unknown_distance(double most) const;
+  [[nodiscard]] double min_unknown_distance(double max) const;
   /// The same of what is on no map and was not there half a second ago.
-  [[nodiscard]] double least_news_distance(double most) const;
+  [[nodiscard]] double min_news_distance(double max) const;
   /// Calls `visit(i)` for all that are at most `distance` [m] from the outline, in order, and for a few more.
   template <typename Visit>
   void visit_within(double distance, const Visit& visit) const {
     const double reach = std::max(0.0, distance + Footprint::kRounding);
-    for (std::size_t block = 0; block < least_of_block_.size(); ++block) {
-      if (least_of_block_[block] > reach * reach) {
+    for (std::size_t block = 0; block < min_of_block_.size(); ++block) {
+      if (min_of_block_[block] > reach * reach) {
         continue;  // mostly
       }
       const std::size_t first = block * kBlock;
@@ -84,13 +84,13 @@ class Obstacles {
   void measure();
   /// The least distance of those measured that count.
   template <class Counts>
-  [[nodiscard]] double least_distance_of(double most, const Counts& counts) const;
+  [[nodiscard]] double min_distance_of(double max, const Counts& counts) const;
 
   Footprint footprint_;
   std::vector<ObstaclePoint> measured_;
   PlanePoints points_;                    // of all
   std::vector<double> squared_from_box_;  // [m^2] of each point; whole blocks, infinite beyond the last point
-  std::vector<double> least_of_block_;    // [m^2] of these
+  std::vector<double> min_of_block_;      // [m^2] of these
 };
 
 }  // namespace luminav

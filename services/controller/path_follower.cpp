@@ -162,7 +162,7 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
     return;
   }
   // of what lies ahead; what is behind does not slow it down
-  const double clearance = situation.obstacles.least_distance_ahead(params_.speed.wide);
+  const double clearance = situation.obstacles.min_distance_ahead(params_.speed.wide);
   step.wanted = speed_law(heading, clearance, step.look_ahead->distance_left, params_.speed);
 }
 

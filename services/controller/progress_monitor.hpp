@@ -7,9 +7,9 @@
 namespace luminav {
 
 struct ProgressParams {
-  double distance = 0.2;                // [m] that count as progress
-  double turn = radians(45.0);          // [rad] that count as progress
-  double turns_most = 2.0 * 2.0 * kPi;  // [rad] of turning without getting anywhere; more is spinning
+  double distance = 0.2;               // [m] that count as progress
+  double turn = radians(45.0);         // [rad] that count as progress
+  double max_turns = 2.0 * 2.0 * kPi;  // [rad] of turning without getting anywhere; more is spinning
 };
 
 /// Tells for how long a robot that wants to move has got nowhere.
@@ -34,7 +34,7 @@ class ProgressMonitor {
     if (turn > params_.turn) {
       heading_ = place;
       turned_ += turn;
-      if (turned_ < params_.turns_most) {
+      if (turned_ < params_.max_turns) {
         since_ = now;
       }
     }

@@ -8,9 +8,9 @@
 namespace luminav {
 namespace {
 
-constexpr std::int8_t kStands = 2;     // evidence from which a cell counts as occupied
-constexpr std::int8_t kMostFree = -4;  // evidence is bounded, so that people who went away are forgotten
-constexpr std::int8_t kMostOccupied = 6;
+constexpr std::int8_t kStands = 2;      // evidence from which a cell counts as occupied
+constexpr std::int8_t kFreeLimit = -4;  // evidence is bounded, so that people who went away are forgotten
+constexpr std::int8_t kOccupiedLimit = 6;
 constexpr std::int8_t kFirm = 4;  // two echoes: the arc of a door post alone does not count as a wall
 constexpr std::int8_t kEcho = 2;  // what one echo says, against 1 for a free ray: walls are silent when seen at a slant
 constexpr double kConeHalf = radians(10.0);  // the part of the cone that no neighbouring disc sees better
@@ -93,7 +93,7 @@ void SearchMap::visit(const Eigen::Vector2d& place) {
   mark_seen(place, params_.seen_around);
   for (const int offset : disc_offsets(0.2)) {
     Cell& cell = cells_[static_cast<std::size_t>(index_of(place) + offset)];
-    cell.occupied = kMostFree;
+    cell.occupied = kFreeLimit;
     cell.shut = 0;
   }
 }
@@ -171,12 +171,12 @@ std::vector<int> SearchMap::free_cells(const Pose2& odom_from_sonar, double free
 
 void SearchMap::add(const SonarFiring& firing) {
   const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
-  const double range = firing.has_echo ? firing.range : params_.silent_most + params_.echo_margin;
-  for (const int index : free_cells(odom_from_sonar, std::min(params_.free_most, range - params_.echo_margin))) {
+  const double range = firing.has_echo ? firing.range : params_.max_silent + params_.echo_margin;
+  for (const int index : free_cells(odom_from_sonar, std::min(params_.max_free, range - params_.echo_margin))) {
     std::int8_t& value = cells_[static_cast<std::size_t>(index)].occupied;
-    value = std::max<std::int8_t>(kMostFree, static_cast<std::int8_t>(value - 1));
+    value = std::max<std::int8_t>(kFreeLimit, static_cast<std::int8_t>(value - 1));
   }
-  if (!firing.has_echo || range > params_.free_most) {
+  if (!firing.has_echo || range > params_.max_free) {
     return;
   }
   const int steps = std::max(2, static_cast<int>(std::ceil(2.0 * kConeHalf * range / (0.7 * params_.cell))));
@@ -186,7 +186,7 @@ void SearchMap::add(const SonarFiring& firing) {
     const int index = index_of(odom_from_sonar * Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle)));
     if (index >= 0 && index != last) {
       Cell& cell = cells_[static_cast<std::size_t>(index)];
-      cell.occupied = std::clamp<std::int8_t>(static_cast<std::int8_t>(cell.occupied + kEcho), kStands, kMostOccupied);
+      cell.occupied = std::clamp<std::int8_t>(static_cast<std::int8_t>(cell.occupied + kEcho), kStands, kOccupiedLimit);
       cell.heard = in_256ths(odom_from_sonar.theta + angle);
       last = index;
     }
@@ -220,10 +220,10 @@ bool SearchMap::stands_within(const Eigen::Vector2d& place, double radius) const
     return false;
   }
   const int reach = static_cast<int>(radius / params_.cell);
-  const int most = static_cast<int>(radius * radius / (params_.cell * params_.cell) + 1e-6);  // [cells squared]
+  const int max = static_cast<int>(radius * radius / (params_.cell * params_.cell) + 1e-6);  // [cells squared]
   for (int row = -reach; row <= reach; ++row) {
     for (int column = -reach; column <= reach; ++column) {
-      if (row * row + column * column <= most &&
+      if (row * row + column * column <= max &&
           cells_[static_cast<std::size_t>(centre + row * columns_ + column)].occupied >= kStands) {
         return true;
       }

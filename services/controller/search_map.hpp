@@ -15,8 +15,8 @@ struct SearchMapParams {
   double side = 40.0;         // [m] of the square it covers, which goes along with the robot
   double leeway = 6.0;        // [m] off the middle of the square it goes along
   double cell = 0.1;          // [m]
-  double free_most = 2.5;     // [m] farther a ray says nothing
-  double silent_most = 0.8;   // [m] likewise of one without an echo: smooth walls are silent too
+  double max_free = 2.5;      // [m] farther a ray says nothing
+  double max_silent = 0.8;    // [m] likewise of one without an echo: smooth walls are silent too
   double echo_margin = 0.12;  // [m] before an echo the ray is not free
   /// [m] between the robot's middle and what stands: the first that leads anywhere; arcs make doorways look narrow.
   std::vector<double> clearances{0.4, 0.3, 0.2};

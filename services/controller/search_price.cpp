@@ -30,7 +30,7 @@ double search_price(const Eigen::Vector2d& place, std::span<const PossiblePose> 
   // is open until they have not.
   if (ground == Ground::kStands && chance_that(poses, [&](const PossiblePose& pose) {
                                      return forecast.is_beside_wall(pose.world_from_odom * place);
-                                   }) < params.least_beside_wall) {
+                                   }) < params.min_beside_wall) {
     return kBlocked;
   }
   const double share =
@@ -38,9 +38,7 @@ double search_price(const Eigen::Vector2d& place, std::span<const PossiblePose> 
   const bool is_narrow = map.stands_within(place, params.clearance);
   const bool is_heard_free = ground == Ground::kFree && !is_narrow;
   // Sonar hears free floor also behind walls that it meets at a slant.
-  if (share < (is_heard_free ? params.least_free_if_heard
-               : is_narrow   ? params.least_free_in_narrows
-                             : params.least_free)) {
+  if (share < (is_heard_free ? params.min_free_if_heard : is_narrow ? params.min_free_in_narrows : params.min_free)) {
     return kBlocked;
   }
   const double doubt = is_heard_free ? 0.0 : 1.0 - share;

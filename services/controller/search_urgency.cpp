@@ -71,7 +71,7 @@ void set_urgency(std::vector<PossiblePose>& poses, const Eigen::Vector2d& began_
       }
     }
     PossiblePose& pose = poses[truth];
-    pose.urgency = std::pow(params.least + way, -params.power);
+    pose.urgency = std::pow(params.min + way, -params.power);
     mean += pose.urgency * pose.chance;
     chance += pose.chance;
   }

@@ -14,7 +14,7 @@ struct SearchUrgencyParams {
   double reach = 8.0;  // [m] from where the search began ways are looked at
   double step = 0.4;   // [m] between places
   double share = 0.8;  // of its rivals' weight that a pose must be told from
-  double least = 1.0;  // [m] added to each way
+  double min = 1.0;    // [m] added to each way
   double power = 2.0;  // with which the urgency falls with the way
 };
 

@@ -23,17 +23,17 @@ DriveTwist CommandRamp::step(const DriveTwist& wanted, double duration) {
   if (speeds_up) {
     acceleration_ = std::min(acceleration_ + jerk_ * duration, limits_.linear_acceleration);
     // ease out as well: no more than what a constant jerk can still take back
-    const double most = std::min(acceleration_, std::sqrt(2.0 * jerk_ * std::abs(change)));
-    current_.linear += std::clamp(change, -most * duration, most * duration);
+    const double max = std::min(acceleration_, std::sqrt(2.0 * jerk_ * std::abs(change)));
+    current_.linear += std::clamp(change, -max * duration, max * duration);
   } else {
     acceleration_ = 0.0;
-    const double most = limits_.linear_deceleration * duration;
+    const double max = limits_.linear_deceleration * duration;
     // through zero only in a step of its own
     const double target = wanted.linear * current_.linear < 0.0 ? 0.0 : wanted.linear;
-    current_.linear += std::clamp(target - current_.linear, -most, most);
+    current_.linear += std::clamp(target - current_.linear, -max, max);
   }
-  const double most_turn = limits_.angular_acceleration * duration;
-  current_.angular += std::clamp(wanted.angular - current_.angular, -most_turn, most_turn);
+  const double max_turn = limits_.angular_acceleration * duration;
+  current_.angular += std::clamp(wanted.angular - current_.angular, -max_turn, max_turn);
   return current_;
 }
 

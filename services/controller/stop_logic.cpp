@@ -111,7 +111,7 @@ bool StopLogic::is_free(const DriveTwist& twist, double duration, const Obstacle
 }
 
 double StopLogic::clearance(const Obstacles& obstacles) const {
-  return std::max(0.0, obstacles.least_distance(10.0));
+  return std::max(0.0, obstacles.min_distance(10.0));
 }
 
 StopVerdict StopLogic::judge(const DriveTwist& wanted, const Obstacles& obstacles, const SenseAges& ages) const {

@@ -22,7 +22,7 @@ void TouchMemory::add(std::int64_t now, const Pose2& odom_from_robot, const Driv
   if (std::abs(twist.linear) < kDriving) {
     return;
   }
-  if (touches_.size() >= params_.most) {
+  if (touches_.size() >= params_.max) {
     touches_.erase(touches_.begin());
   }
   Touch touch{now, {}};

@@ -13,7 +13,7 @@ struct TouchMemoryParams {
   double keep = 60.0;     ///< [s] a touch is remembered
   double gap = 0.03;      ///< [m] from the outline to what it touched: wheels stall, they do not measure
   double spacing = 0.06;  ///< [m] between the points that stand for it
-  std::size_t most = 20;  ///< touches remembered
+  std::size_t max = 20;   ///< touches remembered
 };
 
 /// What blocked the wheels or pressed a bumper though no sonar heard it, a table's edge or a glass door: it stands

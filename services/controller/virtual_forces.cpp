@@ -48,8 +48,8 @@ VirtualForce virtual_force(const Eigen::Vector2d& goal_in_robot, const Obstacles
     }
   }
   const double size = force.repulsive.norm();
-  if (size > params.most) {
-    force.repulsive *= params.most / size;
+  if (size > params.max) {
+    force.repulsive *= params.max / size;
   }
   return force;
 }

@@ -54,9 +54,9 @@ double Wander::worth(double direction, std::int64_t now, const Pose2& odom_from_
 }
 
 void Wander::note_failure(std::int64_t now, const Pose2& odom_from_robot, double heading) {
-  constexpr std::size_t kMostFailures = 30;
+  constexpr std::size_t kMaxFailures = 30;
   failures_.push_back({now, odom_from_robot.position(), heading});
-  if (failures_.size() > kMostFailures) {
+  if (failures_.size() > kMaxFailures) {
     failures_.pop_front();
   }
 }
@@ -136,7 +136,7 @@ bool Wander::stays(std::int64_t now, const Eigen::Vector2d& place) {
     stayed_at_ = place;
     stayed_since_ = now;
   }
-  if (seconds_between(stayed_since_, now) <= params_.stay_most) {
+  if (seconds_between(stayed_since_, now) <= params_.max_stay) {
     return false;
   }
   stayed_at_.reset();

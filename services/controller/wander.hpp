@@ -33,7 +33,7 @@ struct WanderParams {
   double look_ahead = 0.6;            // [m] along the way to new ground
   double approach_within = 12.0;      // [s] it must have come nearer to where it goes, else it goes elsewhere
   double stay_within = 0.7;           // [m] it has moved so little ...
-  double stay_most = 15.0;            // [s] for so long, on a way: that leads nowhere
+  double max_stay = 15.0;             // [s] for so long, on a way: that leads nowhere
   double dead_end_from = 0.35;        // [m] along the way: so near to where it stayed
   double dead_end_until = 1.2;        // [m] to so far
   double turn_from = radians(50.0);   // [rad] off its way that starts a turn on the spot

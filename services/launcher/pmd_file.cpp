@@ -56,11 +56,11 @@ class PmdParser {
     take(Kind::kString, what);
     return text;
   }
-  int take_integer(const std::string& what, int least, int most) {
+  int take_integer(const std::string& what, int min, int max) {
     const Token token = token_;
     take(Kind::kInteger, what);
     const int value = std::stoi(token.text);
-    if (value < least || value > most) {
+    if (value < min || value > max) {
       lexer_.fail(token.line, fmt::format("found {}, expected {}", value, what));
     }
     return value;
@@ -315,10 +315,10 @@ class PmdParser {
       if (action.kind == Action::Kind::kRunScript) {
         length += measure(*result_.find_script(action.script), running, lengths);
       }
-      if (length > kMostActions) {
+      if (length > kMaxActions) {
         lexer_.fail(script.line,
                     fmt::format("script \"{}\" comes to more than {} actions with the scripts that it runs",
-                                script.name, kMostActions));
+                                script.name, kMaxActions));
       }
     }
     running.pop_back();
@@ -326,8 +326,8 @@ class PmdParser {
     return length;
   }
 
-  static constexpr int kDeepest = 50;          // a file that nests deeper is damaged
-  static constexpr int kMostActions = 10'000;  // of a script: scripts that run others twice double with each level
+  static constexpr int kDeepest = 50;         // a file that nests deeper is damaged
+  static constexpr int kMaxActions = 10'000;  // of a script: scripts that run others twice double with each level
   PmdLexer lexer_;
   Token token_;
   PmdFile result_;

@@ -12,9 +12,9 @@
 namespace luminav {
 namespace {
 
-constexpr int kElementLamps = 1000;          // lamps of a fixture that stands for an element: its kind is added
-constexpr std::size_t kMostCandidates = 40;  // fixtures whose change is tried: those that the motions mix up most
-constexpr std::size_t kMostForChanges = 40;  // motions that a change is tried on: those that cost most
+constexpr int kElementLamps = 1000;         // lamps of a fixture that stands for an element: its kind is added
+constexpr std::size_t kMaxCandidates = 40;  // fixtures whose change is tried: those that the motions mix up most
+constexpr std::size_t kMaxForChanges = 40;  // motions that a change is tried on: those that cost most
 
 std::vector<Fixture> landmarks(const Building& building, bool with_elements) {
   std::vector<Fixture> fixtures = building.fixtures;
@@ -62,10 +62,10 @@ AmbiguityAudit::AmbiguityAudit(const Building& building, const PriorMap& walls, 
   }
   add_blind_ways(way);
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    places_[i].least_way = way[i];
+    places_[i].min_distance = way[i];
     never_share_ += std::isinf(way[i]) ? 1.0 / static_cast<double>(places_.size()) : 0.0;
   }
-  mean_least_way_ = mean_of(way);
+  mean_min_distance_ = mean_of(way);
 }
 
 void AmbiguityAudit::find_rivals() {
@@ -99,24 +99,24 @@ void AmbiguityAudit::find_rivals() {
 }
 
 void AmbiguityAudit::find_places(const PriorMap& walls) {
-  Eigen::Vector2d least = Eigen::Vector2d::Zero();
-  Eigen::Vector2d most = Eigen::Vector2d::Zero();
+  Eigen::Vector2d min = Eigen::Vector2d::Zero();
+  Eigen::Vector2d max = Eigen::Vector2d::Zero();
   if (walls_.has_walls()) {
-    least = walls.geometry.origin;
-    most = least + walls.geometry.resolution * Eigen::Vector2d(walls.geometry.columns, walls.geometry.rows);
+    min = walls.geometry.origin;
+    max = min + walls.geometry.resolution * Eigen::Vector2d(walls.geometry.columns, walls.geometry.rows);
   } else if (map_.size() > 0) {
-    least = most = map_[0].world_from_fixture.position();
+    min = max = map_[0].world_from_fixture.position();
     for (const Fixture& fixture : map_.fixtures()) {
-      least = least.cwiseMin(fixture.world_from_fixture.position());
-      most = most.cwiseMax(fixture.world_from_fixture.position());
+      min = min.cwiseMin(fixture.world_from_fixture.position());
+      max = max.cwiseMax(fixture.world_from_fixture.position());
     }
-    least -= Eigen::Vector2d::Constant(1.5);
-    most += Eigen::Vector2d::Constant(1.5);
+    min -= Eigen::Vector2d::Constant(1.5);
+    max += Eigen::Vector2d::Constant(1.5);
   }
   grid_.resolution = params_.cell;
-  grid_.origin = least;
-  grid_.columns = static_cast<int>(std::ceil((most.x() - least.x()) / params_.cell));
-  grid_.rows = static_cast<int>(std::ceil((most.y() - least.y()) / params_.cell));
+  grid_.origin = min;
+  grid_.columns = static_cast<int>(std::ceil((max.x() - min.x()) / params_.cell));
+  grid_.rows = static_cast<int>(std::ceil((max.y() - min.y()) / params_.cell));
   place_of_cell_.assign(grid_.size(), -1);
   for (int row = 0; row < grid_.rows; ++row) {
     for (int column = 0; column < grid_.columns; ++column) {
@@ -350,14 +350,14 @@ std::vector<int> AmbiguityAudit::costly_fixtures(std::size_t motions) const {
   }
   std::stable_sort(fixtures.begin(), fixtures.end(),
                    [&](int a, int b) { return cost[static_cast<std::size_t>(a)] > cost[static_cast<std::size_t>(b)]; });
-  fixtures.resize(std::min(kMostCandidates, fixtures.size()));
+  fixtures.resize(std::min(kMaxCandidates, fixtures.size()));
   return fixtures;
 }
 
-std::vector<AuditChange> AmbiguityAudit::best_changes(std::size_t most) const {
+std::vector<AuditChange> AmbiguityAudit::best_changes(std::size_t max) const {
   std::vector<AuditChange> changes;
-  const std::size_t count = std::min(kMostForChanges, motions_.size());
-  if (count == 0 || mean_least_way_ < params_.cell) {
+  const std::size_t count = std::min(kMaxForChanges, motions_.size());
+  if (count == 0 || mean_min_distance_ < params_.cell) {
     return changes;
   }
   // what the motions left out ask for stays
@@ -382,9 +382,10 @@ std::vector<AuditChange> AmbiguityAudit::best_changes(std::size_t most) const {
     changes.push_back(
         {map_[fixture].id, mean_of(way), static_cast<double>(never) / std::max(1.0, static_cast<double>(way.size()))});
   }
-  std::stable_sort(changes.begin(), changes.end(),
-                   [](const AuditChange& a, const AuditChange& b) { return a.mean_least_way < b.mean_least_way; });
-  changes.resize(std::min(most, changes.size()));
+  std::stable_sort(changes.begin(), changes.end(), [](const AuditChange& a, const AuditChange& b) {
+    return a.mean_min_distance < b.mean_min_distance;
+  });
+  changes.resize(std::min(max, changes.size()));
   return changes;
 }
 

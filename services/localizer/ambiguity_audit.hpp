@@ -28,16 +28,16 @@ struct AuditParams {
 /// One place where the robot may be switched on.
 struct AuditPlace {
   Eigen::Vector2d point;
-  bool is_blind = false;   // no fixture in view
-  int twins = 0;           // other poses that look the same, half turns included
-  double least_way = 0.0;  // [m] to drive until the farthest twin is refuted; infinite: never. More: ResolvingWalk
+  bool is_blind = false;      // no fixture in view
+  int twins = 0;              // other poses that look the same, half turns included
+  double min_distance = 0.0;  // [m] to drive until the farthest twin is refuted; infinite: never. More: ResolvingWalk
 };
 
 /// What one change would do.
 struct AuditChange {
-  int fixture = 0;              // id of the fixture to be made another kind, or beside which a vent would be seen
-  double mean_least_way = 0.0;  // [m] over all places after it
-  double never_share = 0.0;     // of the places after it
+  int fixture = 0;                 // id of the fixture to be made another kind, or beside which a vent would be seen
+  double mean_min_distance = 0.0;  // [m] over all places after it
+  double never_share = 0.0;        // of the places after it
 };
 
 /// From where in a building the ceiling does not tell the pose, and how far the robot must drive until it does. A pose
@@ -56,11 +56,11 @@ class AmbiguityAudit {
   [[nodiscard]] std::size_t motions() const { return motions_.size(); }
   /// Which twins are possible where: ResolvingWalk finds the ways on it.
   [[nodiscard]] const RivalGround& ground() const { return ground_; }
-  [[nodiscard]] double mean_least_way() const { return mean_least_way_; }
+  [[nodiscard]] double mean_min_distance() const { return mean_min_distance_; }
   /// Share of the places that never resolve.
   [[nodiscard]] double never_share() const { return never_share_; }
   /// The single changes that help most, best first; empty when nothing needs help.
-  [[nodiscard]] std::vector<AuditChange> best_changes(std::size_t most) const;
+  [[nodiscard]] std::vector<AuditChange> best_changes(std::size_t max) const;
 
  private:
   /// Way from a place to where a motion is refuted; places that are not named need none.
@@ -102,7 +102,7 @@ class AmbiguityAudit {
   std::vector<std::vector<std::int32_t>> places_of_;  // from which a fixture is in view
   std::vector<AuditPlace> places_;
   std::vector<Motion> motions_;
-  double mean_least_way_ = 0.0;
+  double mean_min_distance_ = 0.0;
   double never_share_ = 0.0;
 };
 

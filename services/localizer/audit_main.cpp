@@ -78,7 +78,7 @@ void print(const Findings& findings) {
   fmt::print("way to drive until the pose is resolvable: median {}, 95 % {}, longest {}\n",
              in_metres(findings.way_quantile(0.5)), in_metres(findings.way_quantile(0.95)),
              in_metres(findings.way_quantile(1.0)));
-  fmt::print("likewise if twins need not all be refuted on one drive: mean {:.2f} m\n", audit.mean_least_way());
+  fmt::print("likewise if twins need not all be refuted on one drive: mean {:.2f} m\n", audit.mean_min_distance());
   if (audit.never_share() > 0.0) {
     fmt::print("never resolvable from {:.1f} % of the places: part of the building maps onto itself\n",
                100.0 * audit.never_share());
@@ -87,7 +87,7 @@ void print(const Findings& findings) {
     fmt::print(
         "would help: fixture {} of another kind, or a vent beside it written into the file: that mean {:.2f} m, "
         "never {:.1f} %\n",
-        change.fixture, change.mean_least_way, 100.0 * change.never_share);
+        change.fixture, change.mean_min_distance, 100.0 * change.never_share);
   }
 }
 
@@ -99,7 +99,7 @@ void write_json(const std::string& file, const Findings& findings) {
                            {"view_radius_m", audit.view_radius()},
                            {"median_way_m", finite(findings.way_quantile(0.5))},
                            {"p95_way_m", finite(findings.way_quantile(0.95))},
-                           {"mean_least_way_m", audit.mean_least_way()},
+                           {"mean_least_way_m", audit.mean_min_distance()},
                            {"never_share", audit.never_share()},
                            {"places", nlohmann::json::array()},
                            {"changes", nlohmann::json::array()}};
@@ -109,12 +109,12 @@ void write_json(const std::string& file, const Findings& findings) {
                                 {"y", place.point.y()},
                                 {"blind", place.is_blind},
                                 {"twins", place.twins},
-                                {"least_way_m", finite(place.least_way)},
+                                {"least_way_m", finite(place.min_distance)},
                                 {"way_m", finite(ways[i])}});
   }
   for (const AuditChange& change : changes) {
     report["changes"].push_back({{"fixture", change.fixture},
-                                 {"mean_least_way_m", change.mean_least_way},
+                                 {"mean_least_way_m", change.mean_min_distance},
                                  {"never_share", change.never_share}});
   }
   write_whole_file(file, report.dump(1) + "\n");
@@ -130,19 +130,19 @@ cv::Scalar colour_of(double way) {
 
 void draw_picture(const std::string& file, const Findings& findings) {
   const auto& [building, audit, ways, changes] = findings;
-  Eigen::Vector2d least(1e9, 1e9);
-  Eigen::Vector2d most(-1e9, -1e9);
+  Eigen::Vector2d min(1e9, 1e9);
+  Eigen::Vector2d max(-1e9, -1e9);
   for (const AuditPlace& place : audit.places()) {
-    least = least.cwiseMin(place.point);
-    most = most.cwiseMax(place.point);
+    min = min.cwiseMin(place.point);
+    max = max.cwiseMax(place.point);
   }
   const double margin = 0.8;  // [m]
-  const double scale = std::clamp(1500.0 / std::max(1.0, (most - least).maxCoeff() + 2.0 * margin), 4.0, 80.0);
+  const double scale = std::clamp(1500.0 / std::max(1.0, (max - min).maxCoeff() + 2.0 * margin), 4.0, 80.0);
   const auto pixel = [&](const Eigen::Vector2d& point) {
-    return cv::Point(static_cast<int>(scale * (point.x() - least.x() + margin)),
-                     static_cast<int>(scale * (most.y() - point.y() + margin)));
+    return cv::Point(static_cast<int>(scale * (point.x() - min.x() + margin)),
+                     static_cast<int>(scale * (max.y() - point.y() + margin)));
   };
-  const cv::Point corner = pixel({most.x() + margin, least.y() - margin});
+  const cv::Point corner = pixel({max.x() + margin, min.y() - margin});
   cv::Mat image(corner.y + 1, corner.x + 1, CV_8UC3, cv::Scalar(40, 40, 40));
   const double half = 0.5 * audit.params().cell;
   for (std::size_t i = 0; i < ways.size(); ++i) {

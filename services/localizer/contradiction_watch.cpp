@@ -10,9 +10,9 @@
 namespace luminav {
 namespace {
 
-constexpr double kMore = 0.05;           // by which a share is greater, less than one of its sixteen samples
-constexpr double kSameThing = 0.6;       // [m] a thing seen again within it is the same
-constexpr std::size_t kMostThings = 64;  // remembered that are no fixtures
+constexpr double kMore = 0.05;          // by which a share is greater, less than one of its sixteen samples
+constexpr double kSameThing = 0.6;      // [m] a thing seen again within it is the same
+constexpr std::size_t kMaxThings = 64;  // remembered that are no fixtures
 
 }  // namespace
 
@@ -74,7 +74,7 @@ void ContradictionWatch::confirm(bool was_doubted) {
   }
   if (was_doubted && misfit_) {
     no_fixtures_.push_back(*misfit_);
-    if (no_fixtures_.size() > kMostThings) {
+    if (no_fixtures_.size() > kMaxThings) {
       no_fixtures_.pop_front();
     }
   }
@@ -162,15 +162,15 @@ bool ContradictionWatch::count_missing(const SightingFrame& frame, const PoseBel
     const bool was_seen = seen != seen_lately_.end();
     const bool vanished = stands_still && was_seen;
     // what was found when less of it was in view is found now
-    const double least = vanished   ? rules_.vanish_share
-                         : was_seen ? std::clamp(seen->second + kMore, rules_.vanish_share, rules_.miss_share)
-                                    : rules_.miss_share;
+    const double min = vanished   ? rules_.vanish_share
+                       : was_seen ? std::clamp(seen->second + kMore, rules_.vanish_share, rules_.miss_share)
+                                  : rules_.miss_share;
     // what was seen from here is out of sight only by what the robot moved since: the pose's error was the same then
     const double moved =
         std::hypot(since_match.x, since_match.y) + std::abs(since_match.theta) * robot_from_fixture.position().norm();
-    const double least_inside = vanished ? std::min(margin, moved) : margin;
+    const double min_inside = vanished ? std::min(margin, moved) : margin;
     if (is_there || unreliable_.count(index) > 0 ||
-        view_.visible_share(robot_from_fixture, map_[index], least_inside) < least) {
+        view_.visible_share(robot_from_fixture, map_[index], min_inside) < min) {
       continue;
     }
     any = true;

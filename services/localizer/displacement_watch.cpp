@@ -9,7 +9,7 @@
 namespace luminav {
 namespace {
 
-constexpr double kMostInOneImage = 0.6;  // of a motion: more is the centre of a cut fixture found elsewhere
+constexpr double kMaxInOneImage = 0.6;  // of a motion: more is the centre of a cut fixture found elsewhere
 
 }  // namespace
 
@@ -79,7 +79,7 @@ bool DisplacementWatch::moved_on(const Look& now) const {
   for (std::size_t i = 1; i < offsets.size(); ++i) {
     longest = std::max(longest, (offsets[i] - offsets[i - 1]).norm());
   }
-  return longest < kMostInOneImage * offsets.front().norm();
+  return longest < kMaxInOneImage * offsets.front().norm();
 }
 
 }  // namespace luminav

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kPointEvery = 0.2;  // [m]
 constexpr double kStretch = 0.6;     // [m] compared at once, beside as much of the one before
-constexpr double kLeastRoom = 0.10;  // [m] from the robot's middle to a wall; cells are a tenth of a metre
+constexpr double kMinRoom = 0.10;    // [m] from the robot's middle to a wall; cells are a tenth of a metre
 constexpr double kMapError = 0.10;   // [m] 1-sigma of walls, beside the belief's own
-constexpr double kLeast = -8.0;      // of one stretch: the map may be wrong
+constexpr double kMin = -8.0;        // of one stretch: the map may be wrong
 constexpr double kNoOffence = 0.15;  // [m] as near as that is no sign of a wrong pose
 constexpr std::array kShifts{kNoOffence, 0.3, 0.45, 0.6, 0.8};  // [m]
 
@@ -33,9 +33,9 @@ bool DrivenTrail::advance(const Pose2& delta) {
     return false;
   }
   way_since_ = 0.0;
-  constexpr auto kMost = static_cast<std::size_t>(2.0 * kStretch / kPointEvery) + 1;
-  if (poses_.size() > kMost) {
-    poses_.erase(poses_.begin(), poses_.end() - kMost);
+  constexpr auto kMax = static_cast<std::size_t>(2.0 * kStretch / kPointEvery) + 1;
+  if (poses_.size() > kMax) {
+    poses_.erase(poses_.begin(), poses_.end() - kMax);
   }
   return true;
 }
@@ -57,7 +57,7 @@ double log_likelihood_of_trail(const PoseBelief& belief, const std::vector<Eigen
   const PointTransform world_from_robot(belief.pose);
   const auto is_possible = [&](const Eigen::Vector2d& shift) {
     return std::all_of(trail.begin(), trail.end(), [&](const Eigen::Vector2d& point) {
-      return walls.distance_to_wall(world_from_robot * point + shift) >= kLeastRoom;
+      return walls.distance_to_wall(world_from_robot * point + shift) >= kMinRoom;
     });
   };
   if (is_possible(Eigen::Vector2d::Zero())) {
@@ -65,7 +65,7 @@ double log_likelihood_of_trail(const PoseBelief& belief, const std::vector<Eigen
   }
   const Eigen::Matrix2d information =
       (belief.covariance.topLeftCorner<2, 2>() + kMapError * kMapError * Eigen::Matrix2d::Identity()).inverse();
-  double best = kLeast;
+  double best = kMin;
   for (const double length : kShifts) {
     for (int direction = 0; direction < 8; ++direction) {
       const double angle = 0.25 * kPi * direction;

@@ -6,11 +6,11 @@
 namespace luminav {
 namespace {
 
-constexpr std::size_t kMostEchoes = 64;
+constexpr std::size_t kMaxEchoes = 64;
 constexpr std::size_t kFewestEchoes = 3;
 constexpr std::int64_t kOldest = 1'000'000;  // [us]
-constexpr std::size_t kMostPlaces = 100;     // odometry has drifted since those before
-constexpr std::size_t kMostSurfaces = 800;   // likewise
+constexpr std::size_t kMaxPlaces = 100;      // odometry has drifted since those before
+constexpr std::size_t kMaxSurfaces = 800;    // likewise
 constexpr double kFarAway = 1e9;             // [m]
 constexpr double kUsableRange = 0.9;         // of the maximum: beyond it the ring says its maximum for nothing heard
 constexpr double kSurelyHeard = 0.8;         // of the maximum: a wall that faces the disc echoes from there
@@ -20,12 +20,12 @@ constexpr double kPassage = 1.0;             // [m] from the disc: what passes t
 constexpr double kSector = radians(30.0);
 
 /// Keeps so many, evenly over the ring.
-void thin_out(std::vector<PlacedEcho>& echoes, std::size_t most) {
-  if (echoes.size() > most) {
-    for (std::size_t i = 0; i < most; ++i) {
-      echoes[i] = echoes[i * echoes.size() / most];
+void thin_out(std::vector<PlacedEcho>& echoes, std::size_t max) {
+  if (echoes.size() > max) {
+    for (std::size_t i = 0; i < max; ++i) {
+      echoes[i] = echoes[i * echoes.size() / max];
     }
-    echoes.resize(most);
+    echoes.resize(max);
   }
 }
 
@@ -45,8 +45,8 @@ void EchoCollector::add(const SonarScan& scan) {
       echoes_.push_back({reading.disc, kSurelyHeard * sonar_.maximum_range, false, reading.utime});
     }
   }
-  if (echoes_.size() > kMostEchoes) {
-    echoes_.erase(echoes_.begin(), echoes_.end() - kMostEchoes);
+  if (echoes_.size() > kMaxEchoes) {
+    echoes_.erase(echoes_.begin(), echoes_.end() - kMaxEchoes);
   }
 }
 
@@ -74,19 +74,19 @@ bool EchoCollector::has_listened_at(const Pose2& odom_from_robot) const {
   });
 }
 
-double EchoCollector::look_at(const Eigen::Vector2d& place_in_odom, int sector, int most_looks) {
+double EchoCollector::look_at(const Eigen::Vector2d& place_in_odom, int sector, int max_looks) {
   const int column = static_cast<int>(std::floor(place_in_odom.x() / rules_.surface));
   const int row = static_cast<int>(std::floor(place_in_odom.y() / rules_.surface));
   auto surface = std::find_if(surfaces_.begin(), surfaces_.end(), [&](const Surface& s) {
     return s.column == column && s.row == row && s.sector == sector;
   });
   if (surface == surfaces_.end()) {
-    if (surfaces_.size() >= kMostSurfaces) {
+    if (surfaces_.size() >= kMaxSurfaces) {
       surfaces_.erase(surfaces_.begin());
     }
     surface = surfaces_.insert(surfaces_.end(), {column, row, sector, 0});
   }
-  return ++surface->looks <= most_looks ? 1.0 / most_looks : 0.0;
+  return ++surface->looks <= max_looks ? 1.0 / max_looks : 0.0;
 }
 
 std::vector<PlacedEcho> EchoCollector::place_readings(int disc, std::int64_t utime, const OdometryReading& now,
@@ -106,7 +106,7 @@ std::vector<PlacedEcho> EchoCollector::place_readings(int disc, std::int64_t uti
   return readings;
 }
 
-std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history, std::size_t most) {
+std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history, std::size_t max) {
   if (way_since_ < rules_.way && turn_since_ < rules_.turn) {
     return {};
   }
@@ -141,13 +141,13 @@ std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHi
   std::erase_if(echoes_, [&](const SonarEcho& reading) { return reading.utime <= utime; });
   way_since_ = 0.0;
   turn_since_ = 0.0;
-  if (places_.size() >= kMostPlaces) {
+  if (places_.size() >= kMaxPlaces) {
     places_.erase(places_.begin());
   }
   places_.push_back(now->odom_from_robot);
   // before they count for their surfaces: what nobody hears must not use them up
-  thin_out(echoes, most);
-  thin_out(passages, most);
+  thin_out(echoes, max);
+  thin_out(passages, max);
   echoes.insert(echoes.begin(), passages.begin(), passages.end());
   for (PlacedEcho& echo : echoes) {
     const Eigen::Vector2d along = (echo.end - echo.disc) / echo.range;

@@ -42,7 +42,7 @@ class EchoCollector {
   /// doorway, at most so many of either, of the last second before `utime` [us], in the robot frame of that instant,
   /// without those of surfaces and passages that have had their weight; empty while the robot has not moved enough or
   /// fewer than three discs have readings.
-  [[nodiscard]] std::vector<PlacedEcho> take(std::int64_t utime, const OdometryHistory& history, std::size_t most);
+  [[nodiscard]] std::vector<PlacedEcho> take(std::int64_t utime, const OdometryHistory& history, std::size_t max);
 
  private:
   /// A square of the odometry frame from which echoes came, or which beams of one direction passed.
@@ -59,7 +59,7 @@ class EchoCollector {
                                                        const OdometryHistory& history) const;
   [[nodiscard]] bool has_listened_at(const Pose2& odom_from_robot) const;
   /// Counts a look at a place and returns what it weighs.
-  double look_at(const Eigen::Vector2d& place_in_odom, int sector, int most_looks);
+  double look_at(const Eigen::Vector2d& place_in_odom, int sector, int max_looks);
 
   SonarRing sonar_;
   EchoRules rules_;

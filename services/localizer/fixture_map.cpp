@@ -9,18 +9,18 @@ FixtureMap::FixtureMap(std::vector<Fixture> fixtures, double cell) : fixtures_(s
   if (fixtures_.empty()) {
     return;
   }
-  Eigen::Vector2d least = fixtures_.front().world_from_fixture.position();
-  Eigen::Vector2d most = least;
+  Eigen::Vector2d min = fixtures_.front().world_from_fixture.position();
+  Eigen::Vector2d max = min;
   for (const Fixture& fixture : fixtures_) {
-    least = least.cwiseMin(fixture.world_from_fixture.position());
-    most = most.cwiseMax(fixture.world_from_fixture.position());
+    min = min.cwiseMin(fixture.world_from_fixture.position());
+    max = max.cwiseMax(fixture.world_from_fixture.position());
   }
   // a fixture somebody put at 1e6 must not cost the memory of all cells between
-  const double extent = std::max(most.x() - least.x(), most.y() - least.y());
+  const double extent = std::max(max.x() - min.x(), max.y() - min.y());
   cell_ = std::max(cell_, extent / 1000.0);
-  origin_ = least;
-  columns_ = static_cast<int>((most.x() - least.x()) / cell_) + 1;
-  rows_ = static_cast<int>((most.y() - least.y()) / cell_) + 1;
+  origin_ = min;
+  columns_ = static_cast<int>((max.x() - min.x()) / cell_) + 1;
+  rows_ = static_cast<int>((max.y() - min.y()) / cell_) + 1;
   std::vector<std::size_t> cell_of;
   for (const Fixture& fixture : fixtures_) {
     const Eigen::Vector2d offset = fixture.world_from_fixture.position() - origin_;
@@ -81,19 +81,19 @@ void FixtureMap::find_near(const Eigen::Vector2d& point_in_world, double radius,
 bool fits_kind_and_size(const FixtureSighting& sighting, const Fixture& fixture, const KindGate& gate) {
   const double length_tolerance = gate.length_tolerance + gate.relative * fixture.length;
   // of a half-lit fixture only one tube may be seen
-  const double most_narrower = gate.width_tolerance + gate.relative * fixture.width +
-                               (sighting.state == SightingState::kHalf ? 0.5 * fixture.width : 0.0);
-  const double most_wider = most_narrower + (sighting.state == SightingState::kLit ? gate.bloom : 0.0);
+  const double max_narrower = gate.width_tolerance + gate.relative * fixture.width +
+                              (sighting.state == SightingState::kHalf ? 0.5 * fixture.width : 0.0);
+  const double max_wider = max_narrower + (sighting.state == SightingState::kLit ? gate.bloom : 0.0);
   if (sighting.clipped) {
     // what the border leaves of a rectangle may look like a square or lie across: only its sides' upper bounds count;
     // and a burning fixture of one tube like one of two that burns by half
-    const double least_width = (sighting.state == SightingState::kHalf ? 0.5 : 1.0) * sighting.width;
+    const double min_width = (sighting.state == SightingState::kHalf ? 0.5 : 1.0) * sighting.width;
     return sighting.shape == FixtureShape::kRound
                ? fixture.shape == FixtureShape::kRound
-               : sighting.length <= fixture.length + length_tolerance && least_width <= fixture.width + most_wider;
+               : sighting.length <= fixture.length + length_tolerance && min_width <= fixture.width + max_wider;
   }
   return sighting.shape == fixture.shape && std::abs(sighting.length - fixture.length) <= length_tolerance &&
-         sighting.width >= fixture.width - most_narrower && sighting.width <= fixture.width + most_wider;
+         sighting.width >= fixture.width - max_narrower && sighting.width <= fixture.width + max_wider;
 }
 
 }  // namespace luminav

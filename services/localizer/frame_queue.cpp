@@ -8,7 +8,7 @@ void FrameQueue::add_frame(const SightingFrame& frame) {
     return;
   }
   waiting_.push_back(frame);
-  if (waiting_.size() > kMostWaiting) {
+  if (waiting_.size() > kMaxWaiting) {
     waiting_.pop_front();
     ++dropped_;
   }

@@ -28,7 +28,7 @@ class FrameQueue {
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
  private:
-  static constexpr std::size_t kMostWaiting = 60;  // 4 s of images without odometry
+  static constexpr std::size_t kMaxWaiting = 60;  // 4 s of images without odometry
 
   OdometryHistory history_;
   std::deque<SightingFrame> waiting_;

@@ -8,7 +8,7 @@ namespace luminav {
 namespace {
 
 constexpr double kPassedBy = 1.5;  // [m] driven since a fixture was expected last: its pass is over
-constexpr std::size_t kMostConfirmed = 16;
+constexpr std::size_t kMaxConfirmed = 16;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double 
   found->fixture = fixture;
   if (fixture >= 0) {
     found->matches += images;
-    if (found->matches >= 3 && 2 * found->matches > found->frames && hypothesis.confirmed.size() < kMostConfirmed &&
+    if (found->matches >= 3 && 2 * found->matches > found->frames && hypothesis.confirmed.size() < kMaxConfirmed &&
         std::find(hypothesis.confirmed.begin(), hypothesis.confirmed.end(), fixture) == hypothesis.confirmed.end()) {
       hypothesis.confirmed.push_back(fixture);
     }

@@ -29,7 +29,7 @@ struct HypothesisParams {
   double merge_distance = 0.3;         // [m] two hypotheses nearer than this and
   double merge_angle = radians(12.0);  // [rad] this are one
   double seed_position_sigma = 0.40;   // [m] sightings less sharp make no hypotheses
-  int most = 20000;                    // hypotheses kept
+  int max = 20000;                     // hypotheses kept
   int work = 8000;                     // units of work in one step, see WorkBudget
 };
 

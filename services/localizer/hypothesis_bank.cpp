@@ -8,7 +8,7 @@
 namespace luminav {
 namespace {
 
-constexpr int kMostImages = 2;         // that one stands for: chance is not averaged out as by many
+constexpr int kMaxImages = 2;          // that one stands for: chance is not averaged out as by many
 constexpr int kLongestRound = 8;       // [steps] of hearing echoes; beyond it some are left out
 constexpr std::size_t kFewEchoes = 3;  // that are always heard
 
@@ -74,7 +74,7 @@ void HypothesisBank::bridge(const Pose2& step, const Eigen::Matrix3d& noise) {
   way_since_correction_ += params_.independent_way;
 }
 
-std::size_t HypothesisBank::most_echoes() const {
+std::size_t HypothesisBank::max_echoes() const {
   return std::max(kFewEchoes, static_cast<std::size_t>(kLongestRound) * static_cast<std::size_t>(params_.work) /
                                   std::max<std::size_t>(1, kUnitsPerEcho * hypotheses_.size()));
 }
@@ -95,7 +95,7 @@ void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>&
       const auto known =
           std::find_if(before.begin(), before.end(), [&](const SeenObject& o) { return o.id == object.id; });
       const int images = object.frames - (known == before.end() ? 0 : known->frames);
-      round_.images_of_sighting.push_back(std::clamp(images, 1, kMostImages));
+      round_.images_of_sighting.push_back(std::clamp(images, 1, kMaxImages));
     }
     round_.has_image = true;
     round_.frame = frame;
@@ -132,7 +132,7 @@ void HypothesisBank::begin_round() {
     null_settled_ += std::exchange(null_active_, 0.0);
   }
   if (round_.has_image) {
-    round_.images = std::min(std::exchange(images_, 0), kMostImages);
+    round_.images = std::min(std::exchange(images_, 0), kMaxImages);
     round_.forgotten = std::exchange(forgotten_, {});
     // Constant errors are drawn anew only every `independent_way`: between, an image counts for its share of it.
     round_.share = std::clamp(way_since_correction_ / params_.independent_way, 0.02, 1.0);
@@ -250,7 +250,8 @@ void HypothesisBank::seed(SceneMemory& scene) {
   // a round without an image has the objects of the last one, which have been used
   if (phase_ == Phase::kCompared && round_.has_image) {
     births_.begin(round_, scene, best_sonar_ - 1.0);
-    least_total_ = hypotheses_.empty() ? -1e18 : score_of(hypotheses_.front(), best_sonar_, params_) - params_.prune;
+    min_log_posterior_ =
+        hypotheses_.empty() ? -1e18 : score_of(hypotheses_.front(), best_sonar_, params_) - params_.prune;
     phase_ = Phase::kBear;
   }
   bear_next();
@@ -263,7 +264,7 @@ void HypothesisBank::bear_next() {
   while (!births_.is_complete() && !budget_.is_spent()) {
     for (Hypothesis& hypothesis : births_.next(hypotheses_, budget_)) {
       hypothesis.settled = null_settled_;
-      if (score_of(hypothesis, best_sonar_, params_) >= least_total_) {
+      if (score_of(hypothesis, best_sonar_, params_) >= min_log_posterior_) {
         add(std::move(hypothesis));
       }
     }

@@ -48,7 +48,7 @@ class HypothesisBank {
   /// Echoes for the next round, in the robot frame of its image.
   void listen(const std::vector<PlacedEcho>& echoes);
   /// Echoes that leave the next round short.
-  [[nodiscard]] std::size_t most_echoes() const;
+  [[nodiscard]] std::size_t max_echoes() const;
   /// One image: sightings (rolling shutter taken out) with their object in the scene. Begins a round with it, or goes
   /// on with the one begun.
   void observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting, SceneMemory& scene,
@@ -117,7 +117,7 @@ class HypothesisBank {
   std::size_t next_ = 0;           // hypothesis to be compared with the image
   double round_best_sonar_ = 0.0;  // of those that may lead and have heard the round's echoes
   HypothesisBirths births_;
-  double least_total_ = 0.0;  // what is born with less would be given up at once
+  double min_log_posterior_ = 0.0;  // what is born with less would be given up at once
   HypothesisRanking ranking_;
   WorkBudget budget_;
 

@@ -66,7 +66,7 @@ void HypothesisRanking::merge_next(const std::vector<Hypothesis>& hypotheses, Wo
     const Ranked& ranked = ranked_[next_];
     const Hypothesis& hypothesis = hypotheses[ranked.index];
     if (ranked.total < ranked_.front().total - params_.prune || hypothesis.walls < -15.0 ||
-        !hypothesis.belief.covariance.allFinite() || eligible_ >= params_.most) {
+        !hypothesis.belief.covariance.allFinite() || eligible_ >= params_.max) {
       continue;
     }
     ++eligible_;

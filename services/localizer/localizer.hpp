@@ -39,9 +39,9 @@ class Localizer {
   /// Carried forward to the newest odometry.
   [[nodiscard]] virtual LocalizerEstimate estimate() const = 0;
   /// Heaviest first; weights sum to at most 1.
-  [[nodiscard]] virtual std::vector<WeightedPose> hypotheses(std::size_t most) const = 0;
+  [[nodiscard]] virtual std::vector<WeightedPose> hypotheses(std::size_t max) const = 0;
   /// A sample of the particles; empty where there are none.
-  [[nodiscard]] virtual std::vector<WeightedPose> particles(std::size_t most) const = 0;
+  [[nodiscard]] virtual std::vector<WeightedPose> particles(std::size_t max) const = 0;
   /// Images that came too late or too early to be used.
   [[nodiscard]] virtual std::int64_t frames_dropped() const = 0;
 };

@@ -44,14 +44,14 @@ void read_hypotheses(const TomlTable& table, HypothesisParams& params) {
   params.sonar_looks = table.count("sonar_looks", params.sonar_looks, {1, 1000});
   params.sonar_cap = table.number("sonar_cap", params.sonar_cap, {0.0, 1000.0});
   params.prune = table.number("prune", params.prune, {1.0, 1000.0});
-  params.most = table.count("most", params.most, {1, 1e6});
+  params.max = table.count("max", params.max, {1, 1e6});
   table.reject_unknown();
 }
 
 void read_rules(const TomlTable& table, TrackingRules& rules) {
   rules.first_margin = table.number("first_margin", rules.first_margin, {0.0, 100.0});
   rules.enter_margin = table.number("enter_margin", rules.enter_margin, {0.0, 100.0});
-  rules.least_without_sonar = table.number("least_without_sonar", rules.least_without_sonar, {-100.0, 100.0});
+  rules.min_without_sonar = table.number("min_without_sonar", rules.min_without_sonar, {-100.0, 100.0});
   rules.leave_margin = table.number("leave_margin", rules.leave_margin, {0.0, 100.0});
   rules.enter_fixtures = table.count("enter_fixtures", rules.enter_fixtures, {1, 16});
   rules.enter_position_sigma = table.number("enter_position_sigma", rules.enter_position_sigma, {0.01, 5.0});
@@ -87,7 +87,7 @@ void read_particles(const TomlTable& table, ParticleParams& params) {
   params.angle_gain = table.number("angle_gain", params.angle_gain, {0.0, 1000.0});
   params.weight_jitter = table.number("weight_jitter", params.weight_jitter, kFraction);
   params.unknown_free = table.number("unknown_free", params.unknown_free, kFraction);
-  params.least_free = table.number("least_free", params.least_free, kFraction);
+  params.min_free = table.number("min_free", params.min_free, kFraction);
   params.turn_by_turn = table.number("turn_by_turn", params.turn_by_turn, {0.0, 10.0});
   params.turn_by_way = table.number("turn_by_way", params.turn_by_way, {0.0, 10.0});
   params.way_by_way = table.number("way_by_way", params.way_by_way, {0.0, 10.0});
@@ -101,7 +101,7 @@ void read_particles(const TomlTable& table, ParticleParams& params) {
 void read_clusters(const TomlTable& table, ClusterParams& params) {
   params.radius_factor = table.number("radius_factor", params.radius_factor, {0.01, 1.0});
   params.heading_gate = table.number("heading_gate", params.heading_gate, {0.01, 3.2});
-  params.most = table.count("most", params.most, {1.0, 1000.0});
+  params.max = table.count("max", params.max, {1.0, 1000.0});
   table.reject_unknown();
 }
 

@@ -17,9 +17,9 @@ constexpr std::int64_t kHypothesesPeriod = 200'000;  // [us]
 constexpr std::int64_t kMemoryPeriod = 1'000'000;    // [us]
 constexpr std::int64_t kMemoryPatience = 5'000'000;  // [us] in doubt after which a pose is forgotten
 constexpr std::int64_t kSilence = 1'000'000;         // [us]
-constexpr std::size_t kMostHypotheses = 500;         // listed in one message
-constexpr std::size_t kMostParticles = 2000;
-constexpr int kMostDetections = 200;  // beyond it the detector has gone mad
+constexpr std::size_t kMaxHypotheses = 500;          // listed in one message
+constexpr std::size_t kMaxParticles = 2000;
+constexpr int kMaxDetections = 200;  // beyond it the detector has gone mad
 
 }  // namespace
 
@@ -73,7 +73,7 @@ void LocalizerNode::on_odometry(const odometry_t& message) {
 }
 
 void LocalizerNode::on_fixture_detections(const fixture_detections_t& message) {
-  if (message.count > kMostDetections) {
+  if (message.count > kMaxDetections) {
     subscriber_.drop("FIXTURE_DETECTIONS: more fixtures than one image can show");
     return;
   }
@@ -183,7 +183,7 @@ void LocalizerNode::publish_pose(const odometry_t& odometry) {
 void LocalizerNode::publish_hypotheses(std::int64_t utime) {
   hypotheses_t message{};
   message.utime = utime;
-  for (const WeightedPose& pose : localizer_->hypotheses(kMostHypotheses)) {
+  for (const WeightedPose& pose : localizer_->hypotheses(kMaxHypotheses)) {
     message.x.push_back(static_cast<float>(pose.pose.x));
     message.y.push_back(static_cast<float>(pose.pose.y));
     message.theta.push_back(static_cast<float>(pose.pose.theta));
@@ -191,7 +191,7 @@ void LocalizerNode::publish_hypotheses(std::int64_t utime) {
     message.sigma.push_back(static_cast<float>(pose.position_sigma));
   }
   message.count = static_cast<std::int32_t>(message.x.size());
-  for (const WeightedPose& particle : localizer_->particles(kMostParticles)) {
+  for (const WeightedPose& particle : localizer_->particles(kMaxParticles)) {
     message.particle_x.push_back(static_cast<float>(particle.pose.x));
     message.particle_y.push_back(static_cast<float>(particle.pose.y));
     message.particle_theta.push_back(static_cast<float>(particle.pose.theta));

@@ -11,11 +11,11 @@
 namespace luminav {
 namespace {
 
-constexpr double kLeastFit = 0.35;                  // outlines that fit worse are not used
+constexpr double kMinFit = 0.35;                    // outlines that fit worse are not used
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
 constexpr std::int64_t kFixtureInView = 500'000;    // [us] since it was matched
-constexpr std::size_t kMostSightings = 12;          // of one image
-constexpr int kMostUnmatched = 3;               // images in a row in which a fixture followed by sight may be missed
+constexpr std::size_t kMaxSightings = 12;           // of one image
+constexpr int kMaxUnmatched = 3;                // images in a row in which a fixture followed by sight may be missed
 constexpr double kMovedByHand = 0.05;           // [m] by which one image moves a pose that wheels did not move
 constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 
@@ -151,7 +151,7 @@ void ModernLocalizer::listen(std::int64_t until_utime) {
     listens_since_ = bank_.beginnings();
     echoes_.forget_places();  // nobody in the new list has heard them
   }
-  const std::vector<PlacedEcho> echoes = echoes_.take(until_utime, queue_.history(), bank_.most_echoes());
+  const std::vector<PlacedEcho> echoes = echoes_.take(until_utime, queue_.history(), bank_.max_echoes());
   if (!echoes.empty()) {
     bank_.listen(echoes);
   }
@@ -161,7 +161,7 @@ SightingFrame ModernLocalizer::usable_sightings(const SightingFrame& frame, cons
   SightingFrame usable;
   usable.utime = frame.utime;
   for (const FixtureSighting& sighting : frame.sightings) {
-    if (sighting.fit >= kLeastFit && usable.sightings.size() < kMostSightings) {
+    if (sighting.fit >= kMinFit && usable.sightings.size() < kMaxSightings) {
       usable.sightings.push_back(
           view_.without_rolling_shutter(sighting, building_.ceiling_height, odometry.linear, odometry.angular));
     }
@@ -211,7 +211,7 @@ void ModernLocalizer::wait_for_rest(const SightingFrame& frame, const OdometryRe
 }
 
 bool ModernLocalizer::is_followed() const {
-  return verdict_.has_leader() && images_unmatched_ <= kMostUnmatched;
+  return verdict_.has_leader() && images_unmatched_ <= kMaxUnmatched;
 }
 
 void ModernLocalizer::begin_at_rest() {
@@ -308,8 +308,8 @@ LocalizerEstimate ModernLocalizer::estimate() const {
   return estimate;
 }
 
-std::vector<WeightedPose> ModernLocalizer::hypotheses(std::size_t most) const {
-  return weigh(bank_, since_filter(), most);
+std::vector<WeightedPose> ModernLocalizer::hypotheses(std::size_t max) const {
+  return weigh(bank_, since_filter(), max);
 }
 
 }  // namespace luminav

@@ -42,7 +42,7 @@ class ModernLocalizer final : public Localizer {
   void add_guess(const PoseGuess& guess) override;
   void recall(const PoseBelief& belief) override;
   [[nodiscard]] LocalizerEstimate estimate() const override;
-  [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t most) const override;
+  [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t max) const override;
   [[nodiscard]] std::vector<WeightedPose> particles(std::size_t) const override { return {}; }
   [[nodiscard]] std::int64_t frames_dropped() const override { return queue_.dropped(); }
 

@@ -6,20 +6,20 @@
 namespace luminav {
 namespace {
 
-constexpr double kMostCells = 4e5;  // a fixture somebody put at 1e6 must not cost the memory of all cells between
-constexpr std::int32_t kMostBoxCells = 16;  // beyond it a box is wide
+constexpr double kMaxCells = 4e5;  // a fixture somebody put at 1e6 must not cost the memory of all cells between
+constexpr std::int32_t kMaxBoxCells = 16;  // beyond it a box is wide
 
 struct Span {
-  double least = 0.0;
-  double most = 0.0;
+  double min = 0.0;
+  double max = 0.0;
 };
 
 /// Least and largest distance, squared, from a point to the points of a box.
 Span squared_distances(double x, double y, const PointBox& box) {
-  const double outside_x = std::max({box.least_x - x, 0.0, x - box.most_x});
-  const double outside_y = std::max({box.least_y - y, 0.0, y - box.most_y});
-  const double far_x = std::max(std::abs(x - box.least_x), std::abs(x - box.most_x));
-  const double far_y = std::max(std::abs(y - box.least_y), std::abs(y - box.most_y));
+  const double outside_x = std::max({box.min_x - x, 0.0, x - box.max_x});
+  const double outside_y = std::max({box.min_y - y, 0.0, y - box.max_y});
+  const double far_x = std::max(std::abs(x - box.min_x), std::abs(x - box.max_x));
+  const double far_y = std::max(std::abs(y - box.min_y), std::abs(y - box.max_y));
   return {outside_x * outside_x + outside_y * outside_y, far_x * far_x + far_y * far_y};
 }
 
@@ -30,20 +30,20 @@ NearestFixtureGrid::NearestFixtureGrid(const FixtureMap& map) {
     start_.assign(2, 0);
     return;
   }
-  Eigen::Vector2d least = map[0].world_from_fixture.position();
-  Eigen::Vector2d most = least;
+  Eigen::Vector2d min = map[0].world_from_fixture.position();
+  Eigen::Vector2d max = min;
   for (const Fixture& fixture : map.fixtures()) {
-    least = least.cwiseMin(fixture.world_from_fixture.position());
-    most = most.cwiseMax(fixture.world_from_fixture.position());
+    min = min.cwiseMin(fixture.world_from_fixture.position());
+    max = max.cwiseMax(fixture.world_from_fixture.position());
   }
-  least -= Eigen::Vector2d::Constant(kFarthest);
-  most += Eigen::Vector2d::Constant(kFarthest);
-  const Eigen::Vector2d extent = most - least;
-  const double cell = std::max(0.5, std::sqrt(extent.x() * extent.y() / kMostCells));
+  min -= Eigen::Vector2d::Constant(kFarthest);
+  max += Eigen::Vector2d::Constant(kFarthest);
+  const Eigen::Vector2d extent = max - min;
+  const double cell = std::max(0.5, std::sqrt(extent.x() * extent.y() / kMaxCells));
   cell_ = static_cast<float>(cell);
   cells_per_metre_ = 1.0F / cell_;
-  origin_x_ = static_cast<float>(least.x());
-  origin_y_ = static_cast<float>(least.y());
+  origin_x_ = static_cast<float>(min.x());
+  origin_y_ = static_cast<float>(min.y());
   columns_ = static_cast<std::int32_t>(extent.x() / cell) + 1;
   rows_ = static_cast<std::int32_t>(extent.y() / cell) + 1;
   start_.reserve(cell_of(0, rows_) + 1);
@@ -62,11 +62,11 @@ NearestFixtureGrid::NearestFixtureGrid(const FixtureMap& map) {
       double bound = kFarthest * kFarthest;
       for (const int index : near) {
         const Pose2& pose = map[index].world_from_fixture;
-        bound = std::min(bound, squared_distances(pose.x, pose.y, box).most);
+        bound = std::min(bound, squared_distances(pose.x, pose.y, box).max);
       }
       for (const int index : near) {
         const Pose2& pose = map[index].world_from_fixture;
-        if (squared_distances(pose.x, pose.y, box).least <= bound) {
+        if (squared_distances(pose.x, pose.y, box).min <= bound) {
           entries_.push_back({static_cast<float>(pose.x), static_cast<float>(pose.y), static_cast<float>(pose.theta),
                               static_cast<float>(symmetry_period(map[index].shape)),
                               static_cast<std::uint32_t>(index)});
@@ -89,16 +89,16 @@ std::int32_t NearestFixtureGrid::row_of(float y) const {
 
 bool NearestFixtureGrid::find(const PointBox& box, BoxCandidates& candidates) const {
   candidates.count = 0;
-  const std::int32_t first_column = column_of(box.least_x);
-  const std::int32_t last_column = column_of(box.most_x);
-  const std::int32_t first_row = row_of(box.least_y);
-  const std::int32_t last_row = row_of(box.most_y);
-  if ((last_column - first_column + 1) * (last_row - first_row + 1) > kMostBoxCells) {
+  const std::int32_t first_column = column_of(box.min_x);
+  const std::int32_t last_column = column_of(box.max_x);
+  const std::int32_t first_row = row_of(box.min_y);
+  const std::int32_t last_row = row_of(box.max_y);
+  if ((last_column - first_column + 1) * (last_row - first_row + 1) > kMaxBoxCells) {
     return false;
   }
-  std::uint32_t fixtures[2 * kMostCandidates];
-  const Entry* found[2 * kMostCandidates];
-  Span spans[2 * kMostCandidates];
+  std::uint32_t fixtures[2 * kMaxCandidates];
+  const Entry* found[2 * kMaxCandidates];
+  Span spans[2 * kMaxCandidates];
   std::size_t count = 0;
   double bound = kFarthest * kFarthest;
   for (std::int32_t row = first_row; row <= last_row; ++row) {
@@ -109,22 +109,22 @@ bool NearestFixtureGrid::find(const PointBox& box, BoxCandidates& candidates) co
         if (std::find(fixtures, fixtures + count, entry.fixture) != fixtures + count) {
           continue;
         }
-        if (count == 2 * kMostCandidates) {
+        if (count == 2 * kMaxCandidates) {
           return false;
         }
         fixtures[count] = entry.fixture;
         found[count] = &entry;
         spans[count] = squared_distances(entry.x, entry.y, box);
-        bound = std::min(bound, spans[count].most);
+        bound = std::min(bound, spans[count].max);
         ++count;
       }
     }
   }
   for (std::size_t i = 0; i < count; ++i) {
-    if (spans[i].least > bound) {
+    if (spans[i].min > bound) {
       continue;
     }
-    if (candidates.count == kMostCandidates) {
+    if (candidates.count == kMaxCandidates) {
       return false;
     }
     const std::size_t k = candidates.count++;
@@ -141,13 +141,13 @@ void NearestFixtureGrid::find_each(const float* x, const float* y, const Nearest
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t cell = cell_of(column_of(x[i]), row_of(y[i]));
     Entry best{x[i] + static_cast<float>(kFarthest), y[i], 0.0F, 0.0F, 0};
-    float least = static_cast<float>(kFarthest * kFarthest);
+    float min = static_cast<float>(kFarthest * kFarthest);
     for (std::uint32_t k = start_[cell]; k < start_[cell + 1]; ++k) {
       const float dx = entries_[k].x - x[i];
       const float dy = entries_[k].y - y[i];
       const float squared = dx * dx + dy * dy;
-      if (squared < least) {
-        least = squared;
+      if (squared < min) {
+        min = squared;
         best = entries_[k];
       }
     }

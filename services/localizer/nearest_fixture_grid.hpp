@@ -14,15 +14,15 @@ class NearestFixtureGrid {
  public:
   explicit NearestFixtureGrid(const FixtureMap& map);
 
-  static constexpr double kFarthest = 3.0;            // [m]
-  static constexpr std::size_t kMostCandidates = 12;  // of one box
+  static constexpr double kFarthest = 3.0;           // [m]
+  static constexpr std::size_t kMaxCandidates = 12;  // of one box
 
   /// Candidates for all points of a box; `count` is 0 when no fixture is near.
   struct BoxCandidates {
-    float x[kMostCandidates];
-    float y[kMostCandidates];
-    float theta[kMostCandidates];
-    float period[kMostCandidates];
+    float x[kMaxCandidates];
+    float y[kMaxCandidates];
+    float theta[kMaxCandidates];
+    float period[kMaxCandidates];
     std::size_t count = 0;
     [[nodiscard]] NearestCandidates view() const { return {x, y, theta, period, count}; }
   };

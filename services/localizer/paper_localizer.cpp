@@ -132,15 +132,15 @@ void PaperLocalizer::step_kalman(const SightingFrame& frame, const OdometryReadi
     near.clear();
     map_.find_near(belief_.pose * sighting.robot_from_fixture.position(), 1.5, near);
     int nearest = -1;
-    Innovation least;
-    least.nis = rules.gate;
+    Innovation min;
+    min.nis = rules.gate;
     for (const int index : near) {
       const Eigen::Matrix3d noise =
           white_sighting_covariance(sighting, map_[index], errors_) +
           systematic_sighting_covariance(sighting, height, odometry.linear, odometry.angular, errors_);
       const Innovation innovation = innovate(belief_, sighting, map_[index], noise);
-      if (innovation.nis < least.nis) {
-        least = innovation;
+      if (innovation.nis < min.nis) {
+        min = innovation;
         nearest = index;
       }
     }
@@ -153,8 +153,8 @@ void PaperLocalizer::step_kalman(const SightingFrame& frame, const OdometryReadi
     if (!sighting.has_theta || symmetry_period(map_[nearest].shape) == 0.0) {
       noise(2, 2) += kNoAngle;
     }
-    correct(belief_, least, noise);
-    nis_ = has_nis_ ? nis_ + 0.05 * (least.nis / 3.0 - nis_) : least.nis / 3.0;
+    correct(belief_, min, noise);
+    nis_ = has_nis_ ? nis_ + 0.05 * (min.nis / 3.0 - nis_) : min.nis / 3.0;
     has_nis_ = true;
     ++matched;
   }
@@ -233,25 +233,25 @@ LocalizerEstimate PaperLocalizer::estimate() const {
   return estimate;
 }
 
-std::vector<WeightedPose> PaperLocalizer::hypotheses(std::size_t most) const {
+std::vector<WeightedPose> PaperLocalizer::hypotheses(std::size_t max) const {
   std::vector<WeightedPose> result;
   if (is_kalman_) {
     return {{estimate().belief.pose, 1.0, position_sigma(belief_.covariance)}};
   }
   for (const PoseCluster& cluster : clusters_) {
-    if (result.size() < most) {
+    if (result.size() < max) {
       result.push_back({cluster.belief.pose, cluster.weight, position_sigma(cluster.belief.covariance)});
     }
   }
   return result;
 }
 
-std::vector<WeightedPose> PaperLocalizer::particles(std::size_t most) const {
+std::vector<WeightedPose> PaperLocalizer::particles(std::size_t max) const {
   std::vector<WeightedPose> result;
   if (is_kalman_) {
     return result;
   }
-  const std::size_t step = std::max<std::size_t>(1, (filter_.size() + most - 1) / std::max<std::size_t>(1, most));
+  const std::size_t step = std::max<std::size_t>(1, (filter_.size() + max - 1) / std::max<std::size_t>(1, max));
   for (std::size_t i = 0; i < filter_.size(); i += step) {
     result.push_back({filter_.pose(i), filter_.weight(i), 0.0});
   }

@@ -52,8 +52,8 @@ class PaperLocalizer final : public Localizer {
   void add_guess(const PoseGuess& guess) override;
   void recall(const PoseBelief& belief) override { filter_.gather(belief, params_.handover.gathered_share); }
   [[nodiscard]] LocalizerEstimate estimate() const override;
-  [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t most) const override;
-  [[nodiscard]] std::vector<WeightedPose> particles(std::size_t most) const override;
+  [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t max) const override;
+  [[nodiscard]] std::vector<WeightedPose> particles(std::size_t max) const override;
   [[nodiscard]] std::int64_t frames_dropped() const override { return queue_.dropped(); }
 
  private:

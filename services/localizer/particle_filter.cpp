@@ -10,8 +10,8 @@ namespace luminav {
 namespace {
 
 constexpr std::size_t kLanes = 8;
-constexpr std::size_t kBlock = 256;  // particles worked on at once: all their arrays stay in the first-level cache
-constexpr std::size_t kMostSightings = 8;  // a product of more could leave the range of float
+constexpr std::size_t kBlock = 256;       // particles worked on at once: all their arrays stay in the first-level cache
+constexpr std::size_t kMaxSightings = 8;  // a product of more could leave the range of float
 
 std::size_t with_room(std::size_t count) {
   return (count + kLanes - 1) / kLanes * kLanes + kLanes;  // resampling writes up to eight beyond the end
@@ -62,21 +62,21 @@ ParticleFilter::ParticleFilter(const FixtureMap& map, const WallField& walls, co
       kernels_(particle_kernels()),
       params_(params),
       random_(seed),
-      least_(-5.0, -5.0),
-      most_(5.0, 5.0),
+      min_(-5.0, -5.0),
+      max_(5.0, 5.0),
       count_(static_cast<std::size_t>(std::max(1, params.count))) {
   if (walls_.has_walls()) {
     const GridGeometry& geometry = walls_.map().geometry;
-    least_ = geometry.origin;
-    most_ = geometry.origin + geometry.resolution * Eigen::Vector2d(geometry.columns, geometry.rows);
+    min_ = geometry.origin;
+    max_ = geometry.origin + geometry.resolution * Eigen::Vector2d(geometry.columns, geometry.rows);
   } else if (map.size() > 0) {
-    least_ = most_ = map[0].world_from_fixture.position();
+    min_ = max_ = map[0].world_from_fixture.position();
     for (const Fixture& fixture : map.fixtures()) {
-      least_ = least_.cwiseMin(fixture.world_from_fixture.position());
-      most_ = most_.cwiseMax(fixture.world_from_fixture.position());
+      min_ = min_.cwiseMin(fixture.world_from_fixture.position());
+      max_ = max_.cwiseMax(fixture.world_from_fixture.position());
     }
-    least_ -= Eigen::Vector2d(2.0, 2.0);
-    most_ += Eigen::Vector2d(2.0, 2.0);
+    min_ -= Eigen::Vector2d(2.0, 2.0);
+    max_ += Eigen::Vector2d(2.0, 2.0);
   }
   for (std::vector<float>* values : {&x_, &y_, &theta_, &weight_}) {
     values->assign(with_room(count_), 0.0F);
@@ -88,7 +88,7 @@ ParticleFilter::ParticleFilter(const FixtureMap& map, const WallField& walls, co
   } else {
     order_.resize(count_);
   }
-  scored_.reserve(kMostSightings);
+  scored_.reserve(kMaxSightings);
   scatter();
 }
 
@@ -107,8 +107,8 @@ NoiseKey ParticleFilter::next_key() {
 
 void ParticleFilter::draw(std::size_t i) {
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    const Eigen::Vector2d place(least_.x() + random_.uniform() * (most_.x() - least_.x()),
-                                least_.y() + random_.uniform() * (most_.y() - least_.y()));
+    const Eigen::Vector2d place(min_.x() + random_.uniform() * (max_.x() - min_.x()),
+                                min_.y() + random_.uniform() * (max_.y() - min_.y()));
     x_[i] = static_cast<float>(place.x());
     y_[i] = static_cast<float>(place.y());
     if (walls_.is_free({x_[i], y_[i]})) {
@@ -186,7 +186,7 @@ double ParticleFilter::free_probability(const Eigen::Vector2d& point) const {
   }
   const Cell cell = walls_.map().geometry.cell_at(point);
   if (!walls_.map().geometry.contains(cell)) {
-    return params_.least_free;
+    return params_.min_free;
   }
   switch (walls_.map().at(point)) {
     case Prior::kFree:
@@ -194,7 +194,7 @@ double ParticleFilter::free_probability(const Eigen::Vector2d& point) const {
     case Prior::kUnknown:
       return params_.unknown_free;
     default:
-      return params_.least_free;
+      return params_.min_free;
   }
 }
 
@@ -274,7 +274,7 @@ void ParticleFilter::update(const std::vector<FixtureSighting>& sightings) {
     return;
   }
   scored_.clear();
-  for (std::size_t i = 0; i < std::min(kMostSightings, sightings.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxSightings, sightings.size()); ++i) {
     scored_.push_back(prepare(sightings[i]));
   }
   const NoiseKey key = next_key();

@@ -26,7 +26,7 @@ struct ParticleParams {
   double heading_sigma = radians(3.0);      // [rad] likewise
   double outlier = 1e-4;                    // likelihood of a sighting that is something else, likewise
   double unknown_free = 0.5;                // P of a cell the map does not know
-  double least_free = 0.05;                 // P of an occupied cell
+  double min_free = 0.05;                   // P of an occupied cell
   double turn_by_turn = 0.1;                // odometry noise: [rad/rad] (Thrun et al. 2005, table 5.6: alpha 1 .. 4)
   double turn_by_way = 0.05;                // [rad/m]
   double way_by_way = 0.1;                  // [m/m]
@@ -100,8 +100,8 @@ class ParticleFilter {
   const ParticleKernels& kernels_;
   ParticleParams params_;
   SplitMix random_;
-  Eigen::Vector2d least_;  // [m] corners of where fixtures are, for buildings without a map
-  Eigen::Vector2d most_;
+  Eigen::Vector2d min_;  // [m] corners of where fixtures are, for buildings without a map
+  Eigen::Vector2d max_;
   std::size_t count_;
   std::vector<float> x_, y_, theta_, weight_;
   std::vector<float> spare_x_, spare_y_, spare_theta_;  // systematic resampling writes here

@@ -26,7 +26,7 @@ struct NoiseKey {
 
 /// Rectangle round points [m].
 struct PointBox {
-  float least_x, least_y, most_x, most_y;
+  float min_x, min_y, max_x, max_y;
 };
 
 /// Fixtures that may be the nearest one of some points. `period` is the angle after which it looks the same, 0 = none.
@@ -88,8 +88,8 @@ struct ParticleKernels {
   /// Multiplies floor + exp(-...) into the products.
   void (*multiply_gaussian)(const SightingScore& score, const NearestOffsets& nearest, const float* theta,
                             float* product, std::size_t count);
-  /// Adds noise of a deviation, then keeps all at or above `least`.
-  void (*jitter)(NoiseKey key, std::size_t first, float sigma, float least, float* values, std::size_t count);
+  /// Adds noise of a deviation, then keeps all at or above `min`.
+  void (*jitter)(NoiseKey key, std::size_t first, float sigma, float min, float* values, std::size_t count);
   /// Sums about a reference pose.
   ParticleMoments (*moments)(const float* x, const float* y, const float* theta, const float* weight, float x0,
                              float y0, float theta0, std::size_t count);

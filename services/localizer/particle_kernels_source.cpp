@@ -189,20 +189,20 @@ void sine_cosine(const float* theta, float* cosine, float* sine, std::size_t cou
   }
 }
 
-float least_of(Float8 values) {
-  float least = values[0];
+float min_of(Float8 values) {
+  float min = values[0];
   for (std::size_t i = 1; i < kLanes; ++i) {
-    least = values[i] < least ? values[i] : least;
+    min = values[i] < min ? values[i] : min;
   }
-  return least;
+  return min;
 }
 
 PointBox project(const float* x, const float* y, const float* cosine, const float* sine, float robot_x, float robot_y,
                  float* projected_x, float* projected_y, std::size_t count) {
-  Float8 least_x = splat(1e30F);
-  Float8 least_y = splat(1e30F);
-  Float8 most_x = splat(-1e30F);
-  Float8 most_y = splat(-1e30F);
+  Float8 min_x = splat(1e30F);
+  Float8 min_y = splat(1e30F);
+  Float8 max_x = splat(-1e30F);
+  Float8 max_y = splat(-1e30F);
   for (std::size_t i = 0; i < count; i += kLanes) {
     const Float8 c = load(cosine + i);
     const Float8 s = load(sine + i);
@@ -210,12 +210,12 @@ PointBox project(const float* x, const float* y, const float* cosine, const floa
     const Float8 py = load(y + i) + s * robot_x + c * robot_y;
     store(projected_x + i, px);
     store(projected_y + i, py);
-    least_x = smaller(least_x, px);
-    least_y = smaller(least_y, py);
-    most_x = larger(most_x, px);
-    most_y = larger(most_y, py);
+    min_x = smaller(min_x, px);
+    min_y = smaller(min_y, py);
+    max_x = larger(max_x, px);
+    max_y = larger(max_y, py);
   }
-  return {least_of(least_x), least_of(least_y), -least_of(-most_x), -least_of(-most_y)};
+  return {min_of(min_x), min_of(min_y), -min_of(-max_x), -min_of(-max_y)};
 }
 
 void find_nearest(const float* x, const float* y, const NearestCandidates& candidates, const NearestOffsets& nearest,
@@ -227,13 +227,13 @@ void find_nearest(const float* x, const float* y, const NearestCandidates& candi
     Float8 dy = candidates.y[0] - py;
     Float8 theta = splat(candidates.theta[0]);
     Float8 period = splat(candidates.period[0]);
-    Float8 least = dx * dx + dy * dy;
+    Float8 min = dx * dx + dy * dy;
     for (std::size_t k = 1; k < candidates.count; ++k) {
       const Float8 other_x = candidates.x[k] - px;
       const Float8 other_y = candidates.y[k] - py;
       const Float8 squared = other_x * other_x + other_y * other_y;
-      const Int8 is_nearer = squared < least;
-      least = is_nearer ? squared : least;
+      const Int8 is_nearer = squared < min;
+      min = is_nearer ? squared : min;
       dx = is_nearer ? other_x : dx;
       dy = is_nearer ? other_y : dy;
       theta = is_nearer ? splat(candidates.theta[k]) : theta;
@@ -284,10 +284,10 @@ void multiply_gaussian(const SightingScore& score, const NearestOffsets& nearest
   }
 }
 
-void jitter(NoiseKey key, std::size_t first, float sigma, float least, float* values, std::size_t count) {
+void jitter(NoiseKey key, std::size_t first, float sigma, float min, float* values, std::size_t count) {
   for (std::size_t i = 0; i < count; i += kLanes) {
     const TwoNormals noise = normals(counters(first + i), key);
-    store(values + i, larger(load(values + i) + sigma * noise.first, splat(least)));
+    store(values + i, larger(load(values + i) + sigma * noise.first, splat(min)));
   }
 }
 

@@ -15,8 +15,8 @@ namespace luminav {
 /// that sorting out doubles stays linear in their number.
 class PlaceTable {
  public:
-  /// For at most `most` poses.
-  explicit PlaceTable(std::size_t most) : heads_(std::bit_ceil(2 * most + 1), -1) { places_.reserve(most); }
+  /// For at most `max` poses.
+  explicit PlaceTable(std::size_t max) : heads_(std::bit_ceil(2 * max + 1), -1) { places_.reserve(max); }
 
   void add(const Pose2& pose) {
     const auto [column, row] = square_of(pose);

@@ -8,18 +8,18 @@ namespace {
 
 // Whoever drives to tell poses apart must not take those for done that only sonar holds down: boxes are on no map. Nor
 // must they count like the leader: the robot would for minutes seek the door that only they have.
-constexpr double kMostBySonar = 4.0;
+constexpr double kMaxBySonar = 4.0;
 
 }  // namespace
 
-std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, std::size_t most) {
+std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, std::size_t max) {
   const std::vector<Hypothesis>& hypotheses = bank.hypotheses();
   std::vector<WeightedPose> result;
   if (hypotheses.empty()) {
     return result;
   }
   const auto score = [&](const Hypothesis& hypothesis) {
-    return hypothesis.total - hypothesis.sonar_part + std::max(-kMostBySonar, hypothesis.sonar_part);
+    return hypothesis.total - hypothesis.sonar_part + std::max(-kMaxBySonar, hypothesis.sonar_part);
   };
   double best = score(hypotheses.front());
   for (const Hypothesis& hypothesis : hypotheses) {
@@ -29,7 +29,7 @@ std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, 
   for (const Hypothesis& hypothesis : hypotheses) {
     sum += std::exp(score(hypothesis) - best);
   }
-  for (std::size_t i = 0; i < std::min(most, hypotheses.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(max, hypotheses.size()); ++i) {
     result.push_back({bank.pose_now(i) * ahead, std::exp(score(hypotheses[i]) - best) / sum,
                       position_sigma(hypotheses[i].belief.covariance)});
   }

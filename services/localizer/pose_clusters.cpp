@@ -13,7 +13,7 @@ std::vector<PoseCluster> find_clusters(const ParticleFilter& filter, double smal
   std::iota(left.begin(), left.end(), std::size_t{0});
   const auto is_lighter = [&](std::size_t a, std::size_t b) { return filter.weight(a) < filter.weight(b); };
   std::vector<PoseCluster> clusters;
-  while (!left.empty() && clusters.size() < static_cast<std::size_t>(params.most)) {
+  while (!left.empty() && clusters.size() < static_cast<std::size_t>(params.max)) {
     const Pose2 seed = filter.pose(*std::max_element(left.begin(), left.end(), is_lighter));
     std::vector<std::size_t> members;
     std::vector<std::size_t> others;

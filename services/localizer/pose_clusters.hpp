@@ -10,7 +10,7 @@ namespace luminav {
 struct ClusterParams {
   double radius_factor = 0.45;          // of the smallest distance between fixtures
   double heading_gate = radians(45.0);  // [rad]
-  int most = 50;
+  int max = 50;
 };
 
 /// Particles that belong together.

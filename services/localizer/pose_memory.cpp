@@ -13,11 +13,11 @@
 namespace luminav {
 namespace {
 
-constexpr double kFarthest = 5.0;               // [m] driven without this process
-constexpr double kUnseenWay = 0.05;             // [m per m] odometry's error, whatever way it took
-constexpr double kLeastPosition = 0.05;         // [m] 1-sigma added
-constexpr double kLeastHeading = radians(3.0);  // [rad]
-constexpr double kUnseenTurn = radians(5.0);    // [rad per m] of unseen way
+constexpr double kFarthest = 5.0;             // [m] driven without this process
+constexpr double kUnseenWay = 0.05;           // [m per m] odometry's error, whatever way it took
+constexpr double kMinPosition = 0.05;         // [m] 1-sigma added
+constexpr double kMinHeading = radians(3.0);  // [rad]
+constexpr double kUnseenTurn = radians(5.0);  // [rad per m] of unseen way
 
 }  // namespace
 
@@ -96,8 +96,8 @@ std::optional<PoseBelief> carry_forward(const RememberedPose& remembered, std::i
   }
   PoseBelief belief = remembered.belief;
   belief.pose = belief.pose * delta;
-  const double position = kLeastPosition + kUnseenWay * way;
-  const double heading = kLeastHeading + kUnseenTurn * way;
+  const double position = kMinPosition + kUnseenWay * way;
+  const double heading = kMinHeading + kUnseenTurn * way;
   belief.covariance += Eigen::Vector3d(position * position, position * position, heading * heading).asDiagonal();
   return belief;
 }

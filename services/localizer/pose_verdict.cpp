@@ -289,9 +289,8 @@ bool PoseVerdict::is_far_ahead() const {
   // Boxes that no map knows sound like walls, and may make one of two rooms with the same ceiling sound like the other.
   const std::vector<Hypothesis>& all = bank_.hypotheses();
   const auto without_sonar = [](const Hypothesis& h) { return h.total - h.sonar_part; };
-  const double least = without_sonar(all.front()) - rules_.least_without_sonar;
-  return std::all_of(all.begin() + 1, all.end(),
-                     [&](const Hypothesis& rival) { return without_sonar(rival) <= least; });
+  const double min = without_sonar(all.front()) - rules_.min_without_sonar;
+  return std::all_of(all.begin() + 1, all.end(), [&](const Hypothesis& rival) { return without_sonar(rival) <= min; });
 }
 
 }  // namespace luminav

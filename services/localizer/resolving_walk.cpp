@@ -17,9 +17,9 @@ std::size_t index_of(std::int32_t number) {
 
 }  // namespace
 
-ResolvingWalk::ResolvingWalk(const RivalGround& ground, std::size_t most_expanded)
+ResolvingWalk::ResolvingWalk(const RivalGround& ground, std::size_t max_expanded)
     : ground_(ground),
-      most_expanded_(most_expanded),
+      max_expanded_(max_expanded),
       lengths_(ground.points.size(), -1.0),
       bit_of_(ground.rival_count, -1),
       visited_(ground.points.size()) {}
@@ -122,7 +122,7 @@ double ResolvingWalk::search(std::int32_t from) {
     const auto first = left_.begin() + static_cast<std::ptrdiff_t>(index * words_);
     left.assign(first, first + static_cast<std::ptrdiff_t>(words_));
     const bool is_resolved = std::all_of(left.begin(), left.end(), [](Word word) { return word == 0; });
-    if (is_resolved || std::isinf(bound) || ++expanded > most_expanded_) {
+    if (is_resolved || std::isinf(bound) || ++expanded > max_expanded_) {
       return bound;
     }
     for (const std::int32_t next : ground_.neighbours[index_of(label.place)]) {
@@ -156,8 +156,8 @@ double ResolvingWalk::length(std::int32_t from) {
     }
     if (!ground_.is_blind[index_of(place)]) {
       const std::vector<RivalAtPlace>& rivals = ground_.rivals[index_of(place)];
-      const double least = rivals.empty() ? 0.0 : rivals.front().way;
-      best = way + least < best ? std::min(best, way + length_in_sight(place)) : best;
+      const double min = rivals.empty() ? 0.0 : rivals.front().way;
+      best = way + min < best ? std::min(best, way + length_in_sight(place)) : best;
       continue;
     }
     for (const std::int32_t next : ground_.neighbours[index_of(place)]) {

@@ -30,8 +30,8 @@ struct RivalGround {
 /// over place and rivals left; the way that the farthest of them needs is the bound.
 class ResolvingWalk {
  public:
-  /// The ground must outlive it. After `most_expanded` ways looked at a search ends with what it knows then.
-  explicit ResolvingWalk(const RivalGround& ground, std::size_t most_expanded = 4000);
+  /// The ground must outlive it. After `max_expanded` ways looked at a search ends with what it knows then.
+  explicit ResolvingWalk(const RivalGround& ground, std::size_t max_expanded = 4000);
 
   /// Length [m] of the walk from a place, to something in view first where nothing is; infinite if there is none. Where
   /// the search ended early it is at least so long.
@@ -70,7 +70,7 @@ class ResolvingWalk {
   [[nodiscard]] static double farthest(const Visited& here, const Word* rivals);
 
   const RivalGround& ground_;
-  std::size_t most_expanded_;
+  std::size_t max_expanded_;
   std::vector<double> lengths_;       // by place; negative = not searched yet
   std::vector<std::int32_t> bit_of_;  // by rival; -1 = was not possible at the start
   std::size_t words_ = 0;             // that hold the bits

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kFarthestStep = 0.5;  // [m] between two images of one thing, beside what the wheels say
 constexpr double kLongest = 0.25;      // [s] between them
-constexpr double kMostUneven = 0.5;    // two steps of a motion differ by less, as a share of the longer one
+constexpr double kMaxUneven = 0.5;     // two steps of a motion differ by less, as a share of the longer one
 
 /// Where it is now, beside where the wheels say [m], robot frame of now.
 Eigen::Vector2d step_between(const CeilingLook& before, const CeilingLook& now) {
@@ -34,7 +34,7 @@ bool RushWatch::look(const SightingFrame& frame, const Pose2& odom_from_robot) {
     thing.step = step;
     thing.is_fast = is_beyond_slip(before->look, thing.look, wheel_base_, rules_.rush_speed * time);
     if (before->step) {
-      const bool is_even = (step - *before->step).norm() < kMostUneven * std::max(step.norm(), before->step->norm());
+      const bool is_even = (step - *before->step).norm() < kMaxUneven * std::max(step.norm(), before->step->norm());
       const bool rushes = thing.is_fast && before->is_fast && is_even;
       any_rushes = any_rushes || rushes;
       any_stays = any_stays || !rushes;
@@ -45,11 +45,11 @@ bool RushWatch::look(const SightingFrame& frame, const Pose2& odom_from_robot) {
 
 const RushWatch::Thing* RushWatch::find_before(const CeilingLook& now) const {
   const Thing* nearest = nullptr;
-  double least = kFarthestStep;
+  double min = kFarthestStep;
   for (const Thing& thing : before_) {
     const double length = step_between(thing.look, now).norm();
-    if (length < least && 1e-6 * static_cast<double>(now.utime - thing.look.utime) < kLongest) {
-      least = length;
+    if (length < min && 1e-6 * static_cast<double>(now.utime - thing.look.utime) < kLongest) {
+      min = length;
       nearest = &thing;
     }
   }

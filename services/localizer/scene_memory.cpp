@@ -44,7 +44,7 @@ std::vector<int> SceneMemory::update(const SightingFrame& frame, const Pose2& od
   for (const FixtureSighting& sighting : frame.sightings) {
     const Pose2 odom_from_sighting = odom_from_robot * sighting.robot_from_fixture;
     int nearest = -1;
-    double least = kGate;
+    double min = kGate;
     for (std::size_t i = 0; i < objects_.size(); ++i) {
       const SeenObject& object = objects_[i];
       if (object.is_visible) {
@@ -59,8 +59,8 @@ std::vector<int> SceneMemory::update(const SightingFrame& frame, const Pose2& od
           (covariance(1, 1) * offset.x() * offset.x() - 2.0 * covariance(0, 1) * offset.x() * offset.y() +
            covariance(0, 0) * offset.y() * offset.y()) /
           determinant;
-      if (squared < least) {
-        least = squared;
+      if (squared < min) {
+        min = squared;
         nearest = static_cast<int>(i);
       }
     }

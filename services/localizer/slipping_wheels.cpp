@@ -19,7 +19,7 @@ Pose2 step_of_wheels(double left, double right, double wheel_base) {
 
 }  // namespace
 
-bool is_beyond_slip(const CeilingLook& before, const CeilingLook& now, double wheel_base, double most) {
+bool is_beyond_slip(const CeilingLook& before, const CeilingLook& now, double wheel_base, double max) {
   const Pose2 step = before.odom_from_robot.inverse() * now.odom_from_robot;
   const double way = step.x * std::cos(0.5 * step.theta) + step.y * std::sin(0.5 * step.theta);
   const double left = way - 0.5 * wheel_base * step.theta;
@@ -30,13 +30,13 @@ bool is_beyond_slip(const CeilingLook& before, const CeilingLook& now, double wh
       const Eigen::Vector2d offset =
           now.robot_from_thing.position() - moved.inverse() * before.robot_from_thing.position();
       const double length = offset.norm();
-      if (length <= most) {
+      if (length <= max) {
         return false;
       }
       const Eigen::Vector2d direction = offset / length;
       const Eigen::Vector2d then = PointTransform(moved).turned(direction);
       const double variance = direction.dot(now.covariance * direction) + then.dot(before.covariance * then);
-      if (length <= most + kDeviations * std::sqrt(variance)) {
+      if (length <= max + kDeviations * std::sqrt(variance)) {
         return false;
       }
     }

@@ -16,7 +16,7 @@ struct CeilingLook {
 };
 
 /// No motion of the wheels between two looks at one thing, with full, half or no grip of each, explains where it is now
-/// to `most` [m] beyond image noise. `wheel_base` [m]
-[[nodiscard]] bool is_beyond_slip(const CeilingLook& before, const CeilingLook& now, double wheel_base, double most);
+/// to `max` [m] beyond image noise. `wheel_base` [m]
+[[nodiscard]] bool is_beyond_slip(const CeilingLook& before, const CeilingLook& now, double wheel_base, double max);
 
 }  // namespace luminav

@@ -11,9 +11,9 @@ constexpr int kAtRest = 3;                  // scans without wheel motion: it do
 constexpr std::int64_t kLongest = 4000000;  // [us] of a comparison: one by one people and chairs change everything
 constexpr double kElsewhere = 0.1;          // [m] an echo is when it has moved by more
 // Chosen on simulated robots that stand among four people, of whom three crowd round one that is hemmed in.
-constexpr int kLeastMoved = 5;         // echoes that were heard before and now
-constexpr double kLeastShare = 0.8;    // of those
-constexpr double kLeastChanged = 8.0;  // discs; an echo that came or went counts half, for slanted walls come and go
+constexpr int kMinMoved = 5;         // echoes that were heard before and now
+constexpr double kMinShare = 0.8;    // of those
+constexpr double kMinChanged = 8.0;  // discs; an echo that came or went counts half, for slanted walls come and go
 
 }  // namespace
 
@@ -60,7 +60,7 @@ bool SurroundingsWatch::has_moved() const {
       moved += std::abs(last->range - first->range) > kElsewhere ? 1 : 0;
     }
   }
-  return moved >= kLeastMoved && moved >= kLeastShare * heard && moved + 0.5 * came_or_went >= kLeastChanged;
+  return moved >= kMinMoved && moved >= kMinShare * heard && moved + 0.5 * came_or_went >= kMinChanged;
 }
 
 }  // namespace luminav

@@ -10,7 +10,7 @@ struct TrackingRules {
   // decide alone.
   double first_margin = 6.6;
   double enter_margin = 9.0;                  // likewise once a pose was held for true: it may have been wrong
-  double least_without_sonar = -3.0;          // of these margins: how far the ceiling may speak against the pose
+  double min_without_sonar = -3.0;            // of these margins: how far the ceiling may speak against the pose
   double leave_margin = 3.0;                  // below this another pose is possible again
   int enter_fixtures = 2;                     // different fixtures that must have fitted
   double enter_position_sigma = 0.14;         // [m] largest axis

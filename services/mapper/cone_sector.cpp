@@ -24,8 +24,8 @@ inline void lower(std::int8_t* cells, std::ptrdiff_t count, EvidenceVote vote, c
   constexpr Lanes kLane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
   const auto lanes = static_cast<std::ptrdiff_t>(kLanes);
   const Lanes votes = Lanes{} + vote.change;
-  const Lanes floor = Lanes{} + vote.least;
-  const Lanes room = Lanes{} + static_cast<std::int8_t>(vote.least - vote.change);  // the sum fits from here on
+  const Lanes floor = Lanes{} + vote.min;
+  const Lanes room = Lanes{} + static_cast<std::int8_t>(vote.min - vote.change);  // the sum fits from here on
   for (; count > 0 && cells + lanes <= end; cells += lanes, count -= lanes) {
     Lanes before;
     std::memcpy(&before, cells, kLanes);
@@ -156,12 +156,12 @@ void cut_sector(const Corners& corners, const RowRange& rows, int columns, CellS
   }
 }
 
-constexpr int kMostRows = 250;  // of a sector that is cut without a list
+constexpr int kMaxRows = 250;  // of a sector that is cut without a list
 constexpr int kRowsAtOnce = 4;
 /// Columns where a sector begins and ends in each row; the vectors reach beyond the last one.
 struct SectorColumns {
-  std::array<int, kMostRows + kRowsAtOnce> first;
-  std::array<int, kMostRows + kRowsAtOnce> last;
+  std::array<int, kMaxRows + kRowsAtOnce> first;
+  std::array<int, kMaxRows + kRowsAtOnce> last;
 };
 
 /// The same as `cut_sector` for a sector of so few rows whose corners all lie within the grid, clear of the rows'
@@ -218,14 +218,14 @@ inline void cut_inner_sector(const Corners& corners, const RowRange& rows, Secto
 
 /// May `cut_inner_sector` take it?
 inline bool is_plain(const Corners& corners, const RowRange& rows, const GridGeometry& geometry) {
-  const double most_x = geometry.columns - 1.001;
-  const double most_y = geometry.rows - 1.0;
-  bool is_plain = rows.last - rows.first < kMostRows;
+  const double max_x = geometry.columns - 1.001;
+  const double max_y = geometry.rows - 1.0;
+  bool is_plain = rows.last - rows.first < kMaxRows;
   for (std::size_t i = 0; i < Corners::kCount; ++i) {
     const double x = corners.x[i];
     const double y = corners.y[i];
     const double from_row = y - static_cast<int>(std::clamp(y, -1.0, 1e6));
-    is_plain = is_plain & (x >= 0.001) & (y >= 0.0) & (x <= most_x) & (y <= most_y) & (from_row > 1e-6) &
+    is_plain = is_plain & (x >= 0.001) & (y >= 0.0) & (x <= max_x) & (y <= max_y) & (from_row > 1e-6) &
                (from_row < 1.0 - 1e-6);
   }
   return is_plain;

@@ -25,11 +25,11 @@ void fill_sector(const GridGeometry& geometry, const Eigen::Vector2d& apex, doub
 /// What is taken from the evidence of a cell.
 struct EvidenceVote {
   std::int8_t change = 0;  ///< not above 0
-  std::int8_t least = 0;   ///< what lies below already stays
+  std::int8_t min = 0;     ///< what lies below already stays
 
   /// No branch: half of the cells have come to the least.
   [[nodiscard]] std::int8_t of(std::int8_t cell) const {
-    return static_cast<std::int8_t>(std::max<int>(cell + change, std::min<int>(cell, least)));
+    return static_cast<std::int8_t>(std::max<int>(cell + change, std::min<int>(cell, min)));
   }
 };
 

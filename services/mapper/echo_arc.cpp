@@ -101,13 +101,13 @@ inline void share_samples(const ArcSampling& arc, int from, int count, ArcShares
 /// Shares of all samples of an arc of at most kArcChunk: they depend on how many these are, and else on the cone. They
 /// are kept as long as one cone is asked for, which saves three divisions a sample.
 const ArcShares& shares_of_whole_arc(const ArcSampling& arc) {
-  constexpr std::size_t kMostSteps = (kArcChunk - 1) / 2;
+  constexpr std::size_t kMaxSteps = (kArcChunk - 1) / 2;
   struct Kept {
     double half = 0.0;
     double half_angle = 0.0;
     double edge_weight = 0.0;
-    std::array<bool, kMostSteps + 1> is_known{};
-    std::array<ArcShares, kMostSteps + 1> shares{};
+    std::array<bool, kMaxSteps + 1> is_known{};
+    std::array<ArcShares, kMaxSteps + 1> shares{};
   };
   constinit static thread_local Kept kept{};
   if (kept.half != arc.half || kept.half_angle != arc.half_angle || kept.edge_weight != arc.edge_weight) {

@@ -82,7 +82,7 @@ void GridMapper::integrate(const DiscReading& reading) {
 
 SliceRanges GridMapper::visible_ranges(const BeamReading& beam) const {
   const GridGeometry& geometry = grid_.geometry;
-  const double most = beam.has_echo ? beam.range : params_.sonar.no_echo_range;
+  const double max = beam.has_echo ? beam.range : params_.sonar.no_echo_range;
   const double step = 0.7 * geometry.resolution;
   // What is heard from so far away was often thrown there by a mirror: in an office 2 to 3 of 100 cells on the way of
   // such an echo are walls, ten times as many as on the way of one from 1.5 m. It takes away no more than silence.
@@ -95,7 +95,7 @@ SliceRanges GridMapper::visible_ranges(const BeamReading& beam) const {
     const double angle = beam.world_from_sonar.theta + off_axis;
     const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
     Cell last{-1, -1};
-    for (double r = kBesideDisc; r < most; r += step) {
+    for (double r = kBesideDisc; r < max; r += step) {
       const Cell cell = geometry.cell_at(beam.world_from_sonar.position() + r * direction);
       if (!geometry.contains(cell)) {
         break;
@@ -235,8 +235,8 @@ void GridMapper::forget_behind(const Eigen::Vector2d& disc, const Cell& wall) {
 }
 
 double GridMapper::odds_of(std::int8_t evidence, double range) const {
-  const double most = range > params_.narrow_range ? params_.sonar.most_log_odds : params_.known_log_odds;
-  return std::exp(params_.arc_sharpness * std::min(evidence / kEvidencePerLogOdds, most));
+  const double max = range > params_.narrow_range ? params_.sonar.max_log_odds : params_.known_log_odds;
+  return std::exp(params_.arc_sharpness * std::min(evidence / kEvidencePerLogOdds, max));
 }
 
 bool GridMapper::is_new_view(const DiscReading& reading) {
@@ -305,7 +305,7 @@ void GridMapper::decay(std::int64_t utime) {
   if (params_.decay_time <= 0.0) {
     return;
   }
-  const int levels = std::max(1, to_evidence(params_.sonar.most_log_odds) - to_evidence(params_.occupied_log_odds));
+  const int levels = std::max(1, to_evidence(params_.sonar.max_log_odds) - to_evidence(params_.occupied_log_odds));
   const auto step = static_cast<std::int64_t>(params_.decay_time * 1e6 / levels);
   if (decayed_until_ == 0 || utime < decayed_until_ || utime - decayed_until_ > 10 * step) {
     decayed_until_ = utime;  // a new session, or a long silence in which nothing could be seen
@@ -410,7 +410,7 @@ void GridMapper::add(const Cell& cell, double log_odds) {
   std::int8_t& value = grid_.evidence[grid_.geometry.index(cell)];
   const int sum = value + to_evidence(log_odds);
   value = static_cast<std::int8_t>(
-      std::clamp<int>(sum, to_evidence(params_.sonar.least_log_odds), to_evidence(params_.sonar.most_log_odds)));
+      std::clamp<int>(sum, to_evidence(params_.sonar.min_log_odds), to_evidence(params_.sonar.max_log_odds)));
 }
 
 void GridMapper::add_echo(const Cell& cell, double log_odds, std::int64_t utime) {

@@ -12,7 +12,7 @@ namespace luminav {
 namespace {
 
 constexpr double kMarginWithoutMap = 10.0;  // [m] walls may stand this far beyond the outermost fixture
-constexpr int kMostCells = 4096;            // per axis, as GRID_TILE's receivers accept
+constexpr int kMaxCells = 4096;             // per axis, as GRID_TILE's receivers accept
 
 void read_sonar_model(const TomlTable& table, const SonarRing& ring, SonarModelParams& sonar) {
   const bool is_paper = table.choice("mode", "modern", {"paper", "modern"}) == "paper";
@@ -30,8 +30,8 @@ void read_sonar_model(const TomlTable& table, const SonarRing& ring, SonarModelP
   sonar.no_echo_share = table.number("no_echo_share", sonar.no_echo_share, kFraction);
   sonar.no_echo_range = table.number("no_echo_range", sonar.no_echo_range, {0.0, 20.0});
   sonar.free_margin = table.number("free_margin", sonar.free_margin, {0.0, 1.0});
-  sonar.least_log_odds = table.number("least_log_odds", sonar.least_log_odds, {-6.0, -0.1});
-  sonar.most_log_odds = table.number("most_log_odds", sonar.most_log_odds, {0.1, 6.0});
+  sonar.min_log_odds = table.number("min_log_odds", sonar.min_log_odds, {-6.0, -0.1});
+  sonar.max_log_odds = table.number("max_log_odds", sonar.max_log_odds, {0.1, 6.0});
 }
 
 void read_grid_mapper(const TomlTable& table, GridMapperParams& grid) {
@@ -78,7 +78,7 @@ PriorMap unknown_map(const std::filesystem::path& building_file, double resoluti
   const Eigen::Vector2d size = (high - map.geometry.origin).array() + margin;
   map.geometry.columns = static_cast<int>(std::ceil(size.x() / resolution));
   map.geometry.rows = static_cast<int>(std::ceil(size.y() / resolution));
-  if (map.geometry.columns <= kMostCells && map.geometry.rows <= kMostCells) {
+  if (map.geometry.columns <= kMaxCells && map.geometry.rows <= kMaxCells) {
     map.cells.assign(map.geometry.size(), Prior::kUnknown);
   }
   return map;
@@ -107,7 +107,7 @@ MapperConfig read_mapper_config(const std::filesystem::path& robot_file, const s
                      ? resample(read_map(building.map_file), config.resolution)
                      : unknown_map(building_file, config.resolution, kMarginWithoutMap);
   const GridGeometry& geometry = config.prior.geometry;
-  if (geometry.columns > kMostCells || geometry.rows > kMostCells) {
+  if (geometry.columns > kMaxCells || geometry.rows > kMaxCells) {
     table.fail("resolution", "makes a grid of " + std::to_string(geometry.columns) + " x " +
                                  std::to_string(geometry.rows) + " cells, must be at most 4096 x 4096");
   }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kEvidenceFile = "evidence.bin";
 constexpr const char* kMapFile = "map.yaml";
-constexpr std::size_t kMostPending = 256;  // 16 discs x 16: half a second without POSE is not worth keeping
+constexpr std::size_t kMaxPending = 256;  // 16 discs x 16: half a second without POSE is not worth keeping
 
 std::uint64_t hash_of(const grid_tile_t& tile) {  // FNV-1a over the compressed cells
   std::uint64_t hash = 1469598103934665603ULL;
@@ -118,7 +118,7 @@ void MapperNode::on_sonar(const sonar_t& sonar) {
       pending_.push_back({static_cast<int>(i), sonar.range_utime[i], sonar.range[i], sonar.has_echo[i] != 0});
     }
   }
-  while (pending_.size() > kMostPending) {
+  while (pending_.size() > kMaxPending) {
     pending_.pop_front();
   }
   draw_pending();

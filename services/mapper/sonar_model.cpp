@@ -37,15 +37,15 @@ FreeSpaceModel::FreeSpaceModel(const SonarModelParams& params) : params_(params)
     throw std::invalid_argument("sonar model: half_angle must be between 0 and pi/2");
   }
   // silence takes away what is believed to stand there; it does not prove that nothing does
-  echo_ = votes_of(1.0, to_evidence(params_.least_log_odds));
+  echo_ = votes_of(1.0, to_evidence(params_.min_log_odds));
   silence_ = votes_of(params_.no_echo_share, 0);
 }
 
-FreeSpaceModel::Votes FreeSpaceModel::votes_of(double share, std::int8_t least) const {
+FreeSpaceModel::Votes FreeSpaceModel::votes_of(double share, std::int8_t min) const {
   Votes votes;
-  votes.cone = {static_cast<std::int8_t>(-to_evidence(share * params_.free_log_odds)), least};
-  votes.core = {static_cast<std::int8_t>(-to_evidence(share * params_.core_log_odds)), least};
-  const EvidenceVote both{static_cast<std::int8_t>(votes.cone.change + votes.core.change), least};
+  votes.cone = {static_cast<std::int8_t>(-to_evidence(share * params_.free_log_odds)), min};
+  votes.core = {static_cast<std::int8_t>(-to_evidence(share * params_.core_log_odds)), min};
+  const EvidenceVote both{static_cast<std::int8_t>(votes.cone.change + votes.core.change), min};
   for (int before = -128; before < 128; ++before) {
     votes.of_line[static_cast<std::uint8_t>(before)] = both.of(static_cast<std::int8_t>(before));
   }
@@ -70,7 +70,7 @@ void FreeSpaceModel::apply(const BeamReading& reading, const SliceRanges& limits
 }
 
 void FreeSpaceModel::sector(const GridGeometry& geometry, const Pose2& apex, double half_angle,
-                            const SliceRanges& ranges, double most, const EvidenceVote& vote,
+                            const SliceRanges& ranges, double max, const EvidenceVote& vote,
                             std::vector<std::int8_t>& evidence) {
   if (vote.change == 0) {
     return;
@@ -79,7 +79,7 @@ void FreeSpaceModel::sector(const GridGeometry& geometry, const Pose2& apex, dou
   SliceRanges clipped;
   bool are_equal = true;
   for (std::size_t k = 0; k < clipped.size(); ++k) {
-    clipped[k] = std::min(ranges[k], most);
+    clipped[k] = std::min(ranges[k], max);
     are_equal = are_equal & (clipped[k] == clipped[0]);
   }
   // neighbouring slices of one range are drawn as one: mostly that is all of them

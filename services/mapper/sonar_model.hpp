@@ -23,13 +23,13 @@ struct SonarModelParams {
   double core_range = 2.0;            ///< [m] up to here
   double occupied_log_odds = 1.20;    ///< given to the cell on the axis at the reading
   double edge_weight = 0.30;          ///< of that at the border of the cone; a parabola between
-  double occupied_range = 3.0;   ///< [m] echoes from farther away are too wide to place (1.6 m there): free votes only
-  double free_range = 3.0;       ///< [m] nothing is called free beyond
-  double no_echo_range = 3.0;    ///< [m] how far a reading without an echo takes occupied evidence away
-  double no_echo_share = 0.5;    ///< with this share of the weight: a slanted wall may have thrown it away
-  double free_margin = 0.15;     ///< [m] before the reading where nothing is voted
-  double least_log_odds = -1.0;  ///< clamp of free evidence; low, so that what stands there anew shows soon
-  double most_log_odds = 2.5;    ///< clamp of occupied evidence; low, so that what has gone vanishes soon
+  double occupied_range = 3.0;  ///< [m] echoes from farther away are too wide to place (1.6 m there): free votes only
+  double free_range = 3.0;      ///< [m] nothing is called free beyond
+  double no_echo_range = 3.0;   ///< [m] how far a reading without an echo takes occupied evidence away
+  double no_echo_share = 0.5;   ///< with this share of the weight: a slanted wall may have thrown it away
+  double free_margin = 0.15;    ///< [m] before the reading where nothing is voted
+  double min_log_odds = -1.0;   ///< clamp of free evidence; low, so that what stands there anew shows soon
+  double max_log_odds = 2.5;    ///< clamp of occupied evidence; low, so that what has gone vanishes soon
 };
 
 /// One reading where it was taken.
@@ -58,9 +58,9 @@ class FreeSpaceModel {
     /// What both make of each evidence: a table, since no processor guesses which cells have come to the least.
     std::array<std::int8_t, 256> of_line{};
   };
-  [[nodiscard]] Votes votes_of(double share, std::int8_t least) const;
-  void sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, const SliceRanges& ranges,
-              double most, const EvidenceVote& vote, std::vector<std::int8_t>& evidence);
+  [[nodiscard]] Votes votes_of(double share, std::int8_t min) const;
+  void sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, const SliceRanges& ranges, double max,
+              const EvidenceVote& vote, std::vector<std::int8_t>& evidence);
   void line(const GridGeometry& geometry, const Pose2& apex, double length, const std::array<std::int8_t, 256>& table,
             std::vector<std::int8_t>& evidence);
   SonarModelParams params_;

@@ -93,9 +93,9 @@ void dilate(const BitGrid& solid, double radius, int first_row, int last_row, Bi
   const std::vector<std::vector<int>> rows = rows_by_width(radius);
   const int past = solid.columns() % 64;
   const Word inside = past == 0 ? ~Word{0} : (Word{1} << past) - 1;
-  const std::size_t most_words = stride * static_cast<std::size_t>(rows_at_once);
-  std::vector<Word> one(most_words + 2, 0);  // with a word of 0 before the first and behind the last
-  std::vector<Word> other(most_words + 2, 0);
+  const std::size_t max_words = stride * static_cast<std::size_t>(rows_at_once);
+  std::vector<Word> one(max_words + 2, 0);  // with a word of 0 before the first and behind the last
+  std::vector<Word> other(max_words + 2, 0);
   for (int first = first_row; first < last_row; first += rows_at_once) {
     const int last = std::min(first + rows_at_once, last_row);
     const std::size_t words = stride * static_cast<std::size_t>(last - first);

@@ -14,11 +14,11 @@ int samples_of(const ConfigurationSpace& space, const Eigen::Vector2d& from, con
 
 /// Whether the rectangle of cells between two is passable, where that is a small one.
 bool is_small_and_clear(const ConfigurationSpace& space, const Cell& a, const Cell& b) {
-  constexpr int kMostCells = 9;
+  constexpr int kMaxCells = 9;
   const Cell low{std::min(a.column, b.column), std::min(a.row, b.row)};
   const Cell high{std::max(a.column, b.column), std::max(a.row, b.row)};
   return space.geometry().contains(low) && space.geometry().contains(high) &&
-         (high.column - low.column + 1) * (high.row - low.row + 1) <= kMostCells &&
+         (high.column - low.column + 1) * (high.row - low.row + 1) <= kMaxCells &&
          space.passable().has_all({low.column, high.column + 1, low.row, high.row + 1});
 }
 
@@ -66,12 +66,12 @@ bool is_clear_from(const ConfigurationSpace& space, const Eigen::Vector2d& from,
   return true;
 }
 
-/// The same way in pieces of at most `most` [m]: unlike `resampled` it keeps every corner.
-Polyline divided(const Polyline& points, double most) {
+/// The same way in pieces of at most `max` [m]: unlike `resampled` it keeps every corner.
+Polyline divided(const Polyline& points, double max) {
   Polyline result = {points.front()};
   for (std::size_t i = 1; i < points.size(); ++i) {
     const Eigen::Vector2d piece = points[i] - points[i - 1];
-    const int parts = std::max(1, static_cast<int>(std::ceil(piece.norm() / most)));
+    const int parts = std::max(1, static_cast<int>(std::ceil(piece.norm() / max)));
     for (int k = 1; k <= parts; ++k) {
       result.push_back(points[i - 1] + piece * (static_cast<double>(k) / parts));
     }
@@ -87,7 +87,7 @@ struct Relaxation {
 };
 
 /// How far obstacles push a point in one round [m]: away from the nearest one, the nearer the more.
-Eigen::Vector2d push_of(const ConfigurationSpace& space, double most, const Eigen::Vector2d& p) {
+Eigen::Vector2d push_of(const ConfigurationSpace& space, double max, const Eigen::Vector2d& p) {
   const double range = 1.2;  // [m] obstacles farther away do not push
   const double h = space.geometry().resolution;
   const auto [here, right, left, above, below] = space.clearances_around(p, h);
@@ -98,7 +98,7 @@ Eigen::Vector2d push_of(const ConfigurationSpace& space, double most, const Eige
   const Eigen::Vector2d difference(right - left, above - below);
   const Eigen::Vector2d gradient =
       difference / (2.0 * h);  // of length 1 where one obstacle is nearest, 0 in the middle between two
-  return most * depth * gradient;
+  return max * depth * gradient;
 }
 
 void relax(const ConfigurationSpace& space, const Relaxation& relaxation, Polyline& band) {

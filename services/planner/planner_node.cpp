@@ -22,8 +22,8 @@ constexpr std::int64_t kIdlePeriod = 950'000;       // [us] and at 1 Hz without
 constexpr std::int64_t kPathPeriod = 950'000;       // [us] PATH is repeated: a datagram may get lost
 constexpr std::int64_t kRequestPeriod = 2'000'000;  // [us] between TILE_REQUESTs
 constexpr std::size_t kRememberedIds = 32;
-constexpr std::size_t kMostRequested = 200;
-constexpr int kMostStops = 1000;
+constexpr std::size_t kMaxRequested = 200;
+constexpr int kMaxStops = 1000;
 
 GoalRequest request_from(const goal_t& message) {
   GoalRequest request;
@@ -68,8 +68,8 @@ std::string PlannerNode::objection_to(const goal_t& goal) const {
   if (!goal.floor.empty()) {
     return fmt::format("the goal is on floor {}, but this building has one floor only", goal.floor);
   }
-  if (goal.count < 1 || goal.count > kMostStops || static_cast<std::size_t>(goal.count) != goal.poses.size()) {
-    return fmt::format("a goal of {} poses, must be 1 to {}", goal.count, kMostStops);
+  if (goal.count < 1 || goal.count > kMaxStops || static_cast<std::size_t>(goal.count) != goal.poses.size()) {
+    return fmt::format("a goal of {} poses, must be 1 to {}", goal.count, kMaxStops);
   }
   if (!all_finite({goal.tolerance, goal.heading_tolerance}) || goal.tolerance < 0.0 || goal.heading_tolerance < 0.0) {
     return "the goal's tolerance is not a number of 0 or more";
@@ -296,7 +296,7 @@ void PlannerNode::request_tiles(std::int64_t now) {
   tile_request_t request{};
   request.utime = now;
   request.id = ++request_id_;
-  map_.missing(kMostRequested, request.tile_column, request.tile_row);
+  map_.missing(kMaxRequested, request.tile_column, request.tile_row);
   request.count = static_cast<std::int32_t>(request.tile_column.size());  // none known yet: all of them
   lcm_.publish(channels::kTileRequest, &request);
 }

@@ -33,10 +33,10 @@ TileMap::Result TileMap::add(const grid_tile_t& tile) {
   return Result::kChanged;
 }
 
-void TileMap::missing(std::size_t most, std::vector<std::int32_t>& columns, std::vector<std::int32_t>& rows) const {
+void TileMap::missing(std::size_t max, std::vector<std::int32_t>& columns, std::vector<std::int32_t>& rows) const {
   columns.clear();
   rows.clear();
-  for (std::size_t i = 0; i < revisions_.size() && columns.size() < most; ++i) {
+  for (std::size_t i = 0; i < revisions_.size() && columns.size() < max; ++i) {
     if (revisions_[i] < 0) {
       columns.push_back(static_cast<std::int32_t>(i % static_cast<std::size_t>(grid_.tile_columns())));
       rows.push_back(static_cast<std::int32_t>(i / static_cast<std::size_t>(grid_.tile_columns())));

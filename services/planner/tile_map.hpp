@@ -20,8 +20,8 @@ class TileMap {
   [[nodiscard]] int received() const { return received_; }
   [[nodiscard]] int tiles() const { return static_cast<int>(revisions_.size()); }
   [[nodiscard]] bool is_complete() const { return tiles() > 0 && received_ == tiles(); }
-  /// Columns and rows of tiles that are missing, at most `most` of them.
-  void missing(std::size_t most, std::vector<std::int32_t>& columns, std::vector<std::int32_t>& rows) const;
+  /// Columns and rows of tiles that are missing, at most `max` of them.
+  void missing(std::size_t max, std::vector<std::int32_t>& columns, std::vector<std::int32_t>& rows) const;
 
  private:
   OccupancyGrid grid_;

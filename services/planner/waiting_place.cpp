@@ -9,12 +9,12 @@ namespace {
 constexpr double kInTheWay = 0.7;  // [m] from the middle of the way: a person's radius, a tenth, half the robot's width
 constexpr double kBefore = 1.5;    // [m] from the opening: farther away there is room to pass each other
 constexpr double kOpening = 0.3;   // [m] before and behind the opening: nearer than to a shut leaf
-constexpr double kLeastAside = 0.9;  // [m] from the middle of the way: a tenth more on either side,
-constexpr double kMostAside = 1.5;   // [m] where the door still is in sight
-constexpr double kLeastDepth = 0.5;  // [m] before the opening, so that the robot sees into it
-constexpr double kMostDepth = 1.2;   // [m]
-constexpr double kStep = 0.1;        // [m] between the places that are tried
-constexpr double kRoom = 0.4;        // [m] to whatever is near: its corners are 0.33 m from its middle when it turns
+constexpr double kMinAside = 0.9;  // [m] from the middle of the way: a tenth more on either side,
+constexpr double kMaxAside = 1.5;  // [m] where the door still is in sight
+constexpr double kMinDepth = 0.5;  // [m] before the opening, so that the robot sees into it
+constexpr double kMaxDepth = 1.2;  // [m]
+constexpr double kStep = 0.1;      // [m] between the places that are tried
+constexpr double kRoom = 0.4;      // [m] to whatever is near: its corners are 0.33 m from its middle when it turns
 
 }  // namespace
 
@@ -35,8 +35,8 @@ std::vector<Eigen::Vector2d> places_beside(const Door& door, const Polyline& way
       std::abs(start.y()) > kOpening ? start.y() : start.y() - (door_from_world * way.back()).y();
   const double side = coming_from > 0.0 ? 1.0 : -1.0;
   std::vector<Eigen::Vector2d> places;
-  for (double beside = kLeastAside; beside <= kMostAside; beside += kStep) {
-    for (double depth = kLeastDepth; depth <= kMostDepth; depth += kStep) {
+  for (double beside = kMinAside; beside <= kMaxAside; beside += kStep) {
+    for (double depth = kMinDepth; depth <= kMaxDepth; depth += kStep) {
       for (const double sign : {1.0, -1.0}) {
         const Eigen::Vector2d place = door.world_from_door * Eigen::Vector2d(sign * beside, side * depth);
         const Cell cell = space.geometry().cell_at(place);

@@ -13,7 +13,7 @@ constexpr std::uint32_t kUnreached = WaveField::kUnreached;
 constexpr std::uint32_t kBlocked = WaveField::kBlocked;
 
 // a step costs some times what a cell costs a wave
-constexpr std::size_t kMostShare = 8;
+constexpr std::size_t kMaxShare = 8;
 constexpr std::size_t kFewestSteps = 16384;
 constexpr std::size_t kRegrownShare = 5;
 constexpr std::size_t kRegrownAnyway = 8192;  // cells: too few to be worth more than a try
@@ -51,12 +51,12 @@ class Repair {
   }
 
   /// False when it is not done after so many steps.
-  [[nodiscard]] bool run(const WaveStop& stop, std::size_t most) {
+  [[nodiscard]] bool run(const WaveStop& stop, std::size_t max) {
     const auto goal = static_cast<std::size_t>(stop.cell);
     std::uint32_t limit = kUnreached;
     const std::size_t queued_before = queue_.size();
     for (std::size_t steps = 0; !queue_.empty(); ++steps) {
-      if (steps > most || queue_.size() > most + queued_before) {
+      if (steps > max || queue_.size() > max + queued_before) {
         return false;
       }
       const auto [level, task, cell] = pending_of(queue_.front());
@@ -190,10 +190,10 @@ std::uint32_t untouched_level(const std::vector<PriceChange>& changes, const Wav
 }
 
 /// Cells whose level is above one and at most another.
-std::size_t count_between(const WaveField& field, std::uint32_t above, std::uint32_t most) {
+std::size_t count_between(const WaveField& field, std::uint32_t above, std::uint32_t max) {
   std::uint32_t cells = 0;
   for (const std::uint32_t stored : field.stored) {
-    cells += stored - above - 1 < most - above ? 1 : 0;
+    cells += stored - above - 1 < max - above ? 1 : 0;
   }
   return cells;
 }
@@ -205,15 +205,15 @@ bool repair_wave(const WaveTerrain& terrain, const std::vector<PriceChange>& cha
   const std::uint32_t untouched = untouched_level(changes, field);
   const bool is_regrowable = terrain.classes != nullptr && untouched > 0 && untouched < kUnreached - 1;
   const std::uint32_t wanted = field.stored[static_cast<std::size_t>(stop.cell)];
-  std::size_t most = std::max(kFewestSteps, field.stored.size() / kMostShare);
+  std::size_t max = std::max(kFewestSteps, field.stored.size() / kMaxShare);
   if (is_regrowable && wanted != kUnreached && wanted > untouched) {
     const std::size_t cells = count_between(field, untouched, wanted + stop.margin);
     const std::size_t worth = cells < kRegrownAnyway ? 0 : cells / kRegrownShare;
-    most = std::min(most, std::max(kFewestStepsBeforeRegrowing, worth));
+    max = std::min(max, std::max(kFewestStepsBeforeRegrowing, worth));
   }
   Repair repair(terrain, field);
   repair.note(changes);
-  if (repair.run(stop, most)) {
+  if (repair.run(stop, max)) {
     return true;
   }
   if (is_regrowable) {

@@ -62,7 +62,7 @@ std::vector<std::size_t> WayOut::find(const WaveField& field) const {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   cost[local(start_)] = 0;
   open.emplace(0, geometry.index(start_));
-  std::uint32_t least = kNever;  // to the goal
+  std::uint32_t min = kNever;  // to the goal
   std::size_t end = geometry.index(start_);
   const auto offer = [&](const Cell& next, std::uint32_t spent, std::size_t before) {
     if (spent < cost[local(next)]) {
@@ -75,12 +75,12 @@ std::vector<std::size_t> WayOut::find(const WaveField& field) const {
     const auto [spent, index] = open.top();
     open.pop();
     const Cell cell = cell_of(index);
-    if (spent != cost[local(cell)] || spent >= least) {
+    if (spent != cost[local(cell)] || spent >= min) {
       continue;
     }
     if (field.is_reached(index)) {
-      if (spent + field.cost(index) < least) {
-        least = spent + field.cost(index);
+      if (spent + field.cost(index) < min) {
+        min = spent + field.cost(index);
         end = index;
       }
       continue;  // from here on the wave knows the way
@@ -95,7 +95,7 @@ std::vector<std::size_t> WayOut::find(const WaveField& field) const {
     }
   }
   std::vector<std::size_t> cells;
-  if (least == kNever) {
+  if (min == kNever) {
     return cells;
   }
   for (std::size_t index = end; index != geometry.index(start_); index = from[local(cell_of(index))]) {

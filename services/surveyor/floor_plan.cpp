@@ -59,8 +59,8 @@ class FloorDraughtsman {
 
   void carve(const FloorRectangle& area) {
     const GridGeometry& geometry = plan_.map.geometry;
-    const auto cells = [&](double metres, int most) {
-      return std::clamp(static_cast<int>(std::lround(metres / geometry.resolution)), 1, most - 1);
+    const auto cells = [&](double metres, int max) {
+      return std::clamp(static_cast<int>(std::lround(metres / geometry.resolution)), 1, max - 1);
     };
     for (int row = cells(area.low.y(), geometry.rows); row < cells(area.high.y(), geometry.rows); ++row) {
       for (int column = cells(area.low.x(), geometry.columns); column < cells(area.high.x(), geometry.columns);
@@ -144,9 +144,9 @@ class FloorDraughtsman {
 };
 
 /// Free way from a point along a direction until something that is not free [m].
-double free_way(const PriorMap& map, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double most) {
+double free_way(const PriorMap& map, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double max) {
   double way = 0.0;
-  while (way < most && map.at(from + way * direction) == Prior::kFree) {
+  while (way < max && map.at(from + way * direction) == Prior::kFree) {
     way += map.geometry.resolution;
   }
   return way;
@@ -200,11 +200,11 @@ void light_grid(const PriorMap& map, const FloorPlanParams& params, const Eigen:
 }  // namespace
 
 FloorPlan make_floor_plan(const FloorPlanParams& params) {
-  const double least_depth = 2.0 * 3.0 + kCorridorWidth;
-  if (params.width < 2.0 * kRoomWidth + 2.0 * kCorridorWidth || params.depth < least_depth) {
+  const double min_depth = 2.0 * 3.0 + kCorridorWidth;
+  if (params.width < 2.0 * kRoomWidth + 2.0 * kCorridorWidth || params.depth < min_depth) {
     throw ConfigurationError(fmt::format("size = {} x {} m, must be at least {:.1f} x {:.1f} m: a corridor with rooms",
                                          params.width, params.depth, 2.0 * kRoomWidth + 2.0 * kCorridorWidth,
-                                         least_depth));
+                                         min_depth));
   }
   return FloorDraughtsman(params).draw();
 }

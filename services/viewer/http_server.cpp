@@ -28,7 +28,7 @@ std::string_view content_type_of(std::string_view name) {
 
 namespace {
 
-constexpr int kMostListeners = 40;  // each holds a thread of the page's server
+constexpr int kMaxListeners = 40;  // each holds a thread of the page's server
 constexpr std::size_t kPageThreads = 64;
 constexpr std::size_t kCommandThreads = 16;
 constexpr std::size_t kLargestRequest = 64 * 1024;  // [bytes]
@@ -184,10 +184,10 @@ struct HttpServer::Servers {
       if (request.method != "GET") {
         return;
       }
-      if (listeners.fetch_add(1) >= kMostListeners) {
+      if (listeners.fetch_add(1) >= kMaxListeners) {
         --listeners;
         response.set_header("Retry-After", "2");
-        refuse(response, 503, fmt::format("{} pages are open already", kMostListeners));
+        refuse(response, 503, fmt::format("{} pages are open already", kMaxListeners));
         return;
       }
       const auto cursor = std::make_shared<SnapshotBoard::Cursor>();

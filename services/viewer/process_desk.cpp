@@ -18,7 +18,7 @@ using launcher::ScriptRun;
 using launcher::Sheriff;
 using launcher::Target;
 
-constexpr std::size_t kMostPending = 8;
+constexpr std::size_t kMaxPending = 8;
 constexpr std::int64_t kPatience = 3 * kSecond;  // deputies answer within a fifth of a second, or say so once a second
 constexpr double kTimeLimit = 15.0;              // [s] for a process to be ready or gone
 
@@ -58,7 +58,7 @@ std::int64_t ProcessDesk::order(const ProcessOrder& order, std::int64_t now) {
   if (std::find(known_.begin(), known_.end(), order.name) == known_.end()) {
     throw RequestError("name: no deputy has a process of that name");
   }
-  if (pending_.size() >= kMostPending) {
+  if (pending_.size() >= kMaxPending) {
     throw RequestError("too many orders are waiting");
   }
   last_id_ = std::max(now, last_id_ + 1);

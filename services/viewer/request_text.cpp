@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 
 constexpr double kFarthest = 10'000.0;   // [m]
 constexpr double kLongestWait = 3600.0;  // [s]
-constexpr std::size_t kMostPoses = 100;
+constexpr std::size_t kMaxPoses = 100;
 
 Json read_object(const std::string& body, std::initializer_list<std::string_view> known) {
   // nothing that is asked for here is nested deeply
@@ -40,28 +40,28 @@ Json read_object(const std::string& body, std::initializer_list<std::string_view
   return object;
 }
 
-double number(const Json& object, const char* key, double least, double most) {
+double number(const Json& object, const char* key, double min, double max) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number()) {
     throw RequestError(fmt::format("{}: must be a number", key));
   }
   const double value = found->get<double>();
-  if (!std::isfinite(value) || value < least || value > most) {
-    throw RequestError(fmt::format("{}: must be {} to {}", key, least, most));
+  if (!std::isfinite(value) || value < min || value > max) {
+    throw RequestError(fmt::format("{}: must be {} to {}", key, min, max));
   }
   return value;
 }
 
-std::int64_t integer(const Json& object, const char* key, std::int64_t least, std::int64_t most) {
+std::int64_t integer(const Json& object, const char* key, std::int64_t min, std::int64_t max) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number_integer()) {
     throw RequestError(fmt::format("{}: must be a whole number", key));
   }
   // beyond int64 it is unsigned, or a floating-point number already
-  const bool is_huge = found->is_number_unsigned() && found->get<std::uint64_t>() > static_cast<std::uint64_t>(most);
+  const bool is_huge = found->is_number_unsigned() && found->get<std::uint64_t>() > static_cast<std::uint64_t>(max);
   const std::int64_t value = is_huge ? 0 : found->get<std::int64_t>();
-  if (is_huge || value < least || value > most) {
-    throw RequestError(fmt::format("{}: must be {} to {}", key, least, most));
+  if (is_huge || value < min || value > max) {
+    throw RequestError(fmt::format("{}: must be {} to {}", key, min, max));
   }
   return value;
 }
@@ -138,8 +138,8 @@ goal_t read_goal_request(const std::string& body, const Building& building) {
     return goal;
   }
   const auto poses = object.find("poses");
-  if (poses == object.end() || !poses->is_array() || poses->empty() || poses->size() > kMostPoses) {
-    throw RequestError(fmt::format("poses: must be a list of 1 to {}", kMostPoses));
+  if (poses == object.end() || !poses->is_array() || poses->empty() || poses->size() > kMaxPoses) {
+    throw RequestError(fmt::format("poses: must be a list of 1 to {}", kMaxPoses));
   }
   for (const Json& item : *poses) {
     goal.poses.push_back(read_goal_pose(item, building));

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kRecentPoses = 120;  // detections lag a quarter of a second at most; poses come at 10 to 50 Hz
 constexpr std::int64_t kNodeForgotten = 60'000'000;  // [us] a process that was silent this long is no longer listed
-constexpr std::size_t kMostNodes = 200;
+constexpr std::size_t kMaxNodes = 200;
 constexpr std::int32_t kLargestTile = 20'000;  // [bytes] 8192 bytes do not grow to more
 constexpr int kTileRequests = 5;
 
@@ -145,7 +145,7 @@ void ViewerNode::on_sim_truth(const sim_truth_t& message) {
 void ViewerNode::on_node_status(const node_status_t& message) {
   heard(channels::kNodeStatus);
   const std::string name = message.process + "@" + message.host;
-  if (nodes_.size() >= kMostNodes && !nodes_.contains(name)) {
+  if (nodes_.size() >= kMaxNodes && !nodes_.contains(name)) {
     subscriber_.drop("NODE_STATUS from more processes than can be shown");
     return;
   }

@@ -118,7 +118,7 @@ class OpenCvChain {
   std::vector<Found> found_;
 };
 
-constexpr BitSegmentationParams kSegmentation{.above = 200, .not_above = 30, .opening = 2, .least_pixels = 500};
+constexpr BitSegmentationParams kSegmentation{.above = 200, .not_above = 30, .opening = 2, .min_pixels = 500};
 
 CameraDescription camera() {
   CameraDescription description;

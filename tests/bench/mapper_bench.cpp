@@ -61,7 +61,7 @@ SonarModelParams model_params(SonarModelKind kind) {
 }
 
 /// The model alone: votes of one scan into the grid.
-void sonar(benchmark::State& state, SonarModelKind kind, double least_cells, double most_cells) {
+void sonar(benchmark::State& state, SonarModelKind kind, double min_cells, double max_cells) {
   std::vector<BeamReading> readings;
   for (const DiscReading& reading : scans()) {
     readings.push_back({reading.world_from_sonar, reading.range, reading.has_echo});
@@ -96,7 +96,7 @@ void sonar(benchmark::State& state, SonarModelKind kind, double least_cells, dou
     }
   }
   cells /= 50.0;
-  if (cells < least_cells || cells > most_cells) {
+  if (cells < min_cells || cells > max_cells) {
     throw std::runtime_error("not the agreed workload: cells per scan " + std::to_string(cells));
   }
   std::size_t next = 0;

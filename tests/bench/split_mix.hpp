@@ -19,7 +19,7 @@ class SplitMix {
     z ^= z >> 31;
     return static_cast<double>(z >> 11) * 0x1.0p-53;
   }
-  double uniform(double least, double most) { return least + (most - least) * uniform(); }
+  double uniform(double min, double max) { return min + (max - min) * uniform(); }
   double gauss() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return radius * std::cos(2.0 * std::numbers::pi * uniform());

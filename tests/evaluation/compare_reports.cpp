@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int kDraws = 10'000;
-constexpr int kLeastDifferent = 5;
+constexpr int kMinDifferent = 5;
 constexpr double kSignificance = 0.05;
 
 struct Figure {
@@ -139,7 +139,7 @@ ComparedFigure compare(const Figure& figure, const std::vector<std::pair<double,
     result.high = means[static_cast<std::size_t>(0.975 * kDraws) - 1];
   }
   const bool beyond_noise = figure.is_yes_or_no ? sign_test(more, different) < kSignificance
-                                                : different >= kLeastDifferent && result.low * result.high > 0.0;
+                                                : different >= kMinDifferent && result.low * result.high > 0.0;
   if (beyond_noise) {
     result.verdict = (result.now - result.before) * figure.better > 0.0 ? Verdict::kBetter : Verdict::kWorse;
   }

@@ -38,11 +38,11 @@ std::vector<int> nearest(const Enough& enough) {
   }
   std::vector<int> result(SightingClass::kCount, -1);
   for (int i = 0; i < SightingClass::kCount; ++i) {
-    int least = 1 << 20;
+    int min = 1 << 20;
     for (const int other : good) {
       const int unlike = unlikeness(SightingClass::at(i), SightingClass::at(other));
-      if (unlike < least) {
-        least = unlike;
+      if (unlike < min) {
+        min = unlike;
         result[static_cast<std::size_t>(i)] = other;
       }
     }

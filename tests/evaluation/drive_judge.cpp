@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kTouching = 0.03;                         // [m] what is this near was touched
 constexpr std::int64_t kCorridorEvery = 200'000;           // [us]
-constexpr double kLeastSpeed = 0.1;                        // [m/s] slower is waiting or turning
+constexpr double kMinSpeed = 0.1;                          // [m/s] slower is waiting or turning
 constexpr double kSwing = 0.03;                            // [rad/s] below it the command has no direction
 constexpr std::int64_t kSwingWindow = 2'000'000;           // [us]
-constexpr std::size_t kMostTurnabouts = 6;                 // in the window: three a second
+constexpr std::size_t kMaxTurnabouts = 6;                  // in the window: three a second
 constexpr double kNarrowest = 1.2;                         // [m]
 constexpr double kWidest = 3.0;                            // [m]
 constexpr std::array kAlong{-0.5, -0.25, 0.0, 0.25, 0.5};  // [m]
@@ -38,8 +38,8 @@ std::optional<double> way_to_wall(const PriorMap& walls, const Eigen::Vector2d& 
 std::optional<CorridorGap> corridor_gap(const PriorMap& walls, const Pose2& world_from_robot, double half_width) {
   std::array<double, 2> beside{};
   for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-    double least = kWidest;
-    double most = 0.0;
+    double min = kWidest;
+    double max = 0.0;
     for (const double along : kAlong) {
       const Eigen::Vector2d from = world_from_robot * Eigen::Vector2d(along, 0.0);
       const double turn = world_from_robot.theta + (side == 0 ? 0.5 : -0.5) * kPi;
@@ -47,13 +47,13 @@ std::optional<CorridorGap> corridor_gap(const PriorMap& walls, const Pose2& worl
       if (!way) {
         return std::nullopt;
       }
-      least = std::min(least, *way);
-      most = std::max(most, *way);
+      min = std::min(min, *way);
+      max = std::max(max, *way);
     }
-    if (most - least > 0.2) {
+    if (max - min > 0.2) {
       return std::nullopt;
     }
-    beside[side] = least;
+    beside[side] = min;
   }
   const double width = beside[0] + beside[1];
   if (width < kNarrowest || width > kWidest) {
@@ -110,7 +110,7 @@ void DriveJudge::on_truth(const sim_truth_t& truth) {
   for (; hard_count_ < truth.hard_contacts; ++hard_count_) {
     contacts_.push_back(contact(truth, true));
   }
-  if (truth.carried || truth.linear < kLeastSpeed || truth.utime - last_corridor_ < kCorridorEvery ||
+  if (truth.carried || truth.linear < kMinSpeed || truth.utime - last_corridor_ < kCorridorEvery ||
       world_.walls.cells.empty()) {
     return;
   }
@@ -132,7 +132,7 @@ void DriveJudge::on_command(const velocity_command_t& command) {
   while (!turnabouts_.empty() && command.utime - turnabouts_.front() > kSwingWindow) {
     turnabouts_.pop_front();
   }
-  if (turnabouts_.size() > kMostTurnabouts) {
+  if (turnabouts_.size() > kMaxTurnabouts) {
     oscillation_ += std::clamp(passed, 0.0, 0.2);
   }
 }

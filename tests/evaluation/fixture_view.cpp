@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kEdgeMargin = 6.0;  // [px] an edge nearer to the border is not measured: half of the profile across it
-constexpr double kMovedAtMost = 1.0;  // [m] by which events displace a fixture
+constexpr double kMaxMoved = 1.0;    // [m] by which events displace a fixture
 
 /// Radius [m per m of rise] around the point above the lens that the image's corners see.
 double reach_of(const CeilingCamera& camera) {
@@ -67,25 +67,25 @@ CeilingViewer::CeilingViewer(const WorldTruth& world, const Building& believed,
       believed_camera_(believed_camera.intrinsics, believed_camera.mounting),
       row_time_(world.robot.camera.row_time),
       reach_(0.0) {
-  Vector2d least(1e9, 1e9);
-  Vector2d most(-1e9, -1e9);
+  Vector2d min(1e9, 1e9);
+  Vector2d max(-1e9, -1e9);
   double highest = 0.0;
   double longest = 0.0;
   for (const Fixture& fixture : fixtures_) {
-    least = least.cwiseMin(fixture.world_from_fixture.position());
-    most = most.cwiseMax(fixture.world_from_fixture.position());
+    min = min.cwiseMin(fixture.world_from_fixture.position());
+    max = max.cwiseMax(fixture.world_from_fixture.position());
     highest = std::max(highest, fixture.height);
     longest = std::max(longest, std::hypot(fixture.length, fixture.width));
   }
   const CameraMounting& mounting = true_camera_.mounting();
   reach_ = reach_of(true_camera_) * std::max(0.1, highest - mounting.z) + std::hypot(mounting.x, mounting.y) +
-           0.5 * longest + 0.1 + kMovedAtMost;
+           0.5 * longest + 0.1 + kMaxMoved;
   if (fixtures_.empty()) {
     return;
   }
-  corner_ = least;
-  columns_ = static_cast<int>((most.x() - least.x()) / cell_) + 1;
-  rows_ = static_cast<int>((most.y() - least.y()) / cell_) + 1;
+  corner_ = min;
+  columns_ = static_cast<int>((max.x() - min.x()) / cell_) + 1;
+  rows_ = static_cast<int>((max.y() - min.y()) / cell_) + 1;
   cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
   for (std::size_t i = 0; i < fixtures_.size(); ++i) {
     const Vector2d offset = (fixtures_[i].world_from_fixture.position() - corner_) / cell_;
@@ -188,13 +188,13 @@ void CeilingViewer::measure_share(const Fixture& fixture, const Pose2& world_fro
   }
 }
 
-bool CeilingViewer::view(std::size_t index, const Pose2& world_from_fixture, double least_share,
+bool CeilingViewer::view(std::size_t index, const Pose2& world_from_fixture, double min_share,
                          FixtureView& result) const {
   const Fixture& fixture = fixtures_[index];
   result.index = index;
   result.length = believed_[index].length;
   measure_share(fixture, world_from_fixture, result);
-  if (result.share < least_share || result.share <= 0.0) {
+  if (result.share < min_share || result.share <= 0.0) {
     return false;
   }
   if (fixture.shape != FixtureShape::kRectangle || result.seen_to - result.seen_from < 0.1 * fixture.length) {
@@ -227,7 +227,7 @@ bool CeilingViewer::view(std::size_t index, const Pose2& world_from_fixture, dou
   return true;
 }
 
-void CeilingViewer::look(const FrameMoment& moment, const std::vector<simulated::MovedLamp>& moved, double least_share,
+void CeilingViewer::look(const FrameMoment& moment, const std::vector<simulated::MovedLamp>& moved, double min_share,
                          std::vector<FixtureView>& views) {
   views.clear();
   moment_ = moment;
@@ -244,7 +244,7 @@ void CeilingViewer::look(const FrameMoment& moment, const std::vector<simulated:
       }
     }
     FixtureView result;
-    if (view(index, world_from_fixture, least_share, result)) {
+    if (view(index, world_from_fixture, min_share, result)) {
       views.push_back(result);
     }
   }

@@ -47,15 +47,15 @@ class CeilingViewer {
  public:
   CeilingViewer(const WorldTruth& world, const Building& believed, const CameraDescription& believed_camera);
 
-  /// All fixtures of which at least `least_share` is in the image, in the building's order.
-  void look(const FrameMoment& moment, const std::vector<simulated::MovedLamp>& moved, double least_share,
+  /// All fixtures of which at least `min_share` is in the image, in the building's order.
+  void look(const FrameMoment& moment, const std::vector<simulated::MovedLamp>& moved, double min_share,
             std::vector<FixtureView>& views);
 
  private:
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector2d& in_world, double height) const;
   [[nodiscard]] std::optional<Eigen::Vector2d> as_believed(const Pose2& world_from_fixture, double along,
                                                            std::size_t index) const;
-  [[nodiscard]] bool view(std::size_t index, const Pose2& world_from_fixture, double least_share,
+  [[nodiscard]] bool view(std::size_t index, const Pose2& world_from_fixture, double min_share,
                           FixtureView& result) const;
   void measure_share(const Fixture& fixture, const Pose2& world_from_fixture, FixtureView& result) const;
   void near(const Eigen::Vector2d& centre, std::vector<std::size_t>& indices) const;

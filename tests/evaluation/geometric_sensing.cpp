@@ -14,7 +14,7 @@ namespace {
 constexpr double kRate = 15.0;                 // [frames/s]
 constexpr double kFirstFrame = 50'000.0;       // [us] after the camera was plugged in
 constexpr double kDelay = 40'000.0 + 4'000.0;  // [us] transfer and half an exposure
-constexpr double kLeastShare = 0.03;
+constexpr double kMinShare = 0.03;
 
 }  // namespace
 
@@ -79,7 +79,7 @@ void GeometricSensing::publish_frame(double middle) {
   message_.utime = std::llround(middle) + stamp_offset_;
   message_.sequence = static_cast<std::int32_t>(number_);
   message_.detections.clear();
-  viewer_.look(*moment, truth_.newest().moved, kLeastShare, views_);
+  viewer_.look(*moment, truth_.newest().moved, kMinShare, views_);
   for (const FixtureView& view : views_) {
     see_fixture(view, middle, moment->angular, motion);
   }

@@ -17,10 +17,10 @@
 namespace luminav {
 namespace {
 
-constexpr std::size_t kMostPoints = 1200;  // of a drawn way
-constexpr double kTrailPeriod = 0.1;       // [s] between the points of a trail
-constexpr double kFastest = 1.5;           // [m/s] no robot drives faster: such a step between points is a jump,
-constexpr double kJump = 1.5;              // [m] when it is as long as this
+constexpr std::size_t kMaxPoints = 1200;  // of a drawn way
+constexpr double kTrailPeriod = 0.1;      // [s] between the points of a trail
+constexpr double kFastest = 1.5;          // [m/s] no robot drives faster: such a step between points is a jump,
+constexpr double kJump = 1.5;             // [m] when it is as long as this
 
 std::string base64(const std::vector<std::uint8_t>& bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -70,7 +70,7 @@ class Strokes {
 };
 
 std::vector<TrailPoint> thinned(const std::vector<TrailPoint>& trail) {
-  const std::size_t every = std::max<std::size_t>(1, trail.size() / kMostPoints);
+  const std::size_t every = std::max<std::size_t>(1, trail.size() / kMaxPoints);
   std::vector<TrailPoint> kept;
   for (std::size_t i = 0; i < trail.size(); i += every) {
     kept.push_back(trail[i]);
@@ -161,7 +161,7 @@ std::string trajectory_svg(const RunReport& run, const std::string& map_id) {
   const std::vector<TrailPoint> trail = thinned(run.trail);
   std::optional<Pose2> world_from_odometry;
   bool is_way_joined = false;  // the step before was drawn
-  const double points_per_kept_one = static_cast<double>(run.trail.size()) / kMostPoints;
+  const double points_per_kept_one = static_cast<double>(run.trail.size()) / kMaxPoints;
   const double step = std::max(kJump, kFastest * kTrailPeriod * points_per_kept_one);
   for (std::size_t i = 1; i < trail.size(); ++i) {
     const TrailPoint& a = trail[i - 1];
@@ -206,8 +206,8 @@ std::string trajectory_svg(const RunReport& run, const std::string& map_id) {
         frame.top - y - 0.35 * letter, letter, text);
   };
   mark(trail.front().truth.x, trail.front().truth.y, "start", "start");
-  constexpr std::size_t kMostGoals = 12;
-  for (std::size_t i = 0; i < std::min(run.goals.size(), kMostGoals); ++i) {
+  constexpr std::size_t kMaxGoals = 12;
+  for (std::size_t i = 0; i < std::min(run.goals.size(), kMaxGoals); ++i) {
     const GoalResult& goal = run.goals[i];
     const bool right = goal.expect_refused ? goal.refused : goal.reached;
     mark(goal.x, goal.y, right ? "goal" : "goal missed", std::to_string(i + 1));
@@ -228,13 +228,13 @@ std::string error_svg(const RunReport& run) {
   constexpr double kLeft = 44.0;
   constexpr double kBottom = 22.0;
   constexpr double kTop = 8.0;
-  constexpr double kLeastDecade = -3.0;  // 1 mm
-  constexpr double kMostDecade = 1.0;    // 10 m
+  constexpr double kMinDecade = -3.0;  // 1 mm
+  constexpr double kMaxDecade = 1.0;   // 10 m
   const double end = std::max(1.0, run.trail.back().time);
   const auto x_of = [&](double time) { return kLeft + (kWidth - kLeft - 8.0) * time / end; };
   const auto y_of = [&](double metres) {
-    const double decade = std::clamp(std::log10(std::max(metres, 1e-6)), kLeastDecade, kMostDecade);
-    return kTop + (kHeight - kTop - kBottom) * (kMostDecade - decade) / (kMostDecade - kLeastDecade);
+    const double decade = std::clamp(std::log10(std::max(metres, 1e-6)), kMinDecade, kMaxDecade);
+    return kTop + (kHeight - kTop - kBottom) * (kMaxDecade - decade) / (kMaxDecade - kMinDecade);
   };
   std::string svg = fmt::format("<svg class=\"error\" viewBox=\"0 0 {} {}\">", kWidth, kHeight);
   for (const auto& [metres, label] :

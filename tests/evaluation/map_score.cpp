@@ -16,7 +16,7 @@ constexpr int kOccupiedEvidence = 17;  // log-odds 0.85, probability 0.7
 constexpr double kNear = 3.0;          // [m]
 constexpr double kCosOblique = 0.5;    // cosine of 60 degrees
 constexpr double kViewSpacing = 0.25;  // [m] between the points of a trail that are looked from
-constexpr int kLeastCells = 50;
+constexpr int kMinCells = 50;
 constexpr double kRobotRadius = 0.3;  // [m] of what the robot's middle can get to
 
 /// 255 where nothing is, 0 on true surfaces: walls of the map and the obstacles the map doesn't know.
@@ -180,7 +180,7 @@ MapResult score_map(const OccupancyGrid& grid, const WorldTruth& world, const st
     }
   }
   MapResult result;
-  if (static_cast<int>(distances.size()) < kLeastCells || free_cells < kLeastCells) {
+  if (static_cast<int>(distances.size()) < kMinCells || free_cells < kMinCells) {
     return result;
   }
   result.measured = true;
@@ -236,7 +236,7 @@ double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const E
     return -1.0;
   }
   const cv::Mat clearance = clearance_of(walls);
-  const float least = static_cast<float>(radius / g.resolution);
+  const float min = static_cast<float>(radius / g.resolution);
   std::vector<float> cost(g.size(), std::numeric_limits<float>::infinity());
   using Entry = std::pair<float, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -256,7 +256,7 @@ double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const E
     for (int dr = -1; dr <= 1; ++dr) {
       for (int dc = -1; dc <= 1; ++dc) {
         const Cell next{here.column + dc, here.row + dr};
-        if (!g.contains(next) || (clearance.at<float>(next.row, next.column) < least && !(next == goal))) {
+        if (!g.contains(next) || (clearance.at<float>(next.row, next.column) < min && !(next == goal))) {
           continue;
         }
         const float step = reached + (dr != 0 && dc != 0 ? std::sqrt(2.0F) : 1.0F);

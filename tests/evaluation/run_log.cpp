@@ -9,7 +9,7 @@
 namespace luminav {
 namespace {
 
-constexpr std::size_t kMostLines = 150;
+constexpr std::size_t kMaxLines = 150;
 // by navigation_status_t::STATE_*
 constexpr std::array<const char*, 12> kNavigationStates{"IDLE",    "LOCALIZING", "PLANNING", "FOLLOWING",
                                                         "WAITING", "ARRIVED",    "NO_PATH",  "BLOCKED",
@@ -36,7 +36,7 @@ RunLog::RunLog(lcm::LCM& lcm) : subscriber_(lcm) {
 }
 
 void RunLog::add(const std::string& who, const std::string& what) {
-  if (lines_.size() >= kMostLines) {
+  if (lines_.size() >= kMaxLines) {
     lines_.erase(lines_.begin());
   }
   lines_.push_back(fmt::format("{:7.1f} s  {:<10} {}", elapsed_, who, what));

@@ -17,7 +17,7 @@ using nlohmann::ordered_json;
 using Claim = std::function<bool(const RunReport&)>;
 using Figure = std::function<double(const RunReport&)>;
 
-constexpr double kLeastWay = 0.25;  // [m] the audit's places lie so far apart
+constexpr double kMinDistance = 0.25;  // [m] the audit's places lie so far apart
 
 /// Of at least one value.
 double quantile(std::vector<double> values, double q) {
@@ -119,8 +119,8 @@ class Summary {
     const Claim known = [](const RunReport& r) {
       return r.localized && r.resolvable_after_m >= 0.0 && std::isfinite(r.resolvable_after_m);
     };
-    const std::vector<double> ratios =
-        list([](const RunReport& r) { return r.localized_after_m / std::max(kLeastWay, r.resolvable_after_m); }, known);
+    const std::vector<double> ratios = list(
+        [](const RunReport& r) { return r.localized_after_m / std::max(kMinDistance, r.resolvable_after_m); }, known);
     put_quantile("way_ratio_median", ratios, 0.5);
     put_quantile("way_ratio_p95", ratios, 0.95);
     put_quantile("resolvable_after_m_median", list([](const RunReport& r) { return r.resolvable_after_m; }, known),

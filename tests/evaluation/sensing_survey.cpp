@@ -15,8 +15,8 @@ constexpr double kAlongGate = 0.30;   // [m]
 constexpr double kAcrossGate = 0.15;  // [m]
 constexpr double kTurnGate = radians(10.0);
 constexpr double kSameFalseAlarm = 0.3;  // [m] from one frame to the next
-constexpr std::size_t kMostErrors = 60;  // kept of a class
-constexpr std::size_t kMostFalseAlarms = 200;
+constexpr std::size_t kMaxErrors = 60;   // kept of a class
+constexpr std::size_t kMaxFalseAlarms = 200;
 
 FixtureShape shape_of(const fixture_detection_t& detection) {
   return detection.shape == fixture_detection_t::SHAPE_SQUARE  ? FixtureShape::kSquare
@@ -92,15 +92,15 @@ MeasuredFalseAlarm false_alarm_of(const fixture_detection_t& detection) {
   return alarm;
 }
 
-/// At most `most` of the values, spread evenly over them.
+/// At most `max` of the values, spread evenly over them.
 template <typename Value>
-std::vector<Value> thinned(const std::vector<Value>& values, std::size_t most) {
-  if (values.size() <= most) {
+std::vector<Value> thinned(const std::vector<Value>& values, std::size_t max) {
+  if (values.size() <= max) {
     return values;
   }
   std::vector<Value> kept;
-  for (std::size_t i = 0; i < most; ++i) {
-    kept.push_back(values[(2 * i + 1) * values.size() / (2 * most)]);
+  for (std::size_t i = 0; i < max; ++i) {
+    kept.push_back(values[(2 * i + 1) * values.size() / (2 * max)]);
   }
   return kept;
 }
@@ -253,9 +253,9 @@ DetectorBehaviour fit_behaviour(const std::vector<SensingSurveyResult>& runs, co
     behaviour.keep_error[motion] = error[motion].value();
   }
   for (auto& list : behaviour.sightings) {
-    list = thinned(list, kMostErrors);
+    list = thinned(list, kMaxErrors);
   }
-  behaviour.false_alarms = thinned(alarms, kMostFalseAlarms);
+  behaviour.false_alarms = thinned(alarms, kMaxFalseAlarms);
   behaviour.false_alarms_begin = frames > 0 ? static_cast<double>(false_begins) / static_cast<double>(frames) : 0.0;
   behaviour.false_alarms_last =
       false_frames > 0 ? static_cast<double>(false_frames - false_begins) / static_cast<double>(false_frames) : 0.0;

@@ -9,12 +9,12 @@
 namespace luminav {
 namespace {
 
-constexpr std::size_t kMostFixtures = 1000;  // beyond, the audit takes longer than all runs
-constexpr double kNearEnough = 0.75;         // [m] from the start to the next place: it may stand nearer to a wall
+constexpr std::size_t kMaxFixtures = 1000;  // beyond, the audit takes longer than all runs
+constexpr double kNearEnough = 0.75;        // [m] from the start to the next place: it may stand nearer to a wall
 
 RivalGround audited_ground(const std::filesystem::path& building_file, const std::filesystem::path& robot_file) {
   const Building building = read_building(building_file);
-  if (building.fixtures.empty() || building.fixtures.size() > kMostFixtures) {
+  if (building.fixtures.empty() || building.fixtures.size() > kMaxFixtures) {
     return {};
   }
   const PriorMap walls = building.map_file.empty() ? PriorMap{} : read_map(building.map_file);

@@ -27,8 +27,8 @@ void DetectionPicture::look_at(const camera_image_t& image) {
   const GreyView view{image.width, image.height, image.data};
   DetectorTrace trace;
   const std::vector<Detection>& detections = detector_.detect(view, &trace);
-  if (detections.size() > most_) {
-    most_ = detections.size();
+  if (detections.size() > max_) {
+    max_ = detections.size();
     picture_ = draw_debug_picture(view, trace, detections);
   }
 }

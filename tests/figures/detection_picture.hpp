@@ -22,7 +22,7 @@ class DetectionPicture {
 
  private:
   Detector detector_;
-  std::size_t most_ = 0;
+  std::size_t max_ = 0;
   cv::Mat picture_;
 };
 

@@ -98,11 +98,11 @@ std::string draw_process_graph(const std::vector<std::string>& processes, const 
     }
     std::vector<int> all = from;
     all.insert(all.end(), to.begin(), to.end());
-    const auto [least, most] = std::minmax_element(all.begin(), all.end());
+    const auto [min, max] = std::minmax_element(all.begin(), all.end());
     rows += fmt::format(
         "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>"
         "<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" stroke=\"#b33\" stroke-width=\"2\"/>\n",
-        kNames, y + 4, channel.channel, x_of(*least), y, x_of(*most), y);
+        kNames, y + 4, channel.channel, x_of(*min), y, x_of(*max), y);
     for (const int column : to) {
       const bool is_both = std::find(from.begin(), from.end(), column) != from.end();
       rows += fmt::format("<path d=\"M{} {}l8 0l-8 13l-8 -13z\" fill=\"#246\"/>\n", x_of(column) + (is_both ? 16 : 0),

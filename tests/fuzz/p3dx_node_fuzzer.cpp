@@ -205,10 +205,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if ((beginning & 1) != 0) {
     session.greet();
   }
-  constexpr int kMostSteps = 100;
+  constexpr int kMaxSteps = 100;
   constexpr std::array<std::int64_t, 8> kTimes = {1'000, 5'000, 10'000, 20'000, 50'000, 120'000, 400'000, 2'600'000};
   int steps = 0;
-  while (!input.empty() && steps < kMostSteps) {
+  while (!input.empty() && steps < kMaxSteps) {
     const std::uint8_t control = take();
     const std::uint8_t type = take();
     const std::size_t length = std::min<std::size_t>(take(), input.size());

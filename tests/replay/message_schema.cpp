@@ -12,8 +12,8 @@
 namespace luminav {
 namespace {
 
-constexpr int kDeepest = 8;                       // of types within types
-constexpr std::size_t kMostElements = 1U << 24U;  // of one array
+constexpr int kDeepest = 8;                      // of types within types
+constexpr std::size_t kMaxElements = 1U << 24U;  // of one array
 
 const std::map<std::string, std::size_t, std::less<>> kPrimitives = {{"int8_t", 1},  {"int16_t", 2}, {"int32_t", 4},
                                                                      {"int64_t", 8}, {"byte", 1},    {"boolean", 1},
@@ -193,7 +193,7 @@ bool MessageSchemas::decode_fields(const TypeSchema& type, const std::string& pr
         return false;
       }
       const std::int64_t size = is_number ? std::stoll(dimension) : named->second;
-      if (size < 0 || static_cast<std::size_t>(size) > kMostElements) {
+      if (size < 0 || static_cast<std::size_t>(size) > kMaxElements) {
         return false;
       }
       elements *= static_cast<std::size_t>(size);

@@ -11,13 +11,13 @@ namespace luminav {
 namespace {
 
 std::string allowed_range(Range range) {
-  if (std::isinf(range.least) && std::isinf(range.most)) {
+  if (std::isinf(range.min) && std::isinf(range.max)) {
     return "a finite number";
   }
-  if (range.most >= 1e9) {
-    return range.least > 0.0 ? "greater than 0" : fmt::format("at least {}", range.least);
+  if (range.max >= 1e9) {
+    return range.min > 0.0 ? "greater than 0" : fmt::format("at least {}", range.min);
   }
-  return fmt::format("between {} and {}", range.least, range.most);
+  return fmt::format("between {} and {}", range.min, range.max);
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ double TomlTable::number(std::string_view key, Range range) const {
   if (!node->is_number() || !value) {
     fail(key, fmt::format("must be a number {}", allowed_range(range)));
   }
-  if (!std::isfinite(*value) || *value < range.least || *value > range.most) {
+  if (!std::isfinite(*value) || *value < range.min || *value > range.max) {
     fail(key, fmt::format("= {}, must be {}", *value, allowed_range(range)));
   }
   return *value;
@@ -107,7 +107,7 @@ std::int64_t TomlTable::integer(std::string_view key, Range range) const {
     fail(key, fmt::format("must be a whole number {}", allowed_range(range)));
   }
   const auto value = *node->value<std::int64_t>();
-  if (static_cast<double>(value) < range.least || static_cast<double>(value) > range.most) {
+  if (static_cast<double>(value) < range.min || static_cast<double>(value) > range.max) {
     fail(key, fmt::format("= {}, must be {}", value, allowed_range(range)));
   }
   return value;
@@ -118,8 +118,7 @@ std::int64_t TomlTable::integer(std::string_view key, std::int64_t fallback, Ran
 }
 
 int TomlTable::count(std::string_view key, int fallback, Range range) const {
-  return static_cast<int>(
-      integer(key, std::int64_t{fallback}, {std::max(range.least, -2e9), std::min(range.most, 2e9)}));
+  return static_cast<int>(integer(key, std::int64_t{fallback}, {std::max(range.min, -2e9), std::min(range.max, 2e9)}));
 }
 
 bool TomlTable::boolean(std::string_view key, bool fallback) const {

@@ -21,8 +21,8 @@ class ConfigurationError : public std::runtime_error {
 
 /// Allowed values, both ends included.
 struct Range {
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
 };
 inline constexpr Range kAnyNumber{};
 inline constexpr Range kPositive{1e-9, 1e9};

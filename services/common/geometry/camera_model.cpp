@@ -40,11 +40,11 @@ Eigen::Matrix2d pinhole_slope(const Vector2d& undistorted, const std::array<doub
   return slope;
 }
 
-/// Inverse of a function that grows from 0 at 0 up to `most`, for a value that it takes there.
+/// Inverse of a function that grows from 0 at 0 up to `max`, for a value that it takes there.
 template <typename Function>
-double inverse_by_halving(double value, double most, const Function& function) {
+double inverse_by_halving(double value, double max, const Function& function) {
   double low = 0.0;
-  double high = most;
+  double high = max;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     (function(middle) < value ? low : high) = middle;

@@ -14,16 +14,15 @@ namespace {
 constexpr std::size_t kTileCells = static_cast<std::size_t>(kTileSide) * kTileSide;
 constexpr int kFastCompression = 1;  // a tile shrinks to 100-400 bytes at any level
 constexpr double kFarthest = 1e5;    // [m]
-constexpr double kMostTurns = 1e3;   // [rad] of a heading; it ought to be wrapped
+constexpr double kMaxTurns = 1e3;    // [rad] of a heading; it ought to be wrapped
 constexpr double kFastest = 10.0;    // [m/s]
 constexpr double kQuickest = 100.0;  // [rad/s]
 
 /// Odometry and poses alike; a comparison with what is no number is false.
 template <typename Message>
 bool is_possible_motion(const Message& message) {
-  return std::abs(message.x) <= kFarthest && std::abs(message.y) <= kFarthest &&
-         std::abs(message.theta) <= kMostTurns && std::abs(message.linear) <= kFastest &&
-         std::abs(message.angular) <= kQuickest;
+  return std::abs(message.x) <= kFarthest && std::abs(message.y) <= kFarthest && std::abs(message.theta) <= kMaxTurns &&
+         std::abs(message.linear) <= kFastest && std::abs(message.angular) <= kQuickest;
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ std::optional<double> read_number(const std::string& word) {
 }
 
 void check_option(std::string_view flag, double value, Range range) {
-  if (!(value >= range.least && value <= range.most)) {
-    throw ConfigurationError(fmt::format("{} = {}, must be {} to {}", flag, value, range.least, range.most));
+  if (!(value >= range.min && value <= range.max)) {
+    throw ConfigurationError(fmt::format("{} = {}, must be {} to {}", flag, value, range.min, range.max));
   }
 }
 

@@ -16,9 +16,9 @@ namespace {
 constexpr std::int64_t kInfoPeriod = kSecond;
 constexpr std::int64_t kOutputPeriod = 100'000;  // [us]
 constexpr std::int64_t kOldestOrders = 60 * kSecond;
-constexpr std::size_t kMostRefused = 32;      // entries, so that strangers cannot fill PM_INFO
+constexpr std::size_t kMaxRefused = 32;       // entries, so that strangers cannot fill PM_INFO
 constexpr std::size_t kLongestRefused = 256;  // [bytes] of a refused text that is repeated
-constexpr std::size_t kMostCommands = 250;    // PM_INFO has to fit a datagram
+constexpr std::size_t kMaxCommands = 250;     // PM_INFO has to fit a datagram
 
 /// Signal and time of the orders, or procman's standard where they make no sense.
 void make_sensible(procman::procman_command_t& command) {
@@ -121,7 +121,7 @@ ManagedCommand* Deputy::list_refused(const procman::procman_command_t& ordered, 
     return &found->second;
   }
   const auto refused = std::count_if(commands.begin(), commands.end(), [](const auto& c) { return c.second.refused; });
-  if (static_cast<std::size_t>(refused) >= kMostRefused) {
+  if (static_cast<std::size_t>(refused) >= kMaxRefused) {
     journal_.say_seldom(now_, "more refused commands than are kept; the newest are not listed");
     return nullptr;
   }
@@ -168,8 +168,8 @@ ManagedCommand* Deputy::list_ordered(const std::string& id) {
   if (const auto found = commands.find(id); found != commands.end()) {
     return &found->second;
   }
-  if (commands.size() >= kMostCommands) {
-    journal_.say_seldom(now_, fmt::format("more than {} commands; \"{}\" was ignored", kMostCommands, harmless(id)));
+  if (commands.size() >= kMaxCommands) {
+    journal_.say_seldom(now_, fmt::format("more than {} commands; \"{}\" was ignored", kMaxCommands, harmless(id)));
     return nullptr;
   }
   ManagedCommand& command = children_.add(id);

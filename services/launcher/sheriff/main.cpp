@@ -86,11 +86,11 @@ Target find_target(const Sheriff& sheriff, const std::string& name) {
 bool look_round(Session& session, const Sheriff& sheriff, bool configured) {
   const std::int64_t end = Instant::read().steady + static_cast<std::int64_t>(kPatience * 1e6);
   // Without a configuration nobody knows how many there are: listen for as long as they take to repeat themselves.
-  const std::int64_t least = configured ? 0 : end - static_cast<std::int64_t>((kPatience - 1.2) * 1e6);
+  const std::int64_t min = configured ? 0 : end - static_cast<std::int64_t>((kPatience - 1.2) * 1e6);
   return session.run_until(
       [&] {
         const std::int64_t now = Instant::read().steady;
-        return now >= end || (now >= least && !sheriff.deputies().empty() && sheriff.deputies_heard({}));
+        return now >= end || (now >= min && !sheriff.deputies().empty() && sheriff.deputies_heard({}));
       },
       false);
 }
@@ -126,12 +126,12 @@ int show_log(Session& session, Sheriff& sheriff, const Options& options) {
       continue;
     }
     found = true;
-    constexpr std::streamoff kMost = 16'000;  // [bytes]
+    constexpr std::streamoff kMax = 16'000;  // [bytes]
     file.seekg(0, std::ios::end);
     const std::streamoff size = file.tellg();
-    file.seekg(std::max<std::streamoff>(0, size - kMost));
+    file.seekg(std::max<std::streamoff>(0, size - kMax));
     std::string line;
-    if (size > kMost) {
+    if (size > kMax) {
       std::getline(file, line);  // its beginning is missing
     }
     while (std::getline(file, line)) {

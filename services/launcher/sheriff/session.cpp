@@ -31,8 +31,8 @@ std::size_t terminal_width() {
 }
 
 void drain(lcm::LCM& lcm) {
-  constexpr int kMostAtOnce = 500;
-  for (int i = 0; i < kMostAtOnce; ++i) {
+  constexpr int kMaxAtOnce = 500;
+  for (int i = 0; i < kMaxAtOnce; ++i) {
     const int handled = lcm.handleTimeout(0);
     if (handled < 0 && errno != EINTR) {
       throw std::runtime_error("the LCM network failed");

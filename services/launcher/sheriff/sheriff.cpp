@@ -162,11 +162,11 @@ void Sheriff::on_node_status(const node_status_t& status) {
 void Sheriff::locate_commands() {
   std::map<std::string, std::string> host_of;
   for (const auto& [id, deputy] : deputies_) {
-    std::size_t most = 0;
+    std::size_t max = 0;
     for (const auto& [host, processes] : deputy.heard_on) {
-      if (processes.size() >= most) {
-        host_of[id] = processes.size() > most ? host : "";
-        most = processes.size();
+      if (processes.size() >= max) {
+        host_of[id] = processes.size() > max ? host : "";
+        max = processes.size();
       }
     }
   }

@@ -16,9 +16,9 @@
 namespace luminav {
 namespace {
 
-constexpr double kSpacing = 0.10;          // [m] between images used
-constexpr double kTurn = radians(5.0);     // [rad] likewise
-constexpr std::size_t kLeastFrames = 100;  // of a drive worth the name
+constexpr double kSpacing = 0.10;        // [m] between images used
+constexpr double kTurn = radians(5.0);   // [rad] likewise
+constexpr std::size_t kMinFrames = 100;  // of a drive worth the name
 
 void print(const char* name, const CalibratedValue& value, double factor, const char* unit) {
   fmt::print("  {:<14} {:+9.3f} +- {:.3f} {}\n", name, factor * value.value, factor * value.sigma, unit);
@@ -102,11 +102,11 @@ int run(int argc, char** argv) {
     fmt::print("{}: cut off; what was whole before was used\n", logs.front());
   }
   const std::vector<KnownFrame> frames = follow_drive(log, config, kSpacing, kTurn);
-  if (frames.size() < kLeastFrames) {
+  if (frames.size() < kMinFrames) {
     throw std::runtime_error(
         fmt::format("only {} images with a known pose, {} are needed: drive longer, where fixtures "
                     "are, until the localizer is TRACKING",
-                    frames.size(), kLeastFrames));
+                    frames.size(), kMinFrames));
   }
   const DriveCalibration calibration = calibrate_drive(frames, config);
   print(calibration);

@@ -14,8 +14,8 @@ std::string with_sigma(double value, double sigma) {
 }
 
 std::string error(double sigma) {
-  constexpr double kLeast = 1e-4;  // an estimate from one drive is never surer than that
-  return fmt::format("{:.6f}  # as the calibration left it", std::max(kLeast, sigma));
+  constexpr double kMin = 1e-4;  // an estimate from one drive is never surer than that
+  return fmt::format("{:.6f}  # as the calibration left it", std::max(kMin, sigma));
 }
 
 }  // namespace

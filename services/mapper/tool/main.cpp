@@ -108,7 +108,7 @@ int main(int argc, char** argv) {
   return run_guarded("map_tool", [&] {
     std::string robot_file, ranges_file, poses_file, out_file, png_file, mode = "modern";
     Units units;
-    std::int64_t most_rows = 0;
+    std::int64_t max_rows = 0;
     double resolution = 0.1;
     CommandLine options(
         "map_tool",
@@ -124,7 +124,7 @@ int main(int argc, char** argv) {
         .number("--length-unit", units.range, "[m] of one unit of length, 0.001 for millimetres")
         .number("--angle-unit", units.angle, "[rad] of one unit of heading, 0.0174533 for degrees")
         .number("--resolution", resolution, "[m] side of a cell")
-        .integer("--rows", most_rows, "use that many rows; 0 = all");
+        .integer("--rows", max_rows, "use that many rows; 0 = all");
     if (const auto status = options.parse(argc, argv)) {
       return *status;
     }
@@ -133,7 +133,7 @@ int main(int argc, char** argv) {
     check_option("--time-unit", units.time, kPositive);
     check_option("--length-unit", units.range, kPositive);
     check_option("--angle-unit", units.angle, kPositive);
-    check_option("--rows", static_cast<double>(most_rows), kNotNegative);
+    check_option("--rows", static_cast<double>(max_rows), kNotNegative);
     const RobotDescription robot = read_robot(robot_file);
     const std::vector<Row> ranges = read_table(ranges_file);
     const std::vector<Row> pose_rows = read_table(poses_file);
@@ -143,7 +143,7 @@ int main(int argc, char** argv) {
           fmt::format("{} rows of ranges and {} of poses, must be equal and above 0", ranges.size(), pose_rows.size()));
     }
     const std::size_t count =
-        most_rows > 0 ? std::min(ranges.size(), static_cast<std::size_t>(most_rows)) : ranges.size();
+        max_rows > 0 ? std::min(ranges.size(), static_cast<std::size_t>(max_rows)) : ranges.size();
     std::vector<Pose2> poses;
     for (std::size_t i = 0; i < count; ++i) {
       if (ranges[i].size() != discs + 1 || pose_rows[i].size() != 4 || ranges[i][0] != pose_rows[i][0]) {

@@ -113,9 +113,9 @@ int main(int argc, char** argv) {
     const Route route = planner.plan(request);
     const double milliseconds =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-    double least = 1e9;
+    double min = 1e9;
     for (const Eigen::Vector2d& point : route.points) {
-      least = std::min(least, planner.space().clearance_at(point));
+      min = std::min(min, planner.space().clearance_at(point));
     }
     nlohmann::json report = {{"outcome", name_of(route.outcome)},
                              {"found", route.outcome == RouteOutcome::kFound},
@@ -124,7 +124,7 @@ int main(int argc, char** argv) {
                              {"rows", map.geometry.rows}};
     if (route.outcome == RouteOutcome::kFound) {
       report["length_m"] = polyline_length(route.points);
-      report["least_clearance_m"] = least;
+      report["least_clearance_m"] = min;
       report["goal_gap_m"] = route.goal_gap;
       for (const Eigen::Vector2d& point : route.points) {
         report["points"].push_back({point.x(), point.y()});

@@ -16,16 +16,16 @@ const std::vector<Condition>& lighting_matrix() {
   static const std::vector<Condition> matrix{
       {.name = "all on", .lamps_on = true},
       {.name = "all on, moving", .lamps_on = true, .moving = true},
-      {.name = "all on at night", .lamps_on = true, .daylight_least = 0.0, .daylight_most = 0.0},
+      {.name = "all on at night", .lamps_on = true, .min_daylight = 0.0, .max_daylight = 0.0},
       {.name = "third off", .off = 0.33},
       {.name = "third off, moving", .off = 0.33, .moving = true},
-      {.name = "all off by day", .daylight_least = 0.8, .daylight_most = 0.8, .off = 1.0},
-      {.name = "off by day, moving", .daylight_least = 0.8, .daylight_most = 0.8, .off = 1.0, .moving = true},
+      {.name = "all off by day", .min_daylight = 0.8, .max_daylight = 0.8, .off = 1.0},
+      {.name = "off by day, moving", .min_daylight = 0.8, .max_daylight = 0.8, .off = 1.0, .moving = true},
       {.name = "half tubes", .half = 0.5},
       {.name = "flicker", .off = 0.2, .flicker = 0.3},
-      {.name = "sunrise sweep", .daylight_least = 0.05, .daylight_most = 1.0, .off = 0.5},
-      {.name = "window glare", .daylight_least = 1.0, .daylight_most = 1.0, .off = 0.3, .at_window = true},
-      {.name = "dim", .daylight_least = 0.1, .daylight_most = 0.1, .off = 0.6, .brightness = 0.45},
+      {.name = "sunrise sweep", .min_daylight = 0.05, .max_daylight = 1.0, .off = 0.5},
+      {.name = "window glare", .min_daylight = 1.0, .max_daylight = 1.0, .off = 0.3, .at_window = true},
+      {.name = "dim", .min_daylight = 0.1, .max_daylight = 0.1, .off = 0.6, .brightness = 0.45},
       {.name = "bright", .off = 0.2, .brightness = 1.25},
   };
   return matrix;
@@ -49,20 +49,20 @@ void expose(simulated::CeilingRenderer& renderer, const Pose2& pose, double fact
   GreyImage image;
   double product = 8000.0;  // exposure x gain
   const auto set = [&] {
-    exposure.exposure_us = std::min(product, params.exposure_most_us);
-    exposure.gain = std::clamp(product / params.exposure_most_us, 1.0, params.gain_most);
+    exposure.exposure_us = std::min(product, params.max_exposure_us);
+    exposure.gain = std::clamp(product / params.max_exposure_us, 1.0, params.max_gain);
   };
-  const double most = params.exposure_most_us * params.gain_most;
+  const double max = params.max_exposure_us * params.max_gain;
   for (int i = 0; i < 6; ++i) {
     set();
     renderer.render(exposure, still, image);
     const double mean = measure_brightness(image.view(), params.lamp_grey).mean;
-    if (mean > params.target_least && mean < params.target_most) {
+    if (mean > params.min_target && mean < params.max_target) {
       break;
     }
-    product = std::clamp(product * std::clamp(100.0 / std::max(mean, 1.0), 0.2, 5.0), params.exposure_least_us, most);
+    product = std::clamp(product * std::clamp(100.0 / std::max(mean, 1.0), 0.2, 5.0), params.min_exposure_us, max);
   }
-  product = std::clamp(product * factor, params.exposure_least_us, most);
+  product = std::clamp(product * factor, params.min_exposure_us, max);
   set();
 }
 
@@ -83,7 +83,7 @@ Place draw_place(const Condition& condition, const WorldTruth& world, RandomStre
     place.motion.angular = random.uniform(-0.5, 0.5);
     place.motion.row_time = world.robot.camera.row_time;
   }
-  place.daylight = random.uniform(condition.daylight_least, condition.daylight_most);
+  place.daylight = random.uniform(condition.min_daylight, condition.max_daylight);
   return place;
 }
 

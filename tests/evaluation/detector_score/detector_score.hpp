@@ -17,9 +17,9 @@ namespace luminav::score {
 /// Light and motion under which the detector is measured.
 struct Condition {
   std::string name;
-  bool lamps_on = false;        // belongs to "with lamps on"
-  double daylight_least = 0.5;  // 0..1, drawn per frame
-  double daylight_most = 0.5;
+  bool lamps_on = false;      // belongs to "with lamps on"
+  double min_daylight = 0.5;  // 0..1, drawn per frame
+  double max_daylight = 0.5;
   double off = 0.0;         // share of the fixtures
   double half = 0.0;        // of which one of two tubes burns
   double flicker = 0.0;     // that go on and off some times a second

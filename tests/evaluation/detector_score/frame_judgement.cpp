@@ -12,11 +12,11 @@ namespace {
 using Eigen::Vector2d;
 using simulated::LampState;
 
-constexpr double kLeastShare = 0.3;
-constexpr double kNear = 0.3;         // [m] across: farther ones are others
-constexpr double kMostAcross = 0.03;  // [m] a detection farther off is wrong
-constexpr double kMostAlong = 0.03;   // [m] or 3.5 sigma
-constexpr double kMostHeading = radians(2.0);
+constexpr double kMinShare = 0.3;
+constexpr double kNear = 0.3;        // [m] across: farther ones are others
+constexpr double kMaxAcross = 0.03;  // [m] a detection farther off is wrong
+constexpr double kMaxAlong = 0.03;   // [m] or 3.5 sigma
+constexpr double kMaxHeading = radians(2.0);
 
 DetectionState expected_state(const VisibleFixture& truth) {
   switch (truth.lamp) {
@@ -54,8 +54,8 @@ bool compare(const Detection& detection, VisibleFixture& truth, DetectorScore& s
       truth.fixture->width, detection.near_end_visible, detection.far_end_visible, detection.centre_px.x(),
       detection.centre_px.y());
   truth.taken = true;
-  if (std::abs(error.y) > kMostAcross || std::abs(heading) > kMostHeading ||
-      std::abs(error.x) > std::max(kMostAlong, 3.5 * spread(along))) {
+  if (std::abs(error.y) > kMaxAcross || std::abs(heading) > kMaxHeading ||
+      std::abs(error.x) > std::max(kMaxAlong, 3.5 * spread(along))) {
     complaint = "wrong: " + figures;
     return false;
   }
@@ -63,7 +63,7 @@ bool compare(const Detection& detection, VisibleFixture& truth, DetectorScore& s
     ++score.wrong_state;
     complaint = "state: " + figures;
   }
-  score.seen += truth.imaged.share >= kLeastShare ? 1 : 0;
+  score.seen += truth.imaged.share >= kMinShare ? 1 : 0;
   if (truth.imaged.is_whole) {
     ++score.whole_seen;
     ++score.measured;
@@ -96,14 +96,14 @@ bool compare(const Detection& detection, VisibleFixture& truth, DetectorScore& s
 bool match(const Detection& detection, std::vector<VisibleFixture>& visible, DetectorScore& score,
            std::string& complaint) {
   VisibleFixture* nearest = nullptr;
-  double least = 1e9;
+  double min = 1e9;
   for (VisibleFixture& truth : visible) {
     const Pose2 error = truth.imaged.as_imaged.inverse() * detection.robot_from_fixture;
     const double apart = error.position().norm();
     if (!truth.taken && std::abs(error.y) < kNear && std::abs(error.x) < 0.6 * truth.fixture->length + kNear &&
-        apart < least) {
+        apart < min) {
       nearest = &truth;
-      least = apart;
+      min = apart;
     }
   }
   if (nearest == nullptr) {
@@ -161,10 +161,10 @@ std::vector<std::string> judge(const std::vector<Detection>& detections, std::ve
   bool any_whole = false;
   bool any_cut = false;
   for (const VisibleFixture& fixture : visible) {
-    score.visible += fixture.imaged.share >= kLeastShare ? 1 : 0;
+    score.visible += fixture.imaged.share >= kMinShare ? 1 : 0;
     score.whole += fixture.imaged.is_whole ? 1 : 0;
     any_whole = any_whole || fixture.imaged.is_whole;
-    any_cut = any_cut || (fixture.imaged.share >= kLeastShare && !fixture.imaged.is_whole);
+    any_cut = any_cut || (fixture.imaged.share >= kMinShare && !fixture.imaged.is_whole);
   }
   bool used = false;
   for (const Detection& detection : detections) {
@@ -185,7 +185,7 @@ std::vector<std::string> judge(const std::vector<Detection>& detections, std::ve
     score.cut_used_frames += used ? 1 : 0;
   }
   for (const VisibleFixture& fixture : visible) {
-    if (fixture.imaged.share >= kLeastShare && !fixture.taken) {
+    if (fixture.imaged.share >= kMinShare && !fixture.taken) {
       complaints.push_back(fmt::format("missed: share {:.2f}, lamp {}, width {:.2f}, at {:.0f} {:.0f}",
                                        fixture.imaged.share, static_cast<int>(fixture.lamp), fixture.fixture->width,
                                        fixture.imaged.centre_px.x(), fixture.imaged.centre_px.y()));

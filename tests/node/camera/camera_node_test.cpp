@@ -112,7 +112,7 @@ TEST_F(CameraNodeTest, StampsAreWrongByTheCamerasTrueTimeOffsetAndNothingElse) {
 
 TEST_F(CameraNodeTest, SendsJpegsThatFitIntoADatagramAndDecode) {
   CameraConfig config;
-  config.size_most = 20'000;  // less than the quality asked for takes
+  config.max_size = 20'000;  // less than the quality asked for takes
   start(config);
   run(1.0);
   ASSERT_FALSE(images_.empty());
@@ -149,7 +149,7 @@ class NoiseThenDull : public FrameSource {
 
 TEST_F(CameraNodeTest, ForgetsAPictureThatDidNotFit) {
   CameraConfig config;
-  config.size_most = 4'000;
+  config.max_size = 4'000;
   NoiseThenDull source;
   CameraNode node(lcm_, config, clock_, source);
   node.poll();
@@ -313,7 +313,7 @@ TEST(CameraConfig, TheShippedRobotIsReadable) {
 
 TEST(CameraConfig, AnUnknownOrImpossibleKeyIsAnErrorWithFileAndLine) {
   const auto file = std::filesystem::temp_directory_path() / ("luminav-camera-" + std::to_string(getpid()) + ".toml");
-  for (const std::string wrong : {"exposre = 3", "rate = 0.0", "encoding = \"png\"", "target_least = 200.0"}) {
+  for (const std::string wrong : {"exposre = 3", "rate = 0.0", "encoding = \"png\"", "min_target = 200.0"}) {
     std::filesystem::copy_file(LUMINAV_SOURCE_DIR "/launch/robots/p3dx.toml", file,
                                std::filesystem::copy_options::overwrite_existing);
     std::ifstream in(file);

@@ -42,7 +42,7 @@ TEST_F(ClosedLoopTest, DrivesACorridorSmoothlyInTheMiddleAndFast) {
   EXPECT_GT(loop.driven() / loop.seconds(), 0.35);
   // 3 times a second for over 2 s would be oscillation
   EXPECT_LT(loop.worst_sign_changes(), 6);
-  EXPECT_GT(world.least_clearance(), 0.4);
+  EXPECT_GT(world.min_clearance(), 0.4);
 }
 
 TEST_F(ClosedLoopTest, TakesTheFinalHeading) {

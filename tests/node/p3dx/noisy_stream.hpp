@@ -13,9 +13,9 @@ namespace luminav {
 
 /// What a bad cable does to the bytes of both directions; the same each time.
 struct LineNoise {
-  double byte_errors = 0.0;             // fraction of bytes that arrive wrong
-  std::size_t most_written = 1U << 20;  // bytes that one write takes
-  std::size_t most_read = 1U << 20;     // bytes that one read gives
+  double byte_errors = 0.0;            // fraction of bytes that arrive wrong
+  std::size_t max_written = 1U << 20;  // bytes that one write takes
+  std::size_t max_read = 1U << 20;     // bytes that one read gives
   std::mt19937 rng{42};
   std::set<std::vector<std::uint8_t>> sent;  // frames as the driver wrote them
   PacketParser writing;
@@ -37,13 +37,13 @@ class NoisyStream final : public ByteStream {
   NoisyStream(std::unique_ptr<ByteStream> line, LineNoise& noise) : line_(std::move(line)), noise_(noise) {}
 
   std::size_t read(std::span<std::uint8_t> bytes) override {
-    const std::size_t count = line_->read(bytes.first(std::min(bytes.size(), noise_.most_read)));
+    const std::size_t count = line_->read(bytes.first(std::min(bytes.size(), noise_.max_read)));
     noise_.damage(bytes.first(count));
     return count;
   }
   std::size_t write(std::span<const std::uint8_t> bytes) override {
     std::vector<std::uint8_t> damaged(
-        bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), noise_.most_written)));
+        bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), noise_.max_written)));
     noise_.damage(damaged);
     const std::size_t count = line_->write(damaged);
     noise_.writing.push(bytes.first(count));

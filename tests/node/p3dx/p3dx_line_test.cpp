@@ -216,8 +216,8 @@ TEST(P3dxLine, MeasuresThroughALineThatDamagesOneByteInAHundred) {
 
 TEST(P3dxLine, WorksOverALineThatTakesAndGivesAFewBytesAtATime) {
   P3dxBench bench;
-  bench.noise.most_written = 4;  // less than the shortest frame
-  bench.noise.most_read = 9;     // just more than the robot sends
+  bench.noise.max_written = 4;  // less than the shortest frame
+  bench.noise.max_read = 9;     // just more than the robot sends
   bench.drive(0.3, 0.0);
   bench.run(10.0);
   EXPECT_TRUE(bench.status.back().connected);

@@ -94,8 +94,8 @@ TEST(ExposureControl, NeverStepsFartherThanTheLimit) {
   for (int i = 0; i < 200; ++i) {
     camera.expose(control);
     const double now = control.setting().exposure_us * control.setting().gain;
-    EXPECT_LE(now / last, params.step_most * 1.0001);
-    EXPECT_GE(now / last, 1.0 / params.step_most / 1.0001);
+    EXPECT_LE(now / last, params.max_step * 1.0001);
+    EXPECT_GE(now / last, 1.0 / params.max_step / 1.0001);
     last = now;
   }
 }
@@ -106,7 +106,7 @@ TEST(ExposureControl, TakesGainOnlyWhenTheExposureIsAtItsLongest) {
   ExposureControl control(params);
   for (int i = 0; i < 200; ++i) {
     camera.expose(control);
-    EXPECT_TRUE(control.setting().gain == 1.0 || control.setting().exposure_us == params.exposure_most_us);
+    EXPECT_TRUE(control.setting().gain == 1.0 || control.setting().exposure_us == params.max_exposure_us);
   }
   EXPECT_GT(control.setting().gain, 3.9);  // 80 grey levels at 20 ms need a gain of 4
 }
@@ -187,13 +187,13 @@ TEST(ExposureControl, SaysWhenTheRangeCannotBeMetAndWhenItCanAgain) {
 
 TEST(ExposureControl, RefusesParametersThatContradictEachOther) {
   ExposureParams crossed;
-  crossed.target_least = 130.0;
+  crossed.min_target = 130.0;
   EXPECT_THROW(ExposureControl{crossed}, std::invalid_argument);
   ExposureParams backwards;
-  backwards.exposure_least_us = 1e6;
+  backwards.min_exposure_us = 1e6;
   EXPECT_THROW(ExposureControl{backwards}, std::invalid_argument);
   ExposureParams stuck;
-  stuck.step_most = 1.0;
+  stuck.max_step = 1.0;
   EXPECT_THROW(ExposureControl{stuck}, std::invalid_argument);
 }
 

@@ -277,7 +277,7 @@ TEST(CeilingRenderer, MotionBlurSoftensEdgesAcrossItAndNotAlongIt) {
   const GreyImage still = render(renderer, at(0.0, 0.0, 0.0), {.exposure_us = 20000.0});
   const GreyImage moved = render(renderer, at(0.0, 0.0, 0.0), exposure);
   const auto steepest = [](const GreyImage& image, int step_row, int step_column) {
-    double most = 0.0;
+    double max = 0.0;
     for (int i = 150; i < 330; ++i) {
       double difference = 0.0;
       for (int j = -20; j <= 20; ++j) {
@@ -286,9 +286,9 @@ TEST(CeilingRenderer, MotionBlurSoftensEdgesAcrossItAndNotAlongIt) {
         difference += image.pixels[static_cast<std::size_t>((row + step_row) * image.width + column + step_column)] -
                       image.pixels[static_cast<std::size_t>(row * image.width + column)];
       }
-      most = std::max(most, std::abs(difference) / 41.0);
+      max = std::max(max, std::abs(difference) / 41.0);
     }
-    return most;
+    return max;
   };
   EXPECT_LT(steepest(moved, 1, 0), 0.85 * steepest(still, 1, 0));
   EXPECT_NEAR(steepest(moved, 0, 1), steepest(still, 0, 1), 0.1 * steepest(still, 0, 1));

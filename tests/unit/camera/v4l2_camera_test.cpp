@@ -40,8 +40,8 @@ TEST(V4l2Camera, ADeviceThatIsNoCameraIsSaidToBeNone) {
   EXPECT_NE(camera.fault().find("is no video device"), std::string::npos) << camera.fault();
 }
 
-V4l2Offer offer(std::uint32_t pixel_format, int width, int height, double rate_most) {
-  return {{pixel_format, width, height, 0}, rate_most};
+V4l2Offer offer(std::uint32_t pixel_format, int width, int height, double max_rate) {
+  return {{pixel_format, width, height, 0}, max_rate};
 }
 
 TEST(V4l2Camera, TakesTheFormatThatHasTheSizeAndThenTheRate) {

@@ -38,16 +38,16 @@ TEST_F(EchoMemoryTest, PutsAnEchoAtItsRangeFromTheDisc) {
 TEST_F(EchoMemoryTest, KeepsOnlyThePartOfAnArcThatNoNeighbourIsNearerTo) {
   fire(0.0, kAhead, 1.0);
   const Pose2 disc = testing::test_robot().sonar.robot_from_sonar[kAhead];
-  double least = 9.0;
-  double most = -9.0;
+  double min = 9.0;
+  double max = -9.0;
   for (const ObstaclePoint& point : at(0.0)) {
     const Eigen::Vector2d offset = point.position - disc.position();
     const double angle = degrees(std::atan2(offset.y(), offset.x()));
-    least = std::min(least, angle);
-    most = std::max(most, angle);
+    min = std::min(min, angle);
+    max = std::max(max, angle);
   }
-  EXPECT_NEAR(least, 0.0, 1e-6);
-  EXPECT_NEAR(most, 20.0, 1e-6);
+  EXPECT_NEAR(min, 0.0, 1e-6);
+  EXPECT_NEAR(max, 20.0, 1e-6);
 }
 
 TEST_F(EchoMemoryTest, CarriesEchoesAlongWithTheRobot) {

@@ -79,7 +79,7 @@ class KinematicWorld {
   [[nodiscard]] const Pose2& odometry() const { return odometry_; }
   [[nodiscard]] const DriveTwist& twist() const { return twist_; }
   [[nodiscard]] int contacts() const { return contacts_; }
-  [[nodiscard]] double least_clearance() const { return least_clearance_; }
+  [[nodiscard]] double min_clearance() const { return min_clearance_; }
   [[nodiscard]] double time() const { return time_; }
   /// From the true outline to the nearest wall, box or person [m].
   [[nodiscard]] double clearance() const { return std::min(clearance_to_things(truth_), clearance_to_people(truth_)); }
@@ -96,7 +96,7 @@ class KinematicWorld {
     for (Walker& walker : walkers_) {
       walk(walker, duration);
     }
-    least_clearance_ = std::min(least_clearance_, clearance());
+    min_clearance_ = std::min(min_clearance_, clearance());
   }
 
   /// One pulse of a disc [m]; the maximum range where nothing echoes.
@@ -263,8 +263,8 @@ class KinematicWorld {
   void drive(double duration) {
     const auto slew = [duration](double now, double wanted, double up, double down) {
       const bool faster = std::abs(wanted) > std::abs(now) && wanted * now >= 0.0;
-      const double most = (faster ? up : down) * duration;
-      return now + std::clamp(wanted - now, -most, most);
+      const double max = (faster ? up : down) * duration;
+      return now + std::clamp(wanted - now, -max, max);
     };
     const MotionLimits& limits = robot_.limits;
     twist_.linear = slew(twist_.linear, in_force_.linear, limits.linear_acceleration, limits.linear_deceleration);
@@ -329,9 +329,9 @@ class KinematicWorld {
   DriveTwist twist_;
   Pose2 truth_;
   Pose2 odometry_;
-  double time_ = 0.0;              // [s]
-  double standing_since_ = 0.0;    // [s]
-  double least_clearance_ = 10.0;  // [m]
+  double time_ = 0.0;            // [s]
+  double standing_since_ = 0.0;  // [s]
+  double min_clearance_ = 10.0;  // [m]
   int contacts_ = 0;
   bool is_touching_ = false;
 };

@@ -33,7 +33,7 @@ TEST(LookAhead, IsShortenedUntilItIsInSight) {
   };
   EXPECT_NEAR(find_look_ahead(kStraight, 0.0, {0.0, 0.0}, {}, near_only).point.x(), 0.6, 1e-9);
   const LineTest none = [](const Eigen::Vector2d&, const Eigen::Vector2d&) { return false; };
-  EXPECT_NEAR(find_look_ahead(kStraight, 0.0, {0.0, 0.0}, {}, none).point.x(), LookAheadParams{}.least, 1e-9);
+  EXPECT_NEAR(find_look_ahead(kStraight, 0.0, {0.0, 0.0}, {}, none).point.x(), LookAheadParams{}.min, 1e-9);
 }
 
 TEST(LookAhead, NeverGoesBackWhereAPathCrossesItself) {

@@ -33,12 +33,12 @@ Scene random_scene(std::mt19937& random, std::size_t measured, std::size_t walls
 }
 
 template <typename Counts>
-double least_one_by_one(const Obstacles& obstacles, double most, const Counts& counts) {
-  double least = most;
+double min_one_by_one(const Obstacles& obstacles, double max, const Counts& counts) {
+  double min = max;
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
-    least = counts(obstacles[i]) ? std::min(least, obstacles.footprint().distance(obstacles.position(i))) : least;
+    min = counts(obstacles[i]) ? std::min(min, obstacles.footprint().distance(obstacles.position(i))) : min;
   }
-  return least;
+  return min;
 }
 
 TEST(Obstacles, AreTheMeasuredOnesThenTheWalls) {
@@ -60,9 +60,9 @@ TEST(Obstacles, TellHowFarNewsAreFromTheOutline) {
   const ObstaclePoint what_stood{{1.4, 0.0}, 0.0, 0.1, false, true};
   const ObstaclePoint news{{1.5, 0.0}, 0.0, 0.1, false, false};
   const Obstacles obstacles(kOctagon, std::vector<ObstaclePoint>{wall, what_stood, news});
-  EXPECT_NEAR(obstacles.least_unknown_distance(10.0), 1.2, 1e-9);
-  EXPECT_NEAR(obstacles.least_news_distance(10.0), 1.3, 1e-9);
-  EXPECT_DOUBLE_EQ(obstacles.least_news_distance(0.5), 0.5);
+  EXPECT_NEAR(obstacles.min_unknown_distance(10.0), 1.2, 1e-9);
+  EXPECT_NEAR(obstacles.min_news_distance(10.0), 1.3, 1e-9);
+  EXPECT_DOUBLE_EQ(obstacles.min_news_distance(0.5), 0.5);
 }
 
 TEST(Obstacles, ForgetWhatStoodNearerBefore) {
@@ -72,7 +72,7 @@ TEST(Obstacles, ForgetWhatStoodNearerBefore) {
   }
   Obstacles obstacles(kOctagon, near);
   obstacles.set(std::vector<ObstaclePoint>{{{1.2, 0.0}, 0.0, 0.1, false, false}}, {});
-  EXPECT_DOUBLE_EQ(obstacles.least_distance(10.0), 1.0);
+  EXPECT_DOUBLE_EQ(obstacles.min_distance(10.0), 1.0);
   EXPECT_TRUE(obstacles.is_surely_beyond(0, 0.99));
   EXPECT_FALSE(obstacles.is_surely_beyond(0, 1.0));
 }
@@ -83,11 +83,11 @@ TEST(Obstacles, MeasureAsIfOneByOne) {
   for (std::size_t size = 0; size < 200; ++size) {
     const Scene scene = random_scene(random, size / 3, size - size / 3);
     obstacles.set(scene.measured, scene.walls);
-    EXPECT_EQ(obstacles.least_distance(10.0), least_one_by_one(obstacles, 10.0, [](const auto&) { return true; }));
-    EXPECT_EQ(obstacles.least_unknown_distance(10.0),
-              least_one_by_one(obstacles, 10.0, [](const auto& obstacle) { return !obstacle.is_known; }));
-    EXPECT_EQ(obstacles.least_distance_ahead(0.2),
-              least_one_by_one(obstacles, 0.2, [](const auto& obstacle) { return obstacle.position.x() > 0.0; }));
+    EXPECT_EQ(obstacles.min_distance(10.0), min_one_by_one(obstacles, 10.0, [](const auto&) { return true; }));
+    EXPECT_EQ(obstacles.min_unknown_distance(10.0),
+              min_one_by_one(obstacles, 10.0, [](const auto& obstacle) { return !obstacle.is_known; }));
+    EXPECT_EQ(obstacles.min_distance_ahead(0.2),
+              min_one_by_one(obstacles, 0.2, [](const auto& obstacle) { return obstacle.position.x() > 0.0; }));
   }
 }
 
@@ -113,7 +113,7 @@ TEST(Obstacles, AreSeenFromAnotherPlace) {
   const Obstacles there = here.seen_from(here_from_there.inverse());
   EXPECT_NEAR((here_from_there * there.position(0) - here.position(0)).norm(), 0.0, 1e-12);
   EXPECT_EQ(there[0].position, there.position(0));
-  EXPECT_NEAR(there.least_distance(10.0), kOctagon.distance(there.position(0)), 1e-12);
+  EXPECT_NEAR(there.min_distance(10.0), kOctagon.distance(there.position(0)), 1e-12);
 }
 
 }  // namespace

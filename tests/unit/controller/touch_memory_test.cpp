@@ -69,7 +69,7 @@ TEST(TouchMemory, ForgetsAfterAWhileAndWhenOdometryJumps) {
 
 TEST(TouchMemory, KeepsTheLatestOfMany) {
   TouchMemoryParams params;
-  params.most = 3;
+  params.max = 3;
   TouchMemory touches(testing::test_robot(), params);
   for (int i = 0; i < 10; ++i) {
     touches.add((10 + i) * kSecond, {static_cast<double>(i), 0.0, 0.0}, {0.3, 0.0});

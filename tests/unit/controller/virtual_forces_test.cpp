@@ -37,7 +37,7 @@ TEST(VirtualForce, CancelsInTheMiddleOfACorridor) {
 TEST(VirtualForce, NeverOutweighsTheGoal) {
   const auto close = testing::wall({0.23, -0.3}, {0.23, 0.3});
   const VirtualForce force = virtual_force({1.0, 0.0}, around(close), {});
-  EXPECT_LE(force.repulsive.norm(), VirtualForceParams{}.most + 1e-12);
+  EXPECT_LE(force.repulsive.norm(), VirtualForceParams{}.max + 1e-12);
   EXPECT_GT(force.resultant().x(), 0.0);
 }
 

@@ -23,7 +23,7 @@ TEST(AmbiguityAudit, ACorridorThatMapsOntoItselfNeverResolves) {
   const AmbiguityAudit result = audit(testing::symmetric_corridor(6, 3.0));
   EXPECT_GT(result.places().size(), 50U);
   EXPECT_NEAR(result.never_share(), 1.0, 1e-9);
-  EXPECT_TRUE(std::isinf(result.places().front().least_way));
+  EXPECT_TRUE(std::isinf(result.places().front().min_distance));
   EXPECT_TRUE(std::isinf(ResolvingWalk(result.ground()).length(0)));
 }
 
@@ -41,7 +41,7 @@ TEST(AmbiguityAudit, OneFixtureOfAnotherKindResolvesTheCorridor) {
   }
   const AmbiguityAudit after = audit(corridor);
   EXPECT_EQ(after.never_share(), 0.0);
-  EXPECT_NEAR(after.mean_least_way(), changes.front().mean_least_way, 1.0);
+  EXPECT_NEAR(after.mean_min_distance(), changes.front().mean_min_distance, 1.0);
 }
 
 TEST(AmbiguityAudit, NearerToWhatIsDifferentTheWayIsShorter) {
@@ -55,8 +55,8 @@ TEST(AmbiguityAudit, NearerToWhatIsDifferentTheWayIsShorter) {
   double far = 0.0;
   for (const AuditPlace& place : result.places()) {
     const double way = (place.point - different).norm();
-    near = way < 0.5 ? std::max(near, place.least_way) : near;
-    far = way > 9.0 && way < 10.0 ? std::max(far, place.least_way) : far;
+    near = way < 0.5 ? std::max(near, place.min_distance) : near;
+    far = way > 9.0 && way < 10.0 ? std::max(far, place.min_distance) : far;
   }
   EXPECT_LT(near, far);
 }

@@ -81,7 +81,7 @@ class HypothesisBankInAHall : public ::testing::Test {
   struct Drive {
     std::unique_ptr<ModernLocalizer> localizer;
     Pose2 truth;
-    int most_work = 0;      // [units] in one step
+    int max_work = 0;       // [units] in one step
     int longest_round = 0;  // [steps]
     int torn = 0;           // parts by sonar that changed without the score they are part of
   };
@@ -107,7 +107,7 @@ class HypothesisBankInAHall : public ::testing::Test {
       }
       drive.localizer->add_odometry(*output.odometry);
       const HypothesisBank& bank = drive.localizer->bank();
-      drive.most_work = std::max(drive.most_work, bank.work_done());
+      drive.max_work = std::max(drive.max_work, bank.work_done());
       constexpr double kRounding = 1e-9;
       for (const Hypothesis& hypothesis : bank.hypotheses()) {
         const auto known = sonar_parts.find(hypothesis.id);
@@ -134,8 +134,8 @@ TEST_F(HypothesisBankInAHall, BearsTheSamePosesInManyStepsAsInOne) {
   const std::vector<Hypothesis>& all = at_once.localizer->bank().hypotheses();
   const std::vector<Hypothesis>& same = in_turn.localizer->bank().hypotheses();
   EXPECT_GT(in_turn.longest_round, 1);
-  EXPECT_GT(at_once.most_work, 2 * kBounded);
-  EXPECT_LE(in_turn.most_work, little + kLastPiece);
+  EXPECT_GT(at_once.max_work, 2 * kBounded);
+  EXPECT_LE(in_turn.max_work, little + kLastPiece);
   EXPECT_GT(all.size(), 30U);
   ASSERT_EQ(all.size(), same.size());
   for (const Hypothesis& one : all) {
@@ -152,7 +152,7 @@ TEST_F(HypothesisBankInAHall, DoesBoundedWorkInEachStepAndFindsThePoseAllTheSame
   for (const std::uint64_t seed : {1U, 2U}) {
     const SyntheticOptions options{.seed = seed, .clutter = 0};
     const Drive in_turn = drive(kBounded, options, 60.0);
-    EXPECT_LE(in_turn.most_work, kBounded + kLastPiece) << "seed " << seed;
+    EXPECT_LE(in_turn.max_work, kBounded + kLastPiece) << "seed " << seed;
     EXPECT_GT(in_turn.longest_round, 1) << "seed " << seed;
     EXPECT_EQ(in_turn.torn, 0) << "seed " << seed;
     ASSERT_EQ(in_turn.localizer->estimate().state, LocalizerState::kTracking) << "seed " << seed;

@@ -87,7 +87,7 @@ TEST_F(Ranking, GivesUpWhatDroveThroughAWallOrIsNoNumber) {
 }
 
 TEST_F(Ranking, KeepsNoMoreThanTheMostAllowed) {
-  params_.most = 2;
+  params_.max = 2;
   list_ = {hypothesis(1, {0.0, 0.0, 0.0}, -3.0), hypothesis(2, {2.0, 0.0, 0.0}, -2.0),
            hypothesis(3, {4.0, 0.0, 0.0}, -1.0)};
   rank();

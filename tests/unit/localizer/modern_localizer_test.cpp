@@ -120,7 +120,7 @@ TEST(ModernLocalizer, IsSureBySonarAloneUnlessItsRulesAskForMore) {
     };
     EXPECT_TRUE(is_sure({})) << "seed " << seed;
     ModernLocalizerParams params;
-    params.rules.least_without_sonar = 2.0;
+    params.rules.min_without_sonar = 2.0;
     EXPECT_FALSE(is_sure(params)) << "seed " << seed;
   }
 }

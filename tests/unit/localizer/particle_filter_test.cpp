@@ -52,7 +52,7 @@ TEST_F(ParticleFilterTest, EquationOneIsTheMeanOverTheSightings) {
 }
 
 TEST_F(ParticleFilterTest, AParticleInAWallCountsForTheLeast) {
-  EXPECT_NEAR(filter_.score({0.05, 1.6, 0.0}, {sighting_at(1.45, 0.0, 0.0)}), params_.least_free, 1e-9);
+  EXPECT_NEAR(filter_.score({0.05, 1.6, 0.0}, {sighting_at(1.45, 0.0, 0.0)}), params_.min_free, 1e-9);
 }
 
 TEST_F(ParticleFilterTest, ScattersInTheFreeSpaceAndStaysThere) {

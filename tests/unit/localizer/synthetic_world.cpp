@@ -136,9 +136,9 @@ SyntheticWorld::SyntheticWorld(const Building& believed, const PriorMap& walls, 
   }
 }
 
-double SyntheticWorld::uniform(double least, double most) {
+double SyntheticWorld::uniform(double min, double max) {
   // not std::uniform_real_distribution, whose bytes differ between libraries
-  return least + (most - least) * static_cast<double>(generator_() >> 11) * 0x1.0p-53;
+  return min + (max - min) * static_cast<double>(generator_() >> 11) * 0x1.0p-53;
 }
 
 double SyntheticWorld::gauss(double sigma) {

@@ -82,7 +82,7 @@ class SyntheticWorld {
   [[nodiscard]] FixtureVisibility visibility() const;
 
  private:
-  [[nodiscard]] double uniform(double least, double most);
+  [[nodiscard]] double uniform(double min, double max);
   [[nodiscard]] double gauss(double sigma);
   void steer();
   [[nodiscard]] std::optional<FixtureSighting> see(const Fixture& true_fixture, const Pose2& pose, bool exact);

@@ -25,8 +25,8 @@ TEST(TrackingFilter, LookingForLongDoesNotMakeItSurerThanCameraAndFixture) {
   }
   // tilt of camera and floor at 2.5 m, and the fixture's own place
   const double tilt = 2.5 * std::hypot(errors.camera_tilt, errors.floor_tilt);
-  const double least = tilt * tilt + errors.fixture_position * errors.fixture_position;
-  EXPECT_GT(filter.belief().covariance(0, 0), 0.9 * least * 0.04 / (0.04 + least));
+  const double min = tilt * tilt + errors.fixture_position * errors.fixture_position;
+  EXPECT_GT(filter.belief().covariance(0, 0), 0.9 * min * 0.04 / (0.04 + min));
   EXPECT_GT(filter.belief().covariance(2, 2), 0.9 * 2.0 * std::pow(radians(0.5), 2));
 }
 

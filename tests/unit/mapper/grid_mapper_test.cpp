@@ -149,15 +149,15 @@ TEST(GridMapper, ForgetsThatSomebodyWalkedPastAtArmsLengthAgainAndAgain) {
   GridMapper mapper({}, room(), 16);
   StandingRing ring(mapper, {5.0, 5.0, radians(-40.0)});
   const auto walker = [](double t) { return std::optional(Eigen::Vector2d(4.0 + 0.9 * t, 5.0 - 0.9 * t + 1.6)); };
-  int most = 0;
+  int max = 0;
   for (int passage = 0; passage < 6; ++passage) {
     for (double t = 0.0; t < 3.5; t += 0.5) {
       ring.look(0.5, [&](double since) { return walker(t + since); });
-      most = std::max(most, occupied_where_the_map_says_free(mapper));
+      max = std::max(max, occupied_where_the_map_says_free(mapper));
     }
     ring.look(8.0, [](double) { return std::nullopt; });
   }
-  EXPECT_GT(most, 0);
+  EXPECT_GT(max, 0);
   ring.look(2.0, [](double) { return std::nullopt; });
   EXPECT_EQ(occupied_where_the_map_says_free(mapper), 0);
 }

@@ -94,7 +94,7 @@ TEST(FreeSpaceModel, NeverFallsBelowItsClamp) {
   for (int i = 0; i < 500; ++i) {
     model.apply({{0.0, 0.0, 1.0}, 3.0, true}, unlimited(), grid);
   }
-  EXPECT_EQ(*std::min_element(grid.evidence.begin(), grid.evidence.end()), to_evidence(params.least_log_odds));
+  EXPECT_EQ(*std::min_element(grid.evidence.begin(), grid.evidence.end()), to_evidence(params.min_log_odds));
 }
 
 TEST(FreeSpaceModel, LooksIntoEachSliceOnlyAsFarAsItsLimit) {

@@ -15,18 +15,18 @@ TEST(TileSchedule, SendsEveryTileWithinARound) {
   for (const int tiles : {1, 12, 3969}) {  // 3969: a map of 4000 x 4000 cells
     TileSchedule schedule({}, tiles);
     std::vector<std::int64_t> last(static_cast<std::size_t>(tiles), kStart);
-    std::size_t most = 0;
+    std::size_t max = 0;
     std::int64_t longest = 0;
     for (std::int64_t now = kStart; now <= kStart + 31'000'000; now += kTick) {
       const std::vector<int> due = schedule.due(now);
-      most = std::max(most, due.size());
+      max = std::max(max, due.size());
       for (const int tile : due) {
         longest = std::max(longest, now - last[static_cast<std::size_t>(tile)]);
         last[static_cast<std::size_t>(tile)] = now;
       }
     }
     EXPECT_LE(longest, 10'000'000) << tiles;
-    EXPECT_LE(most, 200U) << tiles;
+    EXPECT_LE(max, 200U) << tiles;
   }
 }
 

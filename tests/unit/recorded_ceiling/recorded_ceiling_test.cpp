@@ -20,7 +20,7 @@ constexpr double kFoot = 0.3048;  // [m]
 // would say up to 0.11 m else.
 constexpr double kSharp = 0.3 * kFoot;          // [m]
 constexpr double kSharpTurn = radians(3.0);     // [rad]
-constexpr std::size_t kLeastSharp = 120;        // images
+constexpr std::size_t kMinSharp = 120;          // images
 constexpr double kFollowed = 0.15;              // [m]
 constexpr double kFollowedTurn = radians(2.0);  // [rad]
 constexpr std::size_t kGap = 4;                 // images without a fixture, while this robot may turn by 25 degrees
@@ -81,7 +81,7 @@ TEST(RecordedCeiling, FollowsTheRobotFromItsFirstPose) {
   const std::size_t end = first_gap(run);
   std::size_t sharp = 0;
   double farthest = 0.0;
-  double most_turned = 0.0;
+  double max_turned = 0.0;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     const Eigen::Vector3d offset =
         offset_modulo_grid(estimates[i].belief.pose, run.frames[i].world_from_robot, run.pitch);
@@ -89,7 +89,7 @@ TEST(RecordedCeiling, FollowsTheRobotFromItsFirstPose) {
     if (i < end) {
       sharp += apart < kSharp && std::abs(offset.z()) < kSharpTurn ? 1 : 0;
       farthest = std::max(farthest, apart);
-      most_turned = std::max(most_turned, std::abs(offset.z()));
+      max_turned = std::max(max_turned, std::abs(offset.z()));
     } else if (estimates[i].state == LocalizerState::kTracking) {
       EXPECT_LT(apart, 0.5) << "sure of a wrong place in image " << i;
     }
@@ -97,11 +97,11 @@ TEST(RecordedCeiling, FollowsTheRobotFromItsFirstPose) {
   std::printf(
       "images with fixtures before the first gap: %zu; within 0.3 ft and 3 degrees %zu; farthest %.2f m, %.1f "
       "degrees\n",
-      end, sharp, farthest, degrees(most_turned));
+      end, sharp, farthest, degrees(max_turned));
   EXPECT_GE(end, 95U) << "images until the detector sees nothing for a while";
-  EXPECT_GE(sharp, kLeastSharp);
+  EXPECT_GE(sharp, kMinSharp);
   EXPECT_LT(farthest, kFollowed);
-  EXPECT_LT(most_turned, kFollowedTurn);
+  EXPECT_LT(max_turned, kFollowedTurn);
 }
 
 TEST(RecordedCeiling, IsNotSureOfItsPlaceUnderAGridOfEqualFixtures) {

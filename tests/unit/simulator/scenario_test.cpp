@@ -236,7 +236,7 @@ TEST(ScenarioFile, RefusesWhatIsHalf) {
   EXPECT_THAT(error_of("[[person]]\nwaypoints = [[1.0, 1.0]]\n"), HasSubstr("two points"));
   EXPECT_THAT(error_of("[[goal]]\nplace = \"desk\"\nx = 1.0\ny = 1.0\n"), HasSubstr("place"));
   EXPECT_THAT(error_of("[[event]]\nkind = \"bump\"\n"), HasSubstr("at is missing"));
-  EXPECT_THAT(error_of("[world]\nunlit_darker_most = 5.0\n"), HasSubstr("unlit_darker_most"));
+  EXPECT_THAT(error_of("[world]\nmax_unlit_darker = 5.0\n"), HasSubstr("max_unlit_darker"));
 }
 
 TEST(ScenarioFile, NeedsItsFiles) {

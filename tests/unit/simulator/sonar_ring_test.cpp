@@ -74,14 +74,14 @@ WorldTruth furnished_room() {
 }
 
 double nearest(const Row& row, double from, double to) {
-  double least = 10.0;
+  double min = 10.0;
   for (int disc = 0; disc < kDiscs; ++disc) {
     const double angle = wrap_angle(disc * 2.0 * kPi / kDiscs);
     if (angle >= from && angle <= to) {
-      least = std::min(least, row[static_cast<std::size_t>(disc)]);
+      min = std::min(min, row[static_cast<std::size_t>(disc)]);
     }
   }
-  return least;
+  return min;
 }
 
 /// Keeps the wall on its left by what the ring hears, as the real robot did: clockwise round the room.
