@@ -22,10 +22,10 @@ std::string describe_line(const ArcosLink& link, double maximum_linear, double d
   if (robot.watchdog == 0) {
     return who + "; its watchdog is OFF: without driver and guardian it would not stop";
   }
-  const double way = maximum_linear * 1e-3 * robot.watchdog + 0.5 * maximum_linear * maximum_linear / deceleration;
+  const double distance = maximum_linear * 1e-3 * robot.watchdog + 0.5 * maximum_linear * maximum_linear / deceleration;
   return fmt::format(
       "{}; should driver and guardian both die at {:.1f} m/s, its watchdog of {} ms stops it after {:.1f} m", who,
-      maximum_linear, robot.watchdog, way);
+      maximum_linear, robot.watchdog, distance);
 }
 
 std::string difference_from_file(const ConfigurationPacket& robot, const RobotDescription& file, bool settings_told) {

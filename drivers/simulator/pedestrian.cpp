@@ -10,10 +10,11 @@ constexpr double kPatience = 5.0;  // [s] of waiting for the robot before walkin
 Pedestrian::Pedestrian(const WalkingPerson& plan) : plan_(plan), position_(plan.waypoints.front()) {}
 
 void Pedestrian::step(double dt, const std::function<Obstruction(const Eigen::Vector2d&)>& obstruction) {
-  const Eigen::Vector2d way = plan_.waypoints[next_] - position_;
+  const Eigen::Vector2d offset = plan_.waypoints[next_] - position_;
   const double step = plan_.speed * dt;
-  const bool arrives = way.norm() <= step;
-  const Eigen::Vector2d next = arrives ? plan_.waypoints[next_] : Eigen::Vector2d(position_ + way.normalized() * step);
+  const bool arrives = offset.norm() <= step;
+  const Eigen::Vector2d next =
+      arrives ? plan_.waypoints[next_] : Eigen::Vector2d(position_ + offset.normalized() * step);
   switch (obstruction(next)) {
     case Obstruction::kNone:
       waiting_ = 0.0;

@@ -10,7 +10,7 @@ constexpr double kMotorLag = 0.04;        // [s] of the speed loop; the ramps ar
 constexpr double kTraction = 4.0;         // [m/s^2] more slips; also what an emergency stop gives
 constexpr double kRollingFriction = 1.5;  // [m/s^2] without power
 constexpr double kStanding = 0.002;       // [m/s] slower wheels without a command stand
-constexpr double kNoiseWay = 0.05;        // [m] over which one draw of the noise holds
+constexpr double kNoiseDistance = 0.05;   // [m] over which one draw of the noise holds
 
 double follow(double speed, double wanted, double dt, bool powered) {
   const double limit = (powered ? kTraction : kRollingFriction) * dt;
@@ -38,26 +38,26 @@ WheelStep RobotModel::step(double dt, const MotorCommand& command) {
   WheelStep result;
   result.left = left_speed_ * dt;
   result.right = right_speed_ * dt;
-  const double way = 0.5 * (std::abs(result.left) + std::abs(result.right));
-  if (way == 0.0) {
+  const double distance = 0.5 * (std::abs(result.left) + std::abs(result.right));
+  if (distance == 0.0) {
     return result;
   }
-  noise_way_ -= way;
-  if (noise_way_ <= 0.0) {
+  noise_distance_ -= distance;
+  if (noise_distance_ <= 0.0) {
     draw_noise();
   }
   const double ground_left = grip_ * scale_left_ * result.left;
   const double ground_right = grip_ * scale_right_ * result.right;
-  const double forward = 0.5 * (ground_left + ground_right) + stretch_ * way;
-  const double turn = (ground_right - ground_left) / true_base_ + twist_ * way;
+  const double forward = 0.5 * (ground_left + ground_right) + stretch_ * distance;
+  const double turn = (ground_right - ground_left) / true_base_ + twist_ * distance;
   result.robot_from_next = {forward * std::cos(0.5 * turn), forward * std::sin(0.5 * turn), turn};
   return result;
 }
 
 void RobotModel::draw_noise() {
-  noise_way_ += kNoiseWay;
-  stretch_ = random_.gaussian(noise_position_ / std::sqrt(kNoiseWay));
-  twist_ = random_.gaussian(noise_heading_ / std::sqrt(kNoiseWay));
+  noise_distance_ += kNoiseDistance;
+  stretch_ = random_.gaussian(noise_position_ / std::sqrt(kNoiseDistance));
+  twist_ = random_.gaussian(noise_heading_ / std::sqrt(kNoiseDistance));
 }
 
 }  // namespace luminav

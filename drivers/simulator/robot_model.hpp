@@ -44,11 +44,11 @@ class RobotModel {
   double noise_heading_;   // [rad per sqrt m]
   RandomStream random_;
   double grip_ = 1.0;
-  double left_speed_ = 0.0;   // [m/s] of the encoders
-  double right_speed_ = 0.0;  // [m/s]
-  double noise_way_ = 0.0;    // [m] that the present noise still holds
-  double stretch_ = 0.0;      // present noise: metres per metre
-  double twist_ = 0.0;        // present noise: radians per metre
+  double left_speed_ = 0.0;      // [m/s] of the encoders
+  double right_speed_ = 0.0;     // [m/s]
+  double noise_distance_ = 0.0;  // [m] that the present noise still holds
+  double stretch_ = 0.0;         // present noise: metres per metre
+  double twist_ = 0.0;           // present noise: radians per metre
 };
 
 }  // namespace luminav

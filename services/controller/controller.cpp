@@ -263,8 +263,8 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, Contro
   }
   const auto move = choose_escape(situation, obstacles_, stop_logic_);
   // a way is not wrong because there is no room to turn to it
-  const bool keeps_to_its_way = move && move->frees_a_turn && escapes_ < config_.max_escapes;
-  if (input.task == ControlTask::kWander && !keeps_to_its_way) {
+  const bool keeps_to_its_path = move && move->frees_a_turn && escapes_ < config_.max_escapes;
+  if (input.task == ControlTask::kWander && !keeps_to_its_path) {
     wander_.give_up(input.now, input.odom_from_robot);
   }
   if (move) {

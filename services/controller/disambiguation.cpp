@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "services/controller/way_lattice.hpp"
+#include "services/controller/path_lattice.hpp"
 
 namespace luminav {
 // Every n-th by weight, so that many alike weights are represented as fairly as few heavy ones.
@@ -81,9 +81,9 @@ double Disambiguation::price(const Eigen::Vector2d& place, const Eigen::Vector2d
 }
 
 // Dijkstra over a lattice around the robot; it ends when no farther place can be better than the best so far.
-std::optional<std::vector<Eigen::Vector2d>> Disambiguation::way(const SearchPlaces& places,
-                                                                std::span<const PoseAlternative> alternatives,
-                                                                const SearchMap& map) const {
+std::optional<std::vector<Eigen::Vector2d>> Disambiguation::path(const SearchPlaces& places,
+                                                                 std::span<const PoseAlternative> alternatives,
+                                                                 const SearchMap& map) const {
   if (forecast_.is_empty() || alternatives.empty()) {
     return std::nullopt;
   }
@@ -92,19 +92,20 @@ std::optional<std::vector<Eigen::Vector2d>> Disambiguation::way(const SearchPlac
       poses, places.began_at, forecast_, map, params_.views,
       [&](const Eigen::Vector2d& place) { return price(place, places.began_at, poses, map); }, params_.urgency);
   const double max_worth = std::max({params_.seen_and_not, params_.missed, params_.wall}) + params_.any_fixture;
-  WayLattice lattice(places.robot, params_.reach, params_.step);
+  PathLattice lattice(places.robot, params_.reach, params_.step);
   double best_score = 0.0;
   int best = -1;
   std::vector<View> views;
   while (const auto visit = lattice.next()) {
-    if (max_worth * params_.faithfulness / (visit->way + params_.head_start) < best_score) {
+    if (max_worth * params_.faithfulness / (visit->distance + params_.head_start) < best_score) {
       break;
     }
     const Eigen::Vector2d here = lattice.place_of(visit->node);
     if (!map.is_near_trail(here)) {
       const double value = worth(here, poses, map, views);
       const bool is_where_it_heads = places.heading_for && (here - *places.heading_for).norm() < 2.0 * params_.step;
-      const double score = value * (is_where_it_heads ? params_.faithfulness : 1.0) / (visit->way + params_.head_start);
+      const double score =
+          value * (is_where_it_heads ? params_.faithfulness : 1.0) / (visit->distance + params_.head_start);
       if (value > params_.min_worth && score > best_score) {
         best_score = score;
         best = visit->node;
@@ -112,7 +113,7 @@ std::optional<std::vector<Eigen::Vector2d>> Disambiguation::way(const SearchPlac
     }
     lattice.expand(*visit, [&](const Eigen::Vector2d& there) { return price(there, places.robot, poses, map); });
   }
-  return best < 0 ? std::nullopt : std::optional(lattice.way_to(best));
+  return best < 0 ? std::nullopt : std::optional(lattice.path_to(best));
 }
 
 }  // namespace luminav

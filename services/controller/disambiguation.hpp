@@ -55,9 +55,9 @@ class Disambiguation {
       : forecast_(std::move(forecast)), params_(params) {}
 
   /// Way [m, odom] from the robot on to the most telling ground. Nothing if no place within reach tells them apart.
-  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> way(const SearchPlaces& places,
-                                                                std::span<const PoseAlternative> alternatives,
-                                                                const SearchMap& map) const;
+  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path(const SearchPlaces& places,
+                                                                 std::span<const PoseAlternative> alternatives,
+                                                                 const SearchMap& map) const;
 
  private:
   /// Poses that foretell the same of a place.

@@ -16,8 +16,8 @@ constexpr double kTurnRate = 0.7;  // [rad/s]
 double openness(double sign, double wish, const Obstacles& obstacles) {
   const FreeHeadingParams strip;
   const PlanePoints& points = obstacles.points();
-  const double beside =
-      free_way(sign * radians(60.0), 2.0, points, strip) + free_way(sign * radians(110.0), 2.0, points, strip);
+  const double beside = free_distance(sign * radians(60.0), 2.0, points, strip) +
+                        free_distance(sign * radians(110.0), 2.0, points, strip);
   return beside + (sign * wish > 0.0 ? 0.3 : 0.0);
 }
 

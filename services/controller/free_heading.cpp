@@ -33,8 +33,8 @@ double nearest_in(const Strip& strip, const PlanePoints& points) {
     const Doubles ahead = strip.c * x + strip.s * y;
     const Doubles beside = -strip.s * x + strip.c * y;
     const auto is_in = (ahead > 0.0) & (beside < strip.half_width) & (beside > -strip.half_width);
-    const Doubles way = is_in ? ahead : kNone;
-    nearest = way < nearest ? way : nearest;
+    const Doubles distance = is_in ? ahead : kNone;
+    nearest = distance < nearest ? distance : nearest;
   }
   double min = std::min(std::min(nearest[0], nearest[1]), std::min(nearest[2], nearest[3]));
   for (std::size_t i = in_vectors; i < points.size(); ++i) {
@@ -47,7 +47,7 @@ double nearest_in(const Strip& strip, const PlanePoints& points) {
 
 }  // namespace
 
-double free_way(double direction, double max, const PlanePoints& obstacles, const FreeHeadingParams& params) {
+double free_distance(double direction, double max, const PlanePoints& obstacles, const FreeHeadingParams& params) {
   const Strip strip{std::cos(direction), std::sin(direction), params.half_width};
   return std::max(0.0, std::min(max, nearest_in(strip, obstacles) - params.nose));
 }
@@ -59,7 +59,7 @@ double choose_free_heading(double wish, double needed, std::optional<double> las
     const bool is_another = last && std::abs(wrap_angle(direction - *last)) > params.steadiness;
     return std::abs(i * params.step) + params.price * missing + (is_another ? params.steadiness : 0.0);
   };
-  const double cost_of_wish = cost_of(0, needed - free_way(wish, needed, obstacles, params));
+  const double cost_of_wish = cost_of(0, needed - free_distance(wish, needed, obstacles, params));
   if (cost_of_wish + 1e-9 < params.step && params.steadiness >= 0.0) {
     return wrap_angle(wish);  // the next one beside it is dearer even when it is free
   }
@@ -74,7 +74,7 @@ double choose_free_heading(double wish, double needed, std::optional<double> las
     }
   }
   const auto cost_at = [&](int i) {
-    return cost_of(i, needed - free_way(wish + i * params.step, needed, near, params));
+    return cost_of(i, needed - free_distance(wish + i * params.step, needed, near, params));
   };
   const int steps = static_cast<int>(params.widest / params.step);
   // a heading that is dearer than the wish even when it is free need not be looked at: mostly that is nearly all

@@ -16,7 +16,7 @@ struct FreeHeadingParams {
 };
 
 /// Way [m] that the robot's strip is free in a direction [rad, robot frame], at most `max`.
-double free_way(double direction, double max, const PlanePoints& obstacles, const FreeHeadingParams& params);
+double free_distance(double direction, double max, const PlanePoints& obstacles, const FreeHeadingParams& params);
 
 /// The heading [rad, robot frame] nearest to the wish along which the strip is free for `needed` metres; where no
 /// heading is, the best compromise. `last` is the heading chosen before, in today's robot frame: keeping to it avoids

@@ -364,11 +364,11 @@ bool is_line_free(const OccupancyGrid& grid, const Eigen::Vector2d& from_in_worl
   }
   const Eigen::Vector2d along = step / length;
   const Eigen::Vector2d across(-along.y(), along.x());
-  for (double way = 0.0; way <= length; way += 0.5 * grid.geometry.resolution) {
+  for (double distance = 0.0; distance <= length; distance += 0.5 * grid.geometry.resolution) {
     for (const double side : std::array{-params.half_width, 0.0, params.half_width}) {
-      const Eigen::Vector2d point = from_in_world + way * along + side * across;
+      const Eigen::Vector2d point = from_in_world + distance * along + side * across;
       // beside the robot itself the line does not ask: it stands there already
-      if ((side == 0.0 || way > 0.2) && is_occupied(grid, grid.geometry.cell_at(point), params)) {
+      if ((side == 0.0 || distance > 0.2) && is_occupied(grid, grid.geometry.cell_at(point), params)) {
         return false;
       }
     }

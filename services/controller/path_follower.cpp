@@ -15,7 +15,7 @@ void PathFollower::set_path(const FollowedPath& path) {
   travelled_ = 0.0;
   if (!same_end) {
     is_placed_ = is_aligned_ = is_turning_ = is_backing_ = false;
-    long_way_ = 0;
+    long_turn_ = 0;
     nearest_ = 1e9;
     heading_.reset();
   }
@@ -34,17 +34,17 @@ double PathFollower::turn_on_the_spot(double error, const FollowSituation& situa
   const auto is_turn_free = [&](double angle) {
     return stop_logic_.is_free({0.0, std::copysign(rate, angle)}, std::abs(angle) / rate, situation.obstacles);
   };
-  const double other_way = error - std::copysign(2.0 * kPi, error);
-  if (long_way_ == 0 && std::abs(error) > params_.turn_until && !is_turn_free(error) && is_turn_free(other_way)) {
-    long_way_ = other_way > 0.0 ? 1 : -1;
+  const double other_turn = error - std::copysign(2.0 * kPi, error);
+  if (long_turn_ == 0 && std::abs(error) > params_.turn_until && !is_turn_free(error) && is_turn_free(other_turn)) {
+    long_turn_ = other_turn > 0.0 ? 1 : -1;
   }
   // the long way has become the short one when it has the same sign
-  if (long_way_ != 0 && (error > 0.0 ? 1 : -1) == long_way_) {
-    long_way_ = 0;
+  if (long_turn_ != 0 && (error > 0.0 ? 1 : -1) == long_turn_) {
+    long_turn_ = 0;
   }
-  const double way = long_way_ == 0 ? error : other_way;
-  const double wanted = std::clamp(params_.speed.turn_gain * way, -rate, rate);
-  return std::copysign(std::max(std::abs(wanted), params_.slowest_turn), way);
+  const double turn = long_turn_ == 0 ? error : other_turn;
+  const double wanted = std::clamp(params_.speed.turn_gain * turn, -rate, rate);
+  return std::copysign(std::max(std::abs(wanted), params_.slowest_turn), turn);
 }
 
 FollowStep PathFollower::step(const FollowSituation& situation) {
@@ -154,7 +154,7 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
     is_turning_ = true;
   } else if (std::abs(heading) < params_.turn_until) {
     is_turning_ = false;
-    long_way_ = 0;
+    long_turn_ = 0;
   }
   if (is_turning_) {
     step.phase = FollowPhase::kTurning;

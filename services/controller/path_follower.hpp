@@ -95,7 +95,7 @@ class PathFollower {
   bool is_aligned_ = false;
   bool is_turning_ = false;
   bool is_backing_ = false;
-  int long_way_ = 0;                                     // 0 = the short way, else the sign of the turn
+  int long_turn_ = 0;                                    // 0 = the short way, else the sign of the turn
   double nearest_ = 1e9;                                 // [m] that it came to the last point
   SteadyHeading heading_;                                // in the world
   Eigen::Vector2d repulsive_ = Eigen::Vector2d::Zero();  // smoothed, robot frame

@@ -151,8 +151,8 @@ std::vector<int> SearchMap::free_cells(const Pose2& odom_from_sonar, double free
     const double angle = kConeHalf * (2.0 * i / (kRays - 1) - 1.0);
     const std::int8_t direction = in_256ths(odom_from_sonar.theta + angle);
     const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
-    for (double way = 0.0; way < free; way += params_.cell) {
-      const int index = index_of(odom_from_sonar * Eigen::Vector2d(way * along));
+    for (double distance = 0.0; distance < free; distance += params_.cell) {
+      const int index = index_of(odom_from_sonar * Eigen::Vector2d(distance * along));
       if (index < 0) {
         break;
       }
@@ -232,13 +232,13 @@ bool SearchMap::stands_within(const Eigen::Vector2d& place, double radius) const
   return false;
 }
 
-std::optional<std::vector<Eigen::Vector2d>> SearchMap::way_to_new_ground(const Eigen::Vector2d& place) const {
+std::optional<std::vector<Eigen::Vector2d>> SearchMap::path_to_new_ground(const Eigen::Vector2d& place) const {
   if (!origin_) {
     return std::nullopt;
   }
   for (const double clearance : params_.clearances) {
-    if (auto way = search(place, clearance)) {
-      return way;
+    if (auto path = search(place, clearance)) {
+      return path;
     }
   }
   return std::nullopt;
@@ -268,12 +268,12 @@ std::optional<std::vector<Eigen::Vector2d>> SearchMap::search(const Eigen::Vecto
     const int index = open.front();
     open.pop_front();
     if (!cells_[static_cast<std::size_t>(index)].is_seen && cells_[static_cast<std::size_t>(index)].occupied <= -2) {
-      std::vector<Eigen::Vector2d> way;
+      std::vector<Eigen::Vector2d> path;
       for (int i = index; i != start; i = from[static_cast<std::size_t>(i)]) {
-        way.push_back(centre_of(i));
+        path.push_back(centre_of(i));
       }
-      std::reverse(way.begin(), way.end());
-      return way;
+      std::reverse(path.begin(), path.end());
+      return path;
     }
     for (const int step : {1, -1, columns_, -columns_, columns_ + 1, columns_ - 1, -columns_ + 1, -columns_ - 1}) {
       const int next = index + step;

@@ -48,7 +48,7 @@ class SearchMap {
   /// No way led through a place, whatever the sonars say of it: for a while it counts as something that stands.
   void shut(const Eigen::Vector2d& place);
   /// Way to the nearest new ground [m, odom], from the robot on; nothing if all that can be reached is known.
-  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> way_to_new_ground(const Eigen::Vector2d& place) const;
+  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_to_new_ground(const Eigen::Vector2d& place) const;
 
   /// It has been near [m, odom], or knows that it cannot go there.
   [[nodiscard]] bool is_near_trail(const Eigen::Vector2d& place) const;

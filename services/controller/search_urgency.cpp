@@ -5,21 +5,21 @@
 #include <optional>
 #include <utility>
 
-#include "services/controller/way_lattice.hpp"
+#include "services/controller/path_lattice.hpp"
 
 namespace luminav {
 namespace {
 
 /// Ways [m] after which each pose is told from each other one as the truth, row by row.
-std::vector<double> telling_ways(const std::vector<PossiblePose>& poses, const Eigen::Vector2d& began_at,
-                                 const CeilingForecast& forecast, const SearchMap& map, const ViewRules& rules,
-                                 const std::function<double(const Eigen::Vector2d&)>& price,
-                                 const SearchUrgencyParams& params) {
+std::vector<double> telling_distances(const std::vector<PossiblePose>& poses, const Eigen::Vector2d& began_at,
+                                      const CeilingForecast& forecast, const SearchMap& map, const ViewRules& rules,
+                                      const std::function<double(const Eigen::Vector2d&)>& price,
+                                      const SearchUrgencyParams& params) {
   const std::size_t count = poses.size();
-  std::vector<double> ways(count * count, params.reach);
+  std::vector<double> distances(count * count, params.reach);
   std::vector<std::optional<ForetoldView>> views(count);
-  WayLattice lattice(began_at, params.reach, params.step);
-  for (auto visit = lattice.next(); visit && visit->way < params.reach; visit = lattice.next()) {
+  PathLattice lattice(began_at, params.reach, params.step);
+  for (auto visit = lattice.next(); visit && visit->distance < params.reach; visit = lattice.next()) {
     const Eigen::Vector2d place = lattice.place_of(visit->node);
     const bool is_known_floor = map.ground_at(place) == Ground::kFree;
     std::transform(poses.begin(), poses.end(), views.begin(),
@@ -29,15 +29,16 @@ std::vector<double> telling_ways(const std::vector<PossiblePose>& poses, const E
         continue;
       }
       for (std::size_t rival = 0; rival < count; ++rival) {
-        double& way = ways[truth * count + rival];
-        if (rival != truth && way > visit->way && views[rival] && !look_alike(*views[truth], *views[rival], rules)) {
-          way = visit->way;
+        double& distance = distances[truth * count + rival];
+        if (rival != truth && distance > visit->distance && views[rival] &&
+            !look_alike(*views[truth], *views[rival], rules)) {
+          distance = visit->distance;
         }
       }
     }
     lattice.expand(*visit, price);
   }
-  return ways;
+  return distances;
 }
 
 }  // namespace
@@ -48,30 +49,30 @@ void set_urgency(std::vector<PossiblePose>& poses, const Eigen::Vector2d& began_
   if (poses.size() < 2) {
     return;
   }
-  const std::vector<double> ways = telling_ways(poses, began_at, forecast, map, rules, price, params);
-  std::vector<std::pair<double, double>> way_and_weight;  // of its rivals, the nearest first
+  const std::vector<double> distances = telling_distances(poses, began_at, forecast, map, rules, price, params);
+  std::vector<std::pair<double, double>> distance_and_weight;  // of its rivals, the nearest first
   double mean = 0.0;
   double chance = 0.0;
   for (std::size_t truth = 0; truth < poses.size(); ++truth) {
-    way_and_weight.clear();
+    distance_and_weight.clear();
     double wanted = 0.0;
     for (std::size_t rival = 0; rival < poses.size(); ++rival) {
       if (rival != truth) {
-        way_and_weight.emplace_back(ways[truth * poses.size() + rival], poses[rival].weight);
+        distance_and_weight.emplace_back(distances[truth * poses.size() + rival], poses[rival].weight);
         wanted += params.share * poses[rival].weight;
       }
     }
-    std::sort(way_and_weight.begin(), way_and_weight.end());
-    double way = params.reach;
-    for (const auto& [each, weight] : way_and_weight) {
+    std::sort(distance_and_weight.begin(), distance_and_weight.end());
+    double distance = params.reach;
+    for (const auto& [each, weight] : distance_and_weight) {
       wanted -= weight;
       if (wanted <= 0.0) {
-        way = each;
+        distance = each;
         break;
       }
     }
     PossiblePose& pose = poses[truth];
-    pose.urgency = std::pow(params.min + way, -params.power);
+    pose.urgency = std::pow(params.min + distance, -params.power);
     mean += pose.urgency * pose.chance;
     chance += pose.chance;
   }

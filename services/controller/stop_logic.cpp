@@ -52,8 +52,8 @@ double StopLogic::look_ahead_time(const DriveTwist& twist) const {
   return std::max(params_.time_to_contact, braking);
 }
 
-std::optional<std::size_t> StopLogic::first_in_the_way(const DriveTwist& twist, double duration,
-                                                       const Obstacles& obstacles) const {
+std::optional<std::size_t> StopLogic::first_obstruction(const DriveTwist& twist, double duration,
+                                                        const Obstacles& obstacles) const {
   const double corner_speed = std::abs(twist.linear) + footprint_.swept_radius() * std::abs(twist.angular);
   if (corner_speed <= 0.0) {
     return std::nullopt;
@@ -63,9 +63,9 @@ std::optional<std::size_t> StopLogic::first_in_the_way(const DriveTwist& twist, 
   // somebody who comes stops before a robot that stands, so his own way counts until it does
   const double until_still =
       std::min(duration, params_.reaction_time + std::abs(twist.linear) / limits_.linear_deceleration);
-  double longest_own_way = 0.0;
+  double longest_own_distance = 0.0;
   for (const ObstaclePoint& obstacle : obstacles.measured()) {
-    longest_own_way = std::max(longest_own_way, obstacle.approach * (obstacle.age + until_still));
+    longest_own_distance = std::max(longest_own_distance, obstacle.approach * (obstacle.age + until_still));
   }
   // A robot that stands nearer than the margin may go along the obstacle, not only away from it.
   std::optional<double> room;
@@ -74,11 +74,11 @@ std::optional<std::size_t> StopLogic::first_in_the_way(const DriveTwist& twist, 
   // no point of the outline moves farther than its fastest corner
   const double sweep = corner_speed * duration;
   const double widest_margin = std::max(params_.margin, params_.known_margin);
-  obstacles.visit_within(sweep + widest_margin + longest_own_way, [&](std::size_t index) {
+  obstacles.visit_within(sweep + widest_margin + longest_own_distance, [&](std::size_t index) {
     const ObstaclePoint obstacle = obstacles[index];
-    const double own_way = obstacle.approach * (obstacle.age + until_still);
+    const double own_distance = obstacle.approach * (obstacle.age + until_still);
     const double whole_margin = obstacle.is_known ? params_.known_margin : params_.margin;
-    if (obstacles.is_surely_beyond(index, sweep + whole_margin + own_way)) {
+    if (obstacles.is_surely_beyond(index, sweep + whole_margin + own_distance)) {
       return;
     }
     if (!room) {
@@ -107,7 +107,7 @@ std::optional<std::size_t> StopLogic::first_in_the_way(const DriveTwist& twist, 
 }
 
 bool StopLogic::is_free(const DriveTwist& twist, double duration, const Obstacles& obstacles) const {
-  return !first_in_the_way(twist, duration, obstacles);
+  return !first_obstruction(twist, duration, obstacles);
 }
 
 double StopLogic::clearance(const Obstacles& obstacles) const {
@@ -135,15 +135,15 @@ StopVerdict StopLogic::judge(const DriveTwist& wanted, const Obstacles& obstacle
   }
   verdict.limited = !verdict.reason.empty();
   const double duration = look_ahead_time(possible);
-  const std::optional<std::size_t> in_the_way = first_in_the_way(possible, duration, obstacles);
-  if (!in_the_way) {
+  const std::optional<std::size_t> obstruction = first_obstruction(possible, duration, obstacles);
+  if (!obstruction) {
     verdict.twist = possible;
     verdict.blocked = verdict.limited;
     return verdict;
   }
   verdict.limited = true;
-  verdict.by_unknown = !obstacles[*in_the_way].is_known;
-  verdict.reason = describe(obstacles[*in_the_way]);
+  verdict.by_unknown = !obstacles[*obstruction].is_known;
+  verdict.reason = describe(obstacles[*obstruction]);
   for (const double share : kShares) {
     const DriveTwist slower{share * possible.linear, share * possible.angular};
     if (share < 1.0 && is_free(slower, duration, obstacles)) {

@@ -56,8 +56,8 @@ class StopLogic {
 
  private:
   /// The first obstacle in the way of an arc, or nothing.
-  [[nodiscard]] std::optional<std::size_t> first_in_the_way(const DriveTwist& twist, double duration,
-                                                            const Obstacles& obstacles) const;
+  [[nodiscard]] std::optional<std::size_t> first_obstruction(const DriveTwist& twist, double duration,
+                                                             const Obstacles& obstacles) const;
   [[nodiscard]] double look_ahead_time(const DriveTwist& twist) const;
 
   Footprint footprint_;

@@ -11,11 +11,11 @@ void Wander::clear() {
   failures_.clear();
   last_step_ = 0;
   decided_at_.reset();
-  is_turning_ = is_turning_to_way_ = false;
+  is_turning_ = is_turning_to_path_ = false;
   turn_left_ = 0.0;
   heading_.reset();
   map_.clear();
-  way_.clear();
+  path_.clear();
   planned_ = approached_ = 0;
   driven_ = faded_at_ = 0.0;
   last_place_.reset();
@@ -32,12 +32,12 @@ Wander::Square Wander::square_at(const Eigen::Vector2d& place) const {
 // Free way counts by how little it was visited: a square never seen 1, one where it spent 4 s a half.
 double Wander::worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
                      const PlanePoints& obstacles) const {
-  const double way = free_way(direction, params_.reach, obstacles, params_.heading.free_heading);
-  if (way < params_.blocked_below) {
-    return -10.0 + way;
+  const double distance = free_distance(direction, params_.reach, obstacles, params_.heading.free_heading);
+  if (distance < params_.blocked_below) {
+    return -10.0 + distance;
   }
   double sum = 0.0;
-  for (double ahead = params_.place_side; ahead <= way + 0.1; ahead += params_.place_side) {
+  for (double ahead = params_.place_side; ahead <= distance + 0.1; ahead += params_.place_side) {
     const Eigen::Vector2d place =
         odom_from_robot * Eigen::Vector2d(ahead * std::cos(direction), ahead * std::sin(direction));
     const auto visit = visits_.find(square_at(place));
@@ -63,15 +63,15 @@ void Wander::note_failure(std::int64_t now, const Pose2& odom_from_robot, double
 
 void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
   note_failure(now, odom_from_robot, is_turning_ ? target_ : odom_from_robot.theta);
-  if (!way_.empty()) {
-    end_way(odom_from_robot.position());
+  if (!path_.empty()) {
+    end_path(odom_from_robot.position());
   }
-  is_turning_ = is_turning_to_way_ = false;
+  is_turning_ = is_turning_to_path_ = false;
   heading_.reset();
   decided_at_.reset();
 }
 
-double Wander::way_round(double angle, const Obstacles& obstacles) const {
+double Wander::turn_side(double angle, const Obstacles& obstacles) const {
   const auto is_free = [&](double turn) {
     return stop_logic_.is_free({0.0, std::copysign(params_.angular, turn)}, std::abs(turn) / params_.angular,
                                obstacles);
@@ -99,7 +99,7 @@ void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_ro
   }
   is_turning_ = true;
   target_ = wrap_angle(odom_from_robot.theta + best);
-  turn_sign_ = way_round(best, obstacles);
+  turn_sign_ = turn_side(best, obstacles);
 }
 
 void Wander::plan(const WanderInput& input) {
@@ -109,25 +109,25 @@ void Wander::plan(const WanderInput& input) {
   }
   planned_ = now;
   const Eigen::Vector2d place = input.odom_from_robot.position();
-  auto way = disambiguation_.way({place, *began_at_, way_.empty() ? std::nullopt : std::optional(way_.back())},
-                                 input.alternatives, map_);
-  if (!way && driven_ > params_.look_around) {
-    way = map_.way_to_new_ground(place);
+  auto path = disambiguation_.path({place, *began_at_, path_.empty() ? std::nullopt : std::optional(path_.back())},
+                                   input.alternatives, map_);
+  if (!path && driven_ > params_.look_around) {
+    path = map_.path_to_new_ground(place);
   }
-  if (!way || way->empty()) {
-    way_.clear();
+  if (!path || path->empty()) {
+    path_.clear();
     return;
   }
-  const double left = 0.1 * static_cast<double>(way->size());
-  const bool is_elsewhere = way_.empty() || (way->back() - way_.back()).norm() > 1.0;
-  is_turning_to_way_ = is_turning_to_way_ && !is_elsewhere;  // the short way round may be the other one now
-  if (is_elsewhere || left < way_left_ - 0.2) {
+  const double left = 0.1 * static_cast<double>(path->size());
+  const bool is_elsewhere = path_.empty() || (path->back() - path_.back()).norm() > 1.0;
+  is_turning_to_path_ = is_turning_to_path_ && !is_elsewhere;  // the short way round may be the other one now
+  if (is_elsewhere || left < path_left_ - 0.2) {
     approached_ = now;
-    way_left_ = left;
+    path_left_ = left;
   }
-  way_ = std::move(*way);
+  path_ = std::move(*path);
   if (seconds_between(approached_, now) > params_.approach_within || stays(now, place)) {
-    end_way(place);
+    end_path(place);
   }
 }
 
@@ -145,16 +145,16 @@ bool Wander::stays(std::int64_t now, const Eigen::Vector2d& place) {
 
 // The way leads nowhere. Some pose that is possible may have a door where a wall stands, and many places behind it:
 // what is narrow or unknown before the robot is no way for any of them.
-void Wander::end_way(const Eigen::Vector2d& place) {
-  for (const Eigen::Vector2d& point : way_) {
+void Wander::end_path(const Eigen::Vector2d& place) {
+  for (const Eigen::Vector2d& point : path_) {
     const double ahead = (point - place).norm();
     if (ahead > params_.dead_end_from && ahead < params_.dead_end_until &&
         (map_.ground_at(point) != Ground::kFree || map_.stands_within(point, params_.disambiguation.price.clearance))) {
       map_.shut(point);
     }
   }
-  map_.block(way_.back());
-  way_.clear();
+  map_.block(path_.back());
+  path_.clear();
   planned_ = 0;
 }
 
@@ -174,33 +174,33 @@ DriveTwist Wander::step(const WanderInput& input) {
   }
   plan(input);
   turn_left_ = 0.0;
-  return way_.empty() ? explore(duration, input) : follow_way(duration, input);
+  return path_.empty() ? explore(duration, input) : follow_path(duration, input);
 }
 
-DriveTwist Wander::follow_way(double duration, const WanderInput& input) {
+DriveTwist Wander::follow_path(double duration, const WanderInput& input) {
   is_turning_ = false;
   decided_at_.reset();
   const Eigen::Vector2d place = input.odom_from_robot.position();
   std::size_t nearest = 0;
-  for (std::size_t i = 1; i < way_.size(); ++i) {
-    nearest = (way_[i] - place).norm() < (way_[nearest] - place).norm() ? i : nearest;
+  for (std::size_t i = 1; i < path_.size(); ++i) {
+    nearest = (path_[i] - place).norm() < (path_[nearest] - place).norm() ? i : nearest;
   }
   std::size_t ahead = nearest;
-  while (ahead + 1 < way_.size() && (way_[ahead] - place).norm() < params_.look_ahead) {
+  while (ahead + 1 < path_.size() && (path_[ahead] - place).norm() < params_.look_ahead) {
     ++ahead;
   }
-  const Eigen::Vector2d target = input.odom_from_robot.inverse() * way_[ahead];
+  const Eigen::Vector2d target = input.odom_from_robot.inverse() * path_[ahead];
   const double direction = std::atan2(target.y(), target.x());
-  if (!is_turning_to_way_ && std::abs(direction) > params_.turn_from) {
-    is_turning_to_way_ = true;
-    turn_sign_ = way_round(direction, input.obstacles);
-    takes_long_way_round_ = turn_sign_ * direction < 0.0;
+  if (!is_turning_to_path_ && std::abs(direction) > params_.turn_from) {
+    is_turning_to_path_ = true;
+    turn_sign_ = turn_side(direction, input.obstacles);
+    takes_long_turn_ = turn_sign_ * direction < 0.0;
   }
-  is_turning_to_way_ = is_turning_to_way_ && std::abs(direction) > params_.turn_until;
-  if (is_turning_to_way_) {
+  is_turning_to_path_ = is_turning_to_path_ && std::abs(direction) > params_.turn_until;
+  if (is_turning_to_path_) {
     heading_.reset();
     // what lies behind changes sides with every step: once begun, the turn goes on the same way round
-    const double sign = std::abs(direction) < 0.5 * kPi && !takes_long_way_round_ ? direction : turn_sign_;
+    const double sign = std::abs(direction) < 0.5 * kPi && !takes_long_turn_ ? direction : turn_sign_;
     turn_left_ = direction;
     return {0.0, std::copysign(params_.angular, sign)};
   }
@@ -209,7 +209,7 @@ DriveTwist Wander::follow_way(double duration, const WanderInput& input) {
 
 DriveTwist Wander::explore(double duration, const WanderInput& input) {
   const Pose2& odom_from_robot = input.odom_from_robot;
-  is_turning_to_way_ = false;
+  is_turning_to_path_ = false;
   if (is_turning_) {
     heading_.reset();
     const double error = wrap_angle(target_ - odom_from_robot.theta);
@@ -223,7 +223,7 @@ DriveTwist Wander::explore(double duration, const WanderInput& input) {
       return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_sign_ * params_.angular};
     }
   }
-  const double ahead = free_way(0.0, params_.reach, input.obstacles.points(), params_.heading.free_heading);
+  const double ahead = free_distance(0.0, params_.reach, input.obstacles.points(), params_.heading.free_heading);
   const bool is_blocked = ahead < params_.blocked_below;
   if (is_blocked) {
     note_failure(input.now, odom_from_robot, odom_from_robot.theta);

@@ -88,15 +88,15 @@ class Wander {
   [[nodiscard]] double worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
                              const PlanePoints& obstacles) const;
   void plan(const WanderInput& input);
-  [[nodiscard]] DriveTwist follow_way(double duration, const WanderInput& input);
+  [[nodiscard]] DriveTwist follow_path(double duration, const WanderInput& input);
   [[nodiscard]] DriveTwist explore(double duration, const WanderInput& input);
   [[nodiscard]] DriveTwist steer(double direction, double duration, const WanderInput& input);
   /// Sign of the way round to a heading [rad, robot frame]: the short one unless only the long one is free.
-  [[nodiscard]] double way_round(double angle, const Obstacles& obstacles) const;
+  [[nodiscard]] double turn_side(double angle, const Obstacles& obstacles) const;
   void decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
               std::span<const ObstaclePoint> remembered);
   [[nodiscard]] bool stays(std::int64_t now, const Eigen::Vector2d& place);
-  void end_way(const Eigen::Vector2d& place);
+  void end_path(const Eigen::Vector2d& place);
   void note_failure(std::int64_t now, const Pose2& odom_from_robot, double heading);
 
   WanderParams params_;
@@ -110,10 +110,10 @@ class Wander {
   double faded_at_ = 0.0;                      // [m] of it
   std::optional<Eigen::Vector2d> last_place_;  // [m] odom
   std::optional<Eigen::Vector2d> began_at_;    // [m] odom, where it began to look
-  std::vector<Eigen::Vector2d> way_;           // [m] odom, to new ground; empty: none that it knows
+  std::vector<Eigen::Vector2d> path_;          // [m] odom, to new ground; empty: none that it knows
   std::int64_t planned_ = 0;                   // [us]
   std::int64_t approached_ = 0;                // [us] when it last came nearer to the end of its way
-  double way_left_ = 0.0;                      // [m] least until then
+  double path_left_ = 0.0;                     // [m] least until then
   std::optional<Eigen::Vector2d> stayed_at_;   // [m] odom: near there it has been since
   std::int64_t stayed_since_ = 0;              // [us]
   std::int64_t last_step_ = 0;                 // [us]
@@ -121,9 +121,9 @@ class Wander {
   bool is_turning_ = false;
   double target_ = 0.0;  // [rad] odom, of the turn
   double turn_sign_ = 1.0;
-  bool is_turning_to_way_ = false;
-  bool takes_long_way_round_ = false;  // of that turn
-  double turn_left_ = 0.0;             // [rad] of a turn on the spot
+  bool is_turning_to_path_ = false;
+  bool takes_long_turn_ = false;  // of that turn
+  double turn_left_ = 0.0;        // [rad] of a turn on the spot
   Eigen::Vector2d repulsive_ = Eigen::Vector2d::Zero();
 };
 

@@ -54,26 +54,26 @@ AmbiguityAudit::AmbiguityAudit(const Building& building, const PriorMap& walls, 
   find_places(walls);
   find_motions();
   find_rivals();
-  std::vector<double> way(places_.size(), 0.0);
+  std::vector<double> distance(places_.size(), 0.0);
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const std::vector<RivalAtPlace>& rivals = ground_.rivals[i];
     places_[i].twins = places_[i].is_blind ? 0 : static_cast<int>(rivals.size());
-    way[i] = rivals.empty() ? 0.0 : rivals.front().way;
+    distance[i] = rivals.empty() ? 0.0 : rivals.front().distance;
   }
-  add_blind_ways(way);
+  add_blind_distances(distance);
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    places_[i].min_distance = way[i];
-    never_share_ += std::isinf(way[i]) ? 1.0 / static_cast<double>(places_.size()) : 0.0;
+    places_[i].min_distance = distance[i];
+    never_share_ += std::isinf(distance[i]) ? 1.0 / static_cast<double>(places_.size()) : 0.0;
   }
-  mean_min_distance_ = mean_of(way);
+  mean_min_distance_ = mean_of(distance);
 }
 
 void AmbiguityAudit::find_rivals() {
-  std::vector<std::vector<PlaceWay>> ways_of(motions_.size());
+  std::vector<std::vector<PlaceDistance>> distances_of(motions_.size());
   for (std::size_t m = 0; m < motions_.size(); ++m) {
-    ways_of[m] = ways(motions_[m], -1);
-    for (const PlaceWay& each : ways_of[m]) {
-      motions_[m].sum += std::min<double>(each.way, params_.never_way);
+    distances_of[m] = distances(motions_[m], -1);
+    for (const PlaceDistance& each : distances_of[m]) {
+      motions_[m].sum += std::min<double>(each.distance, params_.never_distance);
     }
   }
   std::vector<std::size_t> costliest_first(motions_.size());
@@ -84,17 +84,17 @@ void AmbiguityAudit::find_rivals() {
   ground_.rivals.resize(places_.size());
   ground_.rival_count = motions_.size();
   for (const std::size_t m : costliest_first) {
-    for (const PlaceWay& each : ways_of[m]) {
+    for (const PlaceDistance& each : distances_of[m]) {
       ground_.rivals[static_cast<std::size_t>(each.place)].push_back(
-          {static_cast<std::int32_t>(sorted.size()), each.way});
+          {static_cast<std::int32_t>(sorted.size()), each.distance});
     }
-    ways_of[m] = {};
+    distances_of[m] = {};
     sorted.push_back(std::move(motions_[m]));
   }
   motions_ = std::move(sorted);
   for (std::vector<RivalAtPlace>& rivals : ground_.rivals) {
     std::stable_sort(rivals.begin(), rivals.end(),
-                     [](const RivalAtPlace& a, const RivalAtPlace& b) { return a.way > b.way; });
+                     [](const RivalAtPlace& a, const RivalAtPlace& b) { return a.distance > b.distance; });
   }
 }
 
@@ -233,20 +233,20 @@ bool AmbiguityAudit::is_twin(const Motion& motion, std::size_t place, int change
                      [&](int index) { return motion.is_hit[static_cast<std::size_t>(index)]; });
 }
 
-std::vector<AmbiguityAudit::PlaceWay> AmbiguityAudit::ways(const Motion& motion, int changed) const {
+std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const Motion& motion, int changed) const {
   // all places that are connected, without a refutation between, with one that sees a fixture which finds its like
   enum : std::uint8_t { kUntouched, kTwin, kRefuted };
   thread_local std::vector<std::uint8_t> kind;
-  thread_local std::vector<double> way;
+  thread_local std::vector<double> distance;
   kind.assign(places_.size(), kUntouched);
-  way.resize(places_.size());
+  distance.resize(places_.size());
   std::vector<std::int32_t> open;
   const auto touch = [&](std::int32_t place) {
     const auto i = static_cast<std::size_t>(place);
     if (kind[i] == kUntouched) {
       kind[i] = is_twin(motion, i, changed) ? kTwin : kRefuted;
       if (kind[i] == kTwin) {
-        way[i] = kNever;
+        distance[i] = kNever;
         open.push_back(place);
       }
     }
@@ -264,8 +264,8 @@ std::vector<AmbiguityAudit::PlaceWay> AmbiguityAudit::ways(const Motion& motion,
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   const auto relax = [&](std::size_t from, std::size_t to, double base) {
     const double length = base + (places_[from].point - places_[to].point).norm();
-    if (length < way[to]) {
-      way[to] = length;
+    if (length < distance[to]) {
+      distance[to] = length;
       queue.emplace(length, to);
     }
   };
@@ -279,7 +279,7 @@ std::vector<AmbiguityAudit::PlaceWay> AmbiguityAudit::ways(const Motion& motion,
   while (!queue.empty()) {
     const auto [length, place] = queue.top();
     queue.pop();
-    if (length > way[place]) {
+    if (length > distance[place]) {
       continue;
     }
     for (const std::int32_t neighbour : ground_.neighbours[place]) {
@@ -288,22 +288,22 @@ std::vector<AmbiguityAudit::PlaceWay> AmbiguityAudit::ways(const Motion& motion,
       }
     }
   }
-  std::vector<PlaceWay> result;
+  std::vector<PlaceDistance> result;
   result.reserve(open.size());
   for (const std::int32_t place : open) {
-    result.push_back({place, static_cast<float>(way[static_cast<std::size_t>(place)])});
+    result.push_back({place, static_cast<float>(distance[static_cast<std::size_t>(place)])});
   }
   return result;
 }
 
-void AmbiguityAudit::add_blind_ways(std::vector<double>& way) const {
+void AmbiguityAudit::add_blind_distances(std::vector<double>& distance) const {
   // who sees nothing drives to where something is seen, and has to go on from there
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   std::vector<double> total(places_.size(), kNever);
   for (std::size_t i = 0; i < places_.size(); ++i) {
     if (!places_[i].is_blind) {
-      total[i] = way[i];
+      total[i] = distance[i];
       queue.emplace(total[i], i);
     }
   }
@@ -323,16 +323,16 @@ void AmbiguityAudit::add_blind_ways(std::vector<double>& way) const {
     }
   }
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    way[i] = places_[i].is_blind ? total[i] : way[i];
+    distance[i] = places_[i].is_blind ? total[i] : distance[i];
   }
 }
 
-double AmbiguityAudit::mean_of(const std::vector<double>& way) const {
+double AmbiguityAudit::mean_of(const std::vector<double>& distance) const {
   double sum = 0.0;
-  for (const double each : way) {
-    sum += std::min(each, params_.never_way);
+  for (const double each : distance) {
+    sum += std::min(each, params_.never_distance);
   }
-  return sum / std::max(1.0, static_cast<double>(way.size()));
+  return sum / std::max(1.0, static_cast<double>(distance.size()));
 }
 
 std::vector<int> AmbiguityAudit::costly_fixtures(std::size_t motions) const {
@@ -367,20 +367,20 @@ std::vector<AuditChange> AmbiguityAudit::best_changes(std::size_t max) const {
     const auto farthest = std::find_if(rivals.begin(), rivals.end(), [&](const RivalAtPlace& rival) {
       return static_cast<std::size_t>(rival.rival) >= count;
     });
-    rest[i] = farthest == rivals.end() ? 0.0 : farthest->way;
+    rest[i] = farthest == rivals.end() ? 0.0 : farthest->distance;
   }
   for (const int fixture : costly_fixtures(count)) {
-    std::vector<double> way = rest;
+    std::vector<double> distance = rest;
     for (std::size_t m = 0; m < count; ++m) {
-      for (const PlaceWay& each : ways(motions_[m], fixture)) {
-        double& longest = way[static_cast<std::size_t>(each.place)];
-        longest = std::max<double>(longest, each.way);
+      for (const PlaceDistance& each : distances(motions_[m], fixture)) {
+        double& longest = distance[static_cast<std::size_t>(each.place)];
+        longest = std::max<double>(longest, each.distance);
       }
     }
-    add_blind_ways(way);
-    const auto never = std::count_if(way.begin(), way.end(), [](double each) { return std::isinf(each); });
-    changes.push_back(
-        {map_[fixture].id, mean_of(way), static_cast<double>(never) / std::max(1.0, static_cast<double>(way.size()))});
+    add_blind_distances(distance);
+    const auto never = std::count_if(distance.begin(), distance.end(), [](double each) { return std::isinf(each); });
+    changes.push_back({map_[fixture].id, mean_of(distance),
+                       static_cast<double>(never) / std::max(1.0, static_cast<double>(distance.size()))});
   }
   std::stable_sort(changes.begin(), changes.end(), [](const AuditChange& a, const AuditChange& b) {
     return a.mean_min_distance < b.mean_min_distance;

@@ -21,7 +21,7 @@ struct AuditParams {
   double twin_clearance = 0.10;            // [m] nearer to a wall nobody can be: such a twin is refuted
   double position_tolerance = 0.25;        // [m] fixtures nearer than this to each other's images are alike
   double heading_tolerance = radians(12);  // [rad] likewise
-  double never_way = 50.0;                 // [m] that a place which never resolves counts in means
+  double never_distance = 50.0;            // [m] that a place which never resolves counts in means
   bool with_elements = false;              // vents, detectors and the like count as landmarks
 };
 
@@ -64,9 +64,9 @@ class AmbiguityAudit {
 
  private:
   /// Way from a place to where a motion is refuted; places that are not named need none.
-  struct PlaceWay {
+  struct PlaceDistance {
     std::int32_t place = 0;
-    float way = 0.0F;  // [m]
+    float distance = 0.0F;  // [m]
   };
   struct Motion {
     Pose2 twin_from_true;
@@ -86,10 +86,10 @@ class AmbiguityAudit {
   /// Looks the same at a place under a motion; `changed` is a fixture that became another kind, -1 = none.
   [[nodiscard]] bool is_twin(const Motion& motion, std::size_t place, int changed) const;
   /// Ways from all places where a motion is not refuted.
-  [[nodiscard]] std::vector<PlaceWay> ways(const Motion& motion, int changed) const;
-  void add_blind_ways(std::vector<double>& way) const;
+  [[nodiscard]] std::vector<PlaceDistance> distances(const Motion& motion, int changed) const;
+  void add_blind_distances(std::vector<double>& distance) const;
   [[nodiscard]] std::vector<int> costly_fixtures(std::size_t motions) const;
-  [[nodiscard]] double mean_of(const std::vector<double>& way) const;
+  [[nodiscard]] double mean_of(const std::vector<double>& distance) const;
 
   AuditParams params_;
   FixtureMap map_;

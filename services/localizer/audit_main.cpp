@@ -24,51 +24,51 @@
 namespace luminav {
 namespace {
 
-constexpr double kLongWay = 10.0;  // [m] drawn as red as it gets short of never
+constexpr double kLongDistance = 10.0;  // [m] drawn as red as it gets short of never
 
-std::string in_metres(double way) {
-  return std::isinf(way) ? "never" : fmt::format("{:.1f} m", way);
+std::string in_metres(double distance) {
+  return std::isinf(distance) ? "never" : fmt::format("{:.1f} m", distance);
 }
 
 /// What was found out, with the length [m] of the walk that resolves each place.
 struct Findings {
   const Building& building;
   const AmbiguityAudit& audit;
-  std::vector<double> ways;
+  std::vector<double> distances;
   std::vector<AuditChange> changes;
 
   /// Way [m] that a share of the places needs at most; infinite when more than the rest never resolve.
-  [[nodiscard]] double way_quantile(double share) const {
-    std::vector<double> sorted = ways;
+  [[nodiscard]] double distance_quantile(double share) const {
+    std::vector<double> sorted = distances;
     std::sort(sorted.begin(), sorted.end());
     return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
   }
 };
 
 // Each thread takes a stretch of neighbouring places.
-std::vector<double> resolving_ways(const RivalGround& ground) {
+std::vector<double> resolving_distances(const RivalGround& ground) {
   const std::size_t count = ground.points.size();
   const std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
-  std::vector<double> ways(count);
+  std::vector<double> distances(count);
   std::vector<std::future<void>> stretches;
   for (std::size_t t = 0; t < threads; ++t) {
     stretches.push_back(std::async(std::launch::async, [&, t] {
       ResolvingWalk walk(ground);
       for (std::size_t i = t * count / threads; i < (t + 1) * count / threads; ++i) {
-        ways[i] = walk.length(static_cast<std::int32_t>(i));
+        distances[i] = walk.length(static_cast<std::int32_t>(i));
       }
     }));
   }
   for (std::future<void>& stretch : stretches) {
     stretch.get();
   }
-  return ways;
+  return distances;
 }
 
 void print(const Findings& findings) {
-  const auto& [building, audit, ways, changes] = findings;
-  const auto count = static_cast<double>(ways.size());
-  const auto known_at_once = static_cast<double>(std::count(ways.begin(), ways.end(), 0.0));
+  const auto& [building, audit, distances, changes] = findings;
+  const auto count = static_cast<double>(distances.size());
+  const auto known_at_once = static_cast<double>(std::count(distances.begin(), distances.end(), 0.0));
   const auto blind = static_cast<double>(std::count_if(audit.places().begin(), audit.places().end(),
                                                        [](const AuditPlace& place) { return place.is_blind; }));
   fmt::print("{}: {} fixtures, {} places looked at, view of {:.2f} m radius\n", building.name, building.fixtures.size(),
@@ -76,8 +76,8 @@ void print(const Findings& findings) {
   fmt::print("known at once from {:.0f} % of the places; no fixture in view from {:.0f} %\n",
              100.0 * known_at_once / count, 100.0 * blind / count);
   fmt::print("way to drive until the pose is resolvable: median {}, 95 % {}, longest {}\n",
-             in_metres(findings.way_quantile(0.5)), in_metres(findings.way_quantile(0.95)),
-             in_metres(findings.way_quantile(1.0)));
+             in_metres(findings.distance_quantile(0.5)), in_metres(findings.distance_quantile(0.95)),
+             in_metres(findings.distance_quantile(1.0)));
   fmt::print("likewise if twins need not all be refuted on one drive: mean {:.2f} m\n", audit.mean_min_distance());
   if (audit.never_share() > 0.0) {
     fmt::print("never resolvable from {:.1f} % of the places: part of the building maps onto itself\n",
@@ -92,25 +92,27 @@ void print(const Findings& findings) {
 }
 
 void write_json(const std::string& file, const Findings& findings) {
-  const auto& [building, audit, ways, changes] = findings;
-  const auto finite = [](double way) { return std::isinf(way) ? nlohmann::json(nullptr) : nlohmann::json(way); };
+  const auto& [building, audit, distances, changes] = findings;
+  const auto finite = [](double distance) {
+    return std::isinf(distance) ? nlohmann::json(nullptr) : nlohmann::json(distance);
+  };
   nlohmann::json report = {{"building", building.name},
                            {"fixtures", building.fixtures.size()},
                            {"view_radius_m", audit.view_radius()},
-                           {"median_way_m", finite(findings.way_quantile(0.5))},
-                           {"p95_way_m", finite(findings.way_quantile(0.95))},
+                           {"median_way_m", finite(findings.distance_quantile(0.5))},
+                           {"p95_way_m", finite(findings.distance_quantile(0.95))},
                            {"mean_least_way_m", audit.mean_min_distance()},
                            {"never_share", audit.never_share()},
                            {"places", nlohmann::json::array()},
                            {"changes", nlohmann::json::array()}};
-  for (std::size_t i = 0; i < ways.size(); ++i) {
+  for (std::size_t i = 0; i < distances.size(); ++i) {
     const AuditPlace& place = audit.places()[i];
     report["places"].push_back({{"x", place.point.x()},
                                 {"y", place.point.y()},
                                 {"blind", place.is_blind},
                                 {"twins", place.twins},
                                 {"least_way_m", finite(place.min_distance)},
-                                {"way_m", finite(ways[i])}});
+                                {"way_m", finite(distances[i])}});
   }
   for (const AuditChange& change : changes) {
     report["changes"].push_back({{"fixture", change.fixture},
@@ -120,16 +122,16 @@ void write_json(const std::string& file, const Findings& findings) {
   write_whole_file(file, report.dump(1) + "\n");
 }
 
-cv::Scalar colour_of(double way) {
-  if (std::isinf(way)) {
+cv::Scalar colour_of(double distance) {
+  if (std::isinf(distance)) {
     return {60, 0, 120};
   }
-  const double share = std::min(1.0, way / kLongWay);
+  const double share = std::min(1.0, distance / kLongDistance);
   return {80.0, 220.0 - 160.0 * share, 80.0 + 160.0 * share};  // blue, green, red: green to red
 }
 
 void draw_picture(const std::string& file, const Findings& findings) {
-  const auto& [building, audit, ways, changes] = findings;
+  const auto& [building, audit, distances, changes] = findings;
   Eigen::Vector2d min(1e9, 1e9);
   Eigen::Vector2d max(-1e9, -1e9);
   for (const AuditPlace& place : audit.places()) {
@@ -145,10 +147,10 @@ void draw_picture(const std::string& file, const Findings& findings) {
   const cv::Point corner = pixel({max.x() + margin, min.y() - margin});
   cv::Mat image(corner.y + 1, corner.x + 1, CV_8UC3, cv::Scalar(40, 40, 40));
   const double half = 0.5 * audit.params().cell;
-  for (std::size_t i = 0; i < ways.size(); ++i) {
+  for (std::size_t i = 0; i < distances.size(); ++i) {
     const Eigen::Vector2d& point = audit.places()[i].point;
     cv::rectangle(image, pixel(point + Eigen::Vector2d(-half, half)), pixel(point + Eigen::Vector2d(half, -half)),
-                  colour_of(ways[i]), cv::FILLED);
+                  colour_of(distances[i]), cv::FILLED);
   }
   for (const Fixture& fixture : building.fixtures) {
     std::vector<cv::Point> outline;
@@ -162,7 +164,7 @@ void draw_picture(const std::string& file, const Findings& findings) {
     cv::putText(image, std::to_string(fixture.id), pixel(fixture.world_from_fixture.position()),
                 cv::FONT_HERSHEY_SIMPLEX, 0.4, cv::Scalar(0, 0, 0), 1, cv::LINE_AA);
   }
-  cv::putText(image, fmt::format("green: known at once, red: after {:.0f} m, purple: never", kLongWay), {8, 16},
+  cv::putText(image, fmt::format("green: known at once, red: after {:.0f} m, purple: never", kLongDistance), {8, 16},
               cv::FONT_HERSHEY_SIMPLEX, 0.45, cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
   write_picture(file, image);
 }
@@ -205,7 +207,7 @@ int run(int argc, char** argv) {
   if (audit.places().empty()) {
     throw std::runtime_error(file.string() + ": its map has no place where a robot could stand");
   }
-  const Findings findings{building, audit, resolving_ways(audit.ground()), audit.best_changes(3)};
+  const Findings findings{building, audit, resolving_distances(audit.ground()), audit.best_changes(3)};
   print(findings);
   if (!json_file.empty()) {
     write_json(json_file, findings);

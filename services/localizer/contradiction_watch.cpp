@@ -24,7 +24,7 @@ std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame
                                                       const SceneMemory& scene,
                                                       const std::vector<FixtureMatch>& matches,
                                                       const PoseBelief& belief, const Pose2& odom_from_robot,
-                                                      double way_since_match, bool is_doubted) {
+                                                      double distance_since_match, bool is_doubted) {
   note_pause(odom_from_robot);
   const std::optional<Eigen::Vector2d> newcomer = newcomers_.look(frame, matches, odom_from_robot);
   if (!matches.empty()) {
@@ -51,7 +51,7 @@ std::optional<Contradiction> ContradictionWatch::look(const SightingFrame& frame
                                      unexplained->x(), unexplained->y()),
                          is_beyond_carrying(frame.utime) ? rules_.bonus_when_driving : rules_.bonus_after_misfit, true};
   }
-  if (const std::optional<int> missed = missing_too_long(way_since_match)) {
+  if (const std::optional<int> missed = missing_too_long(distance_since_match)) {
     missed_fixture_ = *missed;
     return Contradiction{fmt::format("fixture {} ought to be in view and is not seen", map_[*missed].id),
                          rules_.bonus_after_miss};
@@ -142,8 +142,8 @@ bool ContradictionWatch::is_no_fixture(const Eigen::Vector2d& place_in_world) co
 bool ContradictionWatch::count_missing(const SightingFrame& frame, const PoseBelief& belief,
                                        const Pose2& odom_from_robot) {
   const Pose2 since_match = odom_at_match_.inverse() * odom_from_robot;
-  const auto moved_less = [&](double way, double turn) {
-    return std::hypot(since_match.x, since_match.y) < way && std::abs(since_match.theta) < turn;
+  const auto moved_less = [&](double distance, double turn) {
+    return std::hypot(since_match.x, since_match.y) < distance && std::abs(since_match.theta) < turn;
   };
   // who is lifted while driving has rolled on a little between the last image and being lifted
   const bool stands_still =
@@ -186,7 +186,7 @@ bool ContradictionWatch::was_carried() const {
   return (paused_ || may_be_carried_) && contradicting_ >= rules_.misfit_frames;
 }
 
-std::optional<int> ContradictionWatch::missing_too_long(double way_since_match) const {
+std::optional<int> ContradictionWatch::missing_too_long(double distance_since_match) const {
   if (vanished_) {
     return vanished_;
   }
@@ -200,9 +200,9 @@ std::optional<int> ContradictionWatch::missing_too_long(double way_since_match) 
       worst = index;
     }
   }
-  const bool over_a_way =
-      worst >= 0 && missed_frames_.at(worst) >= rules_.miss_frames && way_since_match > rules_.miss_distance;
-  const bool is_missed = worst >= 0 && (several >= rules_.miss_fixtures || over_a_way || was_carried());
+  const bool over_a_distance =
+      worst >= 0 && missed_frames_.at(worst) >= rules_.miss_frames && distance_since_match > rules_.miss_distance;
+  const bool is_missed = worst >= 0 && (several >= rules_.miss_fixtures || over_a_distance || was_carried());
   return is_missed ? std::optional(worst) : std::nullopt;
 }
 

@@ -32,12 +32,12 @@ class ContradictionWatch {
  public:
   ContradictionWatch(const FixtureMap& map, const CeilingView& view, double ceiling_height, const TrackingRules& rules);
 
-  /// One image: its sightings with their object in the scene, and those that fitted; `way_since_match` [m].
+  /// One image: its sightings with their object in the scene, and those that fitted; `distance_since_match` [m].
   /// A contradiction is told once the rules' number of images showed it; with `is_doubted` images only count.
   [[nodiscard]] std::optional<Contradiction> look(const SightingFrame& frame, const std::vector<int>& objects,
                                                   const SceneMemory& scene, const std::vector<FixtureMatch>& matches,
                                                   const PoseBelief& belief, const Pose2& odom_from_robot,
-                                                  double way_since_match, bool is_doubted);
+                                                  double distance_since_match, bool is_doubted);
   /// While the motors are off a hand may move the robot: then it counts as having stood still.
   void allow_carrying(bool allowed) { may_be_carried_ = allowed; }
   /// The pose was put in doubt: begin to count anew.
@@ -65,7 +65,7 @@ class ContradictionWatch {
   /// Counts what ought to be in view and is not; false = nothing.
   bool count_missing(const SightingFrame& frame, const PoseBelief& belief, const Pose2& odom_from_robot);
   /// The fixture whose absence puts the pose in doubt.
-  [[nodiscard]] std::optional<int> missing_too_long(double way_since_match) const;
+  [[nodiscard]] std::optional<int> missing_too_long(double distance_since_match) const;
   /// So many images contradict that a robot which may have been carried was.
   [[nodiscard]] bool was_carried() const;
 

@@ -20,19 +20,19 @@ constexpr std::array kShifts{kNoOffence, 0.3, 0.45, 0.6, 0.8};  // [m]
 
 void DrivenTrail::clear() {
   poses_.clear();
-  way_since_ = 0.0;
+  distance_since_ = 0.0;
 }
 
 bool DrivenTrail::advance(const Pose2& delta) {
   now_ = now_ * delta;
-  way_since_ += std::hypot(delta.x, delta.y);
+  distance_since_ += std::hypot(delta.x, delta.y);
   if (poses_.empty() || distance(poses_.back(), now_) >= kPointEvery) {
     poses_.push_back(now_);
   }
-  if (way_since_ < kStretch) {
+  if (distance_since_ < kStretch) {
     return false;
   }
-  way_since_ = 0.0;
+  distance_since_ = 0.0;
   constexpr auto kMax = static_cast<std::size_t>(2.0 * kStretch / kPointEvery) + 1;
   if (poses_.size() > kMax) {
     poses_.erase(poses_.begin(), poses_.end() - kMax);

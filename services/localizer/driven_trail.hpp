@@ -21,7 +21,7 @@ class DrivenTrail {
  private:
   std::vector<Pose2> poses_;  // in a frame that stands still
   Pose2 now_;
-  double way_since_ = 0.0;  // [m] since the last stretch was complete
+  double distance_since_ = 0.0;  // [m] since the last stretch was complete
 };
 
 /// Log-likelihood that a robot believed there drove along `trail` [m, robot frame] without going through a wall: how

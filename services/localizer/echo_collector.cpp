@@ -51,7 +51,7 @@ void EchoCollector::add(const SonarScan& scan) {
 }
 
 void EchoCollector::advance(const Pose2& delta) {
-  way_since_ += std::hypot(delta.x, delta.y);
+  distance_since_ += std::hypot(delta.x, delta.y);
   turn_since_ += std::abs(delta.theta);
 }
 
@@ -63,13 +63,13 @@ void EchoCollector::clear() {
 void EchoCollector::forget_places() {
   places_.clear();
   surfaces_.clear();
-  way_since_ = kFarAway;
+  distance_since_ = kFarAway;
   turn_since_ = 0.0;
 }
 
 bool EchoCollector::has_listened_at(const Pose2& odom_from_robot) const {
   return std::any_of(places_.begin(), places_.end(), [&](const Pose2& place) {
-    return distance(place, odom_from_robot) < rules_.way &&
+    return distance(place, odom_from_robot) < rules_.distance &&
            std::abs(wrap_angle(place.theta - odom_from_robot.theta)) < rules_.turn;
   });
 }
@@ -107,7 +107,7 @@ std::vector<PlacedEcho> EchoCollector::place_readings(int disc, std::int64_t uti
 }
 
 std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history, std::size_t max) {
-  if (way_since_ < rules_.way && turn_since_ < rules_.turn) {
+  if (distance_since_ < rules_.distance && turn_since_ < rules_.turn) {
     return {};
   }
   const auto now = history.at(utime);
@@ -139,7 +139,7 @@ std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHi
     return {};
   }
   std::erase_if(echoes_, [&](const SonarEcho& reading) { return reading.utime <= utime; });
-  way_since_ = 0.0;
+  distance_since_ = 0.0;
   turn_since_ = 0.0;
   if (places_.size() >= kMaxPlaces) {
     places_.erase(places_.begin());

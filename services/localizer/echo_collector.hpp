@@ -14,7 +14,7 @@ namespace luminav {
 
 /// What makes an echo new evidence.
 struct EchoRules {
-  double way = 0.3;             // [m] or
+  double distance = 0.3;        // [m] or
   double turn = radians(30.0);  // [rad]: how far a collection must be from all earlier ones
   double surface = 0.5;         // [m] of a wall or a thing that is heard as one
   int looks = 4;                // echoes of it that count; together they have the weight of one
@@ -67,7 +67,7 @@ class EchoCollector {
   std::vector<std::int64_t> heard_utime_;  // [us] last echo, by disc; 0 = none yet
   std::vector<Pose2> places_;              // odom, of the latest collections
   std::vector<Surface> surfaces_;          // those heard first lately
-  double way_since_ = 1e9;                 // [m]
+  double distance_since_ = 1e9;            // [m]
   double turn_since_ = 0.0;                // [rad]
 };
 

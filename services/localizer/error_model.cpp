@@ -17,9 +17,9 @@ double noise_distance(const Pose2& delta, double wheel_base) {
 }
 
 Eigen::Matrix3d odometry_noise(const Pose2& delta, double wheel_base, const ErrorParams& params) {
-  const double way = noise_distance(delta, wheel_base);
-  const double position = squared(params.odometry_position) * way;
-  const double heading = squared(params.odometry_heading) * way;
+  const double distance = noise_distance(delta, wheel_base);
+  const double position = squared(params.odometry_position) * distance;
+  const double heading = squared(params.odometry_heading) * distance;
   // the heading's error grows along the step, so half of it acts on the position across
   const double x = -0.5 * delta.y;
   const double y = 0.5 * delta.x;
@@ -34,10 +34,10 @@ Eigen::Matrix3d odometry_noise_with_systematics(const Pose2& delta, double wheel
   // A constant error e per metre gives e * d after d metres; as white noise e^2 * kGap * d it is right at d = kGap.
   constexpr double kGap = 3.0;            // [m] between fixtures
   constexpr double kTurnGap = 0.5 * kPi;  // [rad]
-  const double way = std::hypot(delta.x, delta.y);
+  const double distance = std::hypot(delta.x, delta.y);
   const double turn = std::abs(delta.theta);
-  const double scale = squared(params.wheel_scale) * kGap * way;
-  const double drift = squared(params.wheel_ratio / wheel_base) * kGap * way +
+  const double scale = squared(params.wheel_scale) * kGap * distance;
+  const double drift = squared(params.wheel_ratio / wheel_base) * kGap * distance +
                        (squared(params.wheel_base) + squared(params.wheel_scale)) * kTurnGap * turn;
   Eigen::Matrix3d noise = odometry_noise(delta, wheel_base, params);
   noise(0, 0) += scale;

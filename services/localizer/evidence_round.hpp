@@ -26,9 +26,9 @@ struct EvidenceRound {
   std::vector<PlacedEcho> echoes;        // in the robot frame of the image
   std::vector<Eigen::Vector2d> stretch;  // driven last [m, robot frame of the image]
   bool has_moved = false;
-  PoseBelief step;       // motion since the round before, in the robot frame there
-  double way = 0.0;      // [m] of it
-  bool settles = false;  // the scene before is over: relative motion to it is unknown
+  PoseBelief step;        // motion since the round before, in the robot frame there
+  double distance = 0.0;  // [m] of it
+  bool settles = false;   // the scene before is over: relative motion to it is unknown
 };
 
 }  // namespace luminav

@@ -11,26 +11,26 @@
 namespace luminav {
 
 struct HypothesisParams {
-  double gate = 16.27;                 // chi2(3) at 99.9 %
-  double misfit = -6.5;                // least log-likelihood of one object: it may be something else than a fixture
-  double miss_probability = 0.12;      // that a fixture well inside the image is overlooked during a whole pass
-  int frames_for_full_vote = 4;        // images an object needs for its full weight
-  int frames_for_full_miss = 8;        // images a fixture must have been missed in for its full weight
-  double miss_margin = 0.15;           // [m] from the image border, beside the pose's own error
-  double independent_way = 0.5;        // [m] after which a sighting's constant errors count as drawn anew
-  double wall_way = 0.3;               // [m] after which a pose in a wall counts again
-  double sonar_way = 0.3;              // [m] after which the sonars count again
-  double sonar_turn = radians(30.0);   // [rad] likewise
-  double sonar_surface = 0.5;          // [m] of wall or thing that counts once, however often it is heard
-  int sonar_looks = 4;                 // echoes from there that it takes for its full weight
-  double sonar_weight = 2.0;           // of a surface
-  double sonar_cap = 14.0;             // most that sonar alone can hold against a hypothesis
-  double prune = 20.0;                 // log-score behind the best at which a hypothesis is given up
-  double merge_distance = 0.3;         // [m] two hypotheses nearer than this and
-  double merge_angle = radians(12.0);  // [rad] this are one
-  double seed_position_sigma = 0.40;   // [m] sightings less sharp make no hypotheses
-  int max = 20000;                     // hypotheses kept
-  int work = 8000;                     // units of work in one step, see WorkBudget
+  double gate = 16.27;                  // chi2(3) at 99.9 %
+  double misfit = -6.5;                 // least log-likelihood of one object: it may be something else than a fixture
+  double miss_probability = 0.12;       // that a fixture well inside the image is overlooked during a whole pass
+  int frames_for_full_vote = 4;         // images an object needs for its full weight
+  int frames_for_full_miss = 8;         // images a fixture must have been missed in for its full weight
+  double miss_margin = 0.15;            // [m] from the image border, beside the pose's own error
+  double decorrelation_distance = 0.5;  // [m] after which a sighting's constant errors count as drawn anew
+  double wall_test_distance = 0.3;      // [m] after which a pose in a wall counts again
+  double sonar_test_distance = 0.3;     // [m] after which the sonars count again
+  double sonar_turn = radians(30.0);    // [rad] likewise
+  double sonar_surface = 0.5;           // [m] of wall or thing that counts once, however often it is heard
+  int sonar_looks = 4;                  // echoes from there that it takes for its full weight
+  double sonar_weight = 2.0;            // of a surface
+  double sonar_cap = 14.0;              // most that sonar alone can hold against a hypothesis
+  double prune = 20.0;                  // log-score behind the best at which a hypothesis is given up
+  double merge_distance = 0.3;          // [m] two hypotheses nearer than this and
+  double merge_angle = radians(12.0);   // [rad] this are one
+  double seed_position_sigma = 0.40;    // [m] sightings less sharp make no hypotheses
+  int max = 20000;                      // hypotheses kept
+  int work = 8000;                      // units of work in one step, see WorkBudget
 };
 
 /// The likelihood of one object under one hypothesis, averaged over its images.

@@ -49,7 +49,7 @@ void HypothesisBank::clear() {
   births_.abort();
   has_moved_ = false;
   lag_ = kNoMotion;
-  way_ = 0.0;
+  distance_ = 0.0;
   settles_ = false;
   has_stretch_ = false;
   echoes_.clear();
@@ -59,9 +59,9 @@ void HypothesisBank::clear() {
 void HypothesisBank::advance(const Pose2& delta) {
   has_moved_ = true;
   predict(lag_, delta, odometry_noise_with_systematics(delta, wheel_base_, errors_));
-  const double way = std::hypot(delta.x, delta.y);
-  way_ += way;
-  way_since_correction_ += way + 0.5 * std::abs(delta.theta);
+  const double distance = std::hypot(delta.x, delta.y);
+  distance_ += distance;
+  distance_since_correction_ += distance + 0.5 * std::abs(delta.theta);
   has_stretch_ |= trail_.advance(delta);
 }
 
@@ -71,7 +71,7 @@ void HypothesisBank::bridge(const Pose2& step, const Eigen::Matrix3d& noise) {
   has_moved_ = true;
   predict(lag_, step, noise);
   settles_ = true;
-  way_since_correction_ += params_.independent_way;
+  distance_since_correction_ += params_.decorrelation_distance;
 }
 
 std::size_t HypothesisBank::max_echoes() const {
@@ -126,7 +126,7 @@ void HypothesisBank::begin_round() {
   round_.stretch = has_stretch ? trail_.points() : std::vector<Eigen::Vector2d>{};
   round_.has_moved = std::exchange(has_moved_, false);
   round_.step = std::exchange(lag_, kNoMotion);
-  round_.way = std::exchange(way_, 0.0);
+  round_.distance = std::exchange(distance_, 0.0);
   round_.settles = std::exchange(settles_, false);
   if (round_.settles) {
     null_settled_ += std::exchange(null_active_, 0.0);
@@ -134,9 +134,9 @@ void HypothesisBank::begin_round() {
   if (round_.has_image) {
     round_.images = std::min(std::exchange(images_, 0), kMaxImages);
     round_.forgotten = std::exchange(forgotten_, {});
-    // Constant errors are drawn anew only every `independent_way`: between, an image counts for its share of it.
-    round_.share = std::clamp(way_since_correction_ / params_.independent_way, 0.02, 1.0);
-    way_since_correction_ = 0.0;
+    // Constant errors are drawn anew only every `decorrelation_distance`: between, an image counts for its share of it.
+    round_.share = std::clamp(distance_since_correction_ / params_.decorrelation_distance, 0.02, 1.0);
+    distance_since_correction_ = 0.0;
     const auto misfit = [&](const SeenObject& object) {
       return params_.misfit * std::min(1.0, static_cast<double>(object.frames) / params_.frames_for_full_vote);
     };
@@ -202,11 +202,11 @@ void HypothesisBank::visit(Hypothesis& hypothesis) const {
 
 void HypothesisBank::move(Hypothesis& hypothesis) const {
   predict(hypothesis.belief, round_.step.pose, round_.step.covariance);
-  if (walls_.has_walls() && round_.way > 0.0) {
+  if (walls_.has_walls() && round_.distance > 0.0) {
     // probability that the robot's middle is at least 0.1 m from the next wall cell, as it must be
     const double room = walls_.distance_to_wall(hypothesis.belief.pose.position()) - 0.10;
     const double sigma = std::max(0.05, position_sigma(hypothesis.belief.covariance));
-    hypothesis.walls += log_of_normal_tail(room / sigma) * round_.way / params_.wall_way;
+    hypothesis.walls += log_of_normal_tail(room / sigma) * round_.distance / params_.wall_test_distance;
   }
   if (!round_.stretch.empty()) {
     hypothesis.walls += log_likelihood_of_trail(hypothesis.belief, round_.stretch, walls_);

@@ -123,15 +123,15 @@ class HypothesisBank {
 
   // what the next round begins with
   bool has_moved_ = false;
-  PoseBelief lag_;    // motion since the round's image, in the robot frame there
-  double way_ = 0.0;  // [m] of it
+  PoseBelief lag_;         // motion since the round's image, in the robot frame there
+  double distance_ = 0.0;  // [m] of it
   bool settles_ = false;
   std::vector<PlacedEcho> echoes_;
   std::vector<SeenObject> forgotten_;
   int images_ = 0;
   DrivenTrail trail_;
   bool has_stretch_ = false;
-  double way_since_correction_ = 0.0;  // [m], turns counted in
+  double distance_since_correction_ = 0.0;  // [m], turns counted in
 };
 
 }  // namespace luminav

@@ -89,9 +89,9 @@ void read_particles(const TomlTable& table, ParticleParams& params) {
   params.unknown_free = table.number("unknown_free", params.unknown_free, kFraction);
   params.min_free = table.number("min_free", params.min_free, kFraction);
   params.turn_by_turn = table.number("turn_by_turn", params.turn_by_turn, {0.0, 10.0});
-  params.turn_by_way = table.number("turn_by_way", params.turn_by_way, {0.0, 10.0});
-  params.way_by_way = table.number("way_by_way", params.way_by_way, {0.0, 10.0});
-  params.way_by_turn = table.number("way_by_turn", params.way_by_turn, {0.0, 10.0});
+  params.turn_by_distance = table.number("turn_by_distance", params.turn_by_distance, {0.0, 10.0});
+  params.distance_by_distance = table.number("distance_by_distance", params.distance_by_distance, {0.0, 10.0});
+  params.distance_by_turn = table.number("distance_by_turn", params.distance_by_turn, {0.0, 10.0});
   params.redraws = table.count("redraws", params.redraws, {0.0, 100.0});
   params.copied_share = table.number("copied_share", params.copied_share, {0.0, 0.45});
   params.random_share = table.number("random_share", params.random_share, {0.0, 0.5});
@@ -111,12 +111,12 @@ void read_handover(const TomlTable& table, HandoverParams& params) {
   params.spread = table.number("spread", params.spread, {0.001, 100.0});
   params.heading_spread = table.number("heading_spread", params.heading_spread, {0.001, 4.0});
   params.fixtures = table.count("fixtures", params.fixtures, {0.0, 1000.0});
-  params.way = table.number("way", params.way, kNotNegative);
+  params.distance = table.number("distance", params.distance, kNotNegative);
   params.held = table.count("held", params.held, {1.0, 10000.0});
   params.gate = table.number("gate", params.gate, {0.1, 1000.0});
   params.gate_misses = table.count("gate_misses", params.gate_misses, {1.0, 10000.0});
   params.nis_limit = table.number("nis_limit", params.nis_limit, {0.1, 1000.0});
-  params.blind_way = table.number("blind_way", params.blind_way, {0.1, 10000.0});
+  params.blind_distance = table.number("blind_distance", params.blind_distance, {0.1, 10000.0});
   params.absent_frames = table.count("absent_frames", params.absent_frames, {1.0, 10000.0});
   params.gathered_share = table.number("gathered_share", params.gathered_share, kFraction);
   table.reject_unknown();

@@ -36,8 +36,8 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       displacement_(robot.wheel_base, params.rules),
       rush_(robot.wheel_base, params.rules),
       verdict_(map_, scene_, bank_, filter_, watch_, params.rules),
-      echoes_(robot.sonar, {params.hypotheses.sonar_way, params.hypotheses.sonar_turn, params.hypotheses.sonar_surface,
-                            params.hypotheses.sonar_looks}) {}
+      echoes_(robot.sonar, {params.hypotheses.sonar_test_distance, params.hypotheses.sonar_turn,
+                            params.hypotheses.sonar_surface, params.hypotheses.sonar_looks}) {}
 
 void ModernLocalizer::add_odometry(const OdometryReading& reading) {
   bank_.begin_step();

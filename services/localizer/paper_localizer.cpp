@@ -109,7 +109,7 @@ void PaperLocalizer::step_particles(const SightingFrame& frame) {
                        position_sigma(best.belief.covariance) <= rules.spread &&
                        std::sqrt(best.belief.covariance(2, 2)) <= rules.heading_spread &&
                        static_cast<int>(seen_fixtures_.size()) >= rules.fixtures &&
-                       odometer_ - search_odometer_ >= rules.way;
+                       odometer_ - search_odometer_ >= rules.distance;
   held_ = is_sure ? held_ + 1 : 0;
   reason_ =
       fmt::format("the heaviest of {} clusters holds {:.0f} % of the weight", clusters_.size(), 100.0 * best.weight);
@@ -179,8 +179,8 @@ void PaperLocalizer::step_kalman(const SightingFrame& frame, const OdometryReadi
     give_up("a fixture that ought to be in view is not seen");
   } else if (has_nis_ && nis_ > rules.nis_limit) {
     give_up("the sightings fit the pose worse than they should");
-  } else if (odometer_ - odometer_at_fixture_ > rules.blind_way) {
-    give_up(fmt::format("no fixture for {:.0f} m", rules.blind_way));
+  } else if (odometer_ - odometer_at_fixture_ > rules.blind_distance) {
+    give_up(fmt::format("no fixture for {:.0f} m", rules.blind_distance));
   }
 }
 

@@ -23,12 +23,12 @@ struct HandoverParams {
   double spread = 0.25;                   // [m]
   double heading_spread = radians(10.0);  // [rad]
   int fixtures = 2;                       // different ones seen
-  double way = 1.0;                       // [m] driven
+  double distance = 1.0;                  // [m] driven
   int held = 10;                          // updates in a row
   double gate = 11.34;                    // chi2(3) at 99 %
   int gate_misses = 15;                   // images in a row whose sightings all fail the gate
   double nis_limit = 3.0;                 // running mean per degree of freedom
-  double blind_way = 12.0;                // [m] without a match
+  double blind_distance = 12.0;           // [m] without a match
   int absent_frames = 20;                 // images in a row without a fixture that is predicted
   double gathered_share = 0.5;            // of the particles that start around the old pose after giving up
 };

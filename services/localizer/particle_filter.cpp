@@ -23,20 +23,22 @@ struct BlockSpace {
 };
 
 NoisyStep noisy_step(const Pose2& delta, const ParticleParams& params) {
-  const double way = std::hypot(delta.x, delta.y);
+  const double distance = std::hypot(delta.x, delta.y);
   // below a centimetre the direction of the step is noise
-  const double first = way < 0.01 ? 0.0 : std::atan2(delta.y, delta.x);
+  const double first = distance < 0.01 ? 0.0 : std::atan2(delta.y, delta.x);
   const double direction = std::abs(first) > 0.5 * kPi ? -1.0 : 1.0;  // driving backwards is no half turn
   const double first_turn = direction > 0.0 ? first : wrap_angle(first - kPi);
   const double second_turn = wrap_angle(delta.theta - first_turn);
   const double turns = std::abs(first_turn) + std::abs(second_turn);
   NoisyStep step;
   step.first_turn = static_cast<float>(first_turn);
-  step.way = static_cast<float>(direction * way);
+  step.distance = static_cast<float>(direction * distance);
   step.second_turn = static_cast<float>(second_turn);
-  step.first_sigma = static_cast<float>(params.turn_by_turn * std::abs(first_turn) + params.turn_by_way * way);
-  step.way_sigma = static_cast<float>(params.way_by_way * way + params.way_by_turn * turns);
-  step.second_sigma = static_cast<float>(params.turn_by_turn * std::abs(second_turn) + params.turn_by_way * way);
+  step.first_sigma =
+      static_cast<float>(params.turn_by_turn * std::abs(first_turn) + params.turn_by_distance * distance);
+  step.distance_sigma = static_cast<float>(params.distance_by_distance * distance + params.distance_by_turn * turns);
+  step.second_sigma =
+      static_cast<float>(params.turn_by_turn * std::abs(second_turn) + params.turn_by_distance * distance);
   return step;
 }
 
@@ -139,7 +141,7 @@ void ParticleFilter::gather(const PoseBelief& belief, double share) {
 void ParticleFilter::predict(const Pose2& delta) {
   const NoisyStep step = noisy_step(delta, params_);
   const NoiseKey key = next_key();
-  const bool is_confined = walls_.has_walls() && std::abs(step.way) > 1e-6F;
+  const bool is_confined = walls_.has_walls() && std::abs(step.distance) > 1e-6F;
   for (std::size_t begin = 0; begin < count_; begin += kBlock) {
     const std::size_t count = std::min(kBlock, count_ - begin);
     if (is_confined) {
@@ -163,9 +165,9 @@ void ParticleFilter::move_inside_walls(const NoisyStep& step, std::size_t begin,
     bool is_placed = walls_.is_free({x_[particle], y_[particle]});
     for (int attempt = 0; attempt < params_.redraws && !is_placed; ++attempt) {
       const double heading = theta[i] + step.first_turn + step.first_sigma * random_.gauss();
-      const double way = step.way + step.way_sigma * random_.gauss();
+      const double distance = step.distance + step.distance_sigma * random_.gauss();
       const double after = step.second_turn + step.second_sigma * random_.gauss();
-      const Eigen::Vector2d place(x[i] + way * std::cos(heading), y[i] + way * std::sin(heading));
+      const Eigen::Vector2d place(x[i] + distance * std::cos(heading), y[i] + distance * std::sin(heading));
       is_placed = walls_.is_free(place);
       x_[particle] = static_cast<float>(place.x());
       y_[particle] = static_cast<float>(place.y());

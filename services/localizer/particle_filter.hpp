@@ -28,9 +28,9 @@ struct ParticleParams {
   double unknown_free = 0.5;                // P of a cell the map does not know
   double min_free = 0.05;                   // P of an occupied cell
   double turn_by_turn = 0.1;                // odometry noise: [rad/rad] (Thrun et al. 2005, table 5.6: alpha 1 .. 4)
-  double turn_by_way = 0.05;                // [rad/m]
-  double way_by_way = 0.1;                  // [m/m]
-  double way_by_turn = 0.05;                // [m/rad]
+  double turn_by_distance = 0.05;           // [rad/m]
+  double distance_by_distance = 0.1;        // [m/m]
+  double distance_by_turn = 0.05;           // [m/rad]
   int redraws = 5;                          // tries to move a particle without entering a wall
   ParticleResampling resampling = ParticleResampling::kChurn;
   double copied_share = 0.10;  // churn: the best replace as many of the worst

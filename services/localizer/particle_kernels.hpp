@@ -10,12 +10,12 @@ namespace luminav {
 
 /// One odometry step as turn, way, turn, with the deviations of their noise. Thrun et al. 2005, table 5.6.
 struct NoisyStep {
-  float first_turn = 0.0F;    // [rad]
-  float way = 0.0F;           // [m] negative: backwards
-  float second_turn = 0.0F;   // [rad]
-  float first_sigma = 0.0F;   // [rad]
-  float way_sigma = 0.0F;     // [m]
-  float second_sigma = 0.0F;  // [rad]
+  float first_turn = 0.0F;      // [rad]
+  float distance = 0.0F;        // [m] negative: backwards
+  float second_turn = 0.0F;     // [rad]
+  float first_sigma = 0.0F;     // [rad]
+  float distance_sigma = 0.0F;  // [m]
+  float second_sigma = 0.0F;    // [rad]
 };
 
 /// Key of a counter-based generator: the same key and index give the same number, whatever else was drawn.

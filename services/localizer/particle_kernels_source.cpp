@@ -173,10 +173,10 @@ void move(const NoisyStep& step, NoiseKey key, std::size_t first, float* x, floa
     const TwoNormals one = normals(counter, key);
     const TwoNormals two = normals(counter + 2U, key);
     const Float8 heading = load(theta + i) + step.first_turn + step.first_sigma * one.first;
-    const Float8 way = step.way + step.way_sigma * one.second;
+    const Float8 distance = step.distance + step.distance_sigma * one.second;
     const SineCosine turn = sine_cosine_of(heading);
-    store(x + i, load(x + i) + way * turn.cosine);
-    store(y + i, load(y + i) + way * turn.sine);
+    store(x + i, load(x + i) + distance * turn.cosine);
+    store(y + i, load(y + i) + distance * turn.sine);
     store(theta + i, wrap(heading + step.second_turn + step.second_sigma * two.first));
   }
 }

@@ -14,7 +14,7 @@ namespace luminav {
 namespace {
 
 constexpr double kFarthest = 5.0;             // [m] driven without this process
-constexpr double kUnseenWay = 0.05;           // [m per m] odometry's error, whatever way it took
+constexpr double kUnseenDistance = 0.05;      // [m per m] odometry's error, whatever way it took
 constexpr double kMinPosition = 0.05;         // [m] 1-sigma added
 constexpr double kMinHeading = radians(3.0);  // [rad]
 constexpr double kUnseenTurn = radians(5.0);  // [rad per m] of unseen way
@@ -90,14 +90,14 @@ void PoseMemory::forget() const {
 std::optional<PoseBelief> carry_forward(const RememberedPose& remembered, std::int64_t session,
                                         const Pose2& odom_from_robot) {
   const Pose2 delta = remembered.odom_from_robot.inverse() * odom_from_robot;
-  const double way = std::hypot(delta.x, delta.y);
-  if (session != remembered.session || way > kFarthest) {
+  const double distance = std::hypot(delta.x, delta.y);
+  if (session != remembered.session || distance > kFarthest) {
     return std::nullopt;
   }
   PoseBelief belief = remembered.belief;
   belief.pose = belief.pose * delta;
-  const double position = kMinPosition + kUnseenWay * way;
-  const double heading = kMinHeading + kUnseenTurn * way;
+  const double position = kMinPosition + kUnseenDistance * distance;
+  const double heading = kMinHeading + kUnseenTurn * distance;
   belief.covariance += Eigen::Vector3d(position * position, position * position, heading * heading).asDiagonal();
   return belief;
 }

@@ -25,7 +25,7 @@ PoseVerdict::PoseVerdict(const FixtureMap& map, SceneMemory& scene, HypothesisBa
   }
 }
 
-bool PoseVerdict::decide(const SightingFrame& frame, double way_since_fixture) {
+bool PoseVerdict::decide(const SightingFrame& frame, double distance_since_fixture) {
   if (bank_.hypotheses().empty()) {
     drop_leader(LocalizerState::kLost);
     reason_ = map_.size() == 0           ? kNoFixtures
@@ -38,7 +38,7 @@ bool PoseVerdict::decide(const SightingFrame& frame, double way_since_fixture) {
     return false;
   }
   if (is_tracking()) {
-    judge_tracked_pose(way_since_fixture);
+    judge_tracked_pose(distance_since_fixture);
     return false;
   }
   if (resume_tracking(frame)) {
@@ -93,7 +93,7 @@ bool PoseVerdict::begin_anew_if_unexplained(const SightingFrame& frame) {
   return true;
 }
 
-void PoseVerdict::judge_tracked_pose(double way_since_fixture) {
+void PoseVerdict::judge_tracked_pose(double distance_since_fixture) {
   const std::vector<Hypothesis>& all = bank_.hypotheses();
   const Hypothesis& best = all.front();
   const PoseBelief belief = leader_id_ != 0 ? filter_.belief() : best.belief;
@@ -108,7 +108,7 @@ void PoseVerdict::judge_tracked_pose(double way_since_fixture) {
   } else if (sigma > rules_.leave_position_sigma || heading_sigma > rules_.leave_heading_sigma) {
     state_ = LocalizerState::kAmbiguous;
     wide_ = true;
-    reason_ = fmt::format("no fixture for {:.1f} m: the pose is only known to {:.2f} m", way_since_fixture, sigma);
+    reason_ = fmt::format("no fixture for {:.1f} m: the pose is only known to {:.2f} m", distance_since_fixture, sigma);
   } else {
     reason_ = fmt::format("one pose explains all that was seen; known to {:.0f} mm and {:.1f} degrees", 1e3 * sigma,
                           degrees(heading_sigma));

@@ -23,9 +23,9 @@ class PoseVerdict {
   PoseVerdict(const FixtureMap& map, SceneMemory& scene, HypothesisBank& bank, TrackingFilter& filter,
               ContradictionWatch& watch, const TrackingRules& rules);
 
-  /// Judges the hypotheses after an image, or after odometry alone (an empty frame); `way_since_fixture` [m]. True when
-  /// the filter was started at another pose and is to be corrected by this very image.
-  [[nodiscard]] bool decide(const SightingFrame& frame, double way_since_fixture);
+  /// Judges the hypotheses after an image, or after odometry alone (an empty frame); `distance_since_fixture` [m]. True
+  /// when the filter was started at another pose and is to be corrected by this very image.
+  [[nodiscard]] bool decide(const SightingFrame& frame, double distance_since_fixture);
 
   /// Puts the filter's pose in doubt: it becomes the only hypothesis, with `bonus` as its prior, and the search begins.
   void doubt(const std::string& why, double bonus);
@@ -62,7 +62,7 @@ class PoseVerdict {
   void drop_leader(LocalizerState state);
   void drop_refuted_leader();
   [[nodiscard]] bool begin_anew_if_unexplained(const SightingFrame& frame);
-  void judge_tracked_pose(double way_since_fixture);
+  void judge_tracked_pose(double distance_since_fixture);
   [[nodiscard]] bool resume_tracking(const SightingFrame& frame);
   [[nodiscard]] bool may_declare(const Hypothesis& best, const SightingFrame& frame) const;
   [[nodiscard]] bool declare_tracking(const Hypothesis& best);

@@ -57,7 +57,7 @@ ResolvingWalk::Visited& ResolvingWalk::visited(std::int32_t place) {
     for (const RivalAtPlace& rival : ground_.rivals[index_of(place)]) {
       const std::int32_t bit = bit_of_[index_of(rival.rival)];
       if (bit >= 0) {
-        visited.farthest_first.push_back({bit, rival.way});
+        visited.farthest_first.push_back({bit, rival.distance});
         visited.rivals[index_of(bit) / kWordBits] |= Word{1} << (index_of(bit) % kWordBits);
       }
     }
@@ -78,27 +78,28 @@ double ResolvingWalk::farthest(const Visited& here, const Word* rivals) {
   const auto left = std::find_if(here.farthest_first.begin(), here.farthest_first.end(), [&](const RivalBit& rival) {
     return (rivals[index_of(rival.bit) / kWordBits] >> (index_of(rival.bit) % kWordBits) & 1) != 0;
   });
-  return left == here.farthest_first.end() ? 0.0 : left->way;
+  return left == here.farthest_first.end() ? 0.0 : left->distance;
 }
 
-void ResolvingWalk::add(std::int32_t place, double way, std::span<const Word> rivals) {
+void ResolvingWalk::add(std::int32_t place, double distance, std::span<const Word> rivals) {
   Visited& here = visited(place);
   const std::size_t index = labels_.size();
   left_.resize((index + 1) * words_);
   Word* const left = left_.data() + index * words_;
   std::transform(rivals.begin(), rivals.end(), here.rivals.begin(), left, std::bit_and<>());
   const auto left_by = [&](std::size_t label) { return left_.data() + label * words_; };
-  if (std::any_of(here.labels.begin(), here.labels.end(),
-                  [&](std::size_t other) { return labels_[other].way <= way && is_subset(left_by(other), left); })) {
+  if (std::any_of(here.labels.begin(), here.labels.end(), [&](std::size_t other) {
+        return labels_[other].distance <= distance && is_subset(left_by(other), left);
+      })) {
     return;  // the next label takes its words
   }
   std::erase_if(here.labels, [&](std::size_t other) {
-    labels_[other].is_dominated = way <= labels_[other].way && is_subset(left, left_by(other));
+    labels_[other].is_dominated = distance <= labels_[other].distance && is_subset(left, left_by(other));
     return labels_[other].is_dominated;
   });
   here.labels.push_back(index);
-  labels_.push_back({place, false, way});
-  queue_.emplace_back(way + farthest(here, left), index);
+  labels_.push_back({place, false, distance});
+  queue_.emplace_back(distance + farthest(here, left), index);
   std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
 }
 
@@ -126,7 +127,7 @@ double ResolvingWalk::search(std::int32_t from) {
       return bound;
     }
     for (const std::int32_t next : ground_.neighbours[index_of(label.place)]) {
-      add(next, label.way + step(label.place, next), left);
+      add(next, label.distance + step(label.place, next), left);
     }
   }
 }
@@ -138,30 +139,30 @@ double ResolvingWalk::length(std::int32_t from) {
   }
   using Entry = std::pair<double, std::int32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  std::unordered_map<std::int32_t, double> ways;
-  const auto reach = [&](std::int32_t place, double way) {
-    const auto [known, is_new] = ways.try_emplace(place, way);
-    if (is_new || way < known->second) {
-      known->second = way;
-      queue.emplace(way, place);
+  std::unordered_map<std::int32_t, double> distances;
+  const auto reach = [&](std::int32_t place, double distance) {
+    const auto [known, is_new] = distances.try_emplace(place, distance);
+    if (is_new || distance < known->second) {
+      known->second = distance;
+      queue.emplace(distance, place);
     }
   };
   double best = kNever;
   reach(from, 0.0);
   while (!queue.empty() && queue.top().first < best) {
-    const auto [way, place] = queue.top();
+    const auto [distance, place] = queue.top();
     queue.pop();
-    if (way > ways[place]) {
+    if (distance > distances[place]) {
       continue;
     }
     if (!ground_.is_blind[index_of(place)]) {
       const std::vector<RivalAtPlace>& rivals = ground_.rivals[index_of(place)];
-      const double min = rivals.empty() ? 0.0 : rivals.front().way;
-      best = way + min < best ? std::min(best, way + length_in_sight(place)) : best;
+      const double min = rivals.empty() ? 0.0 : rivals.front().distance;
+      best = distance + min < best ? std::min(best, distance + length_in_sight(place)) : best;
       continue;
     }
     for (const std::int32_t next : ground_.neighbours[index_of(place)]) {
-      reach(next, way + step(place, next));
+      reach(next, distance + step(place, next));
     }
   }
   return best;

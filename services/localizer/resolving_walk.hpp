@@ -13,7 +13,7 @@ namespace luminav {
 /// A rival of the true pose that is still possible at a place.
 struct RivalAtPlace {
   std::int32_t rival = 0;  // its number, from 0
-  float way = 0.0F;        // [m] from the place to the nearest one where it is refuted; infinite: nowhere
+  float distance = 0.0F;   // [m] from the place to the nearest one where it is refuted; infinite: nowhere
 };
 
 /// Places, which lead to which in a straight line, and which rivals are still possible there.
@@ -45,11 +45,11 @@ class ResolvingWalk {
   struct Label {
     std::int32_t place = 0;
     bool is_dominated = false;  // another one came there by no longer way and left no other rivals
-    double way = 0.0;           // [m]
+    double distance = 0.0;      // [m]
   };
   struct RivalBit {
     std::int32_t bit = 0;
-    float way = 0.0F;  // [m] that it needs
+    float distance = 0.0F;  // [m] that it needs
   };
   /// What the search from one start knows of a place.
   struct Visited {
@@ -63,7 +63,7 @@ class ResolvingWalk {
   [[nodiscard]] double step(std::int32_t from, std::int32_t to) const;
   void begin(std::int32_t from);
   [[nodiscard]] Visited& visited(std::int32_t place);
-  void add(std::int32_t place, double way, std::span<const Word> rivals);
+  void add(std::int32_t place, double distance, std::span<const Word> rivals);
   /// All rivals of `a` are among those of `b`.
   [[nodiscard]] bool is_subset(const Word* a, const Word* b) const;
   /// Way [m] that the farthest of some rivals needs from there.

@@ -12,18 +12,18 @@ constexpr double kDeviations = 3.0;             // of image noise
 
 /// The step of a robot whose wheels moved it by so much [m], along its mean heading.
 Pose2 step_of_wheels(double left, double right, double wheel_base) {
-  const double way = 0.5 * (left + right);
+  const double distance = 0.5 * (left + right);
   const double turn = (right - left) / wheel_base;
-  return {way * std::cos(0.5 * turn), way * std::sin(0.5 * turn), wrap_angle(turn)};
+  return {distance * std::cos(0.5 * turn), distance * std::sin(0.5 * turn), wrap_angle(turn)};
 }
 
 }  // namespace
 
 bool is_beyond_slip(const CeilingLook& before, const CeilingLook& now, double wheel_base, double max) {
   const Pose2 step = before.odom_from_robot.inverse() * now.odom_from_robot;
-  const double way = step.x * std::cos(0.5 * step.theta) + step.y * std::sin(0.5 * step.theta);
-  const double left = way - 0.5 * wheel_base * step.theta;
-  const double right = way + 0.5 * wheel_base * step.theta;
+  const double distance = step.x * std::cos(0.5 * step.theta) + step.y * std::sin(0.5 * step.theta);
+  const double left = distance - 0.5 * wheel_base * step.theta;
+  const double right = distance + 0.5 * wheel_base * step.theta;
   for (const double left_grip : kGrips) {
     for (const double right_grip : kGrips) {
       const Pose2 moved = step_of_wheels(left_grip * left, right_grip * right, wheel_base);

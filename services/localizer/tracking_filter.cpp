@@ -49,9 +49,9 @@ void TrackingFilter::start(const PoseBelief& belief) {
 
 Pose2 TrackingFilter::corrected(const Pose2& delta) const {
   const double forward = delta.x >= 0.0 ? 1.0 : -1.0;
-  const double way = forward * std::hypot(delta.x, delta.y);
+  const double distance = forward * std::hypot(delta.x, delta.y);
   const double scale = 1.0 + state_(kScale);
-  const double extra = state_(kTurn) * delta.theta + state_(kDrift) * way;
+  const double extra = state_(kTurn) * delta.theta + state_(kDrift) * distance;
   const double c = std::cos(0.5 * extra);
   const double s = std::sin(0.5 * extra);
   return {scale * (c * delta.x - s * delta.y), scale * (s * delta.x + c * delta.y), wrap_angle(delta.theta + extra)};
@@ -78,7 +78,7 @@ void TrackingFilter::predict(const Pose2& delta) {
   const Pose2 step = corrected(delta);
   const Pose2 before{state_(0), state_(1), state_(2)};
   const double forward = delta.x >= 0.0 ? 1.0 : -1.0;
-  const double way = std::hypot(delta.x, delta.y);
+  const double distance = std::hypot(delta.x, delta.y);
   const Pose2 after = before * step;
   const double dx = after.x - before.x;
   const double dy = after.y - before.y;
@@ -90,7 +90,7 @@ void TrackingFilter::predict(const Pose2& delta) {
   f(1, 2) = dx;
   f(0, 3) = dx / (1.0 + state_(kScale));
   f(1, 3) = dy / (1.0 + state_(kScale));
-  f(2, 4) = forward * way;
+  f(2, 4) = forward * distance;
   f(0, 4) = -0.5 * dy * f(2, 4);
   f(1, 4) = 0.5 * dx * f(2, 4);
   f(2, 5) = delta.theta;
@@ -109,12 +109,12 @@ void TrackingFilter::predict(const Pose2& delta) {
                                       rotation * odometry_noise(delta, wheel_base_, errors_) * rotation.transpose();
   state_.head<3>() << after.x, after.y, after.theta;
 
-  const double noise_way = noise_distance(delta, wheel_base_);
-  covariance_(kScale, kScale) += squared(params_.wheel_walk) * noise_way;
-  covariance_(kDrift, kDrift) += squared(params_.drift_walk) * noise_way;
-  covariance_(kTurn, kTurn) += squared(params_.wheel_walk) * noise_way;
+  const double noisy_distance = noise_distance(delta, wheel_base_);
+  covariance_(kScale, kScale) += squared(params_.wheel_walk) * noisy_distance;
+  covariance_(kDrift, kDrift) += squared(params_.drift_walk) * noisy_distance;
+  covariance_(kTurn, kTurn) += squared(params_.wheel_walk) * noisy_distance;
   // first-order Gauss-Markov process in space, stationary at floor_tilt
-  const double keep = std::exp(-way / params_.floor_length);
+  const double keep = std::exp(-distance / params_.floor_length);
   state_.segment<2>(kFloor) *= keep;
   covariance_.middleRows<2>(kFloor) *= keep;
   covariance_.middleCols<2>(kFloor) *= keep;

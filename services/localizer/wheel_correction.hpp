@@ -16,11 +16,11 @@ struct WheelCorrection {
 
   /// The step that the robot really made, for way [m] and turn [rad] as odometry tells them.
   template <typename Number>
-  static void correct(const Number& scale, const Number& ratio, const Number& base, double wheel_base, double way,
-                      double turn, Number& true_way, Number& true_turn) {
-    const Number left = (1.0 + scale) * (1.0 - 0.5 * ratio) * (way - 0.5 * wheel_base * turn);
-    const Number right = (1.0 + scale) * (1.0 + 0.5 * ratio) * (way + 0.5 * wheel_base * turn);
-    true_way = 0.5 * (left + right);
+  static void correct(const Number& scale, const Number& ratio, const Number& base, double wheel_base, double distance,
+                      double turn, Number& true_distance, Number& true_turn) {
+    const Number left = (1.0 + scale) * (1.0 - 0.5 * ratio) * (distance - 0.5 * wheel_base * turn);
+    const Number right = (1.0 + scale) * (1.0 + 0.5 * ratio) * (distance + 0.5 * wheel_base * turn);
+    true_distance = 0.5 * (left + right);
     true_turn = (right - left) / (wheel_base * (1.0 + base));
   }
 };
@@ -38,12 +38,13 @@ class CorrectedOdometry {
     } else {
       const Pose2 step = last_.inverse() * odom_from_robot;
       const double direction = step.x >= 0.0 ? 1.0 : -1.0;
-      double way = 0.0;
+      double distance = 0.0;
       double turn = 0.0;
       WheelCorrection::correct(correction_.scale, correction_.ratio, correction_.base, wheel_base_,
-                               direction * std::hypot(step.x, step.y), step.theta, way, turn);
+                               direction * std::hypot(step.x, step.y), step.theta, distance, turn);
       // along the mean heading of the step, as odometry itself does
-      corrected_ = corrected_ * Pose2{way * std::cos(0.5 * turn), way * std::sin(0.5 * turn), wrap_angle(turn)};
+      corrected_ =
+          corrected_ * Pose2{distance * std::cos(0.5 * turn), distance * std::sin(0.5 * turn), wrap_angle(turn)};
     }
     last_ = odom_from_robot;
     has_last_ = true;

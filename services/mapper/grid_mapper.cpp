@@ -161,9 +161,9 @@ void GridMapper::look_beside(const DiscReading& reading) {
       if (grid_.evidence[i] <= 0 || grid_.prior[i] != Prior::kFree || near_wall_[i] != 0) {
         continue;
       }
-      const Eigen::Vector2d way = grid_.geometry.centre_of({column, row}) - disc;
-      const double off_axis = wrap_angle(std::atan2(way.y(), way.x()) - reading.world_from_sonar.theta);
-      if (way.norm() <= reach && std::abs(off_axis) <= params_.lobe_angle) {
+      const Eigen::Vector2d offset = grid_.geometry.centre_of({column, row}) - disc;
+      const double off_axis = wrap_angle(std::atan2(offset.y(), offset.x()) - reading.world_from_sonar.theta);
+      if (offset.norm() <= reach && std::abs(off_axis) <= params_.lobe_angle) {
         grid_.evidence[i] =
             static_cast<std::int8_t>(std::max(0, grid_.evidence[i] - to_evidence(params_.lobe_log_odds)));
       }

@@ -102,10 +102,10 @@ void FreeSpaceModel::line(const GridGeometry& geometry, const Pose2& apex, doubl
                           const std::array<std::int8_t, 256>& table, std::vector<std::int8_t>& evidence) {
   // one step per cell of the longer axis (a digital differential analyser)
   const Eigen::Vector2d start = (apex.position() - geometry.origin) / geometry.resolution;
-  const Eigen::Vector2d way = length / geometry.resolution * unit_vector(apex.theta);
-  const int steps = std::max(1, ceil_to_int(way.cwiseAbs().maxCoeff()));
-  const Eigen::Vector2d step = way / steps;
-  const Eigen::Vector2d end = start + way;
+  const Eigen::Vector2d ray = length / geometry.resolution * unit_vector(apex.theta);
+  const int steps = std::max(1, ceil_to_int(ray.cwiseAbs().maxCoeff()));
+  const Eigen::Vector2d step = ray / steps;
+  const Eigen::Vector2d end = start + ray;
   const bool is_inside = start.minCoeff() >= 0.0 && end.minCoeff() >= 0.0 &&
                          std::max(start.x(), end.x()) < geometry.columns &&
                          std::max(start.y(), end.y()) < geometry.rows;

@@ -58,12 +58,12 @@ class GoalCycle {
   /// Where the building's map has the robot walled in, the pose is wrong rather than the goal out of reach: stands
   /// still, then looks round. False when that has gone on for too long.
   bool doubt_place(const Situation& situation);
-  void hold(const Polyline& way, std::size_t blocked_at, double reference_length);
+  void hold(const Polyline& path, std::size_t blocked_at, double reference_length);
   /// Leaves a place in the way of whoever comes through a door, and waits beside the door. False where there is no
   /// room.
-  bool wait_beside(const Door& door, const Polyline& way);
+  bool wait_beside(const Door& door, const Polyline& path);
   /// The door before or in which the robot holds, if it has not waited beside one too often.
-  [[nodiscard]] const Door* door_in_the_way() const;
+  [[nodiscard]] const Door* blocking_door() const;
   /// How far [m] from the place of the hold something stands on the blocked way; walls are nothing.
   [[nodiscard]] double distance_of_what_blocks() const;
   /// Somebody comes out of the door before which the robot holds.
@@ -178,7 +178,7 @@ class GoalCycle {
   int failures_in_a_row_ = 0;
   int skipped_ = 0;
   Blockage blockage_;
-  Polyline blocked_way_;                                  // that it leads through
+  Polyline blocked_path_;                                 // that it leads through
   Eigen::Vector2d hold_place_ = Eigen::Vector2d::Zero();  // [m] world
   double blocker_distance_ = 0.0;                         // [m] from there to what blocked the way, then
   std::int64_t last_facing_ = 0;                          // [us] when the robot was last told to turn towards it

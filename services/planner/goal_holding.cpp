@@ -17,7 +17,7 @@ constexpr double kShortestLook = 0.15;     // [m] the same where looking at it i
 constexpr double kNearEnough = 0.5;        // [m] from it: nearer it would creep into what stands there
 constexpr double kHoldReached = 0.4;       // [m] from the end of that way
 constexpr double kSlowestSpeed = 0.1;      // [m/s] that a way to a blockage may take
-constexpr double kWayAside = 3.0;          // [m] more than to the blockage that a place beside a door may be away
+constexpr double kDetour = 3.0;            // [m] more than to the blockage that a place beside a door may be away
 constexpr double kFacing = radians(15.0);  // [rad] off it, what is in the door is seen
 constexpr std::size_t kPlacesTried = 4;    // beside a door
 constexpr double kWantsToPass = 0.9;       // [m] from where it holds
@@ -26,17 +26,17 @@ constexpr double kWantsToPass = 0.9;       // [m] from where it holds
 
 // Where the robot waits for a way that is blocked, and what ends the waiting.
 
-void GoalCycle::hold(const Polyline& way, std::size_t blocked_at, double reference_length) {
-  blockage_ = measure_blockage(planner_.space(), doors_, way, blocked_at, 2.0 * planner_params_.space.hard_radius);
+void GoalCycle::hold(const Polyline& path, std::size_t blocked_at, double reference_length) {
+  blockage_ = measure_blockage(planner_.space(), doors_, path, blocked_at, 2.0 * planner_params_.space.hard_radius);
   hold_reason_ = blockage_.sentence();
   reference_length_ = reference_length;
   search_.expect(reference_length);
-  Polyline approach(way.begin(), way.begin() + static_cast<std::ptrdiff_t>(blocked_at) + 1);
+  Polyline approach(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(blocked_at) + 1);
   const bool is_drawn = planner_params_.space.unknown_is_free;  // by this robot alone: worth a look from near
   const double distance = is_drawn ? params_.gap_distance : params_.hold_distance;
   const auto back = static_cast<std::size_t>(distance / planner_params_.shaping.spacing);
   approach.resize(approach.size() > back ? approach.size() - back : 0);
-  const bool is_near = is_drawn && (way[blocked_at] - way.front()).norm() < kNearEnough;
+  const bool is_near = is_drawn && (path[blocked_at] - path.front()).norm() < kNearEnough;
   const bool worth_driving =
       !is_near && approach.size() >= 2 && polyline_length(approach) > (is_drawn ? kShortestLook : kShortestHold);
   set_path(worth_driving ? approach : Polyline{});
@@ -44,12 +44,12 @@ void GoalCycle::hold(const Polyline& way, std::size_t blocked_at, double referen
   path_.has_theta = is_drawn && worth_driving;
   path_.tolerance = is_drawn ? params_.gap_distance : params_.hold_tolerance;
   if (path_.has_theta) {
-    const Eigen::Vector2d ahead = way[blocked_at] - approach.back();
+    const Eigen::Vector2d ahead = path[blocked_at] - approach.back();
     path_.theta = std::atan2(ahead.y(), ahead.x());
   }
   hold_since_ = worth_driving ? 0 : now_;
-  hold_place_ = worth_driving ? approach.back() : way.front();
-  blocked_way_ = way;
+  hold_place_ = worth_driving ? approach.back() : path.front();
+  blocked_path_ = path;
   last_facing_ = 0;
   has_looked_again_ = false;
   looks_at_gap_ = false;
@@ -57,13 +57,13 @@ void GoalCycle::hold(const Polyline& way, std::size_t blocked_at, double referen
   enter(Phase::kHolding, NavigationState::kWaiting,
         fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait));
   blocker_distance_ = distance_of_what_blocks();
-  const Door* door = door_in_the_way();
+  const Door* door = blocking_door();
   if (door != nullptr && is_in_opening(*door, hold_place_)) {
-    wait_beside(*door, way);
+    wait_beside(*door, path);
   }
 }
 
-const Door* GoalCycle::door_in_the_way() const {
+const Door* GoalCycle::blocking_door() const {
   const auto door =
       std::find_if(doors_.begin(), doors_.end(), [&](const Door& each) { return is_in_doorway(each, hold_place_); });
   const bool is_drawn = planner_params_.space.unknown_is_free;  // doors and walls alike are what it looks at
@@ -71,18 +71,18 @@ const Door* GoalCycle::door_in_the_way() const {
 }
 
 double GoalCycle::distance_of_what_blocks() const {
-  const Polyline way = rest_of(blocked_way_, nearest_ahead(blocked_way_, 0, hold_place_), hold_place_);
+  const Polyline path = rest_of(blocked_path_, nearest_ahead(blocked_path_, 0, hold_place_), hold_place_);
   const std::optional<Eigen::Vector2d> place =
-      what_blocks(planner_.space(), *grid_, way, planner_params_.space.hard_radius);
+      what_blocks(planner_.space(), *grid_, path, planner_params_.space.hard_radius);
   return place ? (*place - hold_place_).norm() : std::numeric_limits<double>::infinity();
 }
 
-bool GoalCycle::wait_beside(const Door& door, const Polyline& way) {
-  const double longest = kWayAside + polyline_length(way);
-  std::vector<Eigen::Vector2d> places = places_beside(door, way, planner_.space());
+bool GoalCycle::wait_beside(const Door& door, const Polyline& path) {
+  const double longest = kDetour + polyline_length(path);
+  std::vector<Eigen::Vector2d> places = places_beside(door, path, planner_.space());
   places.resize(std::min(places.size(), kPlacesTried));
   for (const Eigen::Vector2d& place : places) {
-    const Route there = planner_.plan({way.front(), place, 0.0});
+    const Route there = planner_.plan({path.front(), place, 0.0});
     if (there.outcome == RouteOutcome::kFound && polyline_length(there.points) < longest) {
       const Eigen::Vector2d ahead = door.world_from_door.position() - place;
       set_path_to_wait(there.points, std::atan2(ahead.y(), ahead.x()));
@@ -99,13 +99,13 @@ bool GoalCycle::wait_beside(const Door& door, const Polyline& way) {
 
 // A thing stays where it is; who comes nearer wants to get out.
 void GoalCycle::make_way(const Situation& situation) {
-  const Door* door = door_in_the_way();
+  const Door* door = blocking_door();
   if (door == nullptr || distance_of_what_blocks() > std::min(kWantsToPass, blocker_distance_ - params_.come_nearer)) {
     return;
   }
-  Polyline way = blocked_way_;
-  way.front() = situation.world_from_robot.position();
-  if (wait_beside(*door, way)) {
+  Polyline path = blocked_path_;
+  path.front() = situation.world_from_robot.position();
+  if (wait_beside(*door, path)) {
     report_.cause = fmt::format("{}; making way", hold_reason_);
   }
 }
@@ -176,9 +176,9 @@ void GoalCycle::face_blockage(const Situation& situation) {
     return;
   }
   const Pose2& robot = situation.world_from_robot;
-  const Polyline way = rest_of(blocked_way_, nearest_ahead(blocked_way_, 0, robot.position()), robot.position());
+  const Polyline path = rest_of(blocked_path_, nearest_ahead(blocked_path_, 0, robot.position()), robot.position());
   const std::optional<Eigen::Vector2d> place =
-      what_blocks(planner_.space(), *grid_, way, planner_params_.space.hard_radius);
+      what_blocks(planner_.space(), *grid_, path, planner_params_.space.hard_radius);
   if (!place) {
     return;
   }
@@ -203,8 +203,8 @@ void GoalCycle::look_again(const Situation& situation, const Route& route) {
   if (there.outcome != RouteOutcome::kFound || there.points.size() < 2) {
     return;
   }
-  const Eigen::Vector2d way = stop().pose.position() - *route.nearest_reachable;
-  set_path_to_wait(there.points, std::atan2(way.y(), way.x()));
+  const Eigen::Vector2d offset = stop().pose.position() - *route.nearest_reachable;
+  set_path_to_wait(there.points, std::atan2(offset.y(), offset.x()));
   hold_since_ = 0;
   phase_since_ = now_;
   report_.cause = fmt::format("{}; looking at it from there", hold_reason_);

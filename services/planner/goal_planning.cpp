@@ -79,18 +79,19 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
   // is it the building, or something that may go away?
   RoutePlanner by_map(planner_params_);
   by_map.set_grid(*grid_, {}, false);
-  const Route way = by_map.plan({situation.world_from_robot.position(), stop().pose.position(), planned_tolerance()});
-  if (way.outcome == RouteOutcome::kStartEnclosed && doubt_place(situation)) {
+  const Route detour =
+      by_map.plan({situation.world_from_robot.position(), stop().pose.position(), planned_tolerance()});
+  if (detour.outcome == RouteOutcome::kStartEnclosed && doubt_place(situation)) {
     return;
   }
-  if (way.outcome != RouteOutcome::kFound) {
+  if (detour.outcome != RouteOutcome::kFound) {
     fail_stop(NavigationState::kNoPath,
               no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance()));
     return;
   }
   const auto beside = static_cast<std::size_t>(kSkipBesideRobot / planner_params_.shaping.spacing) + 1;
-  const std::size_t blocked = planner_.first_blocked(way.points, beside).value_or(way.points.size() - 1);
-  hold(way.points, blocked, polyline_length(way.points));
+  const std::size_t blocked = planner_.first_blocked(detour.points, beside).value_or(detour.points.size() - 1);
+  hold(detour.points, blocked, polyline_length(detour.points));
   if (route.outcome == RouteOutcome::kGoalBlocked) {
     hold_reason_ = no_path_sentence(route, planner_.space().geometry(), stop(), planned_tolerance());
     report_.cause = fmt::format("{}; waiting {:.0f} s", hold_reason_, params_.blocked_wait);
@@ -176,14 +177,15 @@ bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
     doubting.space.occupied_log_odds = occupied;
     RoutePlanner by_what_is_sure(doubting);
     by_what_is_sure.set_grid(*grid_, obstacles);
-    const Route way = by_what_is_sure.plan({robot, stop().pose.position(), planned_tolerance()});
-    if (way.outcome != RouteOutcome::kFound) {
+    const Route detour = by_what_is_sure.plan({robot, stop().pose.position(), planned_tolerance()});
+    if (detour.outcome != RouteOutcome::kFound) {
       continue;
     }
-    const double through = worth(length_with_unknown(way.points));  // of two, the one with less doubt if about as long
-    const std::optional<std::size_t> blocked = planner_.first_blocked(way.points, beside);
+    const double through =
+        worth(length_with_unknown(detour.points));  // of two, the one with less doubt if about as long
+    const std::optional<std::size_t> blocked = planner_.first_blocked(detour.points, beside);
     if (blocked && through < best_length) {
-      best = way.points;
+      best = detour.points;
       best_length = through;
       best_blocked = *blocked;
     }

@@ -27,21 +27,21 @@ Polyline PathShaper::shape_piece(const ConfigurationSpace& space, Polyline chain
   return shaped;
 }
 
-void PathShaper::append(const ConfigurationSpace& space, const Polyline& section, Polyline& way) {
-  if (way.empty()) {
-    way = section;
+void PathShaper::append(const ConfigurationSpace& space, const Polyline& section, Polyline& path) {
+  if (path.empty()) {
+    path = section;
     return;
   }
   const auto about = static_cast<std::size_t>(kAboutJoint / params_.spacing);
-  const auto before = static_cast<std::ptrdiff_t>(std::min(about, way.size() - 1));
+  const auto before = static_cast<std::ptrdiff_t>(std::min(about, path.size() - 1));
   const auto behind = static_cast<std::ptrdiff_t>(std::min(about, section.size() - 1));
   // the last point of the way is the first one of the section
-  Polyline joint(way.end() - before - 1, way.end());
+  Polyline joint(path.end() - before - 1, path.end());
   joint.insert(joint.end(), section.begin() + 1, section.begin() + behind + 1);
   const Polyline shaped = shape_piece(space, std::move(joint));
-  way.erase(way.end() - before - 1, way.end());
-  way.insert(way.end(), shaped.begin(), shaped.end());
-  way.insert(way.end(), section.begin() + behind + 1, section.end());
+  path.erase(path.end() - before - 1, path.end());
+  path.insert(path.end(), shaped.begin(), shaped.end());
+  path.insert(path.end(), section.begin() + behind + 1, section.end());
 }
 
 Polyline PathShaper::shape(const ConfigurationSpace& space, const Polyline& chain) {
@@ -58,14 +58,14 @@ Polyline PathShaper::shape(const ConfigurationSpace& space, const Polyline& chai
   for (Kept& kept : kept_) {
     kept.is_used = false;
   }
-  Polyline way;
+  Polyline path;
   for (std::size_t i = cuts.size() - 1; i > 0; --i) {
     const auto from = chain.begin() + static_cast<std::ptrdiff_t>(cuts[i]);
     const auto to = chain.begin() + static_cast<std::ptrdiff_t>(cuts[i - 1]);
-    append(space, shape_piece(space, Polyline(from, to + 1)), way);
+    append(space, shape_piece(space, Polyline(from, to + 1)), path);
   }
   std::erase_if(kept_, [](const Kept& kept) { return !kept.is_used; });
-  return way;
+  return path;
 }
 
 void PathShaper::forget(const GridGeometry& geometry, const CellWindow& window) {

@@ -36,7 +36,7 @@ class PathShaper {
   };
   [[nodiscard]] Polyline shape_piece(const ConfigurationSpace& space, Polyline chain);
   /// Goes on with the next section, and shapes what lies about the point where it begins.
-  void append(const ConfigurationSpace& space, const Polyline& section, Polyline& way);
+  void append(const ConfigurationSpace& space, const Polyline& section, Polyline& path);
 
   PathShapingParams params_;
   std::vector<Kept> kept_;

@@ -66,7 +66,7 @@ std::vector<WaveSeed> RoutePlanner::seeds_for(const RouteRequest& request) const
   return seeds;
 }
 
-WayOut RoutePlanner::way_out(const Eigen::Vector2d& robot) const {
+EscapeFromInflation RoutePlanner::escape_from_inflation(const Eigen::Vector2d& robot) const {
   return {space_, {params_.escape_radius, params_.body_radius, params_.space.hard_radius}, robot};
 }
 
@@ -234,7 +234,7 @@ Route RoutePlanner::plan(const RouteRequest& request) {
       cells = cells_by_tiles(start, seeds);
     } else {
       refresh_field(request, seeds);
-      cells = start_is_free ? std::vector<std::size_t>{start_index} : way_out(request.start).find(field_);
+      cells = start_is_free ? std::vector<std::size_t>{start_index} : escape_from_inflation(request.start).find(field_);
       if (!cells.empty()) {
         const std::vector<std::size_t> rest = descend(space_.terrain(), field_, cells.back());
         rest.empty() ? cells.clear() : static_cast<void>(cells.insert(cells.end(), rest.begin() + 1, rest.end()));
@@ -244,7 +244,7 @@ Route RoutePlanner::plan(const RouteRequest& request) {
       route.outcome = RouteOutcome::kFound;
       route.points = shaper_.shape(space_, chain_of(cells, request));
     } else {
-      const bool is_goal_at_fault = start_is_free || !way_out(request.start).is_enclosed();
+      const bool is_goal_at_fault = start_is_free || !escape_from_inflation(request.start).is_enclosed();
       route.outcome = is_goal_at_fault ? RouteOutcome::kUnreachable : RouteOutcome::kStartEnclosed;
     }
   }

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "services/planner/configuration_space.hpp"
+#include "services/planner/escape_from_inflation.hpp"
 #include "services/planner/path_shaper.hpp"
 #include "services/planner/tile_wave.hpp"
 #include "services/planner/wavefront.hpp"
-#include "services/planner/way_out.hpp"
 
 namespace luminav {
 
@@ -61,7 +61,7 @@ class RoutePlanner {
  private:
   [[nodiscard]] std::vector<WaveSeed> seeds_for(const RouteRequest& request) const;
   /// Of a robot whose own cell is blocked.
-  [[nodiscard]] WayOut way_out(const Eigen::Vector2d& robot) const;
+  [[nodiscard]] EscapeFromInflation escape_from_inflation(const Eigen::Vector2d& robot) const;
   [[nodiscard]] std::optional<Eigen::Vector2d> nearest_reachable(const RouteRequest& request);
   [[nodiscard]] Polyline chain_of(const std::vector<std::size_t>& cells, const RouteRequest& request) const;
   [[nodiscard]] Route plan_paper(const RouteRequest& request, const std::vector<WaveSeed>& seeds);

@@ -28,11 +28,11 @@ bool is_in_doorway(const Door& door, const Eigen::Vector2d& place) {
   return std::abs(in_door.x()) < kInTheWay && std::abs(in_door.y()) < kBefore;
 }
 
-std::vector<Eigen::Vector2d> places_beside(const Door& door, const Polyline& way, const ConfigurationSpace& space) {
+std::vector<Eigen::Vector2d> places_beside(const Door& door, const Polyline& path, const ConfigurationSpace& space) {
   const Pose2 door_from_world = door.world_from_door.inverse();
-  const Eigen::Vector2d start = door_from_world * way.front();
+  const Eigen::Vector2d start = door_from_world * path.front();
   const double coming_from =
-      std::abs(start.y()) > kOpening ? start.y() : start.y() - (door_from_world * way.back()).y();
+      std::abs(start.y()) > kOpening ? start.y() : start.y() - (door_from_world * path.back()).y();
   const double side = coming_from > 0.0 ? 1.0 : -1.0;
   std::vector<Eigen::Vector2d> places;
   for (double beside = kMinAside; beside <= kMaxAside; beside += kStep) {
@@ -47,7 +47,7 @@ std::vector<Eigen::Vector2d> places_beside(const Door& door, const Polyline& way
     }
   }
   std::stable_sort(places.begin(), places.end(), [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return (a - way.front()).norm() < (b - way.front()).norm();
+    return (a - path.front()).norm() < (b - path.front()).norm();
   });
   return places;
 }

@@ -144,19 +144,19 @@ class FloorDraughtsman {
 };
 
 /// Free way from a point along a direction until something that is not free [m].
-double free_way(const PriorMap& map, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double max) {
-  double way = 0.0;
-  while (way < max && map.at(from + way * direction) == Prior::kFree) {
-    way += map.geometry.resolution;
+double free_distance(const PriorMap& map, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double max) {
+  double distance = 0.0;
+  while (distance < max && map.at(from + distance * direction) == Prior::kFree) {
+    distance += map.geometry.resolution;
   }
-  return way;
+  return distance;
 }
 
 bool has_clearance(const PriorMap& map, const Eigen::Vector2d& position) {
   constexpr double kClearance = 0.75;  // [m] no fixture nearer to a wall
   for (int axis = 0; axis < 2; ++axis) {
     for (const double sign : {1.0, -1.0}) {
-      if (free_way(map, position, sign * Eigen::Vector2d::Unit(axis), kClearance) < kClearance) {
+      if (free_distance(map, position, sign * Eigen::Vector2d::Unit(axis), kClearance) < kClearance) {
         return false;
       }
     }
@@ -180,8 +180,8 @@ void light_grid(const PriorMap& map, const FloorPlanParams& params, const Eigen:
       Eigen::Vector2d extent;  // of the free space through here, along x and y
       for (int axis = 0; axis < 2; ++axis) {
         const Eigen::Vector2d direction = Eigen::Vector2d::Unit(axis);
-        const double ahead = free_way(map, position, direction, 4.0 * params.pitch);
-        const double behind = free_way(map, position, -direction, 4.0 * params.pitch);
+        const double ahead = free_distance(map, position, direction, 4.0 * params.pitch);
+        const double behind = free_distance(map, position, -direction, 4.0 * params.pitch);
         extent[axis] = ahead + behind;
         if (extent[axis] < kCorridor) {
           position += 0.5 * (ahead - behind) * direction;

@@ -59,9 +59,9 @@ Workload make_workload(int columns, int rows, int steps, std::size_t sightings) 
   work.sightings.emplace_back();
   for (int step = 1; step <= steps; ++step) {
     const Pose2 truth = on_circle(step);
-    const double way = distance(truth, work.truth[work.truth.size() - 1]) * (1.0 + 0.02 * random.gauss());
+    const double driven = distance(truth, work.truth[work.truth.size() - 1]) * (1.0 + 0.02 * random.gauss());
     const double turn = kStep / radius + 0.005 * random.gauss();
-    const Pose2 increment{way * std::cos(0.5 * turn), way * std::sin(0.5 * turn), turn};
+    const Pose2 increment{driven * std::cos(0.5 * turn), driven * std::sin(0.5 * turn), turn};
     work.truth.push_back(truth);
     work.increment.push_back(increment);
     work.odometry.push_back(work.odometry.back() * increment);
@@ -188,13 +188,13 @@ PoseWorkload make_pose_workload() {
 /// Noise of an odometry step as the workload draws it: 2 % of the way and 0.005 rad of the turn, half of which acts on
 /// the direction of the way.
 Eigen::Matrix3d step_noise(const Pose2& increment) {
-  const double way = 0.02 * 0.02 * (increment.x * increment.x + increment.y * increment.y);
+  const double distance = 0.02 * 0.02 * (increment.x * increment.x + increment.y * increment.y);
   const double turn = 0.005 * 0.005;
   const double x = -0.5 * increment.y;
   const double y = 0.5 * increment.x;
   Eigen::Matrix3d noise;
-  noise << way + turn * x * x, turn * x * y, turn * x,  //
-      turn * x * y, turn * y * y, turn * y,             //
+  noise << distance + turn * x * x, turn * x * y, turn * x,  //
+      turn * x * y, turn * y * y, turn * y,                  //
       turn * x, turn * y, turn;
   return noise;
 }

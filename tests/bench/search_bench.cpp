@@ -76,12 +76,12 @@ SearchCost search(const Building& floor) {
   SearchCost cost;
   for (int step = 0; step < kSteps; ++step) {
     const std::int64_t utime = 1'000'000'000 + 100'000LL * step;
-    const double way = 0.1 * kSpeed * step;
-    const Pose2 truth = Pose2{100.0, 60.0, kHeading} * Pose2{way, 0.0, 0.0};
+    const double distance = 0.1 * kSpeed * step;
+    const Pose2 truth = Pose2{100.0, 60.0, kHeading} * Pose2{distance, 0.0, 0.0};
     const SightingFrame frame = look(floor, truth, utime);
     const double begin = thread_seconds();
     localizer.add_frame(frame);
-    localizer.add_odometry({utime, 1, {way, 0.0, 0.0}, kSpeed, 0.0});
+    localizer.add_odometry({utime, 1, {distance, 0.0, 0.0}, kSpeed, 0.0});
     cost.worst_step = std::max(cost.worst_step, thread_seconds() - begin);
     cost.poses = std::max(cost.poses, localizer.bank().hypotheses().size());
     cost.bytes = std::max(cost.bytes, mallinfo2().uordblks - before);

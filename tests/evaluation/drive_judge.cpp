@@ -22,12 +22,12 @@ constexpr double kWidest = 3.0;                            // [m]
 constexpr std::array kAlong{-0.5, -0.25, 0.0, 0.25, 0.5};  // [m]
 
 /// From a point to the first wall [m]; nothing within `reach`.
-std::optional<double> way_to_wall(const PriorMap& walls, const Eigen::Vector2d& from, const Eigen::Vector2d& direction,
-                                  double reach) {
+std::optional<double> distance_to_wall(const PriorMap& walls, const Eigen::Vector2d& from,
+                                       const Eigen::Vector2d& direction, double reach) {
   const double step = 0.25 * walls.geometry.resolution;
-  for (double way = 0.0; way <= reach; way += step) {
-    if (walls.at(from + way * direction) == Prior::kOccupied) {
-      return way;
+  for (double distance = 0.0; distance <= reach; distance += step) {
+    if (walls.at(from + distance * direction) == Prior::kOccupied) {
+      return distance;
     }
   }
   return std::nullopt;
@@ -43,12 +43,12 @@ std::optional<CorridorGap> corridor_gap(const PriorMap& walls, const Pose2& worl
     for (const double along : kAlong) {
       const Eigen::Vector2d from = world_from_robot * Eigen::Vector2d(along, 0.0);
       const double turn = world_from_robot.theta + (side == 0 ? 0.5 : -0.5) * kPi;
-      const auto way = way_to_wall(walls, from, {std::cos(turn), std::sin(turn)}, kWidest);
-      if (!way) {
+      const auto distance = distance_to_wall(walls, from, {std::cos(turn), std::sin(turn)}, kWidest);
+      if (!distance) {
         return std::nullopt;
       }
-      min = std::min(min, *way);
-      max = std::max(max, *way);
+      min = std::min(min, *distance);
+      max = std::max(max, *distance);
     }
     if (max - min > 0.2) {
       return std::nullopt;

@@ -181,8 +181,8 @@ std::vector<RunReport> run_jobs(const std::vector<EvaluationJob>& jobs, int thre
       try {
         report = run_scenario(job.scenario, job.options);
         if (!report.trail.empty()) {
-          report.resolvable_after_m = resolvability.way(job.scenario.building_file, job.scenario.robot_file,
-                                                        report.trail.front().truth.position());
+          report.resolvable_after_m = resolvability.distance(job.scenario.building_file, job.scenario.robot_file,
+                                                             report.trail.front().truth.position());
         }
       } catch (const std::exception& error) {
         report.scenario = job.scenario.name;

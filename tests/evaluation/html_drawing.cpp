@@ -160,7 +160,7 @@ std::string trajectory_svg(const RunReport& run, const std::string& map_id) {
   std::string guesses;
   const std::vector<TrailPoint> trail = thinned(run.trail);
   std::optional<Pose2> world_from_odometry;
-  bool is_way_joined = false;  // the step before was drawn
+  bool is_path_joined = false;  // the step before was drawn
   const double points_per_kept_one = static_cast<double>(run.trail.size()) / kMaxPoints;
   const double step = std::max(kJump, kFastest * kTrailPeriod * points_per_kept_one);
   for (std::size_t i = 1; i < trail.size(); ++i) {
@@ -175,9 +175,9 @@ std::string trajectory_svg(const RunReport& run, const std::string& map_id) {
     }
     const bool is_drawn = tracks && distance(a.believed, b.believed) < step;
     if (is_drawn) {
-      tracking.add(a.believed, b.believed, is_way_joined && a.state == pose_t::STATE_TRACKING);
+      tracking.add(a.believed, b.believed, is_path_joined && a.state == pose_t::STATE_TRACKING);
     }
-    is_way_joined = is_drawn;
+    is_path_joined = is_drawn;
     if (!tracks) {
       guesses += fmt::format("<circle class=\"guess\" cx=\"{:.2f}\" cy=\"{:.2f}\" r=\".06\"/>",
                              b.believed.x - frame.left, frame.top - b.believed.y);

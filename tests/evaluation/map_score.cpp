@@ -93,12 +93,12 @@ bool in_sight(const cv::Mat& free, const Cell& from, const Cell& to) {
   return true;
 }
 
-/// Whether a surface cell shows a face to what looks at it along `way` [cells] no more than kOblique off the face's
+/// Whether a surface cell shows a face to what looks at it along `offset` [cells] no more than kOblique off the face's
 /// normal: beyond that the sound goes elsewhere.
-bool shows_face(const cv::Mat& free, int row, int column, const Eigen::Vector2d& way) {
+bool shows_face(const cv::Mat& free, int row, int column, const Eigen::Vector2d& offset) {
   const auto shows = [&](int dr, int dc) {
     return free.at<std::uint8_t>(row + dr, column + dc) != 0 &&
-           -way.dot(Eigen::Vector2d(dc, dr)) >= kCosOblique * way.norm();
+           -offset.dot(Eigen::Vector2d(dc, dr)) >= kCosOblique * offset.norm();
   };
   return shows(-1, 0) || shows(1, 0) || shows(0, -1) || shows(0, 1);
 }
@@ -117,9 +117,9 @@ cv::Mat faces_passed(const cv::Mat& free, const GridGeometry& g, const std::vect
     for (int row = std::max(1, here.row - reach); row <= std::min(g.rows - 2, here.row + reach); ++row) {
       for (int column = std::max(1, here.column - reach); column <= std::min(g.columns - 2, here.column + reach);
            ++column) {
-        const Eigen::Vector2d way(column - here.column, row - here.row);
+        const Eigen::Vector2d offset(column - here.column, row - here.row);
         if (free.at<std::uint8_t>(row, column) == 0 && passed.at<std::uint8_t>(row, column) == 0 &&
-            way.norm() <= reach && shows_face(free, row, column, way) && in_sight(free, here, {column, row})) {
+            offset.norm() <= reach && shows_face(free, row, column, offset) && in_sight(free, here, {column, row})) {
           passed.at<std::uint8_t>(row, column) = 255;
         }
       }

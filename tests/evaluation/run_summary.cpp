@@ -104,7 +104,7 @@ class Summary {
     const std::vector<double> distances = list([](const RunReport& r) { return r.localized_after_m; }, localized);
     put_quantile("localized_after_m_median", distances, 0.5);
     put_quantile("localized_after_m_p95", distances, 0.95);
-    put_way_ratio();
+    put_path_ratio();
     put_mean(
         "tracking_ratio", [](const RunReport& r) { return r.tracking_ratio; }, localized);
     put_mean("in_view_position_rms_m", &RunReport::in_view_position_rms_m);
@@ -115,7 +115,7 @@ class Summary {
   }
 
   /// Way driven until localized, as a multiple of the least that would tell the pose from there.
-  void put_way_ratio() {
+  void put_path_ratio() {
     const Claim known = [](const RunReport& r) {
       return r.localized && r.resolvable_after_m >= 0.0 && std::isfinite(r.resolvable_after_m);
     };

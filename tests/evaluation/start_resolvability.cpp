@@ -23,8 +23,8 @@ RivalGround audited_ground(const std::filesystem::path& building_file, const std
 
 }  // namespace
 
-double StartResolvability::way(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
-                               const Eigen::Vector2d& start) {
+double StartResolvability::distance(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
+                                    const Eigen::Vector2d& start) {
   Audit* audit = nullptr;
   {
     const std::lock_guard lock(mutex_);

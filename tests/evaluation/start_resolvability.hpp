@@ -18,8 +18,8 @@ class StartResolvability {
   /// Length [m] of the shortest walk on which a start's last twin is refuted, whatever its heading. Infinite: never;
   /// negative: not known, for a floor of more than a thousand fixtures or a start outside of the places looked at.
   /// Throws ConfigurationError for files that cannot be used.
-  [[nodiscard]] double way(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
-                           const Eigen::Vector2d& start);
+  [[nodiscard]] double distance(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
+                                const Eigen::Vector2d& start);
 
  private:
   struct Audit {

@@ -174,8 +174,8 @@ void draw_loop_and_grid(const fs::path& folder) {
 }
 
 /// A way through a building; `shows_space`: with the configuration space (light red) and the walls it was grown from.
-void draw_way(const fs::path& building_file, const std::string& from, const std::string& to, bool shows_space,
-              const fs::path& file) {
+void draw_path(const fs::path& building_file, const std::string& from, const std::string& to, bool shows_space,
+               const fs::path& file) {
   const Building building = read_building(building_file);
   const PriorMap map = resample(read_map(building.map_file), 0.1);
   const auto place = [&](const std::string& name) {
@@ -262,8 +262,8 @@ int draw_figures(const fs::path& folder, std::int64_t only) {
     draw_loop_and_grid(folder);
   }
   if (is_wanted(7)) {
-    draw_way(kSource / "launch/buildings/laboratory/building.toml", "workbench", "office-3", true,
-             folder / "figure-7-configuration-space.png");
+    draw_path(kSource / "launch/buildings/laboratory/building.toml", "workbench", "office-3", true,
+              folder / "figure-7-configuration-space.png");
   }
   if (is_wanted(8)) {
     draw_processes(folder);
@@ -271,8 +271,8 @@ int draw_figures(const fs::path& folder, std::int64_t only) {
   if (is_wanted(9)) {
     const fs::path office = kSource / "launch/buildings/office/building.toml";
     const Building building = read_building(office);
-    draw_way(office, building.places.front().name, building.places.back().name, false,
-             folder / "figure-9-whole-path.png");
+    draw_path(office, building.places.front().name, building.places.back().name, false,
+              folder / "figure-9-whole-path.png");
   }
   return 0;
 }

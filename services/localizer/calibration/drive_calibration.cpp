@@ -98,13 +98,14 @@ struct OdometryResidual {
     T y(0.0);
     T theta(0.0);
     for (const Pose2& step : steps) {
-      const double way = (step.x >= 0.0 ? 1.0 : -1.0) * std::hypot(step.x, step.y);
-      T true_way;
+      const double distance = (step.x >= 0.0 ? 1.0 : -1.0) * std::hypot(step.x, step.y);
+      T true_distance;
       T true_turn;
-      WheelCorrection::correct(wheels[0], wheels[1], wheels[2], wheel_base, way, step.theta, true_way, true_turn);
+      WheelCorrection::correct(wheels[0], wheels[1], wheels[2], wheel_base, distance, step.theta, true_distance,
+                               true_turn);
       const T heading = theta + 0.5 * true_turn;
-      x += true_way * cos(heading);
-      y += true_way * sin(heading);
+      x += true_distance * cos(heading);
+      y += true_distance * sin(heading);
       theta += true_turn;
     }
     const T c = cos(from[2]);
@@ -138,13 +139,13 @@ struct PriorResidual {
 
 Eigen::Matrix3d noise_of_steps(const std::vector<Pose2>& steps, double wheel_base, const ErrorParams& errors) {
   Pose2 sum;
-  double way = 0.0;
+  double distance = 0.0;
   for (const Pose2& step : steps) {
-    way += noise_distance(step, wheel_base);
+    distance += noise_distance(step, wheel_base);
     sum = sum * step;
   }
-  const double heading = errors.odometry_heading * errors.odometry_heading * way;
-  const double position = errors.odometry_position * errors.odometry_position * way;
+  const double heading = errors.odometry_heading * errors.odometry_heading * distance;
+  const double position = errors.odometry_position * errors.odometry_position * distance;
   const Eigen::Vector3d lever(-0.5 * sum.y, 0.5 * sum.x, 1.0);
   Eigen::Matrix3d noise = heading * lever * lever.transpose();
   noise.diagonal() += Eigen::Vector3d(position + 1e-8, position + 1e-8, 1e-8);
@@ -268,7 +269,7 @@ DriveCalibration calibrate_drive(const std::vector<KnownFrame>& frames, const Lo
       unknowns.fixtures[known.fixture] = {};
     }
     for (const Pose2& step : frame.steps) {
-      result.way += std::hypot(step.x, step.y);
+      result.distance += std::hypot(step.x, step.y);
     }
   }
   ceres::Problem problem;

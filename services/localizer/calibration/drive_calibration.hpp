@@ -28,7 +28,7 @@ struct DriveCalibration {
   CalibratedValue lens;          // k1 left over
   std::size_t frames = 0;
   std::size_t sightings = 0;
-  double way = 0.0;       // [m]
+  double distance = 0.0;  // [m]
   double residual = 0.0;  // root mean square of the sightings' residuals in deviations
   bool has_converged = false;
 };

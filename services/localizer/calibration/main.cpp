@@ -25,8 +25,8 @@ void print(const char* name, const CalibratedValue& value, double factor, const 
 }
 
 void print(const DriveCalibration& c) {
-  fmt::print("{} images with {} sightings over {:.0f} m; residuals {:.2f} deviations\n", c.frames, c.sightings, c.way,
-             c.residual);
+  fmt::print("{} images with {} sightings over {:.0f} m; residuals {:.2f} deviations\n", c.frames, c.sightings,
+             c.distance, c.residual);
   fmt::print("found of the wheels, in all:\n");
   print("wheel scale", c.wheel_scale, 100.0, "%");
   print("wheel ratio", c.wheel_ratio, 100.0, "%");

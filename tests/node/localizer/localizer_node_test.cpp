@@ -297,7 +297,7 @@ class PoseMemoryTest : public LocalizerNodeTest {
     }
     return poses_;
   }
-  double way_to_tracking(const std::vector<pose_t>& poses) const {
+  double distance_to_tracking(const std::vector<pose_t>& poses) const {
     for (const pose_t& pose : poses) {
       if (pose.state == pose_t::STATE_TRACKING) {
         return 1e-6 * static_cast<double>(pose.utime - poses.front().utime);
@@ -315,23 +315,23 @@ class PoseMemoryTest : public LocalizerNodeTest {
 };
 
 TEST_F(PoseMemoryTest, TakesUpTheLastPoseAfterARestartOnceAFixtureAgrees) {
-  const double first = way_to_tracking(drive(60.0));
+  const double first = distance_to_tracking(drive(60.0));
   ASSERT_LT(first, 60.0);
   const auto poses = drive(15.0);
   EXPECT_EQ(poses.front().state, pose_t::STATE_AMBIGUOUS);  // not before a sighting
-  EXPECT_LT(way_to_tracking(poses), 0.5 * first);
+  EXPECT_LT(distance_to_tracking(poses), 0.5 * first);
   EXPECT_EQ(poses.back().state, pose_t::STATE_TRACKING);
   EXPECT_LT(error(poses.back()), 0.2);
 }
 
 TEST_F(PoseMemoryTest, IgnoresAPoseOfAnotherOdometrySession) {
-  ASSERT_LT(way_to_tracking(drive(60.0)), 60.0);
+  ASSERT_LT(distance_to_tracking(drive(60.0)), 60.0);
   const auto poses = drive(1.0, 2);
   EXPECT_EQ(poses.front().state, pose_t::STATE_LOST);
 }
 
 TEST_F(PoseMemoryTest, DropsAPoseThatTheFirstSightingContradicts) {
-  ASSERT_LT(way_to_tracking(drive(60.0)), 60.0);
+  ASSERT_LT(distance_to_tracking(drive(60.0)), 60.0);
   const Pose2 before = world_->truth();
   Pose2 elsewhere = world_->draw_free_pose();
   while (distance(before, elsewhere) < 3.0) {
@@ -339,7 +339,7 @@ TEST_F(PoseMemoryTest, DropsAPoseThatTheFirstSightingContradicts) {
   }
   world_->carry(elsewhere);  // while the localizer is not running; the wheels stand still
   const std::vector<pose_t> poses = drive(30.0);
-  EXPECT_LT(way_to_tracking(poses), 30.0);
+  EXPECT_LT(distance_to_tracking(poses), 30.0);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     EXPECT_TRUE(poses[i].state != pose_t::STATE_TRACKING || errors_[i] < 0.5) << i << ": " << errors_[i];
   }
@@ -375,7 +375,7 @@ TEST_F(PoseMemoryTest, RemembersAgainAfterTheClockWasSetBack) {
 }
 
 TEST_F(PoseMemoryTest, SurvivesADamagedMemory) {
-  ASSERT_LT(way_to_tracking(drive(60.0)), 60.0);
+  ASSERT_LT(distance_to_tracking(drive(60.0)), 60.0);
   std::ofstream(folder_ / "localizer_pose.toml") << "building = \"two";
   EXPECT_EQ(drive(1.0).front().state, pose_t::STATE_LOST);
 }

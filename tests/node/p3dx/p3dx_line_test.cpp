@@ -207,11 +207,12 @@ TEST(P3dxLine, MeasuresThroughALineThatDamagesOneByteInAHundred) {
   // The robot drives circles: the sum of the steps is compared, and the heading.
   EXPECT_EQ(bench.odometry.front().session, bench.odometry.back().session);
   EXPECT_NEAR(wrap_angle(bench.odometry.back().theta - bench.base.turned), 0.0, 2.0 * kPi / 4096.0);
-  double way = 0.0;
+  double distance = 0.0;
   for (std::size_t i = 1; i < bench.odometry.size(); ++i) {
-    way += std::hypot(bench.odometry[i].x - bench.odometry[i - 1].x, bench.odometry[i].y - bench.odometry[i - 1].y);
+    distance +=
+        std::hypot(bench.odometry[i].x - bench.odometry[i - 1].x, bench.odometry[i].y - bench.odometry[i - 1].y);
   }
-  EXPECT_NEAR(way, bench.base.travel, 0.01 * bench.base.travel);
+  EXPECT_NEAR(distance, bench.base.travel, 0.01 * bench.base.travel);
 }
 
 TEST(P3dxLine, WorksOverALineThatTakesAndGivesAFewBytesAtATime) {

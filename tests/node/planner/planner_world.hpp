@@ -210,12 +210,12 @@ class PlannerWorld {
     while (moves && left > 0.0 && next_point_ < path.count) {
       const auto i = static_cast<std::size_t>(next_point_);
       const Eigen::Vector2d target(static_cast<double>(path.x[i]), static_cast<double>(path.y[i]));
-      const Eigen::Vector2d way = target - robot.position();
-      const double length = std::min(left, way.norm());
-      if (way.norm() > 1e-9) {
-        robot.x += way.x() / way.norm() * length;
-        robot.y += way.y() / way.norm() * length;
-        robot.theta = std::atan2(way.y(), way.x());
+      const Eigen::Vector2d offset = target - robot.position();
+      const double length = std::min(left, offset.norm());
+      if (offset.norm() > 1e-9) {
+        robot.x += offset.x() / offset.norm() * length;
+        robot.y += offset.y() / offset.norm() * length;
+        robot.theta = std::atan2(offset.y(), offset.x());
       }
       left -= length + 1e-9;
       next_point_ += (target - robot.position()).norm() < 1e-3 ? 1 : 0;

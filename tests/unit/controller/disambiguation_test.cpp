@@ -36,13 +36,13 @@ class DisambiguationTest : public ::testing::Test {
  protected:
   DisambiguationTest() { map_.visit(Eigen::Vector2d::Zero()); }
 
-  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> way(
+  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path(
       const std::vector<Fixture>& fixtures, const PriorMap& walls, const std::vector<PoseAlternative>& alternatives,
       const std::optional<Eigen::Vector2d>& heading_for = std::nullopt) const {
     Building building;
     building.fixtures = fixtures;
     const Disambiguation disambiguation(CeilingForecast(building, walls, 1.2, 0.28), {});
-    return disambiguation.way({Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), heading_for}, alternatives, map_);
+    return disambiguation.path({Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), heading_for}, alternatives, map_);
   }
 
   SearchMap map_{test_robot().sonar, SearchMapParams{}};
@@ -53,7 +53,7 @@ const std::vector<Fixture> kTwoAlike{fixture_at(0, 0), fixture_at(20, 0), fixtur
 const std::vector<PoseAlternative> kBelowEither{{{0, 0, 0}, 0.5}, {{20, 0, 0}, 0.5}};
 
 TEST_F(DisambiguationTest, LeadsToWhereOneSeesAFixtureAndTheOtherDoesNot) {
-  const auto found = way(kTwoAlike, floor_with_walls({}), kBelowEither);
+  const auto found = path(kTwoAlike, floor_with_walls({}), kBelowEither);
   ASSERT_TRUE(found);
   EXPECT_LT((found->back() - Eigen::Vector2d(0, 3)).norm(), 1.0);
   EXPECT_LT(found->front().norm(), 0.3);
@@ -62,14 +62,14 @@ TEST_F(DisambiguationTest, LeadsToWhereOneSeesAFixtureAndTheOtherDoesNot) {
 TEST_F(DisambiguationTest, SaysTheSameInAnyOdometryFrame) {
   // the same two places, told by a robot whose odometry is turned by a quarter: left is behind it now
   const std::vector<PoseAlternative> turned{{{0, 0, kPi / 2}, 0.5}, {{20, 0, kPi / 2}, 0.5}};
-  const auto found = way(kTwoAlike, floor_with_walls({}), turned);
+  const auto found = path(kTwoAlike, floor_with_walls({}), turned);
   ASSERT_TRUE(found);
   EXPECT_LT((found->back() - Eigen::Vector2d(3, 0)).norm(), 1.0);
 }
 
 TEST_F(DisambiguationTest, GoesAroundAWallThatAllHave) {
   const PriorMap walls = floor_with_walls({{{-2, 1.2}, {2, 1.4}}, {{18, 1.2}, {22, 1.4}}});
-  const auto found = way(kTwoAlike, walls, kBelowEither);
+  const auto found = path(kTwoAlike, walls, kBelowEither);
   ASSERT_TRUE(found);
   double farthest = 0.0;
   for (const Eigen::Vector2d& place : *found) {
@@ -84,7 +84,7 @@ TEST_F(DisambiguationTest, GoesAroundAWallOfTheLikeliestHoweverManyUnlikelyOnesH
   for (const int many : {20, 2000}) {
     std::vector<PoseAlternative> alternatives(static_cast<std::size_t>(many), {{20, 0, 0}, 0.1 / many});
     alternatives.front() = {{0, 0, 0}, 0.9};
-    const auto found = way(kTwoAlike, walls, alternatives);
+    const auto found = path(kTwoAlike, walls, alternatives);
     ASSERT_TRUE(found);
     EXPECT_GT(found->back().y(), 1.4);
     for (const Eigen::Vector2d& place : *found) {
@@ -110,7 +110,7 @@ TEST_F(DisambiguationTest, GoesAroundAWallThatAllHaveThoughSonarHeardFreeFloorBe
   hear_to_the_left(map_, 2.6);
   ASSERT_EQ(map_.ground_at({0.0, 1.3}), Ground::kFree);
   const PriorMap walls = floor_with_walls({{{-2, 1.2}, {2, 1.4}}, {{18, 1.2}, {22, 1.4}}});
-  const auto found = way(kTwoAlike, walls, kBelowEither);
+  const auto found = path(kTwoAlike, walls, kBelowEither);
   ASSERT_TRUE(found);
   EXPECT_GT(found->back().y(), 1.4);
   for (const Eigen::Vector2d& place : *found) {
@@ -127,7 +127,7 @@ TEST_F(DisambiguationTest, LeadsToWhatTellsALikelyPoseFromItsRivalsRatherThanTho
     alternatives.push_back({{0, 0, 0}, 0.05});
     alternatives.push_back({{-10, 0, 0}, 0.05});
   }
-  const auto found = way(fixtures, floor_with_walls({}), alternatives);
+  const auto found = path(fixtures, floor_with_walls({}), alternatives);
   ASSERT_TRUE(found);
   EXPECT_LT(found->back().y(), -1.0) << found->back().transpose();
 }
@@ -136,7 +136,7 @@ TEST_F(DisambiguationTest, GoesAroundWhatWasFoundShut) {
   for (double x = -1.5; x < 1.6; x += 0.3) {
     map_.shut({x, 1.3});
   }
-  const auto found = way(kTwoAlike, floor_with_walls({}), kBelowEither);
+  const auto found = path(kTwoAlike, floor_with_walls({}), kBelowEither);
   ASSERT_TRUE(found);
   EXPECT_GT(found->back().y(), 2.0);
   for (const Eigen::Vector2d& place : *found) {
@@ -150,7 +150,7 @@ TEST_F(DisambiguationTest, DrivesThroughTheDoorOfALikelyPoseThoughItsPostsEcho) 
   // a corridor whose left wall has a door in the likely pose only; its fixture to the left is inside the room
   const PriorMap walls = floor_with_walls({{{-14, 1.2}, {-0.5, 1.4}}, {{0.5, 1.2}, {14, 1.4}}, {{15, 1.2}, {34, 1.4}}});
   const std::vector<PoseAlternative> likely{{{0, 0, 0}, 0.6}, {{20, 0, 0}, 0.2}, {{24, 0, 0}, 0.2}};
-  const auto found = way({fixture_at(0, 0), fixture_at(20, 0), fixture_at(24, 0), fixture_at(0, 3)}, walls, likely);
+  const auto found = path({fixture_at(0, 0), fixture_at(20, 0), fixture_at(24, 0), fixture_at(0, 3)}, walls, likely);
   ASSERT_TRUE(found);
   EXPECT_GT(found->back().y(), 1.0) << found->back().transpose();
   for (const Eigen::Vector2d& place : *found) {
@@ -165,11 +165,11 @@ TEST_F(DisambiguationTest, DrivesThroughNoDoorThatOnlyUnlikelyPosesHaveOrThatWas
   const auto leads_in = [](const std::optional<std::vector<Eigen::Vector2d>>& found) {
     return found && std::any_of(found->begin(), found->end(), [](const Eigen::Vector2d& p) { return p.y() > 1.1; });
   };
-  EXPECT_FALSE(leads_in(way(fixtures, walls, {{{0, 0, 0}, 0.2}, {{20, 0, 0}, 0.4}, {{24, 0, 0}, 0.4}})));
+  EXPECT_FALSE(leads_in(path(fixtures, walls, {{{0, 0, 0}, 0.2}, {{20, 0, 0}, 0.4}, {{24, 0, 0}, 0.4}})));
   for (double x = -0.6; x < 0.7; x += 0.3) {
     map_.shut({x, 1.3});
   }
-  EXPECT_FALSE(leads_in(way(fixtures, walls, {{{0, 0, 0}, 0.6}, {{20, 0, 0}, 0.2}, {{24, 0, 0}, 0.2}})));
+  EXPECT_FALSE(leads_in(path(fixtures, walls, {{{0, 0, 0}, 0.6}, {{20, 0, 0}, 0.2}, {{24, 0, 0}, 0.2}})));
 }
 
 TEST_F(DisambiguationTest, TurnsBackForAPoseThatOneLookTheOtherWayWouldHaveFound) {
@@ -184,35 +184,35 @@ TEST_F(DisambiguationTest, TurnsBackForAPoseThatOneLookTheOtherWayWouldHaveFound
   for (double y = 0.0; y < 3.1; y += 0.2) {
     map_.visit({0.0, y});
   }
-  const auto end_of_way = [&](const DisambiguationParams& params) {
+  const auto end_of_path = [&](const DisambiguationParams& params) {
     const Disambiguation search(CeilingForecast(building, floor_with_walls({}), 1.2, 0.28), params);
-    const auto found = search.way({{0.0, 2.2}, {0.0, 0.0}, std::nullopt}, alternatives, map_);
+    const auto found = search.path({{0.0, 2.2}, {0.0, 0.0}, std::nullopt}, alternatives, map_);
     return found ? found->back().y() : 0.0;
   };
   DisambiguationParams indifferent;
   indifferent.urgency.power = 0.0;
-  EXPECT_GT(end_of_way(indifferent), 3.0) << "that is nearer from here";
-  EXPECT_LT(end_of_way({}), -1.0) << "but it was the longer way from where it began";
+  EXPECT_GT(end_of_path(indifferent), 3.0) << "that is nearer from here";
+  EXPECT_LT(end_of_path({}), -1.0) << "but it was the longer way from where it began";
 }
 
 TEST_F(DisambiguationTest, KnowsNoWayWhereAllForetellTheSame) {
   const std::vector<Fixture> alike{fixture_at(0, 0), fixture_at(20, 0)};
-  EXPECT_FALSE(way(alike, floor_with_walls({}), kBelowEither));
-  EXPECT_FALSE(way(kTwoAlike, floor_with_walls({}), {}));
-  EXPECT_FALSE(way({}, floor_with_walls({}), kBelowEither));
+  EXPECT_FALSE(path(alike, floor_with_walls({}), kBelowEither));
+  EXPECT_FALSE(path(kTwoAlike, floor_with_walls({}), {}));
+  EXPECT_FALSE(path({}, floor_with_walls({}), kBelowEither));
 }
 
 TEST_F(DisambiguationTest, DoesNotLookAgainWhereItHasBeen) {
   for (double y = 0.0; y < 4.0; y += 0.2) {
     map_.visit({0.0, y});
   }
-  const auto found = way(kTwoAlike, floor_with_walls({}), kBelowEither);
+  const auto found = path(kTwoAlike, floor_with_walls({}), kBelowEither);
   EXPECT_TRUE(!found || std::abs(found->back().x()) > 1.0) << found->back().transpose();
 }
 
 TEST_F(DisambiguationTest, LeadsAPoseThatIsAloneToAFixtureThatItDidNotPass) {
   // the first is seen well from some steps on too, but only the second says more than is known
-  const auto found = way({fixture_at(0, 1), fixture_at(0, -5)}, floor_with_walls({}), {{{0, 0, 0}, 1.0}});
+  const auto found = path({fixture_at(0, 1), fixture_at(0, -5)}, floor_with_walls({}), {{{0, 0, 0}, 1.0}});
   ASSERT_TRUE(found);
   EXPECT_LT((found->back() - Eigen::Vector2d(0, -5)).norm(), 1.0) << found->back().transpose();
 }
@@ -220,7 +220,7 @@ TEST_F(DisambiguationTest, LeadsAPoseThatIsAloneToAFixtureThatItDidNotPass) {
 TEST_F(DisambiguationTest, StaysWithThePlaceItHeadsForWhileAnotherIsAsGood) {
   const std::vector<Fixture> both{fixture_at(0, 0), fixture_at(20, 0), fixture_at(20, 3), fixture_at(20, -3)};
   for (const double side : {1.0, -1.0}) {
-    const auto first = way(both, floor_with_walls({}), kBelowEither, Eigen::Vector2d(0, 2.4 * side));
+    const auto first = path(both, floor_with_walls({}), kBelowEither, Eigen::Vector2d(0, 2.4 * side));
     ASSERT_TRUE(first);
     EXPECT_GT(first->back().y() * side, 0.0);
   }
@@ -231,7 +231,7 @@ TEST_F(DisambiguationTest, TakesThousandsOfAlternatives) {
   for (int i = 0; i < 5000; ++i) {
     many.push_back(i % 2 == 0 ? kBelowEither[0] : kBelowEither[1]);
   }
-  const auto found = way(kTwoAlike, floor_with_walls({}), many);
+  const auto found = path(kTwoAlike, floor_with_walls({}), many);
   ASSERT_TRUE(found);
   EXPECT_LT((found->back() - Eigen::Vector2d(0, 3)).norm(), 1.0);
 }

@@ -285,8 +285,8 @@ class KinematicWorld {
     is_touching_ = is_touching_ && after <= 0.02;
     truth_ = next;
     std::normal_distribution<double> normal;
-    const double way = std::abs(twist_.linear) * duration;
-    const double angle = radians(0.5) * std::sqrt(way) * normal(random_);
+    const double distance = std::abs(twist_.linear) * duration;
+    const double angle = radians(0.5) * std::sqrt(distance) * normal(random_);
     odometry_ = odometry_ * drive_arc({1.01 * twist_.linear, 0.99 * twist_.angular}, duration) * Pose2{0.0, 0.0, angle};
   }
   void walk(Walker& walker, double duration) {
@@ -294,12 +294,12 @@ class KinematicWorld {
       return;
     }
     const Eigen::Vector2d target = walker.is_returning ? walker.from : walker.to;
-    const Eigen::Vector2d way = target - walker.position;
-    if (way.norm() < 0.05) {
+    const Eigen::Vector2d offset = target - walker.position;
+    if (offset.norm() < 0.05) {
       walker.is_returning = walker.stays_at_end ? walker.is_returning : !walker.is_returning;
       return;
     }
-    const Eigen::Vector2d next = walker.position + way.normalized() * walker.speed * duration;
+    const Eigen::Vector2d next = walker.position + offset.normalized() * walker.speed * duration;
     const double now_apart = footprint_.distance(truth_.inverse() * walker.position) - kPersonRadius;
     const double then_apart = footprint_.distance(truth_.inverse() * next) - kPersonRadius;
     if (then_apart < 0.1 && then_apart < now_apart) {

@@ -86,16 +86,16 @@ class SearchMapTest : public ::testing::Test {
 };
 
 TEST_F(SearchMapTest, KnowsNoWayBeforeItHasSeenAnything) {
-  EXPECT_FALSE(map_.way_to_new_ground({0.0, 0.0}));
+  EXPECT_FALSE(map_.path_to_new_ground({0.0, 0.0}));
 }
 
 TEST_F(SearchMapTest, LeavesAKnownRoomByItsDoorway) {
   look_round(room(true));
-  const auto way = map_.way_to_new_ground({1.0, 2.0});
-  ASSERT_TRUE(way);
-  EXPECT_LT(way->back().y(), -0.3) << "new ground is outside";
-  EXPECT_NEAR(way->front().x(), 1.0, 0.5) << "the way begins at the robot";
-  for (const Eigen::Vector2d& place : *way) {
+  const auto path = map_.path_to_new_ground({1.0, 2.0});
+  ASSERT_TRUE(path);
+  EXPECT_LT(path->back().y(), -0.3) << "new ground is outside";
+  EXPECT_NEAR(path->front().x(), 1.0, 0.5) << "the way begins at the robot";
+  for (const Eigen::Vector2d& place : *path) {
     if (std::abs(place.y()) < 0.1) {
       EXPECT_GT(place.x(), 1.4);
       EXPECT_LT(place.x(), 2.2);
@@ -105,7 +105,7 @@ TEST_F(SearchMapTest, LeavesAKnownRoomByItsDoorway) {
 
 TEST_F(SearchMapTest, FindsNothingNewInAClosedRoomThatItKnows) {
   look_round(room(false));
-  EXPECT_FALSE(map_.way_to_new_ground({1.0, 2.0}));
+  EXPECT_FALSE(map_.path_to_new_ground({1.0, 2.0}));
 }
 
 TEST_F(SearchMapTest, DoesNotTakeAWallForOpenThatIsSilentAtASlant) {
@@ -115,32 +115,32 @@ TEST_F(SearchMapTest, DoesNotTakeAWallForOpenThatIsSilentAtASlant) {
     utime_ += 320'000;
     map_.add(std::vector<SonarFiring>{{7, utime_, 2.2, true, {0.5 + 0.05 * i, 0.8, radians(40.0)}}});
   }
-  EXPECT_FALSE(map_.way_to_new_ground({1.0, 2.0}));
+  EXPECT_FALSE(map_.path_to_new_ground({1.0, 2.0}));
 }
 
 TEST_F(SearchMapTest, GivesUpAPlaceThatCouldNotBeReached) {
   look_round(room(true));
-  const auto way = map_.way_to_new_ground({1.0, 2.0});
-  ASSERT_TRUE(way);
-  map_.block(way->back());
-  const auto other = map_.way_to_new_ground({1.0, 2.0});
+  const auto path = map_.path_to_new_ground({1.0, 2.0});
+  ASSERT_TRUE(path);
+  map_.block(path->back());
+  const auto other = map_.path_to_new_ground({1.0, 2.0});
   if (other) {
-    EXPECT_GT((other->back() - way->back()).norm(), 0.4);
+    EXPECT_GT((other->back() - path->back()).norm(), 0.4);
   }
 }
 
 TEST_F(SearchMapTest, FindsNoWayThroughWhatWasShutUntilThatFades) {
   look_round(room(true));
-  ASSERT_TRUE(map_.way_to_new_ground({1.0, 2.0}));
+  ASSERT_TRUE(map_.path_to_new_ground({1.0, 2.0}));
   map_.shut({1.6, 0.0});
   map_.shut({2.0, 0.0});
-  EXPECT_FALSE(map_.way_to_new_ground({1.0, 2.0}));
+  EXPECT_FALSE(map_.path_to_new_ground({1.0, 2.0}));
   EXPECT_EQ(map_.ground_at({1.8, 0.0}), Ground::kStands) << "though the sonars hear nothing there";
   for (int i = 0; i < SearchMapParams{}.shut_for; ++i) {
-    EXPECT_FALSE(map_.way_to_new_ground({1.0, 2.0}));
+    EXPECT_FALSE(map_.path_to_new_ground({1.0, 2.0}));
     map_.fade();
   }
-  EXPECT_TRUE(map_.way_to_new_ground({1.0, 2.0}));
+  EXPECT_TRUE(map_.path_to_new_ground({1.0, 2.0}));
 }
 
 TEST_F(SearchMapTest, OpensWhatWasShutWhereTheRobotHasComeThrough) {
@@ -154,10 +154,10 @@ TEST_F(SearchMapTest, SeesThatAnObstacleWentAway) {
   std::vector<Wall> walls = room(true);
   walls.push_back({{1.2, 0.05}, {2.4, 0.05}});  // somebody shut the door
   look_round(walls);
-  EXPECT_FALSE(map_.way_to_new_ground({1.0, 2.0}));
+  EXPECT_FALSE(map_.path_to_new_ground({1.0, 2.0}));
   look_round(room(true));
   look_round(room(true));
-  EXPECT_TRUE(map_.way_to_new_ground({1.0, 2.0}));
+  EXPECT_TRUE(map_.path_to_new_ground({1.0, 2.0}));
 }
 
 TEST_F(SearchMapTest, FadesWhatItDoesNotHearAgain) {
@@ -232,7 +232,7 @@ TEST_F(LongSearchMapTest, SearchesOnlyInsideAfterItWentAlong) {
     map_.clear();
     for (int metre = 1; metre <= 60; ++metre) {
       drive(direction, 1.0);
-      ASSERT_FALSE(map_.way_to_new_ground(place_)) << metre << " m along " << direction.transpose();
+      ASSERT_FALSE(map_.path_to_new_ground(place_)) << metre << " m along " << direction.transpose();
     }
   }
 }
@@ -240,13 +240,13 @@ TEST_F(LongSearchMapTest, SearchesOnlyInsideAfterItWentAlong) {
 TEST_F(LongSearchMapTest, BlocksAPlaceAtTheMapsEdge) {
   drive({1.0, 0.0}, 4.0);
   drive({1.0, 0.0}, 2.0, 2.4);
-  ASSERT_TRUE(map_.way_to_new_ground(place_));
+  ASSERT_TRUE(map_.path_to_new_ground(place_));
   int metres = 0;
-  for (auto way = map_.way_to_new_ground(place_); way; way = map_.way_to_new_ground(place_), ++metres) {
+  for (auto path = map_.path_to_new_ground(place_); path; path = map_.path_to_new_ground(place_), ++metres) {
     ASSERT_LT(metres, 60) << "so far away nothing is kept";
     SearchMap blocked = map_;
-    blocked.block(way->back());
-    ASSERT_TRUE(blocked.is_near_trail(way->back())) << metres << " m on, at " << way->back().transpose();
+    blocked.block(path->back());
+    ASSERT_TRUE(blocked.is_near_trail(path->back())) << metres << " m on, at " << path->back().transpose();
     drive({1.0, 0.0}, 1.0);
   }
   EXPECT_GT(metres, 10);

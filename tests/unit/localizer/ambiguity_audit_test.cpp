@@ -54,9 +54,9 @@ TEST(AmbiguityAudit, NearerToWhatIsDifferentTheWayIsShorter) {
   double near = 0.0;
   double far = 0.0;
   for (const AuditPlace& place : result.places()) {
-    const double way = (place.point - different).norm();
-    near = way < 0.5 ? std::max(near, place.min_distance) : near;
-    far = way > 9.0 && way < 10.0 ? std::max(far, place.min_distance) : far;
+    const double distance = (place.point - different).norm();
+    near = distance < 0.5 ? std::max(near, place.min_distance) : near;
+    far = distance > 9.0 && distance < 10.0 ? std::max(far, place.min_distance) : far;
   }
   EXPECT_LT(near, far);
 }

@@ -19,9 +19,9 @@ struct WheelSpeeds {
 };
 
 Pose2 step_of(const WheelSpeeds& speeds, double time) {
-  const double way = 0.5 * (speeds.left + speeds.right) * time;
+  const double distance = 0.5 * (speeds.left + speeds.right) * time;
   const double turn = (speeds.right - speeds.left) / kWheelBase * time;
-  return {way * std::cos(0.5 * turn), way * std::sin(0.5 * turn), wrap_angle(turn)};
+  return {distance * std::cos(0.5 * turn), distance * std::sin(0.5 * turn), wrap_angle(turn)};
 }
 
 /// A robot under one fixture whose wheels say one thing and which moves as it is told.

@@ -65,7 +65,7 @@ class CorridorDrive {
     return is_doubted;
   }
   /// The wheels turn on, without an image of it.
-  void roll_on(double way) { move(kSpeed, way / kSpeed); }
+  void roll_on(double distance) { move(kSpeed, distance / kSpeed); }
   /// Stands for a while; returns whether it was held for true all the time.
   bool stand(double time) {
     bool is_tracking = true;

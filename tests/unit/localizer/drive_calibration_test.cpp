@@ -66,7 +66,7 @@ Errors errors_of(const RobotDescription& robot, const WheelCorrection& wheels, d
 /// Position error, squared, that the wheels' constant errors make of 3 m straight on by odometry alone; the noise,
 /// which no calibration takes away, left out.
 double squared_error_after_three_metres(const WheelCorrection& wheels, const testing::SyntheticWorld& world) {
-  constexpr double kWay = 3.0;
+  constexpr double kDistance = 3.0;
   const double base = world.believed_robot().wheel_base;
   const WheelCorrection truth{world.true_wheel_scale(), world.true_wheel_ratio(), world.true_wheel_base() / base - 1.0};
   CorrectedOdometry believed(wheels, base);
@@ -74,7 +74,7 @@ double squared_error_after_three_metres(const WheelCorrection& wheels, const tes
   Pose2 by_belief = believed.correct({});
   Pose2 by_truth = real.correct({});
   for (int i = 1; i <= 300; ++i) {
-    const Pose2 odometry{kWay * i / 300.0, 0.0, 0.0};
+    const Pose2 odometry{kDistance * i / 300.0, 0.0, 0.0};
     by_belief = believed.correct(odometry);
     by_truth = real.correct(odometry);
   }
@@ -91,7 +91,7 @@ TEST(DriveCalibration, ErrorsOfTenRobotsShrinkToAFifthAfterThreeMinutes) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     testing::SyntheticOptions options;
     options.seed = seed;
-    options.spin_way = 4.0;  // as the README tells people to drive
+    options.spin_distance = 4.0;  // as the README tells people to drive
     testing::SyntheticWorld world(config.building, config.walls, config.robot, options);
     const DriveLog log = drive(world, 200.0);  // the first seconds pass until the pose is known
     const DriveCalibration found = calibrate_drive(follow_drive(log, config, 0.10, radians(5.0)), config);
@@ -135,7 +135,7 @@ TEST(DriveCalibration, ASecondOneKeepsWhatTheFirstFound) {
   for (std::uint64_t seed = 1; seed <= kRobots; ++seed) {
     testing::SyntheticOptions options;
     options.seed = seed;
-    options.spin_way = 4.0;
+    options.spin_distance = 4.0;
     testing::SyntheticWorld world(config.building, config.walls, config.robot, options);
     const Errors old_errors = errors_of(config.robot, {}, ceiling, world);
     LocalizerConfig calibrated = config;

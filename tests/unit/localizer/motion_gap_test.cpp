@@ -22,8 +22,8 @@ TEST(MotionGap, LeavesOpenWhetherTheRobotStoppedAtOnceOrDroveOnUntilItsWatchdog)
   const MotionGap gap = motion_gap({0, 1, {}, 0.5, 0.0}, {5'000'000, 2, {}, 0.0, 0.0});
   EXPECT_NEAR(gap.step.x, 0.6, 0.1);
   EXPECT_NEAR(gap.step.y, 0.0, 1e-9);
-  for (const double way : {0.0, 1.2}) {  // both ends within two deviations
-    EXPECT_LT(std::abs(gap.step.x - way), 2.0 * std::sqrt(gap.noise(0, 0)));
+  for (const double distance : {0.0, 1.2}) {  // both ends within two deviations
+    EXPECT_LT(std::abs(gap.step.x - distance), 2.0 * std::sqrt(gap.noise(0, 0)));
   }
   EXPECT_GT(gap.noise(0, 0), 2.0 * gap.noise(1, 1));
 }

@@ -88,7 +88,7 @@ TEST_F(ParticleFilterTest, ClustersShareAllTheWeight) {
 }
 
 TEST_F(ParticleFilterTest, MotionNoiseHasTheStatedDeviation) {
-  ParticleFilter free(map_, walls_, {.count = 4000, .turn_by_way = 0.0, .redraws = 0}, 3);
+  ParticleFilter free(map_, walls_, {.count = 4000, .turn_by_distance = 0.0, .redraws = 0}, 3);
   free.gather({{4.0, 3.4, 0.0}, 1e-12 * Eigen::Matrix3d::Identity()}, 1.0);
   free.predict({1.0, 0.0, 0.0});
   double mean = 0.0;
@@ -206,14 +206,14 @@ TEST(ParticleKernels, NoiseIsNormalAndIndependent) {
   double both = 0.0;
   double neighbours = 0.0;
   for (std::size_t i = 0; i < kCount; ++i) {
-    const double way = x[i];
+    const double distance = x[i];
     const double turn = 10.0 * theta[i];
-    mean += way / kCount;
-    square += way * way / kCount;
-    fourth += way * way * way * way / kCount;
+    mean += distance / kCount;
+    square += distance * distance / kCount;
+    fourth += distance * distance * distance * distance / kCount;
     turn_square += turn * turn / kCount;
-    both += way * turn / kCount;
-    neighbours += way * x[(i + 1) % kCount] / kCount;
+    both += distance * turn / kCount;
+    neighbours += distance * x[(i + 1) % kCount] / kCount;
   }
   const double tolerance = 4.0 / std::sqrt(kCount);  // four deviations
   EXPECT_NEAR(mean, 0.0, tolerance);

@@ -27,16 +27,16 @@ RivalGround line(int places, const std::vector<std::vector<int>>& refuted_at) {
     }
     ground.rivals.emplace_back();
     for (std::size_t rival = 0; rival < refuted_at.size(); ++rival) {
-      float way = kNever;
+      float distance = kNever;
       for (const int place : refuted_at[rival]) {
-        way = std::min(way, static_cast<float>(std::abs(place - i)));
+        distance = std::min(distance, static_cast<float>(std::abs(place - i)));
       }
-      if (way > 0.0F) {
-        ground.rivals.back().push_back({static_cast<std::int32_t>(rival), way});
+      if (distance > 0.0F) {
+        ground.rivals.back().push_back({static_cast<std::int32_t>(rival), distance});
       }
     }
     std::stable_sort(ground.rivals.back().begin(), ground.rivals.back().end(),
-                     [](const RivalAtPlace& a, const RivalAtPlace& b) { return a.way > b.way; });
+                     [](const RivalAtPlace& a, const RivalAtPlace& b) { return a.distance > b.distance; });
   }
   return ground;
 }

@@ -178,7 +178,7 @@ void SyntheticWorld::steer() {
   };
   double speed = options_.speed;
   double turn = 0.0;
-  if (options_.spin_way > 0.0 && driven_ - spun_at_ > options_.spin_way && std::abs(wanted_turn_) <= 0.02) {
+  if (options_.spin_distance > 0.0 && driven_ - spun_at_ > options_.spin_distance && std::abs(wanted_turn_) <= 0.02) {
     wanted_turn_ = spin_;
     spin_ = -spin_;
     spun_at_ = driven_;
@@ -207,26 +207,27 @@ void SyntheticWorld::steer() {
 
 Pose2 SyntheticWorld::truth_later(double seconds) const {
   const double turn = angular_ * seconds;
-  const double way = linear_ * seconds;
-  return truth_ * Pose2{way * std::cos(0.5 * turn), way * std::sin(0.5 * turn), turn};
+  const double distance = linear_ * seconds;
+  return truth_ * Pose2{distance * std::cos(0.5 * turn), distance * std::sin(0.5 * turn), turn};
 }
 
 SyntheticWorld::Output SyntheticWorld::step() {
   steer();
   const double turn = angular_ * kStep;
-  const double way = linear_ * kStep;
+  const double distance = linear_ * kStep;
   wanted_turn_ -= std::abs(wanted_turn_) > 0.02 ? turn : wanted_turn_;
   truth_ = truth_later(kStep);
-  driven_ += std::abs(way);
+  driven_ += std::abs(distance);
   const double k = options_.perfect || !options_.odometry_noise ? 0.0 : 1.0;
-  const double noise_way = std::abs(way) + 0.5 * true_base_ * std::abs(turn);
+  const double noisy_distance = std::abs(distance) + 0.5 * true_base_ * std::abs(turn);
   // what the encoders make of it
-  const double left = (way - 0.5 * true_base_ * turn) / scale_left_;
-  const double right = (way + 0.5 * true_base_ * turn) / scale_right_;
-  const double seen_way = 0.5 * (left + right) + gauss(k * 0.01 * std::sqrt(noise_way));
-  const double seen_turn = (right - left) / robot_.wheel_base + gauss(k * radians(0.5) * std::sqrt(noise_way));
-  odom_ = odom_ * Pose2{seen_way * std::cos(0.5 * seen_turn), seen_way * std::sin(0.5 * seen_turn), seen_turn};
-  since_floor_ += std::abs(way);
+  const double left = (distance - 0.5 * true_base_ * turn) / scale_left_;
+  const double right = (distance + 0.5 * true_base_ * turn) / scale_right_;
+  const double seen_distance = 0.5 * (left + right) + gauss(k * 0.01 * std::sqrt(noisy_distance));
+  const double seen_turn = (right - left) / robot_.wheel_base + gauss(k * radians(0.5) * std::sqrt(noisy_distance));
+  odom_ =
+      odom_ * Pose2{seen_distance * std::cos(0.5 * seen_turn), seen_distance * std::sin(0.5 * seen_turn), seen_turn};
+  since_floor_ += std::abs(distance);
   if (since_floor_ > 1.0) {
     since_floor_ = 0.0;
     const double tilt = options_.perfect || !options_.floor_errors ? 0.0 : radians(0.1);
@@ -241,7 +242,7 @@ SyntheticWorld::Output SyntheticWorld::step() {
     pending_.emplace_back(utime_ + static_cast<std::int64_t>(1e6 * options_.image_latency), std::move(frame));
   }
   if (tick_ % 3 == 0) {
-    output.odometry = OdometryReading{utime_, 1, odom_, seen_way / kStep, seen_turn / kStep};
+    output.odometry = OdometryReading{utime_, 1, odom_, seen_distance / kStep, seen_turn / kStep};
     output.sonar = hear();
   }
   if (!pending_.empty() && pending_.front().first <= utime_) {

@@ -37,7 +37,7 @@ struct SyntheticOptions {
   int unknown_boxes = 4;        // in the way of sonar and robot, not in the map
   double sonar_dropout = 0.4;   // of beams that meet a wall at a slant
   double speed = 0.4;           // [m/s]
-  double spin_way = 0.0;        // [m] after which it turns once on the spot, as one drives to calibrate; 0 = never
+  double spin_distance = 0.0;   // [m] after which it turns once on the spot, as one drives to calibrate; 0 = never
   double image_latency = 0.06;  // [s]
   std::optional<Pose2> start{};
 };

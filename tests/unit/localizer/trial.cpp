@@ -167,7 +167,7 @@ void TrialJudge::judge_tracking(bool is_tracking, const Error& error) {
   if (carry_.is_recovering && is_tracking && !error.is_wrong()) {
     carry_.is_recovering = false;
     ++result_.recovered;
-    result_.recovery_way.push_back(world_.driven() - carry_.driven);
+    result_.recovery_distance.push_back(world_.driven() - carry_.driven);
   }
   if (!carry_.is_recovering) {
     result_.after_first += kPeriod;

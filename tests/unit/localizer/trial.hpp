@@ -29,16 +29,16 @@ struct TrialResult {
   bool localized = false;      // TRACKING at least once
   bool correct_first = false;  // error below 0.25 m and 10 degrees when first declared
   bool tracking_at_end = false;
-  double localized_after = 0.0;      // [m]
-  bool resolvable = false;           // the drive up to there tells the pose to who sees and knows everything
-  double resolvable_after = 0.0;     // [m]
-  double localized_time = 0.0;       // [s]
-  double confident_wrong = 0.0;      // [s] TRACKING with more than 0.5 m or 20 degrees of error
-  double tracking = 0.0;             // [s]
-  double after_first = 0.0;          // [s] since first localized, the time after carries left out
-  int recovered = 0;                 // carries after which it was TRACKING correctly again
-  std::vector<double> recovery_way;  // [m] driven until then
-  double position_square = 0.0;      // sums over TRACKING with a fixture in view
+  double localized_after = 0.0;           // [m]
+  bool resolvable = false;                // the drive up to there tells the pose to who sees and knows everything
+  double resolvable_after = 0.0;          // [m]
+  double localized_time = 0.0;            // [s]
+  double confident_wrong = 0.0;           // [s] TRACKING with more than 0.5 m or 20 degrees of error
+  double tracking = 0.0;                  // [s]
+  double after_first = 0.0;               // [s] since first localized, the time after carries left out
+  int recovered = 0;                      // carries after which it was TRACKING correctly again
+  std::vector<double> recovery_distance;  // [m] driven until then
+  double position_square = 0.0;           // sums over TRACKING with a fixture in view
   double heading_square = 0.0;
   long in_view = 0;
   double nees = 0.0;          // sum over TRACKING

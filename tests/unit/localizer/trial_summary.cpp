@@ -29,7 +29,7 @@ void TrialSummary::add(const TrialResult& result) {
   ++runs_;
   if (result.localized) {
     ++localized_;
-    ways_.push_back(result.localized_after);
+    distances_.push_back(result.localized_after);
     times_.push_back(result.localized_time);
   }
   if (result.resolvable) {
@@ -38,7 +38,7 @@ void TrialSummary::add(const TrialResult& result) {
   correct_ += result.correct_first ? 1 : 0;
   at_end_ += result.tracking_at_end ? 1 : 0;
   sum_.recovered += result.recovered;
-  append(sum_.recovery_way, result.recovery_way);
+  append(sum_.recovery_distance, result.recovery_distance);
   append(sum_.position_errors, result.position_errors);
   append(sum_.heading_errors, result.heading_errors);
   sum_.confident_wrong += result.confident_wrong;
@@ -64,7 +64,7 @@ void TrialSummary::print(const char* searcher) const {
   print_tracking();
   if (carries_ > 0) {
     std::printf("carries recovered %d of %ld, after m: median %.2f p95 %.2f\n", sum_.recovered, carries_ * localized_,
-                quantile(sum_.recovery_way, 0.5), quantile(sum_.recovery_way, 0.95));
+                quantile(sum_.recovery_distance, 0.5), quantile(sum_.recovery_distance, 0.95));
   }
   print_steps(searcher);
 }
@@ -72,12 +72,12 @@ void TrialSummary::print(const char* searcher) const {
 void TrialSummary::print_starts() const {
   std::printf("runs %ld  localized %ld  correct %ld  tracking at end %ld  confident wrong %.1f s in all\n", runs_,
               localized_, correct_, at_end_, sum_.confident_wrong);
-  std::printf("localized after m: median %.2f p95 %.2f max %.2f; s: median %.1f p95 %.1f\n", quantile(ways_, 0.5),
-              quantile(ways_, 0.95), quantile(ways_, 1.0), quantile(times_, 0.5), quantile(times_, 0.95));
+  std::printf("localized after m: median %.2f p95 %.2f max %.2f; s: median %.1f p95 %.1f\n", quantile(distances_, 0.5),
+              quantile(distances_, 0.95), quantile(distances_, 1.0), quantile(times_, 0.5), quantile(times_, 0.95));
   std::printf("resolvable after m: median %.2f p95 %.2f in %zu runs; localized / resolvable: median %.2f p95 %.2f\n",
               quantile(resolvable_, 0.5), quantile(resolvable_, 0.95), resolvable_.size(),
-              quantile(ways_, 0.5) / std::max(0.01, quantile(resolvable_, 0.5)),
-              quantile(ways_, 0.95) / std::max(0.01, quantile(resolvable_, 0.95)));
+              quantile(distances_, 0.5) / std::max(0.01, quantile(resolvable_, 0.5)),
+              quantile(distances_, 0.95) / std::max(0.01, quantile(resolvable_, 0.95)));
 }
 
 void TrialSummary::print_tracking() const {

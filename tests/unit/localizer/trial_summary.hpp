@@ -30,7 +30,7 @@ class TrialSummary {
   long correct_ = 0;
   long at_end_ = 0;
   TrialResult sum_;                 // of what can be added up
-  std::vector<double> ways_;        // [m] until localized
+  std::vector<double> distances_;   // [m] until localized
   std::vector<double> times_;       // [s] likewise
   std::vector<double> resolvable_;  // [m]
 };

@@ -113,9 +113,10 @@ class StandingRing {
       const Pose2 world_from_sonar = world_from_robot_ * Pose2{kRing * std::cos(angle), kRing * std::sin(angle), angle};
       double range = 5.0;
       if (const std::optional<Eigen::Vector2d> thing = thing_at(t)) {
-        const Eigen::Vector2d way = world_from_sonar.inverse() * *thing;
-        if (std::abs(std::atan2(way.y(), way.x())) < radians(15.0) + std::asin(std::min(1.0, kThing / way.norm()))) {
-          range = way.norm() - kThing;
+        const Eigen::Vector2d offset = world_from_sonar.inverse() * *thing;
+        if (std::abs(std::atan2(offset.y(), offset.x())) <
+            radians(15.0) + std::asin(std::min(1.0, kThing / offset.norm()))) {
+          range = offset.norm() - kThing;
         }
       }
       mapper_.integrate({disc_, utime_, world_from_robot_, world_from_sonar, range, range < 5.0});

@@ -45,13 +45,13 @@ std::vector<Pose2> walk(const MappingDrive& drive, const PriorMap& truth) {
     }
     for (std::size_t k = 1; k < route.points.size();) {
       Pose2 pose = poses.back();
-      const Vector2d way = route.points[k] - pose.position();
-      const double error = way.norm() < 1e-6 ? 0.0 : wrap_angle(std::atan2(way.y(), way.x()) - pose.theta);
+      const Vector2d offset = route.points[k] - pose.position();
+      const double error = offset.norm() < 1e-6 ? 0.0 : wrap_angle(std::atan2(offset.y(), offset.x()) - pose.theta);
       pose.theta = wrap_angle(pose.theta + std::clamp(error, -kTurn * kTick, kTurn * kTick));
       if (std::abs(error) < radians(30.0)) {
-        const double step = std::min(kSpeed * kTick, way.norm());
-        pose.x += step * way.x() / std::max(1e-9, way.norm());
-        pose.y += step * way.y() / std::max(1e-9, way.norm());
+        const double step = std::min(kSpeed * kTick, offset.norm());
+        pose.x += step * offset.x() / std::max(1e-9, offset.norm());
+        pose.y += step * offset.y() / std::max(1e-9, offset.norm());
       }
       poses.push_back(pose);
       k += (route.points[k] - pose.position()).norm() < 1e-3 ? 1 : 0;
@@ -88,13 +88,13 @@ std::vector<Face> faces_of(const PriorMap& truth) {
 
 void mark_seen(const Scene& scene, const Pose2& world_from_sonar, std::vector<Face>& faces) {
   for (Face& face : faces) {
-    const Vector2d way = face.point - world_from_sonar.position();
-    if (face.seen || way.squaredNorm() > 9.0 || -way.dot(face.normal) < std::cos(radians(60.0)) * way.norm()) {
+    const Vector2d offset = face.point - world_from_sonar.position();
+    if (face.seen || offset.squaredNorm() > 9.0 || -offset.dot(face.normal) < std::cos(radians(60.0)) * offset.norm()) {
       continue;  // farther than 3 m, or looked at more obliquely than 60 degrees
     }
-    const double off_axis = wrap_angle(std::atan2(way.y(), way.x()) - world_from_sonar.theta);
+    const double off_axis = wrap_angle(std::atan2(offset.y(), offset.x()) - world_from_sonar.theta);
     const bool in_cone = std::abs(off_axis) < radians(15.0);
-    face.seen = in_cone && !scene.cast_ray(world_from_sonar.position(), way.normalized(), way.norm() - 0.06, {});
+    face.seen = in_cone && !scene.cast_ray(world_from_sonar.position(), offset.normalized(), offset.norm() - 0.06, {});
   }
 }
 
@@ -165,9 +165,9 @@ MapQuality score(const PriorMap& map, const PriorMap& truth, const std::vector<F
         double nearest = 5.0;
         for (const Face& face : faces) {
           // to the side of the true map's cell, not only to its middle
-          const Vector2d way = centre - face.point;
-          const double across = way.dot(face.normal);
-          const double along = std::abs(way.x() * face.normal.y() - way.y() * face.normal.x());
+          const Vector2d offset = centre - face.point;
+          const double across = offset.dot(face.normal);
+          const double along = std::abs(offset.x() * face.normal.y() - offset.y() * face.normal.x());
           nearest = std::min(nearest, std::hypot(across, std::max(0.0, along - 0.025)));
         }
         distances.push_back(nearest);

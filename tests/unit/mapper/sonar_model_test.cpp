@@ -36,13 +36,13 @@ TEST(FillSector, TakesTheCellsWhoseCentreLiesInside) {
       const int k = row - spans.first_row;
       const bool has_row = k >= 0 && k < static_cast<int>(spans.first.size());
       for (int column = 0; column < geometry.columns; ++column) {
-        const Eigen::Vector2d way = geometry.centre_of({column, row}) - apex;
-        const double off_axis = std::abs(wrap_angle(std::atan2(way.y(), way.x()) - theta));
+        const Eigen::Vector2d offset = geometry.centre_of({column, row}) - apex;
+        const double off_axis = std::abs(wrap_angle(std::atan2(offset.y(), offset.x()) - theta));
         const bool inside = has_row && column >= spans.first[static_cast<std::size_t>(k)] &&
                             column <= spans.last[static_cast<std::size_t>(k)];
-        if (way.norm() < 0.995 * reach && off_axis < half - 1e-6) {
+        if (offset.norm() < 0.995 * reach && off_axis < half - 1e-6) {
           EXPECT_TRUE(inside);
-        } else if (way.norm() > reach || off_axis > half + 1e-6) {
+        } else if (offset.norm() > reach || off_axis > half + 1e-6) {
           EXPECT_FALSE(inside);
         }
       }

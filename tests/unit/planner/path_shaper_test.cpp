@@ -20,7 +20,7 @@ OccupancyGrid lanes() {
 }
 
 /// Through all lanes, 0.6 m beside their lower walls, where no robot would drive; 190 m.
-Polyline way_through() {
+Polyline path_through() {
   return resampled({{1.0, 0.8}, {47.2, 0.8}, {47.2, 3.8}, {1.2, 3.8}, {1.2, 6.8}, {47.2, 6.8}, {47.2, 9.8}, {1.0, 9.8}},
                    0.1);
 }
@@ -40,23 +40,23 @@ TEST(PathShaper, ShapesAShortWayAsAWhole) {
 
 TEST(PathShaper, MakesNoKinkWhereSectionsMeet) {
   const ConfigurationSpace space({}, lanes(), {});
-  const Polyline chain = way_through();
-  const Polyline way = PathShaper({}).shape(space, chain);
-  EXPECT_EQ(way.front(), chain.front());
-  EXPECT_EQ(way.back(), chain.back());
-  EXPECT_TRUE(is_clear(space, way));
-  EXPECT_LT(cost_of(space, way), 1.005 * cost_of(space, shape_path(space, {}, chain)));
-  for (std::size_t i = 1; i + 1 < way.size(); ++i) {
-    const Eigen::Vector2d before = (way[i] - way[i - 1]).normalized();
-    const Eigen::Vector2d behind = (way[i + 1] - way[i]).normalized();
+  const Polyline chain = path_through();
+  const Polyline path = PathShaper({}).shape(space, chain);
+  EXPECT_EQ(path.front(), chain.front());
+  EXPECT_EQ(path.back(), chain.back());
+  EXPECT_TRUE(is_clear(space, path));
+  EXPECT_LT(cost_of(space, path), 1.005 * cost_of(space, shape_path(space, {}, chain)));
+  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
+    const Eigen::Vector2d before = (path[i] - path[i - 1]).normalized();
+    const Eigen::Vector2d behind = (path[i + 1] - path[i]).normalized();
     EXPECT_GT(before.dot(behind), 0.8) << "at point " << i;  // 37 degrees; the lanes' ends are rounded to less
-    EXPECT_LE((way[i] - way[i - 1]).norm(), PathShapingParams{}.spacing + 1e-9);
+    EXPECT_LE((path[i] - path[i - 1]).norm(), PathShapingParams{}.spacing + 1e-9);
   }
 }
 
 TEST(PathShaper, LeavesWhatIsFarAheadAsItWasWhenTheRobotHasDrivenOn) {
   const ConfigurationSpace space({}, lanes(), {});
-  const Polyline chain = way_through();
+  const Polyline chain = path_through();
   PathShaper shaper({});
   const Polyline first = shaper.shape(space, chain);
   const Polyline later = shaper.shape(space, Polyline(chain.begin() + 37, chain.end()));
@@ -67,14 +67,14 @@ TEST(PathShaper, ForgetsOnlyWhatLiesNearAChange) {
   OccupancyGrid grid = lanes();
   ConfigurationSpace space({}, grid, {});
   PathShaper shaper({});
-  const Polyline before = shaper.shape(space, way_through());
+  const Polyline before = shaper.shape(space, path_through());
   const std::size_t pieces = shaper.kept();
   build_wall(grid, 20.0, 1.5, 20.5, 2.0);  // in the first lane
   shaper.forget(space.geometry(), space.update(grid, {}).window);
   EXPECT_LT(shaper.kept(), pieces);
   EXPECT_GE(shaper.kept(), pieces - 3);
-  const Polyline after = shaper.shape(space, way_through());
-  EXPECT_EQ(after, PathShaper({}).shape(space, way_through()));
+  const Polyline after = shaper.shape(space, path_through());
+  EXPECT_EQ(after, PathShaper({}).shape(space, path_through()));
   EXPECT_NE(after, before);
   EXPECT_GE(same_at_the_end(before, after), 500U);
 }

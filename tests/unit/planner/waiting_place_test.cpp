@@ -8,7 +8,7 @@ namespace luminav {
 namespace {
 
 const Door kDoor{1, {4.2, 3.2, 0.5 * kPi}, 0.9};
-const Polyline kWay = {{2.0, 3.0}, {3.0, 3.2}, {4.2, 3.2}, {6.0, 3.2}};
+const Polyline kPath = {{2.0, 3.0}, {3.0, 3.2}, {4.2, 3.2}, {6.0, 3.2}};
 
 /// Two rooms of 4 x 6 m with a door between them.
 OccupancyGrid two_rooms() {
@@ -20,7 +20,7 @@ OccupancyGrid two_rooms() {
 
 TEST(WaitingPlace, LiesBesideTheWayOnTheSideFromWhichItComes) {
   const ConfigurationSpace space({}, two_rooms(), {});
-  const auto places = places_beside(kDoor, kWay, space);
+  const auto places = places_beside(kDoor, kPath, space);
   ASSERT_FALSE(places.empty());
   for (const Eigen::Vector2d& place : places) {
     EXPECT_LT(place.x(), 3.8);
@@ -29,7 +29,7 @@ TEST(WaitingPlace, LiesBesideTheWayOnTheSideFromWhichItComes) {
     EXPECT_FALSE(is_in_doorway(kDoor, place));
     EXPECT_GE(space.clearance(space.geometry().cell_at(place)), 0.4) << "it can turn";
   }
-  EXPECT_LE((places.front() - kWay.front()).norm(), (places.back() - kWay.front()).norm());
+  EXPECT_LE((places.front() - kPath.front()).norm(), (places.back() - kPath.front()).norm());
 }
 
 TEST(WaitingPlace, LiesBehindARobotThatStandsInTheDoor) {
@@ -48,13 +48,13 @@ TEST(WaitingPlace, IsWhereThereIsRoom) {
   OccupancyGrid grid = two_rooms();
   build_wall(grid, 0.0, 3.6, 4.2, 6.4);  // nothing to the left of the way
   const ConfigurationSpace space({}, grid, {});
-  const auto places = places_beside(kDoor, kWay, space);
+  const auto places = places_beside(kDoor, kPath, space);
   ASSERT_FALSE(places.empty());
   for (const Eigen::Vector2d& place : places) {
     EXPECT_LT(place.y(), 3.2);
   }
   build_wall(grid, 0.0, 0.0, 4.2, 2.8);  // nor to the right: a corridor that ends at the door
-  EXPECT_TRUE(places_beside(kDoor, kWay, ConfigurationSpace({}, grid, {})).empty());
+  EXPECT_TRUE(places_beside(kDoor, kPath, ConfigurationSpace({}, grid, {})).empty());
 }
 
 TEST(WaitingPlace, KnowsWhatLiesInTheWayThroughADoor) {

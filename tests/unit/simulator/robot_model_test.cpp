@@ -18,11 +18,11 @@ struct Drive {
   double fastest_change = 0.0;  // [m/s^2] of a wheel
 };
 
-/// Drives until the mean wheel travel is `way`, or for `ticks`.
-Drive drive(RobotModel& robot, const MotorCommand& command, double way, int ticks = 1'000'000) {
+/// Drives until the mean wheel travel is `distance`, or for `ticks`.
+Drive drive(RobotModel& robot, const MotorCommand& command, double distance, int ticks = 1'000'000) {
   Drive result;
   double previous = 0.0;
-  for (int i = 0; i < ticks && 0.5 * (std::abs(result.left) + std::abs(result.right)) < way; ++i) {
+  for (int i = 0; i < ticks && 0.5 * (std::abs(result.left) + std::abs(result.right)) < distance; ++i) {
     const WheelStep step = robot.step(kTick, command);
     result.left += step.left;
     result.right += step.right;
@@ -108,12 +108,12 @@ TEST(RobotModel, SpreadsWithTheSquareRootOfTheWay) {
   truth.odometry_position = 0.01;
   truth.odometry_heading = radians(0.5);
   constexpr int kRuns = 1500;
-  for (const double way : {1.0, 4.0}) {
+  for (const double distance : {1.0, 4.0}) {
     double squares_x = 0.0;
     double squares_theta = 0.0;
     for (int seed = 0; seed < kRuns; ++seed) {
       RobotModel robot(truth, static_cast<std::uint64_t>(seed));
-      const Drive result = drive(robot, {0.5, 0.0, true}, way);
+      const Drive result = drive(robot, {0.5, 0.0, true}, distance);
       squares_theta += result.pose.theta * result.pose.theta;
       // along the curved way, so that the heading's error stays out of it
       const double along =
@@ -121,8 +121,8 @@ TEST(RobotModel, SpreadsWithTheSquareRootOfTheWay) {
       squares_x += std::pow(along - result.left, 2);
     }
     const double tolerance = 4.0 / std::sqrt(2.0 * kRuns);
-    EXPECT_NEAR(std::sqrt(squares_x / kRuns) / (0.01 * std::sqrt(way)), 1.0, tolerance + 0.03);
-    EXPECT_NEAR(std::sqrt(squares_theta / kRuns) / (radians(0.5) * std::sqrt(way)), 1.0, tolerance);
+    EXPECT_NEAR(std::sqrt(squares_x / kRuns) / (0.01 * std::sqrt(distance)), 1.0, tolerance + 0.03);
+    EXPECT_NEAR(std::sqrt(squares_theta / kRuns) / (radians(0.5) * std::sqrt(distance)), 1.0, tolerance);
   }
 }
 

@@ -30,27 +30,27 @@ ScenarioEvent event(double at, EventKind kind) {
   return result;
 }
 
-struct Way {
+struct Travel {
   double left = 0.0;
   double right = 0.0;
   int stalled = 0;  // ticks
 };
 
-Way run(World& world, const MotorCommand& command, double seconds) {
-  Way way;
+Travel run(World& world, const MotorCommand& command, double seconds) {
+  Travel travel;
   for (int i = 0; i < static_cast<int>(std::lround(seconds / World::kTick)); ++i) {
     const WheelReport report = world.step(command);
-    way.left += report.left;
-    way.right += report.right;
-    way.stalled += report.stalled ? 1 : 0;
+    travel.left += report.left;
+    travel.right += report.right;
+    travel.stalled += report.stalled ? 1 : 0;
   }
-  return way;
+  return travel;
 }
 
 TEST(World, DrivesWhereTheWheelsSay) {
   World world(kSeed, truth_at({3.0, 3.0, 0.5 * kPi}));
-  const Way way = run(world, kForward, 3.0);
-  EXPECT_NEAR(world.state().world_from_robot.y, 3.0 + way.left, 1e-9);
+  const Travel travel = run(world, kForward, 3.0);
+  EXPECT_NEAR(world.state().world_from_robot.y, 3.0 + travel.left, 1e-9);
   EXPECT_NEAR(world.state().linear, 0.4, 1e-3);
   EXPECT_NEAR(world.state().angular, 0.0, 1e-9);
   EXPECT_EQ(world.contacts().contacts(), 0);
@@ -60,15 +60,15 @@ TEST(World, StopsAtAWallCountsOneContactAndStallsOrSpins) {
   int spins = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     World world(seed, truth_at({9.0, 3.0, 0.0}));
-    const Way way = run(world, kForward, 10.0);
+    const Travel travel = run(world, kForward, 10.0);
     EXPECT_NEAR(world.state().world_from_robot.x + 0.21, 10.5, 0.005);
     EXPECT_LE(world.state().world_from_robot.x + 0.21, 10.5);
     EXPECT_EQ(world.contacts().contacts(), 1);
     EXPECT_TRUE(world.contacts().touching());
     EXPECT_EQ(world.state().linear, 0.0);
-    const bool spun = way.left > 3.5;
+    const bool spun = travel.left > 3.5;
     spins += spun ? 1 : 0;
-    EXPECT_EQ(way.stalled > 100, !spun);
+    EXPECT_EQ(travel.stalled > 100, !spun);
   }
   EXPECT_GT(spins, 4);
   EXPECT_LT(spins, 25);
@@ -175,10 +175,10 @@ TEST(World, CarriesTheRobotWithoutTurningItsWheels) {
   World world(kSeed, truth_at({3.0, 3.0, 0.0}, events));
   run(world, kForward, 0.99);
   EXPECT_FALSE(world.state().carried);
-  const Way way = run(world, kForward, 2.0);
+  const Travel travel = run(world, kForward, 2.0);
   EXPECT_TRUE(world.state().carried);
   EXPECT_EQ(world.state().carries, 1);
-  EXPECT_EQ(way.left, 0.0);
+  EXPECT_EQ(travel.left, 0.0);
   EXPECT_EQ(world.state().clearance, Separation::kNoneNear);
   run(world, kStand, 0.1);
   EXPECT_FALSE(world.state().carried);
@@ -195,10 +195,10 @@ TEST(World, SlipsForAWhile) {
   World world(kSeed, truth_at({1.0, 3.0, 0.0}, events));
   run(world, kForward, 0.99);
   const double before = world.state().world_from_robot.x;
-  const Way slipping = run(world, kForward, 2.0);
+  const Travel slipping = run(world, kForward, 2.0);
   EXPECT_NEAR(world.state().world_from_robot.x - before, 0.5 * slipping.left, 1e-9);
   const double after = world.state().world_from_robot.x;
-  const Way gripping = run(world, kForward, 1.0);
+  const Travel gripping = run(world, kForward, 1.0);
   EXPECT_NEAR(world.state().world_from_robot.x - after, gripping.left, 1e-9);
 }
 
@@ -206,8 +206,8 @@ TEST(World, BumpsTheRobotAsideButNotThroughWalls) {
   std::vector<ScenarioEvent> events = {event(0.5, EventKind::kBump)};
   events[0].pose = {0.1, -0.05, 0.3};
   World world(kSeed, truth_at({3.0, 3.0, 0.0}, events));
-  const Way way = run(world, kStand, 2.0);
-  EXPECT_EQ(way.left, 0.0);
+  const Travel travel = run(world, kStand, 2.0);
+  EXPECT_EQ(travel.left, 0.0);
   EXPECT_NEAR(world.state().world_from_robot.x, 3.1, 1e-9);
   EXPECT_NEAR(world.state().world_from_robot.y, 2.95, 1e-9);
   EXPECT_NEAR(world.state().world_from_robot.theta, 0.3, 1e-9);
@@ -303,7 +303,7 @@ TEST(World, NeverPenetratesAnything) {
   World world(kSeed, truth);
   RandomStream random(8, "drive");
   MotorCommand command;
-  double way = 0.0;
+  double travel = 0.0;
   for (int i = 0; i < 60'000; ++i) {
     if (i % 150 == 0) {
       command = {random.uniform(-0.6, 0.6), random.uniform(-1.5, 1.5), true};
@@ -311,9 +311,9 @@ TEST(World, NeverPenetratesAnything) {
     const Pose2 before = world.state().world_from_robot;
     world.step(command);
     ASSERT_GT(world.state().clearance, 0.0) << "at " << world.time() << " s";
-    way += distance(before, world.state().world_from_robot);
+    travel += distance(before, world.state().world_from_robot);
   }
-  EXPECT_GT(way, 20.0);
+  EXPECT_GT(travel, 20.0);
   EXPECT_GT(world.contacts().contacts(), 10);
 }
 

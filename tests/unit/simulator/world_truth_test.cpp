@@ -315,11 +315,11 @@ TEST(WorldTruth, GivesPeopleAFreeStraightWay) {
     const WorldTruth truth = draw(scenario);
     for (const WalkingPerson& person : truth.people) {
       ASSERT_EQ(person.waypoints.size(), 2U);
-      const Vector2d way = person.waypoints[1] - person.waypoints[0];
-      EXPECT_GE(way.norm(), 3.0);
+      const Vector2d leg = person.waypoints[1] - person.waypoints[0];
+      EXPECT_GE(leg.norm(), 3.0);
       const Obstacle& box = truth.obstacles[0];
       for (double t = 0.0; t <= 1.0; t += 0.02) {
-        const Vector2d point = person.waypoints[0] + t * way;
+        const Vector2d point = person.waypoints[0] + t * leg;
         EXPECT_GE(walls.at(point), kPersonRadius);
         EXPECT_GE(distance(rectangle(*box.world_from_obstacle, box.length, box.width), point), kPersonRadius);
       }

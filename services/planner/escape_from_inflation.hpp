@@ -10,17 +10,18 @@
 
 namespace luminav {
 
-struct WayOutParams {
+struct EscapeFromInflationParams {
   double reach = 1.0;         // [m] from the robot
   double body_radius = 0.22;  // [m] what seems to stand this close to the robot's middle cannot be there
   double hard_radius = 0.30;  // [m] the space's own
 };
 
 /// The way out for a robot beside an obstacle: through cells that are blocked, never through solid ones.
-class WayOut {
+class EscapeFromInflation {
  public:
   /// `robot` [m, world] is in a cell inside the space, which must outlive this.
-  WayOut(const ConfigurationSpace& space, const WayOutParams& params, const Eigen::Vector2d& robot);
+  EscapeFromInflation(const ConfigurationSpace& space, const EscapeFromInflationParams& params,
+                      const Eigen::Vector2d& robot);
 
   /// Cells from the robot's to one that a wave reached, both included: the way there and what it costs from there on
   /// are the least together. Empty when there is none.
@@ -39,7 +40,7 @@ class WayOut {
   [[nodiscard]] Cell cell_of(std::size_t index) const;
 
   const ConfigurationSpace& space_;
-  WayOutParams params_;
+  EscapeFromInflationParams params_;
   Eigen::Vector2d robot_;
   Cell start_;
   int reach_;  // [cells]

@@ -11,15 +11,15 @@ namespace luminav {
 
 /// Shortest ways from the robot over a square lattice of places around it: Dijkstra, one place at a time, so that
 /// whoever searches may stop. The lattice stands still in its frame while the robot moves.
-class WayLattice {
+class PathLattice {
  public:
   struct Visit {
     int node = 0;
-    double way = 0.0;  // [m] as priced
+    double distance = 0.0;  // [m] as priced
   };
 
   /// Around `place`, as far as `reach` along both axes, every `step` [m].
-  WayLattice(const Eigen::Vector2d& place, double reach, double step);
+  PathLattice(const Eigen::Vector2d& place, double reach, double step);
 
   /// The nearest place not yet returned; nothing when all that can be reached was.
   [[nodiscard]] std::optional<Visit> next();
@@ -29,17 +29,19 @@ class WayLattice {
 
   [[nodiscard]] Eigen::Vector2d place_of(int node) const;
   /// From the robot on, without where it stands.
-  [[nodiscard]] std::vector<Eigen::Vector2d> way_to(int node) const;
+  [[nodiscard]] std::vector<Eigen::Vector2d> path_to(int node) const;
 
  private:
   struct IsFarther {
-    bool operator()(const Visit& a, const Visit& b) const { return a.way != b.way ? a.way > b.way : a.node > b.node; }
+    bool operator()(const Visit& a, const Visit& b) const {
+      return a.distance != b.distance ? a.distance > b.distance : a.node > b.node;
+    }
   };
   double step_;  // [m]
   int columns_;
   int start_;
   Eigen::Vector2d corner_;  // [m]
-  std::vector<double> way_;
+  std::vector<double> distance_;
   std::vector<double> price_;  // negative = not yet asked
   std::vector<int> from_;
   std::priority_queue<Visit, std::vector<Visit>, IsFarther> open_;

@@ -1,4 +1,4 @@
-#include "services/planner/way_out.hpp"
+#include "services/planner/escape_from_inflation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,29 +17,30 @@ constexpr std::uint32_t kNever = WaveField::kUnreached;
 
 }  // namespace
 
-WayOut::WayOut(const ConfigurationSpace& space, const WayOutParams& params, const Eigen::Vector2d& robot)
+EscapeFromInflation::EscapeFromInflation(const ConfigurationSpace& space, const EscapeFromInflationParams& params,
+                                         const Eigen::Vector2d& robot)
     : space_(space),
       params_(params),
       robot_(robot),
       start_(space.geometry().cell_at(robot)),
       reach_(static_cast<int>(std::ceil(params.reach / space.geometry().resolution))) {}
 
-std::size_t WayOut::cells_in_reach() const {
+std::size_t EscapeFromInflation::cells_in_reach() const {
   const auto side = static_cast<std::size_t>(2 * reach_ + 1);
   return side * side;
 }
 
-std::size_t WayOut::local(const Cell& cell) const {
+std::size_t EscapeFromInflation::local(const Cell& cell) const {
   return static_cast<std::size_t>((cell.row - start_.row + reach_) * (2 * reach_ + 1) + cell.column - start_.column +
                                   reach_);
 }
 
-Cell WayOut::cell_of(std::size_t index) const {
+Cell EscapeFromInflation::cell_of(std::size_t index) const {
   const auto columns = static_cast<std::size_t>(space_.geometry().columns);
   return {static_cast<int>(index % columns), static_cast<int>(index / columns)};
 }
 
-bool WayOut::may_enter(const Cell& cell) const {
+bool EscapeFromInflation::may_enter(const Cell& cell) const {
   const GridGeometry& geometry = space_.geometry();
   if (std::max(std::abs(cell.column - start_.column), std::abs(cell.row - start_.row)) > reach_ ||
       !geometry.contains(cell)) {
@@ -49,12 +50,12 @@ bool WayOut::may_enter(const Cell& cell) const {
 }
 
 // The nearer to an obstacle the dearer, so that the way out leads straight away from it.
-std::uint32_t WayOut::price(const Cell& cell) const {
+std::uint32_t EscapeFromInflation::price(const Cell& cell) const {
   const double tightness = std::max(0.0, 1.0 - space_.clearance(cell) / params_.hard_radius);
   return kPrice + static_cast<std::uint32_t>(4.0 * kPrice * tightness);
 }
 
-std::vector<std::size_t> WayOut::find(const WaveField& field) const {
+std::vector<std::size_t> EscapeFromInflation::find(const WaveField& field) const {
   const GridGeometry& geometry = space_.geometry();
   std::vector<std::uint32_t> cost(cells_in_reach(), kNever);
   std::vector<std::size_t> from(cost.size(), 0);
@@ -106,7 +107,7 @@ std::vector<std::size_t> WayOut::find(const WaveField& field) const {
   return cells;
 }
 
-bool WayOut::is_enclosed() const {
+bool EscapeFromInflation::is_enclosed() const {
   std::vector<bool> was_there(cells_in_reach(), false);
   std::vector<Cell> open{start_};
   while (!open.empty()) {
