@@ -9,7 +9,7 @@
 
 namespace luminav {
 
-/// What the building's file foretells of a place: the fixture seen above it, and whether there is room to stand.
+/// What the building's file predicts of a place: the fixture seen above it, and whether there is room to stand.
 class CeilingForecast {
  public:
   /// Foretells nothing.

@@ -64,7 +64,7 @@ struct ControllerConfig {
 };
 
 /// Reads the robot's file with its table [controller] strictly. Throws ConfigurationError.
-/// With a building's file it searches by what that foretells.
+/// With a building's file it searches by what that predicts.
 ControllerConfig read_controller_config(const std::filesystem::path& robot_file,
                                         const std::filesystem::path& building_file = {});
 

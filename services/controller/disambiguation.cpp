@@ -43,18 +43,18 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const Possi
   const bool is_known_floor = map.ground_at(place) == Ground::kFree;
   double with_new_fixture = 0.0;
   for (const PossiblePose& pose : poses) {
-    const std::optional<ForetoldView> foretold = foretell(forecast_, pose, place, is_known_floor, params_.views);
-    if (!foretold) {
+    const std::optional<PredictedView> predicted = predict(forecast_, pose, place, is_known_floor, params_.views);
+    if (!predicted) {
       continue;
     }
-    if (foretold->fixture != nullptr) {
+    if (predicted->fixture != nullptr) {
       // one that it passed by confirms nothing anew: a pose that is left alone waits for the next one
-      with_new_fixture += map.is_near_trail(foretold->odom_from_fixture.position()) ? 0.0 : pose.weight;
+      with_new_fixture += map.is_near_trail(predicted->odom_from_fixture.position()) ? 0.0 : pose.weight;
     }
     auto same = std::find_if(views.begin(), views.end(),
-                             [&](const View& v) { return look_alike(v.foretold, *foretold, params_.views); });
+                             [&](const View& v) { return look_alike(v.predicted, *predicted, params_.views); });
     if (same == views.end()) {
-      same = views.insert(views.end(), {*foretold, 0.0, 0.0});
+      same = views.insert(views.end(), {*predicted, 0.0, 0.0});
     }
     same->weight += pose.weight;
     same->chance += pose.chance * pose.urgency;
@@ -62,10 +62,10 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const Possi
   double worth = params_.any_fixture * with_new_fixture;
   for (const View& truth : views) {
     for (const View& rival : views) {
-      if (&truth != &rival && !truth.foretold.is_wall) {
-        const double telling = rival.foretold.is_wall              ? params_.wall
-                               : truth.foretold.fixture != nullptr ? params_.seen_and_not
-                                                                   : params_.missed;
+      if (&truth != &rival && !truth.predicted.is_wall) {
+        const double telling = rival.predicted.is_wall              ? params_.wall
+                               : truth.predicted.fixture != nullptr ? params_.seen_and_not
+                                                                    : params_.missed;
         worth += truth.chance * rival.weight * telling;
       }
     }

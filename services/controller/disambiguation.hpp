@@ -9,7 +9,7 @@
 #include "services/common/building/building.hpp"
 #include "services/common/geometry/pose2.hpp"
 #include "services/controller/ceiling_forecast.hpp"
-#include "services/controller/foretold_view.hpp"
+#include "services/controller/predicted_view.hpp"
 #include "services/controller/search_map.hpp"
 #include "services/controller/search_price.hpp"
 #include "services/controller/search_urgency.hpp"
@@ -47,7 +47,7 @@ struct SearchPlaces {
   std::optional<Eigen::Vector2d> heading_for;  // where the last way led to
 };
 
-/// Finds the place to drive to when several poses are possible: where what they foretell differs most for the least
+/// Finds the place to drive to when several poses are possible: where what they predict differs most for the least
 /// way.
 class Disambiguation {
  public:
@@ -60,9 +60,9 @@ class Disambiguation {
                                                                  const SearchMap& map) const;
 
  private:
-  /// Poses that foretell the same of a place.
+  /// Poses that predict the same of a place.
   struct View {
-    ForetoldView foretold;
+    PredictedView predicted;
     double weight = 0.0;  // sums of theirs, see PossiblePose
     double chance = 0.0;  // likewise, by their urgency
   };

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "services/controller/ceiling_forecast.hpp"
-#include "services/controller/foretold_view.hpp"
+#include "services/controller/predicted_view.hpp"
 #include "services/controller/search_map.hpp"
 
 namespace luminav {

@@ -17,13 +17,13 @@ std::vector<double> telling_distances(const std::vector<PossiblePose>& poses, co
                                       const SearchUrgencyParams& params) {
   const std::size_t count = poses.size();
   std::vector<double> distances(count * count, params.reach);
-  std::vector<std::optional<ForetoldView>> views(count);
+  std::vector<std::optional<PredictedView>> views(count);
   PathLattice lattice(began_at, params.reach, params.step);
   for (auto visit = lattice.next(); visit && visit->distance < params.reach; visit = lattice.next()) {
     const Eigen::Vector2d place = lattice.place_of(visit->node);
     const bool is_known_floor = map.ground_at(place) == Ground::kFree;
     std::transform(poses.begin(), poses.end(), views.begin(),
-                   [&](const PossiblePose& pose) { return foretell(forecast, pose, place, is_known_floor, rules); });
+                   [&](const PossiblePose& pose) { return predict(forecast, pose, place, is_known_floor, rules); });
     for (std::size_t truth = 0; truth < count; ++truth) {
       if (!views[truth] || views[truth]->is_wall) {
         continue;

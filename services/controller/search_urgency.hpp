@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "services/controller/ceiling_forecast.hpp"
-#include "services/controller/foretold_view.hpp"
+#include "services/controller/predicted_view.hpp"
 #include "services/controller/search_map.hpp"
 
 namespace luminav {

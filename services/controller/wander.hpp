@@ -54,7 +54,7 @@ struct WanderInput {
   std::span<const PoseAlternative> alternatives;  // poses that are possible
 };
 
-/// Covers ground until the localizer knows where it is: drives to where the possible poses foretell different things,
+/// Covers ground until the localizer knows where it is: drives to where the possible poses predict different things,
 /// and where nothing tells them apart by sonar alone to the nearest free ground that it has
 /// not been near, out by the door once a room is known. Where there is none it drives towards the direction with the
 /// most unvisited free way, remembers in the odometry frame where it has been and which directions led nowhere.

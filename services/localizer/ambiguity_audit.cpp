@@ -57,7 +57,7 @@ AmbiguityAudit::AmbiguityAudit(const Building& building, const PriorMap& walls, 
   std::vector<double> distance(places_.size(), 0.0);
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const std::vector<RivalAtPlace>& rivals = ground_.rivals[i];
-    places_[i].twins = places_[i].is_blind ? 0 : static_cast<int>(rivals.size());
+    places_[i].aliases = places_[i].is_blind ? 0 : static_cast<int>(rivals.size());
     distance[i] = rivals.empty() ? 0.0 : rivals.front().distance;
   }
   add_blind_distances(distance);
@@ -159,13 +159,13 @@ bool AmbiguityAudit::is_alike(const Fixture& a, const Pose2& world_from_a, const
              params_.heading_tolerance;
 }
 
-AmbiguityAudit::Motion AmbiguityAudit::make_motion(const Pose2& twin_from_true, int first) const {
+AmbiguityAudit::Motion AmbiguityAudit::make_motion(const Pose2& alias_from_true, int first) const {
   const auto count = static_cast<std::size_t>(map_.size());
   Motion motion{
-      twin_from_true, first, std::vector<bool>(count), std::vector<bool>(count), std::vector<int>(count, -1), 0.0};
+      alias_from_true, first, std::vector<bool>(count), std::vector<bool>(count), std::vector<int>(count, -1), 0.0};
   std::vector<int> near;
   for (int i = 0; i < map_.size(); ++i) {
-    const Pose2 moved = twin_from_true * map_[i].world_from_fixture;
+    const Pose2 moved = alias_from_true * map_[i].world_from_fixture;
     near.clear();
     map_.find_near(moved.position(), params_.position_tolerance, near);
     for (const int other : near) {
@@ -214,9 +214,9 @@ void AmbiguityAudit::find_motions() {
   }
 }
 
-bool AmbiguityAudit::is_twin(const Motion& motion, std::size_t place, int changed) const {
-  const Eigen::Vector2d twin = motion.twin_from_true * places_[place].point;
-  if (!walls_.is_free(twin) || walls_.distance_to_wall(twin) < params_.twin_clearance) {
+bool AmbiguityAudit::is_alias(const Motion& motion, std::size_t place, int changed) const {
+  const Eigen::Vector2d alias = motion.alias_from_true * places_[place].point;
+  if (!walls_.is_free(alias) || walls_.distance_to_wall(alias) < params_.alias_clearance) {
     return false;
   }
   for (const int index : in_view_[place]) {
@@ -225,17 +225,17 @@ bool AmbiguityAudit::is_twin(const Motion& motion, std::size_t place, int change
       return false;
     }
   }
-  // what the twin would see and the robot does not; at the border of the view tolerance decides
+  // what the alias would see and the robot does not; at the border of the view tolerance decides
   thread_local std::vector<int> near;
   near.clear();
-  map_.find_near(twin, view_radius_ - params_.position_tolerance, near);
+  map_.find_near(alias, view_radius_ - params_.position_tolerance, near);
   return std::all_of(near.begin(), near.end(),
                      [&](int index) { return motion.is_hit[static_cast<std::size_t>(index)]; });
 }
 
 std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const Motion& motion, int changed) const {
   // all places that are connected, without a refutation between, with one that sees a fixture which finds its like
-  enum : std::uint8_t { kUntouched, kTwin, kRefuted };
+  enum : std::uint8_t { kUntouched, kAlias, kRefuted };
   thread_local std::vector<std::uint8_t> kind;
   thread_local std::vector<double> distance;
   kind.assign(places_.size(), kUntouched);
@@ -244,8 +244,8 @@ std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const Motio
   const auto touch = [&](std::int32_t place) {
     const auto i = static_cast<std::size_t>(place);
     if (kind[i] == kUntouched) {
-      kind[i] = is_twin(motion, i, changed) ? kTwin : kRefuted;
-      if (kind[i] == kTwin) {
+      kind[i] = is_alias(motion, i, changed) ? kAlias : kRefuted;
+      if (kind[i] == kAlias) {
         distance[i] = kNever;
         open.push_back(place);
       }
@@ -283,7 +283,7 @@ std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const Motio
       continue;
     }
     for (const std::int32_t neighbour : ground_.neighbours[place]) {
-      if (kind[static_cast<std::size_t>(neighbour)] == kTwin) {
+      if (kind[static_cast<std::size_t>(neighbour)] == kAlias) {
         relax(place, static_cast<std::size_t>(neighbour), length);
       }
     }

@@ -18,7 +18,7 @@ namespace luminav {
 struct AuditParams {
   double cell = 0.25;                      // [m] between places looked at
   double clearance = 0.25;                 // [m] that the robot's middle keeps from walls
-  double twin_clearance = 0.10;            // [m] nearer to a wall nobody can be: such a twin is refuted
+  double alias_clearance = 0.10;           // [m] nearer to a wall nobody can be: such a alias is refuted
   double position_tolerance = 0.25;        // [m] fixtures nearer than this to each other's images are alike
   double heading_tolerance = radians(12);  // [rad] likewise
   double never_distance = 50.0;            // [m] that a place which never resolves counts in means
@@ -29,8 +29,8 @@ struct AuditParams {
 struct AuditPlace {
   Eigen::Vector2d point;
   bool is_blind = false;      // no fixture in view
-  int twins = 0;              // other poses that look the same, half turns included
-  double min_distance = 0.0;  // [m] to drive until the farthest twin is refuted; infinite: never. More: ResolvingWalk
+  int aliases = 0;            // other poses that look the same, half turns included
+  double min_distance = 0.0;  // [m] to drive until the farthest alias is refuted; infinite: never. More: ResolvingWalk
 };
 
 /// What one change would do.
@@ -41,8 +41,8 @@ struct AuditChange {
 };
 
 /// From where in a building the ceiling does not tell the pose, and how far the robot must drive until it does. A pose
-/// and its twin differ by a motion of the plane that lays a fixture on another of its kind; robot and twin drive side
-/// by side until one of them sees what the other does not, or the twin stands in a wall. Headings are left out: the
+/// and its alias differ by a motion of the plane that lays a fixture on another of its kind; robot and alias drive side
+/// by side until one of them sees what the other does not, or the alias stands in a wall. Headings are left out: the
 /// view is taken for a disc as large as the image.
 class AmbiguityAudit {
  public:
@@ -52,9 +52,9 @@ class AmbiguityAudit {
   [[nodiscard]] const std::vector<AuditPlace>& places() const { return places_; }
   [[nodiscard]] const AuditParams& params() const { return params_; }
   [[nodiscard]] double view_radius() const { return view_radius_; }
-  /// Motions of the plane under which some place has a twin.
+  /// Motions of the plane under which some place has a alias.
   [[nodiscard]] std::size_t motions() const { return motions_.size(); }
-  /// Which twins are possible where: ResolvingWalk finds the ways on it.
+  /// Which aliases are possible where: ResolvingWalk finds the ways on it.
   [[nodiscard]] const RivalGround& ground() const { return ground_; }
   [[nodiscard]] double mean_min_distance() const { return mean_min_distance_; }
   /// Share of the places that never resolve.
@@ -69,7 +69,7 @@ class AmbiguityAudit {
     float distance = 0.0F;  // [m]
   };
   struct Motion {
-    Pose2 twin_from_true;
+    Pose2 alias_from_true;
     int first = 0;             // fixture that it lays on another one
     std::vector<bool> maps;    // fixture i lies on one of its kind afterwards
     std::vector<bool> is_hit;  // some fixture lies on fixture i afterwards
@@ -81,10 +81,10 @@ class AmbiguityAudit {
   void find_places(const PriorMap& walls);
   void find_motions();
   void find_rivals();
-  [[nodiscard]] Motion make_motion(const Pose2& twin_from_true, int first) const;
+  [[nodiscard]] Motion make_motion(const Pose2& alias_from_true, int first) const;
   [[nodiscard]] bool is_alike(const Fixture& a, const Pose2& world_from_a, const Fixture& b) const;
   /// Looks the same at a place under a motion; `changed` is a fixture that became another kind, -1 = none.
-  [[nodiscard]] bool is_twin(const Motion& motion, std::size_t place, int changed) const;
+  [[nodiscard]] bool is_alias(const Motion& motion, std::size_t place, int changed) const;
   /// Ways from all places where a motion is not refuted.
   [[nodiscard]] std::vector<PlaceDistance> distances(const Motion& motion, int changed) const;
   void add_blind_distances(std::vector<double>& distance) const;

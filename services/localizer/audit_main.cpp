@@ -110,7 +110,7 @@ void write_json(const std::string& file, const Findings& findings) {
     report["places"].push_back({{"x", place.point.x()},
                                 {"y", place.point.y()},
                                 {"blind", place.is_blind},
-                                {"twins", place.twins},
+                                {"twins", place.aliases},
                                 {"least_way_m", finite(place.min_distance)},
                                 {"way_m", finite(distances[i])}});
   }

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "services/localizer/fixture_sighting.hpp"
+#include "services/localizer/object_tracks.hpp"
 #include "services/localizer/pose_belief.hpp"
-#include "services/localizer/scene_memory.hpp"
 #include "services/localizer/sonar_evidence.hpp"
 
 namespace luminav {
@@ -18,8 +18,8 @@ struct EvidenceRound {
   OdometryReading odometry;              // at the image's time
   double odometer = 0.0;                 // [m] likewise
   double share = 1.0;                    // of the image's constant errors that are drawn anew
-  std::vector<SeenObject> objects;       // the scene with this image
-  std::vector<SeenObject> forgotten;     // since the round before
+  std::vector<ObjectTrack> objects;      // the scene with this image
+  std::vector<ObjectTrack> forgotten;    // since the round before
   std::vector<int> object_of_sighting;   // index into `objects`
   std::vector<int> images_of_sighting;   // images that this one stands for
   int images = 1;                        // likewise, whatever they show

@@ -12,8 +12,8 @@ constexpr std::size_t kMaxConfirmed = 16;
 
 }  // namespace
 
-void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double log_likelihood, double weight,
-          int images) {
+void add_evidence(Hypothesis& hypothesis, const ObjectTrack& object, int fixture, double log_likelihood, double weight,
+                  int images) {
   auto found = std::find_if(hypothesis.votes.begin(), hypothesis.votes.end(),
                             [&](const ObjectVote& v) { return v.object == object.id; });
   if (found == hypothesis.votes.end()) {
@@ -34,18 +34,18 @@ void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double 
   }
 }
 
-void watch(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer,
-           int images) {
+void add_absence(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer,
+                 int images) {
   for (const int index : expected) {
-    auto watch = std::find_if(hypothesis.watches.begin(), hypothesis.watches.end(),
-                              [&](const FixtureWatch& w) { return w.fixture == index; });
-    if (watch == hypothesis.watches.end()) {
-      hypothesis.watches.push_back({index, 0, 0, odometer});
-      watch = hypothesis.watches.end() - 1;
+    auto absence = std::find_if(hypothesis.absences.begin(), hypothesis.absences.end(),
+                                [&](const FixtureAbsence& w) { return w.fixture == index; });
+    if (absence == hypothesis.absences.end()) {
+      hypothesis.absences.push_back({index, 0, 0, odometer});
+      absence = hypothesis.absences.end() - 1;
     }
-    watch->expected += images;
-    watch->odometer = odometer;
-    watch->missed += std::find(missed.begin(), missed.end(), index) != missed.end() ? images : 0;
+    absence->expected += images;
+    absence->odometer = odometer;
+    absence->missed += std::find(missed.begin(), missed.end(), index) != missed.end() ? images : 0;
   }
 }
 
@@ -54,18 +54,18 @@ double held_by_sonar(const Hypothesis& hypothesis, double best_sonar, const Hypo
 }
 
 double score_of(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params) {
-  double total =
-      hypothesis.settled + hypothesis.walls + hypothesis.bonus + held_by_sonar(hypothesis, best_sonar, params);
+  double log_posterior =
+      hypothesis.closed_score + hypothesis.walls + hypothesis.log_prior + held_by_sonar(hypothesis, best_sonar, params);
   for (const ObjectVote& vote : hypothesis.votes) {
-    total += vote.weighted_sum / std::max(1e-9, vote.weight) *
-             std::min(1.0, static_cast<double>(vote.frames) / params.frames_for_full_vote);
+    log_posterior += vote.weighted_sum / std::max(1e-9, vote.weight) *
+                     std::min(1.0, static_cast<double>(vote.frames) / params.frames_for_full_vote);
   }
-  for (const FixtureWatch& watch : hypothesis.watches) {
-    const double share = static_cast<double>(watch.missed) / std::max(1, watch.expected);
-    total += std::log(1.0 - (1.0 - params.miss_probability) * share) *
-             std::min(1.0, static_cast<double>(watch.expected) / params.frames_for_full_miss);
+  for (const FixtureAbsence& absence : hypothesis.absences) {
+    const double share = static_cast<double>(absence.missed) / std::max(1, absence.expected);
+    log_posterior += std::log(1.0 - (1.0 - params.miss_probability) * share) *
+                     std::min(1.0, static_cast<double>(absence.expected) / params.frames_for_full_miss);
   }
-  return total;
+  return log_posterior;
 }
 
 bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params) {
@@ -74,38 +74,38 @@ bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& param
 
 namespace {
 
-void settle(Hypothesis& hypothesis, std::vector<ObjectVote> votes, std::vector<FixtureWatch> watches,
+void settle(Hypothesis& hypothesis, std::vector<ObjectVote> votes, std::vector<FixtureAbsence> absences,
             const HypothesisParams& params) {
-  if (votes.empty() && watches.empty()) {
+  if (votes.empty() && absences.empty()) {
     return;
   }
   Hypothesis over;
   over.votes = std::move(votes);
-  over.watches = std::move(watches);
-  hypothesis.settled += score_of(over, 0.0, params);
+  over.absences = std::move(absences);
+  hypothesis.closed_score += score_of(over, 0.0, params);
 }
 
 }  // namespace
 
-void settle_what_is_over(Hypothesis& hypothesis, std::span<const SeenObject> forgotten, double odometer,
+void settle_what_is_over(Hypothesis& hypothesis, std::span<const ObjectTrack> forgotten, double odometer,
                          const HypothesisParams& params) {
   std::vector<ObjectVote> votes;
   const auto is_forgotten = [&](const ObjectVote& vote) {
-    return std::any_of(forgotten.begin(), forgotten.end(), [&](const SeenObject& o) { return o.id == vote.object; });
+    return std::any_of(forgotten.begin(), forgotten.end(), [&](const ObjectTrack& o) { return o.id == vote.object; });
   };
   if (!forgotten.empty()) {
     std::copy_if(hypothesis.votes.begin(), hypothesis.votes.end(), std::back_inserter(votes), is_forgotten);
     std::erase_if(hypothesis.votes, is_forgotten);
   }
-  std::vector<FixtureWatch> watches;
-  const auto is_passed = [&](const FixtureWatch& watch) { return odometer - watch.odometer > kPassedBy; };
-  std::copy_if(hypothesis.watches.begin(), hypothesis.watches.end(), std::back_inserter(watches), is_passed);
-  std::erase_if(hypothesis.watches, is_passed);
-  settle(hypothesis, std::move(votes), std::move(watches), params);
+  std::vector<FixtureAbsence> absences;
+  const auto is_passed = [&](const FixtureAbsence& absence) { return odometer - absence.odometer > kPassedBy; };
+  std::copy_if(hypothesis.absences.begin(), hypothesis.absences.end(), std::back_inserter(absences), is_passed);
+  std::erase_if(hypothesis.absences, is_passed);
+  settle(hypothesis, std::move(votes), std::move(absences), params);
 }
 
 void settle_all(Hypothesis& hypothesis, const HypothesisParams& params) {
-  settle(hypothesis, std::exchange(hypothesis.votes, {}), std::exchange(hypothesis.watches, {}), params);
+  settle(hypothesis, std::exchange(hypothesis.votes, {}), std::exchange(hypothesis.absences, {}), params);
 }
 
 }  // namespace luminav

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "services/common/geometry/angle.hpp"
+#include "services/localizer/object_tracks.hpp"
 #include "services/localizer/pose_belief.hpp"
-#include "services/localizer/scene_memory.hpp"
 
 namespace luminav {
 
@@ -44,7 +44,7 @@ struct ObjectVote {
 };
 
 /// A fixture that a hypothesis expects to be seen.
-struct FixtureWatch {
+struct FixtureAbsence {
   int fixture = 0;
   int expected = 0;       // images in which it should be well visible
   int missed = 0;         // of these, nothing was there
@@ -55,42 +55,42 @@ struct FixtureWatch {
 struct Hypothesis {
   int id = 0;
   PoseBelief belief;
-  double settled = 0.0;  // of objects and passes that are over
+  double closed_score = 0.0;  // of objects and passes that are over
   double walls = 0.0;
   double sonar = 0.0;
-  double bonus = 0.0;       // prior: a user's guess, an earlier pose
-  double total = 0.0;       // sum of all when ranked last
-  double sonar_part = 0.0;  // of that: what the sonars hold against it, at most 0
+  double log_prior = 0.0;      // prior: a user's guess, an earlier pose
+  double log_posterior = 0.0;  // sum of all when ranked last
+  double sonar_part = 0.0;     // of that: what the sonars hold against it, at most 0
   std::vector<ObjectVote> votes;
-  std::vector<FixtureWatch> watches;
+  std::vector<FixtureAbsence> absences;
   std::vector<int> confirmed;   // different fixtures that fitted, at most 16
   std::int64_t last_match = 0;  // [us]
 };
 
 /// Counts an image of an object: `fixture` is what it is taken for there, -1 = none; a weight below 1 for a cut one. It
 /// stands for as many `images`.
-void vote(Hypothesis& hypothesis, const SeenObject& object, int fixture, double log_likelihood, double weight,
-          int images);
+void add_evidence(Hypothesis& hypothesis, const ObjectTrack& object, int fixture, double log_likelihood, double weight,
+                  int images);
 
 /// Counts an image in which fixtures ought to be well visible; those `missed` among them are not seen. It stands for as
 /// many `images`.
-void watch(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer,
-           int images);
+void add_absence(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer,
+                 int images);
 
 /// What the sonars hold against a hypothesis, at most 0; `best_sonar` is the best sonar score of all hypotheses.
 [[nodiscard]] double held_by_sonar(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params);
 
-/// What `total` should be; `best_sonar` is the best sonar score of all hypotheses.
+/// What `log_posterior` should be; `best_sonar` is the best sonar score of all hypotheses.
 [[nodiscard]] double score_of(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params);
 
 /// Two poses so near each other that they are one hypothesis.
 [[nodiscard]] bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params);
 
-/// Moves the score of objects that were `forgotten` and of fixtures passed by to `settled`.
-void settle_what_is_over(Hypothesis& hypothesis, std::span<const SeenObject> forgotten, double odometer,
+/// Moves the score of objects that were `forgotten` and of fixtures passed by to `closed_score`.
+void settle_what_is_over(Hypothesis& hypothesis, std::span<const ObjectTrack> forgotten, double odometer,
                          const HypothesisParams& params);
 
-/// Moves the score of all objects and fixtures to `settled`.
+/// Moves the score of all objects and fixtures to `closed_score`.
 void settle_all(Hypothesis& hypothesis, const HypothesisParams& params);
 
 }  // namespace luminav

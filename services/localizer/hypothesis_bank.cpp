@@ -33,7 +33,7 @@ HypothesisBank::HypothesisBank(const FixtureMap& map, const CeilingView& view, c
       sonar_(sonar),
       errors_(errors),
       params_(params),
-      births_(map_, view_, walls_, ceiling_height, wheel_base, errors_, params_),
+      seeding_(map_, view_, walls_, ceiling_height, wheel_base, errors_, params_),
       ranking_(params_),
       budget_(params.work),
       lag_(kNoMotion) {}
@@ -46,7 +46,7 @@ void HypothesisBank::clear() {
   best_sonar_ = 0.0;
   trail_.clear();
   phase_ = Phase::kIdle;
-  births_.abort();
+  seeding_.abort();
   has_moved_ = false;
   lag_ = kNoMotion;
   distance_ = 0.0;
@@ -83,17 +83,17 @@ void HypothesisBank::listen(const std::vector<PlacedEcho>& echoes) {
   echoes_ = echoes;
 }
 
-void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting, SceneMemory& scene,
-                             const OdometryReading& odometry, double odometer) {
+void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting,
+                             ObjectTracks& tracks, const OdometryReading& odometry, double odometer) {
   ++images_;
-  forgotten_.insert(forgotten_.end(), scene.forgotten().begin(), scene.forgotten().end());
+  forgotten_.insert(forgotten_.end(), tracks.forgotten().begin(), tracks.forgotten().end());
   if (phase_ == Phase::kIdle) {
-    const std::vector<SeenObject> before = std::exchange(round_.objects, scene.objects());
+    const std::vector<ObjectTrack> before = std::exchange(round_.objects, tracks.objects());
     round_.images_of_sighting.clear();
     for (const int index : object_of_sighting) {
-      const SeenObject& object = round_.objects[static_cast<std::size_t>(index)];
+      const ObjectTrack& object = round_.objects[static_cast<std::size_t>(index)];
       const auto known =
-          std::find_if(before.begin(), before.end(), [&](const SeenObject& o) { return o.id == object.id; });
+          std::find_if(before.begin(), before.end(), [&](const ObjectTrack& o) { return o.id == object.id; });
       const int images = object.frames - (known == before.end() ? 0 : known->frames);
       round_.images_of_sighting.push_back(std::clamp(images, 1, kMaxImages));
     }
@@ -137,14 +137,14 @@ void HypothesisBank::begin_round() {
     // Constant errors are drawn anew only every `decorrelation_distance`: between, an image counts for its share of it.
     round_.share = std::clamp(distance_since_correction_ / params_.decorrelation_distance, 0.02, 1.0);
     distance_since_correction_ = 0.0;
-    const auto misfit = [&](const SeenObject& object) {
+    const auto misfit = [&](const ObjectTrack& object) {
       return params_.misfit * std::min(1.0, static_cast<double>(object.frames) / params_.frames_for_full_vote);
     };
     null_active_ = 0.0;
-    for (const SeenObject& object : round_.objects) {
+    for (const ObjectTrack& object : round_.objects) {
       null_active_ += misfit(object);
     }
-    for (const SeenObject& object : round_.forgotten) {
+    for (const ObjectTrack& object : round_.forgotten) {
       null_settled_ += misfit(object);
     }
     comparer_.emplace(round_.frame, round_.odometry.linear, round_.odometry.angular, map_, view_, ceiling_height_,
@@ -180,7 +180,7 @@ void HypothesisBank::compare_next() {
 // One that sonar alone could not bring before the leader must not be what all others are measured by: it would hold
 // them all at the most that sonar can hold against a pose, and say nothing of which is the better one.
 bool HypothesisBank::may_lead(const Hypothesis& hypothesis) const {
-  const auto without_sonar = [](const Hypothesis& h) { return h.total - h.sonar_part; };
+  const auto without_sonar = [](const Hypothesis& h) { return h.log_posterior - h.sonar_part; };
   return without_sonar(hypothesis) >= without_sonar(hypotheses_.front()) - params_.sonar_cap;
 }
 
@@ -217,14 +217,14 @@ void HypothesisBank::compare(Hypothesis& hypothesis) const {
   settle_what_is_over(hypothesis, round_.forgotten, round_.odometer, params_);
   const FrameComparison comparison = comparer_->compare(hypothesis.belief);
   for (std::size_t i = 0; i < round_.frame.sightings.size(); ++i) {
-    const SeenObject& object = round_.objects[static_cast<std::size_t>(round_.object_of_sighting[i])];
+    const ObjectTrack& object = round_.objects[static_cast<std::size_t>(round_.object_of_sighting[i])];
     // a sharp view tells more than one cut by the border
     const double sigma = largest_position_sigma(round_.frame.sightings[i].covariance);
-    vote(hypothesis, object, comparison.fixture_of_sighting[i], comparison.log_likelihood[i],
-         1.0 / (1.0 + sigma * sigma / 0.01), round_.images_of_sighting[i]);
+    add_evidence(hypothesis, object, comparison.fixture_of_sighting[i], comparison.log_likelihood[i],
+                 1.0 / (1.0 + sigma * sigma / 0.01), round_.images_of_sighting[i]);
   }
   correct(hypothesis, comparison);
-  watch(hypothesis, comparison.expected, comparison.missed, round_.odometer, round_.images);
+  add_absence(hypothesis, comparison.expected, comparison.missed, round_.odometer, round_.images);
 }
 
 void HypothesisBank::correct(Hypothesis& hypothesis, const FrameComparison& comparison) const {
@@ -246,24 +246,24 @@ void HypothesisBank::correct(Hypothesis& hypothesis, const FrameComparison& comp
   }
 }
 
-void HypothesisBank::seed(SceneMemory& scene) {
+void HypothesisBank::seed(ObjectTracks& tracks) {
   // a round without an image has the objects of the last one, which have been used
   if (phase_ == Phase::kCompared && round_.has_image) {
-    births_.begin(round_, scene, best_sonar_ - 1.0);
+    seeding_.begin(round_, tracks, best_sonar_ - 1.0);
     min_log_posterior_ =
         hypotheses_.empty() ? -1e18 : score_of(hypotheses_.front(), best_sonar_, params_) - params_.prune;
-    phase_ = Phase::kBear;
+    phase_ = Phase::kSpawn;
   }
-  bear_next();
+  spawn_next();
 }
 
-void HypothesisBank::bear_next() {
-  if (phase_ != Phase::kBear) {
+void HypothesisBank::spawn_next() {
+  if (phase_ != Phase::kSpawn) {
     return;
   }
-  while (!births_.is_complete() && !budget_.is_spent()) {
-    for (Hypothesis& hypothesis : births_.next(hypotheses_, budget_)) {
-      hypothesis.settled = null_settled_;
+  while (!seeding_.is_complete() && !budget_.is_spent()) {
+    for (Hypothesis& hypothesis : seeding_.next(hypotheses_, budget_)) {
+      hypothesis.closed_score = null_settled_;
       if (score_of(hypothesis, best_sonar_, params_) >= min_log_posterior_) {
         add(std::move(hypothesis));
       }
@@ -273,17 +273,17 @@ void HypothesisBank::bear_next() {
 
 void HypothesisBank::add(Hypothesis hypothesis) {
   hypothesis.id = next_id_++;
-  hypothesis.total = score_of(hypothesis, best_sonar_, params_);
+  hypothesis.log_posterior = score_of(hypothesis, best_sonar_, params_);
   hypothesis.sonar_part = held_by_sonar(hypothesis, best_sonar_, params_);
   hypotheses_.push_back(std::move(hypothesis));
 }
 
-void HypothesisBank::add_guess(const PoseBelief& belief, double bonus) {
+void HypothesisBank::add_guess(const PoseBelief& belief, double log_prior) {
   Hypothesis guess;
   guess.belief = belief;
-  guess.settled = null_settled_;
+  guess.closed_score = null_settled_;
   guess.sonar = best_sonar_;
-  guess.bonus = bonus;
+  guess.log_prior = log_prior;
   guess.belief.pose = standing(hypotheses_.size(), belief.pose);
   add(std::move(guess));
   ranking_.begin();
@@ -325,8 +325,8 @@ void HypothesisBank::tidy() {
     ranking_.begin();
     phase_ = Phase::kRank;
   }
-  bear_next();
-  if (phase_ == Phase::kCompared || (phase_ == Phase::kBear && births_.is_complete())) {
+  spawn_next();
+  if (phase_ == Phase::kCompared || (phase_ == Phase::kSpawn && seeding_.is_complete())) {
     ranking_.begin();
     phase_ = Phase::kRank;
   }

@@ -7,15 +7,15 @@
 
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/ceiling_view.hpp"
-#include "services/localizer/driven_trail.hpp"
 #include "services/localizer/error_model.hpp"
 #include "services/localizer/evidence_round.hpp"
 #include "services/localizer/fixture_map.hpp"
 #include "services/localizer/frame_comparison.hpp"
 #include "services/localizer/hypothesis.hpp"
-#include "services/localizer/hypothesis_births.hpp"
 #include "services/localizer/hypothesis_ranking.hpp"
+#include "services/localizer/hypothesis_seeding.hpp"
 #include "services/localizer/sonar_evidence.hpp"
+#include "services/localizer/trajectory_check.hpp"
 #include "services/localizer/wall_field.hpp"
 #include "services/localizer/work_budget.hpp"
 
@@ -24,9 +24,10 @@ namespace luminav {
 /// All poses that explain what was seen, each with a small Kalman filter and a score. Objects vote once each, however
 /// many images showed them; walls, sonar and missing fixtures count beside.
 ///
-/// Work goes in rounds: one image is compared with every hypothesis, new ones are born of it, the list is sorted. Few
-/// hypotheses take one step for that; with thousands a round takes several, each with bounded work, and the images that
-/// pass meanwhile are left out. In between the list is that of the round before: nothing is to be concluded from it.
+/// Work goes in rounds: one image is compared with every hypothesis, new ones are spawned of it, the list is sorted.
+/// Few hypotheses take one step for that; with thousands a round takes several, each with bounded work, and the images
+/// that pass meanwhile are left out. In between the list is that of the round before: nothing is to be concluded from
+/// it.
 class HypothesisBank {
  public:
   /// Everything given by reference must outlive this.
@@ -51,21 +52,21 @@ class HypothesisBank {
   [[nodiscard]] std::size_t max_echoes() const;
   /// One image: sightings (rolling shutter taken out) with their object in the scene. Begins a round with it, or goes
   /// on with the one begun.
-  void observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting, SceneMemory& scene,
+  void observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting, ObjectTracks& tracks,
                const OdometryReading& odometry, double odometer);
   /// The same without an image.
   void wait();
   /// New poses from objects of the scene that have not yet been used for it.
-  void seed(SceneMemory& scene);
+  void seed(ObjectTracks& tracks);
   /// Sorts by score, merges doubles, gives up what is far behind. Ends the round.
   void tidy();
-  /// A round has begun and has not ended: some hypotheses have not seen its image, or are still to be born.
+  /// A round has begun and has not ended: some hypotheses have not seen its image, or are still to be spawned.
   [[nodiscard]] bool is_busy() const { return phase_ != Phase::kIdle; }
   /// The image of the round that is going on or ended last.
   [[nodiscard]] const SightingFrame& frame() const { return round_.frame; }
 
   /// A guess from outside, of where the robot is now.
-  void add_guess(const PoseBelief& belief, double bonus);
+  void add_guess(const PoseBelief& belief, double log_prior);
   /// Puts a hypothesis where the robot is now by what others know of it.
   void place(std::size_t index, const PoseBelief& belief);
 
@@ -80,7 +81,7 @@ class HypothesisBank {
   [[nodiscard]] int work_done() const { return budget_.spent(); }
 
  private:
-  enum class Phase { kIdle, kCompare, kCompared, kBear, kRank };
+  enum class Phase { kIdle, kCompare, kCompared, kSpawn, kRank };
 
   void begin_round();
   void compare_next();
@@ -89,7 +90,7 @@ class HypothesisBank {
   void move(Hypothesis& hypothesis) const;
   void compare(Hypothesis& hypothesis) const;
   void correct(Hypothesis& hypothesis, const FrameComparison& comparison) const;
-  void bear_next();
+  void spawn_next();
   void add(Hypothesis hypothesis);
   /// Where a pose of now stood when the hypotheses did: at the round's image, or at the one before.
   [[nodiscard]] Pose2 standing(std::size_t index, const Pose2& now) const;
@@ -116,8 +117,8 @@ class HypothesisBank {
   std::optional<FrameComparer> comparer_;
   std::size_t next_ = 0;           // hypothesis to be compared with the image
   double round_best_sonar_ = 0.0;  // of those that may lead and have heard the round's echoes
-  HypothesisBirths births_;
-  double min_log_posterior_ = 0.0;  // what is born with less would be given up at once
+  HypothesisSeeding seeding_;
+  double min_log_posterior_ = 0.0;  // what is spawned with less would be given up at once
   HypothesisRanking ranking_;
   WorkBudget budget_;
 
@@ -127,9 +128,9 @@ class HypothesisBank {
   double distance_ = 0.0;  // [m] of it
   bool settles_ = false;
   std::vector<PlacedEcho> echoes_;
-  std::vector<SeenObject> forgotten_;
+  std::vector<ObjectTrack> forgotten_;
   int images_ = 0;
-  DrivenTrail trail_;
+  TrajectoryCheck trail_;
   bool has_stretch_ = false;
   double distance_since_correction_ = 0.0;  // [m], turns counted in
 };

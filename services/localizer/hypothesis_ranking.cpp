@@ -49,7 +49,7 @@ void HypothesisRanking::score_next(const std::vector<Hypothesis>& hypotheses, do
 
 void HypothesisRanking::sort(WorkBudget& budget) {
   std::sort(ranked_.begin(), ranked_.end(), [](const Ranked& a, const Ranked& b) {
-    return a.total > b.total || (a.total == b.total && a.index < b.index);
+    return a.log_posterior > b.log_posterior || (a.log_posterior == b.log_posterior && a.index < b.index);
   });
   budget.spend(static_cast<int>(ranked_.size()) / 2);
   places_.emplace(ranked_.size());
@@ -65,7 +65,7 @@ void HypothesisRanking::merge_next(const std::vector<Hypothesis>& hypotheses, Wo
     budget.spend(1);
     const Ranked& ranked = ranked_[next_];
     const Hypothesis& hypothesis = hypotheses[ranked.index];
-    if (ranked.total < ranked_.front().total - params_.prune || hypothesis.walls < -15.0 ||
+    if (ranked.log_posterior < ranked_.front().log_posterior - params_.prune || hypothesis.walls < -15.0 ||
         !hypothesis.belief.covariance.allFinite() || eligible_ >= params_.max) {
       continue;
     }
@@ -88,7 +88,7 @@ void HypothesisRanking::arrange(std::vector<Hypothesis>& hypotheses, double best
   from.reserve(hypotheses.size());
   std::vector<bool> is_kept(hypotheses.size(), false);
   for (const Ranked& kept : kept_) {
-    hypotheses[kept.index].total = kept.total;
+    hypotheses[kept.index].log_posterior = kept.log_posterior;
     hypotheses[kept.index].sonar_part = held_by_sonar(hypotheses[kept.index], best_sonar, params_);
     is_kept[kept.index] = true;
     from.push_back(kept.index);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "services/localizer/hypothesis.hpp"
-#include "services/localizer/place_table.hpp"
+#include "services/localizer/pose_hash.hpp"
 #include "services/localizer/work_budget.hpp"
 
 namespace luminav {
@@ -22,7 +22,7 @@ class HypothesisRanking {
 
  private:
   struct Ranked {
-    double total;
+    double log_posterior;
     std::uint32_t index;
   };
   enum class Stage { kScore, kSort, kMerge, kArrange };
@@ -36,9 +36,9 @@ class HypothesisRanking {
   Stage stage_ = Stage::kScore;
   std::vector<Ranked> ranked_;
   std::size_t next_ = 0;
-  int eligible_ = 0;                  // good enough so far, doubles counted in
-  std::vector<Ranked> kept_;          // best first
-  std::optional<PlaceTable> places_;  // of those
+  int eligible_ = 0;                // good enough so far, doubles counted in
+  std::vector<Ranked> kept_;        // best first
+  std::optional<PoseHash> places_;  // of those
 };
 
 }  // namespace luminav

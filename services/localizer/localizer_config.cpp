@@ -79,7 +79,7 @@ void read_particles(const TomlTable& table, ParticleParams& params) {
                        : ParticleScoring::kEquationOne;
   params.resampling = table.choice("resampling", "churn", {"churn", "systematic"}) == "systematic"
                           ? ParticleResampling::kSystematic
-                          : ParticleResampling::kChurn;
+                          : ParticleResampling::kReplaceWorst;
   params.position_sigma = table.number("position_sigma", params.position_sigma, {0.001, 10.0});
   params.heading_sigma = table.number("heading_sigma", params.heading_sigma, {0.001, 10.0});
   params.outlier = table.number("outlier", params.outlier, {1e-4, 1.0});

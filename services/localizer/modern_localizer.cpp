@@ -32,10 +32,10 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       bank_(map_, view_, walls_, building.ceiling_height, robot.wheel_base, robot.sonar, errors, params.hypotheses),
       filter_(std::max(0.2, building.ceiling_height - robot.camera.mounting.z),
               {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors, params.tracking),
-      watch_(map_, view_, building.ceiling_height, params.rules),
+      monitor_(map_, view_, building.ceiling_height, params.rules),
       displacement_(robot.wheel_base, params.rules),
       rush_(robot.wheel_base, params.rules),
-      verdict_(map_, scene_, bank_, filter_, watch_, params.rules),
+      supervisor_(map_, tracks_, bank_, filter_, monitor_, params.rules),
       echoes_(robot.sonar, {params.hypotheses.sonar_test_distance, params.hypotheses.sonar_turn,
                             params.hypotheses.sonar_surface, params.hypotheses.sonar_looks}) {}
 
@@ -45,7 +45,7 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
   if (!history.is_empty()) {
     const OdometryReading& last = history.newest();
     if (const std::string why = find_gap(last, reading); !why.empty()) {
-      bridge(why, motion_gap(last, reading));
+      bridge(why, odometry_gap(last, reading));
     }
   }
   queue_.add_odometry(reading);
@@ -64,18 +64,18 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
   }
 }
 
-void ModernLocalizer::bridge(const std::string& why, const MotionGap& gap) {
+void ModernLocalizer::bridge(const std::string& why, const OdometryGap& gap) {
   queue_.restart();
   displacement_.clear();
   rush_.clear();
-  scene_.clear();
+  tracks_.clear();
   echoes_.clear();
   filter_odometry_.reset();
-  if (verdict_.has_leader()) {
+  if (supervisor_.has_leader()) {
     filter_.bridge(gap.step, gap.noise);
   }
-  if (verdict_.is_tracking()) {
-    verdict_.doubt_after_gap(why, gap.may_be_carried);
+  if (supervisor_.is_tracking()) {
+    supervisor_.suspect_after_gap(why, gap.may_be_kidnapped);
   } else {
     bank_.bridge(gap.step, gap.noise);
   }
@@ -96,9 +96,10 @@ void ModernLocalizer::add_sonar(const SonarScan& scan) {
   }
   // a fixture in view tells better, and at once, whether the robot is carried
   const bool sees_fixture = scan.utime - fixture_utime_ < kFixtureInView;
-  const bool is_carried = surroundings_.look(scan, queue_.history().newest().odom_from_robot);
-  if (is_carried && !sees_fixture && verdict_.has_leader() && !is_displaced_) {
-    verdict_.doubt({"the sonars hear everything move while the wheels stand still", params_.rules.bonus_after_misfit});
+  const bool is_kidnapped = surroundings_.look(scan, queue_.history().newest().odom_from_robot);
+  if (is_kidnapped && !sees_fixture && supervisor_.has_leader() && !is_displaced_) {
+    supervisor_.suspect(
+        {"the sonars hear everything move while the wheels stand still", params_.rules.log_prior_after_misfit});
   }
 }
 
@@ -107,11 +108,11 @@ void ModernLocalizer::add_base_state(const BaseState& state) {
 }
 
 void ModernLocalizer::recall(const PoseBelief& belief) {
-  if (verdict_.has_leader()) {
+  if (supervisor_.has_leader()) {
     return;
   }
   filter_.start(belief);
-  verdict_.recall();
+  supervisor_.recall();
 }
 
 void ModernLocalizer::add_guess(const PoseGuess& guess) {
@@ -120,10 +121,10 @@ void ModernLocalizer::add_guess(const PoseGuess& guess) {
   }
   guess_id_ = guess.id;
   bank_.begin_step();
-  if (verdict_.is_tracking()) {
-    verdict_.add_rival(guess.belief);
+  if (supervisor_.is_tracking()) {
+    supervisor_.add_rival(guess.belief);
   } else {
-    bank_.add_guess(guess.belief, params_.rules.guess_bonus);
+    bank_.add_guess(guess.belief, params_.rules.log_prior_of_guess);
   }
   bank_.tidy();
   decide({});
@@ -135,7 +136,7 @@ void ModernLocalizer::advance(const OdometryReading& odometry) {
     odometer_ += std::hypot(delta.x, delta.y);
     echoes_.advance(delta);
     bank_.advance(delta);
-    if (verdict_.has_leader()) {
+    if (supervisor_.has_leader()) {
       filter_.predict(delta);
     }
   }
@@ -172,9 +173,9 @@ SightingFrame ModernLocalizer::usable_sightings(const SightingFrame& frame, cons
 void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   advance(timed.odometry);
   const SightingFrame frame = usable_sightings(timed.frame, timed.odometry);
-  const std::vector<int> objects = scene_.update(frame, timed.odometry.odom_from_robot, odometer_);
+  const std::vector<int> objects = tracks_.update(frame, timed.odometry.odom_from_robot, odometer_);
   is_rushing_ = rush_.look(frame, timed.odometry.odom_from_robot);
-  if (displacement_.look(frame, objects, scene_, timed.odometry.odom_from_robot)) {
+  if (displacement_.look(frame, objects, tracks_, timed.odometry.odom_from_robot)) {
     wait_for_rest(frame, timed.odometry);
     return;
   }
@@ -183,18 +184,18 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
     return;
   }
   listen(frame.utime);
-  bank_.observe(frame, objects, scene_, timed.odometry, odometer_);
-  if (verdict_.has_leader()) {
-    watch_.allow_carrying(!motors_enabled_);
+  bank_.observe(frame, objects, tracks_, timed.odometry, odometer_);
+  if (supervisor_.has_leader()) {
+    monitor_.allow_kidnapping(!motors_enabled_);
     track(frame, objects, timed.odometry);
-    verdict_.favour_what_foretold();
+    supervisor_.favour_predicting_pose();
   }
-  if (!verdict_.is_tracking()) {
-    bank_.seed(scene_);
+  if (!supervisor_.is_tracking()) {
+    bank_.seed(tracks_);
   }
   bank_.tidy();
   if (fixture_utime_ == frame.utime) {
-    verdict_.keep_leader_at_filter(frame);
+    supervisor_.keep_leader_at_filter(frame);
   }
   decide(frame);
 }
@@ -207,11 +208,11 @@ void ModernLocalizer::wait_for_rest(const SightingFrame& frame, const OdometryRe
     images_unmatched_ = matches.empty() ? images_unmatched_ + 1 : 0;
     correct_filter(frame, matches, odometry);
   }
-  verdict_.suspend("the robot is moved otherwise than its wheels turn");
+  supervisor_.suspend("the robot is moved otherwise than its wheels turn");
 }
 
 bool ModernLocalizer::is_followed() const {
-  return verdict_.has_leader() && images_unmatched_ <= kMaxUnmatched;
+  return supervisor_.has_leader() && images_unmatched_ <= kMaxUnmatched;
 }
 
 void ModernLocalizer::begin_at_rest() {
@@ -219,31 +220,32 @@ void ModernLocalizer::begin_at_rest() {
   displacement_.clear();
   rush_.clear();
   echoes_.clear();
-  verdict_.resume(is_followed());
+  supervisor_.resume(is_followed());
 }
 
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
                             const OdometryReading& odometry) {
   const std::vector<FixtureMatch> matches = match_sightings(filter_, map_, frame, odometry, params_.tracking.gate);
-  if (verdict_.is_recalled()) {
-    verdict_.judge_recalled_pose(objects, matches);
-    if (!verdict_.has_leader()) {
+  if (supervisor_.is_recalled()) {
+    supervisor_.judge_recalled_pose(objects, matches);
+    if (!supervisor_.has_leader()) {
       return;
     }
   }
-  const auto contradiction = watch_.look(frame, objects, scene_, matches, filter_.belief(), odometry.odom_from_robot,
-                                         odometer_ - odometer_at_fixture_, verdict_.is_doubted());
+  const auto contradiction = monitor_.look(frame, objects, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
+                                           odometer_ - odometer_at_fixture_, supervisor_.is_suspected());
   if (contradiction) {
-    verdict_.doubt(*contradiction);
-  } else if (is_rushing_ && matches.empty() && !verdict_.is_doubted()) {
-    verdict_.doubt({"what is seen rushes past faster than the wheels turn", params_.rules.bonus_after_misfit, true});
+    supervisor_.suspect(*contradiction);
+  } else if (is_rushing_ && matches.empty() && !supervisor_.is_suspected()) {
+    supervisor_.suspect(
+        {"what is seen rushes past faster than the wheels turn", params_.rules.log_prior_after_misfit, true});
   }
   const Pose2 before = filter_.belief().pose;
   correct_filter(frame, matches, odometry);
   const Pose2 after = filter_.belief().pose;
-  if (!motors_enabled_ && verdict_.is_tracking() &&
+  if (!motors_enabled_ && supervisor_.is_tracking() &&
       (distance(before, after) > kMovedByHand || std::abs(wrap_angle(after.theta - before.theta)) > kTurnedByHand)) {
-    verdict_.doubt("the robot was moved by hand while its motors were off", params_.rules.bonus_after_miss);
+    supervisor_.suspect("the robot was moved by hand while its motors were off", params_.rules.log_prior_after_miss);
   }
 }
 
@@ -269,7 +271,7 @@ void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vect
 void ModernLocalizer::decide(const SightingFrame& frame) {
   // While a round goes on some poses have not seen its image: no more can be said than without one.
   const bool has_image = frame.utime != 0 && !bank_.is_busy();
-  if (verdict_.decide(has_image ? bank_.frame() : SightingFrame{}, odometer_ - odometer_at_fixture_)) {
+  if (supervisor_.decide(has_image ? bank_.frame() : SightingFrame{}, odometer_ - odometer_at_fixture_)) {
     correct_filter(frame, match_sightings(filter_, map_, frame, *filter_odometry_, params_.tracking.gate),
                    *filter_odometry_);
   }
@@ -283,15 +285,15 @@ Pose2 ModernLocalizer::since_filter() const {
 
 LocalizerEstimate ModernLocalizer::estimate() const {
   LocalizerEstimate estimate;
-  estimate.state = verdict_.state();
-  estimate.reason = verdict_.reason();
+  estimate.state = supervisor_.state();
+  estimate.reason = supervisor_.reason();
   estimate.fixture_utime = fixture_utime_;
   estimate.has_nis = has_nis_;
   estimate.nis = nis_;
   estimate.initial_pose_id = guess_id_;
   const Pose2 ahead = since_filter();
   estimate.distance_since_fixture = odometer_ - odometer_at_fixture_ + std::hypot(ahead.x, ahead.y);
-  if (verdict_.has_leader()) {
+  if (supervisor_.has_leader()) {
     estimate.estimator = EstimatorKind::kKalmanFilter;
     estimate.belief = filter_.belief_after(ahead);
   } else if (!bank_.hypotheses().empty()) {

@@ -6,19 +6,19 @@
 
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/contradiction_watch.hpp"
-#include "services/localizer/displacement_watch.hpp"
 #include "services/localizer/echo_collector.hpp"
 #include "services/localizer/fixture_matching.hpp"
 #include "services/localizer/frame_queue.hpp"
 #include "services/localizer/hypothesis_bank.hpp"
 #include "services/localizer/localizer.hpp"
-#include "services/localizer/motion_gap.hpp"
-#include "services/localizer/pose_verdict.hpp"
-#include "services/localizer/rush_watch.hpp"
-#include "services/localizer/surroundings_watch.hpp"
+#include "services/localizer/match_monitor.hpp"
+#include "services/localizer/motion_outlier.hpp"
+#include "services/localizer/odometry_consistency.hpp"
+#include "services/localizer/odometry_gap.hpp"
+#include "services/localizer/sonar_change.hpp"
 #include "services/localizer/tracking_filter.hpp"
 #include "services/localizer/tracking_rules.hpp"
+#include "services/localizer/tracking_supervisor.hpp"
 
 namespace luminav {
 
@@ -28,7 +28,7 @@ struct ModernLocalizerParams {
   TrackingRules rules;
 };
 
-/// Finds the pose among the finite list that the fixtures allow, then follows it with a Kalman filter and watches for
+/// Finds the pose among the finite list that the fixtures allow, then follows it with a Kalman filter and absences for
 /// signs that it is wrong.
 class ModernLocalizer final : public Localizer {
  public:
@@ -55,7 +55,7 @@ class ModernLocalizer final : public Localizer {
   void wait_for_rest(const SightingFrame& frame, const OdometryReading& odometry);
   /// That is over.
   void begin_at_rest();
-  /// The filter saw fixtures where it foretold them all the time while somebody moved the robot.
+  /// The filter saw fixtures where it predicted them all the time while somebody moved the robot.
   [[nodiscard]] bool is_followed() const;
   void advance(const OdometryReading& odometry);
   void listen(std::int64_t until_utime);
@@ -64,7 +64,7 @@ class ModernLocalizer final : public Localizer {
   void correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                       const OdometryReading& odometry);
   /// Relative motion across now is unknown: the pose is only as good as a guess of it.
-  void bridge(const std::string& why, const MotionGap& gap);
+  void bridge(const std::string& why, const OdometryGap& gap);
   void decide(const SightingFrame& frame);
   [[nodiscard]] Pose2 since_filter() const;
 
@@ -75,14 +75,14 @@ class ModernLocalizer final : public Localizer {
   double wheel_base_;  // [m]
   ModernLocalizerParams params_;
   FrameQueue queue_;
-  SceneMemory scene_;
+  ObjectTracks tracks_;
   HypothesisBank bank_;
   TrackingFilter filter_;
-  ContradictionWatch watch_;
-  DisplacementWatch displacement_;
-  RushWatch rush_;
-  SurroundingsWatch surroundings_;
-  PoseVerdict verdict_;
+  MatchMonitor monitor_;
+  OdometryConsistency displacement_;
+  MotionOutlier rush_;
+  SonarChange surroundings_;
+  TrackingSupervisor supervisor_;
   EchoCollector echoes_;
   int listens_since_ = 0;                           // which list of hypotheses hears the echoes
   std::optional<OdometryReading> filter_odometry_;  // where bank and filter stand
@@ -90,7 +90,7 @@ class ModernLocalizer final : public Localizer {
 
   bool is_rushing_ = false;    // something rushes past in the last image
   bool is_displaced_ = false;  // somebody moved the robot at the last image
-  int images_unmatched_ = 0;   // then, in a row, without a fixture that the filter foretold
+  int images_unmatched_ = 0;   // then, in a row, without a fixture that the filter predicted
   bool motors_enabled_ = true;
   std::int64_t fixture_utime_ = 0;
   double odometer_at_fixture_ = 0.0;  // [m]

@@ -311,7 +311,7 @@ void ParticleFilter::update(const std::vector<FixtureSighting>& sightings) {
     for (float& weight : weight_) {
       weight *= scale;
     }
-    churn();
+    replace_worst();
   }
 }
 
@@ -328,7 +328,7 @@ void ParticleFilter::resample_systematically(double total) {
   }
 }
 
-void ParticleFilter::churn() {
+void ParticleFilter::replace_worst() {
   const auto random = static_cast<std::ptrdiff_t>(params_.random_share * static_cast<double>(count_));
   const auto copied = std::min(static_cast<std::ptrdiff_t>(params_.copied_share * static_cast<double>(count_)),
                                (static_cast<std::ptrdiff_t>(count_) - random) / 2);

@@ -13,7 +13,7 @@
 namespace luminav {
 
 enum class ParticleScoring { kEquationOne, kGaussian };
-enum class ParticleResampling { kChurn, kSystematic };
+enum class ParticleResampling { kReplaceWorst, kSystematic };
 
 /// Parameters of the particle filter. The paper's: equation 1 and churn.
 struct ParticleParams {
@@ -32,7 +32,7 @@ struct ParticleParams {
   double distance_by_distance = 0.1;        // [m/m]
   double distance_by_turn = 0.05;           // [m/rad]
   int redraws = 5;                          // tries to move a particle without entering a wall
-  ParticleResampling resampling = ParticleResampling::kChurn;
+  ParticleResampling resampling = ParticleResampling::kReplaceWorst;
   double copied_share = 0.10;  // churn: the best replace as many of the worst
   double random_share = 0.05;  // of the worst (churn) or of all (systematic) are drawn anew
 };
@@ -90,7 +90,7 @@ class ParticleFilter {
   [[nodiscard]] ScoredSighting prepare(const FixtureSighting& sighting) const;
   void score_block(const float* x, const float* y, const float* theta, const std::vector<ScoredSighting>& sightings,
                    float* scores, std::size_t count) const;
-  void churn();
+  void replace_worst();
   void resample_systematically(double total);
   [[nodiscard]] double free_probability(const Eigen::Vector2d& point) const;
   [[nodiscard]] NoiseKey next_key();

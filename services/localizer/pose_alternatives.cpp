@@ -19,7 +19,7 @@ std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, 
     return result;
   }
   const auto score = [&](const Hypothesis& hypothesis) {
-    return hypothesis.total - hypothesis.sonar_part + std::max(-kMaxBySonar, hypothesis.sonar_part);
+    return hypothesis.log_posterior - hypothesis.sonar_part + std::max(-kMaxBySonar, hypothesis.sonar_part);
   };
   double best = score(hypotheses.front());
   for (const Hypothesis& hypothesis : hypotheses) {

@@ -44,7 +44,7 @@ double log_likelihood_of_echoes(const PoseBelief& belief, std::span<const Placed
       const Eigen::Vector2d offset(fan[i].x() * axis.x() - fan[i].y() * axis.y(),
                                    fan[i].y() * axis.x() + fan[i].x() * axis.y());
       const Eigen::Vector2d end = world_from_robot * Eigen::Vector2d(echo.disc + offset);
-      // What is behind the first wall is not heard, be it solid there or another wall: else a twin among thick walls
+      // What is behind the first wall is not heard, be it solid there or another wall: else a alias among thick walls
       // gathers what it cannot hear.
       reaches[i] = walls.range_to_wall(disc, (end - disc) / echo.range, echo.range);
       if (echo.weight > 0.0) {

@@ -34,15 +34,15 @@ struct TrackingRules {
   double visible_margin = 0.03;               // [m] from the image border, beside twice the pose's own error
   double vanish_share = 0.4;                  // of a fixture seen just before that must be in view to miss it
   double miss_share = 0.8;                    // likewise of any other fixture
-  double bonus_after_misfit = 6.0;            // prior of the old pose when what was seen did not fit it
-  double bonus_when_driving = 13.0;           // likewise when nobody can have carried the robot since its last match:
+  double log_prior_after_misfit = 6.0;        // prior of the old pose when what was seen did not fit it
+  double log_prior_when_driving = 13.0;       // likewise when nobody can have carried the robot since its last match:
   int halt_frames = 3;                        // ... fewer images in a row than that without wheel motion since
   double match_age = 3.0;                     // [s] ... and it is not older than that
-  int trusted_fixtures = 8;                   // ... and the pose foretold so many different fixtures
-  double bonus_after_miss = 10.0;             // prior of the old pose when only something was missing
-  double bonus_after_gap = 13.0;              // prior of the old pose when only odometry was away for a while
-  double bonus_when_foretold = 5.0;           // more of it once a doubted pose foretold the next fixture
-  double guess_bonus = 6.0;                   // prior of a user's guess
+  int trusted_fixtures = 8;                   // ... and the pose predicted so many different fixtures
+  double log_prior_after_miss = 10.0;         // prior of the old pose when only something was missing
+  double log_prior_after_gap = 13.0;          // prior of the old pose when only odometry was away for a while
+  double log_prior_when_predicted = 5.0;      // more of it once a doubted pose predicted the next fixture
+  double log_prior_of_guess = 6.0;            // prior of a user's guess
   int restart_frames = 12;                    // images with sightings that no hypothesis explains: begin anew
 };
 

@@ -386,7 +386,7 @@ TEST_F(LocalizerNodeTest, WeighsAGuessAgainstTheTrackedPoseAndKeepsWhatIsSeen) {
   options.clutter = 0;
   testing::SyntheticWorld world(building_.building, building_.walls, config_of(building_).robot, options);
   bool is_told = false;
-  bool was_in_doubt = false;
+  bool was_suspected = false;
   double worst = 0.0;
   for (int i = 0; i < 30 * 120; ++i) {
     const auto output = world.step();
@@ -413,14 +413,14 @@ TEST_F(LocalizerNodeTest, WeighsAGuessAgainstTheTrackedPoseAndKeepsWhatIsSeen) {
       lcm_.publish(channels::kInitialPose, &guess);
       is_told = true;
     } else if (is_told) {
-      was_in_doubt = was_in_doubt || pose.state == pose_t::STATE_AMBIGUOUS;
+      was_suspected = was_suspected || pose.state == pose_t::STATE_AMBIGUOUS;
       if (pose.state == pose_t::STATE_TRACKING) {
         worst = std::max(worst, std::hypot(pose.x - world.truth().x, pose.y - world.truth().y));
       }
     }
   }
   ASSERT_TRUE(is_told);
-  EXPECT_TRUE(was_in_doubt);
+  EXPECT_TRUE(was_suspected);
   EXPECT_EQ(poses_.back().initial_pose_id, 5);
   EXPECT_EQ(poses_.back().state, pose_t::STATE_TRACKING);
   EXPECT_LT(worst, 0.25);

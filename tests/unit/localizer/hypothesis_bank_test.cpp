@@ -113,8 +113,8 @@ class HypothesisBankInAHall : public ::testing::Test {
         const auto known = sonar_parts.find(hypothesis.id);
         const bool is_another_part =
             known != sonar_parts.end() && std::abs(known->second.second - hypothesis.sonar_part) > kRounding;
-        drive.torn += is_another_part && known->second.first == hypothesis.total ? 1 : 0;
-        sonar_parts[hypothesis.id] = {hypothesis.total, hypothesis.sonar_part};
+        drive.torn += is_another_part && known->second.first == hypothesis.log_posterior ? 1 : 0;
+        sonar_parts[hypothesis.id] = {hypothesis.log_posterior, hypothesis.sonar_part};
       }
       busy = bank.is_busy() ? busy + 1 : 0;
       drive.longest_round = std::max(drive.longest_round, busy);

@@ -15,7 +15,7 @@ Hypothesis hypothesis(int id, const Pose2& pose, double score) {
   Hypothesis result;
   result.id = id;
   result.belief.pose = pose;
-  result.settled = score;
+  result.closed_score = score;
   return result;
 }
 
@@ -45,8 +45,8 @@ TEST_F(Ranking, SortsByScoreAndEqualOnesAsTheyCame) {
            hypothesis(3, {4.0, 0.0, 0.0}, -5.0), hypothesis(4, {6.0, 0.0, 0.0}, -2.0)};
   rank();
   EXPECT_EQ(ids(list_), (std::vector{2, 4, 1, 3}));
-  EXPECT_EQ(list_.front().total, -1.0);
-  EXPECT_EQ(list_.back().total, -5.0);
+  EXPECT_EQ(list_.front().log_posterior, -1.0);
+  EXPECT_EQ(list_.back().log_posterior, -5.0);
 }
 
 TEST_F(Ranking, OfNothingIsNothing) {
@@ -80,7 +80,7 @@ TEST_F(Ranking, GivesUpWhatDroveThroughAWallOrIsNoNumber) {
   list_ = {hypothesis(1, {0.0, 0.0, 0.0}, -1.0), hypothesis(2, {2.0, 0.0, 0.0}, 0.0),
            hypothesis(3, {4.0, 0.0, 0.0}, -1.0)};
   list_[1].walls = -15.5;
-  list_[1].bonus = 15.0;
+  list_[1].log_prior = 15.0;
   list_[2].belief.covariance(0, 0) = std::numeric_limits<double>::infinity();
   rank();
   EXPECT_EQ(ids(list_), std::vector{1});
@@ -104,7 +104,7 @@ TEST_F(Ranking, CountsSonarBehindTheBestAndNoMoreThanItsCap) {
   EXPECT_EQ(ids(list_), (std::vector{3, 2, 1}));
   EXPECT_EQ(list_[0].sonar_part, 0.0);
   EXPECT_EQ(list_[1].sonar_part, -3.0);
-  EXPECT_EQ(list_[1].total, -4.0);
+  EXPECT_EQ(list_[1].log_posterior, -4.0);
   EXPECT_EQ(list_[2].sonar_part, -params_.sonar_cap);
 }
 

@@ -52,7 +52,7 @@ TEST(ModernLocalizer, NoticesThatItWasCarriedAndRecovers) {
   const TestBuilding building = testing::two_rooms();
   double recovered = 0.0;
   for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
-    const TrialResult result = drive(building, {.seed = seed, .clutter = 0}, {.duration = 240.0, .carries = {120.0}});
+    const TrialResult result = drive(building, {.seed = seed, .clutter = 0}, {.duration = 240.0, .kidnaps = {120.0}});
     EXPECT_EQ(result.confident_wrong, 0.0) << "seed " << seed;
     recovered += result.recovered;
   }
@@ -64,7 +64,7 @@ TEST(ModernLocalizer, MayAskForMoreOnceItsPoseWasInDoubt) {
   ModernLocalizerParams params;
   params.rules.enter_margin = 1000.0;
   const SyntheticOptions options{.seed = 1002, .clutter = 0};
-  const TrialPlan plan{.duration = 240.0, .carries = {120.0}};
+  const TrialPlan plan{.duration = 240.0, .kidnaps = {120.0}};
   const TrialResult result = drive(building, options, plan, params);
   EXPECT_TRUE(result.localized);
   EXPECT_EQ(result.recovered, 0.0);
@@ -88,8 +88,8 @@ TEST(ModernLocalizer, ListsBothTrueAlternativesOfASymmetricCorridor) {
   const auto poses = localizer.hypotheses(2);
   ASSERT_EQ(poses.size(), 2U);
   const Pose2 centre{4.5, 1.2, kPi};
-  const Pose2 twin = centre * Pose2{-4.5, -1.2, 0.0} * world.truth();
-  for (const Pose2& alternative : {world.truth(), twin}) {
+  const Pose2 alias = centre * Pose2{-4.5, -1.2, 0.0} * world.truth();
+  for (const Pose2& alternative : {world.truth(), alias}) {
     EXPECT_LT(std::min(distance(poses[0].pose, alternative), distance(poses[1].pose, alternative)), 0.25);
   }
 }

@@ -68,7 +68,7 @@ TEST_F(PaperLocalizerTest, GoesBackToTheParticleFilterWhenCarriedAway) {
   while (distance(before, elsewhere) < 4.0) {
     elsewhere = world_->draw_free_pose();
   }
-  world_->carry(elsewhere);
+  world_->kidnap(elsewhere);
   const auto searches = [&] { return localizer_->estimate().estimator == EstimatorKind::kParticleFilter; };
   EXPECT_TRUE(drive(30.0, searches));
 }

@@ -15,9 +15,9 @@ constexpr double kTolerance = 1e-12;
 /// A bank in a corridor that holds what it is told.
 class PoseAlternatives : public ::testing::Test {
  protected:
-  void hold(const Pose2& pose, double total, double sonar_part = 0.0) {
+  void hold(const Pose2& pose, double log_posterior, double sonar_part = 0.0) {
     bank_.add_guess({pose, Eigen::Vector3d(0.03, 0.05, 0.01).asDiagonal()}, 0.0);
-    bank_.hypotheses().back().total = total;
+    bank_.hypotheses().back().log_posterior = log_posterior;
     bank_.hypotheses().back().sonar_part = sonar_part;
   }
 

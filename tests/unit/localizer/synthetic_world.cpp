@@ -159,7 +159,7 @@ Pose2 SyntheticWorld::draw_free_pose() {
   return {};
 }
 
-void SyntheticWorld::carry(const Pose2& pose) {
+void SyntheticWorld::kidnap(const Pose2& pose) {
   truth_ = pose;
   linear_ = 0.0;
   angular_ = 0.0;

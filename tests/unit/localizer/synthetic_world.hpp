@@ -58,7 +58,7 @@ class SyntheticWorld {
   /// 1/30 s onward.
   Output step();
   /// Puts the robot elsewhere and holds it there for two seconds; its wheels stand still meanwhile.
-  void carry(const Pose2& pose);
+  void kidnap(const Pose2& pose);
   /// From now on sightings are placed as a robot does whose file says this; what is true stays.
   void believe(const RobotDescription& robot) { robot_ = robot; }
   /// A random free pose.

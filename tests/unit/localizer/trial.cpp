@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/unit/localizer/twin_oracle.hpp"
+#include "tests/unit/localizer/alias_oracle.hpp"
 
 namespace luminav::testing {
 
@@ -34,7 +34,7 @@ class TrialJudge {
 
   /// Seconds since the drive began.
   [[nodiscard]] double now() const { return 1e-6 * static_cast<double>(world_.utime() - start_); }
-  void carried();
+  void kidnapped();
   void imaged(const SightingFrame& frame);
   /// Once for each odometry, before the localizer hears of it.
   void resolve();
@@ -44,7 +44,7 @@ class TrialJudge {
 
  private:
   /// What a carry has to do with the moment.
-  struct Carry {
+  struct Kidnap {
     bool is_recovering = false;         // it was localized before, and has not been since
     bool awaits_contradiction = false;  // no image has told of it yet
     std::int64_t utime = 0;             // [us]
@@ -75,22 +75,22 @@ class TrialJudge {
   double grace_;
   bool trace_;
   std::int64_t start_;  // [us]
-  TwinOracle oracle_;
-  bool was_carried_ = false;
-  Carry carry_;
+  AliasOracle oracle_;
+  bool was_kidnapped_ = false;
+  Kidnap kidnap_;
   LocalizerState last_state_ = LocalizerState::kLost;
   std::string last_reason_;
   TrialResult result_;
 };
 
-void TrialJudge::carried() {
-  const double contradicted = carry_.contradicted;
-  carry_ = {.is_recovering = result_.localized,
-            .awaits_contradiction = true,
-            .utime = world_.utime(),
-            .driven = world_.driven(),
-            .contradicted = contradicted};
-  was_carried_ = true;
+void TrialJudge::kidnapped() {
+  const double contradicted = kidnap_.contradicted;
+  kidnap_ = {.is_recovering = result_.localized,
+             .awaits_contradiction = true,
+             .utime = world_.utime(),
+             .driven = world_.driven(),
+             .contradicted = contradicted};
+  was_kidnapped_ = true;
   if (trace_) {
     const Pose2& place = world_.truth();
     std::printf("%7.2f carried to %.2f %.2f %.0f\n", now(), place.x, place.y, degrees(place.theta));
@@ -98,14 +98,14 @@ void TrialJudge::carried() {
 }
 
 void TrialJudge::imaged(const SightingFrame& frame) {
-  if (frame.utime > carry_.utime) {
-    carry_.was_imaged = true;
-    carry_.was_seen = carry_.was_seen || !frame.sightings.empty();
+  if (frame.utime > kidnap_.utime) {
+    kidnap_.was_imaged = true;
+    kidnap_.was_seen = kidnap_.was_seen || !frame.sightings.empty();
   }
 }
 
 void TrialJudge::resolve() {
-  if (!result_.resolvable && !was_carried_) {
+  if (!result_.resolvable && !was_kidnapped_) {
     oracle_.follow(world_.truth());
     result_.resolvable = oracle_.is_resolved();
     result_.resolvable_after = world_.driven();
@@ -115,10 +115,10 @@ void TrialJudge::resolve() {
 // What is seen where the robot is and fits the believed pose as well contradicts nothing, nor does an image without
 // sightings where none is expected.
 void TrialJudge::contradict(const Pose2& believed) {
-  const bool tells = carry_.was_seen || (carry_.was_imaged && !visibility_.visible_from(believed, 0.8).empty());
-  if (carry_.awaits_contradiction && tells && visibility_.contradicts(world_.truth(), believed)) {
-    carry_.awaits_contradiction = false;
-    carry_.contradicted = now();
+  const bool tells = kidnap_.was_seen || (kidnap_.was_imaged && !visibility_.visible_from(believed, 0.8).empty());
+  if (kidnap_.awaits_contradiction && tells && visibility_.contradicts(world_.truth(), believed)) {
+    kidnap_.awaits_contradiction = false;
+    kidnap_.contradicted = now();
   }
 }
 
@@ -146,7 +146,7 @@ void TrialJudge::judge(const LocalizerEstimate& estimate, double took) {
   }
   if (result_.localized) {
     judge_tracking(is_tracking, error);
-    if (is_tracking && !error.is_wrong() && !carry_.is_recovering) {
+    if (is_tracking && !error.is_wrong() && !kidnap_.is_recovering) {
       add_errors(estimate.belief, error);
     }
   }
@@ -160,16 +160,16 @@ void TrialJudge::judge_start(const Error& error) {
 }
 
 void TrialJudge::judge_tracking(bool is_tracking, const Error& error) {
-  const bool is_forgiven = carry_.awaits_contradiction || now() - carry_.contradicted < grace_;
+  const bool is_forgiven = kidnap_.awaits_contradiction || now() - kidnap_.contradicted < grace_;
   if (is_tracking && error.is_wrong() && !is_forgiven) {
     result_.confident_wrong += kPeriod;
   }
-  if (carry_.is_recovering && is_tracking && !error.is_wrong()) {
-    carry_.is_recovering = false;
+  if (kidnap_.is_recovering && is_tracking && !error.is_wrong()) {
+    kidnap_.is_recovering = false;
     ++result_.recovered;
-    result_.recovery_distance.push_back(world_.driven() - carry_.driven);
+    result_.recovery_distance.push_back(world_.driven() - kidnap_.driven);
   }
-  if (!carry_.is_recovering) {
+  if (!kidnap_.is_recovering) {
     result_.after_first += kPeriod;
     result_.tracking_at_end = is_tracking;
   }
@@ -206,12 +206,12 @@ void StepTimes::add(const StepTimes& other) {
 
 TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPlan& plan) {
   TrialJudge judge(world, plan);
-  std::size_t next_carry = 0;
+  std::size_t next_kidnap = 0;
   while (judge.now() < plan.duration) {
-    if (next_carry < plan.carries.size() && judge.now() >= plan.carries[next_carry]) {
-      ++next_carry;
-      world.carry(world.draw_free_pose());
-      judge.carried();
+    if (next_kidnap < plan.kidnaps.size() && judge.now() >= plan.kidnaps[next_kidnap]) {
+      ++next_kidnap;
+      world.kidnap(world.draw_free_pose());
+      judge.kidnapped();
     }
     const SyntheticWorld::Output output = world.step();
     if (output.sonar) {

@@ -10,7 +10,7 @@ namespace luminav::testing {
 
 struct TrialPlan {
   double duration = 120.0;        // [s]
-  std::vector<double> carries{};  // [s] when the robot is put somewhere else
+  std::vector<double> kidnaps{};  // [s] when the robot is put somewhere else
   double grace = 1.0;             // [s] after the first image that contradicts, during which an error is forgiven
   bool trace = false;             // print changes of state
 };

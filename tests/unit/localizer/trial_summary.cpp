@@ -56,14 +56,14 @@ void TrialSummary::add(const TrialResult& result) {
 }
 
 bool TrialSummary::is_flawless(const TrialResult& result) const {
-  return result.localized && result.correct_first && result.confident_wrong <= 0.0 && result.recovered >= carries_;
+  return result.localized && result.correct_first && result.confident_wrong <= 0.0 && result.recovered >= kidnaps_;
 }
 
 void TrialSummary::print(const char* searcher) const {
   print_starts();
   print_tracking();
-  if (carries_ > 0) {
-    std::printf("carries recovered %d of %ld, after m: median %.2f p95 %.2f\n", sum_.recovered, carries_ * localized_,
+  if (kidnaps_ > 0) {
+    std::printf("carries recovered %d of %ld, after m: median %.2f p95 %.2f\n", sum_.recovered, kidnaps_ * localized_,
                 quantile(sum_.recovery_distance, 0.5), quantile(sum_.recovery_distance, 0.95));
   }
   print_steps(searcher);

@@ -9,8 +9,8 @@ namespace luminav::testing {
 /// What many drives came to.
 class TrialSummary {
  public:
-  /// `carries` per drive, `duration` [s] of each.
-  TrialSummary(int carries, double duration) : carries_(carries), duration_(duration) {}
+  /// `kidnaps` per drive, `duration` [s] of each.
+  TrialSummary(int kidnaps, double duration) : kidnaps_(kidnaps), duration_(duration) {}
 
   void add(const TrialResult& result);
   /// Found, rightly at first, never confidently wrong, and found again after each carry.
@@ -23,7 +23,7 @@ class TrialSummary {
   void print_tracking() const;
   void print_steps(const char* searcher) const;
 
-  int carries_;
+  int kidnaps_;
   double duration_;  // [s]
   long runs_ = 0;
   long localized_ = 0;

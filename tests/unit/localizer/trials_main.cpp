@@ -18,7 +18,7 @@ struct Request {
   std::string building = std::string(LUMINAV_SOURCE_DIR) + "/launch/buildings/laboratory/building.toml";
   std::int64_t runs = 20;
   std::int64_t seed = 1;
-  std::int64_t carries = 0;
+  std::int64_t kidnaps = 0;
   std::int64_t corridor = 0;
   std::int64_t clutter = 1;
   std::int64_t boxes = 4;
@@ -38,7 +38,7 @@ std::optional<int> Request::parse(int argc, char** argv) {
   line.text("--robot", robot, "robot file").text("--building", building, "building file");
   line.integer("--runs", runs, "drives")
       .integer("--seed", seed, "first seed")
-      .integer("--carries", carries, "per drive");
+      .integer("--carries", kidnaps, "per drive");
   line.integer("--corridor", corridor, "fixtures of a symmetric corridor to drive in instead")
       .integer("--clutter", clutter, "false fixtures")
       .integer("--boxes", boxes, "things on the floor that the map does not know");
@@ -82,8 +82,8 @@ TrialPlan plan_of(const Request& request) {
   TrialPlan plan;
   plan.duration = request.duration;
   plan.trace = request.trace;
-  for (std::int64_t c = 1; c <= request.carries; ++c) {
-    plan.carries.push_back(request.duration * static_cast<double>(c) / static_cast<double>(request.carries + 1));
+  for (std::int64_t c = 1; c <= request.kidnaps; ++c) {
+    plan.kidnaps.push_back(request.duration * static_cast<double>(c) / static_cast<double>(request.kidnaps + 1));
   }
   return plan;
 }
@@ -95,7 +95,7 @@ int run(int argc, char** argv) {
   }
   LocalizerConfig config = config_of(request);
   const TrialPlan plan = plan_of(request);
-  TrialSummary summary(static_cast<int>(request.carries), request.duration);
+  TrialSummary summary(static_cast<int>(request.kidnaps), request.duration);
   int status = 0;
   for (std::int64_t seed = request.seed; seed < request.seed + request.runs; ++seed) {
     SyntheticWorld world(config.building, config.walls, config.robot, world_of(request, seed));
@@ -107,7 +107,7 @@ int run(int argc, char** argv) {
       status = 1;
       std::printf("seed %ld: localized %d correct %d after %.1f m, confident wrong %.1f s, recovered %d of %ld\n",
                   static_cast<long>(seed), result.localized, result.correct_first, result.localized_after,
-                  result.confident_wrong, result.recovered, static_cast<long>(request.carries));
+                  result.confident_wrong, result.recovered, static_cast<long>(request.kidnaps));
     }
   }
   summary.print(request.paper ? "particle filter" : "hypotheses");
