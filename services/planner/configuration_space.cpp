@@ -172,7 +172,7 @@ void ConfigurationSpace::measure_around(const Cell& cell) const {
   }
 }
 
-WaveTerrain ConfigurationSpace::terrain() const {
+CostTerrain ConfigurationSpace::terrain() const {
   return {&passable_, is_graded_ ? squared_distance_.get() : nullptr,
           is_graded_ ? price_.data() : price_.data() + kNothingNear};
 }

@@ -7,8 +7,8 @@
 
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/planner/bit_grid.hpp"
+#include "services/planner/cost_field.hpp"
 #include "services/planner/distance_field.hpp"
-#include "services/planner/wavefront.hpp"
 
 namespace luminav {
 
@@ -53,7 +53,7 @@ class ConfigurationSpace {
 
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
   /// For a wave. Valid until the next update.
-  [[nodiscard]] WaveTerrain terrain() const;
+  [[nodiscard]] CostTerrain terrain() const;
   [[nodiscard]] const BitGrid& passable() const { return passable_; }
   /// 0 = blocked, else the price of a cell inside the grid. The outermost ring of the grid is always blocked.
   [[nodiscard]] int price(const Cell& cell) const;

@@ -7,13 +7,13 @@
 #include <queue>
 #include <utility>
 
-#include "services/planner/wave_steps.hpp"
+#include "services/planner/grid_steps.hpp"
 
 namespace luminav {
 namespace {
 
 constexpr std::uint32_t kPrice = 60;  // of a blocked cell, beside 36 for the dearest allowed one
-constexpr std::uint32_t kNever = WaveField::kUnreached;
+constexpr std::uint32_t kNever = CostField::kUnreached;
 
 }  // namespace
 
@@ -55,7 +55,7 @@ std::uint32_t EscapeFromInflation::price(const Cell& cell) const {
   return kPrice + static_cast<std::uint32_t>(4.0 * kPrice * tightness);
 }
 
-std::vector<std::size_t> EscapeFromInflation::find(const WaveField& field) const {
+std::vector<std::size_t> EscapeFromInflation::find(const CostField& field) const {
   const GridGeometry& geometry = space_.geometry();
   std::vector<std::uint32_t> cost(cells_in_reach(), kNever);
   std::vector<std::size_t> from(cost.size(), 0);

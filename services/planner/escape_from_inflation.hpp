@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "services/planner/configuration_space.hpp"
-#include "services/planner/wavefront.hpp"
+#include "services/planner/cost_field.hpp"
 
 namespace luminav {
 
@@ -25,7 +25,7 @@ class EscapeFromInflation {
 
   /// Cells from the robot's to one that a wave reached, both included: the way there and what it costs from there on
   /// are the least together. Empty when there is none.
-  [[nodiscard]] std::vector<std::size_t> find(const WaveField& field) const;
+  [[nodiscard]] std::vector<std::size_t> find(const CostField& field) const;
   /// Whether no free cell can be reached, wherever the goal is.
   [[nodiscard]] bool is_enclosed() const;
 

@@ -38,7 +38,7 @@ void GoalCycle::begin(const GoalRequest& goal, int stop_index, std::int64_t now)
   map_dirty_ = true;
   last_tracking_ = 0;
   last_plan_ = 0;
-  attempts_ = losses_ = doubts_ = waits_beside_ = arrival_failures_ = retries_ = failures_in_a_row_ = skipped_ = 0;
+  attempts_ = losses_ = suspicions_ = waits_beside_ = arrival_failures_ = retries_ = failures_in_a_row_ = skipped_ = 0;
   set_path({});
   phase_ = Phase::kNone;  // a search that was under way begins anew, with all its time
   enter(Phase::kLocalizing, NavigationState::kLocalizing, "");
@@ -132,7 +132,7 @@ void GoalCycle::next_stop() {
   stop_ = (stop_ + 1) % report_.stop_count;
   report_.stop_index = stop_;
   report_.target = stop();
-  attempts_ = losses_ = doubts_ = waits_beside_ = arrival_failures_ = retries_ = 0;
+  attempts_ = losses_ = suspicions_ = waits_beside_ = arrival_failures_ = retries_ = 0;
   suspects_.clear();
   search_ = {};
   has_left_people_ = false;
@@ -265,7 +265,7 @@ void GoalCycle::update(const Situation& situation) {
   suspect_touched(situation);
   switch (phase_) {
     case Phase::kPlanning:
-    case Phase::kDoubting:
+    case Phase::kSuspectingPlace:
       plan(situation);
       break;
     case Phase::kFollowing:

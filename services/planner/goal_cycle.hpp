@@ -42,7 +42,17 @@ class GoalCycle {
   static constexpr double kSkipBesideRobot = 0.35;   // [m] of the path: what is that near is the controller's business
   static constexpr double kAttemptsForgotten = 1.0;  // [m] of progress after which failures count from zero again
 
-  enum class Phase { kNone, kLocalizing, kPlanning, kDoubting, kFollowing, kHolding, kDwelling, kRetrying, kPaused };
+  enum class Phase {
+    kNone,
+    kLocalizing,
+    kPlanning,
+    kSuspectingPlace,
+    kFollowing,
+    kHolding,
+    kDwelling,
+    kRetrying,
+    kPaused
+  };
 
   void begin(const GoalRequest& goal, int stop_index, std::int64_t now);
   void enter(Phase phase, NavigationState state, const std::string& cause);
@@ -57,7 +67,7 @@ class GoalCycle {
   void handle_no_route(const Situation& situation, const Route& route);
   /// Where the building's map has the robot walled in, the pose is wrong rather than the goal out of reach: stands
   /// still, then looks round. False when that has gone on for too long.
-  bool doubt_place(const Situation& situation);
+  bool suspect_place(const Situation& situation);
   void hold(const Polyline& path, std::size_t blocked_at, double reference_length);
   /// Leaves a place in the way of whoever comes through a door, and waits beside the door. False where there is no
   /// room.
@@ -170,7 +180,7 @@ class GoalCycle {
   bool was_blocked_ = false;      // wheels or bumpers, and stood against something
   int losses_ = 0;
   double loss_left_ = 0.0;  // [m] distance left when losses were counted from
-  int doubts_ = 0;          // how often its place could not be, on the way to this stop
+  int suspicions_ = 0;      // how often its place could not be, on the way to this stop
   int looks_round_ = 0;     // thirds of a turn, of this doubt
   int waits_beside_ = 0;    // a door, on the way to this stop
   int arrival_failures_ = 0;

@@ -68,7 +68,7 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
     enter(Phase::kPlanning, NavigationState::kPlanning, "");
     return;
   }
-  if (route.outcome == RouteOutcome::kStartOutside && doubt_place(situation)) {
+  if (route.outcome == RouteOutcome::kStartOutside && suspect_place(situation)) {
     return;
   }
   if (route.outcome == RouteOutcome::kGoalOutside || route.outcome == RouteOutcome::kStartOutside) {
@@ -81,7 +81,7 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
   by_map.set_grid(*grid_, {}, false);
   const Route detour =
       by_map.plan({situation.world_from_robot.position(), stop().pose.position(), planned_tolerance()});
-  if (detour.outcome == RouteOutcome::kStartEnclosed && doubt_place(situation)) {
+  if (detour.outcome == RouteOutcome::kStartEnclosed && suspect_place(situation)) {
     return;
   }
   if (detour.outcome != RouteOutcome::kFound) {
@@ -98,18 +98,18 @@ void GoalCycle::handle_no_route(const Situation& situation, const Route& route) 
   }
 }
 
-bool GoalCycle::doubt_place(const Situation& situation) {
+bool GoalCycle::suspect_place(const Situation& situation) {
   const Pose2& robot = situation.world_from_robot;
-  if (phase_ != Phase::kDoubting) {
-    if (++doubts_ > params_.losses) {
+  if (phase_ != Phase::kSuspectingPlace) {
+    if (++suspicions_ > params_.losses) {
       return false;
     }
     set_path({});
     looks_round_ = 0;
-    enter(Phase::kDoubting, NavigationState::kWaiting,
+    enter(Phase::kSuspectingPlace, NavigationState::kWaiting,
           fmt::format("the map leaves a robot no room at ({:.1f}, {:.1f}), where it seems to be; looking round for "
                       "{:.0f} s",
-                      robot.x, robot.y, params_.doubt_time));
+                      robot.x, robot.y, params_.suspect_place_time));
   }
   if (!situation.can_move) {  // it cannot look round: somebody may be carrying it
     phase_since_ = now_;
@@ -117,12 +117,12 @@ bool GoalCycle::doubt_place(const Situation& situation) {
     set_path({});
     return true;
   }
-  const double doubted = seconds_since(phase_since_);
-  if (doubted >= params_.doubt_still + looks_round_ * params_.doubt_turn) {
+  const double suspected = seconds_since(phase_since_);
+  if (suspected >= params_.suspect_place_still + looks_round_ * params_.suspect_place_turn) {
     ++looks_round_;
     set_path_to_wait({robot.position()}, wrap_angle(robot.theta + kLookRound));
   }
-  return doubted < params_.doubt_time;
+  return suspected < params_.suspect_place_time;
 }
 
 void GoalCycle::follow(const Route& route) {
@@ -171,11 +171,11 @@ bool GoalCycle::look_at_gap(const Situation& situation, const Route& route) {
   Polyline best;
   double best_length = length;
   std::size_t best_blocked = 0;
-  for (const double occupied : {params_.doubtful_log_odds, params_.sure_log_odds, params_.surest_log_odds}) {
-    RoutePlannerParams doubting = planner_params_;
-    doubting.space.hard_radius = planner_params_.body_radius;
-    doubting.space.occupied_log_odds = occupied;
-    RoutePlanner by_what_is_sure(doubting);
+  for (const double occupied : {params_.suspect_log_odds, params_.sure_log_odds, params_.surest_log_odds}) {
+    RoutePlannerParams sceptical = planner_params_;
+    sceptical.space.hard_radius = planner_params_.body_radius;
+    sceptical.space.occupied_log_odds = occupied;
+    RoutePlanner by_what_is_sure(sceptical);
     by_what_is_sure.set_grid(*grid_, obstacles);
     const Route detour = by_what_is_sure.plan({robot, stop().pose.position(), planned_tolerance()});
     if (detour.outcome != RouteOutcome::kFound) {

@@ -28,7 +28,7 @@ void RoutePlanner::set_grid(const OccupancyGrid& grid, const std::vector<Suspect
     const bool is_weighed = params_.mode == PlannerMode::kModern && grid.geometry.size() <= params_.largest_weighed;
     space_ = ConfigurationSpace(params_.space, grid, suspected, use_evidence, is_weighed);
     uses_evidence_ = use_evidence;
-    forget_waves();
+    forget_fields();
     shaper_.forget();
     return;
   }
@@ -36,23 +36,23 @@ void RoutePlanner::set_grid(const OccupancyGrid& grid, const std::vector<Suspect
   changes_.insert(changes_.end(), update.changes.begin(), update.changes.end());
   update.is_local ? shaper_.forget(grid.geometry, update.window) : shaper_.forget();
   if (!update.is_local || changes_.size() > grid.geometry.size() / kFewestCellsPerChange) {
-    forget_waves();
+    forget_fields();
   }
 }
 
-void RoutePlanner::forget_waves() {
+void RoutePlanner::forget_fields() {
   field_goal_.reset();
   tiles_goal_.reset();
   changes_.clear();
 }
 
-std::vector<WaveSeed> RoutePlanner::seeds_for(const RouteRequest& request) const {
+std::vector<CostSeed> RoutePlanner::seeds_for(const RouteRequest& request) const {
   const GridGeometry& geometry = space_.geometry();
   const Cell goal = geometry.cell_at(request.goal);
   if (!space_.is_blocked(goal)) {
     return {{goal, 0}};
   }
-  std::vector<WaveSeed> seeds;
+  std::vector<CostSeed> seeds;
   const int reach = static_cast<int>(std::ceil(request.tolerance / geometry.resolution));
   for (int row = goal.row - reach; row <= goal.row + reach; ++row) {
     for (int column = goal.column - reach; column <= goal.column + reach; ++column) {
@@ -101,7 +101,7 @@ std::optional<Eigen::Vector2d> RoutePlanner::nearest_reachable(const RouteReques
   return best;
 }
 
-std::vector<std::size_t> RoutePlanner::cells_by_tiles(const Cell& start, const std::vector<WaveSeed>& seeds) {
+std::vector<std::size_t> RoutePlanner::cells_by_tiles(const Cell& start, const std::vector<CostSeed>& seeds) {
   if (seeds.size() == 1) {
     return cells_by_kept_tiles(start, seeds.front().cell);
   }
@@ -109,8 +109,8 @@ std::vector<std::size_t> RoutePlanner::cells_by_tiles(const Cell& start, const s
   const Cell from[] = {start};
   tiles_goal_.reset();
   tiles_.grow(space_.passable(), from);
-  const WaveSeed* best = nullptr;
-  for (const WaveSeed& seed : seeds) {
+  const CostSeed* best = nullptr;
+  for (const CostSeed& seed : seeds) {
     if (tiles_.is_reached(seed.cell) && (best == nullptr || seed.cost < best->cost)) {
       best = &seed;
     }
@@ -119,7 +119,7 @@ std::vector<std::size_t> RoutePlanner::cells_by_tiles(const Cell& start, const s
   if (best == nullptr) {
     return cells;
   }
-  for (const Cell& cell : tiles_.descend(best->cell)) {
+  for (const Cell& cell : tiles_.follow_gradient(best->cell)) {
     cells.push_back(space_.geometry().index(cell));
   }
   std::reverse(cells.begin(), cells.end());
@@ -144,26 +144,26 @@ std::vector<std::size_t> RoutePlanner::cells_by_kept_tiles(const Cell& start, co
   tiles_goal_ = goal;
   std::vector<std::size_t> cells;
   if (tiles_.grow_to(start)) {
-    for (const Cell& cell : tiles_.descend(start)) {
+    for (const Cell& cell : tiles_.follow_gradient(start)) {
       cells.push_back(geometry.index(cell));
     }
   }
   return cells;
 }
 
-void RoutePlanner::refresh_field(const RouteRequest& request, const std::vector<WaveSeed>& seeds) {
+void RoutePlanner::refresh_field(const RouteRequest& request, const std::vector<CostSeed>& seeds) {
   const GridGeometry& geometry = space_.geometry();
   const Cell start = geometry.cell_at(request.start);
   const bool is_repairable = seeds.size() == 1 && !space_.is_blocked(start);
-  WaveStop stop;
+  CostStop stop;
   if (!space_.is_blocked(start)) {
     stop = {static_cast<std::int64_t>(geometry.index(start)), kFieldMargin};
   }
   const bool is_kept = is_repairable && field_goal_ == seeds.front().cell;
-  if (!is_kept || !repair_wave(space_.terrain(), changes_, stop, field_)) {
-    grow_wave(space_.terrain(), seeds, stop, field_);
+  if (!is_kept || !repair_cost_field(space_.terrain(), changes_, stop, field_)) {
+    grow_cost_field(space_.terrain(), seeds, stop, field_);
   }
-  forget_waves();
+  forget_fields();
   if (is_repairable) {
     field_goal_ = seeds.front().cell;
   }
@@ -190,11 +190,11 @@ Polyline RoutePlanner::chain_of(const std::vector<std::size_t>& cells, const Rou
   return chain;
 }
 
-Route RoutePlanner::plan_paper(const RouteRequest& request, const std::vector<WaveSeed>& seeds) {
+Route RoutePlanner::plan_paper(const RouteRequest& request, const std::vector<CostSeed>& seeds) {
   const GridGeometry& geometry = space_.geometry();
   Route route;
   const auto nearest = std::min_element(seeds.begin(), seeds.end(),
-                                        [](const WaveSeed& a, const WaveSeed& b) { return a.cost < b.cost; });
+                                        [](const CostSeed& a, const CostSeed& b) { return a.cost < b.cost; });
   const std::size_t start = geometry.index(geometry.cell_at(request.start));
   const auto labels = wavefront_labels(space_.passable(), start, geometry.index(nearest->cell));
   const std::vector<std::size_t> cells = follow_labels(labels, geometry.columns, start);
@@ -217,7 +217,7 @@ Route RoutePlanner::plan(const RouteRequest& request) {
     route.outcome = RouteOutcome::kGoalOutside;
     return route;
   }
-  const std::vector<WaveSeed> seeds = seeds_for(request);
+  const std::vector<CostSeed> seeds = seeds_for(request);
   if (seeds.empty()) {
     route.outcome = RouteOutcome::kGoalBlocked;
     route.nearest_reachable = nearest_reachable(request);
@@ -236,7 +236,7 @@ Route RoutePlanner::plan(const RouteRequest& request) {
       refresh_field(request, seeds);
       cells = start_is_free ? std::vector<std::size_t>{start_index} : escape_from_inflation(request.start).find(field_);
       if (!cells.empty()) {
-        const std::vector<std::size_t> rest = descend(space_.terrain(), field_, cells.back());
+        const std::vector<std::size_t> rest = follow_gradient(space_.terrain(), field_, cells.back());
         rest.empty() ? cells.clear() : static_cast<void>(cells.insert(cells.end(), rest.begin() + 1, rest.end()));
       }
     }

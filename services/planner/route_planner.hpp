@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "services/planner/configuration_space.hpp"
+#include "services/planner/cost_field.hpp"
 #include "services/planner/escape_from_inflation.hpp"
 #include "services/planner/path_shaper.hpp"
-#include "services/planner/tile_wave.hpp"
-#include "services/planner/wavefront.hpp"
+#include "services/planner/tile_cost_field.hpp"
 
 namespace luminav {
 
@@ -59,28 +59,28 @@ class RoutePlanner {
   [[nodiscard]] std::optional<std::size_t> first_blocked(const Polyline& points, std::size_t from) const;
 
  private:
-  [[nodiscard]] std::vector<WaveSeed> seeds_for(const RouteRequest& request) const;
+  [[nodiscard]] std::vector<CostSeed> seeds_for(const RouteRequest& request) const;
   /// Of a robot whose own cell is blocked.
   [[nodiscard]] EscapeFromInflation escape_from_inflation(const Eigen::Vector2d& robot) const;
   [[nodiscard]] std::optional<Eigen::Vector2d> nearest_reachable(const RouteRequest& request);
   [[nodiscard]] Polyline chain_of(const std::vector<std::size_t>& cells, const RouteRequest& request) const;
-  [[nodiscard]] Route plan_paper(const RouteRequest& request, const std::vector<WaveSeed>& seeds);
+  [[nodiscard]] Route plan_paper(const RouteRequest& request, const std::vector<CostSeed>& seeds);
 
   RoutePlannerParams params_;
   ConfigurationSpace space_;
   /// From the start to the goal, both free, by the wave of tiles; empty when no way leads.
-  [[nodiscard]] std::vector<std::size_t> cells_by_tiles(const Cell& start, const std::vector<WaveSeed>& seeds);
+  [[nodiscard]] std::vector<std::size_t> cells_by_tiles(const Cell& start, const std::vector<CostSeed>& seeds);
   /// The same to a goal that is free itself; the wave is kept, and as far as nothing has changed used again.
   [[nodiscard]] std::vector<std::size_t> cells_by_kept_tiles(const Cell& start, const Cell& goal);
   /// What was kept is to be made anew.
-  void forget_waves();
+  void forget_fields();
   /// Brings the kept field up to date, or grows a new one.
-  void refresh_field(const RouteRequest& request, const std::vector<WaveSeed>& seeds);
+  void refresh_field(const RouteRequest& request, const std::vector<CostSeed>& seeds);
 
   bool uses_evidence_ = true;
   PathShaper shaper_;
-  TileWave tiles_;
-  WaveField field_;
+  TileCostField tiles_;
+  CostField field_;
   std::optional<Cell> field_goal_;    // of the one seed that the field was grown from; nothing: it is not to be kept
   std::optional<Cell> tiles_goal_;    // of the wave of tiles, where that is to be kept
   std::vector<PriceChange> changes_;  // since the field or the tiles were made

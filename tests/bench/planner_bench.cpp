@@ -9,9 +9,9 @@
 #include <string>
 
 #include "services/planner/configuration_space.hpp"
+#include "services/planner/cost_field.hpp"
 #include "services/planner/route_planner.hpp"
-#include "services/planner/tile_wave.hpp"
-#include "services/planner/wavefront.hpp"
+#include "services/planner/tile_cost_field.hpp"
 #include "tests/unit/planner/office_grid.hpp"
 
 // The office floors of the performance page, 0.1 m a cell; `fine` is the one of 4000 x 4000 cells of 0.025 m. Each run
@@ -131,11 +131,11 @@ void plan_octile(benchmark::State& state) {
   const Office& office = office_of(static_cast<int>(state.range(0)));
   const OccupancyGrid grid = grid_of(office);
   const std::size_t start = grid.geometry.index(start_of(office));
-  WaveField field;
+  CostField field;
   const auto plan = [&] {
     const ConfigurationSpace space(params_of(0.0), grid, {});
-    grow_wave(space.terrain(), {{goal_of(office), 0}}, {}, field);
-    return descend(space.terrain(), field, start);
+    grow_cost_field(space.terrain(), {{goal_of(office), 0}}, {}, field);
+    return follow_gradient(space.terrain(), field, start);
   };
   const std::vector<std::size_t> path = plan();
   std::int64_t reached = 0;
@@ -153,12 +153,12 @@ void plan_octile(benchmark::State& state) {
 void plan(benchmark::State& state) {
   const Office& office = office_of(static_cast<int>(state.range(0)));
   const OccupancyGrid grid = grid_of(office);
-  TileWave wave;
+  TileCostField tiles;
   const Cell goals[] = {goal_of(office)};
   const auto plan_once = [&] {
     const ConfigurationSpace space(params_of(0.0), grid, {});
-    wave.grow(space.passable(), goals);
-    return wave.descend(start_of(office));
+    tiles.grow(space.passable(), goals);
+    return tiles.follow_gradient(start_of(office));
   };
   std::vector<std::size_t> path;
   for (const Cell& cell : plan_once()) {
@@ -167,7 +167,7 @@ void plan(benchmark::State& state) {
   const std::uint32_t cost = octile_cost(path, office.side);
   require(path.size() > 1 && cost >= office.octile && cost <= office.octile * 101 / 100, "cost of the path within 1 %");
   // cells that hang on by a corner may be missed, and no more
-  require(wave.reached() <= office.reached && wave.reached() >= office.reached - office.reached / 100'000 - 1,
+  require(tiles.reached() <= office.reached && tiles.reached() >= office.reached - office.reached / 100'000 - 1,
           "reached cells");
   for (auto _ : state) {
     benchmark::DoNotOptimize(plan_once());
@@ -180,11 +180,11 @@ void plan_clearance(benchmark::State& state) {
   const Office& office = office_of(static_cast<int>(state.range(0)));
   const OccupancyGrid grid = grid_of(office);
   const std::size_t start = grid.geometry.index(start_of(office));
-  WaveField field;
+  CostField field;
   for (auto _ : state) {
     const ConfigurationSpace space(params_of(ConfigurationSpaceParams{}.clearance_weight), grid, {});
-    grow_wave(space.terrain(), {{goal_of(office), 0}}, {}, field);
-    benchmark::DoNotOptimize(descend(space.terrain(), field, start));
+    grow_cost_field(space.terrain(), {{goal_of(office), 0}}, {}, field);
+    benchmark::DoNotOptimize(follow_gradient(space.terrain(), field, start));
   }
 }
 

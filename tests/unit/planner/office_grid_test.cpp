@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "services/planner/configuration_space.hpp"
-#include "services/planner/wavefront.hpp"
+#include "services/planner/cost_field.hpp"
 
 namespace luminav {
 namespace {
@@ -48,8 +48,8 @@ TEST_P(OfficeGrid, IsExpandedReachedAndCrossedAsOthersDo) {
   EXPECT_EQ(space.passable().count(), agreed.free);
   const int start = static_cast<int>(std::lround(1.0 / agreed.resolution));
   const int goal = agreed.side - 1 - start;
-  WaveField field;
-  grow_wave(space.terrain(), {{{goal, goal}, 0}}, {}, field);
+  CostField field;
+  grow_cost_field(space.terrain(), {{{goal, goal}, 0}}, {}, field);
   long reached = 0;
   for (std::size_t i = 0; i < field.stored.size(); ++i) {
     reached += field.is_reached(i) ? 1 : 0;
@@ -57,7 +57,7 @@ TEST_P(OfficeGrid, IsExpandedReachedAndCrossedAsOthersDo) {
   EXPECT_EQ(reached, agreed.reached);
   const std::size_t start_index = space.geometry().index({start, start});
   EXPECT_EQ(field.cost(start_index), agreed.cost * ConfigurationSpace::kFreePrice);
-  EXPECT_EQ(descend(space.terrain(), field, start_index).size(), agreed.path);
+  EXPECT_EQ(follow_gradient(space.terrain(), field, start_index).size(), agreed.path);
 }
 
 INSTANTIATE_TEST_SUITE_P(Floors, OfficeGrid,

@@ -1,4 +1,4 @@
-#include "services/planner/wavefront.hpp"
+#include "services/planner/cost_field.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,14 +6,14 @@
 #include <memory>
 #include <utility>
 
-#include "services/planner/wave_steps.hpp"
+#include "services/planner/grid_steps.hpp"
 
 namespace luminav {
 namespace {
 
 constexpr std::uint32_t kBuckets = 256;  // more than the dearest step, 7 * 36
-constexpr std::uint32_t kUnreached = WaveField::kUnreached;
-constexpr std::uint32_t kBlocked = WaveField::kBlocked;
+constexpr std::uint32_t kUnreached = CostField::kUnreached;
+constexpr std::uint32_t kBlocked = CostField::kBlocked;
 
 using Ring = std::array<Bucket, kBuckets>;
 
@@ -35,7 +35,7 @@ std::uint32_t* offer(std::uint32_t* stored, std::uint32_t cell, std::ptrdiff_t o
 
 /// Spreads from all cells of one level; returns how many cells were queued. A cell whose cost is another now was found
 /// on a cheaper way after it was queued.
-std::size_t spread_level(const WaveTerrain& terrain, std::uint32_t level, Ring& ring, std::uint32_t* stored) {
+std::size_t spread_level(const CostTerrain& terrain, std::uint32_t level, Ring& ring, std::uint32_t* stored) {
   const Bucket& bucket = ring[level % kBuckets];
   const std::uint32_t* cells = bucket.cells();
   const std::size_t count = bucket.size();
@@ -59,8 +59,8 @@ std::size_t spread_level(const WaveTerrain& terrain, std::uint32_t level, Ring& 
 }
 
 /// Goes on with what is queued, `queued` cells from `level` on, and with seeds that wait.
-void run_wave(const WaveTerrain& terrain, const std::vector<WaitingSeed>& waiting, std::uint32_t level,
-              std::size_t queued, const WaveStop& stop, Ring& ring, WaveField& field) {
+void expand_cost_field(const CostTerrain& terrain, const std::vector<WaitingSeed>& waiting, std::uint32_t level,
+                       std::size_t queued, const CostStop& stop, Ring& ring, CostField& field) {
   std::uint32_t* stored = field.stored.data();
   std::size_t next_seed = 0;
   while ((queued > 0 || next_seed < waiting.size()) && level <= field.settled_to) {
@@ -120,7 +120,8 @@ void clear(const BitGrid& passable, std::vector<std::uint32_t>& stored) {
 
 }  // namespace
 
-void grow_wave(const WaveTerrain& terrain, const std::vector<WaveSeed>& seeds, const WaveStop& stop, WaveField& field) {
+void grow_cost_field(const CostTerrain& terrain, const std::vector<CostSeed>& seeds, const CostStop& stop,
+                     CostField& field) {
   field.columns = terrain.columns();
   field.settled_to = kUnreached;
   field.pending.clear();
@@ -129,7 +130,7 @@ void grow_wave(const WaveTerrain& terrain, const std::vector<WaveSeed>& seeds, c
   std::uint32_t* stored = field.stored.data();
   // seeds may cost more than one turn of the ring: they enter when the wave comes by
   std::vector<WaitingSeed> waiting;
-  for (const WaveSeed& seed : seeds) {
+  for (const CostSeed& seed : seeds) {
     const auto cell = static_cast<std::uint32_t>(seed.cell.row) * static_cast<std::uint32_t>(field.columns) +
                       static_cast<std::uint32_t>(seed.cell.column);
     if (stored[cell] != kBlocked) {
@@ -138,14 +139,14 @@ void grow_wave(const WaveTerrain& terrain, const std::vector<WaveSeed>& seeds, c
   }
   std::sort(waiting.begin(), waiting.end());
   if (terrain.classes == nullptr) {
-    grow_even_wave(*terrain.passable, terrain.class_price[0], waiting, stop, field);
+    grow_even_cost_field(*terrain.passable, terrain.class_price[0], waiting, stop, field);
     return;
   }
   const auto ring = std::make_unique<Ring>();
-  run_wave(terrain, waiting, waiting.empty() ? 0 : waiting.front().first, 0, stop, *ring, field);
+  expand_cost_field(terrain, waiting, waiting.empty() ? 0 : waiting.front().first, 0, stop, *ring, field);
 }
 
-void regrow_wave(const WaveTerrain& terrain, std::uint32_t kept_to, const WaveStop& stop, WaveField& field) {
+void regrow_cost_field(const CostTerrain& terrain, std::uint32_t kept_to, const CostStop& stop, CostField& field) {
   std::uint32_t* stored = field.stored.data();
   // whose neighbours may have been reached beyond
   const std::uint32_t first = kept_to + 1 < kBuckets ? 1 : kept_to + 1 - kBuckets + 1;
@@ -173,7 +174,7 @@ void regrow_wave(const WaveTerrain& terrain, std::uint32_t kept_to, const WaveSt
   if (stop.cell >= 0 && stored[stop.cell] != kUnreached) {
     field.settled_to = std::max(kept_to, stored[stop.cell] + stop.margin);
   }
-  run_wave(terrain, {}, first, queued, stop, *ring, field);
+  expand_cost_field(terrain, {}, first, queued, stop, *ring, field);
 }
 
 }  // namespace luminav

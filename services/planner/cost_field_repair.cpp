@@ -3,14 +3,14 @@
 #include <functional>
 #include <vector>
 
-#include "services/planner/wave_steps.hpp"
-#include "services/planner/wavefront.hpp"
+#include "services/planner/cost_field.hpp"
+#include "services/planner/grid_steps.hpp"
 
 namespace luminav {
 namespace {
 
-constexpr std::uint32_t kUnreached = WaveField::kUnreached;
-constexpr std::uint32_t kBlocked = WaveField::kBlocked;
+constexpr std::uint32_t kUnreached = CostField::kUnreached;
+constexpr std::uint32_t kBlocked = CostField::kBlocked;
 
 // a step costs some times what a cell costs a wave
 constexpr std::size_t kMaxShare = 8;
@@ -19,11 +19,11 @@ constexpr std::size_t kRegrownShare = 5;
 constexpr std::size_t kRegrownAnyway = 8192;  // cells: too few to be worth more than a try
 constexpr std::size_t kFewestStepsBeforeRegrowing = 256;
 
-/// The work of repair_wave: one queue by cost; of one cost, cells that may have lost their support come first.
+/// The work of repair_cost_field: one queue by cost; of one cost, cells that may have lost their support come first.
 class Repair {
  public:
-  Repair(const WaveTerrain& terrain, WaveField& field)
-      : terrain_(terrain), field_(field), queue_(field.pending), steps_(wave_steps(terrain.columns())) {}
+  Repair(const CostTerrain& terrain, CostField& field)
+      : terrain_(terrain), field_(field), queue_(field.pending), steps_(grid_steps(terrain.columns())) {}
 
   void note(const std::vector<PriceChange>& changes) {
     for (const PriceChange& change : changes) {
@@ -31,7 +31,7 @@ class Repair {
       if (own == kBlocked) {
         continue;
       }
-      doubt_children(change.cell, own, change.price_before);
+      raise_children(change.cell, own, change.price_before);
       if (!is_passable(change.cell)) {
         own = kBlocked;
       }
@@ -51,7 +51,7 @@ class Repair {
   }
 
   /// False when it is not done after so many steps.
-  [[nodiscard]] bool run(const WaveStop& stop, std::size_t max) {
+  [[nodiscard]] bool run(const CostStop& stop, std::size_t max) {
     const auto goal = static_cast<std::size_t>(stop.cell);
     std::uint32_t limit = kUnreached;
     const std::size_t queued_before = queue_.size();
@@ -72,7 +72,7 @@ class Repair {
       if (task == PendingTask::kSettle) {
         settle(cell, level);
       } else if (field_.stored[cell] == level) {
-        task == PendingTask::kDoubt ? check(cell, level) : spread(cell, level);
+        task == PendingTask::kRaise ? check(cell, level) : spread(cell, level);
       }
     }
     field_.settled_to = queue_.empty() ? kUnreached : limit;
@@ -102,20 +102,20 @@ class Repair {
     return terrain_.passable->test({static_cast<int>(cell % columns), static_cast<int>(cell / columns)});
   }
   /// Cells whose way led into this one when it cost `price`.
-  void doubt_children(std::size_t cell, std::uint32_t cost, std::uint32_t price) {
+  void raise_children(std::size_t cell, std::uint32_t cost, std::uint32_t price) {
     if (cost == kUnreached) {
       return;
     }
-    for (const WaveStep& step : steps_) {
+    for (const GridStep& step : steps_) {
       const std::size_t neighbour = moved(cell, step.offset);
       if (field_.stored[neighbour] == cost + price * step.length) {
-        queue(field_.stored[neighbour], PendingTask::kDoubt, neighbour);
+        queue(field_.stored[neighbour], PendingTask::kRaise, neighbour);
       }
     }
   }
   [[nodiscard]] std::uint32_t best_offer(std::size_t cell) const {
     std::uint32_t best = kUnreached;
-    for (const WaveStep& step : steps_) {
+    for (const GridStep& step : steps_) {
       const std::size_t neighbour = moved(cell, step.offset);
       const std::uint32_t cost = field_.stored[neighbour];
       if (cost != kBlocked && cost != kUnreached) {
@@ -146,7 +146,7 @@ class Repair {
   // The work may be left before this cost is spread, and the cell be raised then: nobody would know any more that the
   // cost before held others up.
   void lower(std::size_t cell, std::uint32_t cost) {
-    doubt_children(cell, field_.stored[cell], terrain_.price(cell));
+    raise_children(cell, field_.stored[cell], terrain_.price(cell));
     field_.stored[cell] = cost;
   }
   void check(std::size_t cell, std::uint32_t level) {
@@ -154,12 +154,12 @@ class Repair {
       return;  // another neighbour holds it
     }
     field_.stored[cell] = kUnreached;
-    doubt_children(cell, level, terrain_.price(cell));
+    raise_children(cell, level, terrain_.price(cell));
     find_support(cell);
   }
   void spread(std::size_t cell, std::uint32_t level) {
     const std::uint32_t price = terrain_.price(cell);
-    for (const WaveStep& step : steps_) {
+    for (const GridStep& step : steps_) {
       const std::size_t neighbour = moved(cell, step.offset);
       const std::uint32_t cost = level + price * step.length;
       if (cost < field_.stored[neighbour]) {
@@ -169,20 +169,20 @@ class Repair {
     }
   }
 
-  const WaveTerrain& terrain_;
-  WaveField& field_;
+  const CostTerrain& terrain_;
+  CostField& field_;
   std::vector<std::uint64_t>& queue_;  // a heap, the least in front
-  std::array<WaveStep, 8> steps_;
+  std::array<GridStep, 8> steps_;
 };
 
 /// The highest level that no change can touch: the changed cells and all around them were reached later.
-std::uint32_t untouched_level(const std::vector<PriceChange>& changes, const WaveField& field) {
+std::uint32_t untouched_level(const std::vector<PriceChange>& changes, const CostField& field) {
   std::uint32_t lowest = field.settled_to == kUnreached ? kUnreached : field.settled_to + 1;
-  const std::array<WaveStep, 8> steps = wave_steps(field.columns);
+  const std::array<GridStep, 8> steps = grid_steps(field.columns);
   const auto count = [&](std::uint32_t stored) { lowest = stored == kBlocked ? lowest : std::min(lowest, stored); };
   for (const PriceChange& change : changes) {
     count(field.stored[change.cell]);
-    for (const WaveStep& step : steps) {
+    for (const GridStep& step : steps) {
       count(field.stored[moved(change.cell, step.offset)]);
     }
   }
@@ -190,7 +190,7 @@ std::uint32_t untouched_level(const std::vector<PriceChange>& changes, const Wav
 }
 
 /// Cells whose level is above one and at most another.
-std::size_t count_between(const WaveField& field, std::uint32_t above, std::uint32_t max) {
+std::size_t count_between(const CostField& field, std::uint32_t above, std::uint32_t max) {
   std::uint32_t cells = 0;
   for (const std::uint32_t stored : field.stored) {
     cells += stored - above - 1 < max - above ? 1 : 0;
@@ -200,8 +200,8 @@ std::size_t count_between(const WaveField& field, std::uint32_t above, std::uint
 
 }  // namespace
 
-bool repair_wave(const WaveTerrain& terrain, const std::vector<PriceChange>& changes, const WaveStop& stop,
-                 WaveField& field) {
+bool repair_cost_field(const CostTerrain& terrain, const std::vector<PriceChange>& changes, const CostStop& stop,
+                       CostField& field) {
   const std::uint32_t untouched = untouched_level(changes, field);
   const bool is_regrowable = terrain.classes != nullptr && untouched > 0 && untouched < kUnreached - 1;
   const std::uint32_t wanted = field.stored[static_cast<std::size_t>(stop.cell)];
@@ -217,7 +217,7 @@ bool repair_wave(const WaveTerrain& terrain, const std::vector<PriceChange>& cha
     return true;
   }
   if (is_regrowable) {
-    regrow_wave(terrain, untouched, stop, field);
+    regrow_cost_field(terrain, untouched, stop, field);
   }
   return is_regrowable;
 }

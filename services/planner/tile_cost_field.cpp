@@ -1,4 +1,4 @@
-#include "services/planner/tile_wave.hpp"
+#include "services/planner/tile_cost_field.hpp"
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@ std::uint64_t above_and_below(std::uint64_t cells) {
 /// Ticks of the cells up to two steps away from one.
 class TicksAround {
  public:
-  TicksAround(const TileWave& wave, const Cell& middle) : wave_(wave), middle_(middle) {
+  TicksAround(const TileCostField& tiles, const Cell& middle) : tiles_(tiles), middle_(middle) {
     for (int row = -kReach; row <= kReach; ++row) {
       for (int column = -kReach; column <= kReach; ++column) {
         look(column, row);
@@ -60,17 +60,17 @@ class TicksAround {
   void look(int column, int row) {
     const Cell cell{middle_.column + column, middle_.row + row};
     // a ring of blocked tiles lies around the grid
-    place(column, row) = cell.column >= 0 && cell.row >= 0 ? wave_.tick(cell) : TileWave::kUnreached;
+    place(column, row) = cell.column >= 0 && cell.row >= 0 ? tiles_.tick(cell) : TileCostField::kUnreached;
   }
 
-  const TileWave& wave_;
+  const TileCostField& tiles_;
   Cell middle_;
   std::array<std::uint32_t, kSide * kSide> ticks_;
 };
 
 }  // namespace
 
-void TileWave::cut(const BitGrid& passable) {
+void TileCostField::cut(const BitGrid& passable) {
   const auto tile_columns = static_cast<std::size_t>(passable.columns() + 7) / 8;
   const auto tile_rows = static_cast<std::size_t>(passable.rows() + 7) / 8;
   stride_ = tile_columns + 2;
@@ -89,7 +89,7 @@ void TileWave::cut(const BitGrid& passable) {
   }
 }
 
-void TileWave::enter(std::uint32_t tile, std::uint64_t cells) {
+void TileCostField::enter(std::uint32_t tile, std::uint64_t cells) {
   cells &= open_[tile];
   if (cells == 0) {
     return;
@@ -101,7 +101,7 @@ void TileWave::enter(std::uint32_t tile, std::uint64_t cells) {
 }
 
 // Cells of the front reach their neighbours: inside the tile by shifts, across its border into the tiles around.
-void TileWave::spread(std::uint32_t tile, bool to_eight) {
+void TileCostField::spread(std::uint32_t tile, bool to_eight) {
   const std::uint64_t front = front_[tile];
   const auto stride = static_cast<std::uint32_t>(stride_);
   const std::uint64_t wide = front | beside(front);
@@ -140,7 +140,7 @@ void TileWave::spread(std::uint32_t tile, bool to_eight) {
 }
 
 // What was entered becomes the front.
-void TileWave::settle_entered() {
+void TileCostField::settle_entered() {
   ++last_tick_;
   active_.swap(entered_);
   entered_.clear();
@@ -155,7 +155,7 @@ void TileWave::settle_entered() {
 }
 
 // False when the front reached nothing new.
-bool TileWave::step() {
+bool TileCostField::step() {
   for (const std::uint32_t tile : active_) {
     spread(tile, last_tick_ % 2 == 0);
   }
@@ -166,13 +166,13 @@ bool TileWave::step() {
   return true;
 }
 
-void TileWave::grow(const BitGrid& passable, std::span<const Cell> goals) {
+void TileCostField::grow(const BitGrid& passable, std::span<const Cell> goals) {
   begin(passable, goals);
   while (step()) {
   }
 }
 
-void TileWave::begin(const BitGrid& passable, std::span<const Cell> goals) {
+void TileCostField::begin(const BitGrid& passable, std::span<const Cell> goals) {
   cut(passable);
   last_tick_ = 0;
   // office floors need 7 or 8 a tile; memory is touched only as it is used, while a list that moves needs it twice
@@ -187,7 +187,7 @@ void TileWave::begin(const BitGrid& passable, std::span<const Cell> goals) {
   settle_entered();
 }
 
-bool TileWave::grow_to(const Cell& cell) {
+bool TileCostField::grow_to(const Cell& cell) {
   while (!is_reached(cell)) {
     if (!step()) {
       return false;
@@ -196,7 +196,7 @@ bool TileWave::grow_to(const Cell& cell) {
   return true;
 }
 
-void TileWave::take_back(const BitGrid& passable, std::span<const Cell> changed) {
+void TileCostField::take_back(const BitGrid& passable, std::span<const Cell> changed) {
   // the first tick at which one of them was entered, or could have been
   std::uint32_t first = last_tick_ + 1;
   for (const Cell& cell : changed) {
@@ -227,12 +227,12 @@ void TileWave::take_back(const BitGrid& passable, std::span<const Cell> changed)
   }
 }
 
-std::int64_t TileWave::reached() const {
+std::int64_t TileCostField::reached() const {
   return std::accumulate(entries_.begin(), entries_.end(), std::int64_t{0},
                          [](std::int64_t cells, const Entry& entry) { return cells + std::popcount(entry.cells); });
 }
 
-std::uint32_t TileWave::tick(const Cell& cell) const {
+std::uint32_t TileCostField::tick(const Cell& cell) const {
   const std::uint64_t bit = bit_of(cell);
   for (std::uint32_t i = last_entry_[tile_of(cell)]; i != 0; i = entries_[i].before) {
     if ((entries_[i].cells & bit) != 0) {
@@ -244,7 +244,7 @@ std::uint32_t TileWave::tick(const Cell& cell) const {
 
 // Of one step the ticks say too little: on a slant every other diagonal one falls by 1 only, as a straight one does.
 // So two steps are looked at together, and the pair that falls most for its length is taken.
-std::vector<Cell> TileWave::descend(const Cell& start) const {
+std::vector<Cell> TileCostField::follow_gradient(const Cell& start) const {
   struct Step {
     int column;
     int row;

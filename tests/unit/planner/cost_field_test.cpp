@@ -1,4 +1,4 @@
-#include "services/planner/wavefront.hpp"
+#include "services/planner/cost_field.hpp"
 
 #include <gtest/gtest.h>
 
@@ -29,13 +29,13 @@ struct Terrain {
   explicit Terrain(const Plan& plan) : passable(plan.passable()), classes(plan.prices) {
     std::iota(price.begin(), price.end(), std::uint8_t{0});
   }
-  WaveTerrain get() const { return {&passable, classes.data(), price.data()}; }
+  CostTerrain get() const { return {&passable, classes.data(), price.data()}; }
   BitGrid passable;
   std::vector<std::uint8_t> classes;
   std::array<std::uint8_t, 256> price{};
 };
 
-std::vector<std::uint32_t> costs_of(const WaveField& field) {
+std::vector<std::uint32_t> costs_of(const CostField& field) {
   std::vector<std::uint32_t> costs;
   for (std::size_t i = 0; i < field.stored.size(); ++i) {
     costs.push_back(field.cost(i));
@@ -43,9 +43,9 @@ std::vector<std::uint32_t> costs_of(const WaveField& field) {
   return costs;
 }
 
-WaveField wave(const Plan& plan, const std::vector<WaveSeed>& seeds) {
-  WaveField field;
-  grow_wave(Terrain(plan).get(), seeds, {}, field);
+CostField field_from(const Plan& plan, const std::vector<CostSeed>& seeds) {
+  CostField field;
+  grow_cost_field(Terrain(plan).get(), seeds, {}, field);
   return field;
 }
 
@@ -60,7 +60,7 @@ Plan plan_of(const std::vector<std::string>& lines) {
   return plan;
 }
 
-TEST(Wavefront, LabelsAsThePaperDoes) {
+TEST(PaperWavefront, LabelsAsThePaperDoes) {
   const Plan plan = plan_of({"######", "#1111#", "#1##1#", "#1111#", "######"});
   const auto labels = wavefront_labels(plan.passable(), plan.at(1, 1), plan.at(4, 3));
   EXPECT_EQ(labels[plan.at(4, 3)], 2U);  // the goal
@@ -72,7 +72,7 @@ TEST(Wavefront, LabelsAsThePaperDoes) {
   EXPECT_EQ(labels[plan.at(1, 1)], 6U);  // the start: reached and left there
 }
 
-TEST(Wavefront, FollowsLabelsFromStartToGoal) {
+TEST(PaperWavefront, FollowsLabelsFromStartToGoal) {
   const Plan plan = plan_of({"######", "#1111#", "#1##1#", "#1111#", "######"});
   const auto labels = wavefront_labels(plan.passable(), plan.at(1, 1), plan.at(4, 3));
   const auto cells = follow_labels(labels, plan.columns, plan.at(1, 1));
@@ -81,23 +81,23 @@ TEST(Wavefront, FollowsLabelsFromStartToGoal) {
   EXPECT_EQ(cells.back(), plan.at(4, 3));
 }
 
-TEST(Wavefront, LeavesAClosedRoomWithoutLabels) {
+TEST(PaperWavefront, LeavesAClosedRoomWithoutLabels) {
   const Plan plan = plan_of({"#######", "#11#11#", "#11#11#", "#######"});
   const auto labels = wavefront_labels(plan.passable(), plan.at(1, 1), plan.at(4, 1));
   EXPECT_EQ(labels[plan.at(1, 1)], 0U);
   EXPECT_TRUE(follow_labels(labels, plan.columns, plan.at(1, 1)).empty());
 }
 
-TEST(Wave, CountsFiveStraightAndSevenDiagonal) {
+TEST(CostField, CountsFiveStraightAndSevenDiagonal) {
   const Plan plan = plan_of({"#####", "#111#", "#111#", "#111#", "#####"});
-  WaveField field = wave(plan, {{{1, 1}, 0}});
+  CostField field = field_from(plan, {{{1, 1}, 0}});
   EXPECT_EQ(field.cost(plan.at(3, 1)), 10U);
   EXPECT_EQ(field.cost(plan.at(3, 3)), 14U);
   EXPECT_EQ(field.cost(plan.at(2, 3)), 12U);
-  EXPECT_EQ(field.cost(plan.at(0, 0)), WaveField::kUnreached);
+  EXPECT_EQ(field.cost(plan.at(0, 0)), CostField::kUnreached);
 }
 
-TEST(Wave, IsTheShortestWayOnRandomPrices) {
+TEST(CostField, IsTheShortestWayOnRandomPrices) {
   std::mt19937 rng(4);
   std::uniform_int_distribution<int> price(0, 36);
   constexpr int kSide = 30;
@@ -108,9 +108,9 @@ TEST(Wave, IsTheShortestWayOnRandomPrices) {
     }
   }
   plan.prices[plan.at(3, 3)] = 9;
-  WaveField field = wave(plan, {{{3, 3}, 700}});
+  CostField field = field_from(plan, {{{3, 3}, 700}});
   // Bellman and Ford, slow and plain
-  std::vector<std::uint32_t> cost(plan.prices.size(), WaveField::kUnreached);
+  std::vector<std::uint32_t> cost(plan.prices.size(), CostField::kUnreached);
   cost[plan.at(3, 3)] = 700;
   for (bool changed = true; changed;) {
     changed = false;
@@ -120,7 +120,7 @@ TEST(Wave, IsTheShortestWayOnRandomPrices) {
         for (int dr = -1; dr <= 1; ++dr) {
           for (int dc = -1; dc <= 1; ++dc) {
             const std::size_t from = plan.at(column + dc, row + dr);
-            if ((dr == 0 && dc == 0) || plan.prices[here] == 0 || cost[from] == WaveField::kUnreached) {
+            if ((dr == 0 && dc == 0) || plan.prices[here] == 0 || cost[from] == CostField::kUnreached) {
               continue;
             }
             const std::uint32_t total = cost[from] + plan.prices[from] * (dr != 0 && dc != 0 ? 7U : 5U);
@@ -136,9 +136,9 @@ TEST(Wave, IsTheShortestWayOnRandomPrices) {
   EXPECT_EQ(costs_of(field), cost);
 }
 
-TEST(Wave, StartsFromSeveralSeedsAtTheirCosts) {
+TEST(CostField, StartsFromSeveralSeedsAtTheirCosts) {
   const Plan plan = plan_of({"############", "#1111111111#", "############"});
-  WaveField field = wave(plan, {{{1, 1}, 2000}, {{10, 1}, 1990}, {{5, 1}, 5000}});
+  CostField field = field_from(plan, {{{1, 1}, 2000}, {{10, 1}, 1990}, {{5, 1}, 5000}});
   EXPECT_EQ(field.cost(plan.at(1, 1)), 2000U);
   EXPECT_EQ(field.cost(plan.at(10, 1)), 1990U);
   EXPECT_EQ(field.cost(plan.at(5, 1)),
@@ -146,7 +146,7 @@ TEST(Wave, StartsFromSeveralSeedsAtTheirCosts) {
 }
 
 // Where all cells cost the same the wave goes by other rules; the costs must be those of the general one.
-TEST(Wave, OfOnePriceCostsWhatTheGeneralWaveSays) {
+TEST(CostField, OfOnePriceCostsWhatTheGeneralWaveSays) {
   std::mt19937 rng(5);
   constexpr int kSide = 50;
   std::uniform_int_distribution<int> inside(1, kSide - 2);
@@ -162,15 +162,15 @@ TEST(Wave, OfOnePriceCostsWhatTheGeneralWaveSays) {
         plan.prices[plan.at(column, row)] = percent(rng) < blocked ? 0 : 4;
       }
     }
-    std::vector<WaveSeed> seeds;
+    std::vector<CostSeed> seeds;
     for (int i = 0; i <= world % 4; ++i) {
       seeds.push_back({{inside(rng), inside(rng)}, world % 4 == 0 ? 0 : extra(rng)});
     }
     const Terrain terrain(plan);
     const std::uint8_t one_price[] = {4};
-    WaveField even;
-    grow_wave({&terrain.passable, nullptr, one_price}, seeds, {}, even);
-    const WaveField general = wave(plan, seeds);
+    CostField even;
+    grow_cost_field({&terrain.passable, nullptr, one_price}, seeds, {}, even);
+    const CostField general = field_from(plan, seeds);
     ASSERT_EQ(costs_of(even), costs_of(general)) << "world " << world;
     for (std::size_t cell = 0; cell < even.stored.size(); ++cell) {
       reached += even.is_reached(cell) ? 1 : 0;
@@ -178,10 +178,10 @@ TEST(Wave, OfOnePriceCostsWhatTheGeneralWaveSays) {
     // stopped early it is right as far as it says
     const Cell stop{inside(rng), inside(rng)};
     const auto index = static_cast<std::int64_t>(plan.at(stop.column, stop.row));
-    grow_wave({&terrain.passable, nullptr, one_price}, seeds, {index, 200}, even);
+    grow_cost_field({&terrain.passable, nullptr, one_price}, seeds, {index, 200}, even);
     EXPECT_EQ(even.cost(static_cast<std::size_t>(index)), general.cost(static_cast<std::size_t>(index)));
     for (std::size_t cell = 0; cell < even.stored.size(); ++cell) {
-      if (general.cost(cell) != WaveField::kUnreached && general.stored[cell] <= even.settled_to) {
+      if (general.cost(cell) != CostField::kUnreached && general.stored[cell] <= even.settled_to) {
         ASSERT_EQ(even.cost(cell), general.cost(cell)) << "world " << world;
       } else {
         ASSERT_FALSE(even.is_reached(cell)) << "world " << world;
@@ -191,21 +191,21 @@ TEST(Wave, OfOnePriceCostsWhatTheGeneralWaveSays) {
   EXPECT_GT(reached, 30'000U);
 }
 
-TEST(Wave, LeavesOutBlockedSeeds) {
+TEST(CostField, LeavesOutBlockedSeeds) {
   const Plan plan = plan_of({"####", "#1##", "####"});
-  WaveField field = wave(plan, {{{2, 1}, 0}});
-  EXPECT_EQ(field.cost(plan.at(1, 1)), WaveField::kUnreached);
-  field = wave(plan, {});
-  EXPECT_EQ(field.cost(plan.at(1, 1)), WaveField::kUnreached);
+  CostField field = field_from(plan, {{{2, 1}, 0}});
+  EXPECT_EQ(field.cost(plan.at(1, 1)), CostField::kUnreached);
+  field = field_from(plan, {});
+  EXPECT_EQ(field.cost(plan.at(1, 1)), CostField::kUnreached);
 }
 
-TEST(Descend, EndsAtTheSeedAndCostsWhatTheFieldSays) {
+TEST(FollowGradient, EndsAtTheSeedAndCostsWhatTheFieldSays) {
   const Plan plan = plan_of({"########", "#111111#", "#1####1#", "#111111#", "########"});
-  WaveField field = wave(plan, {{{6, 3}, 0}});
-  const auto cells = descend(Terrain(plan).get(), field, plan.at(1, 1));
+  CostField field = field_from(plan, {{{6, 3}, 0}});
+  const auto cells = follow_gradient(Terrain(plan).get(), field, plan.at(1, 1));
   ASSERT_FALSE(cells.empty());
   EXPECT_EQ(cells.back(), plan.at(6, 3));
-  EXPECT_TRUE(descend(Terrain(plan).get(), field, plan.at(0, 0)).empty());
+  EXPECT_TRUE(follow_gradient(Terrain(plan).get(), field, plan.at(0, 0)).empty());
 }
 
 Plan random_plan(std::mt19937& rng, int side) {
@@ -242,7 +242,7 @@ std::vector<PriceChange> change(std::mt19937& rng, Plan& plan, std::size_t keep_
   return changes;
 }
 
-TEST(RepairWave, GivesTheFieldOfANewWave) {
+TEST(CostFieldRepair, GivesTheFieldOfANewWave) {
   std::mt19937 rng(11);
   constexpr int kSide = 40;
   for (int world = 0; world < 20; ++world) {
@@ -250,18 +250,19 @@ TEST(RepairWave, GivesTheFieldOfANewWave) {
     const std::size_t goal = plan.at(20, 20);
     const std::size_t start = plan.at(5, 30);
     plan.prices[goal] = plan.prices[start] = 9;
-    WaveField field = wave(plan, {{{20, 20}, 0}});
+    CostField field = field_from(plan, {{{20, 20}, 0}});
     for (int round = 0; round < 10; ++round) {
       const std::vector<PriceChange> changes = change(rng, plan, goal, start);
       const Terrain terrain(plan);
       // a margin that nothing exceeds: every cell must come out right
-      ASSERT_TRUE(repair_wave(terrain.get(), changes, {static_cast<std::int64_t>(start), 1'000'000'000}, field));
-      ASSERT_EQ(costs_of(field), costs_of(wave(plan, {{{20, 20}, 0}}))) << "world " << world << " round " << round;
+      ASSERT_TRUE(repair_cost_field(terrain.get(), changes, {static_cast<std::int64_t>(start), 1'000'000'000}, field));
+      ASSERT_EQ(costs_of(field), costs_of(field_from(plan, {{{20, 20}, 0}})))
+          << "world " << world << " round " << round;
     }
   }
 }
 
-TEST(RepairWave, IsRightUpToTheMarginOrSaysThatItIsNot) {
+TEST(CostFieldRepair, IsRightUpToTheMarginOrSaysThatItIsNot) {
   std::mt19937 rng(12);
   constexpr int kSide = 60;
   int repaired = 0;
@@ -271,15 +272,15 @@ TEST(RepairWave, IsRightUpToTheMarginOrSaysThatItIsNot) {
     plan.prices[goal] = 9;
     for (const std::size_t start : {plan.at(10, 40), plan.at(25, 35)}) {
       plan.prices[start] = 9;
-      const WaveStop stop{static_cast<std::int64_t>(start), 300};
-      WaveField field;
-      grow_wave(Terrain(plan).get(), {{{30, 30}, 0}}, stop, field);
+      const CostStop stop{static_cast<std::int64_t>(start), 300};
+      CostField field;
+      grow_cost_field(Terrain(plan).get(), {{{30, 30}, 0}}, stop, field);
       for (int round = 0; round < 10; ++round) {
         const std::vector<PriceChange> changes = change(rng, plan, goal, start);
         const Terrain terrain(plan);
-        const WaveField fresh = wave(plan, {{{30, 30}, 0}});
-        if (!repair_wave(terrain.get(), changes, stop, field)) {
-          grow_wave(terrain.get(), {{{30, 30}, 0}}, stop, field);
+        const CostField fresh = field_from(plan, {{{30, 30}, 0}});
+        if (!repair_cost_field(terrain.get(), changes, stop, field)) {
+          grow_cost_field(terrain.get(), {{{30, 30}, 0}}, stop, field);
           continue;
         }
         ++repaired;

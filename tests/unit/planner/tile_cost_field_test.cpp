@@ -1,4 +1,4 @@
-#include "services/planner/tile_wave.hpp"
+#include "services/planner/tile_cost_field.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <tuple>
 
-#include "services/planner/wavefront.hpp"
+#include "services/planner/cost_field.hpp"
 
 namespace luminav {
 namespace {
@@ -53,38 +53,38 @@ std::vector<std::uint32_t> ticks_by_hand(const BitGrid& passable, const Cell& go
   return ticks;
 }
 
-TEST(TileWave, StepsToFourAndEightNeighboursInTurn) {
+TEST(TileCostField, StepsToFourAndEightNeighboursInTurn) {
   std::mt19937 rng(5);
   for (const auto& [columns, rows, density] : {std::tuple{40, 30, 0.1}, {8, 8, 0.0}, {65, 23, 0.35}, {130, 71, 0.2}}) {
     BitGrid passable = random_floor(rng, columns, rows, density);
     const Cell goal{columns / 2, rows / 2};
     passable.set(goal);
-    TileWave wave;
-    wave.grow(passable, std::array{goal});
+    TileCostField tiles;
+    tiles.grow(passable, std::array{goal});
     const std::vector<std::uint32_t> expected = ticks_by_hand(passable, goal);
     std::int64_t reached = 0;
     for (int row = 0; row < rows; ++row) {
       for (int column = 0; column < columns; ++column) {
         const std::uint32_t tick = expected[static_cast<std::size_t>(row * columns + column)];
-        ASSERT_EQ(wave.tick({column, row}), tick) << column << " " << row;
+        ASSERT_EQ(tiles.tick({column, row}), tick) << column << " " << row;
         reached += tick != 0 ? 1 : 0;
-        EXPECT_TRUE(!passable.test({column, row}) || wave.is_reached({column, row}) == (tick != 0));
+        EXPECT_TRUE(!passable.test({column, row}) || tiles.is_reached({column, row}) == (tick != 0));
       }
     }
-    EXPECT_EQ(wave.reached(), reached);
+    EXPECT_EQ(tiles.reached(), reached);
   }
 }
 
-TEST(TileWave, DescendsByNeighboursOnPassableCellsAlmostTheShortestWay) {
+TEST(TileCostField, DescendsByNeighboursOnPassableCellsAlmostTheShortestWay) {
   std::mt19937 rng(6);
   BitGrid passable = random_floor(rng, 200, 150, 0.05);
   const Cell goal{190, 140};
   const Cell start{7, 9};
   passable.set(goal);
   passable.set(start);
-  TileWave wave;
-  wave.grow(passable, std::array{goal});
-  const std::vector<Cell> cells = wave.descend(start);
+  TileCostField tiles;
+  tiles.grow(passable, std::array{goal});
+  const std::vector<Cell> cells = tiles.follow_gradient(start);
   ASSERT_GT(cells.size(), 2U);
   EXPECT_EQ(cells.front(), start);
   EXPECT_EQ(cells.back(), goal);
@@ -96,14 +96,14 @@ TEST(TileWave, DescendsByNeighboursOnPassableCellsAlmostTheShortestWay) {
     length += across + up == 1 ? 5 : 7;
   }
   const std::array<std::uint8_t, 1> price = {1};
-  WaveField field;
-  grow_wave({&passable, nullptr, price.data()}, {{goal, 0}}, {}, field);
+  CostField field;
+  grow_cost_field({&passable, nullptr, price.data()}, {{goal, 0}}, {}, field);
   const std::uint32_t shortest = field.cost(static_cast<std::size_t>(start.row) * 200 + 7);
   EXPECT_GE(length, shortest);
   EXPECT_LE(length, shortest * 102 / 100);
 }
 
-TEST(TileWave, TakenBackAndGrownOnIsAWaveOfItsOwn) {
+TEST(TileCostField, TakenBackAndGrownOnIsAWaveOfItsOwn) {
   std::mt19937 rng(8);
   constexpr int kColumns = 90;
   constexpr int kRows = 70;
@@ -112,7 +112,7 @@ TEST(TileWave, TakenBackAndGrownOnIsAWaveOfItsOwn) {
   BitGrid passable = random_floor(rng, kColumns, kRows, 0.25);
   const Cell goal{40, 30};
   passable.set(goal);
-  TileWave kept;
+  TileCostField kept;
   kept.begin(passable, std::array{goal});
   int reached = 0;
   for (int round = 0; round < 60; ++round) {
@@ -135,34 +135,34 @@ TEST(TileWave, TakenBackAndGrownOnIsAWaveOfItsOwn) {
     if (!passable.test(start)) {
       continue;
     }
-    TileWave anew;
+    TileCostField anew;
     anew.grow(passable, std::array{goal});
     ASSERT_EQ(kept.grow_to(start), anew.is_reached(start)) << round;
-    ASSERT_EQ(kept.descend(start), anew.descend(start)) << round;
+    ASSERT_EQ(kept.follow_gradient(start), anew.follow_gradient(start)) << round;
     reached += anew.is_reached(start) ? 1 : 0;
     for (int r = 0; r < kRows; ++r) {
       for (int c = 0; c < kColumns; ++c) {
         const std::uint32_t tick = kept.tick({c, r});
-        ASSERT_TRUE(tick == TileWave::kUnreached || tick == anew.tick({c, r})) << round;
+        ASSERT_TRUE(tick == TileCostField::kUnreached || tick == anew.tick({c, r})) << round;
       }
     }
   }
   EXPECT_GT(reached, 20);
 }
 
-TEST(TileWave, ReachesNothingFromABlockedGoalOrIntoAClosedRoom) {
+TEST(TileCostField, ReachesNothingFromABlockedGoalOrIntoAClosedRoom) {
   BitGrid passable(20, 20);
   passable.set({5, 5});
   passable.set({15, 15});
-  TileWave wave;
-  wave.grow(passable, std::array{Cell{9, 9}});
-  EXPECT_EQ(wave.reached(), 0);
-  wave.grow(passable, std::array{Cell{5, 5}});
-  EXPECT_EQ(wave.reached(), 1);
-  EXPECT_TRUE(wave.is_reached({5, 5}));
-  EXPECT_FALSE(wave.is_reached({15, 15}));
-  EXPECT_TRUE(wave.descend({15, 15}).empty());
-  EXPECT_EQ(wave.descend({5, 5}).size(), 1U);
+  TileCostField tiles;
+  tiles.grow(passable, std::array{Cell{9, 9}});
+  EXPECT_EQ(tiles.reached(), 0);
+  tiles.grow(passable, std::array{Cell{5, 5}});
+  EXPECT_EQ(tiles.reached(), 1);
+  EXPECT_TRUE(tiles.is_reached({5, 5}));
+  EXPECT_FALSE(tiles.is_reached({15, 15}));
+  EXPECT_TRUE(tiles.follow_gradient({15, 15}).empty());
+  EXPECT_EQ(tiles.follow_gradient({5, 5}).size(), 1U);
 }
 
 }  // namespace

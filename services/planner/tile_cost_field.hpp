@@ -13,8 +13,9 @@ namespace luminav {
 /// A wave over all passable cells at one price, 64 cells an operation: the grid is cut into tiles of 8 x 8 cells, a
 /// word each, and the front of each tile moves by shifts. Steps go to four neighbours and to eight in turn, so that the
 /// front is an octagon (Rosenfeld and Pfaltz 1968). A way down its field is the shortest of steps 5 and 7 on office
-/// floors, and 1 to 2 % longer among scattered single cells. Three times as fast as the exact wave of `grow_wave`.
-class TileWave {
+/// floors, and 1 to 2 % longer among scattered single cells. Three times as fast as the exact wave of
+/// `grow_cost_field`.
+class TileCostField {
  public:
   static constexpr std::uint32_t kUnreached = 0;
 
@@ -38,7 +39,7 @@ class TileWave {
   /// 1 at a goal, one more with each step of the wave; kUnreached where it did not come.
   [[nodiscard]] std::uint32_t tick(const Cell& cell) const;
   /// Cells from start to goal, both included; empty when the start was not reached.
-  [[nodiscard]] std::vector<Cell> descend(const Cell& start) const;
+  [[nodiscard]] std::vector<Cell> follow_gradient(const Cell& start) const;
 
  private:
   /// Cells of one tile that the wave entered with one step. The entries of a tile are a chain, newest first.

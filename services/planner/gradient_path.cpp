@@ -1,27 +1,27 @@
 #include <array>
 #include <cassert>
 
-#include "services/planner/wave_steps.hpp"
-#include "services/planner/wavefront.hpp"
+#include "services/planner/cost_field.hpp"
+#include "services/planner/grid_steps.hpp"
 
 namespace luminav {
 
-std::vector<std::size_t> descend(const WaveTerrain& terrain, const WaveField& field, std::size_t start) {
+std::vector<std::size_t> follow_gradient(const CostTerrain& terrain, const CostField& field, std::size_t start) {
   std::vector<std::size_t> cells;
   if (start >= field.stored.size() || !field.is_reached(start)) {
     return cells;
   }
-  const std::array<WaveStep, 8> steps = wave_steps(field.columns);
+  const std::array<GridStep, 8> steps = grid_steps(field.columns);
   std::size_t cell = start;
   std::ptrdiff_t last_offset = 0;
   cells.push_back(cell);
   while (true) {
     std::size_t best = cell;
-    std::uint32_t best_cost = WaveField::kUnreached;
-    for (const WaveStep& step : steps) {
+    std::uint32_t best_cost = CostField::kUnreached;
+    for (const GridStep& step : steps) {
       const std::size_t neighbour = moved(cell, step.offset);
       const std::uint32_t there = field.stored[neighbour];
-      if (there == WaveField::kBlocked || there >= field.stored[cell]) {
+      if (there == CostField::kBlocked || there >= field.stored[cell]) {
         continue;
       }
       const std::uint32_t cost = there + terrain.price(neighbour) * step.length;
@@ -53,14 +53,14 @@ std::vector<std::uint32_t> wavefront_labels(const BitGrid& passable, std::size_t
   if (labels[goal] == 1) {
     return labels;
   }
-  const std::array<WaveStep, 8> steps = wave_steps(columns);
+  const std::array<GridStep, 8> steps = grid_steps(columns);
   std::vector<std::size_t> front = {goal};
   std::vector<std::size_t> next;
   labels[goal] = 2;
   for (std::uint32_t label = 3; !front.empty() && labels[start] == 0; ++label) {
     next.clear();
     for (const std::size_t cell : front) {
-      for (const WaveStep& step : steps) {
+      for (const GridStep& step : steps) {
         const std::size_t neighbour = moved(cell, step.offset);
         if (labels[neighbour] == 0) {
           labels[neighbour] = label;
@@ -78,14 +78,14 @@ std::vector<std::size_t> follow_labels(const std::vector<std::uint32_t>& labels,
   if (start >= labels.size() || labels[start] < 2) {
     return cells;
   }
-  const std::array<WaveStep, 8> steps = wave_steps(columns);
+  const std::array<GridStep, 8> steps = grid_steps(columns);
   std::size_t cell = start;
   std::ptrdiff_t last_offset = 0;
   cells.push_back(cell);
   while (labels[cell] > 2) {
     const std::uint32_t wanted = labels[cell] - 1;
     std::ptrdiff_t chosen = 0;
-    for (const WaveStep& step : steps) {
+    for (const GridStep& step : steps) {
       const bool fits = labels[moved(cell, step.offset)] == wanted;
       if (fits && (chosen == 0 || step.offset == last_offset)) {
         chosen = step.offset;

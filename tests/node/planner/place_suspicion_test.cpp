@@ -15,7 +15,7 @@ struct WorldWithThickWall : PlannerWorld {
   static constexpr Pose2 kInTheWall{6.3, 1.5, 0.0};
 };
 
-TEST(PlaceDoubt, GoesOnWhenThePoseComesBackOutOfTheWall) {
+TEST(PlaceSuspicion, GoesOnWhenThePoseComesBackOutOfTheWall) {
   WorldWithThickWall world;
   world.go(1, 9.0, 3.2);
   ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
@@ -29,7 +29,7 @@ TEST(PlaceDoubt, GoesOnWhenThePoseComesBackOutOfTheWall) {
   EXPECT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED)) << world.status.cause;
 }
 
-TEST(PlaceDoubt, LastsAsLongAsItMayNotMoveAndThenALookRound) {
+TEST(PlaceSuspicion, LastsAsLongAsItMayNotMoveAndThenALookRound) {
   WorldWithThickWall world;
   world.robot = WorldWithThickWall::kInTheWall;
   world.motors = false;  // somebody carries it
@@ -49,7 +49,7 @@ TEST(PlaceDoubt, LastsAsLongAsItMayNotMoveAndThenALookRound) {
   EXPECT_NEAR(world.robot.x, 6.3, 0.01) << "it only turns";
 }
 
-TEST(PlaceDoubt, EndsWithSayingThatThePlaceIsEnclosed) {
+TEST(PlaceSuspicion, EndsWithSayingThatThePlaceIsEnclosed) {
   PlannerWorld world;
   world.robot = {2.05, 3.05, 0.0};
   world.wall(17, 27, 24, 28);

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "services/planner/wave_steps.hpp"
+#include "services/planner/grid_steps.hpp"
 
 // Of all shortest ways to a cell one is kept: the one that takes its diagonal steps first. A cell that was entered
 // straight needs to spread straight on only, one that was entered diagonally to three neighbours, and to those round a
@@ -16,16 +16,16 @@
 namespace luminav {
 namespace {
 
-constexpr std::uint32_t kUnreached = WaveField::kUnreached;
-constexpr std::uint32_t kBlocked = WaveField::kBlocked;
+constexpr std::uint32_t kUnreached = CostField::kUnreached;
+constexpr std::uint32_t kBlocked = CostField::kBlocked;
 
-// of a step, as in wave_steps
+// of a step, as in grid_steps
 enum Direction : std::size_t { kEast, kWest, kNorth, kSouth, kNorthEast, kNorthWest, kSouthEast, kSouthWest };
 constexpr std::size_t kDirections = 8;
 
-class EvenWave {
+class EvenCostField {
  public:
-  EvenWave(int columns, std::uint32_t price, std::uint32_t unit, WaveField& field)
+  EvenCostField(int columns, std::uint32_t price, std::uint32_t unit, CostField& field)
       : row_(columns),
         straight_(kStraight * price),
         diagonal_(kDiagonal * price),
@@ -35,7 +35,7 @@ class EvenWave {
         slots_(std::bit_ceil(diagonal_ / unit + 1)),
         ring_(slots_ * kDirections) {}
 
-  void sow(std::uint32_t cell, std::uint32_t level) {
+  void add_seed(std::uint32_t cell, std::uint32_t level) {
     if (level >= stored_[cell]) {
       return;
     }
@@ -48,7 +48,7 @@ class EvenWave {
     }
   }
 
-  void keep_queued(WaveField& field) const {
+  void keep_queued(CostField& field) const {
     for (const Bucket& bucket : ring_) {
       keep_pending(bucket, field);
     }
@@ -181,8 +181,8 @@ class EvenWave {
 
 }  // namespace
 
-void grow_even_wave(const BitGrid& passable, std::uint32_t price, const std::vector<WaitingSeed>& seeds,
-                    const WaveStop& stop, WaveField& field) {
+void grow_even_cost_field(const BitGrid& passable, std::uint32_t price, const std::vector<WaitingSeed>& seeds,
+                          const CostStop& stop, CostField& field) {
   if (seeds.empty()) {
     return;
   }
@@ -191,27 +191,27 @@ void grow_even_wave(const BitGrid& passable, std::uint32_t price, const std::vec
   for (const WaitingSeed& seed : seeds) {
     unit = std::gcd(unit, seed.first - first);
   }
-  EvenWave wave(passable.columns(), price, unit, field);
+  EvenCostField front(passable.columns(), price, unit, field);
   std::size_t next_seed = 0;
   std::uint32_t level = first;
-  while ((wave.queued() > 0 || next_seed < seeds.size()) && level <= field.settled_to) {
-    if (wave.queued() == 0) {
+  while ((front.queued() > 0 || next_seed < seeds.size()) && level <= field.settled_to) {
+    if (front.queued() == 0) {
       level = std::max(level, seeds[next_seed].first);
     }
     for (; next_seed < seeds.size() && seeds[next_seed].first <= level; ++next_seed) {
-      wave.sow(seeds[next_seed].second, seeds[next_seed].first);
+      front.add_seed(seeds[next_seed].second, seeds[next_seed].first);
     }
     if (stop.cell >= 0 && field.stored[static_cast<std::size_t>(stop.cell)] == level) {
       field.settled_to = level + stop.margin;
     }
-    wave.spread(level);
+    front.spread(level);
     level += unit;
   }
-  if (wave.queued() == 0 && next_seed == seeds.size()) {
+  if (front.queued() == 0 && next_seed == seeds.size()) {
     field.settled_to = kUnreached;  // it came everywhere
     return;
   }
-  wave.keep_queued(field);
+  front.keep_queued(field);
   std::make_heap(field.pending.begin(), field.pending.end(), std::greater<>());
 }
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "services/planner/wavefront.hpp"
+#include "services/planner/cost_field.hpp"
 
 namespace luminav {
 
@@ -15,12 +15,12 @@ inline constexpr std::uint32_t kStraight = 5;  // 5 and 7 stand for 1 and sqrt 2
 inline constexpr std::uint32_t kDiagonal = 7;
 
 /// A step to one of the eight neighbours: what it adds to the index of a cell, and its length.
-struct WaveStep {
+struct GridStep {
   std::ptrdiff_t offset;
   std::uint32_t length;
 };
 
-inline std::array<WaveStep, 8> wave_steps(int columns) {
+inline std::array<GridStep, 8> grid_steps(int columns) {
   const std::ptrdiff_t row = columns;
   return {{{1, kStraight},
            {-1, kStraight},
@@ -72,7 +72,7 @@ class Bucket {
 
 /// What is still to be done with a cell when the wave has come to a level, in the order in which it is done.
 enum class PendingTask : std::uint32_t {
-  kDoubt = 0,   // it may have lost the neighbour that its cost came from
+  kRaise = 0,   // it may have lost the neighbour that its cost came from
   kSettle = 1,  // it is unreached and may get this cost
   kSpread = 2,  // its neighbours have not been offered its cost
 };
@@ -97,7 +97,7 @@ inline Pending pending_of(std::uint64_t entry) {
 }
 
 /// Keeps the cells of a bucket as the beginning of what is beyond where a wave was stopped.
-inline void keep_pending(const Bucket& bucket, WaveField& field) {
+inline void keep_pending(const Bucket& bucket, CostField& field) {
   for (std::size_t i = 0; i < bucket.size(); ++i) {
     const std::uint32_t cell = bucket.cells()[i];
     if (field.stored[cell] > field.settled_to) {  // else a cheaper way was found after it was queued
@@ -109,12 +109,12 @@ inline void keep_pending(const Bucket& bucket, WaveField& field) {
 /// A seed on a passable cell, by its stored cost, then its index.
 using WaitingSeed = std::pair<std::uint32_t, std::uint32_t>;
 
-/// `grow_wave` over cells of one price, each cell entered by one way only; the field is cleared.
-void grow_even_wave(const BitGrid& passable, std::uint32_t price, const std::vector<WaitingSeed>& seeds,
-                    const WaveStop& stop, WaveField& field);
+/// `grow_cost_field` over cells of one price, each cell entered by one way only; the field is cleared.
+void grow_even_cost_field(const BitGrid& passable, std::uint32_t price, const std::vector<WaitingSeed>& seeds,
+                          const CostStop& stop, CostField& field);
 
 /// Grows a field of one seed anew beyond a level: what is stored up to `kept_to`, the seed at least, stays and must be
 /// right. The terrain has prices by class.
-void regrow_wave(const WaveTerrain& terrain, std::uint32_t kept_to, const WaveStop& stop, WaveField& field);
+void regrow_cost_field(const CostTerrain& terrain, std::uint32_t kept_to, const CostStop& stop, CostField& field);
 
 }  // namespace luminav

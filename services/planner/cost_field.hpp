@@ -11,7 +11,7 @@ namespace luminav {
 
 /// Where a wave may go and at what price: price 1 to 36 by a cell's class, or one price for all. Refers to arrays that
 /// must outlive it. The outermost ring of cells must not be passable.
-struct WaveTerrain {
+struct CostTerrain {
   const BitGrid* passable = nullptr;
   const std::uint8_t* classes = nullptr;      // per cell, row-major; nullptr = the same price everywhere
   const std::uint8_t* class_price = nullptr;  // 256 of them; with no classes only the first counts
@@ -26,19 +26,19 @@ struct WaveTerrain {
 };
 
 /// A cell from which a wave starts, and what it costs to end there.
-struct WaveSeed {
+struct CostSeed {
   Cell cell;
   std::uint32_t cost = 0;
 };
 
 /// Costs from every reachable cell to the nearest seed.
-struct WaveField {
+struct CostField {
   static constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::uint32_t kBlocked = 0;
   int columns = 0;
   std::vector<std::uint32_t> stored;      // row-major: cost + 1, kBlocked, or kUnreached
   std::uint32_t settled_to = kUnreached;  // stored values above are not final: the wave was stopped there
-  std::vector<std::uint64_t> pending;     // what would have come next: a heap, for repair_wave
+  std::vector<std::uint64_t> pending;     // what would have come next: a heap, for repair_cost_field
   std::size_t pending_needed = 0;         // of these, when they were counted last
 
   [[nodiscard]] bool is_reached(std::size_t cell) const {
@@ -49,7 +49,7 @@ struct WaveField {
 };
 
 /// Where a wave may end: `margin` beyond the cost of a cell.
-struct WaveStop {
+struct CostStop {
   std::int64_t cell = -1;    // index; -1 = nowhere
   std::uint32_t margin = 0;  // in costs; what may be needed when the way gets longer
 };
@@ -57,7 +57,8 @@ struct WaveStop {
 /// Grows a wave from the seeds over all passable cells: a straight step costs 5 times the price of the cell entered on
 /// the way to the seed, a diagonal one 7 times. Exact: Dijkstra 1959 with a ring of buckets (Dial 1969). Seeds on
 /// blocked cells are left out.
-void grow_wave(const WaveTerrain& terrain, const std::vector<WaveSeed>& seeds, const WaveStop& stop, WaveField& field);
+void grow_cost_field(const CostTerrain& terrain, const std::vector<CostSeed>& seeds, const CostStop& stop,
+                     CostField& field);
 
 /// A cell that has another price now, or became passable or blocked.
 struct PriceChange {
@@ -70,11 +71,11 @@ struct PriceChange {
 /// the cells there whose cost changes (Koenig and Likhachev 2002, LPA*, with the raised cells first); where that is too
 /// many the wave grows anew from the last level before the changes. False when neither is possible: then the field is
 /// good for nothing else.
-[[nodiscard]] bool repair_wave(const WaveTerrain& terrain, const std::vector<PriceChange>& changes,
-                               const WaveStop& stop, WaveField& field);
+[[nodiscard]] bool repair_cost_field(const CostTerrain& terrain, const std::vector<PriceChange>& changes,
+                                     const CostStop& stop, CostField& field);
 
 /// Cells from start to a seed down the field, both included. Empty when the start was not reached.
-std::vector<std::size_t> descend(const WaveTerrain& terrain, const WaveField& field, std::size_t start);
+std::vector<std::size_t> follow_gradient(const CostTerrain& terrain, const CostField& field, std::size_t start);
 
 /// The paper's Wavefront: the goal is 2, its neighbours 3, and so on over the eight neighbours, until the start is
 /// reached; occupied cells are 1, cells not reached 0.
