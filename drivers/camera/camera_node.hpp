@@ -10,8 +10,8 @@
 
 #include "drivers/camera/camera_config.hpp"
 #include "drivers/camera/exposure_control.hpp"
-#include "drivers/camera/frame_source.hpp"
-#include "drivers/camera/simulated_ceiling.hpp"
+#include "drivers/camera/simulated/ceiling.hpp"
+#include "drivers/camera/sources/frame_source.hpp"
 #include "services/common/image/jpeg_codec.hpp"
 #include "services/common/process/clock.hpp"
 #include "services/common/process/event_loop.hpp"

@@ -4,10 +4,10 @@
 #include <cstdio>
 
 #include "drivers/camera/camera_node.hpp"
-#include "drivers/camera/pgm_file.hpp"
-#include "drivers/camera/recorded_pictures.hpp"
-#include "drivers/camera/simulated_ceiling.hpp"
-#include "drivers/camera/v4l2_camera.hpp"
+#include "drivers/camera/simulated/ceiling.hpp"
+#include "drivers/camera/sources/pgm_file.hpp"
+#include "drivers/camera/sources/recorded_pictures.hpp"
+#include "drivers/camera/sources/v4l2_camera.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"

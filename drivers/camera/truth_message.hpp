@@ -2,7 +2,7 @@
 
 #include <luminav/sim_truth_t.hpp>
 
-#include "drivers/camera/simulated_truth.hpp"
+#include "drivers/camera/simulated/truth.hpp"
 
 namespace luminav {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "drivers/p3dx/information_packet.hpp"
+#include "drivers/p3dx/arcos/information_packet.hpp"
 #include "services/common/geometry/pose2.hpp"
 
 namespace luminav {

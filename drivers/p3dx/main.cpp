@@ -5,8 +5,8 @@
 #include <functional>
 #include <string>
 
-#include "drivers/p3dx/guardian.hpp"
 #include "drivers/p3dx/p3dx_node.hpp"
+#include "drivers/p3dx/safety/guardian.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "drivers/p3dx/arcos_commands.hpp"
+#include "drivers/p3dx/arcos/arcos_commands.hpp"
 #include "services/common/geometry/angle.hpp"
 
 namespace luminav {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "drivers/p3dx/configuration_packet.hpp"
+#include "drivers/p3dx/arcos/configuration_packet.hpp"
 #include "services/common/configuration/robot_file.hpp"
 
 namespace luminav {

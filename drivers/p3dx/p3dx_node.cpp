@@ -5,7 +5,7 @@
 #include <luminav/odometry_t.hpp>
 #include <luminav/robot_status_t.hpp>
 
-#include "drivers/p3dx/arcos_commands.hpp"
+#include "drivers/p3dx/arcos/arcos_commands.hpp"
 #include "drivers/p3dx/robot_sentences.hpp"
 #include "services/common/process/channels.hpp"
 

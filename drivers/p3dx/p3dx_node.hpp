@@ -11,15 +11,15 @@
 #include <utility>
 #include <vector>
 
-#include "drivers/p3dx/arcos_link.hpp"
-#include "drivers/p3dx/byte_stream.hpp"
 #include "drivers/p3dx/dead_reckoning.hpp"
+#include "drivers/p3dx/line/arcos_link.hpp"
+#include "drivers/p3dx/line/byte_stream.hpp"
 #include "drivers/p3dx/motion_settings.hpp"
-#include "drivers/p3dx/motors_supervisor.hpp"
 #include "drivers/p3dx/p3dx_config.hpp"
+#include "drivers/p3dx/safety/motors_supervisor.hpp"
+#include "drivers/p3dx/safety/stop_latch.hpp"
+#include "drivers/p3dx/safety/velocity_gate.hpp"
 #include "drivers/p3dx/sonar_collector.hpp"
-#include "drivers/p3dx/stop_latch.hpp"
-#include "drivers/p3dx/velocity_gate.hpp"
 #include "drivers/p3dx/velocity_writer.hpp"
 #include "services/common/process/clock.hpp"
 #include "services/common/process/event_loop.hpp"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "drivers/p3dx/arcos_link.hpp"
+#include "drivers/p3dx/line/arcos_link.hpp"
 #include "services/common/configuration/robot_file.hpp"
 
 namespace luminav {

@@ -4,7 +4,7 @@
 #include <luminav/sonar_t.hpp>
 #include <vector>
 
-#include "drivers/p3dx/information_packet.hpp"
+#include "drivers/p3dx/arcos/information_packet.hpp"
 
 namespace luminav {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/p3dx/arcos_commands.hpp"
+#include "drivers/p3dx/arcos/arcos_commands.hpp"
 #include "services/common/geometry/angle.hpp"
 
 namespace luminav {

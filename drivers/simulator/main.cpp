@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <string>
 
-#include "drivers/simulator/arcos_controller.hpp"
-#include "drivers/simulator/arcos_server.hpp"
-#include "drivers/simulator/scenario.hpp"
+#include "drivers/simulator/arcos/arcos_controller.hpp"
+#include "drivers/simulator/arcos/arcos_server.hpp"
 #include "drivers/simulator/simulator_node.hpp"
-#include "drivers/simulator/world_truth.hpp"
+#include "drivers/simulator/world/scenario.hpp"
+#include "drivers/simulator/world/world_truth.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/process/channel_filter.hpp"

@@ -2,7 +2,7 @@
 
 #include <luminav/sim_truth_t.hpp>
 
-#include "drivers/simulator/lamp_state.hpp"
+#include "drivers/simulator/world/lamp_state.hpp"
 #include "services/common/process/channels.hpp"
 
 namespace luminav {

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <lcm/lcm-cpp.hpp>
 
-#include "drivers/simulator/arcos_controller.hpp"
-#include "drivers/simulator/battery.hpp"
-#include "drivers/simulator/world.hpp"
-#include "drivers/simulator/world_truth.hpp"
+#include "drivers/simulator/arcos/arcos_controller.hpp"
+#include "drivers/simulator/arcos/battery.hpp"
+#include "drivers/simulator/world/world.hpp"
+#include "drivers/simulator/world/world_truth.hpp"
 
 namespace luminav {
 

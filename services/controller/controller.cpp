@@ -4,7 +4,7 @@
 #include <cmath>
 #include <span>
 
-#include "services/controller/seconds_between.hpp"
+#include "services/controller/safety/seconds_between.hpp"
 
 namespace luminav {
 namespace {

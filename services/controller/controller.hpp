@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "services/controller/controller_config.hpp"
-#include "services/controller/escape.hpp"
-#include "services/controller/local_map.hpp"
-#include "services/controller/path_follower.hpp"
-#include "services/controller/progress_monitor.hpp"
-#include "services/controller/stop_logic.hpp"
-#include "services/controller/wander.hpp"
+#include "services/controller/following/local_map.hpp"
+#include "services/controller/following/path_follower.hpp"
+#include "services/controller/following/progress_monitor.hpp"
+#include "services/controller/safety/escape.hpp"
+#include "services/controller/safety/stop_logic.hpp"
+#include "services/controller/search/wander.hpp"
 
 namespace luminav {
 

@@ -5,7 +5,7 @@
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
-#include "services/controller/footprint.hpp"
+#include "services/controller/safety/footprint.hpp"
 
 namespace luminav {
 

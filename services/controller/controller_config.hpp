@@ -5,13 +5,13 @@
 #include "services/common/building/building.hpp"
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/controller/echo_memory.hpp"
-#include "services/controller/local_map.hpp"
-#include "services/controller/path_follower.hpp"
-#include "services/controller/progress_monitor.hpp"
-#include "services/controller/stop_logic.hpp"
-#include "services/controller/touch_memory.hpp"
-#include "services/controller/wander.hpp"
+#include "services/controller/following/local_map.hpp"
+#include "services/controller/following/path_follower.hpp"
+#include "services/controller/following/progress_monitor.hpp"
+#include "services/controller/safety/echo_memory.hpp"
+#include "services/controller/safety/stop_logic.hpp"
+#include "services/controller/safety/touch_memory.hpp"
+#include "services/controller/search/wander.hpp"
 
 namespace luminav {
 

@@ -9,7 +9,7 @@
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 #include "services/controller/controller_messages.hpp"
-#include "services/controller/seconds_between.hpp"
+#include "services/controller/safety/seconds_between.hpp"
 
 namespace luminav {
 namespace {

@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "services/common/process/lcm_conversions.hpp"
-#include "services/controller/footprint.hpp"
+#include "services/controller/safety/footprint.hpp"
 
 namespace luminav {
 namespace {

@@ -8,10 +8,10 @@
 #include "services/common/building/building.hpp"
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/error_model.hpp"
+#include "services/localizer/model/error_model.hpp"
+#include "services/localizer/model/wheel_correction.hpp"
 #include "services/localizer/modern_localizer.hpp"
-#include "services/localizer/paper_localizer.hpp"
-#include "services/localizer/wheel_correction.hpp"
+#include "services/localizer/paper/paper_localizer.hpp"
 
 namespace luminav {
 

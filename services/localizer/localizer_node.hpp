@@ -14,10 +14,10 @@
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/stamp_guard.hpp"
 #include "services/common/process/subscriber.hpp"
-#include "services/localizer/localizer.hpp"
 #include "services/localizer/localizer_config.hpp"
+#include "services/localizer/model/localizer.hpp"
+#include "services/localizer/model/wheel_correction.hpp"
 #include "services/localizer/pose_memory.hpp"
-#include "services/localizer/wheel_correction.hpp"
 
 namespace luminav {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "services/localizer/pose_alternatives.hpp"
+#include "services/localizer/hypotheses/pose_alternatives.hpp"
 
 namespace luminav {
 namespace {

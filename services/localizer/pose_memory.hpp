@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "services/localizer/pose_belief.hpp"
+#include "services/localizer/model/pose_belief.hpp"
 
 namespace luminav {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "services/mapper/surface_patch.hpp"
+#include "services/mapper/sonar/surface_patch.hpp"
 
 namespace luminav {
 namespace {

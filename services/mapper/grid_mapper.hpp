@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
-#include "services/mapper/echo_filter.hpp"
-#include "services/mapper/sonar_model.hpp"
+#include "services/mapper/sonar/echo_filter.hpp"
+#include "services/mapper/sonar/sonar_model.hpp"
 #include "services/mapper/standing_cells.hpp"
 
 namespace luminav {

@@ -5,8 +5,8 @@
 
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/planner/goal_cycle.hpp"
-#include "services/planner/route_planner.hpp"
+#include "services/planner/goals/goal_cycle.hpp"
+#include "services/planner/path/route_planner.hpp"
 
 namespace luminav {
 

@@ -14,10 +14,10 @@
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/stamp_guard.hpp"
 #include "services/common/process/subscriber.hpp"
-#include "services/planner/goal_cycle.hpp"
-#include "services/planner/goal_store.hpp"
+#include "services/planner/goals/goal_cycle.hpp"
+#include "services/planner/goals/goal_store.hpp"
 #include "services/planner/planner_config.hpp"
-#include "services/planner/tile_map.hpp"
+#include "services/planner/space/tile_map.hpp"
 
 namespace luminav {
 

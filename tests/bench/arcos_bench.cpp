@@ -9,10 +9,10 @@
 #include <thread>
 #include <vector>
 
-#include "drivers/p3dx/arcos_commands.hpp"
-#include "drivers/p3dx/arcos_packet.hpp"
-#include "drivers/p3dx/information_packet.hpp"
-#include "drivers/simulator/arcos_server.hpp"
+#include "drivers/p3dx/arcos/arcos_commands.hpp"
+#include "drivers/p3dx/arcos/arcos_packet.hpp"
+#include "drivers/p3dx/arcos/information_packet.hpp"
+#include "drivers/simulator/arcos/arcos_server.hpp"
 #include "tests/node/p3dx/p3dx_bench.hpp"
 
 namespace luminav {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "services/controller/controller.hpp"
-#include "services/controller/virtual_forces.hpp"
+#include "services/controller/following/virtual_forces.hpp"
 #include "tests/unit/controller/test_robot.hpp"
 
 // A robot in a corridor of 2.4 m with doors and a box beside the way, and the grid around it, 0.1 m a cell.

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "services/localizer/particle_filter.hpp"
-#include "services/localizer/pose_kalman.hpp"
+#include "services/localizer/model/pose_kalman.hpp"
+#include "services/localizer/paper/particle_filter.hpp"
 
 namespace luminav {
 namespace {

@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "services/planner/configuration_space.hpp"
-#include "services/planner/cost_field.hpp"
-#include "services/planner/route_planner.hpp"
-#include "services/planner/tile_cost_field.hpp"
+#include "services/planner/path/route_planner.hpp"
+#include "services/planner/search/cost_field.hpp"
+#include "services/planner/search/tile_cost_field.hpp"
+#include "services/planner/space/configuration_space.hpp"
 #include "tests/unit/planner/office_grid.hpp"
 
 // The office floors of the performance page, 0.1 m a cell; `fine` is the one of 4000 x 4000 cells of 0.025 m. Each run

@@ -10,19 +10,19 @@
 #include <luminav/hypotheses_t.hpp>
 #include <optional>
 
-#include "drivers/simulator/scenario.hpp"
+#include "drivers/simulator/world/scenario.hpp"
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/launcher/pmd_file.hpp"
-#include "services/planner/route_planner.hpp"
+#include "services/planner/path/route_planner.hpp"
 #include "services/surveyor/building_drawing.hpp"
-#include "tests/evaluation/map_canvas.hpp"
-#include "tests/evaluation/mission.hpp"
-#include "tests/evaluation/run_judge.hpp"
-#include "tests/evaluation/run_picture.hpp"
-#include "tests/evaluation/whole_robot.hpp"
+#include "tests/evaluation/judge/map_canvas.hpp"
+#include "tests/evaluation/judge/run_judge.hpp"
+#include "tests/evaluation/judge/run_picture.hpp"
+#include "tests/evaluation/runs/mission.hpp"
+#include "tests/evaluation/runs/whole_robot.hpp"
 #include "tests/figures/detection_picture.hpp"
 #include "tests/figures/process_graph.hpp"
 

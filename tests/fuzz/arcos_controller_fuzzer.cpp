@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "drivers/simulator/arcos_controller.hpp"
+#include "drivers/simulator/arcos/arcos_controller.hpp"
 
 using namespace luminav;
 

@@ -1,10 +1,10 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "drivers/p3dx/arcos_commands.hpp"
-#include "drivers/p3dx/arcos_packet.hpp"
-#include "drivers/p3dx/configuration_packet.hpp"
-#include "drivers/p3dx/information_packet.hpp"
+#include "drivers/p3dx/arcos/arcos_commands.hpp"
+#include "drivers/p3dx/arcos/arcos_packet.hpp"
+#include "drivers/p3dx/arcos/configuration_packet.hpp"
+#include "drivers/p3dx/arcos/information_packet.hpp"
 
 using namespace luminav;
 

@@ -2,9 +2,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "drivers/p3dx/arcos_commands.hpp"
-#include "drivers/p3dx/configuration_packet.hpp"
-#include "drivers/p3dx/information_packet.hpp"
+#include "drivers/p3dx/arcos/arcos_commands.hpp"
+#include "drivers/p3dx/arcos/configuration_packet.hpp"
+#include "drivers/p3dx/arcos/information_packet.hpp"
 
 using namespace luminav;
 using Bytes = std::vector<std::uint8_t>;

@@ -7,7 +7,7 @@
 #include <luminav/robot_status_t.hpp>
 #include <luminav/sonar_t.hpp>
 
-#include "drivers/p3dx/arcos_commands.hpp"
+#include "drivers/p3dx/arcos/arcos_commands.hpp"
 #include "drivers/p3dx/p3dx_node.hpp"
 #include "services/common/process/channels.hpp"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "drivers/p3dx/arcos_packet.hpp"
+#include "drivers/p3dx/arcos/arcos_packet.hpp"
 
 using namespace luminav;
 

@@ -14,10 +14,10 @@
 #include <luminav/sonar_t.hpp>
 #include <procman/procman_deputy_info_t.hpp>
 
-#include "tests/replay/divergence.hpp"
-#include "tests/replay/log_file.hpp"
-#include "tests/replay/log_survey.hpp"
-#include "tests/replay/message_schema.hpp"
+#include "tests/replay/comparison/divergence.hpp"
+#include "tests/replay/log_reading/log_file.hpp"
+#include "tests/replay/log_reading/log_survey.hpp"
+#include "tests/replay/log_reading/message_schema.hpp"
 
 namespace luminav {
 namespace {

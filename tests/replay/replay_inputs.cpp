@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "services/common/process/channels.hpp"
-#include "tests/replay/log_message.hpp"
-#include "tests/replay/message_schema.hpp"
+#include "tests/replay/log_reading/log_message.hpp"
+#include "tests/replay/log_reading/message_schema.hpp"
 #include "tests/replay/replay_nodes.hpp"
 
 namespace luminav {

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/evaluation/run_report.hpp"
+#include "tests/evaluation/report/run_report.hpp"
 #include "tests/replay/replay_run.hpp"
 
 namespace luminav {

@@ -9,8 +9,8 @@
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
-#include "tests/replay/log_message.hpp"
-#include "tests/replay/message_schema.hpp"
+#include "tests/replay/log_reading/log_message.hpp"
+#include "tests/replay/log_reading/message_schema.hpp"
 #include "tests/replay/replay_inputs.hpp"
 #include "tests/replay/replay_nodes.hpp"
 #include "tests/replay/replay_tracks.hpp"

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/evaluation/run_judge.hpp"
-#include "tests/replay/divergence.hpp"
-#include "tests/replay/pose_track.hpp"
+#include "tests/evaluation/judge/run_judge.hpp"
+#include "tests/replay/comparison/divergence.hpp"
+#include "tests/replay/comparison/pose_track.hpp"
 
 namespace luminav {
 

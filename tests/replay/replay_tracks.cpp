@@ -2,7 +2,7 @@
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
-#include "tests/replay/log_message.hpp"
+#include "tests/replay/log_reading/log_message.hpp"
 #include "tests/replay/replay_verdict.hpp"
 
 namespace luminav {

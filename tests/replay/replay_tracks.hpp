@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/replay/log_file.hpp"
+#include "tests/replay/log_reading/log_file.hpp"
 #include "tests/replay/replay_run.hpp"
 
 namespace luminav {

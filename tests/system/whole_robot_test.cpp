@@ -1,4 +1,4 @@
-#include "tests/evaluation/whole_robot.hpp"
+#include "tests/evaluation/runs/whole_robot.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "tests/evaluation/scenario_run.hpp"
+#include "tests/evaluation/runs/scenario_run.hpp"
 
 namespace luminav {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "drivers/camera/v4l2_camera.hpp"
+#include "drivers/camera/sources/v4l2_camera.hpp"
 #include "services/common/process/clock.hpp"
 
 namespace luminav {

@@ -7,7 +7,7 @@
 #include "services/launcher/command_words.hpp"
 #include "services/launcher/deputy/deputy_journal.hpp"
 #include "services/launcher/deputy/managed_command.hpp"
-#include "services/launcher/deputy/process_runner.hpp"
+#include "services/launcher/deputy/processes/process_runner.hpp"
 #include "services/launcher/instant.hpp"
 
 namespace luminav::launcher {

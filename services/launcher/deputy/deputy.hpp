@@ -13,7 +13,7 @@
 #include "services/launcher/deputy/child_supervisor.hpp"
 #include "services/launcher/deputy/deputy_journal.hpp"
 #include "services/launcher/deputy/name_claim.hpp"
-#include "services/launcher/deputy/process_runner.hpp"
+#include "services/launcher/deputy/processes/process_runner.hpp"
 #include "services/launcher/deputy/sheriff_lease.hpp"
 #include "services/launcher/instant.hpp"
 #include "services/launcher/pmd_file.hpp"

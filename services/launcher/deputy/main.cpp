@@ -13,7 +13,7 @@
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/launcher/deputy/deputy.hpp"
-#include "services/launcher/deputy/posix_runner.hpp"
+#include "services/launcher/deputy/processes/posix_runner.hpp"
 #include "services/launcher/network.hpp"
 
 namespace {

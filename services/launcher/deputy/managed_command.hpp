@@ -6,7 +6,7 @@
 #include <procman/procman_command_desired_t.hpp>
 #include <procman/procman_command_status_t.hpp>
 
-#include "services/launcher/deputy/process_runner.hpp"
+#include "services/launcher/deputy/processes/process_runner.hpp"
 #include "services/launcher/deputy/respawn_policy.hpp"
 #include "services/launcher/deputy/rotating_log.hpp"
 

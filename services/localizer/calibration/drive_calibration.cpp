@@ -8,8 +8,8 @@
 #include <cmath>
 #include <map>
 
-#include "services/localizer/error_model.hpp"
-#include "services/localizer/sighting_model.hpp"
+#include "services/localizer/model/error_model.hpp"
+#include "services/localizer/model/sighting_model.hpp"
 
 namespace luminav {
 namespace {

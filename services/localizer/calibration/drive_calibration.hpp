@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "services/localizer/calibration/drive_log.hpp"
-#include "services/localizer/wheel_correction.hpp"
+#include "services/localizer/model/wheel_correction.hpp"
 
 namespace luminav {
 

@@ -11,10 +11,10 @@
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 #include "services/common/process/subscriber.hpp"
-#include "services/localizer/ceiling_view.hpp"
 #include "services/localizer/detection_conversion.hpp"
-#include "services/localizer/fixture_map.hpp"
-#include "services/localizer/wheel_correction.hpp"
+#include "services/localizer/model/ceiling_view.hpp"
+#include "services/localizer/model/fixture_map.hpp"
+#include "services/localizer/model/wheel_correction.hpp"
 
 namespace luminav {
 namespace {

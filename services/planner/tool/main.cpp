@@ -10,7 +10,7 @@
 #include "services/common/image/picture_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/option_values.hpp"
-#include "services/planner/route_planner.hpp"
+#include "services/planner/path/route_planner.hpp"
 
 namespace {
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "drivers/camera/simulated_renderer.hpp"
-#include "drivers/simulator/random_stream.hpp"
-#include "drivers/simulator/world_truth.hpp"
+#include "drivers/camera/simulated/renderer.hpp"
+#include "drivers/simulator/geometry/random_stream.hpp"
+#include "drivers/simulator/world/world_truth.hpp"
 #include "services/common/image/grey_image.hpp"
 #include "tests/evaluation/detector_score/detector_score.hpp"
 #include "tests/evaluation/detector_score/imaged_fixture.hpp"

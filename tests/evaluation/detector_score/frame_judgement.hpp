@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "drivers/camera/simulated_renderer.hpp"
-#include "drivers/simulator/world_truth.hpp"
+#include "drivers/camera/simulated/renderer.hpp"
+#include "drivers/simulator/world/world_truth.hpp"
 #include "services/detector/detection.hpp"
 #include "tests/evaluation/detector_score/detector_score.hpp"
 #include "tests/evaluation/detector_score/imaged_fixture.hpp"

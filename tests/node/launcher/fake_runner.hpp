@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/launcher/deputy/process_runner.hpp"
+#include "services/launcher/deputy/processes/process_runner.hpp"
 
 namespace luminav::launcher {
 

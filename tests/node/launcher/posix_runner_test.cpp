@@ -1,4 +1,4 @@
-#include "services/launcher/deputy/posix_runner.hpp"
+#include "services/launcher/deputy/processes/posix_runner.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include <cerrno>
 
-#include "services/launcher/deputy/proc_files.hpp"
+#include "services/launcher/deputy/processes/proc_files.hpp"
 #include "services/launcher/exit_status.hpp"
 #include "tests/node/launcher/launcher_world.hpp"
 #include "tests/support/temporary_folder.hpp"

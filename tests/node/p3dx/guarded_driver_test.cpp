@@ -10,9 +10,9 @@
 #include <memory>
 #include <string>
 
-#include "drivers/p3dx/guardian.hpp"
 #include "drivers/p3dx/p3dx_node.hpp"
-#include "drivers/simulator/arcos_server.hpp"
+#include "drivers/p3dx/safety/guardian.hpp"
+#include "drivers/simulator/arcos/arcos_server.hpp"
 #include "services/common/process/channels.hpp"
 #include "tests/node/p3dx/p3dx_bench.hpp"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "drivers/p3dx/byte_stream.hpp"
-#include "drivers/simulator/arcos_controller.hpp"
+#include "drivers/p3dx/line/byte_stream.hpp"
+#include "drivers/simulator/arcos/arcos_controller.hpp"
 
 namespace luminav {
 

@@ -8,10 +8,10 @@
 #include <optional>
 #include <vector>
 
-#include "drivers/p3dx/arcos_commands.hpp"
-#include "drivers/p3dx/arcos_packet.hpp"
-#include "drivers/p3dx/information_packet.hpp"
-#include "drivers/simulator/lamp_state.hpp"
+#include "drivers/p3dx/arcos/arcos_commands.hpp"
+#include "drivers/p3dx/arcos/arcos_packet.hpp"
+#include "drivers/p3dx/arcos/information_packet.hpp"
+#include "drivers/simulator/world/lamp_state.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/subscriber.hpp"
 #include "tests/unit/simulator/text_world.hpp"

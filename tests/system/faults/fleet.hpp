@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "drivers/simulator/scenario.hpp"
+#include "drivers/simulator/world/scenario.hpp"
 #include "services/common/process/clock.hpp"
 #include "services/common/process/subscriber.hpp"
 #include "services/launcher/sheriff/sheriff.hpp"
-#include "tests/system/faults/test_host.hpp"
+#include "tests/system/faults/hosts/test_host.hpp"
 
 namespace luminav {
 

@@ -8,9 +8,9 @@
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/launcher/sheriff/session.hpp"
-#include "tests/evaluation/mission.hpp"
+#include "tests/evaluation/runs/mission.hpp"
 #include "tests/system/faults/fleet.hpp"
-#include "tests/system/faults/lossy_link.hpp"
+#include "tests/system/faults/hosts/lossy_link.hpp"
 #include "tests/system/faults/robot_watch.hpp"
 #include "tests/system/faults/truth_watch.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "services/common/configuration/robot_file.hpp"
-#include "tests/evaluation/mission.hpp"
+#include "tests/evaluation/runs/mission.hpp"
 #include "tests/system/faults/fault.hpp"
 #include "tests/system/faults/fleet.hpp"
 #include "tests/system/faults/robot_watch.hpp"

@@ -16,7 +16,7 @@
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/process/command_line.hpp"
-#include "tests/evaluation/mission.hpp"
+#include "tests/evaluation/runs/mission.hpp"
 #include "tests/system/faults/fleet.hpp"
 #include "tests/system/faults/robot_watch.hpp"
 #include "tests/system/faults/truth_watch.hpp"

@@ -12,7 +12,7 @@
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/geometry/pose2.hpp"
-#include "services/controller/footprint.hpp"
+#include "services/controller/safety/footprint.hpp"
 
 namespace luminav::testing {
 

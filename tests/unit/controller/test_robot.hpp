@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "services/common/configuration/robot_file.hpp"
-#include "services/controller/obstacles.hpp"
+#include "services/controller/safety/obstacles.hpp"
 
 namespace luminav::testing {
 

@@ -1,4 +1,4 @@
-#include "tests/evaluation/compare_reports.hpp"
+#include "tests/evaluation/report/compare_reports.hpp"
 
 #include <gmock/gmock.h>
 

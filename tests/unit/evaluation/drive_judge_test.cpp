@@ -1,4 +1,4 @@
-#include "tests/evaluation/drive_judge.hpp"
+#include "tests/evaluation/judge/drive_judge.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tests/evaluation/evaluation_jobs.hpp"
+#include "tests/evaluation/runs/evaluation_jobs.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "tests/evaluation/fixture_view.hpp"
+#include "tests/evaluation/sensing/fixture_view.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tests/evaluation/geometric_sensing.hpp"
+#include "tests/evaluation/sensing/geometric_sensing.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,7 @@
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/subscriber.hpp"
-#include "tests/evaluation/sensing_survey.hpp"
+#include "tests/evaluation/sensing/sensing_survey.hpp"
 
 namespace luminav {
 namespace {

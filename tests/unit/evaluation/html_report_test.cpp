@@ -1,10 +1,10 @@
-#include "tests/evaluation/html_report.hpp"
+#include "tests/evaluation/report/html_report.hpp"
 
 #include <gmock/gmock.h>
 
 #include <luminav/pose_t.hpp>
 
-#include "tests/evaluation/evaluation_report.hpp"
+#include "tests/evaluation/report/evaluation_report.hpp"
 
 namespace luminav {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/evaluation/map_score.hpp"
+#include "tests/evaluation/judge/map_score.hpp"
 
 #include <gtest/gtest.h>
 

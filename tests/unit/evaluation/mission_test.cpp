@@ -1,4 +1,4 @@
-#include "tests/evaluation/mission.hpp"
+#include "tests/evaluation/runs/mission.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tests/evaluation/run_judge.hpp"
+#include "tests/evaluation/judge/run_judge.hpp"
 
 #include <gtest/gtest.h>
 

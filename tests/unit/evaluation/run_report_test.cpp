@@ -1,4 +1,4 @@
-#include "tests/evaluation/evaluation_report.hpp"
+#include "tests/evaluation/report/evaluation_report.hpp"
 
 #include <gmock/gmock.h>
 

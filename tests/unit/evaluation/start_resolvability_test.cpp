@@ -1,4 +1,4 @@
-#include "tests/evaluation/start_resolvability.hpp"
+#include "tests/evaluation/judge/start_resolvability.hpp"
 
 #include <gtest/gtest.h>
 

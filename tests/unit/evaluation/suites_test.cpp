@@ -1,4 +1,4 @@
-#include "tests/evaluation/suites.hpp"
+#include "tests/evaluation/runs/suites.hpp"
 
 #include <gmock/gmock.h>
 
@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "drivers/simulator/scenario.hpp"
+#include "drivers/simulator/world/scenario.hpp"
 #include "services/common/configuration/toml_table.hpp"
 
 namespace luminav {

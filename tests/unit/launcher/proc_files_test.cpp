@@ -1,4 +1,4 @@
-#include "services/launcher/deputy/proc_files.hpp"
+#include "services/launcher/deputy/processes/proc_files.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

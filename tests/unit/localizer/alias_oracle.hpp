@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "services/localizer/ceiling_view.hpp"
-#include "services/localizer/fixture_map.hpp"
-#include "services/localizer/wall_field.hpp"
+#include "services/localizer/model/ceiling_view.hpp"
+#include "services/localizer/model/fixture_map.hpp"
+#include "services/localizer/model/wall_field.hpp"
 #include "tests/unit/localizer/synthetic_world.hpp"
 
 namespace luminav::testing {

@@ -10,8 +10,8 @@
 #include "services/common/building/building.hpp"
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/fixture_sighting.hpp"
-#include "services/localizer/wall_field.hpp"
+#include "services/localizer/model/fixture_sighting.hpp"
+#include "services/localizer/model/wall_field.hpp"
 #include "tests/support/fixture_visibility.hpp"
 
 namespace luminav::testing {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "services/localizer/localizer.hpp"
+#include "services/localizer/model/localizer.hpp"
 #include "tests/unit/localizer/synthetic_world.hpp"
 
 namespace luminav::testing {

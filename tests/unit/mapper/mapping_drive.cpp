@@ -4,12 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "drivers/simulator/random_stream.hpp"
-#include "drivers/simulator/scene.hpp"
-#include "drivers/simulator/sonar_beam.hpp"
+#include "drivers/simulator/geometry/random_stream.hpp"
+#include "drivers/simulator/world/scene.hpp"
+#include "drivers/simulator/world/sonar_beam.hpp"
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
-#include "services/planner/route_planner.hpp"
+#include "services/planner/path/route_planner.hpp"
 
 namespace luminav {
 namespace {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "drivers/simulator/world_truth.hpp"
+#include "drivers/simulator/world/world_truth.hpp"
 #include "services/mapper/grid_mapper.hpp"
 
 namespace luminav {

@@ -1,4 +1,4 @@
-#include "drivers/simulator/arcos_controller.hpp"
+#include "drivers/simulator/arcos/arcos_controller.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "drivers/simulator/arcos_server.hpp"
+#include "drivers/simulator/arcos/arcos_server.hpp"
 
 #include <gtest/gtest.h>
 #include <poll.h>

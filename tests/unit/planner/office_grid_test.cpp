@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "services/planner/configuration_space.hpp"
-#include "services/planner/cost_field.hpp"
+#include "services/planner/search/cost_field.hpp"
+#include "services/planner/space/configuration_space.hpp"
 
 namespace luminav {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
-#include "services/localizer/localizer.hpp"
 #include "services/localizer/localizer_config.hpp"
+#include "services/localizer/model/localizer.hpp"
 
 namespace luminav::testing {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "drivers/simulator/sonar_beam.hpp"
+#include "drivers/simulator/world/sonar_beam.hpp"
 #include "tests/unit/simulator/text_world.hpp"
 
 namespace luminav {

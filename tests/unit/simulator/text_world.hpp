@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "drivers/simulator/world.hpp"
-#include "drivers/simulator/world_truth.hpp"
+#include "drivers/simulator/world/world.hpp"
+#include "drivers/simulator/world/world_truth.hpp"
 #include "services/common/building/map_file.hpp"
 
 namespace luminav {

@@ -1,0 +1,239 @@
+#include "drivers/camera/simulated/renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "drivers/camera/simulated/vectors.hpp"
+
+namespace luminav::simulated {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kNodePitch = 40;         // [px] between nodes of the light
+constexpr double kTextureSigma = 0.7;  // [px]
+constexpr float kWall = 0.35F;         // of the ceiling's light, where a pixel sees no ceiling
+
+/// Fixtures lie in the tiles' grid, so a corner of the first straight one is a crossing of it.
+Vector2d grid_origin(const std::vector<Fixture>& fixtures) {
+  for (const Fixture& fixture : fixtures) {
+    const double theta = wrap_modulo(fixture.world_from_fixture.theta, kPi);
+    if (fixture.shape == FixtureShape::kRound) {
+      continue;
+    }
+    const bool upright = std::abs(theta) > 0.25 * kPi;
+    const double along_x = upright ? fixture.width : fixture.length;
+    const double along_y = upright ? fixture.length : fixture.width;
+    return fixture.world_from_fixture.position() - 0.5 * Vector2d(along_x, along_y);
+  }
+  return Vector2d::Zero();
+}
+
+double blur_of_texture(const CeilingModel& model) {
+  const double rise = std::max(0.1, model.building.ceiling_height - model.mounting.z);
+  return kTextureSigma * rise / model.intrinsics.fx;
+}
+
+double positive_modulo(double value, double period) {
+  return value - period * std::floor(value / period);
+}
+
+}  // namespace
+
+CeilingRenderer::CeilingRenderer(const CeilingModel& model)
+    : model_(model),
+      camera_(model.intrinsics, model.mounting),
+      rays_(camera_),
+      texture_(model.seed, blur_of_texture(model)),
+      response_(rays_.width(), rays_.height(), model.grey_noise, model.seed),
+      light_(model_.building, model.seed),
+      layout_(model_),
+      grid_origin_(grid_origin(model_.building.fixtures)),
+      node_columns_((rays_.width() + kNodePitch - 1) / kNodePitch + 1),
+      node_rows_((rays_.height() + kNodePitch - 1) / kNodePitch + 1) {
+  model_.unlit_darker.resize(model_.building.fixtures.size(), 20.0);
+  nodes_.resize(static_cast<std::size_t>(node_columns_) * static_cast<std::size_t>(node_rows_));
+  const auto width = static_cast<std::size_t>(rays_.width());
+  texel_.resize(width);
+  for (auto* row : {&x_, &y_, &plane_x_, &plane_y_, &brightness_}) {
+    row->resize(width);
+  }
+  light_row_.resize(static_cast<std::size_t>(node_columns_) * kNodePitch);
+}
+
+void CeilingRenderer::set_world(double daylight, const std::vector<LampState>& lamps,
+                                const std::vector<MovedLamp>& moved) {
+  light_.set(daylight, lamps);
+  layout_.set_moved(moved);
+}
+
+void CeilingRenderer::light_nodes(const FrameGeometry& frame) {
+  const View& view = frame.view;
+  std::size_t node = 0;
+  for (int i = 0; i < node_rows_; ++i) {
+    const int row = std::min(i * kNodePitch, rays_.height() - 1);
+    for (int j = 0; j < node_columns_; ++j) {
+      const auto column = static_cast<std::size_t>(std::min(j * kNodePitch, rays_.width() - 1));
+      const Vector3d ray = view.world_from_robot * Vector3d(rays_.x(row)[column], rays_.y(row)[column], 1.0);
+      const Vector2d point = frame.origin + frame.rise / std::max(ray.z(), 0.05) * ray.head<2>();
+      nodes_[node++] = static_cast<float>(light_.at(point));
+    }
+  }
+}
+
+CeilingRenderer::TextureMap CeilingRenderer::texture_map(const FrameGeometry& frame) const {
+  constexpr double kPeriod = TileTexture::kPeriod;
+  constexpr double kTexelsPerMetre = TileTexture::kSide / kPeriod;
+  TextureMap map;
+  // 64 periods more than needed keep the coordinates positive for 76 m to each side of the lens.
+  const Vector2d phase = frame.origin - grid_origin_;
+  map.phase_x = static_cast<float>((positive_modulo(phase.x(), kPeriod) + 64 * kPeriod) * kTexelsPerMetre);
+  map.phase_y = static_cast<float>((positive_modulo(phase.y(), kPeriod) + 64 * kPeriod) * kTexelsPerMetre);
+  map.shift_x = static_cast<float>(frame.motion.x());
+  map.shift_y = static_cast<float>(frame.motion.y());
+  map.turn = static_cast<float>(frame.turn);
+  const double pixel = metres_per_pixel(model_, frame, frame.origin, model_.building.ceiling_height);
+  const double blur = (frame.motion.norm() + std::abs(frame.turn) * 0.25 * rays_.width() * pixel) / pixel;
+  map.taps = std::clamp(static_cast<int>(0.5 * blur) + 1, 1, 4);
+  return map;
+}
+
+LUMINAV_WIDE_VECTORS void CeilingRenderer::find_points(int row, const View& view, const FrameGeometry& frame) {
+  const Matrix3d& r = view.world_from_robot;
+  const auto rise = static_cast<float>(std::max(0.1, model_.building.ceiling_height - view.lens.z()));
+  const float r00 = static_cast<float>(r(0, 0)), r01 = static_cast<float>(r(0, 1)), r02 = static_cast<float>(r(0, 2));
+  const float r10 = static_cast<float>(r(1, 0)), r11 = static_cast<float>(r(1, 1)), r12 = static_cast<float>(r(1, 2));
+  const float r20 = static_cast<float>(r(2, 0)), r21 = static_cast<float>(r(2, 1)), r22 = static_cast<float>(r(2, 2));
+  const auto lens_x = static_cast<float>(view.lens.x() - frame.origin.x());
+  const auto lens_y = static_cast<float>(view.lens.y() - frame.origin.y());
+  const float* __restrict ray_x = rays_.x(row).data();
+  const float* __restrict ray_y = rays_.y(row).data();
+  float* __restrict x = x_.data();
+  float* __restrict y = y_.data();
+  const int width = rays_.width();
+  for (int i = 0; i < width; ++i) {
+    const float scale = rise / std::max(r20 * ray_x[i] + r21 * ray_y[i] + r22, 0.05F);
+    x[i] = lens_x + scale * (r00 * ray_x[i] + r01 * ray_y[i] + r02);
+    y[i] = lens_y + scale * (r10 * ray_x[i] + r11 * ray_y[i] + r12);
+  }
+}
+
+LUMINAV_WIDE_VECTORS void CeilingRenderer::light_row(int row) {
+  const int above = row / kNodePitch;
+  const float share = static_cast<float>(row - above * kNodePitch) / kNodePitch;
+  const float* upper = nodes_.data() + static_cast<std::ptrdiff_t>(above) * node_columns_;
+  const float* lower = nodes_.data() + static_cast<std::ptrdiff_t>(std::min(above + 1, node_rows_ - 1)) * node_columns_;
+  for (int j = 0; j + 1 < node_columns_; ++j) {
+    const float left = upper[j] + share * (lower[j] - upper[j]);
+    const float right = upper[j + 1] + share * (lower[j + 1] - upper[j + 1]);
+    const float step = (right - left) * (1.0F / kNodePitch);
+    float* __restrict out = light_row_.data() + static_cast<std::ptrdiff_t>(j) * kNodePitch;
+    for (int i = 0; i < kNodePitch; ++i) {
+      out[i] = left + step * static_cast<float>(i);
+    }
+  }
+}
+
+LUMINAV_WIDE_VECTORS void CeilingRenderer::texture_row(const TextureMap& map) {
+  constexpr float kTexelsPerMetre = static_cast<float>(TileTexture::kSide / TileTexture::kPeriod);
+  constexpr int kMask = TileTexture::kSide - 1;
+  const int width = rays_.width();
+  const float* __restrict x = x_.data();
+  const float* __restrict y = y_.data();
+  const float* __restrict light = light_row_.data();
+  float* __restrict brightness = brightness_.data();
+  int* __restrict texel = texel_.data();
+  const std::uint8_t* texels = texture_.texels();
+  const float weight = 1.0F / (TileTexture::kWhite * static_cast<float>(map.taps));
+  for (int tap = 0; tap < map.taps; ++tap) {
+    const float moment = (static_cast<float>(tap) + 0.5F) / static_cast<float>(map.taps) - 0.5F;
+    const float shift_x = moment * map.shift_x;
+    const float shift_y = moment * map.shift_y;
+    const float turn = moment * map.turn;
+    for (int i = 0; i < width; ++i) {
+      const float u = (x[i] + shift_x - turn * y[i]) * kTexelsPerMetre + map.phase_x;
+      const float v = (y[i] + shift_y + turn * x[i]) * kTexelsPerMetre + map.phase_y;
+      texel[i] = ((static_cast<int>(v) & kMask) * TileTexture::kSide) | (static_cast<int>(u) & kMask);
+    }
+    if (tap == 0) {
+      for (int i = 0; i < width; ++i) {
+        brightness[i] = static_cast<float>(texels[texel[i]]);
+      }
+    } else {
+      for (int i = 0; i < width; ++i) {
+        brightness[i] += static_cast<float>(texels[texel[i]]);
+      }
+    }
+  }
+  for (int i = 0; i < width; ++i) {
+    brightness[i] *= weight * light[i];
+  }
+}
+
+void CeilingRenderer::draw_shapes(int row, const Exposure& exposure, const View& view, const FrameGeometry& frame) {
+  const double ceiling = model_.building.ceiling_height;
+  for (std::size_t k = 0; k < layout_.size(); ++k) {
+    VisibleShape& visible = layout_[k];
+    const int line = row - visible.first_row;
+    if (line < 0 || line >= static_cast<int>(visible.spans.size())) {
+      continue;
+    }
+    const ColumnSpan span = visible.spans[static_cast<std::size_t>(line)];
+    if (span.begin >= span.end) {
+      continue;
+    }
+    RowSpan part{x_.data() + span.begin, y_.data() + span.begin, light_row_.data() + span.begin,
+                 brightness_.data() + span.begin, span.end - span.begin};
+    if (std::abs(visible.height - ceiling) > 1e-4) {  // it hangs lower: the same rays meet its plane earlier
+      const auto share = static_cast<float>((visible.height - view.lens.z()) / (ceiling - view.lens.z()));
+      const auto lens_x = static_cast<float>(view.lens.x() - frame.origin.x());
+      const auto lens_y = static_cast<float>(view.lens.y() - frame.origin.y());
+      for (int i = 0; i < part.count; ++i) {
+        plane_x_[static_cast<std::size_t>(i)] = lens_x + share * (part.x[i] - lens_x);
+        plane_y_[static_cast<std::size_t>(i)] = lens_y + share * (part.y[i] - lens_y);
+      }
+      part.x = plane_x_.data();
+      part.y = plane_y_.data();
+    }
+    if (visible.fixture >= 0 && light_.lamp(visible.fixture) == LampState::kFlicker) {
+      const double row_utime = exposure.utime + (row - 0.5 * (rays_.height() - 1)) * exposure.row_time_us;
+      visible.shape.emission = static_cast<float>(light_.emission(visible.fixture, row_utime));
+    }
+    draw(visible.shape, part);
+  }
+}
+
+void CeilingRenderer::darken_walls(int row) {
+  const auto below = rays_.below(row);
+  for (std::size_t i = 0; i < below.size(); ++i) {
+    brightness_[i] += below[i] * (kWall * light_row_[i] - brightness_[i]);
+  }
+}
+
+void CeilingRenderer::render(const Exposure& exposure, std::span<const TruePose> rows, GreyImage& image) {
+  const int width = rays_.width();
+  const int height = rays_.height();
+  image.width = width;
+  image.height = height;
+  image.pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  const FrameGeometry frame = geometry_of(model_, exposure, rows[rows.size() / 2], rays_.reach());
+  light_.gather(frame.origin, frame.reach * frame.rise, exposure.utime);
+  light_nodes(frame);
+  layout_.find(frame, light_, exposure.utime);
+  const TextureMap map = texture_map(frame);
+  response_.begin_frame(exposure.number, exposure.exposure_us, exposure.gain);
+  const bool rolling = rows.size() == static_cast<std::size_t>(height);
+  for (int row = 0; row < height; ++row) {
+    const View view = rolling ? view_from(model_.mounting, rows[static_cast<std::size_t>(row)]) : frame.view;
+    find_points(row, view, frame);
+    light_row(row);
+    texture_row(map);
+    draw_shapes(row, exposure, view, frame);
+    darken_walls(row);
+    response_.develop(row, brightness_.data(), image.pixels.data() + static_cast<std::ptrdiff_t>(row) * width);
+  }
+}
+
+}  // namespace luminav::simulated

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/p3dx/arcos/arcos_commands.hpp"
+#include "drivers/p3dx/arcos/arcos_packet.hpp"
+#include "drivers/p3dx/arcos/configuration_packet.hpp"
+#include "drivers/p3dx/arcos/information_packet.hpp"
+#include "drivers/simulator/arcos/arcos_motion.hpp"
+#include "drivers/simulator/arcos/arcos_sonar.hpp"
+
+namespace luminav {
+
+/// How the simulated microcontroller behaves.
+struct ArcosConfig {
+  ConfigurationPacket flash;  // what it has stored: limits, watchdog, cadence, name, subclass
+  double wheel_base = 0.33;   // [m] with which it turns wheel travel into its heading
+  bool mobilesim = false;     // habits of MobileSim: motors on at start, all sonar in each packet, no watchdog,
+                              // heading in whole degrees, always 0x32, stops when the line closes
+};
+
+/// What the controller senses in one step.
+struct ArcosInputs {
+  double left_travel = 0.0;  // [m] of the wheel since the last step, as the encoder sees it
+  double right_travel = 0.0;
+  bool stall_left = false;  // the wheel is blocked
+  bool stall_right = false;
+  int bumpers_front = 0;  // bit mask, bit 0 = leftmost
+  int bumpers_rear = 0;
+  bool stop_button = false;       // held down
+  bool motors_button = false;     // held down; each press toggles the motors
+  double battery_voltage = 12.6;  // [V]
+};
+
+/// What it does with the robot until the next step.
+struct ArcosOutputs {
+  double linear = 0.0;           // [m/s] after its ramps
+  double angular = 0.0;          // [rad/s]
+  bool motors_enabled = false;   // false: the wheels have no power
+  std::vector<int> sonar_discs;  // that fire now, counted from 0
+};
+
+/// The microcontroller of a Pioneer (ARCOS) as a state machine: bytes and wheel travel in, bytes and wheel speeds out.
+/// Neither I/O nor clock: time is what `step` is told. Motors are off after OPEN; its watchdog halts the robot after
+/// silence and lets it resume with the next packet.
+class ArcosController {
+ public:
+  explicit ArcosController(const ArcosConfig& config);
+
+  /// Bytes from the client, in pieces of any size.
+  void receive(std::span<const std::uint8_t> bytes);
+  /// Time goes on by `dt` [s]; call it every 10 ms.
+  ArcosOutputs step(double dt, const ArcosInputs& inputs);
+  /// The answer for a disc that fired: distance of the echo [m]; 5 or more = none.
+  void set_sonar_reading(int disc, double range);
+  /// Bytes for the client since the last call.
+  std::vector<std::uint8_t> take_output();
+  /// The network connection to the client is gone; a serial line cannot tell.
+  void on_line_closed();
+
+  /// Rate of the serial line [bit/s] as HOSTBAUD set it last.
+  [[nodiscard]] int baud() const;
+  [[nodiscard]] bool session_open() const { return session_open_; }
+  [[nodiscard]] std::int64_t bad_packets() const { return parser_.bad_packets(); }
+
+ private:
+  void obey_packets();
+  void on_sync(std::uint8_t command);
+  void open_session();
+  void close_session();
+  void execute(ArcosCommand command, const CommandArgument& argument, std::span<const std::uint8_t> payload);
+  void execute_motion(ArcosCommand command, int value);
+  void enable_motors(bool enable);
+  void sense(double dt, const ArcosInputs& inputs);
+  void send(std::vector<std::uint8_t> frame);
+  void send_information();
+  [[nodiscard]] ConfigurationPacket configuration() const;
+  InformationPacket information();  // takes the sonar readings
+
+  ArcosConfig config_;
+  PacketParser parser_;
+  ArcosMotion motion_;
+  ArcosSonar sonar_;
+  std::vector<std::uint8_t> output_;
+  int sync_count_ = 0;
+  bool session_open_ = false;
+  bool motors_enabled_ = false;
+  bool stop_button_stall_ = true;  // E_STALL
+  int bump_stall_ = 0;
+  int encoder_stream_ = 0;  // 0 off, 1 once, 2 with each information packet
+  int io_stream_ = 0;
+  int analog_port_ = 0;
+  int digital_out_ = 0;
+  int baud_code_ = 0;
+  std::optional<double> fake_battery_;  // [V]
+  ArcosInputs sensed_;
+  double x_ = 0.0;  // [m] odometry registers
+  double y_ = 0.0;
+  double theta_ = 0.0;       // [rad] not wrapped
+  double left_total_ = 0.0;  // [m] wheel travel
+  double right_total_ = 0.0;
+  double left_speed_ = 0.0;  // [m/s] measured
+  double right_speed_ = 0.0;
+  std::int64_t silence_ = 0;            // [us] since the last valid packet
+  std::int64_t line_pause_ = 0;         // [us] since the last byte
+  std::int64_t stall_rest_ = 0;         // [us] that the motors still rest after a stall
+  std::int64_t until_information_ = 0;  // [us]
+};
+
+}  // namespace luminav

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "drivers/simulator/world/contact_counter.hpp"
+#include "drivers/simulator/world/floor.hpp"
+#include "drivers/simulator/world/pedestrian.hpp"
+#include "drivers/simulator/world/robot_model.hpp"
+#include "drivers/simulator/world/scenario.hpp"
+#include "drivers/simulator/world/scene.hpp"
+#include "drivers/simulator/world/sonar_beam.hpp"
+#include "drivers/simulator/world/world_truth.hpp"
+
+namespace luminav {
+
+/// What the wheels tell the microcontroller about one tick.
+struct WheelReport {
+  double left = 0.0;     // [m] as the encoders see it
+  double right = 0.0;    // [m]
+  bool stalled = false;  // the wheels are blocked
+};
+
+/// What is true now.
+struct WorldState {
+  Pose2 world_from_robot;
+  double roll = 0.0;     // [rad] of the floor, robot frame
+  double pitch = 0.0;    // [rad]
+  double linear = 0.0;   // [m/s] along the robot's x
+  double angular = 0.0;  // [rad/s]
+  bool carried = false;
+  std::int32_t carries = 0;
+  double clearance = Separation::kNoneNear;  // [m]
+  double daylight = 0.5;                     // 0..1
+  bool camera_unplugged = false;
+  bool serial_unplugged = false;
+  std::vector<std::int8_t> lamp_states;        // per fixture, lamp_state.hpp
+  std::map<std::int32_t, Pose2> lamp_offsets;  // by fixture index: displaced by events [m, rad]
+  std::vector<bool> door_open;                 // per door
+};
+
+/// The simulated world: a robot on a floor between walls, obstacles, doors and people, and the scenario's events. It
+/// knows no clock, no messages and no bytes; the same truth, seed and commands give the same world.
+class World {
+ public:
+  static constexpr double kTick = 0.010;  // [s]
+
+  World(std::uint64_t seed, const WorldTruth& truth);
+  World(const World&) = delete;  // the scene refers to the truth
+  World& operator=(const World&) = delete;
+
+  /// One tick of kTick.
+  WheelReport step(const MotorCommand& command);
+  /// One pulse of a sonar disc [m].
+  double measure_sonar(int disc) { return sonar_.measure(scene_, state_.world_from_robot, disc); }
+  [[nodiscard]] int sonar_discs() const { return sonar_.discs(); }
+
+  [[nodiscard]] const WorldState& state() const { return state_; }
+  [[nodiscard]] const std::vector<Disc>& people() const { return scene_.people(); }
+  [[nodiscard]] const ContactCounter& contacts() const { return contacts_; }
+  /// [s] since the beginning.
+  [[nodiscard]] double time() const { return static_cast<double>(ticks_) * kTick; }
+
+ private:
+  struct Carry {
+    Pose2 from;
+    Pose2 to;
+    double begin = 0.0;     // [s]
+    double duration = 0.0;  // [s]
+  };
+  struct Bump {
+    Pose2 per_tick;  // displacement, world
+    int ticks = 0;   // that remain
+  };
+
+  void start_due_events();
+  void start(const ScenarioEvent& event);
+  void move_doors();
+  void walk_people();
+  void carry();
+  WheelReport drive(const MotorCommand& command);
+  void push();
+  /// Moves the robot unless it would touch something it is free of now; returns what it would touch.
+  std::optional<Separation> try_move(const Pose2& next);
+  void measure_motion(const Pose2& before);
+
+  WorldTruth truth_;
+  std::vector<ScenarioEvent> events_;  // by time
+  Scene scene_;
+  RobotModel robot_;
+  SonarBeam sonar_;
+  Floor floor_;
+  RandomStream contact_random_;
+  std::vector<Pedestrian> people_;
+  ContactCounter contacts_;
+  WorldState state_;
+  Polygon footprint_;      // world
+  Separation separation_;  // of the footprint
+  std::optional<Carry> carry_;
+  Bump bump_;
+  std::size_t next_event_ = 0;
+  std::int64_t ticks_ = 0;
+  double slip_until_ = 0.0;              // [s]
+  double camera_unplugged_until_ = 0.0;  // [s]
+  double serial_unplugged_until_ = 0.0;  // [s]
+  double stalled_until_ = 0.0;           // [s]
+  bool spinning_ = false;                // wheels turn although the robot is held
+  std::vector<bool> door_wanted_open_;
+};
+
+}  // namespace luminav

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "services/common/building/occupancy_grid.hpp"
+#include "services/common/geometry/pose2.hpp"
+#include "services/controller/safety/plane_points.hpp"
+
+namespace luminav {
+
+struct LocalMapParams {
+  double radius = 1.5;       // [m] around the robot within which cells count
+  double occupied = 0.8;     // log-odds above which evidence counts as an obstacle, the planner's threshold
+  double half_width = 0.22;  // [m] of the strip that must be free for a line of sight
+};
+
+/// Is the cell a wall of the building's map? Disputed cells are not.
+bool is_prior_wall(const OccupancyGrid& grid, const Cell& cell);
+/// Is it a wall, or do the sonars say that something stands there?
+bool is_occupied(const OccupancyGrid& grid, const Cell& cell, const LocalMapParams& params);
+
+/// Is there a wall of the building's map within a distance [m] of a world point?
+bool has_wall_near(const OccupancyGrid& grid, const Eigen::Vector2d& point_in_world, double distance);
+
+/// Adds the walls of the building's map around the robot, in its frame: of each cell the point nearest to the wheel
+/// axis.
+void find_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, const LocalMapParams& params,
+                      PlanePoints& walls);
+
+/// Is a strip of the robot's width free between two world points? Outside the grid it is.
+bool is_line_free(const OccupancyGrid& grid, const Eigen::Vector2d& from_in_world, const Eigen::Vector2d& to_in_world,
+                  const LocalMapParams& params);
+
+}  // namespace luminav

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/controller/safety/footprint.hpp"
+
+namespace luminav {
+
+struct SpeedLawParams {
+  double linear = 0.5;                // [m/s] on a free stretch
+  double angular = radians(60.0);     // [rad/s]
+  double turn_gain = 1.6;             // [1/s] turning speed per heading error
+  double full_error = radians(12.0);  // [rad] heading error that does not slow it down
+  double stop_error = radians(60.0);  // [rad] heading error at which it only turns
+  double narrow = 0.06;               // [m] clearance at which it creeps
+  double wide = 0.20;                 // [m] clearance that does not slow it down
+  double creep = 0.35;                // share of the speed left where it is narrow
+  double approach_gain = 0.8;         // [1/s] speed per distance left to the goal
+  double slowest = 0.03;              // [m/s] towards the goal
+};
+
+/// Twist towards a heading: turning speed in proportion to the error, speed falling with error, with little clearance
+/// and towards the end of the way. `heading_error` [rad], `clearance` [m] from the outline, `distance_left` [m].
+DriveTwist speed_law(double heading_error, double clearance, double distance_left, const SpeedLawParams& params);
+
+/// Slews a command towards a wish within the robot's accelerations; slowing down uses the deceleration and is never
+/// softened, speeding up starts softly: acceleration grows by `jerk` at most.
+class CommandRamp {
+ public:
+  CommandRamp(const MotionLimits& limits, double jerk) : limits_(limits), jerk_(jerk) {}
+  /// `duration` [s] since the last step.
+  DriveTwist step(const DriveTwist& wanted, double duration);
+  /// What was driven in the end, after the stop logic.
+  void restart_from(const DriveTwist& driven);
+  [[nodiscard]] const DriveTwist& current() const { return current_; }
+
+ private:
+  MotionLimits limits_;
+  double jerk_;  // [m/s^3]
+  DriveTwist current_;
+  double acceleration_ = 0.0;  // [m/s^2]
+};
+
+}  // namespace luminav

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/controller/safety/echo_memory.hpp"
+
+namespace luminav {
+
+struct SearchMapParams {
+  double side = 40.0;         // [m] of the square it covers, which goes along with the robot
+  double leeway = 6.0;        // [m] off the middle of the square it goes along
+  double cell = 0.1;          // [m]
+  double max_free = 2.5;      // [m] farther a ray says nothing
+  double max_silent = 0.8;    // [m] likewise of one without an echo: smooth walls are silent too
+  double echo_margin = 0.12;  // [m] before an echo the ray is not free
+  /// [m] between the robot's middle and what stands: the first that leads anywhere; arcs make doorways look narrow.
+  std::vector<double> clearances{0.4, 0.3, 0.2};
+  double seen_around = 1.3;     // [m] around its trail it knows the ceiling
+  double blocked_around = 0.5;  // [m] around a place that it could not reach
+  double shut_around = 0.3;     // [m] around a place that it could not drive through
+  int shut_for = 6;             // fadings after which it may be tried again
+};
+
+/// What the sonars say of a place.
+enum class Ground { kUnknown, kFree, kStands };
+
+/// What the sonars tell of the surroundings in the odometry frame, coarsely, and where the robot has been: says the way
+/// to the nearest free ground that it has not been near. That leads through a room, out by its door and on.
+class SearchMap {
+ public:
+  SearchMap(const SonarRing& ring, const SearchMapParams& params);
+
+  void clear();
+  /// Takes up what was not taken up before of each disc's newest firing.
+  void add(std::span<const SonarFiring> newest);
+  /// The robot is there [m, odom].
+  void visit(const Eigen::Vector2d& place);
+  /// Trusts what echoes drew a little less, until they are heard again: odometry drifts, and a wall that is entered
+  /// twice closes the doors beside it. What was shut is forgotten after some of these.
+  void fade();
+  /// A place could not be reached: it is new ground no more.
+  void block(const Eigen::Vector2d& place);
+  /// No way led through a place, whatever the sonars say of it: for a while it counts as something that stands.
+  void shut(const Eigen::Vector2d& place);
+  /// Way to the nearest new ground [m, odom], from the robot on; nothing if all that can be reached is known.
+  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_to_new_ground(const Eigen::Vector2d& place) const;
+
+  /// It has been near [m, odom], or knows that it cannot go there.
+  [[nodiscard]] bool is_near_trail(const Eigen::Vector2d& place) const;
+  /// No way led through, see `shut`.
+  [[nodiscard]] bool is_shut(const Eigen::Vector2d& place) const;
+  [[nodiscard]] Ground ground_at(const Eigen::Vector2d& place) const;
+  /// Something stands within `radius` [m] of a place; outside of the map nothing does.
+  [[nodiscard]] bool stands_within(const Eigen::Vector2d& place, double radius) const;
+
+ private:
+  struct Cell {
+    std::int8_t occupied = 0;  // > 0: something stands there; < 0: free
+    std::int8_t heard = 0;     // direction [1/256 turn] of the last ray that ended there
+    std::int8_t shut = 0;      // fadings for which no way leads through
+    bool is_seen = false;
+  };
+  [[nodiscard]] int index_of(const Eigen::Vector2d& place) const;
+  [[nodiscard]] Eigen::Vector2d centre_of(int index) const;
+  /// Moves the square until its middle is near a place; what stays inside is kept.
+  void go_along(const Eigen::Vector2d& place);
+  void add(const SonarFiring& firing);
+  [[nodiscard]] std::vector<int> free_cells(const Pose2& odom_from_sonar, double free) const;
+  void mark_seen(const Eigen::Vector2d& place, double radius);
+  [[nodiscard]] std::vector<int> disc_offsets(double radius) const;
+  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> search(const Eigen::Vector2d& place,
+                                                                   double clearance) const;
+
+  SonarRing ring_;
+  SearchMapParams params_;
+  int columns_ = 0;
+  std::optional<Eigen::Vector2d> origin_;  // [m] odom, lower left corner
+  std::vector<Cell> cells_;
+  std::vector<std::int64_t> taken_up_;  // [us] per disc
+};
+
+}  // namespace luminav

@@ -1,0 +1,253 @@
+#include "services/controller/search/wander.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/controller/safety/seconds_between.hpp"
+
+namespace luminav {
+void Wander::clear() {
+  visits_.clear();
+  failures_.clear();
+  last_step_ = 0;
+  decided_at_.reset();
+  is_turning_ = is_turning_to_path_ = false;
+  turn_left_ = 0.0;
+  heading_.reset();
+  map_.clear();
+  path_.clear();
+  planned_ = approached_ = 0;
+  driven_ = faded_at_ = 0.0;
+  last_place_.reset();
+  began_at_.reset();
+  stayed_at_.reset();
+  repulsive_.setZero();
+}
+
+Wander::Square Wander::square_at(const Eigen::Vector2d& place) const {
+  return {static_cast<int>(std::floor(place.x() / params_.place_side)),
+          static_cast<int>(std::floor(place.y() / params_.place_side))};
+}
+
+// Free way counts by how little it was visited: a square never seen 1, one where it spent 4 s a half.
+double Wander::worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
+                     const PlanePoints& obstacles) const {
+  const double distance = free_distance(direction, params_.reach, obstacles, params_.heading.free_heading);
+  if (distance < params_.blocked_below) {
+    return -10.0 + distance;
+  }
+  double sum = 0.0;
+  for (double ahead = params_.place_side; ahead <= distance + 0.1; ahead += params_.place_side) {
+    const Eigen::Vector2d place =
+        odom_from_robot * Eigen::Vector2d(ahead * std::cos(direction), ahead * std::sin(direction));
+    const auto visit = visits_.find(square_at(place));
+    sum += visit == visits_.end() ? 1.0 : 1.0 / (1.0 + 0.25 * visit->second);
+  }
+  for (const Failure& failure : failures_) {
+    const bool is_here = (failure.place - odom_from_robot.position()).norm() < params_.failure_radius;
+    const double apart = std::abs(wrap_angle(odom_from_robot.theta + direction - failure.heading));
+    if (is_here && apart < radians(35.0) && seconds_between(failure.utime, now) < params_.failure_memory) {
+      sum -= 2.0;
+    }
+  }
+  return sum - 0.5 * std::abs(direction);
+}
+
+void Wander::note_failure(std::int64_t now, const Pose2& odom_from_robot, double heading) {
+  constexpr std::size_t kMaxFailures = 30;
+  failures_.push_back({now, odom_from_robot.position(), heading});
+  if (failures_.size() > kMaxFailures) {
+    failures_.pop_front();
+  }
+}
+
+void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
+  note_failure(now, odom_from_robot, is_turning_ ? target_ : odom_from_robot.theta);
+  if (!path_.empty()) {
+    end_path(odom_from_robot.position());
+  }
+  is_turning_ = is_turning_to_path_ = false;
+  heading_.reset();
+  decided_at_.reset();
+}
+
+double Wander::turn_side(double angle, const Obstacles& obstacles) const {
+  const auto is_free = [&](double turn) {
+    return stop_logic_.is_free({0.0, std::copysign(params_.angular, turn)}, std::abs(turn) / params_.angular,
+                               obstacles);
+  };
+  const double sign = angle > 0.0 ? 1.0 : -1.0;
+  return !is_free(angle) && is_free(angle - sign * 2.0 * kPi) ? -sign : sign;
+}
+
+void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
+                    std::span<const ObstaclePoint> remembered) {
+  const Obstacles obstacles(stop_logic_.footprint(), remembered);
+  decided_at_ = odom_from_robot.position();
+  double best = 0.0;
+  double best_worth = is_blocked ? -100.0 : worth(0.0, now, odom_from_robot, obstacles.points()) + params_.better_by;
+  for (int i = -17; i <= 18; ++i) {
+    const double direction = radians(10.0 * i);
+    const double value = worth(direction, now, odom_from_robot, obstacles.points());
+    if (std::abs(direction) > radians(25.0) && value > best_worth) {
+      best_worth = value;
+      best = direction;
+    }
+  }
+  if (best == 0.0) {
+    return;
+  }
+  is_turning_ = true;
+  target_ = wrap_angle(odom_from_robot.theta + best);
+  turn_sign_ = turn_side(best, obstacles);
+}
+
+void Wander::plan(const WanderInput& input) {
+  const std::int64_t now = input.now;
+  if (planned_ != 0 && seconds_between(planned_, now) < params_.plan_every) {
+    return;
+  }
+  planned_ = now;
+  const Eigen::Vector2d place = input.odom_from_robot.position();
+  auto path = disambiguation_.path({place, *began_at_, path_.empty() ? std::nullopt : std::optional(path_.back())},
+                                   input.alternatives, map_);
+  if (!path && driven_ > params_.look_around) {
+    path = map_.path_to_new_ground(place);
+  }
+  if (!path || path->empty()) {
+    path_.clear();
+    return;
+  }
+  const double left = 0.1 * static_cast<double>(path->size());
+  const bool is_elsewhere = path_.empty() || (path->back() - path_.back()).norm() > 1.0;
+  is_turning_to_path_ = is_turning_to_path_ && !is_elsewhere;  // the short way round may be the other one now
+  if (is_elsewhere || left < path_left_ - 0.2) {
+    approached_ = now;
+    path_left_ = left;
+  }
+  path_ = std::move(*path);
+  if (seconds_between(approached_, now) > params_.approach_within || stays(now, place)) {
+    end_path(place);
+  }
+}
+
+bool Wander::stays(std::int64_t now, const Eigen::Vector2d& place) {
+  if (!stayed_at_ || (place - *stayed_at_).norm() > params_.stay_within) {
+    stayed_at_ = place;
+    stayed_since_ = now;
+  }
+  if (seconds_between(stayed_since_, now) <= params_.max_stay) {
+    return false;
+  }
+  stayed_at_.reset();
+  return true;
+}
+
+// The way leads nowhere. Some pose that is possible may have a door where a wall stands, and many places behind it:
+// what is narrow or unknown before the robot is no way for any of them.
+void Wander::end_path(const Eigen::Vector2d& place) {
+  for (const Eigen::Vector2d& point : path_) {
+    const double ahead = (point - place).norm();
+    if (ahead > params_.dead_end_from && ahead < params_.dead_end_until &&
+        (map_.ground_at(point) != Ground::kFree || map_.stands_within(point, params_.disambiguation.price.clearance))) {
+      map_.shut(point);
+    }
+  }
+  map_.block(path_.back());
+  path_.clear();
+  planned_ = 0;
+}
+
+DriveTwist Wander::step(const WanderInput& input) {
+  const double duration = last_step_ == 0 ? 0.0 : std::clamp(seconds_between(last_step_, input.now), 0.0, 0.5);
+  last_step_ = input.now;
+  const Eigen::Vector2d place = input.odom_from_robot.position();
+  driven_ += last_place_ ? (place - *last_place_).norm() : 0.0;
+  last_place_ = place;
+  began_at_ = began_at_.value_or(place);
+  visits_[square_at(place)] += duration;
+  map_.visit(place);
+  map_.add(input.firings);
+  if (driven_ - std::max(faded_at_, params_.look_around) > params_.fade_every) {
+    faded_at_ = driven_;
+    map_.fade();
+  }
+  plan(input);
+  turn_left_ = 0.0;
+  return path_.empty() ? explore(duration, input) : follow_path(duration, input);
+}
+
+DriveTwist Wander::follow_path(double duration, const WanderInput& input) {
+  is_turning_ = false;
+  decided_at_.reset();
+  const Eigen::Vector2d place = input.odom_from_robot.position();
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < path_.size(); ++i) {
+    nearest = (path_[i] - place).norm() < (path_[nearest] - place).norm() ? i : nearest;
+  }
+  std::size_t ahead = nearest;
+  while (ahead + 1 < path_.size() && (path_[ahead] - place).norm() < params_.look_ahead) {
+    ++ahead;
+  }
+  const Eigen::Vector2d target = input.odom_from_robot.inverse() * path_[ahead];
+  const double direction = std::atan2(target.y(), target.x());
+  if (!is_turning_to_path_ && std::abs(direction) > params_.turn_from) {
+    is_turning_to_path_ = true;
+    turn_sign_ = turn_side(direction, input.obstacles);
+    takes_long_turn_ = turn_sign_ * direction < 0.0;
+  }
+  is_turning_to_path_ = is_turning_to_path_ && std::abs(direction) > params_.turn_until;
+  if (is_turning_to_path_) {
+    heading_.reset();
+    // what lies behind changes sides with every step: once begun, the turn goes on the same way round
+    const double sign = std::abs(direction) < 0.5 * kPi && !takes_long_turn_ ? direction : turn_sign_;
+    turn_left_ = direction;
+    return {0.0, std::copysign(params_.angular, sign)};
+  }
+  return steer(direction, duration, input);
+}
+
+DriveTwist Wander::explore(double duration, const WanderInput& input) {
+  const Pose2& odom_from_robot = input.odom_from_robot;
+  is_turning_to_path_ = false;
+  if (is_turning_) {
+    heading_.reset();
+    const double error = wrap_angle(target_ - odom_from_robot.theta);
+    if (std::abs(error) < radians(8.0)) {
+      is_turning_ = false;
+      decided_at_ = odom_from_robot.position();
+    } else {
+      turn_left_ = error;
+      const double rate = std::clamp(1.6 * std::abs(error), 0.15, params_.angular);
+      // near the end the sign is the error's own, before it the way round that was chosen
+      return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_sign_ * params_.angular};
+    }
+  }
+  const double ahead = free_distance(0.0, params_.reach, input.obstacles.points(), params_.heading.free_heading);
+  const bool is_blocked = ahead < params_.blocked_below;
+  if (is_blocked) {
+    note_failure(input.now, odom_from_robot, odom_from_robot.theta);
+  }
+  const bool has_gone_far = !decided_at_ || (*decided_at_ - odom_from_robot.position()).norm() > params_.decide_every;
+  if (is_blocked || has_gone_far) {
+    decide(is_blocked, input.now, odom_from_robot, input.remembered);
+    if (is_turning_) {
+      return {};
+    }
+  }
+  return steer(0.0, duration, input);
+}
+
+// Towards a direction [rad, robot frame], pushed off by what is near.
+DriveTwist Wander::steer(double direction, double duration, const WanderInput& input) {
+  const Eigen::Vector2d attractive(std::cos(direction), std::sin(direction));
+  const VirtualForce force = virtual_force(attractive, input.obstacles, params_.forces);
+  repulsive_ += std::min(1.0, duration / 0.3) * (force.repulsive - repulsive_);
+  const Eigen::Vector2d sum = attractive + repulsive_;
+  const double wish = std::atan2(sum.y(), sum.x());
+  const double heading = heading_.choose(wish, 0.9, input.odom_from_robot.theta, duration, input.obstacles.points());
+  const double slowing = std::clamp((radians(50.0) - std::abs(heading)) / radians(40.0), 0.0, 1.0);
+  return {params_.speed * slowing, std::clamp(1.2 * heading, -params_.angular, params_.angular)};
+}
+
+}  // namespace luminav

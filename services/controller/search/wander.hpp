@@ -1,0 +1,130 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "services/controller/following/steady_heading.hpp"
+#include "services/controller/following/virtual_forces.hpp"
+#include "services/controller/safety/stop_logic.hpp"
+#include "services/controller/search/disambiguation.hpp"
+#include "services/controller/search/search_map.hpp"
+
+namespace luminav {
+
+struct WanderParams {
+  double speed = 0.4;                 // [m/s]
+  double angular = radians(45.0);     // [rad/s]
+  double place_side = 0.5;            // [m] of the squares in which it counts where it has been
+  double reach = 3.0;                 // [m] a direction is worth at most so much free way
+  double blocked_below = 0.40;        // [m] free way ahead that makes it look for another direction
+  double decide_every = 1.2;          // [m] driven on a free way before it looks for a better direction
+  double better_by = 1.5;             // squares' worth that another direction must offer to leave a free way
+  double failure_memory = 30.0;       // [s] a direction that ended at an obstacle is avoided near that place
+  double failure_radius = 1.0;        // [m]
+  double look_around = 10.0;          // [m] it first drives by free way alone, then leaves for new ground
+  double plan_every = 1.0;            // [s]
+  double fade_every = 5.0;            // [m] beyond `look_around` after which old echoes count less
+  double look_ahead = 0.6;            // [m] along the way to new ground
+  double approach_within = 12.0;      // [s] it must have come nearer to where it goes, else it goes elsewhere
+  double stay_within = 0.7;           // [m] it has moved so little ...
+  double max_stay = 15.0;             // [s] for so long, on a way: that leads nowhere
+  double dead_end_from = 0.35;        // [m] along the way: so near to where it stayed
+  double dead_end_until = 1.2;        // [m] to so far
+  double turn_from = radians(50.0);   // [rad] off its way that starts a turn on the spot
+  double turn_until = radians(20.0);  // [rad] and that ends it
+  SteadyHeadingParams heading{.free_heading = {.half_width = 0.28}};
+  VirtualForceParams forces;
+  SearchMapParams map;
+  DisambiguationParams disambiguation;
+};
+
+/// What wandering goes by.
+struct WanderInput {
+  std::int64_t now = 0;  // [us]
+  Pose2 odom_from_robot;
+  const Obstacles& obstacles;                     // fresh: steering goes by them
+  std::span<const ObstaclePoint> remembered;      // robot frame: directions are chosen by them
+  std::span<const SonarFiring> firings;           // newest of each disc
+  std::span<const PoseAlternative> alternatives;  // poses that are possible
+};
+
+/// Covers ground until the localizer knows where it is: drives to where the possible poses predict different things,
+/// and where nothing tells them apart by sonar alone to the nearest free ground that it has
+/// not been near, out by the door once a room is known. Where there is none it drives towards the direction with the
+/// most unvisited free way, remembers in the odometry frame where it has been and which directions led nowhere.
+/// Deterministic.
+class Wander {
+ public:
+  Wander(const WanderParams& params, const SonarRing& ring, const StopLogic& stop_logic, CeilingForecast forecast)
+      : params_(params),
+        stop_logic_(stop_logic),
+        map_(ring, params.map),
+        heading_(params.heading),
+        disambiguation_(std::move(forecast), params.disambiguation) {}
+
+  /// Only a wish; the stop logic has the last word.
+  DriveTwist step(const WanderInput& input);
+  /// The odometry jumped, or wandering is over.
+  void clear();
+  /// The current direction did not work: the stop logic refused it.
+  void give_up(std::int64_t now, const Pose2& odom_from_robot);
+  /// What is left of the turn on the spot that it wishes for [rad]; 0: it wishes for none.
+  [[nodiscard]] double turn_left() const { return turn_left_; }
+
+ private:
+  struct Failure {
+    std::int64_t utime = 0;
+    Eigen::Vector2d place;  // [m] odom
+    double heading = 0.0;   // [rad] odom
+  };
+  using Square = std::pair<int, int>;
+  [[nodiscard]] Square square_at(const Eigen::Vector2d& place) const;
+  [[nodiscard]] double worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
+                             const PlanePoints& obstacles) const;
+  void plan(const WanderInput& input);
+  [[nodiscard]] DriveTwist follow_path(double duration, const WanderInput& input);
+  [[nodiscard]] DriveTwist explore(double duration, const WanderInput& input);
+  [[nodiscard]] DriveTwist steer(double direction, double duration, const WanderInput& input);
+  /// Sign of the way round to a heading [rad, robot frame]: the short one unless only the long one is free.
+  [[nodiscard]] double turn_side(double angle, const Obstacles& obstacles) const;
+  void decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_robot,
+              std::span<const ObstaclePoint> remembered);
+  [[nodiscard]] bool stays(std::int64_t now, const Eigen::Vector2d& place);
+  void end_path(const Eigen::Vector2d& place);
+  void note_failure(std::int64_t now, const Pose2& odom_from_robot, double heading);
+
+  WanderParams params_;
+  const StopLogic& stop_logic_;
+  std::map<Square, double> visits_;  // [s] spent there
+  std::deque<Failure> failures_;
+  SearchMap map_;
+  SteadyHeading heading_;  // in the odometry frame
+  Disambiguation disambiguation_;
+  double driven_ = 0.0;                        // [m]
+  double faded_at_ = 0.0;                      // [m] of it
+  std::optional<Eigen::Vector2d> last_place_;  // [m] odom
+  std::optional<Eigen::Vector2d> began_at_;    // [m] odom, where it began to look
+  std::vector<Eigen::Vector2d> path_;          // [m] odom, to new ground; empty: none that it knows
+  std::int64_t planned_ = 0;                   // [us]
+  std::int64_t approached_ = 0;                // [us] when it last came nearer to the end of its way
+  double path_left_ = 0.0;                     // [m] least until then
+  std::optional<Eigen::Vector2d> stayed_at_;   // [m] odom: near there it has been since
+  std::int64_t stayed_since_ = 0;              // [us]
+  std::int64_t last_step_ = 0;                 // [us]
+  std::optional<Eigen::Vector2d> decided_at_;  // [m] odom, place of the last decision
+  bool is_turning_ = false;
+  double target_ = 0.0;  // [rad] odom, of the turn
+  double turn_sign_ = 1.0;
+  bool is_turning_to_path_ = false;
+  bool takes_long_turn_ = false;  // of that turn
+  double turn_left_ = 0.0;        // [rad] of a turn on the spot
+  Eigen::Vector2d repulsive_ = Eigen::Vector2d::Zero();
+};
+
+}  // namespace luminav

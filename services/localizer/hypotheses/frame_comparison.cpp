@@ -1,0 +1,100 @@
+#include "services/localizer/hypotheses/frame_comparison.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+namespace luminav {
+
+FrameComparer::FrameComparer(const SightingFrame& frame, double linear, double angular, const FixtureMap& map,
+                             const CeilingView& view, double ceiling_height, const ErrorParams& errors,
+                             const HypothesisParams& params)
+    : frame_(frame),
+      map_(map),
+      view_(view),
+      errors_(errors),
+      params_(params),
+      view_radius_(view.radius(ceiling_height)) {
+  const double height_above_camera = std::max(0.2, view.height_above_camera(ceiling_height));
+  systematic_.reserve(frame.sightings.size());
+  for (const FixtureSighting& sighting : frame.sightings) {
+    systematic_.push_back(systematic_sighting_covariance(sighting, height_above_camera, linear, angular, errors));
+  }
+}
+
+FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
+  FrameComparison result;
+  result.fixture_of_sighting.assign(frame_.sightings.size(), -1);
+  result.log_likelihood.assign(frame_.sightings.size(), params_.misfit);
+  result.innovations.resize(frame_.sightings.size());
+  thread_local std::vector<int> near;
+  near.clear();
+  map_.find_near(belief.pose.position(), view_radius_ + 1.0, near);
+  thread_local std::vector<Pair> pairs;
+  pairs.clear();
+  find_pairs(belief, near, pairs);
+  // one-to-one, the best pair first: fixtures stand so far apart that a better sum of worse pairs does not occur
+  if (pairs.size() > 1) {
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Pair& a, const Pair& b) { return a.innovation.nis < b.innovation.nis; });
+  }
+  thread_local std::vector<int> taken;
+  taken.clear();
+  for (const Pair& pair : pairs) {
+    if (result.fixture_of_sighting[pair.sighting] >= 0 ||
+        std::find(taken.begin(), taken.end(), pair.fixture) != taken.end()) {
+      continue;
+    }
+    result.fixture_of_sighting[pair.sighting] = pair.fixture;
+    result.log_likelihood[pair.sighting] = pair.log_likelihood;
+    result.innovations[pair.sighting] = pair.innovation;
+    taken.push_back(pair.fixture);
+  }
+  expect(belief, near, result);
+  return result;
+}
+
+void FrameComparer::find_pairs(const PoseBelief& belief, const std::vector<int>& near, std::vector<Pair>& pairs) const {
+  for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
+    const FixtureSighting& sighting = frame_.sightings[i];
+    const Eigen::Vector2d place = belief.pose * sighting.robot_from_fixture.position();
+    for (const int index : near) {
+      const Fixture& fixture = map_[index];
+      if ((fixture.world_from_fixture.position() - place).squaredNorm() > 2.25 ||
+          !fits_kind_and_size(sighting, fixture, KindGate{})) {
+        continue;
+      }
+      const Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, errors_) + systematic_[i];
+      const Innovation innovation = innovate(belief, sighting, fixture, noise);
+      if (innovation.nis < params_.gate) {
+        pairs.push_back({i, index,
+                         std::max(params_.misfit, -0.5 * innovation.nis - std::min(3.0, innovation.log_volume)),
+                         innovation});
+      }
+    }
+  }
+}
+
+void FrameComparer::expect(const PoseBelief& belief, const std::vector<int>& near, FrameComparison& result) const {
+  const double margin = params_.miss_margin + 2.0 * position_sigma(belief.covariance);
+  const Pose2 robot_from_world = belief.pose.inverse();
+  const PointTransform to_robot(robot_from_world);
+  for (const int index : near) {
+    const Fixture& fixture = map_[index];
+    const Eigen::Vector2d centre = to_robot * fixture.world_from_fixture.position();
+    const Pose2 robot_from_fixture{centre.x(), centre.y(),
+                                   wrap_angle(robot_from_world.theta + fixture.world_from_fixture.theta)};
+    if (!view_.is_wholly_visible(robot_from_fixture, fixture, margin)) {
+      continue;
+    }
+    result.expected.push_back(index);
+    const bool something_there =
+        std::any_of(frame_.sightings.begin(), frame_.sightings.end(), [&](const FixtureSighting& s) {
+          return distance(s.robot_from_fixture, robot_from_fixture) < 0.5 * fixture.length + 0.2;
+        });
+    if (!something_there) {
+      result.missed.push_back(index);
+    }
+  }
+}
+
+}  // namespace luminav

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "services/localizer/hypotheses/hypothesis.hpp"
+#include "services/localizer/model/ceiling_view.hpp"
+#include "services/localizer/model/error_model.hpp"
+#include "services/localizer/model/fixture_map.hpp"
+#include "services/localizer/model/pose_belief.hpp"
+#include "services/localizer/model/sighting_model.hpp"
+
+namespace luminav {
+
+/// What one image says about one pose: which fixture each sighting is, and which fixtures should have been seen.
+struct FrameComparison {
+  std::vector<int> fixture_of_sighting;  // -1 = fits none
+  std::vector<double> log_likelihood;    // of each sighting
+  std::vector<Innovation> innovations;   // of those that fit
+  std::vector<int> missed;               // fixtures well in view with nothing there
+  std::vector<int> expected;             // fixtures well in view
+};
+
+/// Compares one image with what poses would show there. What is the same for all poses is worked out once.
+class FrameComparer {
+ public:
+  /// Linear [m/s] and angular [rad/s] twist of the robot at the image's time; everything given must outlive this.
+  FrameComparer(const SightingFrame& frame, double linear, double angular, const FixtureMap& map,
+                const CeilingView& view, double ceiling_height, const ErrorParams& errors,
+                const HypothesisParams& params);
+
+  [[nodiscard]] FrameComparison compare(const PoseBelief& belief) const;
+  /// What constant errors of camera and time may do to a sighting, whichever fixture and pose it is.
+  [[nodiscard]] const Eigen::Matrix3d& systematic_error(std::size_t sighting) const { return systematic_[sighting]; }
+
+ private:
+  struct Pair {
+    std::size_t sighting = 0;
+    int fixture = 0;
+    double log_likelihood = 0.0;
+    Innovation innovation;
+  };
+  void find_pairs(const PoseBelief& belief, const std::vector<int>& near, std::vector<Pair>& pairs) const;
+  void expect(const PoseBelief& belief, const std::vector<int>& near, FrameComparison& result) const;
+
+  const SightingFrame& frame_;
+  const FixtureMap& map_;
+  const CeilingView& view_;
+  const ErrorParams& errors_;
+  const HypothesisParams& params_;
+  double view_radius_;  // [m]
+  std::vector<Eigen::Matrix3d> systematic_;
+};
+
+}  // namespace luminav

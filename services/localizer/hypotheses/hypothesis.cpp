@@ -1,0 +1,111 @@
+#include "services/localizer/hypotheses/hypothesis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace luminav {
+namespace {
+
+constexpr double kPassedBy = 1.5;  // [m] driven since a fixture was expected last: its pass is over
+constexpr std::size_t kMaxConfirmed = 16;
+
+}  // namespace
+
+void add_evidence(Hypothesis& hypothesis, const ObjectTrack& object, int fixture, double log_likelihood, double weight,
+                  int images) {
+  auto found = std::find_if(hypothesis.votes.begin(), hypothesis.votes.end(),
+                            [&](const ObjectVote& v) { return v.object == object.id; });
+  if (found == hypothesis.votes.end()) {
+    hypothesis.votes.push_back({});
+    found = hypothesis.votes.end() - 1;
+    found->object = object.id;
+  }
+  found->weight += weight;
+  found->weighted_sum += weight * log_likelihood;
+  found->frames += images;
+  found->fixture = fixture;
+  if (fixture >= 0) {
+    found->matches += images;
+    if (found->matches >= 3 && 2 * found->matches > found->frames && hypothesis.confirmed.size() < kMaxConfirmed &&
+        std::find(hypothesis.confirmed.begin(), hypothesis.confirmed.end(), fixture) == hypothesis.confirmed.end()) {
+      hypothesis.confirmed.push_back(fixture);
+    }
+  }
+}
+
+void add_absence(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer,
+                 int images) {
+  for (const int index : expected) {
+    auto absence = std::find_if(hypothesis.absences.begin(), hypothesis.absences.end(),
+                                [&](const FixtureAbsence& w) { return w.fixture == index; });
+    if (absence == hypothesis.absences.end()) {
+      hypothesis.absences.push_back({index, 0, 0, odometer});
+      absence = hypothesis.absences.end() - 1;
+    }
+    absence->expected += images;
+    absence->odometer = odometer;
+    absence->missed += std::find(missed.begin(), missed.end(), index) != missed.end() ? images : 0;
+  }
+}
+
+double held_by_sonar(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params) {
+  return std::max(-params.sonar_cap, std::min(0.0, hypothesis.sonar - best_sonar));
+}
+
+double score_of(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params) {
+  double log_posterior =
+      hypothesis.closed_score + hypothesis.walls + hypothesis.log_prior + held_by_sonar(hypothesis, best_sonar, params);
+  for (const ObjectVote& vote : hypothesis.votes) {
+    log_posterior += vote.weighted_sum / std::max(1e-9, vote.weight) *
+                     std::min(1.0, static_cast<double>(vote.frames) / params.frames_for_full_vote);
+  }
+  for (const FixtureAbsence& absence : hypothesis.absences) {
+    const double share = static_cast<double>(absence.missed) / std::max(1, absence.expected);
+    log_posterior += std::log(1.0 - (1.0 - params.miss_probability) * share) *
+                     std::min(1.0, static_cast<double>(absence.expected) / params.frames_for_full_miss);
+  }
+  return log_posterior;
+}
+
+bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params) {
+  return distance(a, b) < params.merge_distance && std::abs(wrap_angle(a.theta - b.theta)) < params.merge_angle;
+}
+
+namespace {
+
+void settle(Hypothesis& hypothesis, std::vector<ObjectVote> votes, std::vector<FixtureAbsence> absences,
+            const HypothesisParams& params) {
+  if (votes.empty() && absences.empty()) {
+    return;
+  }
+  Hypothesis over;
+  over.votes = std::move(votes);
+  over.absences = std::move(absences);
+  hypothesis.closed_score += score_of(over, 0.0, params);
+}
+
+}  // namespace
+
+void settle_what_is_over(Hypothesis& hypothesis, std::span<const ObjectTrack> forgotten, double odometer,
+                         const HypothesisParams& params) {
+  std::vector<ObjectVote> votes;
+  const auto is_forgotten = [&](const ObjectVote& vote) {
+    return std::any_of(forgotten.begin(), forgotten.end(), [&](const ObjectTrack& o) { return o.id == vote.object; });
+  };
+  if (!forgotten.empty()) {
+    std::copy_if(hypothesis.votes.begin(), hypothesis.votes.end(), std::back_inserter(votes), is_forgotten);
+    std::erase_if(hypothesis.votes, is_forgotten);
+  }
+  std::vector<FixtureAbsence> absences;
+  const auto is_passed = [&](const FixtureAbsence& absence) { return odometer - absence.odometer > kPassedBy; };
+  std::copy_if(hypothesis.absences.begin(), hypothesis.absences.end(), std::back_inserter(absences), is_passed);
+  std::erase_if(hypothesis.absences, is_passed);
+  settle(hypothesis, std::move(votes), std::move(absences), params);
+}
+
+void settle_all(Hypothesis& hypothesis, const HypothesisParams& params) {
+  settle(hypothesis, std::exchange(hypothesis.votes, {}), std::exchange(hypothesis.absences, {}), params);
+}
+
+}  // namespace luminav

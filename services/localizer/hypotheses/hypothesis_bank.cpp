@@ -1,0 +1,338 @@
+#include "services/localizer/hypotheses/hypothesis_bank.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace luminav {
+namespace {
+
+constexpr int kMaxImages = 2;          // that one stands for: chance is not averaged out as by many
+constexpr int kLongestRound = 8;       // [steps] of hearing echoes; beyond it some are left out
+constexpr std::size_t kFewEchoes = 3;  // that are always heard
+
+const PoseBelief kNoMotion{{}, Eigen::Matrix3d::Zero()};
+
+double log_of_normal_tail(double deviations) {
+  // log of the normal distribution function; below -5 nothing is told apart any more
+  constexpr double kCertain = 8.5;  // beyond it the function is 1 to the last bit
+  return deviations > kCertain ? 0.0 : std::log(std::max(3e-7, 0.5 * std::erfc(-deviations / std::sqrt(2.0))));
+}
+
+}  // namespace
+
+HypothesisBank::HypothesisBank(const FixtureMap& map, const CeilingView& view, const WallField& walls,
+                               double ceiling_height, double wheel_base, const SonarRing& sonar,
+                               const ErrorParams& errors, const HypothesisParams& params)
+    : map_(map),
+      view_(view),
+      walls_(walls),
+      ceiling_height_(ceiling_height),
+      wheel_base_(wheel_base),
+      sonar_(sonar),
+      errors_(errors),
+      params_(params),
+      seeding_(map_, view_, walls_, ceiling_height, wheel_base, errors_, params_),
+      ranking_(params_),
+      budget_(params.work),
+      lag_(kNoMotion) {}
+
+void HypothesisBank::clear() {
+  ++beginnings_;
+  hypotheses_.clear();
+  null_settled_ = 0.0;
+  null_active_ = 0.0;
+  best_sonar_ = 0.0;
+  trail_.clear();
+  phase_ = Phase::kIdle;
+  seeding_.abort();
+  has_moved_ = false;
+  lag_ = kNoMotion;
+  distance_ = 0.0;
+  settles_ = false;
+  has_stretch_ = false;
+  echoes_.clear();
+  forgotten_.clear();
+}
+
+void HypothesisBank::advance(const Pose2& delta) {
+  has_moved_ = true;
+  predict(lag_, delta, odometry_noise_with_systematics(delta, wheel_base_, errors_));
+  const double distance = std::hypot(delta.x, delta.y);
+  distance_ += distance;
+  distance_since_correction_ += distance + 0.5 * std::abs(delta.theta);
+  has_stretch_ |= trail_.advance(delta);
+}
+
+void HypothesisBank::bridge(const Pose2& step, const Eigen::Matrix3d& noise) {
+  trail_.clear();
+  has_stretch_ = false;
+  has_moved_ = true;
+  predict(lag_, step, noise);
+  settles_ = true;
+  distance_since_correction_ += params_.decorrelation_distance;
+}
+
+std::size_t HypothesisBank::max_echoes() const {
+  return std::max(kFewEchoes, static_cast<std::size_t>(kLongestRound) * static_cast<std::size_t>(params_.work) /
+                                  std::max<std::size_t>(1, kUnitsPerEcho * hypotheses_.size()));
+}
+
+void HypothesisBank::listen(const std::vector<PlacedEcho>& echoes) {
+  echoes_ = echoes;
+}
+
+void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting,
+                             ObjectTracks& tracks, const OdometryReading& odometry, double odometer) {
+  ++images_;
+  forgotten_.insert(forgotten_.end(), tracks.forgotten().begin(), tracks.forgotten().end());
+  if (phase_ == Phase::kIdle) {
+    const std::vector<ObjectTrack> before = std::exchange(round_.objects, tracks.objects());
+    round_.images_of_sighting.clear();
+    for (const int index : object_of_sighting) {
+      const ObjectTrack& object = round_.objects[static_cast<std::size_t>(index)];
+      const auto known =
+          std::find_if(before.begin(), before.end(), [&](const ObjectTrack& o) { return o.id == object.id; });
+      const int images = object.frames - (known == before.end() ? 0 : known->frames);
+      round_.images_of_sighting.push_back(std::clamp(images, 1, kMaxImages));
+    }
+    round_.has_image = true;
+    round_.frame = frame;
+    round_.object_of_sighting = object_of_sighting;
+    round_.odometry = odometry;
+    round_.odometer = odometer;
+    begin_round();
+  }
+  compare_next();
+}
+
+void HypothesisBank::wait() {
+  if (phase_ == Phase::kIdle) {
+    round_.has_image = false;
+    round_.frame = {};
+    begin_round();
+  }
+  compare_next();
+}
+
+void HypothesisBank::begin_round() {
+  round_.echoes = std::exchange(echoes_, {});
+  if (!walls_.has_walls() || hypotheses_.empty()) {
+    round_.echoes.clear();
+  }
+  round_best_sonar_ = -1e18;
+  const bool has_stretch = std::exchange(has_stretch_, false) && walls_.has_walls() && hypotheses_.size() > 1;
+  round_.stretch = has_stretch ? trail_.points() : std::vector<Eigen::Vector2d>{};
+  round_.has_moved = std::exchange(has_moved_, false);
+  round_.step = std::exchange(lag_, kNoMotion);
+  round_.distance = std::exchange(distance_, 0.0);
+  round_.settles = std::exchange(settles_, false);
+  if (round_.settles) {
+    null_settled_ += std::exchange(null_active_, 0.0);
+  }
+  if (round_.has_image) {
+    round_.images = std::min(std::exchange(images_, 0), kMaxImages);
+    round_.forgotten = std::exchange(forgotten_, {});
+    // Constant errors are drawn anew only every `decorrelation_distance`: between, an image counts for its share of it.
+    round_.share = std::clamp(distance_since_correction_ / params_.decorrelation_distance, 0.02, 1.0);
+    distance_since_correction_ = 0.0;
+    const auto misfit = [&](const ObjectTrack& object) {
+      return params_.misfit * std::min(1.0, static_cast<double>(object.frames) / params_.frames_for_full_vote);
+    };
+    null_active_ = 0.0;
+    for (const ObjectTrack& object : round_.objects) {
+      null_active_ += misfit(object);
+    }
+    for (const ObjectTrack& object : round_.forgotten) {
+      null_settled_ += misfit(object);
+    }
+    comparer_.emplace(round_.frame, round_.odometry.linear, round_.odometry.angular, map_, view_, ceiling_height_,
+                      errors_, params_);
+  }
+  next_ = 0;
+  phase_ = Phase::kCompare;
+}
+
+void HypothesisBank::compare_next() {
+  if (phase_ != Phase::kCompare) {
+    return;
+  }
+  const int cost = 2 + (round_.has_image ? 1 + static_cast<int>(round_.frame.sightings.size()) : 0) +
+                   kUnitsPerEcho * static_cast<int>(round_.echoes.size()) + (round_.stretch.empty() ? 0 : 6);
+  while (next_ < hypotheses_.size()) {
+    if (budget_.is_spent()) {
+      return;
+    }
+    budget_.spend(cost);
+    visit(hypotheses_[next_]);
+    if (may_lead(hypotheses_[next_])) {
+      round_best_sonar_ = std::max(round_best_sonar_, hypotheses_[next_].sonar);
+    }
+    ++next_;
+  }
+  if (!round_.echoes.empty()) {
+    best_sonar_ = round_best_sonar_;
+  }
+  phase_ = Phase::kCompared;
+}
+
+// One that sonar alone could not bring before the leader must not be what all others are measured by: it would hold
+// them all at the most that sonar can hold against a pose, and say nothing of which is the better one.
+bool HypothesisBank::may_lead(const Hypothesis& hypothesis) const {
+  const auto without_sonar = [](const Hypothesis& h) { return h.log_posterior - h.sonar_part; };
+  return without_sonar(hypothesis) >= without_sonar(hypotheses_.front()) - params_.sonar_cap;
+}
+
+void HypothesisBank::visit(Hypothesis& hypothesis) const {
+  if (round_.settles) {
+    settle_all(hypothesis, params_);
+  }
+  if (round_.has_moved) {
+    move(hypothesis);
+  }
+  if (!round_.echoes.empty()) {
+    hypothesis.sonar +=
+        params_.sonar_weight * log_likelihood_of_echoes(hypothesis.belief, round_.echoes, walls_, sonar_.half_angle);
+  }
+  if (round_.has_image) {
+    compare(hypothesis);
+  }
+}
+
+void HypothesisBank::move(Hypothesis& hypothesis) const {
+  predict(hypothesis.belief, round_.step.pose, round_.step.covariance);
+  if (walls_.has_walls() && round_.distance > 0.0) {
+    // probability that the robot's middle is at least 0.1 m from the next wall cell, as it must be
+    const double room = walls_.distance_to_wall(hypothesis.belief.pose.position()) - 0.10;
+    const double sigma = std::max(0.05, position_sigma(hypothesis.belief.covariance));
+    hypothesis.walls += log_of_normal_tail(room / sigma) * round_.distance / params_.wall_test_distance;
+  }
+  if (!round_.stretch.empty()) {
+    hypothesis.walls += log_likelihood_of_trail(hypothesis.belief, round_.stretch, walls_);
+  }
+}
+
+void HypothesisBank::compare(Hypothesis& hypothesis) const {
+  settle_what_is_over(hypothesis, round_.forgotten, round_.odometer, params_);
+  const FrameComparison comparison = comparer_->compare(hypothesis.belief);
+  for (std::size_t i = 0; i < round_.frame.sightings.size(); ++i) {
+    const ObjectTrack& object = round_.objects[static_cast<std::size_t>(round_.object_of_sighting[i])];
+    // a sharp view tells more than one cut by the border
+    const double sigma = largest_position_sigma(round_.frame.sightings[i].covariance);
+    add_evidence(hypothesis, object, comparison.fixture_of_sighting[i], comparison.log_likelihood[i],
+                 1.0 / (1.0 + sigma * sigma / 0.01), round_.images_of_sighting[i]);
+  }
+  correct(hypothesis, comparison);
+  add_absence(hypothesis, comparison.expected, comparison.missed, round_.odometer, round_.images);
+}
+
+void HypothesisBank::correct(Hypothesis& hypothesis, const FrameComparison& comparison) const {
+  for (std::size_t i = 0; i < round_.frame.sightings.size(); ++i) {
+    if (comparison.fixture_of_sighting[i] < 0) {
+      continue;
+    }
+    hypothesis.last_match = round_.frame.utime;
+    const FixtureSighting& sighting = round_.frame.sightings[i];
+    const Fixture& fixture = map_[comparison.fixture_of_sighting[i]];
+    Eigen::Matrix3d white = white_sighting_covariance(sighting, fixture, errors_);
+    if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
+      white(2, 2) += kNoAngle;
+    }
+    const Eigen::Matrix3d noise = (white + comparer_->systematic_error(i)) / round_.share;
+    // several corrections in one image: linearise each at the pose the one before it left
+    const Innovation innovation = innovate(hypothesis.belief, sighting, fixture, noise);
+    luminav::correct(hypothesis.belief, innovation, noise);
+  }
+}
+
+void HypothesisBank::seed(ObjectTracks& tracks) {
+  // a round without an image has the objects of the last one, which have been used
+  if (phase_ == Phase::kCompared && round_.has_image) {
+    seeding_.begin(round_, tracks, best_sonar_ - 1.0);
+    min_log_posterior_ =
+        hypotheses_.empty() ? -1e18 : score_of(hypotheses_.front(), best_sonar_, params_) - params_.prune;
+    phase_ = Phase::kSpawn;
+  }
+  spawn_next();
+}
+
+void HypothesisBank::spawn_next() {
+  if (phase_ != Phase::kSpawn) {
+    return;
+  }
+  while (!seeding_.is_complete() && !budget_.is_spent()) {
+    for (Hypothesis& hypothesis : seeding_.next(hypotheses_, budget_)) {
+      hypothesis.closed_score = null_settled_;
+      if (score_of(hypothesis, best_sonar_, params_) >= min_log_posterior_) {
+        add(std::move(hypothesis));
+      }
+    }
+  }
+}
+
+void HypothesisBank::add(Hypothesis hypothesis) {
+  hypothesis.id = next_id_++;
+  hypothesis.log_posterior = score_of(hypothesis, best_sonar_, params_);
+  hypothesis.sonar_part = held_by_sonar(hypothesis, best_sonar_, params_);
+  hypotheses_.push_back(std::move(hypothesis));
+}
+
+void HypothesisBank::add_guess(const PoseBelief& belief, double log_prior) {
+  Hypothesis guess;
+  guess.belief = belief;
+  guess.closed_score = null_settled_;
+  guess.sonar = best_sonar_;
+  guess.log_prior = log_prior;
+  guess.belief.pose = standing(hypotheses_.size(), belief.pose);
+  add(std::move(guess));
+  ranking_.begin();
+}
+
+void HypothesisBank::place(std::size_t index, const PoseBelief& belief) {
+  hypotheses_[index].belief = {standing(index, belief.pose), belief.covariance};
+}
+
+Pose2 HypothesisBank::standing(std::size_t index, const Pose2& now) const {
+  Pose2 pose = has_moved_ ? now * lag_.pose.inverse() : now;
+  if (awaits_visit(index) && round_.has_moved) {
+    pose = pose * round_.step.pose.inverse();
+  }
+  return pose;
+}
+
+PoseBelief HypothesisBank::belief_now(std::size_t index) const {
+  PoseBelief belief = hypotheses_[index].belief;
+  if (awaits_visit(index) && round_.has_moved) {
+    predict(belief, round_.step.pose, round_.step.covariance);
+  }
+  if (has_moved_) {
+    predict(belief, lag_.pose, lag_.covariance);
+  }
+  return belief;
+}
+
+Pose2 HypothesisBank::pose_now(std::size_t index) const {
+  Pose2 pose = hypotheses_[index].belief.pose;
+  if (awaits_visit(index) && round_.has_moved) {
+    pose = pose * round_.step.pose;
+  }
+  return has_moved_ ? pose * lag_.pose : pose;
+}
+
+void HypothesisBank::tidy() {
+  if (phase_ == Phase::kIdle) {
+    ranking_.begin();
+    phase_ = Phase::kRank;
+  }
+  spawn_next();
+  if (phase_ == Phase::kCompared || (phase_ == Phase::kSpawn && seeding_.is_complete())) {
+    ranking_.begin();
+    phase_ = Phase::kRank;
+  }
+  if (phase_ == Phase::kRank && ranking_.advance(hypotheses_, best_sonar_, budget_)) {
+    phase_ = Phase::kIdle;
+  }
+}
+
+}  // namespace luminav

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/localizer/hypotheses/evidence_round.hpp"
+#include "services/localizer/hypotheses/frame_comparison.hpp"
+#include "services/localizer/hypotheses/hypothesis.hpp"
+#include "services/localizer/hypotheses/hypothesis_ranking.hpp"
+#include "services/localizer/hypotheses/hypothesis_seeding.hpp"
+#include "services/localizer/hypotheses/sonar_evidence.hpp"
+#include "services/localizer/hypotheses/trajectory_check.hpp"
+#include "services/localizer/hypotheses/work_budget.hpp"
+#include "services/localizer/model/ceiling_view.hpp"
+#include "services/localizer/model/error_model.hpp"
+#include "services/localizer/model/fixture_map.hpp"
+#include "services/localizer/model/wall_field.hpp"
+
+namespace luminav {
+
+/// All poses that explain what was seen, each with a small Kalman filter and a score. Objects vote once each, however
+/// many images showed them; walls, sonar and missing fixtures count beside.
+///
+/// Work goes in rounds: one image is compared with every hypothesis, new ones are spawned of it, the list is sorted.
+/// Few hypotheses take one step for that; with thousands a round takes several, each with bounded work, and the images
+/// that pass meanwhile are left out. In between the list is that of the round before: nothing is to be concluded from
+/// it.
+class HypothesisBank {
+ public:
+  /// Everything given by reference must outlive this.
+  HypothesisBank(const FixtureMap& map, const CeilingView& view, const WallField& walls, double ceiling_height,
+                 double wheel_base, const SonarRing& sonar, const ErrorParams& errors, const HypothesisParams& params);
+  HypothesisBank(const HypothesisBank&) = delete;
+  HypothesisBank& operator=(const HypothesisBank&) = delete;
+
+  void clear();
+  /// The work allowed in one step begins anew.
+  void begin_step() { budget_.renew(); }
+  /// How often the list began anew.
+  [[nodiscard]] int beginnings() const { return beginnings_; }
+  /// Moves all by an odometry step.
+  void advance(const Pose2& delta);
+  /// Moves all by a step that no odometry measured, with its covariance in the frame at its beginning. The scene is to
+  /// be cleared: what is seen from now on are other objects.
+  void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
+  /// Echoes for the next round, in the robot frame of its image.
+  void listen(const std::vector<PlacedEcho>& echoes);
+  /// Echoes that leave the next round short.
+  [[nodiscard]] std::size_t max_echoes() const;
+  /// One image: sightings (rolling shutter taken out) with their object in the scene. Begins a round with it, or goes
+  /// on with the one begun.
+  void observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting, ObjectTracks& tracks,
+               const OdometryReading& odometry, double odometer);
+  /// The same without an image.
+  void wait();
+  /// New poses from objects of the scene that have not yet been used for it.
+  void seed(ObjectTracks& tracks);
+  /// Sorts by score, merges doubles, gives up what is far behind. Ends the round.
+  void tidy();
+  /// A round has begun and has not ended: some hypotheses have not seen its image, or are still to be spawned.
+  [[nodiscard]] bool is_busy() const { return phase_ != Phase::kIdle; }
+  /// The image of the round that is going on or ended last.
+  [[nodiscard]] const SightingFrame& frame() const { return round_.frame; }
+
+  /// A guess from outside, of where the robot is now.
+  void add_guess(const PoseBelief& belief, double log_prior);
+  /// Puts a hypothesis where the robot is now by what others know of it.
+  void place(std::size_t index, const PoseBelief& belief);
+
+  [[nodiscard]] const std::vector<Hypothesis>& hypotheses() const { return hypotheses_; }
+  [[nodiscard]] std::vector<Hypothesis>& hypotheses() { return hypotheses_; }
+  /// Belief of a hypothesis carried to now; its own may be that of the round's image.
+  [[nodiscard]] PoseBelief belief_now(std::size_t index) const;
+  [[nodiscard]] Pose2 pose_now(std::size_t index) const;
+  /// Score of "all that was seen is something else": what a pose not in the list would have.
+  [[nodiscard]] double null_score() const { return null_settled_ + null_active_; }
+  /// Units of work done in this step.
+  [[nodiscard]] int work_done() const { return budget_.spent(); }
+
+ private:
+  enum class Phase { kIdle, kCompare, kCompared, kSpawn, kRank };
+
+  void begin_round();
+  void compare_next();
+  [[nodiscard]] bool may_lead(const Hypothesis& hypothesis) const;
+  void visit(Hypothesis& hypothesis) const;
+  void move(Hypothesis& hypothesis) const;
+  void compare(Hypothesis& hypothesis) const;
+  void correct(Hypothesis& hypothesis, const FrameComparison& comparison) const;
+  void spawn_next();
+  void add(Hypothesis hypothesis);
+  /// Where a pose of now stood when the hypotheses did: at the round's image, or at the one before.
+  [[nodiscard]] Pose2 standing(std::size_t index, const Pose2& now) const;
+  [[nodiscard]] bool awaits_visit(std::size_t index) const { return phase_ == Phase::kCompare && index >= next_; }
+
+  const FixtureMap& map_;
+  const CeilingView& view_;
+  const WallField& walls_;
+  double ceiling_height_;  // [m]
+  double wheel_base_;      // [m]
+  SonarRing sonar_;
+  ErrorParams errors_;
+  HypothesisParams params_;
+  std::vector<Hypothesis> hypotheses_;
+  double null_settled_ = 0.0;
+  double null_active_ = 0.0;
+  double best_sonar_ = 0.0;
+  int next_id_ = 1;
+  int beginnings_ = 0;
+
+  // the round
+  Phase phase_ = Phase::kIdle;
+  EvidenceRound round_;
+  std::optional<FrameComparer> comparer_;
+  std::size_t next_ = 0;           // hypothesis to be compared with the image
+  double round_best_sonar_ = 0.0;  // of those that may lead and have heard the round's echoes
+  HypothesisSeeding seeding_;
+  double min_log_posterior_ = 0.0;  // what is spawned with less would be given up at once
+  HypothesisRanking ranking_;
+  WorkBudget budget_;
+
+  // what the next round begins with
+  bool has_moved_ = false;
+  PoseBelief lag_;         // motion since the round's image, in the robot frame there
+  double distance_ = 0.0;  // [m] of it
+  bool settles_ = false;
+  std::vector<PlacedEcho> echoes_;
+  std::vector<ObjectTrack> forgotten_;
+  int images_ = 0;
+  TrajectoryCheck trail_;
+  bool has_stretch_ = false;
+  double distance_since_correction_ = 0.0;  // [m], turns counted in
+};
+
+}  // namespace luminav

@@ -1,0 +1,91 @@
+#include "services/localizer/hypotheses/object_tracks.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+constexpr double kForgetAfter = 4.0;  // [m] driven: odometry drifts some 10 cm and 4 degrees
+constexpr double kDrift = 0.15;       // [m] 1-sigma of odometry and cut fixtures between two images of an object
+constexpr double kGate = 9.0;         // squared Mahalanobis distance
+
+Eigen::Matrix2d position_covariance_in_odom(const FixtureSighting& sighting, const Pose2& odom_from_robot) {
+  const double c = std::cos(odom_from_robot.theta);
+  const double s = std::sin(odom_from_robot.theta);
+  Eigen::Matrix2d rotation;
+  rotation << c, -s, s, c;
+  return rotation * sighting.covariance.topLeftCorner<2, 2>() * rotation.transpose();
+}
+
+}  // namespace
+
+double largest_position_sigma(const Eigen::Matrix3d& covariance) {
+  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double difference = 0.5 * (covariance(0, 0) - covariance(1, 1));
+  return std::sqrt(std::max(0.0, mean + std::hypot(difference, covariance(0, 1))));
+}
+
+void ObjectTracks::clear() {
+  objects_.clear();
+  forgotten_.clear();
+}
+
+std::vector<int> ObjectTracks::update(const SightingFrame& frame, const Pose2& odom_from_robot, double odometer) {
+  forgotten_.clear();
+  const auto is_stale = [&](const ObjectTrack& object) { return odometer - object.odometer > kForgetAfter; };
+  std::copy_if(objects_.begin(), objects_.end(), std::back_inserter(forgotten_), is_stale);
+  std::erase_if(objects_, is_stale);
+  for (ObjectTrack& object : objects_) {
+    object.is_visible = false;
+  }
+  std::vector<int> indices;
+  for (const FixtureSighting& sighting : frame.sightings) {
+    const Pose2 odom_from_sighting = odom_from_robot * sighting.robot_from_fixture;
+    int nearest = -1;
+    double min = kGate;
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const ObjectTrack& object = objects_[i];
+      if (object.is_visible) {
+        continue;  // two sightings of one image are two objects
+      }
+      const Eigen::Matrix2d covariance = position_covariance_in_odom(sighting, odom_from_robot) +
+                                         position_covariance_in_odom(object.best, object.odom_from_robot) +
+                                         kDrift * kDrift * Eigen::Matrix2d::Identity();
+      const Eigen::Vector2d offset = odom_from_sighting.position() - object.odom_from_object.position();
+      const double determinant = covariance.determinant();
+      const double squared =
+          (covariance(1, 1) * offset.x() * offset.x() - 2.0 * covariance(0, 1) * offset.x() * offset.y() +
+           covariance(0, 0) * offset.y() * offset.y()) /
+          determinant;
+      if (squared < min) {
+        min = squared;
+        nearest = static_cast<int>(i);
+      }
+    }
+    if (nearest < 0) {
+      nearest = static_cast<int>(objects_.size());
+      ObjectTrack object;
+      object.id = next_id_++;
+      object.best = sighting;
+      object.odom_from_object = odom_from_sighting;
+      object.odom_from_robot = odom_from_robot;
+      objects_.push_back(object);
+    }
+    ObjectTrack& object = objects_[static_cast<std::size_t>(nearest)];
+    ++object.frames;
+    object.is_visible = true;
+    object.odometer = odometer;
+    const double sharpness = largest_position_sigma(sighting.covariance);
+    if (sharpness <= 1.2 * largest_position_sigma(object.best.covariance) + 1e-9) {
+      object.best = sighting;
+      object.odom_from_object = odom_from_sighting;
+      object.odom_from_robot = odom_from_robot;
+    }
+    indices.push_back(nearest);
+  }
+  return indices;
+}
+
+}  // namespace luminav

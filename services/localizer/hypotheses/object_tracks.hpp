@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "services/localizer/model/fixture_sighting.hpp"
+
+namespace luminav {
+
+/// One thing on the ceiling, followed from image to image by odometry alone, whatever the world pose may be.
+struct ObjectTrack {
+  int id = 0;
+  FixtureSighting best;     // the sharpest sighting; its pose is not used, odom_from_object is
+  Pose2 odom_from_object;   // by the newest sighting that was about as sharp as the best
+  Pose2 odom_from_robot;    // where that sighting was made
+  int frames = 0;           // images that showed it
+  bool is_visible = false;  // in the newest image
+  double odometer = 0.0;    // [m] of the robot when last seen
+  bool seeded = false;      // hypotheses were made from it
+};
+
+/// The objects seen lately. Many images of one object are one piece of evidence, not many: its errors are the same in
+/// all of them. Objects are forgotten a few metres after they were last seen, before odometry's drift could mix them
+/// up.
+class ObjectTracks {
+ public:
+  /// Takes in one image's sightings and returns the index into `objects()` for each of them. `odometer` [m] is the way
+  /// driven so far. Objects that were forgotten are moved to `forgotten()`, valid until the next call.
+  std::vector<int> update(const SightingFrame& frame, const Pose2& odom_from_robot, double odometer);
+  void clear();
+
+  [[nodiscard]] const std::vector<ObjectTrack>& objects() const { return objects_; }
+  [[nodiscard]] std::vector<ObjectTrack>& objects() { return objects_; }
+  [[nodiscard]] const std::vector<ObjectTrack>& forgotten() const { return forgotten_; }
+
+ private:
+  std::vector<ObjectTrack> objects_;
+  std::vector<ObjectTrack> forgotten_;
+  int next_id_ = 1;
+};
+
+/// Long axis deviation [m] of a covariance's position part.
+double largest_position_sigma(const Eigen::Matrix3d& covariance);
+
+}  // namespace luminav

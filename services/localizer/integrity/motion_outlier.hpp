@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "services/localizer/integrity/slipping_wheels.hpp"
+#include "services/localizer/integrity/tracking_rules.hpp"
+#include "services/localizer/model/fixture_sighting.hpp"
+
+namespace luminav {
+
+/// Watches for things on the ceiling that rush past, which nothing there does unless somebody carries the robot. Things
+/// are linked from image to image by nearness alone: three images may be all that shows one.
+class MotionOutlier {
+ public:
+  /// `wheel_base` [m]
+  MotionOutlier(double wheel_base, const TrackingRules& rules) : wheel_base_(wheel_base), rules_(rules) {}
+
+  /// One image. True if a thing in view went by even steps, in each of the last two faster than the rules' speed beyond
+  /// what wheels, slipping or not, and noise explain, and no other that was seen as long did not.
+  [[nodiscard]] bool look(const SightingFrame& frame, const Pose2& odom_from_robot);
+  /// Relative motion across now is unknown.
+  void clear() { now_.clear(); }
+
+ private:
+  struct Thing {
+    CeilingLook look;
+    std::optional<Eigen::Vector2d> step;  // [m] from the image before, beside what the wheels say, robot frame
+    bool is_fast = false;                 // that step
+  };
+  [[nodiscard]] const Thing* find_before(const CeilingLook& now) const;
+
+  double wheel_base_;  // [m]
+  TrackingRules rules_;
+  std::vector<Thing> before_;  // of the image before
+  std::vector<Thing> now_;     // of the newest image
+};
+
+}  // namespace luminav

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "services/common/building/building.hpp"
+#include "services/localizer/model/fixture_sighting.hpp"
+
+namespace luminav {
+
+/// How far a sighting's kind and size may be from a fixture's.
+struct KindGate {
+  double length_tolerance = 0.15;  // [m]
+  double width_tolerance = 0.05;   // [m]
+  double relative = 0.10;          // fraction of the side, added to the tolerances
+  double bloom = 0.06;             // [m] that a burning lamp may look wider beyond, most in dark rooms: long exposure
+};
+
+/// The building's fixtures with an index by place: asking costs what lies near, not what the building has.
+class FixtureMap {
+ public:
+  explicit FixtureMap(std::vector<Fixture> fixtures, double cell = 3.0);
+
+  [[nodiscard]] const std::vector<Fixture>& fixtures() const { return fixtures_; }
+  [[nodiscard]] const Fixture& operator[](int index) const { return fixtures_[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] int size() const { return static_cast<int>(fixtures_.size()); }
+  /// Indices of the fixtures whose centre lies within `radius` [m] of a point of the world, appended to `found`.
+  void find_near(const Eigen::Vector2d& point_in_world, double radius, std::vector<int>& found) const;
+  /// The smallest distance [m] between two fixtures' centres; 1e9 with fewer than two.
+  [[nodiscard]] double smallest_spacing() const { return smallest_spacing_; }
+
+ private:
+  [[nodiscard]] std::size_t cell_index(int column, int row) const;
+
+  std::vector<Fixture> fixtures_;
+  double cell_;  // [m]
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<int> cell_start_;  // CSR: fixtures of cell i are members_[cell_start_[i] .. cell_start_[i + 1])
+  std::vector<int> members_;
+  double smallest_spacing_ = 1e9;
+};
+
+/// False when a sighting cannot be that fixture for its shape or size.
+[[nodiscard]] bool fits_kind_and_size(const FixtureSighting& sighting, const Fixture& fixture, const KindGate& gate);
+
+}  // namespace luminav

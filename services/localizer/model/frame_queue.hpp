@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "services/localizer/model/odometry_history.hpp"
+
+namespace luminav {
+
+/// Holds images until odometry reaches both sides of their time, and refuses those that are older than the last one
+/// used or than the odometry kept.
+class FrameQueue {
+ public:
+  void add_odometry(const OdometryReading& reading) { history_.add(reading); }
+  void add_frame(const SightingFrame& frame);
+  /// Forgets the waiting images and the odometry: relative motion across now is unknown.
+  void restart();
+
+  struct TimedFrame {
+    SightingFrame frame;
+    OdometryReading odometry;  // at the image's time
+  };
+  /// The next image whose time odometry has reached.
+  [[nodiscard]] std::optional<TimedFrame> next();
+
+  [[nodiscard]] const OdometryHistory& history() const { return history_; }
+  [[nodiscard]] std::int64_t dropped() const { return dropped_; }
+
+ private:
+  static constexpr std::size_t kMaxWaiting = 60;  // 4 s of images without odometry
+
+  OdometryHistory history_;
+  std::deque<SightingFrame> waiting_;
+  std::int64_t last_used_ = 0;  // [us]
+  std::int64_t dropped_ = 0;
+};
+
+}  // namespace luminav

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/localizer/model/fixture_sighting.hpp"
+#include "services/localizer/model/pose_belief.hpp"
+
+namespace luminav {
+
+/// A guess of the pose from outside.
+struct PoseGuess {
+  std::int64_t id = 0;
+  PoseBelief belief;
+};
+
+/// What the robot's base says of itself, as far as it matters here.
+struct BaseState {
+  std::int64_t utime = 0;  // [us]
+  bool connected = true;
+  bool motors_enabled = true;
+};
+
+/// Finds and follows the robot's pose. Two users: the paper's method and the modern one. Inputs come in the order they
+/// arrive; images may be late, and are placed at their own time by odometry.
+class Localizer {
+ public:
+  virtual ~Localizer() = default;
+  virtual void add_odometry(const OdometryReading& reading) = 0;
+  virtual void add_frame(const SightingFrame& frame) = 0;
+  virtual void add_sonar(const SonarScan& scan) = 0;
+  virtual void add_base_state(const BaseState& state) = 0;
+  virtual void add_guess(const PoseGuess& guess) = 0;
+  /// A pose from before a restart, carried to now by odometry. Held for true once the first sighting agrees.
+  virtual void recall(const PoseBelief& belief) = 0;
+
+  /// Carried forward to the newest odometry.
+  [[nodiscard]] virtual LocalizerEstimate estimate() const = 0;
+  /// Heaviest first; weights sum to at most 1.
+  [[nodiscard]] virtual std::vector<WeightedPose> hypotheses(std::size_t max) const = 0;
+  /// A sample of the particles; empty where there are none.
+  [[nodiscard]] virtual std::vector<WeightedPose> particles(std::size_t max) const = 0;
+  /// Images that came too late or too early to be used.
+  [[nodiscard]] virtual std::int64_t frames_dropped() const = 0;
+};
+
+}  // namespace luminav

@@ -1,0 +1,45 @@
+#include "services/localizer/model/odometry_gap.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+constexpr double kFastest = 3.0;   // [m/s] odometry that runs faster has jumped
+constexpr double kLongest = 2.4;   // [s] a watchdog's 2 s and half the time braking takes
+constexpr double kToKidnap = 6.0;  // [s] nobody lifts a robot, takes it elsewhere and sets it down in less
+const Eigen::Vector3d kAtRest{0.04, 0.04, 0.03};  // [m^2, m^2, rad^2] left open however short the gap is
+
+Pose2 arc(double linear, double angular, double time) {
+  const double turn = angular * time;
+  const double chord = linear * time * (std::abs(turn) < 1e-6 ? 1.0 : std::sin(0.5 * turn) / (0.5 * turn));
+  return {chord * std::cos(0.5 * turn), chord * std::sin(0.5 * turn), wrap_angle(turn)};
+}
+
+}  // namespace
+
+std::string find_gap(const OdometryReading& last, const OdometryReading& next) {
+  if (next.session != last.session) {
+    return "the odometry began anew";
+  }
+  const double elapsed = 1e-6 * static_cast<double>(next.utime - last.utime);
+  return distance(next.odom_from_robot, last.odom_from_robot) > 0.3 + kFastest * elapsed ? "the odometry jumped" : "";
+}
+
+OdometryGap odometry_gap(const OdometryReading& last, const OdometryReading& next) {
+  const double elapsed = 1e-6 * static_cast<double>(next.utime - last.utime);
+  const double longest = std::clamp(elapsed, 0.0, kLongest);
+  OdometryGap gap;
+  gap.may_be_kidnapped = elapsed > kToKidnap;
+  gap.step = arc(last.linear, last.angular, 0.5 * longest);
+  // any time up to the longest is as likely: along the arc the end is known as well as that
+  const double sigma = longest / std::sqrt(12.0);
+  const Eigen::Vector3d velocity(last.linear * std::cos(gap.step.theta), last.linear * std::sin(gap.step.theta),
+                                 last.angular);
+  gap.noise = sigma * sigma * velocity * velocity.transpose();
+  gap.noise.diagonal() += kAtRest;
+  return gap;
+}
+
+}  // namespace luminav

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "services/localizer/model/fixture_map.hpp"
+#include "services/localizer/model/pose_belief.hpp"
+#include "services/localizer/model/wall_field.hpp"
+#include "services/localizer/paper/nearest_fixture_grid.hpp"
+#include "services/localizer/paper/particle_kernels.hpp"
+
+namespace luminav {
+
+enum class ParticleScoring { kEquationOne, kGaussian };
+enum class ParticleResampling { kReplaceWorst, kSystematic };
+
+/// Parameters of the particle filter. The paper's: equation 1 and churn.
+struct ParticleParams {
+  int count = 2000;
+  ParticleScoring scoring = ParticleScoring::kEquationOne;
+  double distance_gain = 1.0 / 0.15;        // [1/m] kd of equation 1: the score is halved at 0.15 m
+  double angle_gain = 1.0 / radians(10.0);  // [1/rad] kt of equation 1
+  double weight_jitter = 0.01;              // sigma of equation 1's norm term
+  double position_sigma = 0.10;             // [m] of a sighting, Gaussian scoring
+  double heading_sigma = radians(3.0);      // [rad] likewise
+  double outlier = 1e-4;                    // likelihood of a sighting that is something else, likewise
+  double unknown_free = 0.5;                // P of a cell the map does not know
+  double min_free = 0.05;                   // P of an occupied cell
+  double turn_by_turn = 0.1;                // odometry noise: [rad/rad] (Thrun et al. 2005, table 5.6: alpha 1 .. 4)
+  double turn_by_distance = 0.05;           // [rad/m]
+  double distance_by_distance = 0.1;        // [m/m]
+  double distance_by_turn = 0.05;           // [m/rad]
+  int redraws = 5;                          // tries to move a particle without entering a wall
+  ParticleResampling resampling = ParticleResampling::kReplaceWorst;
+  double copied_share = 0.10;  // churn: the best replace as many of the worst
+  double random_share = 0.05;  // of the worst (churn) or of all (systematic) are drawn anew
+};
+
+/// A small generator whose numbers are the same on every machine. Steele et al. 2014 (splitmix64).
+class SplitMix {
+ public:
+  explicit SplitMix(std::uint64_t seed) : state_(seed) {}
+  std::uint64_t next();
+  /// In [0, 1).
+  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
+  /// Mean 0, deviation 1. Box and Muller 1958.
+  double gauss();
+
+ private:
+  std::uint64_t state_;
+};
+
+/// Particle filter: odometry with noise inside the free space; each sighting scored against the nearest fixture, by the
+/// paper's equation 1 or by a Gaussian; the paper's resampling, in which the best are copied over the worst and some of
+/// the worst are drawn anew, or the systematic one. One float array per coordinate, 28 bytes a particle and 4 more for
+/// the paper's resampling; noise comes from a counter, so the order of work does not change the numbers.
+class ParticleFilter {
+ public:
+  ParticleFilter(const FixtureMap& map, const WallField& walls, const ParticleParams& params, std::uint64_t seed);
+
+  /// Draws all anew in the free space.
+  void scatter();
+  void predict(const Pose2& delta);
+  /// Scores all particles, then resamples; no sightings, no update. At most 8 sightings are used.
+  void update(const std::vector<FixtureSighting>& sightings);
+  /// Puts a share of the particles around a pose.
+  void gather(const PoseBelief& belief, double share);
+
+  /// Mean and spread of all particles by their weights at the last update.
+  [[nodiscard]] const PoseBelief& belief() const { return belief_; }
+  /// The score of a pose without equation 1's norm term: mean over the sightings of 1 / (1 + kd d + kt |dtheta|), or
+  /// product of the Gaussians, times P(free).
+  [[nodiscard]] double score(const Pose2& pose, const std::vector<FixtureSighting>& sightings) const;
+
+  [[nodiscard]] std::size_t size() const { return count_; }
+  [[nodiscard]] Pose2 pose(std::size_t i) const { return {x_[i], y_[i], theta_[i]}; }
+  [[nodiscard]] double weight(std::size_t i) const { return static_cast<double>(weight_[i]); }
+  /// Of all particles together, working space included.
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  struct ScoredSighting {
+    float x = 0.0F;  // [m] in the robot frame
+    float y = 0.0F;
+    SightingScore score;
+  };
+  void draw(std::size_t i);
+  void move_inside_walls(const NoisyStep& step, std::size_t begin, std::size_t count, NoiseKey key);
+  [[nodiscard]] ScoredSighting prepare(const FixtureSighting& sighting) const;
+  void score_block(const float* x, const float* y, const float* theta, const std::vector<ScoredSighting>& sightings,
+                   float* scores, std::size_t count) const;
+  void replace_worst();
+  void resample_systematically(double total);
+  [[nodiscard]] double free_probability(const Eigen::Vector2d& point) const;
+  [[nodiscard]] NoiseKey next_key();
+
+  const WallField& walls_;
+  NearestFixtureGrid nearest_;
+  const ParticleKernels& kernels_;
+  ParticleParams params_;
+  SplitMix random_;
+  Eigen::Vector2d min_;  // [m] corners of where fixtures are, for buildings without a map
+  Eigen::Vector2d max_;
+  std::size_t count_;
+  std::vector<float> x_, y_, theta_, weight_;
+  std::vector<float> spare_x_, spare_y_, spare_theta_;  // systematic resampling writes here
+  std::vector<std::uint32_t> order_;                    // churn
+  std::vector<ScoredSighting> scored_;
+  PoseBelief belief_;
+};
+
+}  // namespace luminav

@@ -1,0 +1,244 @@
+#include "services/localizer/tracking/tracking_filter.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+double squared(double value) {
+  return value * value;
+}
+
+}  // namespace
+
+TrackingFilter::TrackingFilter(double height_above_camera, const Eigen::Vector2d& robot_from_camera, double wheel_base,
+                               const ErrorParams& errors, const TrackingParams& params)
+    : height_above_camera_(height_above_camera),
+      robot_from_camera_(robot_from_camera),
+      wheel_base_(wheel_base),
+      errors_(errors),
+      params_(params) {
+  // What was learnt of the robot outlives a new start of the pose.
+  covariance_.setZero();
+  covariance_(kScale, kScale) = squared(errors.wheel_scale);
+  covariance_(kDrift, kDrift) = squared(errors.wheel_ratio / wheel_base);
+  covariance_(kTurn, kTurn) = squared(errors.wheel_scale) + squared(errors.wheel_base);
+  covariance_(kScale, kTurn) = covariance_(kTurn, kScale) = squared(errors.wheel_scale);
+  covariance_(kTilt, kTilt) = covariance_(kTilt + 1, kTilt + 1) = squared(errors.camera_tilt);
+  covariance_(kYaw, kYaw) = squared(errors.camera_yaw);
+  covariance_(kCameraScale, kCameraScale) = squared(errors.camera_scale);
+  covariance_(kTime, kTime) = squared(errors.camera_time_offset);
+  covariance_(kFloor, kFloor) = covariance_(kFloor + 1, kFloor + 1) = squared(errors.floor_tilt);
+  covariance_(kLens, kLens) = squared(errors.lens_residual);
+}
+
+void TrackingFilter::start(const PoseBelief& belief) {
+  const auto forget = [&](int first, int count) {
+    covariance_.middleRows(first, count).setZero();
+    covariance_.middleCols(first, count).setZero();
+  };
+  forget(0, 3);
+  forget(kFixtures, 3 * kSlots);
+  state_.tail<3 * kSlots>().setZero();
+  state_.head<3>() << belief.pose.x, belief.pose.y, belief.pose.theta;
+  covariance_.topLeftCorner<3, 3>() = belief.covariance;
+  slots_ = {};
+}
+
+Pose2 TrackingFilter::corrected(const Pose2& delta) const {
+  const double forward = delta.x >= 0.0 ? 1.0 : -1.0;
+  const double distance = forward * std::hypot(delta.x, delta.y);
+  const double scale = 1.0 + state_(kScale);
+  const double extra = state_(kTurn) * delta.theta + state_(kDrift) * distance;
+  const double c = std::cos(0.5 * extra);
+  const double s = std::sin(0.5 * extra);
+  return {scale * (c * delta.x - s * delta.y), scale * (s * delta.x + c * delta.y), wrap_angle(delta.theta + extra)};
+}
+
+PoseBelief TrackingFilter::belief() const {
+  return {{state_(0), state_(1), wrap_angle(state_(2))}, covariance_.topLeftCorner<3, 3>()};
+}
+
+PoseBelief TrackingFilter::belief_after(const Pose2& delta) const {
+  TrackingFilter ahead = *this;
+  ahead.predict(delta);
+  return ahead.belief();
+}
+
+void TrackingFilter::bridge(const Pose2& step, const Eigen::Matrix3d& noise) {
+  const Eigen::Matrix3d rotation =
+      Eigen::AngleAxisd(state_(2), Eigen::Vector3d::UnitZ()).toRotationMatrix();  // the same for (x, y, theta)
+  predict(step);
+  covariance_.topLeftCorner<3, 3>() += rotation * noise * rotation.transpose();
+}
+
+void TrackingFilter::predict(const Pose2& delta) {
+  const Pose2 step = corrected(delta);
+  const Pose2 before{state_(0), state_(1), state_(2)};
+  const double forward = delta.x >= 0.0 ? 1.0 : -1.0;
+  const double distance = std::hypot(delta.x, delta.y);
+  const Pose2 after = before * step;
+  const double dx = after.x - before.x;
+  const double dy = after.y - before.y;
+
+  // d(pose after) / d(pose, scale, drift, turn)
+  Eigen::Matrix<double, 3, 6> f = Eigen::Matrix<double, 3, 6>::Zero();
+  f.leftCols<3>().setIdentity();
+  f(0, 2) = -dy;
+  f(1, 2) = dx;
+  f(0, 3) = dx / (1.0 + state_(kScale));
+  f(1, 3) = dy / (1.0 + state_(kScale));
+  f(2, 4) = forward * distance;
+  f(0, 4) = -0.5 * dy * f(2, 4);
+  f(1, 4) = 0.5 * dx * f(2, 4);
+  f(2, 5) = delta.theta;
+  f(0, 5) = -0.5 * dy * delta.theta;
+  f(1, 5) = 0.5 * dx * delta.theta;
+
+  const Eigen::Matrix<double, 3, kSize> rows = f * covariance_.topRows<6>();
+  const Eigen::Matrix3d corner = rows.leftCols<6>() * f.transpose();
+  const double c = std::cos(before.theta);
+  const double s = std::sin(before.theta);
+  Eigen::Matrix3d rotation;
+  rotation << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
+  covariance_.topRows<3>() = rows;
+  covariance_.leftCols<3>() = rows.transpose();
+  covariance_.topLeftCorner<3, 3>() = 0.5 * (corner + corner.transpose()) +
+                                      rotation * odometry_noise(delta, wheel_base_, errors_) * rotation.transpose();
+  state_.head<3>() << after.x, after.y, after.theta;
+
+  const double noisy_distance = noise_distance(delta, wheel_base_);
+  covariance_(kScale, kScale) += squared(params_.wheel_walk) * noisy_distance;
+  covariance_(kDrift, kDrift) += squared(params_.drift_walk) * noisy_distance;
+  covariance_(kTurn, kTurn) += squared(params_.wheel_walk) * noisy_distance;
+  // first-order Gauss-Markov process in space, stationary at floor_tilt
+  const double keep = std::exp(-distance / params_.floor_length);
+  state_.segment<2>(kFloor) *= keep;
+  covariance_.middleRows<2>(kFloor) *= keep;
+  covariance_.middleCols<2>(kFloor) *= keep;
+  covariance_(kFloor, kFloor) += (1.0 - keep * keep) * squared(errors_.floor_tilt);
+  covariance_(kFloor + 1, kFloor + 1) += (1.0 - keep * keep) * squared(errors_.floor_tilt);
+}
+
+int TrackingFilter::slot_of(int fixture) const {
+  for (int i = 0; i < kSlots; ++i) {
+    if (slots_[static_cast<std::size_t>(i)].fixture == fixture) {
+      return i;
+    }
+  }
+  return -1;
+}
+
+int TrackingFilter::take_slot(int fixture, double odometer) {
+  int slot = slot_of(fixture);
+  if (slot < 0) {
+    const auto oldest = std::min_element(slots_.begin(), slots_.end(), [](const Slot& a, const Slot& b) {
+      return (a.fixture < 0 ? -1.0 : a.odometer) < (b.fixture < 0 ? -1.0 : b.odometer);
+    });
+    slot = static_cast<int>(oldest - slots_.begin());
+    oldest->fixture = fixture;
+    const int first = kFixtures + 3 * slot;
+    state_.segment<3>(first).setZero();
+    covariance_.middleRows<3>(first).setZero();
+    covariance_.middleCols<3>(first).setZero();
+    covariance_(first, first) = covariance_(first + 1, first + 1) = squared(errors_.fixture_position);
+    covariance_(first + 2, first + 2) = squared(errors_.fixture_heading);
+  }
+  slots_[static_cast<std::size_t>(slot)].odometer = odometer;
+  return slot;
+}
+
+TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighting, const Fixture& fixture, int slot,
+                                                   double linear, double angular) const {
+  Pose2 world_from_fixture = fixture.world_from_fixture;
+  if (slot >= 0) {
+    const int first = kFixtures + 3 * slot;
+    world_from_fixture.x += state_(first);
+    world_from_fixture.y += state_(first + 1);
+    world_from_fixture.theta += state_(first + 2);
+  }
+  const Pose2 pose{state_(0), state_(1), state_(2)};
+  const ExpectedSighting ideal = expect_sighting(pose, world_from_fixture);
+  const double x = ideal.robot_from_fixture.x;
+  const double y = ideal.robot_from_fixture.y;
+  // Each error shifts the ceiling's picture by a field over the ceiling; what the field does to the fixture's heading
+  // is its derivative along the long side, seen across it.
+  const double h = height_above_camera_;
+  const Eigen::Vector2d p = (ideal.robot_from_fixture.position() - robot_from_camera_) / h;
+  const Eigen::Vector2d axis(std::cos(ideal.robot_from_fixture.theta), std::sin(ideal.robot_from_fixture.theta));
+  const double along = p.dot(axis);
+  const double across = -p.x() * axis.y() + p.y() * axis.x();
+  const Eigen::Vector3d by_yaw(-h * p.y(), h * p.x(), 1.0);
+  const Eigen::Vector3d by_scale(h * p.x(), h * p.y(), 0.0);
+  const Eigen::Vector3d by_time(-linear + angular * y, -angular * x, -angular);
+  const Eigen::Vector3d by_tilt_x(h * (1.0 + p.x() * p.x()), h * p.x() * p.y(), across * axis.x());
+  const Eigen::Vector3d by_tilt_y(h * p.x() * p.y(), h * (1.0 + p.y() * p.y()), across * axis.y());
+  const Eigen::Vector3d by_lens(h * p.squaredNorm() * p.x(), h * p.squaredNorm() * p.y(), 2.0 * along * across);
+  const double tilt_x = state_(kTilt) + state_(kFloor);
+  const double tilt_y = state_(kTilt + 1) + state_(kFloor + 1);
+  const Eigen::Vector3d shift = tilt_x * by_tilt_x + tilt_y * by_tilt_y + state_(kYaw) * by_yaw +
+                                state_(kCameraScale) * by_scale + state_(kTime) * by_time + state_(kLens) * by_lens;
+  const Pose2 expected{x + shift.x(), y + shift.y(), wrap_angle(ideal.robot_from_fixture.theta + shift.z())};
+
+  Expectation expectation;
+  expectation.residual = sighting_residual(sighting, expected, fixture.shape);
+  expectation.jacobian.setZero();
+  expectation.jacobian.leftCols<3>() = ideal.jacobian;
+  expectation.jacobian.col(kTilt) = expectation.jacobian.col(kFloor) = by_tilt_x;
+  expectation.jacobian.col(kTilt + 1) = expectation.jacobian.col(kFloor + 1) = by_tilt_y;
+  expectation.jacobian.col(kYaw) = by_yaw;
+  expectation.jacobian.col(kCameraScale) = by_scale;
+  expectation.jacobian.col(kTime) = by_time;
+  expectation.jacobian.col(kLens) = by_lens;
+  expectation.noise = white_sighting_covariance(sighting, fixture, errors_);
+  if (slot >= 0) {
+    // the fixture's place moves the picture as the robot's moves it back; its heading turns it about its own centre
+    expectation.jacobian.middleCols<2>(kFixtures + 3 * slot) = -ideal.jacobian.leftCols<2>();
+    expectation.jacobian(2, kFixtures + 3 * slot + 2) = 1.0;
+  } else {
+    expectation.noise.diagonal() += Eigen::Vector3d(
+        squared(errors_.fixture_position), squared(errors_.fixture_position), squared(errors_.fixture_heading));
+  }
+  if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
+    expectation.noise(2, 2) += kNoAngle;
+  }
+  return expectation;
+}
+
+Innovation TrackingFilter::innovate(const FixtureSighting& sighting, int index, const Fixture& fixture, double linear,
+                                    double angular) const {
+  const Expectation expectation = expect(sighting, fixture, slot_of(index), linear, angular);
+  Innovation innovation;
+  innovation.residual = expectation.residual;
+  innovation.jacobian = expectation.jacobian.leftCols<3>();
+  innovation.covariance = expectation.jacobian * covariance_ * expectation.jacobian.transpose() + expectation.noise;
+  innovation.nis = innovation.residual.dot(innovation.covariance.inverse() * innovation.residual);
+  innovation.log_volume =
+      0.5 * std::log(std::max(1.0, innovation.covariance.determinant() / expectation.noise.determinant()));
+  return innovation;
+}
+
+double TrackingFilter::correct(const FixtureSighting& sighting, int index, const Fixture& fixture, double linear,
+                               double angular, double odometer) {
+  const int slot = take_slot(index, odometer);
+  const Expectation expectation = expect(sighting, fixture, slot, linear, angular);
+  const Eigen::Matrix<double, kSize, 3> cross = covariance_ * expectation.jacobian.transpose();
+  const Eigen::Matrix3d innovation = expectation.jacobian * cross + expectation.noise;
+  const Eigen::Matrix3d inverse = innovation.inverse();
+  Eigen::Matrix<double, kSize, 3> gain = cross * inverse;
+  const double nis = expectation.residual.dot(inverse * expectation.residual);
+  if (!params_.learn_errors) {
+    gain.bottomRows<kSize - 3>().setZero();
+  }
+  // P - K H P - P H' K' + K S K', valid for any gain (Schmidt's included)
+  const Covariance reduction = gain * cross.transpose();
+  covariance_ += gain * innovation * gain.transpose() - reduction - reduction.transpose();
+  covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
+  state_ += gain * expectation.residual;
+  state_(2) = wrap_angle(state_(2));
+  return nis;
+}
+
+}  // namespace luminav

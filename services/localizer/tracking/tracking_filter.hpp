@@ -1,0 +1,93 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "services/localizer/model/error_model.hpp"
+#include "services/localizer/model/fixture_map.hpp"
+#include "services/localizer/model/pose_belief.hpp"
+#include "services/localizer/model/sighting_model.hpp"
+
+namespace luminav {
+
+struct TrackingParams {
+  double gate = 16.27;         // chi2(3) at 99.9 %
+  bool learn_errors = true;    // false: constant errors are considered, not estimated (Schmidt)
+  double wheel_walk = 0.0005;  // [fraction per sqrt m] of scale and turn: tyres and floors differ from place to place
+  double drift_walk = 0.001;   // [rad/m per sqrt m] of the heading's drift per metre
+  double floor_length = 1.0;   // [m] over which the floor's tilt changes
+};
+
+/// Extended Kalman filter of the robot's pose together with what is wrong with robot, camera and the fixtures seen
+/// lately. Because the errors that do not average away are states with a known prior, looking at one fixture for long
+/// does not make the pose surer than fixture and camera are; and what driving reveals of them is put to use.
+/// Schmidt 1966 (consider states); Martinelli et al. 2007 for the wheels' part.
+class TrackingFilter {
+ public:
+  TrackingFilter(double height_above_camera, const Eigen::Vector2d& robot_from_camera, double wheel_base,
+                 const ErrorParams& errors, const TrackingParams& params);
+
+  /// Starts at a pose. Its covariance must be wide enough for the constant errors of camera and fixtures; the first
+  /// corrections then tie the pose to them.
+  void start(const PoseBelief& belief);
+  /// Moves on by an odometry step.
+  void predict(const Pose2& delta);
+  /// Innovation of a sighting taken as that fixture; twist in the robot frame at the image's time.
+  [[nodiscard]] Innovation innovate(const FixtureSighting& sighting, int index, const Fixture& fixture, double linear,
+                                    double angular) const;
+  /// Corrects by a sighting taken as that fixture, whatever its innovation; returns its normalised innovation squared.
+  double correct(const FixtureSighting& sighting, int index, const Fixture& fixture, double linear, double angular,
+                 double odometer);
+
+  /// Admits that the pose is less sure than thought.
+  void widen(const Eigen::Vector3d& variances) { covariance_.topLeftCorner<3, 3>().diagonal() += variances; }
+  /// Moves on by a step that no odometry measured; its covariance in the frame at its beginning.
+  void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
+
+  [[nodiscard]] PoseBelief belief() const;
+  /// Where an odometry step would lead, this filter left as it is.
+  [[nodiscard]] PoseBelief belief_after(const Pose2& delta) const;
+
+  // Layout of the state. Wheels: ground covered per odometry metre - 1, drift of the heading [rad/m], turn per odometry
+  // turn - 1. Camera: tilt as shift of the ceiling along x and y [rad], yaw [rad], scale - 1, time offset [s]. Floor:
+  // tilt likewise. Lens: k1 left over. Lens: k1 left over. Then x, y, theta [m, rad] of each fixture in its slot, world
+  // axes.
+  static constexpr int kScale = 3, kDrift = 4, kTurn = 5, kTilt = 6, kYaw = 8, kCameraScale = 9, kTime = 10,
+                       kFloor = 11, kLens = 13;
+  static constexpr int kFixtures = 14;
+  static constexpr int kSlots = 5;
+  static constexpr int kSize = kFixtures + 3 * kSlots;
+  using State = Eigen::Matrix<double, kSize, 1>;
+  using Covariance = Eigen::Matrix<double, kSize, kSize>;
+  [[nodiscard]] const State& state() const { return state_; }
+  [[nodiscard]] const Covariance& covariance() const { return covariance_; }
+
+ private:
+  using Jacobian = Eigen::Matrix<double, 3, kSize>;
+  struct Expectation {
+    Eigen::Vector3d residual;
+    Jacobian jacobian;
+    Eigen::Matrix3d noise;
+  };
+  struct Slot {
+    int fixture = -1;
+    double odometer = 0.0;  // [m] when last used
+  };
+  [[nodiscard]] Expectation expect(const FixtureSighting& sighting, const Fixture& fixture, int slot, double linear,
+                                   double angular) const;
+  [[nodiscard]] int slot_of(int fixture) const;
+  int take_slot(int fixture, double odometer);
+  [[nodiscard]] Pose2 corrected(const Pose2& delta) const;
+
+  double height_above_camera_;         // [m]
+  Eigen::Vector2d robot_from_camera_;  // [m]
+  double wheel_base_;                  // [m]
+  ErrorParams errors_;
+  TrackingParams params_;
+  State state_ = State::Zero();
+  Covariance covariance_ = Covariance::Identity();
+  std::array<Slot, kSlots> slots_;
+};
+
+}  // namespace luminav

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "services/planner/space/configuration_space.hpp"
+
+namespace luminav {
+
+using Polyline = std::vector<Eigen::Vector2d>;  // [m] world
+
+struct PathShapingParams {
+  double shortcut_length = 8.0;  ///< [m] the longest straight piece that is tried
+  double shortcut_slack = 1.02;  ///< a straight piece may cost this much of what it replaces
+  int smoothing_rounds = 40;     ///< of the elastic band
+  double tension = 0.30;         ///< pull towards the middle of the neighbours, each round
+  double push = 0.02;            ///< [m] away from the nearest obstacle, each round, where it is nearest
+  double spacing = 0.20;         ///< [m] between points of the result
+};
+
+/// Cost of a polyline [m of free way]: length times price, sampled at half a cell.
+double cost_of(const ConfigurationSpace& space, const Polyline& points);
+double cost_of(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+/// Whether a straight piece touches no blocked cell, sampled at half a cell.
+bool is_clear(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+
+/// The same of all pieces of a polyline.
+bool is_clear(const ConfigurationSpace& space, const Polyline& points);
+
+double polyline_length(const Polyline& points);
+/// Points at most `spacing` [m] apart, first and last kept exactly. At least two points, even of one place.
+Polyline resampled(const Polyline& points, double spacing);
+
+/// Makes a chain of cells a way that a person would walk: straight pieces where they cost no more, then an elastic band
+/// (Quinlan and Khatib 1993) that rounds corners and keeps to the middle. First and last point stay. Never leads
+/// through a blocked cell that the chain did not touch.
+Polyline shape_path(const ConfigurationSpace& space, const PathShapingParams& params, const Polyline& chain);
+
+}  // namespace luminav

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "services/planner/search/cost_field.hpp"
+#include "services/planner/space/configuration_space.hpp"
+
+namespace luminav {
+
+struct EscapeFromInflationParams {
+  double reach = 1.0;         // [m] from the robot
+  double body_radius = 0.22;  // [m] what seems to stand this close to the robot's middle cannot be there
+  double hard_radius = 0.30;  // [m] the space's own
+};
+
+/// The way out for a robot beside an obstacle: through cells that are blocked, never through solid ones.
+class EscapeFromInflation {
+ public:
+  /// `robot` [m, world] is in a cell inside the space, which must outlive this.
+  EscapeFromInflation(const ConfigurationSpace& space, const EscapeFromInflationParams& params,
+                      const Eigen::Vector2d& robot);
+
+  /// Cells from the robot's to one that a wave reached, both included: the way there and what it costs from there on
+  /// are the least together. Empty when there is none.
+  [[nodiscard]] std::vector<std::size_t> find(const CostField& field) const;
+  /// Whether no free cell can be reached, wherever the goal is.
+  [[nodiscard]] bool is_enclosed() const;
+
+ private:
+  /// Within reach, and nothing solid, as far as the robot doesn't stand there itself.
+  [[nodiscard]] bool may_enter(const Cell& cell) const;
+  /// Of a cell that may be entered.
+  [[nodiscard]] std::uint32_t price(const Cell& cell) const;
+  [[nodiscard]] std::size_t cells_in_reach() const;
+  /// Of a cell within reach, row by row.
+  [[nodiscard]] std::size_t local(const Cell& cell) const;
+  [[nodiscard]] Cell cell_of(std::size_t index) const;
+
+  const ConfigurationSpace& space_;
+  EscapeFromInflationParams params_;
+  Eigen::Vector2d robot_;
+  Cell start_;
+  int reach_;  // [cells]
+};
+
+}  // namespace luminav

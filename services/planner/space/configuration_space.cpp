@@ -1,0 +1,308 @@
+#include "services/planner/space/configuration_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "services/common/geometry/rounding.hpp"
+#include "services/planner/space/cell_reading.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr int kHighestPrice = 36;  // a diagonal step of 7 * 36 still fits the bucket queue's 256
+
+constexpr int kBlock = 64;  // [cells] side of what is measured at once
+
+/// Places along one axis: the cells whose centres lie before them, and the parts of a cell to there.
+template <std::size_t kCount>
+struct AxisPlaces {
+  std::array<int, kCount> cell;
+  std::array<double, kCount> part;
+};
+
+template <std::size_t kCount>
+AxisPlaces<kCount> locate(const std::array<double, kCount>& in_world, double origin, double resolution) {
+  AxisPlaces<kCount> places;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double at = (in_world[i] - origin) / resolution - 0.5;
+    places.cell[i] = floor_to_int(at);
+    places.part[i] = at - places.cell[i];
+  }
+  return places;
+}
+
+CellWindow united(const CellWindow& a, const CellWindow& b) {
+  return {std::min(a.first_column, b.first_column), std::max(a.last_column, b.last_column),
+          std::min(a.first_row, b.first_row), std::max(a.last_row, b.last_row)};
+}
+
+/// Price of a cell by its squared distance; 0 = blocked.
+std::array<std::uint8_t, 256> price_table(const ConfigurationSpaceParams& params, double resolution) {
+  std::array<std::uint8_t, 256> table{};
+  const double hard = params.hard_radius / resolution;
+  const double range = std::min<double>(params.clearance_range / resolution, kDistanceReach);
+  for (int square = 0; square < 256; ++square) {
+    const double distance = std::sqrt(square);
+    double price = ConfigurationSpace::kFreePrice;
+    if (square <= hard * hard + 1e-6) {
+      price = 0.0;
+    } else if (square != kNothingNear && distance < range) {
+      const double depth = (range - distance) / (range - hard);
+      price *= 1.0 + params.clearance_weight * depth * depth;
+    }
+    table[static_cast<std::size_t>(square)] =
+        static_cast<std::uint8_t>(std::min<long>(std::lround(price), kHighestPrice));
+  }
+  return table;
+}
+
+void check(const ConfigurationSpaceParams& params, double resolution) {
+  if (!(params.hard_radius >= 0.0) || params.hard_radius / resolution > kDistanceReach - 1) {
+    throw std::invalid_argument("configuration space: hard_radius must be between 0 and 14 cells");
+  }
+  if (!(params.clearance_range > params.hard_radius) || !(params.clearance_weight >= 0.0)) {
+    throw std::invalid_argument(
+        "configuration space: clearance_range must exceed hard_radius, clearance_weight be at least 0");
+  }
+}
+
+}  // namespace
+
+ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, const OccupancyGrid& grid,
+                                       const std::vector<SuspectedObstacle>& suspected, bool use_evidence,
+                                       bool is_weighed)
+    : params_(params),
+      use_evidence_(use_evidence),
+      is_graded_(is_weighed && params.clearance_weight > 0.0),
+      geometry_(grid.geometry),
+      solid_(BitGrid::unfilled(geometry_.columns, geometry_.rows)),
+      unknown_(BitGrid::unfilled(geometry_.columns, geometry_.rows)),
+      passable_(BitGrid::unfilled(geometry_.columns, geometry_.rows)) {
+  check(params, geometry_.resolution);
+  price_ = price_table(params, geometry_.resolution);
+  for (int square = 0; square < 256; ++square) {
+    const double cells = square == kNothingNear ? kDistanceReach + 1 : std::sqrt(square);
+    metres_[static_cast<std::size_t>(square)] = static_cast<float>(cells * geometry_.resolution);
+  }
+  squared_distance_ = std::make_unique_for_overwrite<std::uint8_t[]>(geometry_.size());
+  const auto blocks = [](int cells) { return static_cast<std::size_t>((cells + kBlock - 1) / kBlock); };
+  is_measured_.assign(blocks(geometry_.columns) * blocks(geometry_.rows), 0);
+  // some rows at a time: what has just been read is still in the cache when it is widened
+  constexpr int kRowsAtOnce = 64;
+  for (int first = 0, read_to = 0; first < geometry_.rows; first += kRowsAtOnce) {
+    const int last = std::min(first + kRowsAtOnce, geometry_.rows);
+    const int needed = std::min(last + kDistanceReach, geometry_.rows);
+    read(grid, suspected, read_to, needed, solid_, unknown_);
+    read_to = needed;
+    widen(first, last);
+  }
+  if (is_graded_) {
+    measure({0, geometry_.columns, 0, geometry_.rows});
+  }
+}
+
+void ConfigurationSpace::read(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected, int first_row,
+                              int last_row, BitGrid& solid, BitGrid& unknown) const {
+  const auto evidence_of = [&](double log_odds) {
+    const long evidence = std::lround(log_odds * kEvidencePerLogOdds);
+    return static_cast<std::int8_t>(std::clamp(evidence, -128L, 127L));
+  };
+  CellReading reading;
+  reading.disputed_is_wall = !params_.disputed_is_free;
+  reading.unknown_blocks = !params_.unknown_is_free;
+  if (use_evidence_) {
+    reading.occupied = evidence_of(params_.occupied_log_odds);
+    reading.not_free = evidence_of(params_.free_log_odds);
+  }
+  for (int row = first_row; row < last_row; ++row) {
+    const std::size_t first = geometry_.index({0, row});
+    read_cells(reading, grid.prior.data() + first, grid.evidence.data() + first, geometry_.columns, solid.row(row),
+               unknown.row(row));
+    solid.row(row)[solid.words_per_row()] = unknown.row(row)[unknown.words_per_row()] = 0;
+  }
+  for (const SuspectedObstacle& disc : suspected) {
+    const Cell centre = geometry_.cell_at(disc.centre);
+    const int reach = static_cast<int>(std::ceil(disc.radius / geometry_.resolution));
+    for (int row = std::max(first_row, centre.row - reach); row <= std::min(last_row - 1, centre.row + reach); ++row) {
+      for (int column = centre.column - reach; column <= centre.column + reach; ++column) {
+        const Cell cell{column, row};
+        if (geometry_.contains(cell) && (geometry_.centre_of(cell) - disc.centre).norm() <= disc.radius) {
+          solid.set(cell);
+        }
+      }
+    }
+  }
+}
+
+// Unknown cells block, but what is beside them was seen: they push nothing away.
+void ConfigurationSpace::widen(int first_row, int last_row) {
+  dilate(solid_, params_.hard_radius / geometry_.resolution, first_row, last_row, passable_);
+  const std::size_t words = passable_.words_per_row();
+  const int last_column = geometry_.columns - 1;
+  for (int row = first_row; row < last_row; ++row) {
+    std::uint64_t* bits = passable_.row(row);
+    if (row == 0 || row == geometry_.rows - 1) {
+      std::fill(bits, bits + words, std::uint64_t{0});
+      continue;
+    }
+    const std::uint64_t* unknown = unknown_.row(row);
+    for (std::size_t i = 0; i < words; ++i) {
+      bits[i] = ~(bits[i] | unknown[i]);
+    }
+    bits[0] &= ~std::uint64_t{1};
+    bits[words - 1] &= (std::uint64_t{1} << (last_column % 64)) - 1;  // neither the last column nor what is beyond
+  }
+}
+
+void ConfigurationSpace::measure(const CellWindow& window) const {
+  update_squared_distances(solid_, window, squared_distance_.get());
+}
+
+void ConfigurationSpace::measure_around(const Cell& cell) const {
+  const int block_columns = (geometry_.columns + kBlock - 1) / kBlock;
+  std::uint8_t& is_measured =
+      is_measured_[static_cast<std::size_t>(cell.row / kBlock * block_columns + cell.column / kBlock)];
+  if (is_measured == 0) {
+    const int column = cell.column / kBlock * kBlock;
+    const int row = cell.row / kBlock * kBlock;
+    measure({column, std::min(column + kBlock, geometry_.columns), row, std::min(row + kBlock, geometry_.rows)});
+    is_measured = 1;
+  }
+}
+
+CostTerrain ConfigurationSpace::terrain() const {
+  return {&passable_, is_graded_ ? squared_distance_.get() : nullptr,
+          is_graded_ ? price_.data() : price_.data() + kNothingNear};
+}
+
+int ConfigurationSpace::price(const Cell& cell) const {
+  if (is_blocked(cell)) {
+    return 0;
+  }
+  return params_.clearance_weight > 0.0 ? price_[squared_distance(cell)] : kFreePrice;
+}
+
+ConfigurationSpace::Update ConfigurationSpace::update(const OccupancyGrid& grid,
+                                                      const std::vector<SuspectedObstacle>& suspected) {
+  if (!(grid.geometry == geometry_) || geometry_.size() == 0) {
+    *this = ConfigurationSpace(params_, grid, suspected, use_evidence_, is_graded_);
+    return {};
+  }
+  BitGrid solid = BitGrid::unfilled(geometry_.columns, geometry_.rows);
+  BitGrid unknown = BitGrid::unfilled(geometry_.columns, geometry_.rows);
+  read(grid, suspected, 0, geometry_.rows, solid, unknown);
+  const CellWindow in_solid = difference(solid, solid_);
+  const CellWindow in_unknown = difference(unknown, unknown_);
+  if (in_solid.is_empty() && in_unknown.is_empty()) {
+    return {.is_local = true, .changes = {}, .window = {}};
+  }
+  const CellWindow window = in_solid.is_empty() ? in_unknown
+                            : in_unknown.is_empty()
+                                ? in_solid.grown(kDistanceReach, geometry_.columns, geometry_.rows)
+                                : united(in_solid.grown(kDistanceReach, geometry_.columns, geometry_.rows), in_unknown);
+  const auto price_at = [&](const Cell& cell) {
+    return static_cast<std::uint8_t>(!passable_.test(cell) ? 0
+                                     : is_graded_          ? price_[squared_distance_[geometry_.index(cell)]]
+                                                           : kFreePrice);
+  };
+  std::vector<std::uint8_t> before;
+  for (int row = window.first_row; row < window.last_row; ++row) {
+    for (int column = window.first_column; column < window.last_column; ++column) {
+      before.push_back(price_at({column, row}));
+    }
+  }
+  solid_ = std::move(solid);
+  unknown_ = std::move(unknown);
+  widen(window.first_row, window.last_row);
+  if (is_graded_) {
+    measure(window);
+  } else {
+    forget_distances(window);
+  }
+  Update update{.is_local = true, .changes = {}, .window = window};
+  std::size_t i = 0;
+  for (int row = window.first_row; row < window.last_row; ++row) {
+    for (int column = window.first_column; column < window.last_column; ++column, ++i) {
+      if (price_at({column, row}) != before[i]) {
+        update.changes.push_back({static_cast<std::uint32_t>(geometry_.index({column, row})), before[i]});
+      }
+    }
+  }
+  return update;
+}
+
+void ConfigurationSpace::forget_distances(const CellWindow& window) {
+  const int block_columns = (geometry_.columns + kBlock - 1) / kBlock;
+  for (int row = window.first_row / kBlock; row <= (window.last_row - 1) / kBlock; ++row) {
+    for (int column = window.first_column / kBlock; column <= (window.last_column - 1) / kBlock; ++column) {
+      is_measured_[static_cast<std::size_t>(row * block_columns + column)] = 0;
+    }
+  }
+}
+
+double ConfigurationSpace::clearance(const Cell& cell) const {
+  return geometry_.contains(cell) ? static_cast<double>(metres_[squared_distance(cell)]) : 0.0;
+}
+
+inline double ConfigurationSpace::between_cells(const Cell& cell, double u, double v) const {
+  const std::uint8_t* lower = squared_distance_.get() + geometry_.index(cell);
+  const std::uint8_t* upper = lower + geometry_.columns;
+  return (1.0 - v) * ((1.0 - u) * static_cast<double>(metres_[lower[0]]) + u * static_cast<double>(metres_[lower[1]])) +
+         v * ((1.0 - u) * static_cast<double>(metres_[upper[0]]) + u * static_cast<double>(metres_[upper[1]]));
+}
+
+double ConfigurationSpace::clearance_at(const Eigen::Vector2d& point_in_world) const {
+  const Eigen::Vector2d p = (point_in_world - geometry_.origin) / geometry_.resolution - Eigen::Vector2d(0.5, 0.5);
+  const int column = floor_to_int(p.x());
+  const int row = floor_to_int(p.y());
+  const double u = p.x() - column;
+  const double v = p.y() - row;
+  // most often all four lie in one block that has been measured
+  const bool is_inside = column >= 0 && row >= 0 && column + 1 < geometry_.columns && row + 1 < geometry_.rows;
+  if (is_inside && (is_graded_ || ((column + 1) % kBlock != 0 && (row + 1) % kBlock != 0))) {
+    if (!is_graded_) {
+      measure_around({column, row});
+    }
+    return between_cells({column, row}, u, v);
+  }
+  return (1.0 - v) * ((1.0 - u) * clearance({column, row}) + u * clearance({column + 1, row})) +
+         v * ((1.0 - u) * clearance({column, row + 1}) + u * clearance({column + 1, row + 1}));
+}
+
+std::array<double, 5> ConfigurationSpace::clearances_around(const Eigen::Vector2d& point_in_world, double step) const {
+  // the point itself, then the one beyond it on the axis, and the one before
+  const double x = point_in_world.x();
+  const double y = point_in_world.y();
+  const AxisPlaces<3> columns = locate<3>({x, x + step, x - step}, geometry_.origin.x(), geometry_.resolution);
+  const AxisPlaces<3> rows = locate<3>({y, y + step, y - step}, geometry_.origin.y(), geometry_.resolution);
+  const int left = columns.cell[2];
+  const int right = columns.cell[1];
+  const int below = rows.cell[2];
+  const int above = rows.cell[1];
+  const bool is_inside = left >= 0 && below >= 0 && right + 1 < geometry_.columns && above + 1 < geometry_.rows;
+  const bool is_of_one_block = left / kBlock == (right + 1) / kBlock && below / kBlock == (above + 1) / kBlock;
+  if (!is_inside || (!is_graded_ && !is_of_one_block)) {
+    return {clearance_at(point_in_world), clearance_at({x + step, y}), clearance_at({x - step, y}),
+            clearance_at({x, y + step}), clearance_at({x, y - step})};
+  }
+  if (!is_graded_) {
+    measure_around({left, below});
+  }
+  constexpr std::array<std::size_t, 5> kColumn = {0, 1, 2, 0, 0};
+  constexpr std::array<std::size_t, 5> kRow = {0, 0, 0, 1, 2};
+  std::array<double, 5> result;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] =
+        between_cells({columns.cell[kColumn[i]], rows.cell[kRow[i]]}, columns.part[kColumn[i]], rows.part[kRow[i]]);
+  }
+  return result;
+}
+
+double ConfigurationSpace::price_at(const Eigen::Vector2d& point_in_world) const {
+  const Cell cell = geometry_.cell_at(point_in_world);
+  return is_blocked(cell) ? kBlockedPrice : static_cast<double>(price(cell)) / kFreePrice;
+}
+
+}  // namespace luminav

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "services/common/building/occupancy_grid.hpp"
+#include "services/planner/search/cost_field.hpp"
+#include "services/planner/space/bit_grid.hpp"
+#include "services/planner/space/distance_field.hpp"
+
+namespace luminav {
+
+struct ConfigurationSpaceParams {
+  double hard_radius = 0.30;       ///< [m] cells whose centre is this close to an occupied one are blocked
+  double clearance_range = 1.2;    ///< [m] nearer than this a cell costs more, so that paths keep to the middle
+  double clearance_weight = 6.0;   ///< times the price of a free cell that the nearest allowed one costs in addition
+  double occupied_log_odds = 0.8;  ///< evidence above makes a cell occupied
+  double free_log_odds = -0.6;     ///< evidence below makes a cell free of which the building's map knows nothing
+  bool unknown_is_free = false;    ///< plan through what nobody has seen
+  bool disputed_is_free = false;   ///< plan through walls that the sonars saw through
+};
+
+/// A disc that counts as occupied for a while: something stopped the robot there that no sonar shows.
+struct SuspectedObstacle {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  // [m] world
+  double radius = 0.15;                              // [m]
+};
+
+/// Where the middle of the robot may be, and what it costs to be there. Distances are measured between centres of
+/// cells. What blocks is kept and widened as bits; distances are filled in where somebody asks for them, unless prices
+/// depend on them.
+class ConfigurationSpace {
+ public:
+  /// Price of a cell far from everything; a step costs price times 5 (straight) or 7 (diagonal).
+  static constexpr int kFreePrice = 4;
+
+  ConfigurationSpace() = default;
+  /// `use_evidence` false gives the world as the building's map has it; `is_weighed` false saves a pass over the grid:
+  /// `terrain` has one price then, while `price` still knows every cell's own.
+  ConfigurationSpace(const ConfigurationSpaceParams& params, const OccupancyGrid& grid,
+                     const std::vector<SuspectedObstacle>& suspected, bool use_evidence = true, bool is_weighed = true);
+
+  struct Update {
+    bool is_local = false;  // false: everything may have changed
+    std::vector<PriceChange> changes;
+    CellWindow window;  // where they lie, and every cell whose distance is another now; empty: nothing has changed
+  };
+  /// Takes over a new state of the grid, and says which cells have another price now. Reading the grid costs a pass
+  /// over it, the rest only what changed.
+  Update update(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected);
+
+  [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
+  /// For a wave. Valid until the next update.
+  [[nodiscard]] CostTerrain terrain() const;
+  [[nodiscard]] const BitGrid& passable() const { return passable_; }
+  /// 0 = blocked, else the price of a cell inside the grid. The outermost ring of the grid is always blocked.
+  [[nodiscard]] int price(const Cell& cell) const;
+  [[nodiscard]] bool is_blocked(const Cell& cell) const { return !geometry_.contains(cell) || !passable_.test(cell); }
+  /// Occupied, or unknown while that counts as blocked: not even the robot's edge may be there.
+  [[nodiscard]] bool is_solid(const Cell& cell) const {
+    return !geometry_.contains(cell) || solid_.test(cell) || unknown_.test(cell);
+  }
+  /// Distance [m] from a cell's centre to the nearest occupied cell's; 1.6 m (at 0.1 m a cell) where nothing is near.
+  [[nodiscard]] double clearance(const Cell& cell) const;
+  /// The same between cells, bilinear [m].
+  [[nodiscard]] double clearance_at(const Eigen::Vector2d& point_in_world) const;
+  /// The same at a point, then to its right and left, above and below it, `step` [m] away.
+  [[nodiscard]] std::array<double, 5> clearances_around(const Eigen::Vector2d& point_in_world, double step) const;
+  /// Price per metre, 1 = free, at a point; that of a blocked cell is `kBlockedPrice`.
+  [[nodiscard]] double price_at(const Eigen::Vector2d& point_in_world) const;
+  static constexpr double kBlockedPrice = 60.0;
+
+ private:
+  void read(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected, int first_row, int last_row,
+            BitGrid& solid, BitGrid& unknown) const;
+  void widen(int first_row, int last_row);
+  /// Clearance [m] between a cell's centre and those to its right and above, by parts of a cell; all have been
+  /// measured.
+  [[nodiscard]] double between_cells(const Cell& cell, double u, double v) const;
+  void measure(const CellWindow& window) const;
+  void forget_distances(const CellWindow& window);
+  /// Measures the block of a cell unless it has been.
+  void measure_around(const Cell& cell) const;
+  [[nodiscard]] std::uint8_t squared_distance(const Cell& cell) const {
+    if (!is_graded_) {
+      measure_around(cell);
+    }
+    return squared_distance_[geometry_.index(cell)];
+  }
+
+  ConfigurationSpaceParams params_;
+  bool use_evidence_ = true;
+  bool is_graded_ = true;  // all prices are kept up to date
+  GridGeometry geometry_;
+  BitGrid solid_;
+  BitGrid unknown_;  // and not to be entered
+  BitGrid passable_;
+  // of square blocks of 64 cells, measured when first asked for; memory is touched only then
+  mutable std::vector<std::uint8_t> is_measured_;
+  mutable std::unique_ptr<std::uint8_t[]> squared_distance_;
+  std::array<std::uint8_t, 256> price_{};  // of each squared distance
+  std::array<float, 256> metres_{};        // of each squared distance
+};
+
+}  // namespace luminav

@@ -1,0 +1,44 @@
+#include "tests/evaluation/judge/start_resolvability.hpp"
+
+#include <algorithm>
+
+#include "services/common/building/map_file.hpp"
+#include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/robot_file.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr std::size_t kMaxFixtures = 1000;  // beyond, the audit takes longer than all runs
+constexpr double kNearEnough = 0.75;        // [m] from the start to the next place: it may stand nearer to a wall
+
+RivalGround audited_ground(const std::filesystem::path& building_file, const std::filesystem::path& robot_file) {
+  const Building building = read_building(building_file);
+  if (building.fixtures.empty() || building.fixtures.size() > kMaxFixtures) {
+    return {};
+  }
+  const PriorMap walls = building.map_file.empty() ? PriorMap{} : read_map(building.map_file);
+  return AmbiguityAudit(building, walls, read_robot(robot_file).camera, AuditParams{}).ground();
+}
+
+}  // namespace
+
+double StartResolvability::distance(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
+                                    const Eigen::Vector2d& start) {
+  Audit* audit = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    audit = &audits_[{building_file, robot_file}];
+  }
+  // outside of the lock: who asks for another building need not wait
+  std::call_once(audit->is_made, [&] { audit->ground = audited_ground(building_file, robot_file); });
+  const std::vector<Eigen::Vector2d>& points = audit->ground.points;
+  const auto nearest = std::min_element(
+      points.begin(), points.end(),
+      [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return (a - start).norm() < (b - start).norm(); });
+  return nearest == points.end() || (*nearest - start).norm() > kNearEnough
+             ? -1.0
+             : ResolvingWalk(audit->ground).length(static_cast<std::int32_t>(nearest - points.begin()));
+}
+
+}  // namespace luminav

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "services/localizer/audit/ambiguity_audit.hpp"
+
+namespace luminav {
+
+/// How far a robot must drive at least until the ceiling tells its pose, as scripts/audit has it. A building is audited
+/// once for all runs in it, which takes longer than many of them; any thread may ask.
+class StartResolvability {
+ public:
+  /// Length [m] of the shortest walk on which a start's last twin is refuted, whatever its heading. Infinite: never;
+  /// negative: not known, for a floor of more than a thousand fixtures or a start outside of the places looked at.
+  /// Throws ConfigurationError for files that cannot be used.
+  [[nodiscard]] double distance(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
+                                const Eigen::Vector2d& start);
+
+ private:
+  struct Audit {
+    std::once_flag is_made;
+    RivalGround ground;
+  };
+  std::mutex mutex_;
+  std::map<std::pair<std::filesystem::path, std::filesystem::path>, Audit> audits_;  // by building's and robot's file
+};
+
+}  // namespace luminav

@@ -1,0 +1,27 @@
+#include "tests/evaluation/report/output_file.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "services/common/configuration/toml_table.hpp"
+
+namespace luminav {
+
+namespace fs = std::filesystem;
+
+void check_writable(const std::string& flag, const std::string& path) {
+  if (path.empty()) {
+    return;
+  }
+  const fs::path folder = fs::absolute(path).parent_path();
+  if (!fs::is_directory(folder)) {
+    throw ConfigurationError(fmt::format("{} {}: there is no folder {}", flag, path, folder.string()));
+  }
+  if (fs::is_directory(path) || access(folder.c_str(), W_OK) != 0) {
+    throw ConfigurationError(fmt::format("{} {}: cannot be written", flag, path));
+  }
+}
+
+}  // namespace luminav

@@ -1,0 +1,219 @@
+#include "tests/evaluation/runs/whole_robot.hpp"
+
+#include <luminav/sim_truth_t.hpp>
+#include <opencv2/core.hpp>
+#include <stdexcept>
+
+#include "drivers/camera/camera_node.hpp"
+#include "drivers/camera/simulated/ceiling.hpp"
+#include "drivers/p3dx/p3dx_node.hpp"
+#include "drivers/simulator/arcos/arcos_controller.hpp"
+#include "drivers/simulator/simulator_node.hpp"
+#include "services/common/configuration/building_file.hpp"
+#include "services/common/process/channels.hpp"
+#include "services/common/process/clock.hpp"
+#include "services/common/process/subscriber.hpp"
+#include "services/controller/controller_node.hpp"
+#include "services/detector/detector_node.hpp"
+#include "services/localizer/localizer_node.hpp"
+#include "services/mapper/mapper_node.hpp"
+#include "services/planner/planner_node.hpp"
+#include "tests/evaluation/sensing/geometric_sensing.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr std::int64_t kStep = 10'000;  // [us]
+
+/// Moves bytes between the simulated microcontroller and the driver's line, and pulls the plug when the scenario does.
+class SerialLine {
+ public:
+  explicit SerialLine(ArcosController& controller) : controller_(controller) {}
+
+  void exchange() {
+    if (robot_end_ == nullptr || !robot_end_->is_open()) {
+      if (unplugged_) {
+        return;
+      }
+      robot_end_ = pipe_.open_robot_end();
+    }
+    std::uint8_t buffer[512];
+    while (const std::size_t count = robot_end_->read(buffer)) {
+      controller_.receive({buffer, count});
+    }
+    const std::vector<std::uint8_t> output = controller_.take_output();
+    robot_end_->write(output);
+  }
+  void set_unplugged(bool unplugged) {
+    if (unplugged != unplugged_) {
+      unplugged_ = unplugged;
+      unplugged ? pipe_.unplug() : pipe_.plug_in();
+    }
+  }
+  MemoryPipe& pipe() { return pipe_; }
+
+ private:
+  ArcosController& controller_;
+  MemoryPipe pipe_;
+  std::unique_ptr<ByteStream> robot_end_;
+  bool unplugged_ = false;
+};
+
+template <typename Mode>
+void override_mode(Mode& mode, const std::string& word) {
+  if (!word.empty()) {
+    mode = word == "paper" ? Mode::kPaper : Mode::kModern;
+  }
+}
+
+}  // namespace
+
+struct WholeRobot::Parts {
+  Parts(const Scenario& s, const WholeRobotOptions& o)
+      : scenario(s),
+        options(o),
+        believed(read_building(s.building_file)),
+        robot(read_robot(s.robot_file)),
+        world(draw_world(s, believed, robot)),
+        controller_board(board_config()),
+        serial(controller_board),
+        simulator(lcm, scenario.seed, world, controller_board),
+        subscriber(lcm) {
+    subscriber.on(channels::kSimTruth, &Parts::on_truth, this);
+    if (options.geometric != nullptr) {
+      sensing = std::make_unique<GeometricSensing>(lcm, world, believed, robot.camera, *options.geometric, s.seed);
+    } else {
+      ceiling = std::make_unique<SimulatedCeiling>(world, scenario.seed);
+    }
+    for (const char* process : {"p3dx", "camera", "detector", "localizer", "mapper", "planner", "controller"}) {
+      start(process);
+    }
+  }
+
+  [[nodiscard]] ArcosConfig board_config() const {
+    ArcosConfig config;
+    config.wheel_base = robot.wheel_base;
+    return config;
+  }
+
+  void on_truth(const sim_truth_t& truth) {
+    serial.set_unplugged(truth.serial_unplugged != 0);
+    if (sensing) {
+      sensing->on_truth(truth);
+    }
+  }
+
+  void start(const std::string& process) {
+    if (process == "p3dx") {
+      p3dx.reset();
+      p3dx =
+          std::make_unique<P3dxNode>(lcm, read_p3dx_config(scenario.robot_file), clock, serial.pipe().driver_opener());
+    } else if (process == "camera") {
+      if (sensing) {
+        return;  // keeps no state that a restart would lose
+      }
+      camera.reset();
+      CameraConfig config = read_camera_config(scenario.robot_file);
+      config.encoding = options.jpeg ? ImageEncoding::kJpeg : ImageEncoding::kMono8;
+      camera = std::make_unique<CameraNode>(lcm, config, clock, *ceiling);
+    } else if (process == "detector") {
+      if (sensing) {
+        return;
+      }
+      detector.reset();
+      DetectorConfig config = read_detector_config(scenario.robot_file, scenario.building_file);
+      override_mode(config.params.mode, options.detector_mode);
+      detector = std::make_unique<DetectorNode>(lcm, config);
+    } else if (process == "localizer") {
+      localizer.reset();
+      LocalizerConfig config = read_localizer_config(scenario.robot_file, scenario.building_file);
+      override_mode(config.mode, options.localizer_mode);
+      config.seed = scenario.seed;
+      localizer = std::make_unique<LocalizerNode>(lcm, config);
+    } else if (process == "mapper") {
+      mapper.reset();
+      mapper = std::make_unique<MapperNode>(lcm, read_mapper_config(scenario.robot_file, scenario.building_file));
+    } else if (process == "planner") {
+      planner.reset();
+      PlannerConfig config = read_planner_config(scenario.robot_file, scenario.building_file);
+      override_mode(config.route.mode, options.planner_mode);
+      planner = std::make_unique<PlannerNode>(lcm, config);
+    } else if (process == "controller") {
+      controller.reset();
+      controller =
+          std::make_unique<ControllerNode>(lcm, read_controller_config(scenario.robot_file, scenario.building_file));
+    } else {
+      throw std::invalid_argument("whole robot: no process " + process);
+    }
+  }
+
+  void drain() {
+    while (lcm.handleTimeout(0) > 0) {
+    }
+  }
+
+  lcm::LCM lcm{"memq://"};
+  VirtualClock clock;
+  Scenario scenario;
+  WholeRobotOptions options;
+  Building believed;
+  RobotDescription robot;
+  WorldTruth world;
+  ArcosController controller_board;
+  SerialLine serial;
+  SimulatorNode simulator;
+  std::unique_ptr<SimulatedCeiling> ceiling;
+  std::unique_ptr<GeometricSensing> sensing;
+  Subscriber subscriber;
+  std::unique_ptr<P3dxNode> p3dx;
+  std::unique_ptr<CameraNode> camera;
+  std::unique_ptr<DetectorNode> detector;
+  std::unique_ptr<LocalizerNode> localizer;
+  std::unique_ptr<MapperNode> mapper;
+  std::unique_ptr<PlannerNode> planner;
+  std::unique_ptr<ControllerNode> controller;
+};
+
+WholeRobot::WholeRobot(const Scenario& scenario, const WholeRobotOptions& options) {
+  cv::setNumThreads(1);
+  parts_ = std::make_unique<Parts>(scenario, options);
+}
+
+WholeRobot::~WholeRobot() = default;
+
+lcm::LCM& WholeRobot::lcm() {
+  return parts_->lcm;
+}
+const WorldTruth& WholeRobot::world() const {
+  return parts_->world;
+}
+const Building& WholeRobot::believed_building() const {
+  return parts_->believed;
+}
+const RobotDescription& WholeRobot::believed_robot() const {
+  return parts_->robot;
+}
+std::int64_t WholeRobot::utime() const {
+  return parts_->clock.utime();
+}
+
+void WholeRobot::step() {
+  Parts& p = *parts_;
+  p.clock.advance(kStep);
+  p.simulator.advance_to(p.clock.utime());
+  p.serial.exchange();
+  p.drain();
+  p.p3dx->poll();
+  p.drain();
+  p.serial.exchange();
+  if (p.camera) {
+    p.camera->poll();
+    p.drain();
+  }
+}
+
+void WholeRobot::restart(const std::string& process) {
+  parts_->start(process);
+}
+
+}  // namespace luminav

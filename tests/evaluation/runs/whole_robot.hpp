@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <lcm/lcm-cpp.hpp>
+#include <memory>
+#include <string>
+
+#include "drivers/simulator/world/scenario.hpp"
+#include "drivers/simulator/world/world_truth.hpp"
+#include "services/common/building/building.hpp"
+
+namespace luminav {
+
+class DetectorBehaviour;
+
+struct WholeRobotOptions {
+  std::string localizer_mode;  // "paper" or "modern"; "" = as the robot's file says
+  std::string detector_mode;
+  std::string planner_mode;
+  bool jpeg = true;                              // pictures are compressed as on the network; false: mono8
+  const DetectorBehaviour* geometric = nullptr;  // what geometric sensing draws from, instead of camera and detector
+};
+
+/// All drivers and services, the true nodes, in one program: one memq:// handle, one virtual clock, the serial line a
+/// pipe in memory. Same scenario, same messages.
+class WholeRobot {
+ public:
+  /// Throws ConfigurationError for what the files have wrong.
+  WholeRobot(const Scenario& scenario, const WholeRobotOptions& options);
+  ~WholeRobot();
+
+  [[nodiscard]] lcm::LCM& lcm();
+  [[nodiscard]] const WorldTruth& world() const;
+  [[nodiscard]] const Building& believed_building() const;
+  [[nodiscard]] const RobotDescription& believed_robot() const;
+  [[nodiscard]] std::int64_t utime() const;  // [us]
+
+  /// Time goes on by 10 ms.
+  void step();
+  /// The process loses all it knew and starts anew, as after a crash. Unknown names throw std::invalid_argument.
+  void restart(const std::string& process);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace luminav

@@ -1,0 +1,228 @@
+#include "services/localizer/paper/particle_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "services/localizer/paper/pose_clusters.hpp"
+#include "tests/unit/localizer/synthetic_world.hpp"
+
+namespace luminav {
+namespace {
+
+FixtureSighting sighting_at(double x, double y, double theta) {
+  FixtureSighting sighting;
+  sighting.robot_from_fixture = {x, y, theta};
+  sighting.covariance.setZero();
+  return sighting;
+}
+
+constexpr double kFloatSum = 1e-6;  // weights are stored as float
+
+class ParticleFilterTest : public ::testing::Test {
+ protected:
+  testing::TestBuilding building_ = testing::two_rooms();
+  FixtureMap map_{building_.building.fixtures};
+  WallField walls_{building_.walls};
+  ParticleParams params_{.count = 500};
+  ParticleFilter filter_{map_, walls_, params_, 7};
+};
+
+TEST(SplitMix, AgreesWithThePublishedSequence) {
+  SplitMix uniform(42);
+  EXPECT_NEAR(uniform.uniform(), 0.741564878772, 1e-12);
+}
+
+TEST_F(ParticleFilterTest, EquationOneIsOneForAPerfectFit) {
+  // fixture 1 stands at (1.5, 1.6), heading 0
+  EXPECT_NEAR(filter_.score({1.5, 1.6, 0.0}, {sighting_at(0.0, 0.0, 0.0)}), 1.0, 1e-9);
+  EXPECT_NEAR(filter_.score({1.5, 1.6, kPi}, {sighting_at(0.0, 0.0, 0.0)}), 1.0, 1e-9);
+}
+
+TEST_F(ParticleFilterTest, EquationOneIsHalvedAtItsDistanceAndItsAngle) {
+  EXPECT_NEAR(filter_.score({1.65, 1.6, 0.0}, {sighting_at(0.0, 0.0, 0.0)}), 0.5, 1e-6);
+  EXPECT_NEAR(filter_.score({1.5, 1.6, radians(10.0)}, {sighting_at(0.0, 0.0, 0.0)}), 0.5, 1e-6);
+}
+
+TEST_F(ParticleFilterTest, EquationOneIsTheMeanOverTheSightings) {
+  const double one = filter_.score({1.5, 1.6, 0.0}, {sighting_at(0.0, 0.0, 0.0)});
+  const double other = filter_.score({1.5, 1.6, 0.0}, {sighting_at(0.3, 0.0, 0.0)});
+  EXPECT_NEAR(filter_.score({1.5, 1.6, 0.0}, {sighting_at(0.0, 0.0, 0.0), sighting_at(0.3, 0.0, 0.0)}),
+              0.5 * (one + other), 1e-9);
+}
+
+TEST_F(ParticleFilterTest, AParticleInAWallCountsForTheLeast) {
+  EXPECT_NEAR(filter_.score({0.05, 1.6, 0.0}, {sighting_at(1.45, 0.0, 0.0)}), params_.min_free, 1e-9);
+}
+
+TEST_F(ParticleFilterTest, ScattersInTheFreeSpaceAndStaysThere) {
+  for (int i = 0; i < 20; ++i) {
+    filter_.predict({0.2, 0.0, 0.1});
+    filter_.update({sighting_at(0.5, 0.2, 0.0)});
+  }
+  double sum = 0.0;
+  for (std::size_t i = 0; i < filter_.size(); ++i) {
+    EXPECT_TRUE(walls_.is_free(filter_.pose(i).position()));
+    sum += filter_.weight(i);
+  }
+  EXPECT_NEAR(sum, 1.0, kFloatSum);
+}
+
+TEST_F(ParticleFilterTest, DoesNotUpdateWithoutSightings) {
+  const double before = filter_.weight(3);
+  filter_.update({});
+  EXPECT_EQ(filter_.weight(3), before);
+}
+
+TEST_F(ParticleFilterTest, ClustersShareAllTheWeight) {
+  filter_.gather({{4.0, 3.0, 3.1}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()}, 1.0);
+  const auto clusters = find_clusters(filter_, map_.smallest_spacing(), ClusterParams{});
+  double sum = 0.0;
+  for (const PoseCluster& cluster : clusters) {
+    sum += cluster.weight;
+  }
+  EXPECT_NEAR(sum, 1.0, kFloatSum);
+  EXPECT_GT(clusters.front().weight, 0.9);
+  EXPECT_NEAR(clusters.front().belief.pose.x, 4.0, 0.03);
+  EXPECT_NEAR(wrap_angle(clusters.front().belief.pose.theta - 3.1), 0.0, 0.03);
+}
+
+TEST_F(ParticleFilterTest, MotionNoiseHasTheStatedDeviation) {
+  ParticleFilter free(map_, walls_, {.count = 4000, .turn_by_distance = 0.0, .redraws = 0}, 3);
+  free.gather({{4.0, 3.4, 0.0}, 1e-12 * Eigen::Matrix3d::Identity()}, 1.0);
+  free.predict({1.0, 0.0, 0.0});
+  double mean = 0.0;
+  double square = 0.0;
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    mean += free.pose(i).x - 4.0;
+    square += std::pow(free.pose(i).x - 5.0, 2);
+  }
+  EXPECT_NEAR(mean / 4000.0, 1.0, 0.01);
+  EXPECT_NEAR(std::sqrt(square / 4000.0), 0.1, 0.005);
+}
+
+ParticleParams systematic(int count) {
+  ParticleParams params;
+  params.count = count;
+  params.scoring = ParticleScoring::kGaussian;
+  params.resampling = ParticleResampling::kSystematic;
+  params.random_share = 0.0;
+  return params;
+}
+
+TEST_F(ParticleFilterTest, GaussianScoringIsTheProductOverTheSightings) {
+  const ParticleFilter gaussian(map_, walls_, systematic(8), 1);
+  // fixture 1 stands at (1.5, 1.6): one sighting fits, the other is one deviation away
+  const double expected = (1.0 + 1e-4) * (std::exp(-0.5) + 1e-4);
+  EXPECT_NEAR(gaussian.score({1.5, 1.6, 0.0}, {sighting_at(0.0, 0.0, 0.0), sighting_at(0.1, 0.0, 0.0)}), expected,
+              1e-4);
+  EXPECT_NEAR(gaussian.score({1.5, 1.6, radians(3.0)}, {sighting_at(0.0, 0.0, 0.0)}), std::exp(-0.5), 1e-3);
+}
+
+TEST_F(ParticleFilterTest, ScoresTheSameOneByOneAndInWideBlocks) {
+  // particles all over the floor are compared with the fixtures one by one, those close together with few candidates
+  ParticleFilter wide(map_, walls_, systematic(300), 5);
+  const std::vector<FixtureSighting> sightings = {sighting_at(0.4, -0.3, 0.2), sighting_at(-0.9, 0.6, 1.0)};
+  double sum = 0.0;
+  double mean_x = 0.0;
+  for (std::size_t i = 0; i < wide.size(); ++i) {
+    const double score = wide.score(wide.pose(i), sightings);
+    sum += score;
+    mean_x += score * wide.pose(i).x;
+  }
+  wide.update(sightings);
+  EXPECT_NEAR(wide.belief().pose.x, mean_x / sum, 1e-4);
+}
+
+TEST_F(ParticleFilterTest, SystematicResamplingCopiesInProportionToTheScore) {
+  ParticleFilter filter(map_, walls_, systematic(1000), 11);
+  filter.gather({{1.5, 1.6, 0.0}, Eigen::Vector3d(0.0225, 0.0225, 1e-12).asDiagonal()}, 1.0);
+  filter.update({sighting_at(0.0, 0.0, 0.0)});
+  // prior of 0.15 m and likelihood of 0.1 m: the posterior's deviation is 0.0832 m
+  double square = 0.0;
+  for (std::size_t i = 0; i < filter.size(); ++i) {
+    square += std::pow(filter.pose(i).x - 1.5, 2);
+  }
+  EXPECT_NEAR(std::sqrt(square / 1000.0), 0.0832, 0.005);
+  EXPECT_NEAR(filter.belief().covariance(0, 0), 0.0832 * 0.0832, 0.001);
+}
+
+TEST_F(ParticleFilterTest, OneParticleThatFitsTakesAllPlaces) {
+  ParticleFilter filter(map_, walls_, systematic(1003), 11);
+  filter.gather({{20.0, 20.0, 0.0}, 1e-12 * Eigen::Matrix3d::Identity()}, 1.0);
+  filter.gather({{1.5, 1.6, 0.0}, 1e-12 * Eigen::Matrix3d::Identity()}, 1.5 / 1003.0);
+  filter.update({sighting_at(0.0, 0.0, 0.0), sighting_at(0.0, 0.0, 0.0), sighting_at(0.0, 0.0, 0.0)});
+  for (std::size_t i = 0; i < filter.size(); ++i) {
+    ASSERT_NEAR(filter.pose(i).x, 1.5, 1e-4) << i;
+  }
+}
+
+TEST_F(ParticleFilterTest, NeedsNoMoreThan64BytesAParticle) {
+  EXPECT_LE(ParticleFilter(map_, walls_, systematic(1000), 1).memory_bytes(), 64000U);
+  EXPECT_LE(ParticleFilter(map_, walls_, {.count = 1000}, 1).memory_bytes(), 64000U);
+}
+
+TEST(ParticleKernels, GiveTheSameBytesOnEveryMachine) {
+  constexpr std::size_t kCount = 256;
+  const NoisyStep step{0.1F, 0.5F, -0.2F, 0.03F, 0.05F, 0.02F};
+  std::vector<float> x(kCount, 1.0F);
+  std::vector<float> y(kCount, 2.0F);
+  std::vector<float> theta(kCount, 3.0F);
+  std::vector<float> other_x = x;
+  std::vector<float> other_y = y;
+  std::vector<float> other_theta = theta;
+  particle_kernels().move(step, {1, 2}, 16, x.data(), y.data(), theta.data(), kCount);
+  portable_particle_kernels().move(step, {1, 2}, 16, other_x.data(), other_y.data(), other_theta.data(), kCount);
+  EXPECT_EQ(x, other_x);
+  EXPECT_EQ(y, other_y);
+  EXPECT_EQ(theta, other_theta);
+}
+
+TEST(ParticleKernels, SineAndCosineAreRightToFloat) {
+  std::vector<float> theta;
+  for (int i = 0; i < 4096; ++i) {
+    theta.push_back(-6.5F + 13.0F * static_cast<float>(i) / 4096.0F);
+  }
+  std::vector<float> cosine(theta.size());
+  std::vector<float> sine(theta.size());
+  particle_kernels().sine_cosine(theta.data(), cosine.data(), sine.data(), theta.size());
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    ASSERT_NEAR(cosine[i], std::cos(static_cast<double>(theta[i])), 1e-6) << theta[i];
+    ASSERT_NEAR(sine[i], std::sin(static_cast<double>(theta[i])), 1e-6) << theta[i];
+  }
+}
+
+TEST(ParticleKernels, NoiseIsNormalAndIndependent) {
+  constexpr std::size_t kCount = 100'000;
+  const NoisyStep step{0.0F, 0.0F, 0.0F, 0.0F, 1.0F, 0.1F};
+  std::vector<float> x(kCount);
+  std::vector<float> y(kCount);
+  std::vector<float> theta(kCount);
+  particle_kernels().move(step, {123, 456}, 0, x.data(), y.data(), theta.data(), kCount);
+  double mean = 0.0;
+  double square = 0.0;
+  double fourth = 0.0;
+  double turn_square = 0.0;
+  double both = 0.0;
+  double neighbours = 0.0;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double distance = x[i];
+    const double turn = 10.0 * theta[i];
+    mean += distance / kCount;
+    square += distance * distance / kCount;
+    fourth += distance * distance * distance * distance / kCount;
+    turn_square += turn * turn / kCount;
+    both += distance * turn / kCount;
+    neighbours += distance * x[(i + 1) % kCount] / kCount;
+  }
+  const double tolerance = 4.0 / std::sqrt(kCount);  // four deviations
+  EXPECT_NEAR(mean, 0.0, tolerance);
+  EXPECT_NEAR(square, 1.0, std::sqrt(2.0) * tolerance);
+  EXPECT_NEAR(fourth, 3.0, std::sqrt(96.0) * tolerance);
+  EXPECT_NEAR(turn_square, 1.0, std::sqrt(2.0) * tolerance);
+  EXPECT_NEAR(both, 0.0, tolerance);
+  EXPECT_NEAR(neighbours, 0.0, tolerance);
+}
+
+}  // namespace
+}  // namespace luminav

@@ -1,0 +1,72 @@
+#include "services/localizer/tracking/tracking_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+namespace luminav {
+namespace {
+
+FixtureSighting overhead() {
+  FixtureSighting sighting;
+  sighting.covariance = Eigen::Vector3d(1e-6, 1e-6, 1e-6).asDiagonal();
+  sighting.length = 1.2;
+  sighting.width = 0.3;
+  return sighting;
+}
+
+TEST(TrackingFilter, LookingForLongDoesNotMakeItSurerThanCameraAndFixture) {
+  const ErrorParams errors;
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, errors, TrackingParams{});
+  filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(0.04, 0.04, 0.04).asDiagonal()});
+  Fixture fixture;
+  for (int i = 0; i < 1000; ++i) {
+    filter.correct(overhead(), 0, fixture, 0.0, 0.0, 0.0);
+  }
+  // tilt of camera and floor at 2.5 m, and the fixture's own place
+  const double tilt = 2.5 * std::hypot(errors.camera_tilt, errors.floor_tilt);
+  const double min = tilt * tilt + errors.fixture_position * errors.fixture_position;
+  EXPECT_GT(filter.belief().covariance(0, 0), 0.9 * min * 0.04 / (0.04 + min));
+  EXPECT_GT(filter.belief().covariance(2, 2), 0.9 * 2.0 * std::pow(radians(0.5), 2));
+}
+
+TEST(TrackingFilter, CovarianceStaysPositiveOverALongDrive) {
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{});
+  filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(0.04, 0.04, 0.04).asDiagonal()});
+  for (int i = 0; i < 5000; ++i) {
+    filter.predict({0.03, 0.0, 0.0});
+    Fixture fixture;
+    fixture.world_from_fixture = {0.03 * (i + 1), 0.0, 0.0};
+    filter.correct(overhead(), i / 80, fixture, 0.45, 0.0, 0.03 * i);
+  }
+  const Eigen::SelfAdjointEigenSolver<TrackingFilter::Covariance> solver(filter.covariance());
+  EXPECT_GT(solver.eigenvalues().minCoeff(), -1e-12);
+  EXPECT_NEAR(filter.belief().pose.x, 150.0, 0.05);
+}
+
+TEST(TrackingFilter, LearnsThatTheWheelsAreLargerThanBelieved) {
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{});
+  filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(0.04, 0.04, 0.04).asDiagonal()});
+  double truth = 0.0;
+  for (int i = 1; i <= 2400; ++i) {
+    filter.predict({0.02, 0.0, 0.0});
+    truth += 0.02 * 1.015;
+    if (i % 120 == 0) {
+      Fixture fixture;
+      fixture.world_from_fixture = {truth, 0.0, 0.0};
+      filter.correct(overhead(), i, fixture, 0.3, 0.0, truth);
+    }
+  }
+  EXPECT_NEAR(filter.state()(TrackingFilter::kScale), 0.015, 0.004);
+}
+
+TEST(TrackingFilter, AConsideredErrorIsNeverEstimated) {
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{.learn_errors = false});
+  filter.start({{0.1, 0.0, 0.0}, Eigen::Vector3d(0.04, 0.04, 0.04).asDiagonal()});
+  filter.correct(overhead(), 0, Fixture{}, 0.0, 0.0, 0.0);
+  EXPECT_EQ(filter.state().tail<TrackingFilter::kSize - 3>().norm(), 0.0);
+  EXPECT_LT(std::abs(filter.belief().pose.x), 0.02);
+}
+
+}  // namespace
+}  // namespace luminav
