@@ -11,7 +11,7 @@ summary='{"runs": 3, "passed": 2, "localized_ratio": 1.0, "localized_after_m_med
 echo "{\"suite\": \"all\", \"sensing\": \"mixed\", \"summary\": $summary, \"suites\": {\"missions\": $summary}, \"runs\": [
   {\"simulated_s\": 3600, \"group\": \"office\", \"passed\": false}, {\"simulated_s\": 3600, \"group\": \"office\", \"passed\": true}]}" >all.json
 echo '{"machine": "2 cores", "busy": false, "results": [
-  {"name": "detector/segment", "time": 40000.0, "unit": "ns", "peer": "detector/opencv", "counters": {}},
+  {"name": "detector/modern", "time": 40000.0, "unit": "ns", "peer": "detector/opencv", "counters": {}},
   {"name": "lcm/300", "time": 50000.0, "unit": "ns", "peer": "udp_multicast/300", "counters": {"p99_us": 140.2}},
   {"name": "route/1000", "time": 28000000.0, "unit": "ns", "counters": {}},
   {"name": "replan/1000", "time": 2000000.0, "unit": "ns", "counters": {}},
@@ -23,8 +23,8 @@ grep -qF '`scripts/evaluate --suite all`, 3 runs, 2 simulated hours:' page.md
 grep -qF '| the same, calibrated | 16 mm, 0.36° | 12 mm, 0.5° | `missions` |' page.md
 grep -qF '| boxes, people, a closed door: goals reached | 8 of 9 | 99 % | `missions` |' page.md
 grep -qF '| contacts with walls, boxes, people | 1; 2 with what sonar hardly sees | 0 | `all` |' page.md
-grep -qF '`detector/segment` | 40 µs | 20 x `detector/opencv` | 10 x OpenCV |' page.md
-grep -qF '`route/1000` | 28 ms |' page.md
+grep -qF '`detector/modern` | 40 µs | 20 x `detector/opencv` |  |' page.md
+grep -qF '`route/1000` | 28 ms |  | 20 ms |' page.md
 grep -qF '`replan/1000` | 2 ms | 14 x `route/1000` | 10 % of a plan |' page.md
 grep -qF '`lcm/300` | 50 µs, 99 %: 140 µs | 2.5 times as long as `udp_multicast/300` |' page.md
 grep -qF 'Runs that did not pass: office 1 of 2.' page.md
