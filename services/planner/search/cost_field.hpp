@@ -6,24 +6,9 @@
 
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/planner/space/bit_grid.hpp"
+#include "services/planner/space/cost_terrain.hpp"
 
 namespace luminav {
-
-/// Where a wave may go and at what price: price 1 to 36 by a cell's class, or one price for all. Refers to arrays that
-/// must outlive it. The outermost ring of cells must not be passable.
-struct CostTerrain {
-  const BitGrid* passable = nullptr;
-  const std::uint8_t* classes = nullptr;      // per cell, row-major; nullptr = the same price everywhere
-  const std::uint8_t* class_price = nullptr;  // 256 of them; with no classes only the first counts
-
-  [[nodiscard]] int columns() const { return passable->columns(); }
-  [[nodiscard]] std::size_t size() const {
-    return static_cast<std::size_t>(passable->columns()) * static_cast<std::size_t>(passable->rows());
-  }
-  [[nodiscard]] std::uint32_t price(std::size_t cell) const {
-    return class_price[classes == nullptr ? 0 : classes[cell]];
-  }
-};
 
 /// A cell from which a wave starts, and what it costs to end there.
 struct CostSeed {
@@ -59,12 +44,6 @@ struct CostStop {
 /// blocked cells are left out.
 void grow_cost_field(const CostTerrain& terrain, const std::vector<CostSeed>& seeds, const CostStop& stop,
                      CostField& field);
-
-/// A cell that has another price now, or became passable or blocked.
-struct PriceChange {
-  std::uint32_t cell = 0;
-  std::uint8_t price_before = 0;  // 0 = blocked
-};
 
 /// Makes a field of one seed right again after cells changed, as far as the way from `stop.cell` needs it: the same
 /// field as a new wave up to `settled_to`. What lies beyond stays pending until a way needs it. First at the cost of

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
-#include "services/planner/search/cost_field.hpp"
 #include "services/planner/space/bit_grid.hpp"
+#include "services/planner/space/cost_terrain.hpp"
 #include "services/planner/space/distance_field.hpp"
 
 namespace luminav {
@@ -52,7 +52,7 @@ class ConfigurationSpace {
   Update update(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected);
 
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
-  /// For a wave. Valid until the next update.
+  /// For a cost field. Valid until the next update.
   [[nodiscard]] CostTerrain terrain() const;
   [[nodiscard]] const BitGrid& passable() const { return passable_; }
   /// 0 = blocked, else the price of a cell inside the grid. The outermost ring of the grid is always blocked.
