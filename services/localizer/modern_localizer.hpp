@@ -28,7 +28,7 @@ struct ModernLocalizerParams {
   TrackingRules rules;
 };
 
-/// Finds the pose among the finite list that the fixtures allow, then follows it with a Kalman filter and absences for
+/// Finds the pose among the finite list that the fixtures allow, then follows it with a Kalman filter and watches for
 /// signs that it is wrong.
 class ModernLocalizer final : public Localizer {
  public:
