@@ -6,10 +6,10 @@
 
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/image/grey_image.hpp"
-#include "services/detector/ceiling_catalogue.hpp"
 #include "services/detector/detection.hpp"
 #include "services/detector/detector_params.hpp"
 #include "services/detector/detector_trace.hpp"
+#include "services/detector/outline/ceiling_catalogue.hpp"
 
 namespace luminav {
 

@@ -8,7 +8,6 @@ namespace {
 
 constexpr Range kGrey{0.0, 255.0};
 constexpr Range kPixelError{0.001, 10.0};
-constexpr Range kSmallLength{0.0, 1.0};
 
 PaperParams read_paper(const TomlTable& table) {
   PaperParams p;
@@ -38,19 +37,15 @@ PaperParams read_paper(const TomlTable& table) {
 ModernDetectorParams read_modern(const TomlTable& table) {
   ModernDetectorParams p;
   p.lit_contrast = table.number("lit_contrast", p.lit_contrast, kGrey);
-  p.lit_level_share = table.number("lit_level_share", p.lit_level_share, {0.1, 0.9});
   p.unlit_contrast = table.number("unlit_contrast", p.unlit_contrast, kGrey);
-  p.unlit_level_share = table.number("unlit_level_share", p.unlit_level_share, {0.1, 0.9});
   p.noise_factor = table.number("noise_factor", p.noise_factor, {0.0, 50.0});
   p.lit_edge = table.number("lit_edge", p.lit_edge, kGrey);
   p.unlit_edge = table.number("unlit_edge", p.unlit_edge, kGrey);
-  p.size_tolerance = table.number("size_tolerance", p.size_tolerance, kSmallLength);
-  p.size_tolerance_share = table.number("size_tolerance_share", p.size_tolerance_share, kFraction);
-  p.largest_bloom = table.number("largest_bloom", p.largest_bloom, {1e-4, 1.0});
-  p.largest_misfit = table.number("largest_misfit", p.largest_misfit, {1e-4, 1.0});
-  p.minimum_visible = table.number("minimum_visible", p.minimum_visible, {0.05, 1.0});
-  p.minimum_long_side_fit = table.number("minimum_long_side_fit", p.minimum_long_side_fit, kFraction);
-  p.minimum_end_fit = table.number("minimum_end_fit", p.minimum_end_fit, kFraction);
+  p.size_tolerance = table.number("size_tolerance", p.size_tolerance, {0.0, 0.5});
+  p.max_bloom = table.number("max_bloom", p.max_bloom, {1e-4, 1.0});
+  p.min_visible = table.number("min_visible", p.min_visible, {0.05, 1.0});
+  p.min_side_support = table.number("min_side_support", p.min_side_support, kFraction);
+  p.min_end_support = table.number("min_end_support", p.min_end_support, kFraction);
   p.edge_sigma_px = table.number("edge_sigma_px", p.edge_sigma_px, kPixelError);
   p.outline_sigma_px = table.number("outline_sigma_px", p.outline_sigma_px, kPixelError);
   p.report_elements = table.boolean("report_elements", p.report_elements);

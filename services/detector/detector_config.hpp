@@ -4,8 +4,8 @@
 #include <string>
 
 #include "services/common/configuration/robot_file.hpp"
-#include "services/detector/ceiling_catalogue.hpp"
 #include "services/detector/detector_params.hpp"
+#include "services/detector/outline/ceiling_catalogue.hpp"
 
 namespace luminav {
 

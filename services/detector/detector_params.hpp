@@ -27,25 +27,21 @@ struct PaperParams {
   double heading_sigma = 0.02;      // [rad]
 };
 
-/// Local contrast on a reduced image, hypotheses in metres, edges to sub-pixel through the lens model.
+/// Regions at several levels, guesses in metres, edges to sub-pixel through the lens model.
 struct ModernDetectorParams {
-  double lit_contrast = 22.0;           // [grey] least height of a lit region above its surroundings
-  double lit_level_share = 0.5;         // of the local height: where the lit region is cut out of its bloom
-  double unlit_contrast = 3.5;          // [grey] least depth of an unlit region below its surroundings
-  double unlit_level_share = 0.55;      // of the local depth: where the unlit region is cut out of shading
-  double noise_factor = 2.0;            // both contrasts are at least this many sigmas of a cell of the reduced image
-  double lit_edge = 14.0;               // [grey] least step across the outline of a lit fixture
-  double unlit_edge = 3.5;              // [grey] of an unlit one
-  double size_tolerance = 0.05;         // [m] by which a side of a region may miss the kind's before fitting ...
-  double size_tolerance_share = 0.12;   // ... plus this share of the side
-  double largest_bloom = 0.050;         // [m] by which light may widen a lit fixture on each side
-  double largest_misfit = 0.018;        // [m] by which the outline of an unlit one may be wider or narrower
-  double minimum_visible = 0.30;        // share of a cut fixture's length that must be in the image
-  double minimum_long_side_fit = 0.75;  // share of a long side in view that must show its edge
-  double minimum_end_fit = 0.55;        // share of an end in view that must show its edge
-  double edge_sigma_px = 0.15;          // [px] least error of one edge point
-  double outline_sigma_px = 0.04;       // [px] error that all points of a side share
-  bool report_elements = true;          // vents and detectors as detections of shape element
+  double lit_contrast = 22.0;      // [grey] least height of a lamp above its surroundings
+  double unlit_contrast = 3.5;     // [grey] least depth of an unlit region below its surroundings
+  double noise_factor = 2.0;       // both contrasts are at least this many sigmas of a cell of the reduced image
+  double lit_edge = 14.0;          // [grey] least step across the outline of a lamp
+  double unlit_edge = 3.5;         // [grey] of an unlit fixture
+  double size_tolerance = 0.16;    // share by which a side may miss the kind's: sizes within 10 %, heights within 5 %
+  double max_bloom = 0.070;        // [m] by which light may widen a lamp on each side
+  double min_visible = 0.30;       // share of a cut fixture's length that must be in the image
+  double min_side_support = 0.75;  // share of a long side in view that must show its edge
+  double min_end_support = 0.55;   // share of an end in view that must show its edge
+  double edge_sigma_px = 0.15;     // [px] least error of one edge point
+  double outline_sigma_px = 0.30;  // [px] error that all points of a side share
+  bool report_elements = true;     // vents and detectors as detections of shape element
 };
 
 struct DetectorParams {

@@ -1,79 +1,77 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "services/common/configuration/robot_file.hpp"
 #include "services/common/image/grey_image.hpp"
-#include "services/detector/candidate.hpp"
-#include "services/detector/candidate_checks.hpp"
-#include "services/detector/ceiling_catalogue.hpp"
-#include "services/detector/contrast_map.hpp"
 #include "services/detector/detection.hpp"
-#include "services/detector/detection_writer.hpp"
 #include "services/detector/detector_params.hpp"
 #include "services/detector/detector_trace.hpp"
-#include "services/detector/outline_fit.hpp"
-#include "services/detector/region_outline.hpp"
-#include "services/detector/regions.hpp"
+#include "services/detector/hypotheses/cell_plane.hpp"
+#include "services/detector/hypotheses/outline_proposer.hpp"
+#include "services/detector/hypotheses/region_shape.hpp"
+#include "services/detector/outline/ceiling_catalogue.hpp"
+#include "services/detector/outline/outline_fit.hpp"
+#include "services/detector/segmentation/contrast_map.hpp"
+#include "services/detector/segmentation/regions.hpp"
+#include "services/detector/validation/candidate_checks.hpp"
+#include "services/detector/validation/detection_builder.hpp"
 
 namespace luminav {
 
-/// Regions that stand out from their surroundings -> guesses of known size -> edges to sub-pixel -> accepted only when
-/// the outline shows its edges nearly all along. Whatever has no known size, or may as well be something else, is left
-/// out: a false fixture costs more than a missed one.
+/// Segment, propose, fit, validate, describe: regions that stand out from their surroundings at some level -> guesses
+/// of known size in metres -> edges to sub-pixel -> accepted by its edges or, of a lamp, by standing alone -> poses.
+/// Whatever has no known size, or may as well be something else, is left out: a false fixture costs more than a missed
+/// one.
 class ModernDetector {
  public:
   ModernDetector(const ModernDetectorParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue);
   ModernDetector(const ModernDetector&) = delete;
   ModernDetector& operator=(const ModernDetector&) = delete;
 
-  /// The image has the camera model's size. `trace` may be null.
-  void detect(const GreyView& image, std::vector<Detection>& detections, DetectorTrace* trace);
+  /// The image has the camera model's size. Valid until the next call. `trace` may be null.
+  const std::vector<Detection>& detect(const GreyView& image, DetectorTrace* trace);
   /// Of the image seen last, over its cells of several pixels.
   [[nodiscard]] int median_grey() const { return median_; }
 
  private:
-  void look_for_lit(const CeilingFrame& frame, std::vector<Detection>& detections, DetectorTrace* trace);
-  void look_for_unlit(const CeilingFrame& frame, std::vector<Detection>& detections, DetectorTrace* trace);
-  [[nodiscard]] bool is_explained(const Region& region, const std::vector<Detection>& detections) const;
-  void look_for_unlit_at(double level_share, const CeilingFrame& frame, std::vector<Detection>& detections,
-                         DetectorTrace* trace);
-  [[nodiscard]] int least_depth() const;  // [grey]
-  /// False when that share of the local depth is nowhere more than the least.
-  [[nodiscard]] bool is_deep_anywhere(double level_share) const;
-  /// Into the mask; returns how many cells.
-  int cut_out_dark(double level_share);
-  [[nodiscard]] OutlineFitParams fit_params(const Region& region, int level) const;
-  [[nodiscard]] std::optional<Candidate> best_candidate(const CeilingFrame& frame, const Region& region, int shrunk,
-                                                        int level, DetectorTrace* trace);
-  /// False when the fit needs not be tried.
-  [[nodiscard]] bool may_be_there(const CeilingFrame& frame, const OutlineHypothesis& hypothesis,
-                                  const OutlineFitParams& params) const;
-  [[nodiscard]] bool overlaps(const Detection& detection, const std::vector<Detection>& others) const;
+  /// Regions of one level of brightness, or of depth.
+  struct Layer {
+    int level;  // [grey]
+    bool bright;
+  };
+  void look_for(bool bright, std::span<const int> levels, const CeilingFrame& frame, DetectorTrace* trace);
+  void look_at_region(const Region& region, const Layer& layer, const CeilingFrame& frame, DetectorTrace* trace);
+  [[nodiscard]] Verdict judge(const CeilingFrame& frame, const OutlineFitParams& params, Candidate& candidate);
+  void take_best_first(const CeilingFrame& frame);
+  [[nodiscard]] OutlineFitParams fit_params(const Region& region, const Layer& layer) const;
+  [[nodiscard]] bool was_tried(const OutlineHypothesis& hypothesis) const;
+  [[nodiscard]] bool is_explained(const Region& region) const;
+  [[nodiscard]] bool overlaps(const Detection& detection) const;
 
   ModernDetectorParams params_;
   CeilingCamera camera_;
   CeilingCatalogue catalogue_;
   int factor_;
   CellPlane plane_;
-  double metres_per_px_;
   int window_radius_;  // [cells]
-  int least_cells_;    // of a region
-  int median_ = 0;     // [grey] of the reduced image
+  int min_cells_;      // of a region
   bool is_eroded_;     // of dark regions, by a cell
   bool ignore_lines_;  // between tiles
+  int median_ = 0;     // [grey] of the reduced image
+  int fits_left_ = 0;  // of this frame
   Raster reduced_;
-  std::vector<std::uint8_t> row_peaks_;  // of the reduced image
-  Raster mask_;
   ContrastMap contrast_;
-  std::vector<OutlineHypothesis> tried_;  // in this frame
-  std::vector<Detection> open_;           // lit ones that may be narrower ones as well
   RegionFinder finder_;
+  RegionShape shape_;
   OutlineProposer proposer_;
   OutlineFitter fitter_;
   CandidateChecks checks_;
-  DetectionWriter writer_;
+  DetectionBuilder builder_;
+  std::vector<OutlineHypothesis> tried_;
+  std::vector<Candidate> accepted_;
+  std::vector<Detection> detections_;
 };
 
 }  // namespace luminav

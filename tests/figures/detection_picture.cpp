@@ -3,7 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "services/detector/debug_picture.hpp"
+#include "services/detector/tool/debug_picture.hpp"
 #include "services/detector/detector_config.hpp"
 
 namespace luminav {

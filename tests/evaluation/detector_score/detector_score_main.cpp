@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "services/common/process/command_line.hpp"
-#include "services/detector/contact_sheet.hpp"
-#include "services/detector/debug_picture.hpp"
+#include "services/detector/tool/contact_sheet.hpp"
+#include "services/detector/tool/debug_picture.hpp"
 #include "tests/evaluation/detector_score/detector_score.hpp"
 
 namespace luminav::score {

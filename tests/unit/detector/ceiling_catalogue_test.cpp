@@ -1,4 +1,4 @@
-#include "services/detector/ceiling_catalogue.hpp"
+#include "services/detector/outline/ceiling_catalogue.hpp"
 
 #include <gtest/gtest.h>
 

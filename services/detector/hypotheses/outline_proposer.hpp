@@ -1,0 +1,67 @@
+#pragma once
+
+#include <vector>
+
+#include "services/detector/hypotheses/region_shape.hpp"
+#include "services/detector/outline/ceiling_catalogue.hpp"
+#include "services/detector/outline/outline.hpp"
+
+namespace luminav {
+
+/// A guess of what a region shows, to be proved or refuted.
+struct OutlineHypothesis {
+  int kind = 0;  // index into the catalogue's fixtures, or elements
+  bool is_element = false;
+  bool half_width = false;  // one lamp's half of a fixture of two
+  bool is_whole = false;    // the region shows all of it
+  Outline outline;
+  OutlinePlacement start;   // as large as the region shows it
+  double size_error = 0.0;  // by which the region is longer, bloom taken off, as a share of the length; of whole ones
+  double fill = 1.0;        // the region's area, of its rectangle's; of whole ones
+};
+
+struct SizeTolerance {
+  double share = 0.16;         // of a side: sizes within 10 %, heights within 5 %
+  double ragged = 0.02;        // [m] by which noise and grid lines may change a side
+  double bloom = 0.0;          // [m] by which light may widen a region on each side
+  double min_visible = 0.3;    // share of a cut fixture's length
+  bool may_be_broken = false;  // into parts, by noise
+};
+
+/// Turns regions into guesses of what hangs on this ceiling, in metres. Where the image border cuts a region, an
+/// outline is tried at each end that may be in view; where it cuts off a long side, one that starts from the other.
+class OutlineProposer {
+ public:
+  OutlineProposer(const CellPlane& plane, const CeilingCatalogue& catalogue) : plane_(&plane), catalogue_(&catalogue) {}
+
+  /// Best size first. Valid until the next call. `bright`: else elements are guessed as well.
+  const std::vector<OutlineHypothesis>& propose(const RegionShape& shape, bool bright, const SizeTolerance& tolerance);
+
+ private:
+  /// A kind, or a lamp's half of it, seen on the reference ceiling.
+  struct Target {
+    const CeilingKind* kind;
+    int index;
+    bool half_width;
+    double scale;  // from the reference ceiling to the kind's height
+
+    [[nodiscard]] double width() const { return half_width ? 0.5 * kind->width : kind->width; }
+  };
+  void propose_kind(const Target& target, const RegionShape& shape, const SizeTolerance& tolerance, bool is_bright_bar);
+  void propose_whole(const Target& target, const RegionShape& shape, const RegionShape::Orientation& orientation,
+                     const SizeTolerance& tolerance);
+  void propose_cut(const Target& target, const RegionShape& shape, const RegionShape::Orientation& orientation,
+                   const SizeTolerance& tolerance);
+  /// Outlines of which one long side is beyond the image border.
+  void propose_from_one_side(const Target& target, const RegionShape& shape,
+                             const RegionShape::Orientation& orientation, const SizeTolerance& tolerance);
+  /// An outline with its middle there, `along` and `across` [m] on the reference ceiling.
+  OutlineHypothesis& add(const Target& target, const RegionShape::Orientation& orientation, double along,
+                         double across);
+
+  const CellPlane* plane_;
+  const CeilingCatalogue* catalogue_;
+  std::vector<OutlineHypothesis> hypotheses_;
+};
+
+}  // namespace luminav

@@ -1,0 +1,141 @@
+#include "services/detector/hypotheses/region_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/common/geometry/angle.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector2i;
+
+constexpr std::size_t kMaxOrientations = 8;
+
+std::int64_t cross(const Vector2i& o, const Vector2i& a, const Vector2i& b) {
+  return static_cast<std::int64_t>(a.x() - o.x()) * (b.y() - o.y()) -
+         static_cast<std::int64_t>(a.y() - o.y()) * (b.x() - o.x());
+}
+
+/// Andrew's monotone chain; the points come sorted by row, then column.
+void convex_hull(const std::vector<Vector2i>& points, std::vector<Vector2i>& hull) {
+  hull.clear();
+  const auto extend = [&](const Vector2i& point, std::size_t keep) {
+    while (hull.size() >= keep + 2 && cross(hull[hull.size() - 2], hull.back(), point) <= 0) {
+      hull.pop_back();
+    }
+    hull.push_back(point);
+  };
+  for (const Vector2i& point : points) {
+    extend(point, 0);
+  }
+  const std::size_t lower = hull.size() - 1;
+  for (auto point = points.rbegin() + 1; point != points.rend(); ++point) {
+    extend(*point, lower);
+  }
+  if (hull.size() > 1) {
+    hull.pop_back();
+  }
+}
+
+}  // namespace
+
+bool RegionShape::take(const Region& region, int shrunk, const CellPlane& plane) {
+  points_.clear();
+  for (const Run& run : region.runs) {
+    points_.emplace_back(run.first, run.row);
+    if (run.last != run.first) {
+      points_.emplace_back(run.last, run.row);
+    }
+  }
+  if (points_.size() < 3) {
+    return false;
+  }
+  convex_hull(points_, hull_);
+  corners_.clear();
+  touches_border_ = false;
+  for (const Vector2i& cell : hull_) {
+    corners_.push_back({plane.at(cell.x(), cell.y()), plane.is_at_border(cell.x(), cell.y())});
+    touches_border_ = touches_border_ || corners_.back().at_border;
+    if (!corners_.back().place.allFinite()) {
+      return false;
+    }
+  }
+  if (corners_.size() < 3) {
+    return false;
+  }
+  const int column = (region.left + region.right) / 2;
+  const int row = (region.top + region.bottom) / 2;
+  cell_size_ = plane.cell_size(column, row);
+  grow_ = (0.5 + shrunk) * cell_size_;
+  area_ = region.cells * plane.cell_area(column, row);
+  choose_orientations();
+  return area_ > 0.0;  // false of no number
+}
+
+RegionShape::Extents RegionShape::extents(const Vector2d& along) const {
+  const Vector2d across(-along.y(), along.x());
+  Extents e{1e9, -1e9, 1e9, -1e9};
+  for (const Corner& corner : corners_) {
+    const double u = along.dot(corner.place);
+    const double v = across.dot(corner.place);
+    e.min_along = std::min(e.min_along, u);
+    e.max_along = std::max(e.max_along, u);
+    e.min_across = std::min(e.min_across, v);
+    e.max_across = std::max(e.max_across, v);
+  }
+  return {e.min_along - grow_, e.max_along + grow_, e.min_across - grow_, e.max_across + grow_};
+}
+
+void RegionShape::add_orientation(double theta) {
+  constexpr double kDistinct = radians(2.0);
+  for (const Orientation& known : orientations_) {
+    if (std::abs(wrap_modulo(theta - known.theta, 0.5 * kPi)) < kDistinct) {
+      return;
+    }
+  }
+  for (const double angle : {theta, theta + 0.5 * kPi}) {
+    const Vector2d along(std::cos(angle), std::sin(angle));
+    orientations_.push_back({angle, along, extents(along)});
+  }
+}
+
+void RegionShape::choose_orientations() {
+  orientations_.clear();
+  edges_.clear();
+  double smallest = 1e18;
+  double theta_of_smallest = 0.0;
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    const Corner& a = corners_[i];
+    const Corner& b = corners_[(i + 1) % corners_.size()];
+    const Vector2d edge = b.place - a.place;
+    edges_.push_back({edge.norm(), std::atan2(edge.y(), edge.x()), !(a.at_border && b.at_border)});
+    const Extents e = extents(edge / edges_.back().length);
+    if (e.length() * e.width() < smallest) {
+      smallest = e.length() * e.width();
+      theta_of_smallest = edges_.back().theta;
+    }
+  }
+  add_orientation(theta_of_smallest);
+  if (touches_border_) {
+    std::sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) { return a.length > b.length; });
+    for (const Edge& edge : edges_) {
+      if (edge.own && orientations_.size() < kMaxOrientations) {
+        add_orientation(edge.theta);
+      }
+    }
+  }
+}
+
+bool RegionShape::is_cut_off(const Vector2d& direction) const {
+  double farthest = -1e9;
+  for (const Corner& corner : corners_) {
+    farthest = std::max(farthest, direction.dot(corner.place));
+  }
+  return std::all_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
+    return corner.at_border || direction.dot(corner.place) < farthest - 2.0 * grow_;
+  });
+}
+
+}  // namespace luminav

@@ -1,0 +1,167 @@
+#include "services/detector/paper/paper_detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace luminav {
+namespace {
+
+Eigen::Vector2d to_eigen(const cv::Point2d& point) {
+  return {point.x, point.y};
+}
+
+}  // namespace
+
+PaperDetector::PaperDetector(const PaperParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue)
+    : params_(params),
+      camera_(camera),
+      height_(catalogue.ceiling_height),
+      shortest_(1e9),
+      longest_(0.0),
+      narrowest_(params.one_lamp_width),
+      widest_(params.two_lamp_width),
+      pixels_per_metre_(camera.intrinsics().fx / (catalogue.ceiling_height - camera.mounting().z)) {
+  double narrowest = 1e9;
+  double widest = 0.0;
+  for (const CeilingKind& kind : catalogue.fixtures) {
+    if (kind.shape == FixtureShape::kRound) {
+      continue;  // the paper knows rectangles
+    }
+    shortest_ = std::min(shortest_, kind.length);
+    longest_ = std::max(longest_, kind.length);
+    narrowest = std::min(narrowest, kind.width);
+    widest = std::max(widest, kind.width);
+  }
+  if (widest > 0.0) {
+    narrowest_ = narrowest;
+    widest_ = widest;
+  }
+}
+
+void PaperDetector::segment(const cv::Mat& image, double median) {
+  // Threshold 1 finds lit lamps, threshold 2 unlit fixtures; the masks are combined, but both are kept for the state.
+  const double high = std::min(std::max(params_.high_threshold, median + params_.high_above_median), 254.0);
+  const double low = std::min(params_.low_threshold, median - params_.low_below_median);
+  cv::threshold(image, lit_, high, 255.0, cv::THRESH_BINARY);
+  cv::threshold(image, unlit_, low, 255.0, cv::THRESH_BINARY_INV);
+  cv::bitwise_or(lit_, unlit_, mask_);
+  if (params_.opening_iterations > 0) {
+    const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_RECT, {params_.opening_size, params_.opening_size});
+    cv::morphologyEx(mask_, mask_, cv::MORPH_OPEN, kernel, {-1, -1}, params_.opening_iterations);
+  }
+}
+
+void PaperDetector::detect(const GreyView& image, double median, std::vector<Detection>& detections,
+                           DetectorTrace* trace) {
+  detections.clear();
+  if (longest_ <= 0.0) {
+    return;
+  }
+  // OpenCV has no constant view; nothing writes to it
+  const cv::Mat grey(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
+  segment(grey, median);
+  if (!params_.direct_contours) {
+    cv::Canny(mask_, edges_, params_.canny_low, params_.canny_high);
+  }
+  cv::findContours(params_.direct_contours ? mask_ : edges_, contours_, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  for (const std::vector<cv::Point>& contour : contours_) {
+    if (contour.size() < 8) {
+      continue;
+    }
+    const cv::RotatedRect rectangle = cv::minAreaRect(contour);
+    if (trace != nullptr) {
+      std::vector<Eigen::Vector2d> line;
+      for (const cv::Point& point : contour) {
+        line.push_back(to_eigen(point));
+      }
+      trace->contours.push_back(std::move(line));
+    }
+    if (!is_fixture(contour, rectangle)) {
+      continue;
+    }
+    const cv::Moments moments = cv::moments(contour);
+    const cv::Point2d centre(moments.m10 / moments.m00, moments.m01 / moments.m00);
+    Detection detection;
+    if (!pose_of(centre, rectangle, detection)) {
+      continue;
+    }
+    detection.state = state_of(contour);
+    detection.fit = std::min(1.0, cv::contourArea(contour) / std::max(1.0F, rectangle.size.area()));
+    if (trace != nullptr) {
+      trace->rectangles.push_back(detection.corners_px);
+    }
+    detections.push_back(detection);
+  }
+}
+
+bool PaperDetector::is_fixture(const std::vector<cv::Point>& contour, const cv::RotatedRect& rectangle) const {
+  // A contour runs through the centres of the border pixels: half a pixel is missing on each side.
+  const double length = (std::max(rectangle.size.width, rectangle.size.height) + 1.0) / pixels_per_metre_;
+  const double width = (std::min(rectangle.size.width, rectangle.size.height) + 1.0) / pixels_per_metre_;
+  const cv::Rect box = cv::boundingRect(contour);
+  if (!params_.accept_cut &&
+      (box.x <= 1 || box.y <= 1 || box.br().x >= mask_.cols - 1 || box.br().y >= mask_.rows - 1)) {
+    return false;
+  }
+  const double area = cv::contourArea(contour) / (pixels_per_metre_ * pixels_per_metre_);
+  if (area < (1.0 - params_.area_tolerance) * shortest_ * narrowest_ ||
+      area > (1.0 + params_.area_tolerance) * longest_ * widest_) {
+    return false;
+  }
+  if (length < (1.0 - params_.length_tolerance) * shortest_ || length > (1.0 + params_.length_tolerance) * longest_) {
+    return false;
+  }
+  if (width < (1.0 - params_.width_tolerance) * narrowest_ || width > (1.0 + params_.width_tolerance) * widest_) {
+    return false;
+  }
+  return area >= params_.minimum_fill * length * width;
+}
+
+DetectionState PaperDetector::state_of(const std::vector<cv::Point>& contour) const {
+  const cv::Rect box = cv::boundingRect(contour) & cv::Rect(0, 0, mask_.cols, mask_.rows);
+  cv::Mat filled = cv::Mat::zeros(box.size(), CV_8UC1);
+  cv::drawContours(filled, std::vector<std::vector<cv::Point>>{contour}, 0, 255, cv::FILLED, cv::LINE_8, cv::noArray(),
+                   0, -box.tl());
+  const double all = cv::countNonZero(filled);
+  const double lit = cv::countNonZero(lit_(box) & filled);
+  if (all <= 0.0) {
+    return DetectionState::kUnknown;
+  }
+  if (lit > params_.half_lit_share * all) {
+    return DetectionState::kLit;
+  }
+  return lit < (1.0 - params_.half_lit_share) * all ? DetectionState::kUnlit : DetectionState::kHalf;
+}
+
+bool PaperDetector::pose_of(const cv::Point2d& centre, const cv::RotatedRect& rectangle, Detection& detection) const {
+  std::array<cv::Point2f, 4> corners;
+  rectangle.points(corners.data());
+  for (std::size_t i = 0; i < 4; ++i) {
+    detection.corners_px[i] = to_eigen(corners[i]);
+    detection.clipped = detection.clipped || !camera_.is_in_image(detection.corners_px[i], 1.0);
+  }
+  const auto side = [&](std::size_t a, std::size_t b) -> std::optional<Eigen::Vector2d> {
+    const auto from = camera_.point_on_ceiling(detection.corners_px[a], height_);
+    const auto to = camera_.point_on_ceiling(detection.corners_px[b], height_);
+    return from && to ? std::optional<Eigen::Vector2d>(*to - *from) : std::nullopt;
+  };
+  const auto first = side(0, 1);
+  const auto second = side(1, 2);
+  const auto place = camera_.point_on_ceiling(to_eigen(centre), height_);
+  if (!first || !second || !place) {
+    return false;
+  }
+  const Eigen::Vector2d along = first->norm() > second->norm() ? *first : *second;
+  detection.shape = DetectionShape::kRectangle;
+  detection.centre_px = to_eigen(centre);
+  detection.robot_from_fixture = {place->x(), place->y(), wrap_axis(std::atan2(along.y(), along.x()))};
+  detection.length = along.norm();
+  detection.width = std::min(first->norm(), second->norm());
+  const double position = params_.position_sigma * params_.position_sigma;
+  detection.covariance =
+      Eigen::Vector3d(position, position, params_.heading_sigma * params_.heading_sigma).asDiagonal();
+  return true;
+}
+
+}  // namespace luminav

@@ -1,0 +1,54 @@
+#include "services/detector/sampling/grey_histogram.hpp"
+
+#include <algorithm>
+
+namespace luminav {
+
+GreyHistogram::GreyHistogram(std::span<const std::uint8_t> cells, std::size_t step) {
+  // Two tables: neighbours are often equal, and a count waits for the one before it in the same place.
+  std::array<int, 256> odd{};
+  std::size_t i = 0;
+  for (; i + step < cells.size(); i += 2 * step) {
+    ++counts_[cells[i]];
+    ++odd[cells[i + step]];
+  }
+  if (i < cells.size()) {
+    ++counts_[cells[i]];
+  }
+  for (std::size_t level = 0; level < counts_.size(); ++level) {
+    counts_[level] += odd[level];
+    total_ += counts_[level];
+  }
+}
+
+int GreyHistogram::median() const {
+  int below = 0;
+  for (std::size_t level = 0; level < counts_.size(); ++level) {
+    below += counts_[level];
+    if (2 * below >= total_) {
+      return static_cast<int>(level);
+    }
+  }
+  return 0;
+}
+
+double GreyHistogram::interpolated_median() const {
+  const int level = median();
+  int below = 0;
+  for (int i = 0; i < level; ++i) {
+    below += counts_[static_cast<std::size_t>(i)];
+  }
+  const int here = std::max(counts_[static_cast<std::size_t>(level)], 1);
+  return level - 0.5 + (0.5 * total_ - below) / here;
+}
+
+int GreyHistogram::max() const {
+  for (std::size_t level = counts_.size(); level-- > 0;) {
+    if (counts_[level] > 0) {
+      return static_cast<int>(level);
+    }
+  }
+  return 0;
+}
+
+}  // namespace luminav

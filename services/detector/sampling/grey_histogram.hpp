@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace luminav {
+
+/// How often each grey level occurs.
+class GreyHistogram {
+ public:
+  /// Counts every `step`-th of the cells.
+  explicit GreyHistogram(std::span<const std::uint8_t> cells, std::size_t step = 1);
+
+  /// The lowest level that at least half of the cells do not exceed; 0 of none.
+  [[nodiscard]] int median() const;
+  /// The same, linear within that level.
+  [[nodiscard]] double interpolated_median() const;
+  [[nodiscard]] int max() const;
+
+ private:
+  std::array<int, 256> counts_{};
+  int total_ = 0;
+};
+
+}  // namespace luminav

@@ -1,0 +1,159 @@
+#include "services/detector/sampling/raster.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "services/common/geometry/vector_clones.hpp"
+
+namespace luminav {
+namespace {
+
+LUMINAV_VECTOR_CLONES
+void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int width, std::uint16_t* sums) {
+  for (int x = 0; x < width; ++x) {
+    sums[x] = first[x];
+  }
+  for (int y = 1; y < rows; ++y) {
+    const std::uint8_t* row = first + static_cast<std::size_t>(y) * stride;
+    for (int x = 0; x < width; ++x) {
+      sums[x] = static_cast<std::uint16_t>(sums[x] + row[x]);
+    }
+  }
+}
+
+LUMINAV_VECTOR_CLONES
+void fold_by_four(const std::uint16_t* sums, int cells, std::uint8_t* out) {
+  for (int x = 0; x < cells; ++x) {
+    const unsigned sum = static_cast<unsigned>(sums[4 * x]) + sums[4 * x + 1] + sums[4 * x + 2] + sums[4 * x + 3];
+    out[x] = static_cast<std::uint8_t>((sum + 8U) >> 4);
+  }
+}
+
+LUMINAV_VECTOR_CLONES
+void fold_by_two(const std::uint16_t* sums, int cells, std::uint8_t* out) {
+  for (int x = 0; x < cells; ++x) {
+    out[x] = static_cast<std::uint8_t>((static_cast<unsigned>(sums[2 * x]) + sums[2 * x + 1] + 2U) >> 2);
+  }
+}
+
+// The result may be written over `a` while `b` lies ahead of it: what is read was not yet written.
+LUMINAV_VECTOR_CLONES
+void larger_of(const std::uint8_t* a, const std::uint8_t* b, int count, std::uint8_t* out) {
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    out[i] = std::max(a[i], b[i]);
+  }
+}
+
+LUMINAV_VECTOR_CLONES
+void smaller_of(const std::uint8_t* a, const std::uint8_t* b, int count, std::uint8_t* out) {
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    out[i] = std::min(a[i], b[i]);
+  }
+}
+
+using Combine = void (*)(const std::uint8_t*, const std::uint8_t*, int, std::uint8_t*);
+
+using CombineRows = void (*)(const std::uint8_t*, const std::uint8_t*, int, int, int, std::uint8_t*);
+
+LUMINAV_VECTOR_CLONES
+void larger_of_rows(const std::uint8_t* a, const std::uint8_t* b, int stride, int rows, int width, std::uint8_t* out) {
+  for (int y = 0; y < rows; ++y, a += stride, b += stride, out += width) {
+#pragma GCC ivdep
+    for (int x = 0; x < width; ++x) {
+      out[x] = std::max(a[x], b[x]);
+    }
+  }
+}
+
+LUMINAV_VECTOR_CLONES
+void smaller_of_rows(const std::uint8_t* a, const std::uint8_t* b, int stride, int rows, int width, std::uint8_t* out) {
+  for (int y = 0; y < rows; ++y, a += stride, b += stride, out += width) {
+#pragma GCC ivdep
+    for (int x = 0; x < width; ++x) {
+      out[x] = std::min(a[x], b[x]);
+    }
+  }
+}
+
+/// Running extreme over 2 radius + 1 cells in x, then in y, where the windows lie within the image; its cells are lost.
+/// Windows of 1, 2, 4, ... cells are combined from two of half the size, so the cost grows with the logarithm of the
+/// radius; every step is one straight loop over all rows. What it mixes from the next row lands in columns that are no
+/// longer read.
+void extreme_within(Raster& image, int radius, Combine combine, CombineRows combine_rows, Raster& result) {
+  const int window = 2 * radius + 1;
+  const int stride = image.width;
+  std::uint8_t* cells = image.cells.data();
+  int count = static_cast<int>(image.cells.size());
+  const auto combine_with = [&](int ahead) {
+    count -= ahead;
+    combine(cells, cells + ahead, count, cells);
+  };
+  int size = 1;
+  for (; 2 * size <= window; size *= 2) {
+    combine_with(size);
+  }
+  if (window > size) {
+    combine_with(window - size);
+  }
+  count = image.height * stride;
+  for (size = 1; 2 * size <= window; size *= 2) {
+    combine_with(size * stride);
+  }
+  result.resize(image.width - 2 * radius, image.height - 2 * radius);
+  combine_rows(cells, image.row(window - size), stride, result.height, result.width, result.row(0));
+}
+
+/// The same of all cells: beyond the border all is `neutral`.
+void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Combine combine, CombineRows combine_rows,
+                     Raster& result, Raster& padded) {
+  padded.resize(image.width + 2 * radius, image.height + 2 * radius);
+  std::memset(padded.cells.data(), neutral, padded.cells.size());
+  for (int y = 0; y < image.height; ++y) {
+    std::memcpy(padded.row(y + radius) + radius, image.row(y), static_cast<std::size_t>(image.width));
+  }
+  extreme_within(padded, radius, combine, combine_rows, result);
+}
+
+}  // namespace
+
+void reduce(const GreyView& image, int factor, Raster& result) {
+  result.resize(image.width / factor, image.height / factor);
+  const auto stride = static_cast<std::size_t>(image.width);
+  if (factor == 1) {
+    std::copy_n(image.pixels.data(), result.cells.size(), result.cells.data());
+    return;
+  }
+  constexpr int kWidest = 8192;  // [px]
+  std::array<std::uint16_t, kWidest> sums;
+  const int width = std::min(result.width * factor, kWidest);
+  for (int y = 0; y < result.height; ++y) {
+    const std::uint8_t* first = image.pixels.data() + static_cast<std::size_t>(y * factor) * stride;
+    add_rows(first, stride, factor, width, sums.data());
+    if (factor == 4) {
+      fold_by_four(sums.data(), width / 4, result.row(y));
+    } else {
+      fold_by_two(sums.data(), width / 2, result.row(y));
+    }
+  }
+}
+
+void dilate(const Raster& image, int radius, Raster& result, Raster& scratch) {
+  running_extreme(image, radius, 0, larger_of, larger_of_rows, result, scratch);
+}
+
+void erode(const Raster& image, int radius, Raster& result, Raster& scratch) {
+  running_extreme(image, radius, 255, smaller_of, smaller_of_rows, result, scratch);
+}
+
+void dilate_within(Raster& image, int radius, Raster& result) {
+  extreme_within(image, radius, larger_of, larger_of_rows, result);
+}
+
+void erode_within(Raster& image, int radius, Raster& result) {
+  extreme_within(image, radius, smaller_of, smaller_of_rows, result);
+}
+
+}  // namespace luminav

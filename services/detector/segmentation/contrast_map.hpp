@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "services/detector/sampling/raster.hpp"
+
+namespace luminav {
+
+/// How far each cell of a reduced image sinks below its surroundings. These are what is left when everything narrower
+/// than a window is filled up (closing top hat, Serra 1982), so shading, pools of light and daylight from a window drop
+/// out. It is measured after the lamps were cut off, or every strip between a lamp and the image border would look
+/// dark.
+class ContrastMap {
+ public:
+  /// `radius` [cells of `image`]: half the window; things wider than 2 radius + 1 cells have no contrast.
+  /// `ignore_lines`: dark lines thinner than 4 cells (the grid between tiles) do not count as surroundings.
+  void compute(const Raster& image, int radius, bool ignore_lines);
+
+  [[nodiscard]] const Raster& dark() const { return dark_; }
+  /// Noise of one cell of the reduced image [grey], from the median difference of neighbours.
+  [[nodiscard]] double noise() const { return noise_; }
+
+ private:
+  Raster clean_;  // without lines
+  Raster dilated_;
+  Raster half_;    // half the size again: surroundings are smooth, so they may be computed coarsely
+  Raster wide_;    // continued beyond the borders
+  Raster opened_;  // without lamps
+  Raster mean_;    // of that
+  Raster filled_;
+  Raster closed_;
+  Raster surroundings_;
+  Raster scratch_;
+  Raster dark_;
+  std::vector<int> sums_;
+  std::vector<std::uint8_t> steps_;  // between neighbours
+  double noise_ = 1.0;
+};
+
+}  // namespace luminav

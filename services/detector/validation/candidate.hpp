@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+
+#include "services/common/image/grey_image.hpp"
+#include "services/detector/hypotheses/outline_proposer.hpp"
+#include "services/detector/outline/outline_fit.hpp"
+#include "services/detector/sampling/raster.hpp"
+
+namespace luminav {
+
+/// One image and what was computed of it.
+struct CeilingFrame {
+  const GreyView& image;
+  const Raster& reduced;
+  const Raster& dark;        // depth below the surroundings, in the reduced image
+  int factor = 4;            // [px] side of a cell of the reduced image
+  double pixel_noise = 4.0;  // [grey]
+  int brightest = 255;       // [grey] of the cells
+};
+
+/// Grey level of the cell that a pixel of the image belongs to.
+inline int cell_at(const Raster& cells, const Eigen::Vector2d& pixel, int factor) {
+  const int column = std::clamp(static_cast<int>((pixel.x() + 0.5) / factor), 0, cells.width - 1);
+  const int row = std::clamp(static_cast<int>((pixel.y() + 0.5) / factor), 0, cells.height - 1);
+  return cells.row(row)[column];
+}
+
+/// A guess of what a region shows, and where it lies: by its edges, or by the region's own rectangle.
+struct Candidate {
+  OutlineHypothesis hypothesis;
+  OutlineFit fit;
+  int level = 0;  // [grey] above which the region was cut out; of an unlit one, its depth
+  bool bright = true;
+  bool by_edges = true;
+  double score = 0.0;  // the best one wins where several claim a place
+
+  /// All of it is in view, and seen.
+  [[nodiscard]] bool is_whole() const {
+    const bool bar = hypothesis.outline.shape == FixtureShape::kRectangle;
+    return !by_edges || (bar ? fit.ends_visible() == 2 : hypothesis.is_whole);
+  }
+};
+
+}  // namespace luminav

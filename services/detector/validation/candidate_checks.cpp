@@ -1,0 +1,407 @@
+#include "services/detector/validation/candidate_checks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "services/detector/sampling/mean_profile.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kBlurredEdge = 2.5;          // [px] by which an outline may always miss, however coarse the pixels
+constexpr double kElementFrame = 0.045;       // [m] a vent's frame is as bright as the ceiling: its slats end inside
+constexpr double kMaxAcross = 0.030;          // [m] 1 sigma of its place across
+constexpr double kMaxHeading = radians(1.5);  // 1 sigma, of a piece
+constexpr double kMinDisc = 16.0;             // [px] across: any dark speck looks like a smaller one
+constexpr double kSpeckSupport = 0.92;        // share of the rim of a smaller lamp that must show its edge
+constexpr double kOfMinVisible = 0.75;        // edges are looked for no closer to the border than this leaves
+constexpr double kMinStretch = 0.4;           // of a long side, where the other one or both ends are out of view
+constexpr double kAlikeSides = 0.5;   // least step of a lamp's side, of the other's: a burning half has a faint one
+constexpr double kAlikeEdges = 0.45;  // least step of any edge of an unlit piece, of its clearest
+constexpr double kOtherWidth = 0.03;  // [m] by which widths of kinds differ
+// Each amiss by 1:
+constexpr double kMaxBesides = 0.30;  // share of the ring that is as bright: panes of a skylight lie in rows
+constexpr double kFull = 0.80;  // of its rectangle, what a region fills; round ends and slanting cells leave a rest
+constexpr double kMaxHollow = 0.20;
+constexpr double kMaxDimmer = 0.5;         // than the brightest cells in view, of their grey level
+constexpr double kMaxWithoutEdge = 0.25;   // share of the outline
+constexpr double kMaxAmiss = 1.0;          // in sum
+constexpr double kMaxAmissOfPiece = 0.35;  // its length says nothing
+constexpr double kRelativeContrast = 0.3;  // of a lamp above its surroundings, of its own grey level
+constexpr double kRingDistance = 0.35;     // of the width
+
+bool is_bar(const Candidate& candidate) {
+  return candidate.hypothesis.outline.shape != FixtureShape::kRound;
+}
+
+}  // namespace
+
+Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& candidate) const {
+  const Outline& outline = candidate.hypothesis.outline;
+  const OutlineFit& fit = candidate.fit;
+  if (!has_right_size(candidate)) {
+    return Verdict::kWrongSize;
+  }
+  Verdict verdict = is_bar(candidate) ? sides(candidate) : disc(candidate);
+  if (verdict == Verdict::kAccepted && is_bar(candidate)) {
+    verdict = ends(candidate);
+  }
+  if (verdict == Verdict::kAccepted && is_bar(candidate) && fit.ends_visible() < 2) {
+    verdict = piece(candidate);
+  }
+  if (verdict != Verdict::kAccepted) {
+    return verdict;
+  }
+  if (!candidate.bright && is_bar(candidate) &&
+      !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
+    return Verdict::kGoesOnBeyondEnd;
+  }
+  if (!is_filled(frame, candidate)) {
+    return Verdict::kNotFilled;
+  }
+  if (!candidate.hypothesis.is_element && outline.shape != FixtureShape::kRound &&
+      fit.covariance(1, 1) > kMaxAcross * kMaxAcross) {
+    return Verdict::kTooUncertain;
+  }
+  if (may_be_another(frame, candidate)) {
+    return Verdict::kMayBeAnother;
+  }
+  return candidate.bright ? contrast(frame, candidate) : Verdict::kAccepted;
+}
+
+Verdict CandidateChecks::by_region(const CeilingFrame& frame, const Candidate& candidate) const {
+  const Outline& outline = candidate.hypothesis.outline;
+  if (outline.shape == FixtureShape::kRound && outline.length / candidate.fit.metres_per_px < kMinDisc) {
+    return Verdict::kTooUncertain;
+  }
+  return contrast(frame, candidate);
+}
+
+/// A lamp is of the right size, fills its outline, is among the brightest things in view and far brighter than what
+/// surrounds it, which has nothing like it. Each may be a little amiss, not all of them.
+Verdict CandidateChecks::contrast(const CeilingFrame& frame, const Candidate& candidate) const {
+  const Surroundings around = surroundings(frame, candidate);
+  const double above = around.inside - around.ring;
+  if (around.in_view > 0 &&
+      (above < params_.lit_contrast || (!candidate.by_edges && above < kRelativeContrast * around.inside))) {
+    return Verdict::kNoContrast;
+  }
+  const double amiss = candidate.hypothesis.size_error / params_.size_tolerance + around.bright_share / kMaxBesides +
+                       std::max(0.0, kFull - candidate.hypothesis.fill) / kMaxHollow +
+                       (1.0 - around.inside / frame.brightest) / kMaxDimmer +
+                       (candidate.by_edges ? (1.0 - candidate.fit.quality()) / kMaxWithoutEdge : 0.0);
+  return amiss > (candidate.is_whole() ? kMaxAmiss : kMaxAmissOfPiece) ? Verdict::kNotAlone : Verdict::kAccepted;
+}
+
+bool CandidateChecks::has_right_size(const Candidate& candidate) const {
+  const Outline& outline = candidate.hypothesis.outline;
+  const OutlineFit& fit = candidate.fit;
+  const double side = fit.placement.side_outset;
+  const double end = fit.placement.end_outset;
+  const double blurred = kBlurredEdge * fit.metres_per_px;
+  const double of_width = 0.5 * params_.size_tolerance * outline.width + blurred;
+  if (candidate.hypothesis.is_element) {
+    return side > -kElementFrame && side < of_width;
+  }
+  const double bloom = candidate.bright ? params_.max_bloom : 0.0;
+  const double longer = outline.shape == FixtureShape::kRound ? 0.0
+                        : candidate.bright                    ? end - std::max(side, 0.0)
+                                                              : end;
+  return side > -of_width && side < of_width + bloom &&
+         std::abs(longer) < 0.5 * params_.size_tolerance * outline.length + blurred;
+}
+
+Verdict CandidateChecks::disc(const Candidate& candidate) const {
+  const OutlineFit& fit = candidate.fit;
+  const SideEdges& rim = fit.sides[kLeftSide];
+  if (!candidate.bright && candidate.hypothesis.outline.length / fit.metres_per_px < kMinDisc) {
+    return Verdict::kTooUncertain;
+  }
+  const bool sound = rim.in_view >= 12 && 2 * rim.in_view >= rim.expected && rim.share() >= params_.min_side_support;
+  return sound ? Verdict::kAccepted : Verdict::kNoLongSide;
+}
+
+Verdict CandidateChecks::sides(const Candidate& candidate) const {
+  const OutlineFit& fit = candidate.fit;
+  const SideEdges& left = fit.sides[kLeftSide];
+  const SideEdges& right = fit.sides[kRightSide];
+  const std::optional<Side> only = fit.only_side();
+  const double length = candidate.hypothesis.outline.length;
+  const double seen = fit.visible_to - fit.visible_from;
+  if (only) {
+    if (candidate.hypothesis.is_element || candidate.hypothesis.half_width || fit.sides[*only].in_view < 8 ||
+        seen < kMinStretch * length) {
+      return Verdict::kTooLittleInView;
+    }
+    return fit.share(*only) < params_.min_side_support ? Verdict::kNoLongSide : Verdict::kAccepted;
+  }
+  const double from = fit.end_visible(kNearEnd) ? -0.5 * length : fit.visible_from;
+  const double to = fit.end_visible(kFarEnd) ? 0.5 * length : fit.visible_to;
+  if (std::min(left.in_view, right.in_view) < 3 || to - from < kOfMinVisible * params_.min_visible * length) {
+    return Verdict::kTooLittleInView;
+  }
+  if (std::min(left.share(), right.share()) < params_.min_side_support) {
+    return Verdict::kNoLongSide;
+  }
+  const double least = candidate.bright ? kAlikeSides : 0.0;
+  return std::min(left.step, right.step) < least * std::max(left.step, right.step) ? Verdict::kUnequalSides
+                                                                                   : Verdict::kAccepted;
+}
+
+Verdict CandidateChecks::ends(const Candidate& candidate) const {
+  const OutlineFit& fit = candidate.fit;
+  for (const int end : {kFarEnd, kNearEnd}) {
+    if (fit.sides[static_cast<std::size_t>(end)].in_view >= 3 && fit.share(end) < params_.min_end_support) {
+      return Verdict::kNoEnd;
+    }
+    // A grid line between tiles may look like an end; then the long sides don't reach it.
+    const SideEdges& corner = fit.corners[end == kFarEnd ? 0 : 1];
+    if (fit.end_visible(end) && corner.on_edge < 0.6 * corner.in_view) {
+      return Verdict::kSidesEndEarly;
+    }
+  }
+  return Verdict::kAccepted;
+}
+
+/// What is unlit is as dark at all of its edges that are in view, and of its kind's width.
+bool CandidateChecks::has_alike_edges(const Candidate& candidate) const {
+  const OutlineFit& fit = candidate.fit;
+  double faintest = 255.0;
+  double clearest = 0.0;
+  for (int side = 0; side < kSides; ++side) {
+    const SideEdges& edges = fit.sides[static_cast<std::size_t>(side)];
+    if (side < kFarEnd ? edges.on_edge >= 3 : fit.end_visible(side)) {
+      faintest = std::min(faintest, edges.step);
+      clearest = std::max(clearest, edges.step);
+    }
+  }
+  const double wider = std::abs(fit.placement.side_outset);
+  return faintest >= kAlikeEdges * clearest &&
+         wider < 0.5 * params_.size_tolerance * candidate.hypothesis.outline.width + fit.metres_per_px;
+}
+
+/// The border cuts it, or hides an end in noise. Grooves and beams have two dark edges.
+Verdict CandidateChecks::piece(const Candidate& candidate) const {
+  const OutlineFit& fit = candidate.fit;
+  const Outline& outline = candidate.hypothesis.outline;
+  if (candidate.hypothesis.is_element || (outline.shape == FixtureShape::kSquare && !fit.only_side())) {
+    return Verdict::kTooFewEdges;
+  }
+  const int edges = fit.ends_visible() + (fit.only_side() ? 1 : 2);
+  if (edges < (candidate.bright ? 2 : 3)) {
+    return Verdict::kTooFewEdges;
+  }
+  if (!candidate.bright && !has_alike_edges(candidate)) {
+    return Verdict::kUnequalSides;
+  }
+  const bool is_short = fit.visible_to - fit.visible_from < kMinStretch * outline.length;
+  if (fit.ends_visible() == 0 && is_short) {
+    return Verdict::kTooLittleInView;
+  }
+  return fit.covariance(2, 2) > kMaxHeading * kMaxHeading ? Verdict::kTooUncertain : Verdict::kAccepted;
+}
+
+bool CandidateChecks::may_be_another(const CeilingFrame& frame, const Candidate& candidate) const {
+  const OutlineFit& fit = candidate.fit;
+  const Outline& outline = candidate.hypothesis.outline;
+  if (candidate.hypothesis.is_element || outline.shape == FixtureShape::kRound) {
+    return false;
+  }
+  const std::optional<Side> only = fit.only_side();
+  if (fit.ends_visible() == 2 && !only) {
+    return false;
+  }
+  const double seen = fit.visible_to - fit.visible_from;
+  const auto may_be = [&](double length, double width) {
+    const bool long_enough =
+        fit.ends_visible() == 2 ? std::abs(length - outline.length) < 2.0 * kOtherWidth : length > seen - kOtherWidth;
+    if (!only) {
+      return long_enough && std::abs(width - outline.width) < kOtherWidth + 0.1 * outline.width;
+    }
+    return long_enough && (width > outline.width - kOtherWidth || !reaches_beyond(frame, candidate, *only, width));
+  };
+  for (const CeilingKind& element : catalogue_.elements) {
+    if ((element.luminous || !candidate.bright) &&
+        (may_be(element.length, element.width) || may_be(element.width, element.length)) &&
+        !(element.slatted && !is_striped(frame, candidate))) {
+      return true;
+    }
+  }
+  for (const CeilingKind& kind : catalogue_.fixtures) {
+    const bool other = kind.shape != FixtureShape::kRound && (std::abs(kind.width - outline.width) > kOtherWidth);
+    if (only && other && may_be(kind.length, kind.width)) {
+      return true;
+    }
+    if (only && candidate.bright && kind.lamps >= 2 && kind.shape == FixtureShape::kRectangle &&
+        may_be(kind.length, 0.5 * kind.width)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Slats of a vent show along or across: a mean profile that is rougher than noise makes it.
+bool CandidateChecks::is_striped(const CeilingFrame& frame, const Candidate& candidate) const {
+  constexpr double kRim = 0.045;   // [m] beside an edge: blur, and a vent's plain frame
+  constexpr double kRough = 0.16;  // of the step at the edges; slats reach 0.3
+  constexpr std::size_t kHalfWindow = 8;
+  constexpr int kLines = 16;
+  const OutlineFit& fit = candidate.fit;
+  const Outline& outline = candidate.hypothesis.outline;
+  const double along = fit.visible_to - fit.visible_from - 2.0 * kRim;
+  const double across = outline.width - 2.0 * kRim;
+  const Pose2 middle = fit.placement.pose * Pose2{0.5 * (fit.visible_from + fit.visible_to), 0.0, 0.0};
+  const auto roughness = [&](const Vector2d& out, double extent, double breadth) {
+    const auto steps = static_cast<std::size_t>(std::clamp(extent / SideProfile::kStep, 0.0, 40.0));
+    const SideProfile profile = mean_profile(frame.image, camera_, {middle, outline.height, {out.y(), out.x()}, out},
+                                             {.first = -0.5 * SideProfile::kStep * static_cast<double>(steps),
+                                              .steps = steps,
+                                              .from = -0.5 * breadth,
+                                              .apart = breadth / (kLines - 1),
+                                              .count = kLines});
+    double squares = 0.0;
+    int count = 0;
+    for (std::size_t k = kHalfWindow / 2; profile.lines > kLines / 2 && k + kHalfWindow / 2 < profile.steps; ++k) {
+      const auto first = profile.grey.begin() + static_cast<std::ptrdiff_t>(k - kHalfWindow / 2);
+      const double mean = std::accumulate(first, first + kHalfWindow + 1, 0.0) / (kHalfWindow + 1);
+      squares += std::pow(profile.grey[k] - mean, 2);
+      ++count;
+    }
+    return count == 0 ? 1e9 : std::sqrt(squares / count);
+  };
+  const double noise = frame.pixel_noise / std::sqrt(1.0 * kLines);
+  return std::max(roughness(Vector2d::UnitX(), along, across), roughness(Vector2d::UnitY(), across, along)) >
+         std::hypot(kRough * fit.step(), noise);
+}
+
+/// True when it is as bright, or dark, farther from the side in view than a narrower thing and its blur would reach.
+bool CandidateChecks::reaches_beyond(const CeilingFrame& frame, const Candidate& candidate, Side side,
+                                     double width) const {
+  constexpr int kPlaces = 32;
+  const Outline& outline = candidate.hypothesis.outline;
+  const PointTransform pose(candidate.fit.placement.pose);
+  const double outwards = side == kLeftSide ? 1.0 : -1.0;
+  const double blur = candidate.bright ? 6.0 * candidate.fit.metres_per_px : 0.03;
+  int alike = 0;
+  int looked = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double along = 0.92 * outline.length * ((i + 0.5) / kPlaces - 0.5);
+    const auto inside = level_at(frame, candidate, pose, {along, outwards * (0.5 * outline.width - 0.5 * width)});
+    const auto beyond = level_at(frame, candidate, pose, {along, outwards * (0.5 * outline.width - width - blur)});
+    if (inside && beyond) {
+      ++looked;
+      alike += *beyond > (candidate.bright ? 0.88 : 0.5) * *inside ? 1 : 0;
+    }
+  }
+  return looked >= 6 && 10 * alike >= 9 * looked;
+}
+
+std::optional<int> CandidateChecks::level_at(const CeilingFrame& frame, const Candidate& candidate,
+                                             const PointTransform& pose, const Vector2d& place) const {
+  const auto pixel = camera_.pixel_of_ceiling_point(pose * place, candidate.hypothesis.outline.height);
+  if (!pixel || !camera_.is_in_image(*pixel)) {
+    return std::nullopt;
+  }
+  return cell_at(candidate.bright ? frame.reduced : frame.dark, *pixel, frame.factor);
+}
+
+bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const {
+  if (!candidate.fit.end_visible(end)) {
+    return true;
+  }
+  // Beyond blur and grid lines, nearer than anything else.
+  constexpr std::array<double, 3> kDistances{0.030, 0.050, 0.075};  // [m]
+  const Outline& outline = candidate.hypothesis.outline;
+  const PointTransform pose(candidate.fit.placement.pose);
+  const double half_length = 0.5 * outline.length + candidate.fit.placement.end_outset;
+  std::array<double, 2> sum{};  // inside, outside
+  std::array<int, 2> count{};
+  for (const double distance : kDistances) {
+    for (const double across : {-0.3, -0.1, 0.1, 0.3}) {
+      for (const std::size_t outside : {std::size_t{0}, std::size_t{1}}) {
+        const double along = (end == kFarEnd ? 1.0 : -1.0) * (half_length + (outside == 1 ? distance : -distance));
+        if (const auto depth = level_at(frame, candidate, pose, {along, across * outline.width})) {
+          sum[outside] += *depth;
+          ++count[outside];
+        }
+      }
+    }
+  }
+  if (count[0] < 3 || count[1] < 3) {
+    return true;  // out of view: nothing to say against it
+  }
+  const double inside = sum[0] / count[0];
+  return inside - sum[1] / count[1] > 0.45 * std::max(inside, candidate.fit.step());
+}
+
+bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& candidate) const {
+  const Outline& outline = candidate.hypothesis.outline;
+  const PointTransform pose(candidate.fit.placement.pose);
+  const double level = candidate.bright ? candidate.level : 0.5 * params_.unlit_contrast;
+  int looked = 0;
+  int filled = 0;
+  for (int i = 0; i < 15; ++i) {
+    for (int j = -1; j <= 1; ++j) {
+      const Vector2d place(0.9 * outline.length * ((i + 0.5) / 15.0 - 0.5), 0.3 * j * outline.width);
+      if (const auto there = level_at(frame, candidate, pose, place)) {
+        ++looked;
+        filled += *there > level ? 1 : 0;
+      }
+    }
+  }
+  return looked >= 5 && filled * 100 >= looked * (candidate.bright ? 85 : 75);
+}
+
+CandidateChecks::Surroundings CandidateChecks::surroundings(const CeilingFrame& frame,
+                                                            const Candidate& candidate) const {
+  constexpr int kPlaces = 12;  // along each side
+  const Outline& outline = candidate.hypothesis.outline;
+  const OutlinePlacement& placement = candidate.fit.placement;
+  const PointTransform pose(placement.pose);
+  const double cell = frame.factor * candidate.fit.metres_per_px;
+  const double half_length = 0.5 * outline.length + placement.end_outset;
+  const double half_width = 0.5 * outline.width + placement.side_outset;
+  const double apart = std::max(kRingDistance * outline.width, 2.0 * cell);
+  Surroundings result;
+  double inside = 0.0;
+  int looked = 0;
+  int bright = 0;
+  const auto look_outside = [&](const Vector2d& place) {
+    if (const auto grey = level_at(frame, candidate, pose, place)) {
+      result.ring += *grey;
+      bright += *grey > candidate.level ? 1 : 0;
+      ++result.in_view;
+    }
+  };
+  const bool round = outline.shape == FixtureShape::kRound;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double t = (i + 0.5) / kPlaces - 0.5;
+    if (const auto grey = level_at(frame, candidate, pose, {(round ? 0.7 : 0.9) * outline.length * t, 0.0})) {
+      inside += *grey;
+      ++looked;
+    }
+    for (const double out : {apart, 2.0 * apart}) {
+      if (round) {
+        const double radius = half_width + out;
+        look_outside(radius * Vector2d(std::cos(2.0 * kPi * t), std::sin(2.0 * kPi * t)));
+        continue;
+      }
+      for (const double side : {1.0, -1.0}) {
+        look_outside({2.0 * half_length * t, side * (half_width + out)});
+        if (i % 4 == 1) {  // ends are shorter
+          look_outside({side * (half_length + out), 2.0 * half_width * t});
+        }
+      }
+    }
+  }
+  result.inside = inside / std::max(looked, 1);
+  result.ring /= std::max(result.in_view, 1);
+  result.bright_share = static_cast<double>(bright) / std::max(result.in_view, 1);
+  return result;
+}
+
+}  // namespace luminav

@@ -1,0 +1,254 @@
+#include "services/detector/validation/detection_builder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "services/detector/validation/half_lit_by_brightness.hpp"
+#include "services/detector/validation/half_lit_by_grid_lines.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+
+// Asymmetry of a strip with its like on both sides: 0 to 0.23; of a burning half: 0.45 to 0.6 (rendered frames).
+constexpr double kSignOfHalf = 0.33;
+constexpr double kClearlyHalf = 0.45;
+constexpr double kShort = 0.45;        // of the length: over that a dark half may be as bright as the ceiling
+constexpr double kSoftMiddle = 0.007;  // [m] 1 sigma of where the burning half ends in the middle of its fixture
+// 1 sigma, of the distance between the centres of a single lamp and of a half-lit fixture, when it may be either.
+constexpr double kOpenReading = 0.5;
+constexpr double kOpenPlace = 0.1;    // variance along of a piece without ends, of the length out of view squared
+constexpr double kSameLength = 0.05;  // [m]
+constexpr double kSameWidth = 0.03;   // [m]
+
+Matrix3d turned(const Matrix3d& covariance, double theta) {
+  Matrix3d rotation = Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() << std::cos(theta), -std::sin(theta), std::sin(theta), std::cos(theta);
+  return rotation * covariance * rotation.transpose();
+}
+
+/// What a lit strip of half the width of a fixture of two lamps may be: a fixture of one, a half of one of two, either,
+/// or something else.
+enum class StripReading { kWhole, kDarkOnLeft, kDarkOnRight, kWholeOrHalf, kUnclear };
+
+/// Grid lines decide where there are any: a dark half may be as bright as the ceiling, but it covers them.
+StripReading read_strip(const CeilingFrame& frame, const CeilingCamera& camera, const Candidate& strip) {
+  const Outline& outline = strip.hypothesis.outline;
+  const auto [left, right] = look_for_grid_lines(frame.image, camera, outline, strip.fit.placement, frame.pixel_noise);
+  if (left == Beside::kCeiling && right == Beside::kCeiling) {
+    return StripReading::kWhole;
+  }
+  if ((left == Beside::kCovered) != (right == Beside::kCovered)) {
+    return left == Beside::kCovered ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
+  }
+  const StripSurroundings around =
+      compare_strip_sides(frame.image, camera, outline, strip.fit.placement, frame.pixel_noise);
+  if (!around.valid) {
+    return StripReading::kWholeOrHalf;
+  }
+  if (around.asymmetry > kClearlyHalf && around.side != 0) {
+    if ((around.side > 0 ? left : right) == Beside::kCeiling) {
+      return StripReading::kUnclear;
+    }
+    return around.side > 0 ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
+  }
+  if (around.asymmetry <= kSignOfHalf) {
+    return StripReading::kWhole;
+  }
+  return strip.fit.visible_to - strip.fit.visible_from < kShort * outline.length ? StripReading::kWholeOrHalf
+                                                                                 : StripReading::kUnclear;
+}
+
+DetectionShape shape_of(const OutlineHypothesis& hypothesis) {
+  if (hypothesis.is_element) {
+    return DetectionShape::kElement;
+  }
+  switch (hypothesis.outline.shape) {
+    case FixtureShape::kSquare:
+      return DetectionShape::kSquare;
+    case FixtureShape::kRound:
+      return DetectionShape::kRound;
+    case FixtureShape::kRectangle:
+      break;
+  }
+  return DetectionShape::kRectangle;
+}
+
+}  // namespace
+
+std::optional<Detection> DetectionBuilder::build(const CeilingFrame& frame, const Candidate& candidate) const {
+  if (candidate.hypothesis.is_element) {
+    return detection_of(candidate, DetectionState::kUnknown);
+  }
+  if (!candidate.bright) {
+    return detection_of(candidate, DetectionState::kUnlit);
+  }
+  return candidate.hypothesis.outline.shape == FixtureShape::kRectangle
+             ? resolve_strip(frame, candidate)
+             : std::optional(detection_of(candidate, DetectionState::kLit));
+}
+
+DetectionBuilder::Extent DetectionBuilder::lengths_of(const Candidate& candidate, double seen) const {
+  const Outline& outline = candidate.hypothesis.outline;
+  Extent lengths{outline.length, outline.length};
+  for (const CeilingKind& kind : catalogue_.fixtures) {
+    if (kind.shape == FixtureShape::kRectangle && std::abs(kind.width - outline.width) < 0.02 && kind.length > seen) {
+      lengths.from = std::min(lengths.from, kind.length);
+      lengths.to = std::max(lengths.to, kind.length);
+    }
+  }
+  return lengths;
+}
+
+/// Only a stretch is seen: the centre lies anywhere within what is left of the length.
+void DetectionBuilder::place_stretch(const Candidate& candidate, Extent& extent, Detection& detection) const {
+  const double middle = 0.5 * (extent.from + extent.to);
+  detection.robot_from_fixture = detection.robot_from_fixture * Pose2{middle, 0.0, 0.0};
+  Matrix3d shift = Matrix3d::Identity();
+  shift(1, 2) = middle;
+  detection.covariance = shift * detection.covariance * shift.transpose();
+  detection.covariance.row(0).setZero();
+  detection.covariance.col(0).setZero();
+  const double hidden = candidate.hypothesis.outline.length - (extent.to - extent.from) +
+                        2.0 * std::max(0.0, candidate.fit.placement.side_outset);
+  detection.covariance(0, 0) = kOpenPlace * std::pow(std::max(0.0, hidden), 2) + 1e-4;
+  extent = {extent.from - middle, extent.to - middle};
+}
+
+/// From one end on: its bloom does not cancel, and other kinds of this width may be longer or shorter.
+void DetectionBuilder::place_by_one_end(const Candidate& candidate, Extent& extent, Detection& detection) const {
+  const double outset = candidate.fit.placement.side_outset;
+  detection.covariance(0, 0) += std::pow(0.3 * outset, 2);
+  const Extent lengths = lengths_of(candidate, extent.to - extent.from);
+  const double inward = detection.far_end_visible ? -1.0 : 1.0;
+  const double shift = 0.5 * inward * (0.5 * (lengths.from + lengths.to) - candidate.hypothesis.outline.length);
+  detection.robot_from_fixture = detection.robot_from_fixture * Pose2{shift, 0.0, 0.0};
+  detection.covariance(0, 0) += std::pow(0.25 * (lengths.to - lengths.from), 2);
+  extent = {extent.from - shift, extent.to - shift};
+}
+
+void DetectionBuilder::draw_corners(const Candidate& candidate, const Extent& extent, Detection& detection) const {
+  const double height = candidate.hypothesis.outline.height;
+  const double half_width = 0.5 * candidate.hypothesis.outline.width;
+  const PointTransform pose(detection.robot_from_fixture);
+  const std::array<Vector2d, 4> corners{Vector2d(extent.to, half_width), Vector2d(extent.from, half_width),
+                                        Vector2d(extent.from, -half_width), Vector2d(extent.to, -half_width)};
+  detection.clipped = !detection.far_end_visible || !detection.near_end_visible;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pixel = camera_.pixel_of_ceiling_point(pose * corners[i], height);
+    detection.corners_px[i] = pixel.value_or(Vector2d(-1.0, -1.0));
+    detection.clipped = detection.clipped || !pixel || !camera_.is_in_image(*pixel);
+  }
+  detection.centre_px =
+      camera_.pixel_of_ceiling_point(detection.robot_from_fixture.position(), height).value_or(Vector2d(-1.0, -1.0));
+}
+
+Detection DetectionBuilder::detection_of(const Candidate& candidate, DetectionState state) const {
+  const Outline& outline = candidate.hypothesis.outline;
+  const OutlineFit& fit = candidate.fit;
+  const bool bar = outline.shape == FixtureShape::kRectangle && candidate.by_edges;
+  Detection detection;
+  detection.shape = shape_of(candidate.hypothesis);
+  detection.state = state;
+  detection.has_theta = outline.shape != FixtureShape::kRound;
+  detection.fit = fit.quality();
+  detection.robot_from_fixture = fit.placement.pose;
+  detection.covariance = fit.covariance;
+  detection.far_end_visible = !bar || fit.end_visible(kFarEnd);
+  detection.near_end_visible = !bar || fit.end_visible(kNearEnd);
+  Extent extent{detection.near_end_visible ? -0.5 * outline.length : fit.visible_from,
+                detection.far_end_visible ? 0.5 * outline.length : fit.visible_to};
+  if (!detection.far_end_visible && !detection.near_end_visible) {
+    place_stretch(candidate, extent, detection);
+  } else if (detection.far_end_visible != detection.near_end_visible) {
+    place_by_one_end(candidate, extent, detection);
+  }
+  if (outline.shape == FixtureShape::kRound) {
+    detection.covariance.row(2).setZero();
+    detection.covariance.col(2).setZero();
+    detection.covariance(2, 2) = kPi * kPi / 3.0;
+  }
+  detection.covariance = turned(detection.covariance, detection.robot_from_fixture.theta);
+  const double theta = detection.robot_from_fixture.theta;
+  detection.robot_from_fixture.theta = wrap_modulo(theta, symmetry_period(outline.shape));
+  if (std::abs(wrap_angle(detection.robot_from_fixture.theta - theta)) > 0.75 * kPi) {  // the ends change places
+    std::swap(detection.far_end_visible, detection.near_end_visible);
+    extent = {-extent.to, -extent.from};
+  }
+  detection.length = extent.to - extent.from;
+  detection.width = outline.width + 2.0 * fit.placement.side_outset;
+  draw_corners(candidate, extent, detection);
+  return detection;
+}
+
+const CeilingKind* DetectionBuilder::kind_of(const Outline& outline) const {
+  const auto found = std::find_if(catalogue_.fixtures.begin(), catalogue_.fixtures.end(), [&](const CeilingKind& kind) {
+    return kind.shape == FixtureShape::kRectangle && std::abs(kind.length - outline.length) <= kSameLength &&
+           std::abs(kind.width - outline.width) < kSameWidth;
+  });
+  return found == catalogue_.fixtures.end() ? nullptr : &*found;
+}
+
+bool DetectionBuilder::has_dark_half(const CeilingFrame& frame, const Candidate& candidate) const {
+  constexpr double kDifference = 15.0;  // [grey] between the halves; two burning tubes both saturate
+  constexpr double kAcross = 0.38;      // of the width from the middle: the burning half shines over it
+  const Outline& outline = candidate.hypothesis.outline;
+  const CeilingKind* kind = kind_of(outline);
+  if (kind == nullptr || kind->lamps < 2) {
+    return false;
+  }
+  const PointTransform pose(candidate.fit.placement.pose);
+  std::array<double, 2> sum{};
+  std::array<int, 2> count{};
+  for (int i = 0; i < 24; ++i) {
+    for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) {
+      const Vector2d place(0.9 * outline.length * ((i + 0.5) / 24.0 - 0.5),
+                           outline.width * (half == 0 ? kAcross : -kAcross));
+      const auto pixel = camera_.pixel_of_ceiling_point(pose * place, outline.height);
+      if (pixel && camera_.is_in_image(*pixel, frame.factor)) {
+        sum[half] += cell_at(frame.reduced, *pixel, frame.factor);
+        ++count[half];
+      }
+    }
+  }
+  return count[0] >= 3 && count[1] >= 3 && std::abs(sum[0] / count[0] - sum[1] / count[1]) > kDifference;
+}
+
+std::optional<Detection> DetectionBuilder::resolve_strip(const CeilingFrame& frame, const Candidate& strip) const {
+  const double width = strip.hypothesis.outline.width;
+  const CeilingKind* single = kind_of(strip.hypothesis.outline);
+  const auto pair =  // a fixture of two lamps of which this may be one
+      std::find_if(catalogue_.fixtures.begin(), catalogue_.fixtures.end(), [&](const CeilingKind& kind) {
+        return kind.shape == FixtureShape::kRectangle && kind.lamps >= 2 &&
+               std::abs(kind.length - strip.hypothesis.outline.length) <= kSameLength &&
+               std::abs(kind.width - width) >= kSameWidth && std::abs(0.5 * kind.width - width) < kSameWidth;
+      });
+  if (has_dark_half(frame, strip)) {
+    return detection_of(strip, DetectionState::kHalf);
+  }
+  if (pair == catalogue_.fixtures.end()) {
+    return single == nullptr ? std::nullopt : std::optional(detection_of(strip, DetectionState::kLit));
+  }
+  const StripReading reading = read_strip(frame, camera_, strip);
+  const int dark_side = reading == StripReading::kDarkOnLeft ? 1 : reading == StripReading::kDarkOnRight ? -1 : 0;
+  if (dark_side != 0) {
+    Candidate fixture = strip;
+    fixture.hypothesis.outline = {FixtureShape::kRectangle, pair->length, pair->width, pair->height};
+    fixture.fit.placement.pose = strip.fit.placement.pose * Pose2{0.0, 0.5 * dark_side * width, 0.0};
+    fixture.fit.covariance(1, 1) += kSoftMiddle * kSoftMiddle;
+    return detection_of(fixture, DetectionState::kHalf);
+  }
+  if (single == nullptr || reading == StripReading::kUnclear) {
+    return std::nullopt;
+  }
+  Candidate lamp = strip;
+  if (reading == StripReading::kWholeOrHalf) {
+    lamp.fit.covariance(1, 1) += std::pow(kOpenReading * 0.5 * width, 2);
+  }
+  return detection_of(lamp, DetectionState::kLit);
+}
+
+}  // namespace luminav

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+
+#include "services/common/geometry/camera_model.hpp"
+#include "services/detector/detection.hpp"
+#include "services/detector/outline/ceiling_catalogue.hpp"
+#include "services/detector/validation/candidate.hpp"
+
+namespace luminav {
+
+/// Turns accepted candidates into detections: what is in view, which ends, how sure, lit wholly or by half.
+class DetectionBuilder {
+ public:
+  DetectionBuilder(const CeilingCamera& camera, const CeilingCatalogue& catalogue)
+      : camera_(camera), catalogue_(catalogue) {}
+
+  /// Nothing for a lit strip of which the image does not say whether it is a fixture of one lamp or the burning half of
+  /// one of two.
+  [[nodiscard]] std::optional<Detection> build(const CeilingFrame& frame, const Candidate& candidate) const;
+
+ private:
+  struct Extent {  // [m] along the outline
+    double from;
+    double to;
+  };
+  [[nodiscard]] Detection detection_of(const Candidate& candidate, DetectionState state) const;
+  [[nodiscard]] std::optional<Detection> resolve_strip(const CeilingFrame& frame, const Candidate& strip) const;
+  /// True when one lamp of a lit fixture of two does not burn.
+  [[nodiscard]] bool has_dark_half(const CeilingFrame& frame, const Candidate& candidate) const;
+  /// The kind of fixture that looks like this outline when it is whole; a null pointer when there is none.
+  [[nodiscard]] const CeilingKind* kind_of(const Outline& outline) const;
+  /// Lengths of the kinds that a piece of this width may belong to.
+  [[nodiscard]] Extent lengths_of(const Candidate& candidate, double seen) const;
+  void place_stretch(const Candidate& candidate, Extent& extent, Detection& detection) const;
+  void place_by_one_end(const Candidate& candidate, Extent& extent, Detection& detection) const;
+  void draw_corners(const Candidate& candidate, const Extent& extent, Detection& detection) const;
+
+  CeilingCamera camera_;
+  CeilingCatalogue catalogue_;
+};
+
+}  // namespace luminav

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "services/common/geometry/camera_model.hpp"
+#include "services/common/image/grey_image.hpp"
+#include "services/detector/outline/outline.hpp"
+
+namespace luminav {
+
+/// What lies beside a lit strip, left against right.
+struct StripSurroundings {
+  bool valid = false;      // enough of both sides is in view
+  bool complete = false;   // both sides are in view to beyond where a second strip would end
+  double asymmetry = 0.0;  // share of the distances at which the sides differ by more than shading explains
+  int side = 0;  // +1: something of the strip's width joins on the left (its +y), -1: on the right, 0: unclear
+};
+
+/// Bloom and halo of a fixture that burns as a whole are the same on both sides; beside the burning half of a fixture
+/// of two lamps lies its dark half on one side and the ceiling on the other. Compares the brightness at equal distances
+/// from the strip, medians along it; a slope is allowed for, and a grid line of the ceiling is too thin to matter.
+StripSurroundings compare_strip_sides(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
+                                      const OutlinePlacement& placement, double pixel_noise);
+
+}  // namespace luminav

@@ -1,0 +1,115 @@
+#include "services/detector/validation/half_lit_by_grid_lines.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "services/detector/sampling/mean_profile.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int kLines = 10;          // across a band ...
+constexpr int kMinLines = 5;        // ... in view
+constexpr double kPitch = 0.12;     // [m] from one stretch to the next; they overlap, so that no line is lost between
+constexpr double kFromEnd = 0.02;   // [m] from the strip's ends, where its bloom is rounded
+constexpr std::size_t kReach = 5;   // steps from a line's middle to the ceiling beside it
+constexpr std::size_t kApart = 2;   // steps by which a line may lie elsewhere on the other side of the strip
+constexpr double kMinDepth = 3.0;   // [grey]
+constexpr double kMinSigmas = 2.0;  // of the mean of a band's lines
+// Of a line's depth; 3 of 460 strips in rendered frames lie between.
+constexpr double kGoesOn = 0.6;
+constexpr double kEnds = 0.3;
+
+using Band = std::array<double, 2>;  // [widths of the strip] outwards of its edge
+constexpr Band kBeside{0.30, 0.90};
+constexpr Band kBeyond{1.15, 1.75};
+
+/// How much darker it is at a step of a profile than to both sides of it.
+double depth_at(const SideProfile& profile, std::size_t k) {
+  const auto& grey = profile.grey;
+  const double before = 0.5 * (grey[k - kReach] + grey[k - kReach + 1]);
+  const double after = 0.5 * (grey[k + kReach - 1] + grey[k + kReach]);
+  return std::min(before, after) - (grey[k - 1] + grey[k] + grey[k + 1]) / 3.0;
+}
+
+struct GridLine {
+  std::size_t step;
+  double depth;  // [grey]
+};
+
+GridLine deepest(const SideProfile& profile, std::size_t first, std::size_t last) {
+  GridLine line{first, -1e9};
+  for (std::size_t k = std::max(first, kReach); k <= last && k + kReach < profile.steps; ++k) {
+    const double depth = depth_at(profile, k);
+    if (depth > line.depth) {
+      line = {k, depth};
+    }
+  }
+  return line;
+}
+
+/// Sums over the lines that are known to run towards a side.
+struct Evidence {
+  double known = 0.0;  // [grey]
+  double seen = 0.0;
+
+  [[nodiscard]] Beside verdict() const {
+    return known <= 0.0             ? Beside::kUnknown
+           : seen > kGoesOn * known ? Beside::kCeiling
+           : seen < kEnds * known   ? Beside::kCovered
+                                    : Beside::kUnknown;
+  }
+};
+
+}  // namespace
+
+std::array<Beside, 2> look_for_grid_lines(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
+                                          const OutlinePlacement& placement, double pixel_noise) {
+  const double edge = 0.5 * strip.width + std::max(0.0, placement.side_outset);
+  const SideLine line{placement.pose, strip.height, Vector2d::UnitY(), Vector2d::UnitX()};
+  const auto profile_of = [&](const Band& band, double side, double first) {
+    return mean_profile(image, camera, line,
+                        {.first = first,
+                         .steps = SideProfile::kMaxSteps,
+                         .from = side * (edge + band[0] * strip.width),
+                         .apart = side * (band[1] - band[0]) * strip.width / (kLines - 1),
+                         .count = kLines});
+  };
+  constexpr double kStretch = SideProfile::kStep * (SideProfile::kMaxSteps - 1);
+  const int stretches = std::max(1, static_cast<int>((strip.length - 2.0 * kFromEnd - kStretch) / kPitch) + 1);
+  std::array<Evidence, 2> evidence;
+  for (int i = 0; i < stretches; ++i) {
+    const double first = (i - 0.5 * (stretches - 1)) * kPitch - 0.5 * kStretch;
+    const std::array<SideProfile, 2> beside{profile_of(kBeside, 1.0, first), profile_of(kBeside, -1.0, first)};
+    const auto add = [&](const SideProfile& source) {
+      if (source.lines < kMinLines) {
+        return;
+      }
+      // Of a line at the end of a stretch only the flank may be in it, and over there less still.
+      const GridLine deepest_line = deepest(source, kReach + 1, source.steps - kReach - 2);
+      if (deepest_line.depth < std::max(kMinDepth, kMinSigmas * pixel_noise / std::sqrt(source.lines))) {
+        return;
+      }
+      for (std::size_t side = 0; side < 2; ++side) {
+        if (beside[side].lines >= kMinLines) {
+          evidence[side].known += deepest_line.depth;
+          evidence[side].seen +=
+              std::clamp(deepest(beside[side], deepest_line.step - kApart, deepest_line.step + kApart).depth, 0.0,
+                         deepest_line.depth);
+        }
+      }
+    };
+    add(beside[0]);
+    add(beside[1]);
+    if (beside[0].lines < kMinLines || beside[1].lines < kMinLines) {
+      add(profile_of(kBeyond, 1.0, first));
+      add(profile_of(kBeyond, -1.0, first));
+    }
+  }
+  return {evidence[0].verdict(), evidence[1].verdict()};
+}
+
+}  // namespace luminav
