@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
       .text("--image-url", arguments.image_url, "LCM network for pictures, as with ttl=0; default: the same one")
       .state_folder(arguments.state_folder)
       .text("--render", arguments.still, "X,Y,THETA: write what the simulated camera sees from there, and end")
-      .text("--out", arguments.out, "PGM file for --render");
+      .output_file("--out", arguments.out, "PGM file for --render");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }

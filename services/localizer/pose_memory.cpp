@@ -73,7 +73,8 @@ bool PoseMemory::save(const RememberedPose& pose) const {
                     "covariance = [{:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}]\n",
                     name, pose.fixtures, pose.session, pose.odom_from_robot.x, pose.odom_from_robot.y,
                     pose.odom_from_robot.theta, pose.belief.pose.x, pose.belief.pose.y, pose.belief.pose.theta, c(0, 0),
-                    c(0, 1), c(0, 2), c(1, 0), c(1, 1), c(1, 2), c(2, 0), c(2, 1), c(2, 2)));
+                    c(0, 1), c(0, 2), c(1, 0), c(1, 1), c(1, 2), c(2, 0), c(2, 1), c(2, 2)),
+        Durability::kRenamed);
   } catch (const std::runtime_error&) {
     return false;
   }

@@ -58,7 +58,7 @@ void write_evidence(const std::filesystem::path& file, const OccupancyGrid& grid
   }
   std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
   bytes.append(reinterpret_cast<const char*>(packed.data()), size);
-  write_whole_file(file, bytes);
+  write_whole_file(file, bytes, Durability::kRenamed);
 }
 
 bool read_evidence(const std::filesystem::path& file, OccupancyGrid& grid) {

@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
                    "Merges what the benchmarks wrote, prints it as a table, compares it with an older run.");
   line.positional("inputs", inputs, "JSON files of Google Benchmark", true)
       .text("--demo", demo, "report of a demo: CPU and memory of its processes")
-      .text("--json", json, "write all results here")
+      .output_file("--json", json, "write all results here")
       .text("--compare", old_file, "results of an older run (--json)")
       .number("--load", load, "share of the processors' time that others took before the benchmarks began");
   if (const auto status = line.parse(argc, argv)) {

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/fixture_detections_t.hpp>
 #include <luminav/pose_t.hpp>
@@ -10,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
 
@@ -68,7 +68,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> files;
   std::string out;
   CommandLine line("sensor_to_command", "Latency from an image to the velocity command that follows from it.");
-  line.positional("log", files, "recorded by demo --log", true).text("--json", out, "write it as a benchmark does");
+  line.positional("log", files, "recorded by demo --log", true)
+      .output_file("--json", out, "write it as a benchmark does");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
@@ -88,7 +89,7 @@ int main(int argc, char** argv) {
                                     {"p99_ms", stage.percentile(0.99)}});
     }
     if (!out.empty()) {
-      std::ofstream(out) << json.dump(2);
+      write_whole_file(out, json.dump(2) + "\n");
     }
     return 0;
   });

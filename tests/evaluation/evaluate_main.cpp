@@ -209,8 +209,8 @@ int main(int argc, char** argv) {
       .text("--sensing", request.jobs.sensing,
             "rendered | geometric: detections are drawn from the detector's measured behaviour; default as the suite "
             "has it")
-      .text("--json", request.json, "write all reports there")
-      .text("--html", request.html, "write a page with pictures there")
+      .output_file("--json", request.json, "write all reports there")
+      .output_file("--html", request.html, "write a page with pictures there")
       .text("--compare", request.compare, "an older JSON report: says what got better or worse beyond noise")
       .text("--pictures", request.jobs.pictures, "folder for a picture of each run")
       .text("--logs", request.jobs.logs, "folder for an LCM log of each run")
@@ -218,8 +218,8 @@ int main(int argc, char** argv) {
       .flag("--trace", request.jobs.trace, "print a line for each simulated second")
       .flag("--mono8", request.jobs.mono8, "do not compress the pictures")
       .text("--behaviour", request.jobs.behaviour_file, "what geometric sensing draws from")
-      .text("--fit-sensing", request.fit_sensing,
-            "measure the detector's behaviour in these rendered runs, write it there")
+      .output_file("--fit-sensing", request.fit_sensing,
+                   "measure the detector's behaviour in these rendered runs, write it there")
       .text(
           "--check-sensing", request.check_sensing,
           "a JSON report of the same runs rendered: says how well geometric ones agree and keeps it with the behaviour")

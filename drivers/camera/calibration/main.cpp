@@ -17,6 +17,7 @@
 #include "drivers/camera/calibration/live_views.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
+#include "services/common/image/picture_file.hpp"
 #include "services/common/process/command_line.hpp"
 
 namespace luminav {
@@ -109,11 +110,7 @@ void write_residuals(const std::string& file, const LensCalibration& calibration
     std::swap(pixel[0], pixel[2]);
   }
   const cv::Mat picture(views.height, views.width, CV_8UC3, pixels.data());
-  std::vector<unsigned char> encoded;
-  if (!cv::imencode(std::filesystem::path(file).extension().string(), picture, encoded)) {
-    throw std::runtime_error(file + ": cannot be written");
-  }
-  write_whole_file(file, {reinterpret_cast<const char*>(encoded.data()), encoded.size()});
+  write_picture(file, picture);
 }
 
 int run(const Arguments& arguments) {
@@ -178,8 +175,8 @@ int main(int argc, char** argv) {
             "--window", arguments.window,
             "half side of the window in which corners are refined [px]; try a smaller one when some views are worse")
         .text("--model", arguments.model, "pinhole or fisheye")
-        .text("--residuals", arguments.residuals, "picture of the residuals to write (.png)")
-        .text("--out", arguments.out, "file to write instead of the robot's own")
+        .output_file("--residuals", arguments.residuals, "picture of the residuals to write (.png)")
+        .output_file("--out", arguments.out, "file to write instead of the robot's own")
         .flag("--dry-run", arguments.only_look, "leave the robot's file as it is");
     if (const auto status = line.parse(argc, argv)) {
       return *status;

@@ -46,7 +46,7 @@ void StopLatch::save() {
   std::string line = sender();
   std::replace(line.begin(), line.end(), '\n', ' ');
   try {
-    write_whole_file(file_, fmt::format("{} {} {}\n", engaged() ? 1 : 0, id(), line));
+    write_whole_file(file_, fmt::format("{} {} {}\n", engaged() ? 1 : 0, id(), line), Durability::kRenamed);
   } catch (const std::runtime_error&) {
     // a full disk must not keep the robot from stopping
   }

@@ -132,6 +132,9 @@ PriorMap read_map(const fs::path& yaml_file) {
 }
 
 void write_map(const fs::path& yaml_file, const PriorMap& map) {
+  if (is_written_in_place(yaml_file)) {
+    throw std::runtime_error(fmt::format("{}: a map is two files, NAME.yaml and NAME.pgm", yaml_file.string()));
+  }
   const fs::path image_file = fs::path(yaml_file).replace_extension(".pgm");
   if (image_file == yaml_file) {
     throw std::runtime_error(

@@ -6,8 +6,9 @@
 
 namespace luminav {
 
-/// Writes a picture in the format of the file's ending, whole or not at all; `options` are pairs of a cv::IMWRITE_ flag
-/// and its value. Throws std::runtime_error when it cannot be written.
+/// Writes a picture in the format of the file's ending (without one: PNG), whole or
+/// not at all; `options` are pairs of a cv::IMWRITE_ flag and its value. Throws std::runtime_error when it cannot be
+/// written.
 void write_picture(const std::filesystem::path& file, const cv::Mat& picture, const std::vector<int>& options = {});
 
 }  // namespace luminav

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 
@@ -25,6 +27,11 @@ CommandLine::~CommandLine() = default;
 CommandLine& CommandLine::text(std::string_view flag, std::string& target, std::string_view help, bool required) {
   parser_->app.add_option(std::string(flag), target, std::string(help))->capture_default_str()->required(required);
   return *this;
+}
+
+CommandLine& CommandLine::output_file(std::string_view flag, std::string& target, std::string_view help) {
+  output_files_.push_back(&target);
+  return text(flag, target, help);
 }
 
 CommandLine& CommandLine::number(std::string_view flag, double& target, std::string_view help) {
@@ -95,6 +102,9 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     const int status = parser_->app.exit(error);
     return status == 0 ? 0 : 2;
+  }
+  if (std::any_of(output_files_.begin(), output_files_.end(), [](const std::string* file) { return *file == "-"; })) {
+    keep_standard_output_for_files();
   }
   return std::nullopt;
 }

@@ -17,6 +17,8 @@ class CommandLine {
   ~CommandLine();
 
   CommandLine& text(std::string_view flag, std::string& target, std::string_view help, bool required = false);
+  /// A file to write; "-" is standard output, and what the program says then goes to standard error.
+  CommandLine& output_file(std::string_view flag, std::string& target, std::string_view help);
   CommandLine& number(std::string_view flag, double& target, std::string_view help);
   CommandLine& integer(std::string_view flag, std::int64_t& target, std::string_view help);
   CommandLine& flag(std::string_view flag, bool& target, std::string_view help);
@@ -38,6 +40,7 @@ class CommandLine {
  private:
   struct Parser;
   std::unique_ptr<Parser> parser_;
+  std::vector<const std::string*> output_files_;
 };
 
 /// Runs the body of main; prints `<process>: <what>` and returns 2 for a ConfigurationError, 1 for any other exception.

@@ -161,11 +161,7 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
   if (!output.sheet_file.empty() && !sheet.empty()) {
     write_picture(output.sheet_file, sheet.draw(), {cv::IMWRITE_JPEG_QUALITY, 75});
   }
-  if (output.json_file.empty() || output.json_file == "-") {
-    std::fputs(text.c_str(), stdout);
-  } else {
-    write_whole_file(output.json_file, text);
-  }
+  write_whole_file(output.json_file.empty() ? "-" : output.json_file, text);
   return failed == 0 ? 0 : 1;
 }
 
@@ -182,10 +178,10 @@ int main(int argc, char** argv) {
     luminav::CommandLine command_line("detect", "Finds light fixtures in pictures of ceilings.");
     command_line.robot_file(robot_file).building_file(building_file);
     command_line.text("--mode", mode, "paper or modern instead of the robot file's")
-        .text("--json", output.json_file, "where to write the detections (- or left out: standard output)")
+        .output_file("--json", output.json_file, "where to write the detections (- or left out: standard output)")
         .text("--debug", output.debug_folder,
               "folder for pictures of what was tried (green) and found (blue): STEM.png, STEM-2.png, ...")
-        .text("--sheet", output.sheet_file, "one picture of them all")
+        .output_file("--sheet", output.sheet_file, "one picture of them all")
         .positional("images", files, "PNG, JPEG, PGM, ...", true);
     if (const auto status = command_line.parse(argc, argv)) {
       return *status;

@@ -180,8 +180,8 @@ int run(int argc, char** argv) {
                    "robot must drive until they do, and which change would help.");
   line.positional("building", buildings, "building file, or its folder", true);
   line.text("--robot", robot_file, "robot file, for the camera; default: robots/p3dx.toml that comes with the project")
-      .text("--json", json_file, "where the result is written, place by place")
-      .text("--png", png_file, "where a picture is written")
+      .output_file("--json", json_file, "where the result is written, place by place")
+      .output_file("--png", png_file, "where a picture is written")
       .flag("--elements", with_elements, "vents, detectors and the like count as landmarks too");
   if (const auto status = line.parse(argc, argv)) {
     return *status;

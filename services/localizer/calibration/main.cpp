@@ -87,7 +87,8 @@ int run(int argc, char** argv) {
                    "minutes under known fixtures, and writes them to the robot's file.");
   line.robot_file(robot).building_file(building);
   line.positional("log", logs, "LCM log with ODOMETRY and FIXTURE_DETECTIONS", true);
-  line.text("--out", out, "file to write instead of the robot's own").flag("--dry-run", only_look, "write nothing");
+  line.output_file("--out", out, "file to write instead of the robot's own")
+      .flag("--dry-run", only_look, "write nothing");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }

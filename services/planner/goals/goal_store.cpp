@@ -24,7 +24,7 @@ void GoalStore::keep(const StoredGoal& stored) const {
     throw std::runtime_error("the goal cannot be encoded");
   }
   std::filesystem::create_directories(file_.parent_path());
-  write_whole_file(file_, bytes);
+  write_whole_file(file_, bytes, Durability::kRenamed);
 }
 
 void GoalStore::forget() const {

@@ -74,8 +74,8 @@ int main(int argc, char** argv) {
     bool unknown_free = false;
     CommandLine options("plan", "Plans a way on a map of the ROS map_server format.");
     options.positional("MAP.yaml X Y X Y", arguments, "map, start and goal [m]", true)
-        .text("--json", json_file, "where the way is written")
-        .text("--png", png_file, "where a picture is written")
+        .output_file("--json", json_file, "where the way is written")
+        .output_file("--png", png_file, "where a picture is written")
         .text("--mode", mode, "paper or modern")
         .number("--resolution", resolution, "cell [m] that the map is brought to")
         .number("--tolerance", tolerance, "[m] a blocked goal may be missed by")

@@ -73,8 +73,8 @@ int main(int argc, char** argv) {
   std::string svg;
   CommandLine line("check-building", "Checks a building's file as a surveyor would, and draws it.");
   line.positional("building", files, "building.toml", true)
-      .text("--png", png, "draw it: fixtures with a finding in red")
-      .text("--svg", svg, "the same as SVG");
+      .output_file("--png", png, "draw it: fixtures with a finding in red")
+      .output_file("--svg", svg, "the same as SVG");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }

@@ -99,8 +99,8 @@ int demo(int argc, char** argv) {
       .text("--scenario", options.scenario, "scenario file")
       .integer("--seed", options.seed, "instead of the scenario's own")
       .number("--duration", options.duration, "[s] time limit instead of the scenario's own")
-      .text("--report", options.report, "write the report there (JSON)")
-      .text("--picture", options.picture, "write a picture of the run there (PNG)")
+      .output_file("--report", options.report, "write the report there (JSON)")
+      .output_file("--picture", options.picture, "write a picture of the run there (PNG)")
       .text("--log", options.log, "record all data channels there (lcm-logger)")
       .lcm_url(options.lcm_url);
   if (const auto status = line.parse(argc, argv)) {
@@ -122,6 +122,9 @@ int demo(int argc, char** argv) {
   check_writable("--picture", options.picture);
   check_writable("--log", options.log);
   const WorldTruth world = draw_world(scenario, read_building(scenario.building_file), read_robot(scenario.robot_file));
+  if (options.log == "-") {
+    throw ConfigurationError("--log -: a log is a file, with what is needed to replay it beside");
+  }
   if (!options.log.empty() && std::filesystem::exists(options.log)) {
     throw std::runtime_error(fmt::format("{}: exists already, logs are never overwritten", options.log));
   }

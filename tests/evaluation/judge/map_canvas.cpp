@@ -1,9 +1,9 @@
 #include "tests/evaluation/judge/map_canvas.hpp"
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
 #include <vector>
+
+#include "services/common/image/picture_file.hpp"
 
 namespace luminav {
 
@@ -53,9 +53,7 @@ void MapCanvas::text(const Eigen::Vector2d& p, const std::string& words, const c
 }
 
 void MapCanvas::write(const std::string& png_file) const {
-  if (!cv::imwrite(png_file, image_)) {
-    throw std::runtime_error(png_file + ": cannot be written");
-  }
+  write_picture(png_file, image_);
 }
 
 }  // namespace luminav

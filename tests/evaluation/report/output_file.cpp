@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 
@@ -13,6 +14,12 @@ namespace fs = std::filesystem;
 
 void check_writable(const std::string& flag, const std::string& path) {
   if (path.empty()) {
+    return;
+  }
+  if (is_written_in_place(path)) {
+    if (path != "-" && access(path.c_str(), W_OK) != 0) {
+      throw ConfigurationError(fmt::format("{} {}: cannot be written", flag, path));
+    }
     return;
   }
   const fs::path folder = fs::absolute(path).parent_path();

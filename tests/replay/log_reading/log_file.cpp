@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
-#include <unistd.h>
 
 #include <array>
 #include <filesystem>
 #include <stdexcept>
-#include <system_error>
 
 namespace luminav {
 namespace {
@@ -159,29 +157,23 @@ struct LogWriter::Digest {
   EVP_MD_CTX* context;
 };
 
-LogWriter::LogWriter(std::string file) : digest_(std::make_unique<Digest>()), file_(std::move(file)) {
-  if (file_.empty()) {
-    return;
-  }
-  temporary_ = fmt::format("{}.{}.part", file_, getpid());
-  stream_.open(temporary_, std::ios::binary | std::ios::trunc);
-  if (!stream_) {
-    throw std::runtime_error(fmt::format("{}: cannot be written", file_));
+LogWriter::LogWriter(const std::string& file) : digest_(std::make_unique<Digest>()) {
+  if (!file.empty()) {
+    file_.emplace(file);
   }
 }
 
-LogWriter::~LogWriter() {
-  if (stream_.is_open()) {
-    stream_.close();
-    std::error_code ignored;
-    std::filesystem::remove(temporary_, ignored);
-  }
-}
+LogWriter::~LogWriter() = default;
 
 void LogWriter::put(const void* data, std::size_t size) {
+  constexpr std::size_t kPiece = 65536;
   EVP_DigestUpdate(digest_->context, data, size);
-  if (stream_.is_open()) {
-    stream_.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+  if (file_) {
+    pending_.append(static_cast<const char*>(data), size);
+    if (pending_.size() >= kPiece) {
+      file_->write(pending_);
+      pending_.clear();
+    }
   }
 }
 
@@ -200,17 +192,9 @@ std::string LogWriter::finish() {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int size = 0;
   EVP_DigestFinal_ex(digest_->context, digest.data(), &size);
-  if (stream_.is_open()) {
-    stream_.close();
-    std::error_code error;
-    if (stream_.fail()) {
-      std::filesystem::remove(temporary_, error);
-      throw std::runtime_error(fmt::format("{}: could not be written to its end", file_));
-    }
-    std::filesystem::rename(temporary_, file_, error);
-    if (error) {
-      throw std::runtime_error(fmt::format("{}: {}", file_, error.message()));
-    }
+  if (file_) {
+    file_->write(pending_);
+    file_->finish();
   }
   std::string text;
   for (unsigned int i = 0; i < size; ++i) {

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "services/common/configuration/whole_file.hpp"
+
 namespace luminav {
 
 /// One message as lcm-logger wrote it.
@@ -69,9 +71,10 @@ class LogReader {
 /// Writes events as lcm-logger does, byte for byte the same for the same events, and sums them up with SHA-256.
 class LogWriter {
  public:
-  /// `file` "" = only the checksum. Writes beside the file and renames it in `finish`; a writer that is destroyed
-  /// before leaves nothing. Throws std::runtime_error when it cannot be written.
-  explicit LogWriter(std::string file);
+  /// `file` "" = only the checksum; "-", a device or a pipe as WholeFile writes them. The file is there when `finish`
+  /// has returned; a writer that is destroyed before leaves nothing. Throws std::runtime_error when it cannot be
+  /// written.
+  explicit LogWriter(const std::string& file);
   ~LogWriter();
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
@@ -85,9 +88,8 @@ class LogWriter {
 
   struct Digest;
   std::unique_ptr<Digest> digest_;
-  std::string file_;
-  std::string temporary_;
-  std::ofstream stream_;
+  std::optional<WholeFile> file_;
+  std::string pending_;  // many small pieces make one that is written
   std::int64_t events_ = 0;
 };
 

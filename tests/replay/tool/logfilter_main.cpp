@@ -50,7 +50,10 @@ int filter(int argc, char** argv) {
     throw ConfigurationError(
         fmt::format("found {} files, must be two: the log to read and the log to write", files.size()));
   }
-  if (std::filesystem::exists(files[1])) {
+  if (files[1] == "-") {
+    keep_standard_output_for_files();
+  }
+  if (std::filesystem::exists(files[1]) && !is_written_in_place(files[1])) {
     throw std::runtime_error(fmt::format("{}: exists already, logs are never overwritten", files[1]));
   }
   const std::map<std::string, std::int64_t> thinning = parse_thinning(every);

@@ -85,13 +85,13 @@ int replay(int argc, char** argv) {
       .text("--against", options.against_file, "log whose outputs to compare with; default those in LOG")
       .text("--answers", options.answers_file,
             "log of what processes answered while lcm-logplayer played LOG to them: judges that, runs no nodes")
-      .text("--out", options.out_file, "write the outputs into this new log, with the inputs' time stamps")
+      .output_file("--out", options.out_file, "write the outputs into this new log, with the inputs' time stamps")
       .flag("--keep-inputs", options.keep_inputs,
             "the new log holds inputs and truth too, so that it can be replayed itself")
-      .text("--report", report_file, "write the report as JSON there")
-      .text("--picture", picture,
-            "PNG: truth grey, recorded black, replayed green (particles, hypotheses) and blue (Kalman filter), "
-            "odometry magenta")
+      .output_file("--report", report_file, "write the report as JSON there")
+      .output_file("--picture", picture,
+                   "PNG: truth grey, recorded black, replayed green (particles, hypotheses) and blue (Kalman filter), "
+                   "odometry magenta")
       .list("--tolerance", tolerances,
             "KEY=NUMBER, several times: position [m RMS], heading [deg RMS], wrong [s], localized [s later], tracking "
             "and map "
@@ -118,7 +118,8 @@ int replay(int argc, char** argv) {
     }
     options.localizer_seed = value;
   }
-  if (!options.out_file.empty() && std::filesystem::exists(options.out_file)) {
+  if (!options.out_file.empty() && std::filesystem::exists(options.out_file) &&
+      !is_written_in_place(options.out_file)) {
     throw std::runtime_error(fmt::format("{}: exists already, logs are never overwritten", options.out_file));
   }
   const ReplayReport report = replay_log(options);

@@ -31,7 +31,7 @@ int torture(int argc, char** argv) {
       "the simulated robot drives among boxes and people; judged by the simulator's truth.");
   line.number("--minutes", minutes, "[min] of driving; half of it with the robot on TCP, half on a terminal")
       .integer("--seed", seed, "of worlds and faults")
-      .text("--report", report, "write every fault there (JSON)")
+      .output_file("--report", report, "write every fault there (JSON)")
       .text("--only", only, "only faults whose name holds this, such as \"kill controller\"")
       .text("--keep", keep, "folder for logs and states, instead of a temporary one");
   if (const auto status = line.parse(argc, argv)) {
