@@ -86,7 +86,7 @@ void control(benchmark::State& state, int radius) {
   double fastest = 0.0;
   for (auto _ : state) {
     input.now += 50'000;
-    const ControlOutput output = controller.step(input);
+    ControlOutput output = controller.step(input);
     fastest = std::max(fastest, output.twist.linear);
     benchmark::DoNotOptimize(output.twist);
   }

@@ -156,7 +156,8 @@ void particle_filter(benchmark::State& state, const ParticleParams& params, std:
     for (std::size_t step = 1; step <= steps; ++step) {
       run(filter, work, step);
     }
-    benchmark::DoNotOptimize(filter.belief().pose.x);
+    double x = filter.belief().pose.x;
+    benchmark::DoNotOptimize(x);
   }
   state.counters["per_particle"] = benchmark::Counter(
       static_cast<double>(params.count), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);

@@ -22,6 +22,26 @@ std::vector<cv::Point3f> corners_on(const Chessboard& board) {
   return corners;
 }
 
+/// Of the views that show a board at all, those that show it where no other before has: what the camera can be learnt
+/// from. Some releases of OpenCV calibrate from less without complaint.
+std::size_t count_different(const std::vector<Corners>& views, const Chessboard& board) {
+  constexpr double kSamePlace = 1.0;       // [px] RMS; the same picture twice, or a board on a stand
+  constexpr double kSmallestSquare = 4.0;  // [px^2] seen; below it corners run into each other
+  const double smallest_board = kSmallestSquare * (board.rows - 1) * (board.columns - 1);
+  std::vector<Corners> different;
+  for (const Corners& view : views) {
+    Corners hull;
+    cv::convexHull(view, hull);
+    const double same = kSamePlace * std::sqrt(static_cast<double>(view.size()));
+    if (cv::contourArea(hull) >= smallest_board &&
+        std::none_of(different.begin(), different.end(),
+                     [&](const Corners& other) { return cv::norm(view, other, cv::NORM_L2) < same; })) {
+      different.push_back(view);
+    }
+  }
+  return different.size();
+}
+
 /// What the solvers of both lens models give.
 struct Solution {
   cv::Mat matrix;
@@ -102,10 +122,6 @@ std::optional<BoardView> find_chessboard(const GreyView& image, const Chessboard
 
 LensCalibration calibrate_lens(const std::vector<BoardView>& views, const Chessboard& board, LensModel model, int width,
                                int height) {
-  if (views.size() < kFewestViews) {
-    throw std::runtime_error("only " + std::to_string(views.size()) + " views of the board, at least " +
-                             std::to_string(kFewestViews) + " are needed, in different directions and places");
-  }
   const std::vector<cv::Point3f> flat = corners_on(board);
   const std::vector<std::vector<cv::Point3f>> boards(views.size(), flat);
   std::vector<Corners> seen;
@@ -114,6 +130,11 @@ LensCalibration calibrate_lens(const std::vector<BoardView>& views, const Chessb
     for (const Eigen::Vector2d& corner : view) {
       corners.emplace_back(static_cast<float>(corner.x()), static_cast<float>(corner.y()));
     }
+  }
+  if (const std::size_t different = count_different(seen, board); different < kFewestViews) {
+    throw std::runtime_error("of " + std::to_string(views.size()) + " views of the board " + std::to_string(different) +
+                             " differ, at least " + std::to_string(kFewestViews) +
+                             " are needed, in different directions and places");
   }
   LensCalibration result;
   Solution solution;

@@ -62,7 +62,8 @@ class PtyArcosServer final : public ArcosServer {
     std::array<char, 128> name{};
     if (terminal_ < 0 || grantpt(terminal_) != 0 || unlockpt(terminal_) != 0 ||
         ptsname_r(terminal_, name.data(), name.size()) != 0) {
-      throw std::runtime_error(std::string("cannot make a pseudo terminal: ") + std::strerror(errno));
+      throw std::runtime_error(std::string("cannot make a pseudo terminal (is /dev/pts mounted?): ") +
+                               std::strerror(errno));
     }
     name_ = name.data();
     // Opened and closed once: from now on the terminal says "hung up" while nobody has it open.

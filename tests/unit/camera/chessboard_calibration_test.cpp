@@ -106,6 +106,9 @@ TEST(ChessboardCalibration, FindsNoBoardWhereThereIsNone) {
 TEST(ChessboardCalibration, RefusesViewsThatDetermineNoCamera) {
   const std::vector<BoardView> views = seen_through({}, {}, 0.0);
   EXPECT_THROW(calibrate_lens({views[0], views[1]}, {}, LensModel::kPinhole, 640, 480), std::runtime_error);
+  for (const LensModel model : {LensModel::kPinhole, LensModel::kFisheye}) {
+    EXPECT_THROW(calibrate_lens({views[0], views[0], views[0], views[0]}, {}, model, 640, 480), std::runtime_error);
+  }
   const BoardView all_in_one(54, Eigen::Vector2d(100.0, 100.0));
   EXPECT_THROW(calibrate_lens({all_in_one, all_in_one, all_in_one, all_in_one}, {}, LensModel::kFisheye, 640, 480),
                std::runtime_error);

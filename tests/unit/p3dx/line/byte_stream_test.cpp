@@ -101,9 +101,11 @@ TEST(SerialStream, SaysWhyADeviceCannotBeOpened) {
 /// A pseudo terminal: the device that a SerialStream opens, and the side of the robot.
 struct Terminal {
   Terminal() : master(posix_openpt(O_RDWR | O_NOCTTY)) {
-    grantpt(master);
-    unlockpt(master);
-    name = ptsname(master);
+    const char* given = master >= 0 && grantpt(master) == 0 && unlockpt(master) == 0 ? ptsname(master) : nullptr;
+    if (given == nullptr) {
+      throw std::runtime_error("no pseudo terminal can be made: is /dev/pts mounted?");
+    }
+    name = given;
   }
   ~Terminal() { hang_up(); }
   void hang_up() {
@@ -117,11 +119,8 @@ struct Terminal {
 };
 
 TEST(SerialStream, NamesTheGroupThatMayOpenTheDevice) {
-  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
-  ASSERT_GE(terminal, 0);
-  ASSERT_EQ(grantpt(terminal), 0);
-  ASSERT_EQ(unlockpt(terminal), 0);
-  const std::string device = ptsname(terminal);
+  const Terminal terminal;
+  const std::string& device = terminal.name;
   ASSERT_EQ(chmod(device.c_str(), 0), 0);
   const pid_t somebody = fork();
   if (somebody == 0) {
@@ -135,7 +134,6 @@ TEST(SerialStream, NamesTheGroupThatMayOpenTheDevice) {
   int status = 0;
   waitpid(somebody, &status, 0);
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
-  close(terminal);
 }
 
 TEST(SerialStream, PassesEveryByteUnchanged) {
