@@ -64,6 +64,7 @@ int run(const Arguments& arguments, const CameraConfig& config, const Clock& clo
   fmt::print("camera: {}\n", source.description());
   std::fflush(stdout);
   EventLoop loop(*lcm, "camera", config.robot);
+  loop.belong_to(identify(arguments.robot_file, ""));
   loop.watch([&] { return node.descriptor(); }, [&] { node.poll(); });
   if (images) {
     loop.watch([&] { return images->getFileno(); },

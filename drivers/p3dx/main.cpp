@@ -122,6 +122,7 @@ int main(int argc, char** argv) {
     receive_only(*lcm, url, node.channels());
     Watch watch(node, guardian, clock);
     EventLoop loop(*lcm, "p3dx", config.robot.name);
+    loop.belong_to(identify(robot, ""));
     loop.watch([&] { return node.descriptor(); }, [&] { watch.poll(); });
     loop.every(20'000, [&] { watch.poll(); });
     loop.report_health([&] { return watch.health(); });

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
     luminav::ControllerNode node(*lcm, config);
     luminav::receive_only(*lcm, url, node.channels());
     luminav::EventLoop loop(*lcm, "controller", config.robot.name);
+    loop.belong_to(luminav::identify(robot_file, building_file));
     loop.report_health([&node] { return node.health(); });
     return loop.run();
   });

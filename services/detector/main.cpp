@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
     luminav::DetectorNode node(*lcm, config);
     luminav::receive_only(*lcm, lcm_url, node.channels());
     luminav::EventLoop loop(*lcm, "detector", config.robot);
+    loop.belong_to(luminav::identify(robot_file, building_file));
     loop.report_health([&node] { return node.health(); });
     return loop.run();
   });

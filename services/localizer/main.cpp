@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
     luminav::LocalizerNode node(*lcm, std::move(config));
     luminav::receive_only(*lcm, url, node.channels());
     luminav::EventLoop loop(*lcm, "localizer", robot_name);
+    loop.belong_to(luminav::identify(robot, building));
     loop.report_health([&] { return node.health(); });
     return loop.run();
   });

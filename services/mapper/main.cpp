@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     luminav::MapperNode node(*lcm, config);
     luminav::receive_only(*lcm, url, node.channels());
     luminav::EventLoop loop(*lcm, "mapper", config.robot.name);
+    loop.belong_to(luminav::identify(robot_file, building_file));
     loop.report_health([&] { return node.health(); });
     return loop.run();
   });

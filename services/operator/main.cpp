@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "services/common/process/event_loop.hpp"
 #include "services/operator/goal_request.hpp"
 #include "services/operator/goal_target.hpp"
+#include "services/operator/system_files.hpp"
 #include "services/operator/system_snapshot.hpp"
 
 namespace luminav {
@@ -100,6 +103,20 @@ int watch(lcm::LCM& lcm, GoalRequest& request) {
   return static_cast<int>(outcome);
 }
 
+// Listens until each process has said which files it has.
+FilePaths files_of_what_runs(const std::string& url, const FilePaths& asked) {
+  constexpr std::int64_t kPatience = 1'300'000;  // [us] each process reports once a second
+  std::unique_ptr<lcm::LCM> lcm;
+  try {
+    lcm = open_lcm(url);
+  } catch (const std::runtime_error&) {
+    return choose_files({}, asked);  // nothing can run there
+  }
+  const SystemListener listener(*lcm);
+  listen_until(*lcm, clock_us(CLOCK_MONOTONIC) + kPatience);
+  return choose_files(listener.system(), asked);
+}
+
 int run_goto(int argc, char** argv) {
   std::string url;
   std::string building_file;
@@ -108,7 +125,7 @@ int run_goto(int argc, char** argv) {
   CommandLine command_line("goto",
                            "Sends the robot to a place of the building or to a point, and waits until it is there.");
   command_line.text("--building", building_file,
-                    "building file (TOML) that knows the places; default: the launched one's");
+                    "building file (TOML) that knows the places; default: the running system's");
   command_line.number("--tolerance", tolerance, "metres within which it counts as reached; 0 = the planner's");
   command_line.lcm_url(url).positional("target", words, "PLACE, or X Y [THETA] in metres and radians, world frame",
                                        true);
@@ -116,15 +133,14 @@ int run_goto(int argc, char** argv) {
     return *status;
   }
   const std::optional<std::vector<double>> numbers = read_numbers(words);
-  // a building is needed for places only
-  if (!numbers && building_file.empty()) {
-    building_file = default_building_file();
+  // A building is needed for places only; one that was named must be the running one, as must those of all processes.
+  if (!numbers || !building_file.empty()) {
+    building_file = files_of_what_runs(url, {"", building_file}).building;
   }
   if (!numbers && building_file.empty()) {
     throw ConfigurationError("a place is known by its building only: give --building FILE");
   }
-  const Building building = numbers ? Building{} : read_building(building_file);
-  goal_t goal = make_goal(words, building);
+  goal_t goal = make_goal(words, numbers ? Building{} : read_building(building_file));
   goal.id = goal.utime = new_id();
   goal.tolerance = tolerance;
   const auto lcm = open_lcm(url);
@@ -165,6 +181,21 @@ int run_status(int argc, char** argv) {
   return 0;
 }
 
+int run_files(int argc, char** argv) {
+  std::string url;
+  FilePaths asked;
+  CommandLine command_line("files",
+                           "Prints the paths of the running system's robot and building, one a line; where nothing "
+                           "runs, of those that would be launched.");
+  command_line.text("--robot", asked.robot, "must be the running one").text("--building", asked.building, "the same");
+  if (const auto status = command_line.lcm_url(url).parse(argc, argv)) {
+    return *status;
+  }
+  const FilePaths files = files_of_what_runs(url, asked);
+  fmt::print("{}\n{}\n", files.robot, files.building);
+  return 0;
+}
+
 int run(int argc, char** argv) {
   const std::string command = argc > 1 ? argv[1] : "";
   if (command == "goto") {
@@ -176,6 +207,9 @@ int run(int argc, char** argv) {
   if (command == "status") {
     return run_status(argc - 1, argv + 1);
   }
+  if (command == "files") {
+    return run_files(argc - 1, argv + 1);
+  }
   if (command == "--version") {
     fmt::print("operator (luminav) {}\n", kVersion);
     return 0;
@@ -183,7 +217,7 @@ int run(int argc, char** argv) {
   const bool asks_help = command == "-h" || command == "--help";
   fmt::print(
       asks_help ? stdout : stderr,
-      "operator goto (PLACE | X Y [THETA]) | status | cancel; each has --help\n"
+      "operator goto (PLACE | X Y [THETA]) | status | cancel | files; each has --help\n"
       "goto exits 0 when arrived, 1 nobody answers, 2 wrong usage, 3 no path, 4 blocked, 5 stuck, 6 cancelled,\n"
       "7 lost, 8 replaced by another goal, 9 the planner fell silent, 130 interrupted (the goal is cancelled)\n");
   return asks_help ? 0 : 2;

@@ -79,6 +79,12 @@ bool SystemSnapshot::is_empty() const {
 std::string SystemSnapshot::page() const {
   const auto line = [](const char* title, const std::string& text) { return fmt::format("{:<10} {}\n", title, text); };
   std::string page = line("robot", robot_ ? robot_line(*robot_) : "no word from the driver");
+  if (const auto files = system_.files()) {
+    page += line("building", files->building);
+  }
+  if (const std::string text = system_.disagreement(0); !text.empty()) {
+    page += line("FAULT", "the processes do not belong together: " + text);
+  }
   page += line("pose", pose_ ? pose_line(*pose_) : "no word from the localizer");
   page += line("goal", navigation_ ? navigation_line(*navigation_) : "no word from the planner");
   page += line("control", control_ ? control_line(*control_) : "no word from the controller");

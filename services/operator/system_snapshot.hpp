@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "services/common/process/running_system.hpp"
 #include "services/common/process/subscriber.hpp"
 
 namespace luminav {
@@ -29,7 +30,10 @@ class SystemSnapshot {
   void on_pose(const pose_t& message) { pose_ = message; }
   void on_navigation_status(const navigation_status_t& message) { navigation_ = message; }
   void on_control_status(const control_status_t& message) { control_ = message; }
-  void on_node_status(const node_status_t& message) { nodes_[message.process + "@" + message.host] = message; }
+  void on_node_status(const node_status_t& message) {
+    nodes_[message.process + "@" + message.host] = message;
+    system_.hear(message, 0);
+  }
 
   Subscriber subscriber_;
   std::optional<robot_status_t> robot_;
@@ -37,6 +41,7 @@ class SystemSnapshot {
   std::optional<navigation_status_t> navigation_;
   std::optional<control_status_t> control_;
   std::map<std::string, node_status_t> nodes_;
+  RunningSystem system_;
 };
 
 }  // namespace luminav

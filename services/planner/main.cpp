@@ -18,6 +18,8 @@ int main(int argc, char** argv) {
     luminav::PlannerNode node(*lcm, config);
     luminav::receive_only(*lcm, url, node.channels());
     luminav::EventLoop loop(*lcm, "planner", config.robot.name);
+    luminav::remember_files(robot_file, building_file);
+    loop.belong_to(luminav::identify(robot_file, building_file));
     loop.report_health([&] { return node.health(); });
     return loop.run();
   });

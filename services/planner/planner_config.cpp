@@ -1,5 +1,7 @@
 #include "services/planner/planner_config.hpp"
 
+#include <utility>
+
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
 
@@ -55,7 +57,10 @@ PlannerConfig read_planner_config(const std::filesystem::path& robot_file, const
   read_route(table, config.robot, config.route);
   read_cycle(table, config.cycle);
   table.reject_unknown();
-  config.doors = read_building(building_file).doors;
+  Building building = read_building(building_file);
+  config.doors = std::move(building.doors);
+  config.building = std::move(building.name);
+  config.places = std::move(building.places);
   return config;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "services/common/building/building.hpp"
@@ -16,10 +17,12 @@ struct PlannerConfig {
   RoutePlannerParams route;
   GoalCycleParams cycle;
   std::vector<Door> doors;             ///< for sentences: a blocked door is called one
+  std::string building;                ///< its name; "" = not told, then any place is taken as it comes
+  std::vector<Place> places;           ///< of the building: a goal that names another one is for another building
   std::filesystem::path state_folder;  ///< where the goal list survives a restart; "" = nowhere
 };
 
-/// Reads table [planner] of the robot's file and the doors of the building. Throws ConfigurationError.
+/// Reads table [planner] of the robot's file and doors and places of the building. Throws ConfigurationError.
 PlannerConfig read_planner_config(const std::filesystem::path& robot_file, const std::filesystem::path& building_file);
 
 }  // namespace luminav

@@ -64,6 +64,14 @@ Health PlannerNode::health() const {
 
 // ---------------------------------------------------------------------------------------------------- requests
 
+bool PlannerNode::is_of_this_building(const goal_pose_t& pose) const {
+  constexpr double kSamePlace = 0.01;  // [m]
+  return pose.place.empty() || config_.building.empty() ||
+         std::any_of(config_.places.begin(), config_.places.end(), [&](const Place& place) {
+           return place.name == pose.place && std::hypot(place.pose.x - pose.x, place.pose.y - pose.y) < kSamePlace;
+         });
+}
+
 std::string PlannerNode::objection_to(const goal_t& goal) const {
   if (!goal.floor.empty()) {
     return fmt::format("the goal is on floor {}, but this building has one floor only", goal.floor);
@@ -81,6 +89,10 @@ std::string PlannerNode::objection_to(const goal_t& goal) const {
     if (!all_finite({pose.x, pose.y, pose.theta, pose.wait}) || std::abs(pose.x) > 1e5 || std::abs(pose.y) > 1e5 ||
         pose.wait < 0.0) {
       return "a pose of the goal is not a number, or lies impossibly far away";
+    }
+    if (!is_of_this_building(pose)) {
+      return fmt::format("{} has no place {} at ({:.1f}, {:.1f}): who asked has another building", config_.building,
+                         pose.place, pose.x, pose.y);
     }
   }
   return "";

@@ -41,6 +41,8 @@ class PlannerNode {
   void tick(std::int64_t utime);
   void act_on(const goal_t& goal, std::int64_t now);
   [[nodiscard]] std::string objection_to(const goal_t& goal) const;
+  /// Points without a name are of any building.
+  [[nodiscard]] bool is_of_this_building(const goal_pose_t& pose) const;
   [[nodiscard]] Situation situation(std::int64_t now) const;
   void request_tiles(std::int64_t now);
   void publish_path(std::int64_t now);

@@ -76,13 +76,17 @@ int view(int argc, char** argv) {
   std::fflush(stdout);
 
   EventLoop loop(*lcm, "viewer", config.robot.name);
+  loop.belong_to(identify(robot_file, building_file));
   loop.report_health([&] { return node.health(); });
   loop.every(100'000, [&] {
     if (server.listeners() > 0) {
       node.show();
     }
   });
-  loop.every(200'000, [&] { desk.repeat(clock.utime()); });
+  loop.every(200'000, [&] {
+    desk.object(loop.objection());
+    desk.repeat(clock.utime());
+  });
   loop.watch([&] { return procman->getFileno(); },
              [&] {
                while (procman->handleTimeout(0) > 0) {

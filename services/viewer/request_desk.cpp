@@ -1,8 +1,10 @@
 #include "services/viewer/request_desk.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "services/common/process/channels.hpp"
+#include "services/viewer/request_text.hpp"
 
 namespace luminav {
 
@@ -26,7 +28,22 @@ std::int64_t RequestDesk::post(Kind kind, const char* channel, Message message, 
   return message.id;
 }
 
+void RequestDesk::object(std::string why) {
+  const std::lock_guard lock(mutex_);
+  objection_ = std::move(why);
+}
+
+void RequestDesk::check_objection() const {
+  const std::lock_guard lock(mutex_);
+  if (!objection_.empty()) {
+    throw RequestError("this page shows " + objection_);
+  }
+}
+
 std::int64_t RequestDesk::send(goal_t goal, std::int64_t now) {
+  if (goal.action == goal_t::ACTION_GO) {
+    check_objection();
+  }
   return post(Kind::kGoal, channels::kGoal, std::move(goal), now);
 }
 
@@ -40,6 +57,7 @@ std::int64_t RequestDesk::send(motors_command_t command, std::int64_t now) {
 }
 
 std::int64_t RequestDesk::send(initial_pose_t guess, std::int64_t now) {
+  check_objection();
   return post(Kind::kInitialPose, channels::kInitialPose, std::move(guess), now);
 }
 

@@ -40,7 +40,12 @@ class RequestDesk {
 
   explicit RequestDesk(lcm::LCM& lcm) : lcm_(lcm) {}
 
-  // Each stamps, numbers and sends the request and returns its id. `now` [us] since the epoch.
+  /// From now on whatever speaks of places or poses is refused with this sentence; "" = no longer. Stops, cancellations
+  /// and pauses are sent all the same.
+  void object(std::string why);
+
+  // Each stamps, numbers and sends the request and returns its id; throws RequestError where it is refused. `now` [us]
+  // since the epoch.
   std::int64_t send(goal_t goal, std::int64_t now);
   std::int64_t send(stop_t stop, std::int64_t now);
   std::int64_t send(motors_command_t command, std::int64_t now);
@@ -79,6 +84,9 @@ class RequestDesk {
   lcm::LCM& lcm_;
   mutable std::mutex mutex_;
   std::array<Pending, 5> pending_;
+  void check_objection() const;
+
+  std::string objection_;
   std::int64_t last_id_ = 0;
   std::int64_t stop_heard_by_driver_ = 0;
   std::int64_t stop_heard_by_controller_ = 0;

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <optional>
 
+#include "services/common/process/channels.hpp"
+
 namespace luminav {
 namespace {
 
@@ -105,7 +107,9 @@ bool receive_only(lcm::LCM& lcm, const std::string& url, const std::vector<std::
     return false;
   }
   lcm.getFileno();  // makes the socket, where nothing is subscribed
-  std::vector<sock_filter> program = make_channel_filter(channels);
+  std::vector<std::string> wanted = channels;
+  wanted.emplace_back(channels::kNodeStatus);  // each process hears which files the others were given
+  std::vector<sock_filter> program = make_channel_filter(wanted);
   const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
   bool found = false;
   // LCM does not tell its socket; it is the one that is bound to the network's port.

@@ -87,7 +87,12 @@ std::unique_ptr<lcm::LCM> open_lcm(const std::string& url) {
 }
 
 EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot)
-    : lcm_(lcm), process_(std::move(process)), robot_(std::move(robot)), host_(host_name()), instance_(now_wall()) {
+    : lcm_(lcm),
+      process_(std::move(process)),
+      robot_(std::move(robot)),
+      host_(host_name()),
+      instance_(now_wall()),
+      subscriber_(lcm) {
   if (g_signal_pipe[0] < 0 && pipe2(g_signal_pipe, O_CLOEXEC | O_NONBLOCK) != 0) {
     throw std::runtime_error("cannot make a pipe for signals");
   }
@@ -181,8 +186,26 @@ void EventLoop::check_health() {
   }
 }
 
+void EventLoop::belong_to(SystemFiles files) {
+  files_ = std::move(files);
+  subscriber_.on(channels::kNodeStatus, &EventLoop::on_node_status, this);
+}
+
+void EventLoop::on_node_status(const node_status_t& status) {
+  others_.hear(status, now_monotonic());
+}
+
+std::string EventLoop::objection() const {
+  return others_.objection(files_, now_monotonic());
+}
+
 Health EventLoop::current_health() const {
-  return health_ ? health_() : Health{};
+  Health health = health_ ? health_() : Health{};
+  if (std::string other = objection(); !other.empty()) {
+    health.fault = true;
+    health.reason = std::move(other);
+  }
+  return health;
 }
 
 void EventLoop::publish_status() {
@@ -194,6 +217,9 @@ void EventLoop::publish_status() {
   status.process = process_;
   status.host = host_;
   status.robot = robot_;
+  status.building = files_.building;
+  status.building_hash = files_.building_hash;
+  status.robot_hash = files_.robot_hash;
   status.version = kVersion;
   status.instance = instance_;
   published_state_ = status.state = state_of(health);

@@ -9,6 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "services/common/process/running_system.hpp"
+#include "services/common/process/subscriber.hpp"
+
 namespace luminav {
 
 /// Opens an LCM network with a receive buffer large enough for images, and makes sure it works. Throws
@@ -38,6 +41,11 @@ class EventLoop {
   /// Up to `slack` [us] early when the process is awake anyway: each waking costs more than most callbacks.
   void every(std::int64_t period, std::function<void()> callback, std::int64_t slack = 0);
   void report_health(std::function<Health()> health) { health_ = std::move(health); }
+  /// Says in NODE_STATUS which files this process was given, and is at fault as long as another process was given
+  /// others.
+  void belong_to(SystemFiles files);
+  /// Which process has other files, in one sentence; "" = none.
+  [[nodiscard]] std::string objection() const;
   /// Looks at the health now, and says so at once if the state is another: else it takes up to 50 ms.
   void check_health();
 
@@ -61,6 +69,7 @@ class EventLoop {
   void wait_for_descriptors();
   void measure(const std::function<void()>& step);
   [[nodiscard]] Health current_health() const;
+  void on_node_status(const node_status_t& status);
   void publish_status();
 
   lcm::LCM& lcm_;
@@ -72,12 +81,15 @@ class EventLoop {
   std::vector<pollfd> descriptors_;  // LCM, signals, then the watches
   std::vector<Timer> timers_;
   std::function<Health()> health_;
+  SystemFiles files_;
+  RunningSystem others_;
   std::int64_t worst_step_ = 0;   // [us] since the last status
   std::int64_t last_cpu_ = 0;     // [us]
   std::int64_t last_status_ = 0;  // [us] monotonic
   double cpu_fraction_ = 0.0;
   std::int8_t published_state_ = -1;  // none yet
   bool stopping_ = false;
+  Subscriber subscriber_;
 };
 
 }  // namespace luminav

@@ -20,6 +20,7 @@
 #include <tuple>
 #include <vector>
 
+#include "services/common/configuration/shipped_file.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/launcher/network.hpp"
 #include "services/launcher/sheriff/script_run.hpp"
@@ -125,7 +126,7 @@ DemoSystem::DemoSystem(const Scenario& scenario, const std::string& lcm_url, con
                                                         {"LUMINAV_STATE", state}}) {
     setenv(name, value.c_str(), 1);
   }
-  configuration_ = launcher::read_pmd(std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch/demo.pmd");
+  configuration_ = launcher::read_pmd(shipped_file("demo.pmd"));
   const std::string procman_url = launcher::default_procman_url();
   procman_ = open_lcm(procman_url);
   start_deputy(procman_url);
@@ -151,8 +152,11 @@ void DemoSystem::start_deputy(const std::string& procman_url) {
 }
 
 void DemoSystem::start_recorder(const Scenario& scenario, const std::string& lcm_url, const std::string& log_file) {
-  recorder_ = start_child({LUMINAV_SOURCE_DIR "/scripts/record", log_file, "--lcm-url", lcm_url, "--robot",
-                           scenario.robot_file.string(), "--building", scenario.building_file.string()},
+  const std::filesystem::path installed = program_folder() / "record";
+  const std::string record =
+      std::filesystem::exists(installed) ? installed.string() : LUMINAV_SOURCE_DIR "/scripts/record";
+  recorder_ = start_child({record, "--at-once", log_file, "--lcm-url", lcm_url, "--robot", scenario.robot_file.string(),
+                           "--building", scenario.building_file.string()},
                           state_folder_ / "record.log");
 }
 

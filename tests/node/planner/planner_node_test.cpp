@@ -244,6 +244,28 @@ TEST(PlannerNode, RefusesGoalsThatAreNoGoals) {
   EXPECT_EQ(world.node.health().dropped_inputs, 3);
 }
 
+TEST(PlannerNode, RefusesPlacesOfAnotherBuilding) {
+  PlannerConfig config;
+  config.building = "office";
+  config.places = {{.name = "lift", .pose = {9.0, 4.0, 0.0}}};
+  PlannerWorld world(config);
+  world.run(1.0);
+  std::int64_t id = 0;
+  for (const auto& [name, x] : {std::pair("workbench", 9.0), std::pair("lift", 8.0)}) {
+    goal_t goal = world.goal(++id, {{x, 4.0}});
+    goal.poses[0].place = name;
+    world.send(goal);
+    EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
+    EXPECT_EQ(world.status.goal_id, id);
+    EXPECT_THAT(world.status.cause, HasSubstr(std::string("office has no place ") + name));
+    EXPECT_EQ(world.path.count, 0);
+  }
+  goal_t goal = world.goal(++id, {{9.0, 4.0}});
+  goal.poses[0].place = "lift";
+  world.send(goal);
+  EXPECT_NE(world.status.state, Status::STATE_NO_PATH);
+}
+
 TEST(PlannerNode, DrivesToTheNearestPointWithinTheToleranceOfABlockedGoal) {
   PlannerWorld world;
   goal_t goal = world.goal(1, {{5.9, 1.5}});  // 0.2 m from the wall: the robot's middle cannot be there

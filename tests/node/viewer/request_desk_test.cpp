@@ -4,6 +4,7 @@
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/subscriber.hpp"
+#include "services/viewer/request_text.hpp"
 
 namespace luminav {
 namespace {
@@ -38,6 +39,24 @@ class RequestDeskTest : public ::testing::Test {
   std::vector<goal_t> goals_;
   std::vector<stop_t> stops_;
 };
+
+TEST_F(RequestDeskTest, RefusesPlacesOfAnotherBuildingButNeverAStop) {
+  desk_.object("building laboratory, but planner@desk has office");
+  goal_t go{};
+  go.action = goal_t::ACTION_GO;
+  EXPECT_THROW(desk_.send(go, kStart), RequestError);
+  EXPECT_THROW(desk_.send(initial_pose_t{}, kStart), RequestError);
+  goal_t cancel{};
+  cancel.action = goal_t::ACTION_CANCEL;
+  desk_.send(cancel, kStart);
+  desk_.send(stop_t{}, kStart);
+  deliver();
+  ASSERT_EQ(goals_.size(), 1U);
+  EXPECT_EQ(goals_[0].action, goal_t::ACTION_CANCEL);
+  EXPECT_EQ(stops_.size(), 1U);
+  desk_.object("");
+  EXPECT_NO_THROW(desk_.send(go, kStart + 1));
+}
 
 TEST_F(RequestDeskTest, SendsAtOnceAndRepeatsUntilTheIdIsEchoed) {
   const std::int64_t id = desk_.send(goal_t{}, kStart);
