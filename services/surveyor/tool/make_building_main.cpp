@@ -5,6 +5,7 @@
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/shipped_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
@@ -21,7 +22,7 @@ struct Request {
   std::string size = "60x40";
   std::string kind = "tubes";
   std::string map;
-  std::string robot = fs::path(LUMINAV_SOURCE_DIR) / "launch/robots/p3dx.toml";
+  std::string robot = shipped_file("robots/p3dx.toml");
   std::int64_t seed = 1;
   FloorPlanParams params;
 };

@@ -16,6 +16,7 @@
 
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/robot_file.hpp"
+#include "services/common/configuration/shipped_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
@@ -34,7 +35,7 @@ namespace luminav {
 namespace {
 
 struct DemoOptions {
-  std::string scenario = LUMINAV_SOURCE_DIR "/launch/scenarios/laboratory.toml";
+  std::string scenario = shipped_file("scenarios/laboratory.toml");
   std::int64_t seed = -1;
   double duration = 0.0;
   std::string report;
