@@ -213,7 +213,7 @@ TEST(MapperNode, DropsReadingsThatMakeNoSense) {
   world.send(sonar);
   EXPECT_EQ(world.node.health().dropped_inputs, 1);
   world.utime += kTick;
-  world.send_sonar(std::numeric_limits<double>::quiet_NaN(), -1.0);
+  world.send_sonar(-2.0, -1.0);
   EXPECT_EQ(world.node.health().dropped_inputs, 3);
   world.pose.x = std::numeric_limits<double>::infinity();
   world.send_pose();

@@ -228,7 +228,7 @@ TEST(PlannerNode, RefusesWhatCannotBeReachedAndSaysWhyWithNumbers) {
 TEST(PlannerNode, RefusesGoalsThatAreNoGoals) {
   PlannerWorld world;
   world.run(1.0);
-  goal_t broken = world.goal(1, {{std::numeric_limits<double>::quiet_NaN(), 1.0}});
+  goal_t broken = world.goal(1, {{1e6, 1.0}});
   world.send(broken);
   EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
   EXPECT_EQ(world.status.goal_id, 1);
