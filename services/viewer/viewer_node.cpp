@@ -153,9 +153,7 @@ void ViewerNode::on_node_status(const node_status_t& message) {
 }
 
 void ViewerNode::on_grid_tile(const grid_tile_t& message) {
-  if (!is_possible(message) || message.size < 1 || message.size > kLargestTile || message.tile_column < 0 ||
-      message.tile_row < 0 || message.tile_column * kTileSide >= message.columns ||
-      message.tile_row * kTileSide >= message.rows) {
+  if (!is_possible(message) || message.size < 1 || message.size > kLargestTile) {
     subscriber_.drop("GRID_TILE of an impossible size or place");
     return;
   }

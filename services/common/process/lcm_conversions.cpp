@@ -70,9 +70,11 @@ bool is_possible(const grid_tile_t& tile) {
   const bool sizes = tile.columns > 0 && tile.rows > 0 && tile.columns <= 4096 && tile.rows <= 4096;
   const bool numbers =
       std::isfinite(tile.origin_x) && std::isfinite(tile.origin_y) && tile.resolution >= 0.01 && tile.resolution <= 1.0;
-  return sizes && numbers && tile.tile_column >= 0 && tile.tile_row >= 0 &&
-         tile.tile_column * kTileSide < tile.columns && tile.tile_row * kTileSide < tile.rows && tile.size >= 0 &&
-         static_cast<std::size_t>(tile.size) <= tile.data.size();
+  // divided, not multiplied: a column of 2^26 times 64 is 0
+  const bool inside = tile.tile_column >= 0 && tile.tile_row >= 0 &&
+                      tile.tile_column <= (tile.columns - 1) / kTileSide &&
+                      tile.tile_row <= (tile.rows - 1) / kTileSide;
+  return sizes && numbers && inside && tile.size >= 0 && static_cast<std::size_t>(tile.size) <= tile.data.size();
 }
 
 GridGeometry geometry_of(const grid_tile_t& tile) {

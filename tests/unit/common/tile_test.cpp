@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 #include "services/common/process/lcm_conversions.hpp"
@@ -48,6 +49,15 @@ TEST(GridTile, IsRefusedWhenItDoesNotFit) {
   grid_tile_t enormous = tile;
   enormous.columns = 1'000'000;
   EXPECT_FALSE(is_possible(enormous));
+  // 64 times these is 0 in 32 bits
+  for (const std::int32_t alias : {1 << 26, 3 << 26, std::numeric_limits<std::int32_t>::max()}) {
+    grid_tile_t wrapped = tile;
+    wrapped.tile_column = alias;
+    EXPECT_FALSE(is_possible(wrapped)) << alias;
+    wrapped.tile_column = 0;
+    wrapped.tile_row = alias;
+    EXPECT_FALSE(is_possible(wrapped)) << alias;
+  }
   EXPECT_EQ(same.evidence, OccupancyGrid(source.geometry).evidence);
 }
 
