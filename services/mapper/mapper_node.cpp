@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "services/common/building/map_file.hpp"
@@ -14,7 +15,8 @@ namespace luminav {
 namespace {
 
 constexpr const char* kEvidenceFile = "evidence.bin";
-constexpr const char* kMapFile = "map.yaml";
+constexpr const char* kDefaultMap = "map";
+constexpr int kMaxCells = 4096;           // per axis, as GRID_TILE's receivers accept
 constexpr std::size_t kMaxPending = 256;  // 16 discs x 16: half a second without POSE is not worth keeping
 
 std::uint64_t hash_of(const grid_tile_t& tile) {  // FNV-1a over the compressed cells
@@ -23,6 +25,28 @@ std::uint64_t hash_of(const grid_tile_t& tile) {  // FNV-1a over the compressed 
     hash = (hash ^ tile.data[static_cast<std::size_t>(i)]) * 1099511628211ULL;
   }
   return hash;
+}
+
+/// Whoever may ask over the network may name a map, not a file.
+bool is_map_name(const std::string& text) {
+  const auto allowed = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '-' || c == '_'); };
+  return text.size() <= 64 && std::all_of(text.begin(), text.end(), allowed);
+}
+
+/// Why a map cannot be one of the building whose map has the other geometry; "" when it can.
+std::string misfit(const GridGeometry& map, const GridGeometry& building, double resolution) {
+  const auto size = [](const GridGeometry& grid) {
+    return Eigen::Vector2d(grid.columns * grid.resolution, grid.rows * grid.resolution);
+  };
+  if ((size(map) / resolution).maxCoeff() > kMaxCells) {
+    return fmt::format("{} x {} m, must be at most {} cells of {} m along each side", size(map).x(), size(map).y(),
+                       kMaxCells, resolution);
+  }
+  const Eigen::Vector2d low = map.origin.cwiseMax(building.origin);
+  const Eigen::Vector2d high = (map.origin + size(map)).cwiseMin(building.origin + size(building));
+  const Eigen::Vector2d common = (high - low).cwiseMax(0.0);
+  return common.prod() >= 0.5 * size(building).prod() ? ""
+                                                      : "covers less than half of the building's map: of another one?";
 }
 
 }  // namespace
@@ -201,6 +225,10 @@ void MapperNode::on_map_command(const map_command_t& command) {
   if (command.id == map_command_id_) {
     return;  // repeated until the echo arrives
   }
+  if (command.id < map_command_id_) {
+    subscriber_.drop("MAP_COMMAND from before the last one");
+    return;
+  }
   map_command_result_ = carry_out(command);
   map_command_id_ = command.id;
   const std::int64_t utime = std::max(poses_.newest(), map_session_ != 0 ? map_session_ : command.utime);
@@ -208,27 +236,27 @@ void MapperNode::on_map_command(const map_command_t& command) {
 }
 
 std::string MapperNode::carry_out(const map_command_t& command) {
-  const std::filesystem::path file =
-      command.path.empty() ? config_.state_folder / kMapFile : std::filesystem::path(command.path);
   const bool needs_file = command.action == map_command_t::ACTION_SAVE || command.action == map_command_t::ACTION_LOAD;
-  if (needs_file && command.path.empty() && config_.state_folder.empty()) {
-    return "no path given, and the mapper runs without a state folder";
+  if (needs_file && config_.state_folder.empty()) {
+    return "the mapper runs without a state folder";
   }
+  if (needs_file && !is_map_name(command.path)) {
+    return "a map is named by letters, digits, - and _, without a folder";
+  }
+  const std::filesystem::path file =
+      config_.state_folder / ((command.path.empty() ? kDefaultMap : command.path) + ".yaml");
   try {
     switch (command.action) {
       case map_command_t::ACTION_SAVE:
-        if (file.has_parent_path()) {
-          std::filesystem::create_directories(file.parent_path());
-        }
+        std::filesystem::create_directories(config_.state_folder);
         write_map(file, mapper_->combined());
         return "";
       case map_command_t::ACTION_LOAD: {
-        const PriorMap map = resample(read_map(file), config_.resolution);
-        if (map.geometry.columns > 4096 || map.geometry.rows > 4096) {
-          return fmt::format("{}: {} x {} cells, must be at most 4096 x 4096", file.string(), map.geometry.columns,
-                             map.geometry.rows);
+        const PriorMap map = read_map(file);
+        if (const std::string why = misfit(map.geometry, config_.prior.geometry, config_.resolution); !why.empty()) {
+          return fmt::format("{}: {}", file.string(), why);
         }
-        start_map(map, std::max({poses_.newest(), map_session_, command.utime}) + 1);
+        start_map(resample(map, config_.resolution), std::max({poses_.newest(), map_session_, command.utime}) + 1);
         return "";
       }
       case map_command_t::ACTION_CLEAR_EVIDENCE:

@@ -34,6 +34,14 @@ MapperConfig config_for_a_hall() {
   return config;
 }
 
+MapperConfig config_with_maps() {
+  MapperConfig config = config_for_a_hall();
+  config.state_folder = kFiles / "maps";
+  std::filesystem::remove_all(config.state_folder);
+  std::filesystem::create_directories(kFiles);
+  return config;
+}
+
 /// The mapper, a receiver for its tiles, and a robot that reports what it is told to.
 class MapperWorld {
  public:
@@ -257,7 +265,7 @@ TEST(MapperNode, SendsTilesOnRequest) {
   world.run(20);
   world.tiles = 0;
   tile_request_t request{};
-  request.utime = world.utime;
+  request.utime = request.id = world.utime;
   request.count = 0;
   world.lcm.publish(channels::kTileRequest, &request);
   world.deliver();
@@ -294,11 +302,10 @@ TEST(MapperNode, NeverSendsATileLargerThanADatagram) {
 }
 
 TEST(MapperNode, SavesAndLoadsAMap) {
-  std::filesystem::remove_all(kFiles);
-  MapperWorld world;
+  MapperWorld world(config_with_maps());
   world.run(20);
-  const std::string file = (kFiles / "saved/map.yaml").string();
-  world.command(4, map_command_t::ACTION_SAVE, file);
+  const std::string file = (kFiles / "maps/of-today.yaml").string();
+  world.command(4, map_command_t::ACTION_SAVE, "of-today");
   EXPECT_EQ(world.last.map_command_id, 4);
   EXPECT_EQ(world.last.map_command_result, "");
   const PriorMap saved = read_map(file);
@@ -306,7 +313,7 @@ TEST(MapperNode, SavesAndLoadsAMap) {
   EXPECT_EQ(saved.at({6.05, 5.05}), Prior::kFree);
 
   const std::int64_t session = world.last.map_session;
-  world.command(5, map_command_t::ACTION_LOAD, file);
+  world.command(5, map_command_t::ACTION_LOAD, "of-today");
   EXPECT_EQ(world.last.map_command_id, 5);
   EXPECT_EQ(world.last.map_command_result, "");
   EXPECT_NE(world.last.map_session, session);
@@ -315,24 +322,71 @@ TEST(MapperNode, SavesAndLoadsAMap) {
 }
 
 TEST(MapperNode, SaysWhyAMapCannotBeSavedOrLoaded) {
-  MapperWorld world;
+  MapperWorld world(config_with_maps());
   world.run(2);
-  world.command(1, map_command_t::ACTION_LOAD, "/nowhere/map.yaml");
-  EXPECT_THAT(world.last.map_command_result, HasSubstr("/nowhere/map.yaml"));
-  world.command(2, map_command_t::ACTION_SAVE, "/proc/nowhere/map.yaml");
-  EXPECT_NE(world.last.map_command_result, "");
-  world.command(3, map_command_t::ACTION_SAVE);
-  EXPECT_THAT(world.last.map_command_result, HasSubstr("state folder"));
+  world.command(1, map_command_t::ACTION_LOAD, "none");
+  EXPECT_THAT(world.last.map_command_result, HasSubstr("none.yaml"));
   world.command(4, 9);
   EXPECT_THAT(world.last.map_command_result, HasSubstr("unknown action"));
   EXPECT_EQ(world.last.map_command_id, 4);
 
-  std::filesystem::create_directories(kFiles);
-  std::ofstream(kFiles / "cut.pgm") << "P5\n100 100\n255\nabc";
-  std::ofstream(kFiles / "cut.yaml") << "image: cut.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n";
-  world.command(5, map_command_t::ACTION_LOAD, (kFiles / "cut.yaml").string());
+  std::filesystem::create_directories(kFiles / "maps");
+  std::ofstream(kFiles / "maps/cut.pgm") << "P5\n150 100\n255\nabc";
+  std::ofstream(kFiles / "maps/cut.yaml") << "image: cut.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n";
+  world.command(5, map_command_t::ACTION_LOAD, "cut");
   EXPECT_THAT(world.last.map_command_result, HasSubstr("cut off"));
   EXPECT_EQ(world.node.grid().geometry.columns, 150) << "the old map stays";
+}
+
+TEST(MapperNode, SavesNothingWithoutAStateFolder) {
+  MapperWorld world;
+  world.run(2);
+  world.command(3, map_command_t::ACTION_SAVE);
+  EXPECT_THAT(world.last.map_command_result, HasSubstr("state folder"));
+}
+
+TEST(MapperNode, TakesNamesOfMapsAndNoPaths) {
+  MapperWorld world(config_with_maps());
+  world.run(2);
+  const std::string outside = (kFiles / "outside").string();
+  std::filesystem::remove(outside + ".yaml");
+  std::int64_t id = 0;
+  for (const std::string& path : {outside, outside + ".yaml", std::string("../outside"), std::string("a.yaml"),
+                                  std::string("a/b"), std::string(65, 'a')}) {
+    for (const std::int8_t action : {map_command_t::ACTION_SAVE, map_command_t::ACTION_LOAD}) {
+      world.command(++id, action, path);
+      EXPECT_THAT(world.last.map_command_result, HasSubstr("named by letters")) << path;
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(outside + ".yaml"));
+  EXPECT_FALSE(std::filesystem::exists(kFiles / "maps"));
+}
+
+TEST(MapperNode, LoadsNoMapOfAnotherBuilding) {
+  MapperWorld world(config_with_maps());
+  std::filesystem::create_directories(kFiles / "maps");
+  std::ofstream(kFiles / "maps/small.pgm") << "P5\n10 10\n255\n" + std::string(100, '\xfe');
+  std::int64_t id = 0;
+  for (const char* place : {"resolution: 1.0\norigin: [100, 100, 0]\n", "resolution: 0.1\norigin: [0, 0, 0]\n"}) {
+    std::ofstream(kFiles / "maps/small.yaml") << "image: small.pgm\n" << place;
+    world.command(++id, map_command_t::ACTION_LOAD, "small");
+    EXPECT_THAT(world.last.map_command_result, HasSubstr("less than half of the building")) << place;
+  }
+  std::ofstream(kFiles / "maps/small.yaml") << "image: small.pgm\nresolution: 10\norigin: [-2000, 0, 0]\n";
+  std::ofstream(kFiles / "maps/small.pgm") << "P5\n300 1\n255\n" + std::string(300, '\xfe');
+  world.command(++id, map_command_t::ACTION_LOAD, "small");
+  EXPECT_THAT(world.last.map_command_result, HasSubstr("at most 4096 cells"));
+  EXPECT_EQ(world.node.grid().geometry.columns, 150);
+}
+
+TEST(MapperNode, IgnoresACommandFromBeforeTheLastOne) {
+  MapperWorld world;
+  world.run(10);
+  world.command(7, map_command_t::ACTION_CLEAR_EVIDENCE);
+  world.run(10);
+  world.command(6, map_command_t::ACTION_CLEAR_EVIDENCE);
+  EXPECT_TRUE(world.has_evidence());
+  EXPECT_EQ(world.last.map_command_id, 7);
 }
 
 TEST(MapperNode, CarriesOutARepeatedCommandOnce) {
