@@ -17,6 +17,7 @@ constexpr std::int64_t kHypothesesPeriod = 200'000;  // [us]
 constexpr std::int64_t kMemoryPeriod = 1'000'000;    // [us]
 constexpr std::int64_t kMemoryPatience = 5'000'000;  // [us] in doubt after which a pose is forgotten
 constexpr std::int64_t kSilence = 1'000'000;         // [us]
+constexpr std::int64_t kMaxAhead = 500'000;          // [us] of an image before the newest odometry
 constexpr std::size_t kMaxHypotheses = 500;          // listed in one message
 constexpr std::size_t kMaxParticles = 2000;
 constexpr int kMaxDetections = 200;  // beyond it the detector has gone mad
@@ -77,13 +78,17 @@ void LocalizerNode::on_fixture_detections(const fixture_detections_t& message) {
     subscriber_.drop("FIXTURE_DETECTIONS: more fixtures than one image can show");
     return;
   }
+  last_frame_ = last_odometry_;
+  SightingFrame frame;
+  frame.utime = message.utime + static_cast<std::int64_t>(std::lround(1e6 * config_.robot.camera.time_offset));
+  if (last_odometry_ != 0 && frame.utime - last_odometry_ > kMaxAhead) {
+    subscriber_.drop("FIXTURE_DETECTIONS: from the future, seen from ODOMETRY");
+    return;
+  }
   if (detection_stamps_.check(message.utime) == StampGuard::Verdict::kOld) {
     subscriber_.drop("FIXTURE_DETECTIONS: older than the one before");
     return;
   }
-  last_frame_ = message.utime;
-  SightingFrame frame;
-  frame.utime = message.utime + static_cast<std::int64_t>(std::lround(1e6 * config_.robot.camera.time_offset));
   for (const fixture_detection_t& detection : message.detections) {
     if (!is_possible(detection)) {
       subscriber_.drop("FIXTURE_DETECTIONS: a detection that cannot be");
@@ -210,6 +215,9 @@ Health LocalizerNode::health() const {
   } else if (last_odometry_ - last_frame_ > kSilence) {
     health.degraded = true;
     health.reason = "no FIXTURE_DETECTIONS for more than a second";
+  } else if (last_odometry_ - localizer_->last_frame_used() > kSilence) {
+    health.degraded = true;
+    health.reason = "no image was used for more than a second: their stamps do not fit ODOMETRY's";
   } else if (memory_failed_) {
     health.reason = "the pose cannot be written to " + config_.state_dir;
   } else if (subscriber_.dropped() > 0) {

@@ -59,7 +59,7 @@ class LocalizerNode {
   std::int64_t odometry_session_ = 0;
   std::int32_t pose_sequence_ = 0;
   std::int64_t hypotheses_utime_ = 0;  // [us] of the last HYPOTHESES
-  std::int64_t last_frame_ = 0;        // [us] of the newest image heard of
+  std::int64_t last_frame_ = 0;        // [us] of odometry when the newest image was heard of
   std::int64_t last_odometry_ = 0;     // [us]
   Subscriber subscriber_;              // last: handlers may run as soon as it exists
 };

@@ -45,6 +45,7 @@ class ModernLocalizer final : public Localizer {
   [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t max) const override;
   [[nodiscard]] std::vector<WeightedPose> particles(std::size_t) const override { return {}; }
   [[nodiscard]] std::int64_t frames_dropped() const override { return queue_.dropped(); }
+  [[nodiscard]] std::int64_t last_frame_used() const override { return queue_.last_used(); }
 
   [[nodiscard]] const HypothesisBank& bank() const { return bank_; }
   [[nodiscard]] const TrackingFilter& filter() const { return filter_; }

@@ -22,6 +22,11 @@ void FrameQueue::restart() {
 }
 
 std::optional<FrameQueue::TimedFrame> FrameQueue::next() {
+  // one from the future would keep out all that come after it
+  while (!waiting_.empty() && !history_.is_empty() && waiting_.back().utime > history_.newest().utime + kMaxAhead) {
+    waiting_.pop_back();
+    ++dropped_;
+  }
   while (!waiting_.empty() && !history_.is_empty() && waiting_.front().utime <= history_.newest().utime) {
     const std::optional<OdometryReading> odometry = history_.at(waiting_.front().utime);
     SightingFrame frame = std::move(waiting_.front());

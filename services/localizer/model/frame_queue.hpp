@@ -9,7 +9,7 @@
 namespace luminav {
 
 /// Holds images until odometry reaches both sides of their time, and refuses those that are older than the last one
-/// used or than the odometry kept.
+/// used or than the odometry kept, and those that lie so far ahead of it that their clock must be another one.
 class FrameQueue {
  public:
   void add_odometry(const OdometryReading& reading) { history_.add(reading); }
@@ -26,9 +26,12 @@ class FrameQueue {
 
   [[nodiscard]] const OdometryHistory& history() const { return history_; }
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
+  /// Stamp [us] of the last image handed out; 0 = none since the start.
+  [[nodiscard]] std::int64_t last_used() const { return last_used_; }
 
  private:
-  static constexpr std::size_t kMaxWaiting = 60;  // 4 s of images without odometry
+  static constexpr std::size_t kMaxWaiting = 60;      // 4 s of images without odometry
+  static constexpr std::int64_t kMaxAhead = 500'000;  // [us] an image may be that much faster than odometry
 
   OdometryHistory history_;
   std::deque<SightingFrame> waiting_;

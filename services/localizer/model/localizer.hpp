@@ -44,6 +44,8 @@ class Localizer {
   [[nodiscard]] virtual std::vector<WeightedPose> particles(std::size_t max) const = 0;
   /// Images that came too late or too early to be used.
   [[nodiscard]] virtual std::int64_t frames_dropped() const = 0;
+  /// Stamp [us] of the last image that was used; 0 = none since the start.
+  [[nodiscard]] virtual std::int64_t last_frame_used() const = 0;
 };
 
 }  // namespace luminav

@@ -55,6 +55,7 @@ class PaperLocalizer final : public Localizer {
   [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t max) const override;
   [[nodiscard]] std::vector<WeightedPose> particles(std::size_t max) const override;
   [[nodiscard]] std::int64_t frames_dropped() const override { return queue_.dropped(); }
+  [[nodiscard]] std::int64_t last_frame_used() const override { return queue_.last_used(); }
 
  private:
   void step(const FrameQueue::TimedFrame& timed);

@@ -107,6 +107,11 @@ class LocalizerNodeTest : public ::testing::Test {
     lcm_.publish(channels::kOdometry, &message);
     handle_all();
   }
+  void send_frame(std::int64_t utime) {
+    const fixture_detections_t message = to_message(SightingFrame{utime, {}});
+    lcm_.publish(channels::kFixtureDetections, &message);
+    handle_all();
+  }
 
   testing::TestBuilding building_ = testing::two_rooms();
   lcm::LCM lcm_{"memq://"};
@@ -225,6 +230,34 @@ TEST_F(LocalizerNodeTest, DropsOldOdometryAndGoesOnAfterTheClockWasSetBack) {
   EXPECT_EQ(poses_.back().utime, 1'200'000);
 }
 
+TEST_F(LocalizerNodeTest, OneImageFromTheFutureKeepsNoOtherOut) {
+  constexpr std::int64_t kHour = 3'600'000'000;  // [us]
+  send_frame(kHour);                             // before any odometry
+  for (std::int64_t utime = 1'000'000; utime <= 4'000'000; utime += 100'000) {
+    send_odometry(utime);
+    send_frame(utime - 50'000);
+    if (utime == 2'000'000) {
+      send_frame(utime + kHour);
+    }
+  }
+  EXPECT_EQ(node_.localizer().last_frame_used(), 3'950'000);
+  EXPECT_FALSE(node_.health().degraded) << node_.health().reason;
+}
+
+TEST_F(LocalizerNodeTest, SaysSoWhenImagesComeAndNoneIsUsed) {
+  for (std::int64_t utime = 10'000'000; utime <= 13'000'000; utime += 100'000) {
+    send_odometry(utime);
+    send_frame(utime - 50'000);
+  }
+  EXPECT_FALSE(node_.health().degraded) << node_.health().reason;
+  for (std::int64_t utime = 13'100'000; utime <= 14'500'000; utime += 100'000) {
+    send_odometry(utime);
+    send_frame(utime - 8'000'000);  // the camera started again with another idea of the time
+  }
+  EXPECT_TRUE(node_.health().degraded);
+  EXPECT_NE(node_.health().reason.find("stamps do not fit"), std::string::npos) << node_.health().reason;
+}
+
 TEST_F(LocalizerNodeTest, RefusesTenThousandDetectionsInOneMessage) {
   SightingFrame frame{1'050'000, std::vector<FixtureSighting>(600)};
   const fixture_detections_t message = to_message(frame);
@@ -248,6 +281,7 @@ TEST_F(LocalizerNodeTest, SurvivesBytesThatDoNotDecode) {
 TEST_F(LocalizerNodeTest, TakesAGuessAsAHypothesisAndEchoesItsId) {
   send_odometry(1'000'000);
   initial_pose_t guess{};
+  guess.utime = 1'000'000;
   guess.id = 77;
   guess.x = 4.0;
   guess.y = 3.0;
@@ -405,6 +439,7 @@ TEST_F(LocalizerNodeTest, WeighsAGuessAgainstTheTrackedPoseAndKeepsWhatIsSeen) {
     const pose_t& pose = poses_.back();
     if (!is_told && i > 30 * 80 && pose.state == pose_t::STATE_TRACKING) {
       initial_pose_t guess{};
+      guess.utime = 1'000'000;
       guess.id = 5;
       guess.x = world.truth().x > 4.0 ? world.truth().x - 2.0 : world.truth().x + 2.0;
       guess.y = world.truth().y;
