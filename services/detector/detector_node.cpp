@@ -75,6 +75,7 @@ bool is_finite(const Detection& detection) {
 DetectorNode::DetectorNode(lcm::LCM& lcm, const DetectorConfig& config)
     : lcm_(lcm),
       detector_(config.params, config.camera, config.catalogue),
+      decoder_(config.camera.intrinsics.width, config.camera.intrinsics.height),
       calibrated_width_(config.camera.intrinsics.width),
       calibrated_height_(config.camera.intrinsics.height),
       subscriber_(lcm) {
@@ -83,11 +84,12 @@ DetectorNode::DetectorNode(lcm::LCM& lcm, const DetectorConfig& config)
 
 bool DetectorNode::read_image(const camera_image_t& message, GreyView& view) {
   if (message.format == camera_image_t::FORMAT_JPEG) {
-    if (!decoder_.decode(message.data, decoded_)) {
-      subscriber_.drop("CAMERA_IMAGE: a JPEG that is damaged or not whole");
+    const bool is_announced = message.width == calibrated_width_ && message.height == calibrated_height_;
+    if (is_announced && !decoder_.decode(message.data, decoded_)) {
+      subscriber_.drop("CAMERA_IMAGE: a JPEG that is damaged, not whole or of another size than it says");
       return false;
     }
-    view = decoded_.view();
+    view = is_announced ? decoded_.view() : GreyView{message.width, message.height, {}};
   } else if (message.format == camera_image_t::FORMAT_MONO8) {
     view = {message.width, message.height, message.data};
   } else {

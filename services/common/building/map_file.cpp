@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "services/common/configuration/configuration_error.hpp"
 #include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
@@ -38,7 +39,7 @@ int read_header_number(std::istream& in, const fs::path& file) {
   }
   int number = 0;
   if (!(in >> number) || number <= 0) {
-    throw std::runtime_error(fmt::format("{}: not a binary PGM picture (P5)", file.string()));
+    throw ConfigurationError(fmt::format("{}: not a binary PGM picture (P5)", file.string()));
   }
   return number;
 }
@@ -47,36 +48,51 @@ PictureHeader read_pgm_header(std::istream& in, const fs::path& file) {
   char magic[2] = {};
   in.read(magic, 2);
   if (magic[0] != 'P' || magic[1] != '5') {
-    throw std::runtime_error(fmt::format("{}: not a binary PGM picture (P5)", file.string()));
+    throw ConfigurationError(fmt::format("{}: not a binary PGM picture (P5)", file.string()));
   }
   PictureHeader image;
   image.width = read_header_number(in, file);
   image.height = read_header_number(in, file);
   image.maximum = read_header_number(in, file);
   if (image.maximum > 255) {
-    throw std::runtime_error(fmt::format("{}: 16-bit PGM, must be 8-bit", file.string()));
+    throw ConfigurationError(fmt::format("{}: 16-bit PGM, must be 8-bit", file.string()));
   }
   if (image.width > 20000 || image.height > 20000) {
-    throw std::runtime_error(
+    throw ConfigurationError(
         fmt::format("{}: {} x {} px, must be at most 20000 x 20000", file.string(), image.width, image.height));
   }
   in.get();
   return image;
 }
 
+void require_file(const fs::path& file) {
+  std::error_code failure;
+  if (!fs::is_regular_file(file, failure)) {
+    throw ConfigurationError(fmt::format("{}: cannot be read", file.string()));
+  }
+}
+
+void require_range(const fs::path& file, const char* key, double value, double min, double max) {
+  if (!(value >= min && value <= max)) {  // also for what is no number
+    throw ConfigurationError(
+        fmt::format("{}: {} = {}, must be between {} and {}", file.string(), key, value, min, max));
+  }
+}
+
 }  // namespace
 
 PriorMap read_map(const fs::path& yaml_file) {
+  require_file(yaml_file);  // a folder has no lines, and a pipe none yet
   YAML::Node yaml;
   try {
     yaml = YAML::LoadFile(yaml_file.string());
   } catch (const YAML::BadFile&) {
-    throw std::runtime_error(fmt::format("{}: cannot be read", yaml_file.string()));
+    throw ConfigurationError(fmt::format("{}: cannot be read", yaml_file.string()));
   } catch (const YAML::Exception& error) {
-    throw std::runtime_error(fmt::format("{}:{}: {}", yaml_file.string(), error.mark.line + 1, error.msg));
+    throw ConfigurationError(fmt::format("{}:{}: {}", yaml_file.string(), error.mark.line + 1, error.msg));
   }
   if (!yaml.IsMap() || !yaml["image"] || !yaml["resolution"] || !yaml["origin"]) {
-    throw std::runtime_error(fmt::format("{}: must have image, resolution and origin", yaml_file.string()));
+    throw ConfigurationError(fmt::format("{}: must have image, resolution and origin", yaml_file.string()));
   }
   PriorMap map;
   double free_threshold = 0.196;
@@ -88,7 +104,7 @@ PriorMap read_map(const fs::path& yaml_file) {
     map.geometry.resolution = yaml["resolution"].as<double>();
     const auto origin = yaml["origin"].as<std::vector<double>>();
     if (origin.size() < 2 || (origin.size() > 2 && origin[2] != 0.0)) {
-      throw std::runtime_error(
+      throw ConfigurationError(
           fmt::format("{}: origin must be [x, y, 0]; turned maps are not read", yaml_file.string()));
     }
     map.geometry.origin = {origin[0], origin[1]};
@@ -96,16 +112,19 @@ PriorMap read_map(const fs::path& yaml_file) {
     occupied_threshold = yaml["occupied_thresh"] ? yaml["occupied_thresh"].as<double>() : occupied_threshold;
     negate = yaml["negate"] && yaml["negate"].as<int>() != 0;
   } catch (const YAML::Exception& error) {
-    throw std::runtime_error(fmt::format("{}:{}: {}", yaml_file.string(), error.mark.line + 1, error.msg));
+    throw ConfigurationError(fmt::format("{}:{}: {}", yaml_file.string(), error.mark.line + 1, error.msg));
   }
-  if (!(map.geometry.resolution > 0.0 && map.geometry.resolution <= 10.0)) {
-    throw std::runtime_error(
-        fmt::format("{}: resolution = {}, must be in (0, 10] m", yaml_file.string(), map.geometry.resolution));
-  }
+  constexpr double kFarthest = 1e5;  // [m] as poses
+  require_range(yaml_file, "resolution", map.geometry.resolution, 0.001, 10.0);
+  require_range(yaml_file, "origin", map.geometry.origin.x(), -kFarthest, kFarthest);
+  require_range(yaml_file, "origin", map.geometry.origin.y(), -kFarthest, kFarthest);
+  require_range(yaml_file, "free_thresh", free_threshold, 0.0, 1.0);
+  require_range(yaml_file, "occupied_thresh", occupied_threshold, free_threshold, 1.0);
   const fs::path picture = image_file.is_absolute() ? image_file : yaml_file.parent_path() / image_file;
+  require_file(picture);
   std::ifstream in(picture, std::ios::binary);
   if (!in) {
-    throw std::runtime_error(fmt::format("{}: cannot be read", picture.string()));
+    throw ConfigurationError(fmt::format("{}: cannot be read", picture.string()));
   }
   const PictureHeader image = read_pgm_header(in, picture);
   map.geometry.columns = image.width;
@@ -117,7 +136,7 @@ PriorMap read_map(const fs::path& yaml_file) {
     in.read(reinterpret_cast<char*>(pixels.data()), image.width);
     if (in.gcount() != image.width) {
       const std::size_t read = static_cast<std::size_t>(image.height - 1 - row) * columns;
-      throw std::runtime_error(fmt::format("{}: cut off, {} of {} pixels", picture.string(),
+      throw ConfigurationError(fmt::format("{}: cut off, {} of {} pixels", picture.string(),
                                            read + static_cast<std::size_t>(in.gcount()), map.geometry.size()));
     }
     for (int column = 0; column < image.width; ++column) {

@@ -7,7 +7,7 @@
 namespace luminav {
 
 /// Reads a map in the ROS map_server format (YAML beside a binary PGM; modes trinary and scale). Throws
-/// std::runtime_error naming the file and what is wrong (missing, cut, another format, turned origin).
+/// ConfigurationError naming the file and what is wrong (missing, cut, another format, turned origin, out of range).
 PriorMap read_map(const std::filesystem::path& yaml_file);
 
 /// Writes YAML and PGM beside it, each to a temporary file that is then renamed. Occupied 0, free 254, unknown 205;

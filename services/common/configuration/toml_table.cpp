@@ -5,6 +5,7 @@
 #include <toml++/toml.h>
 
 #include <cmath>
+#include <fstream>
 #include <set>
 
 namespace luminav {
@@ -18,6 +19,29 @@ std::string allowed_range(Range range) {
     return range.min > 0.0 ? "greater than 0" : fmt::format("at least {}", range.min);
   }
   return fmt::format("between {} and {}", range.min, range.max);
+}
+
+/// toml++ limits how deep arrays and inline tables nest, but not a.b.c.d...: 50,000 of them overflow its stack.
+void refuse_deep_keys(const std::filesystem::path& file) {
+  constexpr int kDeepest = 32;
+  std::ifstream in(file);
+  int number = 1;
+  for (std::string line; std::getline(in, line); ++number) {
+    int depth = 0;
+    char quote = 0;
+    for (const char c : line) {
+      if (quote != 0 || c == '"' || c == '\'') {
+        quote = quote == 0 ? c : c == quote ? '\0' : quote;
+      } else if (c == '#') {
+        break;
+      } else {
+        depth = c == '.' ? depth + 1 : c == '=' || c == ',' || c == '[' || c == '{' ? 0 : depth;
+      }
+      if (depth > kDeepest) {
+        throw ConfigurationError(fmt::format("{}:{}: a key of more than {} parts", file.string(), number, kDeepest));
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -41,6 +65,7 @@ TomlTable TomlTable::load(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(contents->file)) {
     throw ConfigurationError(fmt::format("{}: no such file", file.string()));
   }
+  refuse_deep_keys(contents->file);
   try {
     contents->document = std::make_shared<const toml::table>(toml::parse_file(contents->file.string()));
   } catch (const toml::parse_error& error) {
@@ -188,6 +213,22 @@ std::vector<int> TomlTable::integers(std::string_view key) const {
       fail(key, "must be a list of whole numbers");
     }
     values.push_back(static_cast<int>(value));
+  }
+  return values;
+}
+
+std::vector<std::string> TomlTable::texts(std::string_view key) const {
+  std::vector<std::string> values;
+  const toml::node* node = contents_->find(key);
+  if (node != nullptr && node->as_array() == nullptr) {
+    fail(key, "must be a list of texts in quotes");
+  }
+  for (std::size_t i = 0; node != nullptr && i < node->as_array()->size(); ++i) {
+    const auto value = node->as_array()->at(i).value_exact<std::string>();
+    if (!value) {
+      fail(key, "must be a list of texts in quotes");
+    }
+    values.push_back(*value);
   }
   return values;
 }

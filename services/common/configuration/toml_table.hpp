@@ -6,18 +6,13 @@
 #include <initializer_list>
 #include <limits>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace luminav {
+#include "services/common/configuration/configuration_error.hpp"
 
-/// A file that a user wrote is wrong; the message names file, line, key and what is allowed.
-class ConfigurationError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+namespace luminav {
 
 /// Allowed values, both ends included.
 struct Range {
@@ -50,6 +45,8 @@ class TomlTable {
                                    std::initializer_list<std::string_view> allowed) const;
   /// A list of numbers; `length` 0 = any. Empty when the key is absent.
   [[nodiscard]] std::vector<double> numbers(std::string_view key, std::size_t length = 0) const;
+  /// A list of texts. Empty when the key is absent.
+  [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;
   [[nodiscard]] std::vector<int> integers(std::string_view key) const;
   /// A list of [x, y] pairs. Empty when the key is absent.
   [[nodiscard]] std::vector<Eigen::Vector2d> points(std::string_view key) const;

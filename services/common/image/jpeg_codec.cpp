@@ -47,7 +47,7 @@ JpegDecoder::Handle JpegDecoder::make_decompressor() {
   return handle;
 }
 
-JpegDecoder::JpegDecoder() : handle_(make_decompressor()) {}
+JpegDecoder::JpegDecoder(int width, int height) : handle_(make_decompressor()), width_(width), height_(height) {}
 
 bool JpegDecoder::decode(std::span<const std::uint8_t> bytes, GreyImage& image) {
   if (read(bytes, image)) {
@@ -68,6 +68,9 @@ bool JpegDecoder::read(std::span<const std::uint8_t> bytes, GreyImage& image) {
     return false;
   }
   if (width <= 0 || height <= 0 || width > kLargestSide || height > kLargestSide) {
+    return false;
+  }
+  if ((width_ != 0 && width != width_) || (height_ != 0 && height != height_)) {
     return false;
   }
   image.width = width;

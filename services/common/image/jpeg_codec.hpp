@@ -32,7 +32,8 @@ class JpegDecoder {
   /// Larger pictures are refused: a damaged header must not cost gigabytes.
   static constexpr int kLargestSide = 8192;  // [px]
 
-  JpegDecoder();
+  /// Sides that are not these are refused by the header alone, before any work; 0 = any up to the largest.
+  explicit JpegDecoder(int width = 0, int height = 0);
 
   /// False for anything that is not one whole, sound JPEG: truncated data and all of libjpeg's warnings count. Then
   /// the image's contents are undefined. Reuses the image's memory; never throws but for want of memory.
@@ -47,6 +48,8 @@ class JpegDecoder {
   bool read(std::span<const std::uint8_t> bytes, GreyImage& image);
 
   Handle handle_;
+  int width_;   // [px] the only one; 0 = any
+  int height_;  // [px]
 };
 
 }  // namespace luminav

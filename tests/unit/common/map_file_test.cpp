@@ -1,6 +1,7 @@
 #include "services/common/building/map_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <stdexcept>
 
@@ -70,6 +71,33 @@ TEST(MapFile, SaysWhatIsWrongWithAFile) {
                 .find("turned maps"),
             std::string::npos);
   EXPECT_NE(reading_fails_with(folder.write("g.yaml", "image: [\n")).find("g.yaml:"), std::string::npos);
+}
+
+TEST(MapFile, RefusesNumbersThatNoMapHas) {
+  const TemporaryFolder folder;
+  folder.write("dot.pgm", "P5\n1 1\n255\n\1");
+  for (const std::string& rest :
+       {std::string("resolution: 0.1\norigin: [.nan, 0, 0]\n"), std::string("resolution: 0.1\norigin: [0, .inf, 0]\n"),
+        std::string("resolution: 0.1\norigin: [1e300, 0, 0]\n"), std::string("resolution: 1e-300\norigin: [0, 0, 0]\n"),
+        std::string("resolution: .nan\norigin: [0, 0, 0]\n"),
+        std::string("resolution: 0.1\norigin: [0, 0, 0]\nfree_thresh: .nan\n"),
+        std::string("resolution: 0.1\norigin: [0, 0, 0]\noccupied_thresh: .nan\n"),
+        std::string("resolution: 0.1\norigin: [0, 0, 0]\nfree_thresh: 0.7\noccupied_thresh: 0.3\n")}) {
+    EXPECT_NE(reading_fails_with(folder.write("a.yaml", "image: dot.pgm\n" + rest)).find("must be between"),
+              std::string::npos)
+        << rest;
+  }
+}
+
+TEST(MapFile, IsNeitherAFolderNorAPipe) {
+  const TemporaryFolder folder;
+  EXPECT_NE(reading_fails_with(folder.path()).find("cannot be read"), std::string::npos);
+  const std::filesystem::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(reading_fails_with(pipe).find("cannot be read"), std::string::npos);
+  const std::string rest = "resolution: 0.1\norigin: [0, 0, 0]\n";
+  EXPECT_NE(reading_fails_with(folder.write("a.yaml", "image: pipe\n" + rest)).find("cannot be read"),
+            std::string::npos);
 }
 
 }  // namespace

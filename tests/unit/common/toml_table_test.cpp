@@ -72,6 +72,32 @@ TEST(TomlTable, SaysWhereAFileIsNoToml) {
   EXPECT_TRUE(has(error_of([&] { (void)TomlTable::load(folder.path() / "none.toml"); }), "no such file"));
 }
 
+TEST(TomlTable, RefusesKeysOfThousandsOfParts) {
+  const TemporaryFolder folder;
+  std::string key = "a";
+  for (int i = 0; i < 50'000; ++i) {
+    key += ".a";
+  }
+  for (const std::string& text :
+       {key + " = 1\n", "[" + key + "]\n", "x = {" + key + " = 1}\n", "\"#\"." + key + " = 1\n"}) {
+    EXPECT_TRUE(has(error_of([&] { TomlTable::load(folder.write("a.toml", "first = 1\n" + text)); }),
+                    "a.toml:2: a key of more than 32 parts"))
+        << text.substr(0, 20);
+  }
+  const std::string dots(1000, '.');
+  const TomlTable table = TomlTable::load(folder.write("b.toml", "# " + dots + "\ntext = \"" + dots + "\"\n"));
+  EXPECT_EQ(table.text("text"), dots);
+}
+
+TEST(TomlTable, ReadsListsOfTexts) {
+  const TemporaryFolder folder;
+  const TomlTable table = TomlTable::load(folder.write("a.toml", "some = [\"x\", \"y\"]\nbad = [1]\nworse = \"x\"\n"));
+  EXPECT_EQ(table.texts("some"), (std::vector<std::string>{"x", "y"}));
+  EXPECT_TRUE(table.texts("none").empty());
+  EXPECT_TRUE(has(error_of([&] { (void)table.texts("bad"); }), "a.toml:2: bad must be a list of texts"));
+  EXPECT_TRUE(has(error_of([&] { (void)table.texts("worse"); }), "must be a list of texts"));
+}
+
 TEST(TomlTable, TakesPathsRelativeToTheFile) {
   const TemporaryFolder folder;
   const TomlTable table = TomlTable::load(folder.write("e.toml", "map = \"maps/../m.yaml\"\n"));
