@@ -9,6 +9,7 @@
 #include "drivers/camera/sources/recorded_pictures.hpp"
 #include "drivers/camera/sources/v4l2_camera.hpp"
 #include "services/common/configuration/building_file.hpp"
+#include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 
@@ -56,14 +57,16 @@ void write_still(SimulatedCeiling& ceiling, const Arguments& arguments) {
 template <typename Source>
 int run(const Arguments& arguments, const CameraConfig& config, const Clock& clock, Source& source,
         std::int64_t period) {
-  const auto lcm = open_lcm(arguments.lcm_url);
+  const NetworkAccess access = read_network_access(arguments.robot_file);
+  const LcmNetwork network = access.on(arguments.lcm_url);
+  const auto lcm = open_lcm(network);
   // Pictures are most of what is said on the network: they may stay on the machine while the rest goes further.
-  const auto images = arguments.image_url.empty() ? nullptr : open_lcm(arguments.image_url);
+  const auto images = arguments.image_url.empty() ? nullptr : open_lcm(access.on(arguments.image_url));
   CameraNode node(images ? *images : *lcm, config, clock, source);
-  receive_only(images ? *images : *lcm, images ? arguments.image_url : arguments.lcm_url, node.channels());
+  receive_only(images ? *images : *lcm, images ? access.on(arguments.image_url) : network, node.channels());
   fmt::print("camera: {}\n", source.description());
   std::fflush(stdout);
-  EventLoop loop(*lcm, "camera", config.robot);
+  EventLoop loop(*lcm, "camera", config.robot, network);
   loop.belong_to(identify(arguments.robot_file, ""));
   loop.watch([&] { return node.descriptor(); }, [&] { node.poll(); });
   if (images) {

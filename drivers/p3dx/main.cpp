@@ -8,6 +8,7 @@
 #include "drivers/p3dx/p3dx_node.hpp"
 #include "drivers/p3dx/safety/guardian.hpp"
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 
@@ -115,16 +116,21 @@ int main(int argc, char** argv) {
     config.guardian_silence = guarding.silence;
     config.guardian_done_after = guarding.silence + guarding.brake_time + kFarewell;
     Guardian guardian(guarding);
-    const auto lcm = open_lcm(url);
+    const NetworkAccess access = read_network_access(robot);
+    const LcmNetwork network = access.on(url);
+    const auto lcm = open_lcm(network);
     const HostClock clock;
-    P3dxNode node(*lcm, config, clock, opener);
+    P3dxNode node(*lcm, config, clock, opener, access.key);
     node.report_life([&] { guardian.beat(); });
-    receive_only(*lcm, url, node.channels());
+    receive_only(*lcm, network, node.channels());
     Watch watch(node, guardian, clock);
-    EventLoop loop(*lcm, "p3dx", config.robot.name);
+    EventLoop loop(*lcm, "p3dx", config.robot.name, network);
     loop.belong_to(identify(robot, ""));
     loop.watch([&] { return node.descriptor(); }, [&] { watch.poll(); });
-    loop.every(20'000, [&] { watch.poll(); });
+    loop.every(20'000, [&] {
+      node.hold(loop.conflict());
+      watch.poll();
+    });
     loop.report_health([&] { return watch.health(); });
     watch.report_connection([&] { loop.check_health(); });
     const int status = loop.run();

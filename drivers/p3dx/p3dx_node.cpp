@@ -19,6 +19,7 @@ constexpr std::int64_t kBeatPeriod = 55'000;     // [us] with every third poll
 constexpr double kAerosDistanceFactor = 0.485;   // [mm] p3dx on its older controller board
 constexpr double kArcosDistanceFactor = 1.0;     // [mm] p3dx-sh
 constexpr double kFastestRobot = 1.5;            // [m/s] whatever a controller claims
+constexpr std::size_t kSenderLength = 64;        // of a STOP: it goes into each ROBOT_STATUS
 constexpr std::size_t kMotionQueue = 4;          // frames waiting on a line that is stuck
 
 /// Packets that were held back arrive together; each was taken at least a cycle [us] before the next.
@@ -39,7 +40,8 @@ DeadReckoningParams reckoning_params(const P3dxConfig& config, const std::string
 
 }  // namespace
 
-P3dxNode::P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, OpenStream open_stream)
+P3dxNode::P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, OpenStream open_stream,
+                   std::optional<CommandKey> key)
     : lcm_(lcm),
       config_(config),
       clock_(clock),
@@ -51,7 +53,7 @@ P3dxNode::P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, 
       settings_(config.robot.limits, config.angular_deceleration),
       stop_(config.state_folder),
       motors_(config.enable_motors_at_start),
-      subscriber_(lcm) {
+      subscriber_(lcm, key) {
   subscriber_.on(channels::kVelocityCommand, &P3dxNode::on_velocity_command, this);
   subscriber_.on(channels::kStop, &P3dxNode::on_stop, this);
   subscriber_.on(channels::kMotorsCommand, &P3dxNode::on_motors_command, this);
@@ -80,7 +82,7 @@ void P3dxNode::on_velocity_command(const velocity_command_t& message) {
 
 void P3dxNode::on_stop(const stop_t& message) {
   const std::int64_t now = wake();
-  if (stop_.request(message.id, message.engaged != 0, message.sender)) {
+  if (stop_.request(message.id, message.engaged != 0, message.sender.substr(0, kSenderLength))) {
     gate_.clear(now);
     writer_.restart();  // at once, however short ago the last change was
     command_motion(now);
@@ -90,15 +92,9 @@ void P3dxNode::on_stop(const stop_t& message) {
 }
 
 void P3dxNode::on_motors_command(const motors_command_t& message) {
-  // Each request is repeated by its sender; a late copy of an older one must not undo the newest.
-  constexpr std::size_t kRemembered = 64;
-  if (std::find(motors_commands_seen_.begin(), motors_commands_seen_.end(), message.id) !=
-      motors_commands_seen_.end()) {
+  // Each request is repeated by its sender; a late copy of an older one, or a recording, must not undo the newest.
+  if (message.id <= last_motors_command_) {
     return;
-  }
-  motors_commands_seen_.push_back(message.id);
-  if (motors_commands_seen_.size() > kRemembered) {
-    motors_commands_seen_.pop_front();
   }
   last_motors_command_ = message.id;
   const std::int64_t now = wake();
@@ -251,7 +247,7 @@ void P3dxNode::command_motion(std::int64_t now) {
   if (!link_.in_session() || link_.waiting_frames() >= kMotionQueue || !last_.motors_enabled) {
     return;
   }
-  const bool stands = stop_.engaged() || standing_still_;
+  const bool stands = stop_.engaged() || standing_still_ || !held_because_.empty();
   const DriveVelocity wanted = stands ? DriveVelocity{} : gate_.velocity(now);
   for (std::vector<std::uint8_t>& frame : writer_.poll(wanted, now)) {
     link_.send(std::move(frame));
@@ -327,6 +323,9 @@ std::string P3dxNode::reason(std::int64_t now) const {
   if (stop_.engaged()) {
     return "stop requested by " + (stop_.sender().empty() ? "somebody" : stop_.sender());
   }
+  if (!held_because_.empty()) {
+    return held_because_;
+  }
   if (last_.stall_left || last_.stall_right) {
     return last_.stall_left && last_.stall_right ? "both wheels are blocked"
            : last_.stall_left                    ? "the left wheel is blocked"
@@ -354,6 +353,13 @@ Health P3dxNode::health() const {
     health.degraded = !health.reason.empty();
   }
   return health;
+}
+
+void P3dxNode::hold(const std::string& why) {
+  if (!why.empty() && held_because_.empty()) {
+    writer_.restart();  // at once, however short ago the last change was
+  }
+  held_because_ = why;
 }
 
 bool P3dxNode::stand_still() {

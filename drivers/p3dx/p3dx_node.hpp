@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/motors_command_t.hpp>
 #include <luminav/stop_t.hpp>
 #include <luminav/velocity_command_t.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,7 +31,8 @@ namespace luminav {
 /// obeys VELOCITY_COMMAND, STOP and MOTORS_COMMAND. Runs by the clock it is given and never waits.
 class P3dxNode {
  public:
-  P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, OpenStream open_stream);
+  P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, OpenStream open_stream,
+           std::optional<CommandKey> key = {});
 
   /// Reads and writes the line and runs what is due. To be called at least every 20 ms, and when descriptor() can be
   /// read.
@@ -44,6 +45,8 @@ class P3dxNode {
   [[nodiscard]] Health health() const;
   /// What it listens to.
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
+  /// The robot stands for as long as there is a reason; "" = no more.
+  void hold(const std::string& why);
   /// From now on the robot is told to stand, whatever is commanded; true once it does, or does not answer.
   bool stand_still();
   /// Stop, motors off, CLOSE; to be called before the end. Bytes that the line does not take at once are lost.
@@ -94,9 +97,9 @@ class P3dxNode {
   bool beat_was_late_ = false;    // too late for the guardian, perhaps
   std::function<void()> tell_guardian_;
   std::int64_t impossible_packets_ = 0;
-  std::int64_t last_motors_command_ = 0;           // id
-  std::deque<std::int64_t> motors_commands_seen_;  // ids, newest last
-  bool standing_still_ = false;                    // for good
+  std::int64_t last_motors_command_ = 0;  // id
+  std::string held_because_;
+  bool standing_still_ = false;  // for good
   Subscriber subscriber_;
 };
 

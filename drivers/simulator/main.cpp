@@ -62,7 +62,7 @@ int run(const Options& options) {
              truth.table, truth.hash);
   std::fflush(stdout);
 
-  EventLoop loop(*lcm, "simulator", robot.name);
+  EventLoop loop(*lcm, "simulator", robot.name, options.lcm_url);
   const HostClock clock;
   const auto exchange = [&] {
     server->set_unplugged(node.serial_unplugged());

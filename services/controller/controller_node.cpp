@@ -25,10 +25,11 @@ std::string say_age(const char* what, double seconds) {
 
 }  // namespace
 
-ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config)
+ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config, std::optional<CommandKey> key)
     : lcm_(lcm),
       config_(config),
-      subscriber_(lcm),
+      commands_(lcm, key),
+      subscriber_(lcm, key),
       controller_(config),
       echoes_(config.robot.sonar, config.echo_memory),
       touches_(config.robot, config.touch_memory) {
@@ -206,7 +207,7 @@ void ControllerNode::feel(const robot_status_t& status) {
 }
 
 void ControllerNode::on_stop(const stop_t& message) {
-  if (stops_.take(message.id, message.engaged != 0, message.sender) == StopRequests::Verdict::kOutdated) {
+  if (stops_.take(message.id, message.engaged != 0, message.sender.substr(0, 64)) == StopRequests::Verdict::kOutdated) {
     subscriber_.drop("STOP: a release older than the stop");
   }
 }
@@ -379,7 +380,7 @@ void ControllerNode::publish_command(std::int64_t utime) {
   command.linear_x = output_.twist.linear;
   command.linear_y = 0.0;
   command.angular_z = output_.twist.angular;
-  lcm_.publish(channels::kVelocityCommand, &command);
+  commands_.publish(channels::kVelocityCommand, command);
 }
 
 void ControllerNode::publish_status(std::int64_t utime) {

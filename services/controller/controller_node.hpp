@@ -29,7 +29,8 @@ namespace luminav {
 /// VELOCITY_COMMAND, every second or third one with a fresh control step.
 class ControllerNode {
  public:
-  ControllerNode(lcm::LCM& lcm, const ControllerConfig& config);
+  /// With a key, commands without its seal are dropped.
+  ControllerNode(lcm::LCM& lcm, const ControllerConfig& config, std::optional<CommandKey> key = {});
 
   [[nodiscard]] Health health() const;
   /// What it listens to.
@@ -63,6 +64,7 @@ class ControllerNode {
 
   lcm::LCM& lcm_;
   ControllerConfig config_;
+  CommandPublisher commands_;
   Subscriber subscriber_;
   Controller controller_;
   EchoMemory echoes_;

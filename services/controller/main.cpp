@@ -1,3 +1,4 @@
+#include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
@@ -17,10 +18,12 @@ int main(int argc, char** argv) {
       return *status;
     }
     const luminav::ControllerConfig config = luminav::read_controller_config(robot_file, building_file);
-    const auto lcm = luminav::open_lcm(url);
-    luminav::ControllerNode node(*lcm, config);
-    luminav::receive_only(*lcm, url, node.channels());
-    luminav::EventLoop loop(*lcm, "controller", config.robot.name);
+    const luminav::NetworkAccess access = luminav::read_network_access(robot_file);
+    const luminav::LcmNetwork network = access.on(url);
+    const auto lcm = luminav::open_lcm(network);
+    luminav::ControllerNode node(*lcm, config, access.key);
+    luminav::receive_only(*lcm, network, node.channels());
+    luminav::EventLoop loop(*lcm, "controller", config.robot.name, network);
     loop.belong_to(luminav::identify(robot_file, building_file));
     loop.report_health([&node] { return node.health(); });
     return loop.run();

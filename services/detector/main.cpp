@@ -1,3 +1,4 @@
+#include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
@@ -15,10 +16,11 @@ int main(int argc, char** argv) {
       return *status;
     }
     const luminav::DetectorConfig config = luminav::read_detector_config(robot_file, building_file);
-    const auto lcm = luminav::open_lcm(lcm_url);
+    const luminav::LcmNetwork network = luminav::read_network_access(robot_file).on(lcm_url);
+    const auto lcm = luminav::open_lcm(network);
     luminav::DetectorNode node(*lcm, config);
-    luminav::receive_only(*lcm, lcm_url, node.channels());
-    luminav::EventLoop loop(*lcm, "detector", config.robot);
+    luminav::receive_only(*lcm, network, node.channels());
+    luminav::EventLoop loop(*lcm, "detector", config.robot, network);
     loop.belong_to(luminav::identify(robot_file, building_file));
     loop.report_health([&node] { return node.health(); });
     return loop.run();

@@ -24,13 +24,13 @@ constexpr int kMaxDetections = 200;  // beyond it the detector has gone mad
 
 }  // namespace
 
-LocalizerNode::LocalizerNode(lcm::LCM& lcm, LocalizerConfig config)
+LocalizerNode::LocalizerNode(lcm::LCM& lcm, LocalizerConfig config, std::optional<CommandKey> key)
     : lcm_(lcm),
       config_(std::move(config)),
       localizer_(make_localizer(config_)),
       wheels_(config_.wheels, config_.robot.wheel_base),
       memory_(config_.state_dir),
-      subscriber_(lcm) {
+      subscriber_(lcm, key) {
   config_.walls = {};
   subscriber_.on<odometry_t>(channels::kOdometry, &LocalizerNode::on_odometry, this);
   subscriber_.on<fixture_detections_t>(channels::kFixtureDetections, &LocalizerNode::on_fixture_detections, this);

@@ -8,6 +8,7 @@
 #include <luminav/robot_status_t.hpp>
 #include <luminav/sonar_t.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,8 @@ namespace luminav {
 /// most five times a second out.
 class LocalizerNode {
  public:
-  LocalizerNode(lcm::LCM& lcm, LocalizerConfig config);
+  /// With a key, commands without its seal are dropped.
+  LocalizerNode(lcm::LCM& lcm, LocalizerConfig config, std::optional<CommandKey> key = {});
 
   [[nodiscard]] Health health() const;
   /// What it listens to.

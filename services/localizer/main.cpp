@@ -1,6 +1,7 @@
 #include <string>
 #include <utility>
 
+#include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
@@ -22,10 +23,12 @@ int main(int argc, char** argv) {
     config.walls = luminav::resample(config.walls, luminav::WallField::kResolution);  // all that is needed of them
     config.state_dir = state + "/" + config.robot.name;
     const std::string robot_name = config.robot.name;
-    const auto lcm = luminav::open_lcm(url);
-    luminav::LocalizerNode node(*lcm, std::move(config));
-    luminav::receive_only(*lcm, url, node.channels());
-    luminav::EventLoop loop(*lcm, "localizer", robot_name);
+    const luminav::NetworkAccess access = luminav::read_network_access(robot);
+    const luminav::LcmNetwork network = access.on(url);
+    const auto lcm = luminav::open_lcm(network);
+    luminav::LocalizerNode node(*lcm, std::move(config), access.key);
+    luminav::receive_only(*lcm, network, node.channels());
+    luminav::EventLoop loop(*lcm, "localizer", robot_name, network);
     loop.belong_to(luminav::identify(robot, building));
     loop.report_health([&] { return node.health(); });
     return loop.run();

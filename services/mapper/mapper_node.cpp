@@ -51,8 +51,8 @@ std::string misfit(const GridGeometry& map, const GridGeometry& building, double
 
 }  // namespace
 
-MapperNode::MapperNode(lcm::LCM& lcm, const MapperConfig& config)
-    : lcm_(lcm), config_(config), drawn_until_(config.robot.sonar.robot_from_sonar.size(), 0), subscriber_(lcm) {
+MapperNode::MapperNode(lcm::LCM& lcm, const MapperConfig& config, std::optional<CommandKey> key)
+    : lcm_(lcm), config_(config), drawn_until_(config.robot.sonar.robot_from_sonar.size(), 0), subscriber_(lcm, key) {
   start_map(config.prior, 0);
   if (!config_.state_folder.empty()) {
     OccupancyGrid kept = mapper_->grid();

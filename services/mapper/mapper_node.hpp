@@ -7,6 +7,7 @@
 #include <luminav/sonar_t.hpp>
 #include <luminav/tile_request_t.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,8 @@ namespace luminav {
 /// POSE and SONAR in, GRID_TILE out: draws each reading once, at the pose of its own instant, while the pose is good.
 class MapperNode {
  public:
-  MapperNode(lcm::LCM& lcm, const MapperConfig& config);
+  /// With a key, commands without its seal are dropped.
+  MapperNode(lcm::LCM& lcm, const MapperConfig& config, std::optional<CommandKey> key = {});
 
   [[nodiscard]] Health health() const;
   /// What it listens to.

@@ -89,7 +89,8 @@ std::string control_state_name(int state) {
   return name_in(kNames, state);
 }
 
-GoalRequest::GoalRequest(lcm::LCM& lcm, const goal_t& goal) : lcm_(lcm), subscriber_(lcm), goal_(goal) {
+GoalRequest::GoalRequest(lcm::LCM& lcm, const goal_t& goal, std::optional<CommandKey> key)
+    : commands_(lcm, key), subscriber_(lcm), goal_(goal) {
   is_cancelling_ = goal.action == goal_t::ACTION_CANCEL;
   subscriber_.on(channels::kNavigationStatus, &GoalRequest::on_navigation_status, this);
   subscriber_.on(channels::kPose, &GoalRequest::on_pose, this);
@@ -109,7 +110,7 @@ void GoalRequest::tick() {
     return;
   }
   if (!is_echoed_) {
-    lcm_.publish(channels::kGoal, &goal_);
+    commands_.publish(channels::kGoal, goal_);
   }
 }
 
@@ -123,7 +124,7 @@ void GoalRequest::cancel(std::int64_t id) {
   is_cancelling_ = true;
   silent_ticks_ = 0;
   outcome_.reset();
-  lcm_.publish(channels::kGoal, &goal_);
+  commands_.publish(channels::kGoal, goal_);
 }
 
 void GoalRequest::finish(Outcome outcome, const std::string& cause) {
@@ -142,6 +143,9 @@ void GoalRequest::on_navigation_status(const navigation_status_t& message) {
   }
   if (message.goal_id != goal_.id) {
     if (!is_echoed_) {
+      if (message.goal_id > goal_.id) {  // the planner takes only ids that grow, and another's clock was ahead of ours
+        goal_.id = message.goal_id + 1 + goal_.id % 1000;
+      }
       return;
     }
     if (!is_same_goal(*before, message)) {

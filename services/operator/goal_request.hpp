@@ -34,7 +34,7 @@ std::string to_string(Outcome outcome);
 class GoalRequest {
  public:
   /// `goal.id` must be set; a cancellation is over as soon as it is echoed.
-  GoalRequest(lcm::LCM& lcm, const goal_t& goal);
+  GoalRequest(lcm::LCM& lcm, const goal_t& goal, std::optional<CommandKey> key = {});
 
   /// A fifth of a second has passed.
   void tick();
@@ -54,7 +54,7 @@ class GoalRequest {
   void on_pose(const pose_t& message);
   void finish(Outcome outcome, const std::string& cause);
 
-  lcm::LCM& lcm_;
+  CommandPublisher commands_;
   Subscriber subscriber_;
   goal_t goal_;  // its id is the one by which the planner speaks of it
   bool is_echoed_ = false;

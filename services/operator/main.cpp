@@ -14,6 +14,7 @@
 
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/network/network_access.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/operator/goal_request.hpp"
@@ -104,11 +105,11 @@ int watch(lcm::LCM& lcm, GoalRequest& request) {
 }
 
 // Listens until each process has said which files it has.
-FilePaths files_of_what_runs(const std::string& url, const FilePaths& asked) {
+FilePaths files_of_what_runs(const LcmNetwork& network, const FilePaths& asked) {
   constexpr std::int64_t kPatience = 1'300'000;  // [us] each process reports once a second
   std::unique_ptr<lcm::LCM> lcm;
   try {
-    lcm = open_lcm(url);
+    lcm = open_lcm(network);
   } catch (const std::runtime_error&) {
     return choose_files({}, asked);  // nothing can run there
   }
@@ -118,7 +119,7 @@ FilePaths files_of_what_runs(const std::string& url, const FilePaths& asked) {
 }
 
 int run_goto(int argc, char** argv) {
-  std::string url;
+  std::string url, robot_file;
   std::string building_file;
   std::vector<std::string> words;
   double tolerance = 0.0;
@@ -127,15 +128,17 @@ int run_goto(int argc, char** argv) {
   command_line.text("--building", building_file,
                     "building file (TOML) that knows the places; default: the running system's");
   command_line.number("--tolerance", tolerance, "metres within which it counts as reached; 0 = the planner's");
-  command_line.lcm_url(url).positional("target", words, "PLACE, or X Y [THETA] in metres and radians, world frame",
-                                       true);
+  command_line.lcm_url(url)
+      .launched_robot(robot_file)
+      .positional("target", words, "PLACE, or X Y [THETA] in metres and radians, world frame", true);
   if (const auto status = command_line.parse(argc, argv)) {
     return *status;
   }
   const std::optional<std::vector<double>> numbers = read_numbers(words);
+  const NetworkAccess access = read_network_access(robot_file);
   // A building is needed for places only; one that was named must be the running one, as must those of all processes.
   if (!numbers || !building_file.empty()) {
-    building_file = files_of_what_runs(url, {"", building_file}).building;
+    building_file = files_of_what_runs(access.on(url), {"", building_file}).building;
   }
   if (!numbers && building_file.empty()) {
     throw ConfigurationError("a place is known by its building only: give --building FILE");
@@ -143,33 +146,35 @@ int run_goto(int argc, char** argv) {
   goal_t goal = make_goal(words, numbers ? Building{} : read_building(building_file));
   goal.id = goal.utime = new_id();
   goal.tolerance = tolerance;
-  const auto lcm = open_lcm(url);
-  GoalRequest request(*lcm, goal);
+  const auto lcm = open_lcm(access.on(url));
+  GoalRequest request(*lcm, goal, access.key);
   return watch(*lcm, request);
 }
 
 int run_cancel(int argc, char** argv) {
-  std::string url;
+  std::string url, robot_file;
   CommandLine command_line("cancel", "Makes the robot give up its goal and stand still.");
-  if (const auto status = command_line.lcm_url(url).parse(argc, argv)) {
+  if (const auto status = command_line.lcm_url(url).launched_robot(robot_file).parse(argc, argv)) {
     return *status;
   }
   goal_t goal{};
   goal.id = goal.utime = new_id();
   goal.action = goal_t::ACTION_CANCEL;
-  const auto lcm = open_lcm(url);
-  GoalRequest request(*lcm, goal);
+  const NetworkAccess access = read_network_access(robot_file);
+  const auto lcm = open_lcm(access.on(url));
+  GoalRequest request(*lcm, goal, access.key);
   const int status = watch(*lcm, request);
   return status == static_cast<int>(Outcome::kCancelled) ? 0 : status;
 }
 
 int run_status(int argc, char** argv) {
-  std::string url;
+  std::string url, robot_file;
   CommandLine command_line("status", "Prints what the robot and its processes say of themselves.");
-  if (const auto status = command_line.lcm_url(url).parse(argc, argv)) {
+  if (const auto status = command_line.lcm_url(url).launched_robot(robot_file).parse(argc, argv)) {
     return *status;
   }
-  const auto lcm = open_lcm(url);
+  const NetworkAccess access = read_network_access(robot_file);
+  const auto lcm = open_lcm(access.on(url));
   const SystemSnapshot snapshot(*lcm);
   // each process reports once a second
   listen_until(*lcm, clock_us(CLOCK_MONOTONIC) + 1'300'000);
@@ -177,7 +182,7 @@ int run_status(int argc, char** argv) {
     fmt::print("nothing is running on {}\n", url);
     return 1;
   }
-  fmt::print("{}", snapshot.page());
+  fmt::print("{}{}\n", snapshot.page(), describe(access, url));
   return 0;
 }
 

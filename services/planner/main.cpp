@@ -1,3 +1,4 @@
+#include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
@@ -14,10 +15,12 @@ int main(int argc, char** argv) {
     }
     luminav::PlannerConfig config = luminav::read_planner_config(robot_file, building_file);
     config.state_folder = std::filesystem::path(state) / config.robot.name;
-    const auto lcm = luminav::open_lcm(url);
-    luminav::PlannerNode node(*lcm, config);
-    luminav::receive_only(*lcm, url, node.channels());
-    luminav::EventLoop loop(*lcm, "planner", config.robot.name);
+    const luminav::NetworkAccess access = luminav::read_network_access(robot_file);
+    const luminav::LcmNetwork network = access.on(url);
+    const auto lcm = luminav::open_lcm(network);
+    luminav::PlannerNode node(*lcm, config, access.key);
+    luminav::receive_only(*lcm, network, node.channels());
+    luminav::EventLoop loop(*lcm, "planner", config.robot.name, network);
     luminav::remember_files(robot_file, building_file);
     loop.belong_to(luminav::identify(robot_file, building_file));
     loop.report_health([&] { return node.health(); });

@@ -40,13 +40,13 @@ GoalRequest request_from(const goal_t& message) {
 
 }  // namespace
 
-PlannerNode::PlannerNode(lcm::LCM& lcm, const PlannerConfig& config)
+PlannerNode::PlannerNode(lcm::LCM& lcm, const PlannerConfig& config, std::optional<CommandKey> key)
     : lcm_(lcm),
       config_(config),
       cycle_(config.cycle, config.route, config.doors),
       store_(config.state_folder),
       accepted_{},
-      subscriber_(lcm) {
+      subscriber_(lcm, key) {
   subscriber_.on(channels::kGoal, &PlannerNode::on_goal, this);
   subscriber_.on(channels::kGridTile, &PlannerNode::on_grid_tile, this);
   subscriber_.on(channels::kPose, &PlannerNode::on_pose, this);
@@ -105,6 +105,10 @@ void PlannerNode::on_goal(const goal_t& goal) {
   }
   if (std::find(done_ids_.begin(), done_ids_.end(), goal.id) != done_ids_.end()) {
     return;  // repeated until the echo arrives
+  }
+  if (!done_ids_.empty() && goal.id < *std::max_element(done_ids_.begin(), done_ids_.end())) {
+    subscriber_.drop("GOAL from before the last one");
+    return;
   }
   if (now_ == 0) {
     waiting_goal_ = goal;  // nothing from the robot yet: no stamp to answer with

@@ -24,7 +24,8 @@ namespace luminav {
 /// GOAL in, PATH and NAVIGATION_STATUS out. POSE is the tick, ROBOT_STATUS where there is none.
 class PlannerNode {
  public:
-  PlannerNode(lcm::LCM& lcm, const PlannerConfig& config);
+  /// With a key, commands without its seal are dropped.
+  PlannerNode(lcm::LCM& lcm, const PlannerConfig& config, std::optional<CommandKey> key = {});
 
   [[nodiscard]] Health health() const;
   /// What it listens to.

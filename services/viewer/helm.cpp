@@ -41,7 +41,7 @@ void Helm::steer(const Steering& steering, std::int64_t now) {
   command.sequence = steering.sequence;
   command.linear = steering.linear;
   command.angular = steering.angular;
-  lcm_.publish(channels::kTeleopCommand, &command);
+  commands_.publish(channels::kTeleopCommand, command);
 }
 
 }  // namespace luminav

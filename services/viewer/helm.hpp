@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "services/common/configuration/robot_file.hpp"
+#include "services/common/network/command_seal.hpp"
 #include "services/viewer/request_text.hpp"
 
 namespace luminav {
@@ -15,7 +16,8 @@ namespace luminav {
 /// robot 0.3 s after the last. One person at a time. Thread-safe; reads no clock.
 class Helm {
  public:
-  Helm(lcm::LCM& lcm, const MotionLimits& limits) : lcm_(lcm), limits_(limits) {}
+  Helm(lcm::LCM& lcm, const MotionLimits& limits, std::optional<CommandKey> key = {})
+      : commands_(lcm, key), limits_(limits) {}
 
   /// Its stamp goes into the commands: they answer the newest word of the robot.
   void on_robot_status(const robot_status_t& message);
@@ -28,7 +30,7 @@ class Helm {
   static constexpr std::int64_t kFresh = 300'000;     // [us] since the page saw what it answers
   static constexpr std::int64_t kHandOver = 500'000;  // [us] of rest before another person may steer
 
-  lcm::LCM& lcm_;
+  CommandPublisher commands_;
   const MotionLimits limits_;
   std::mutex mutex_;
   std::int64_t robot_utime_ = 0;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/network/network_access.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/launcher/network.hpp"
@@ -63,20 +64,23 @@ int view(int argc, char** argv) {
 
   const ViewerConfig config = read_viewer_config(robot_file, building_file);
   const HostClock clock;
-  const auto lcm = open_lcm(url);
+  const NetworkAccess access = read_network_access(robot_file);
+  const LcmNetwork network = access.on(url);
+  const auto lcm = open_lcm(network);
   SnapshotBoard board;
   PictureStore pictures;
-  const auto procman = open_lcm(procman_url);
-  RequestDesk desk(*lcm);
-  Helm helm(*lcm, config.robot.limits);
-  ProcessDesk processes(*procman, *lcm);
+  const auto procman = open_lcm(access.on(procman_url));
+  RequestDesk desk(*lcm, access.key);
+  Helm helm(*lcm, config.robot.limits, access.key);
+  ProcessDesk processes(*procman, *lcm, access.key);
   ViewerNode node(*lcm, config, clock, board, pictures, desk, helm);
   const HttpServer server(http, {board, pictures, desk, helm, processes, clock, config.building, config.robot});
   fmt::print("viewer: open {}\n", server.address());
   std::fflush(stdout);
 
-  EventLoop loop(*lcm, "viewer", config.robot.name);
+  EventLoop loop(*lcm, "viewer", config.robot.name, network);
   loop.belong_to(identify(robot_file, building_file));
+  limit_memory(1500);  // the stacks of a hundred threads count
   loop.report_health([&] { return node.health(); });
   loop.every(100'000, [&] {
     if (server.listeners() > 0) {

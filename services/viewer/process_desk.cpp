@@ -45,8 +45,11 @@ std::string command_json(const CommandState& state) {
 
 }  // namespace
 
-ProcessDesk::ProcessDesk(lcm::LCM& procman, lcm::LCM& data)
-    : procman_(procman), data_(data), watcher_(procman, {}, {.id = make_sheriff_id(Instant::read()), .observe = true}) {
+ProcessDesk::ProcessDesk(lcm::LCM& procman, lcm::LCM& data, std::optional<CommandKey> key)
+    : procman_(procman),
+      data_(data),
+      key_(key),
+      watcher_(procman, {}, {.id = make_sheriff_id(Instant::read()), .observe = true, .key = key}) {
   watcher_.listen_for_readiness(data);
 }
 
@@ -92,8 +95,8 @@ void ProcessDesk::begin_next(const Instant& now) {
     work->pending = pending_.front();
     pending_.pop_front();
   }
-  work->sheriff = std::make_unique<Sheriff>(procman_, launcher::PmdFile{},
-                                            launcher::SheriffConfig{.id = make_sheriff_id(Instant::read())});
+  work->sheriff = std::make_unique<Sheriff>(
+      procman_, launcher::PmdFile{}, launcher::SheriffConfig{.id = make_sheriff_id(Instant::read()), .key = key_});
   work->sheriff->listen_for_readiness(data_);
   work->begun = now.steady;
   outcome_ = {work->pending, "waiting", ""};

@@ -22,7 +22,7 @@ namespace luminav {
 class ProcessDesk {
  public:
   /// `procman` is the network of the deputies, `data` the robot's.
-  ProcessDesk(lcm::LCM& procman, lcm::LCM& data);
+  ProcessDesk(lcm::LCM& procman, lcm::LCM& data, std::optional<CommandKey> key = {});
 
   /// Takes an order and returns its id. Throws RequestError when no deputy was heard, or none runs that process.
   std::int64_t order(const ProcessOrder& order, std::int64_t now);
@@ -55,6 +55,7 @@ class ProcessDesk {
 
   lcm::LCM& procman_;
   lcm::LCM& data_;
+  std::optional<CommandKey> key_;
   launcher::Sheriff watcher_;
   std::unique_ptr<Work> work_;
   std::optional<Outcome> outcome_;

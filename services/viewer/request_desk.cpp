@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "services/common/process/channels.hpp"
+#include "services/common/process/subscriber.hpp"
 #include "services/viewer/request_text.hpp"
 
 namespace luminav {
@@ -22,7 +23,7 @@ std::int64_t RequestDesk::post(Kind kind, const char* channel, Message message, 
   pending.gives_up = gives_up;
   pending.publish = [this, channel, message](std::int64_t utime) mutable {
     message.utime = utime;
-    lcm_.publish(channel, &message);
+    commands_.publish(channel, message);
   };
   pending.publish(now);
   return message.id;
@@ -83,7 +84,7 @@ void RequestDesk::repeat(std::int64_t now) {
 void RequestDesk::hear(Kind kind, std::int64_t id, const std::string& objection) {
   // ids of hosts whose clock is ahead: ours must still be newer. A year ahead is damage, not a clock.
   constexpr std::int64_t kYear = 366LL * 86'400 * 1'000'000;  // [us]
-  if (id > last_id_ && (last_id_ == 0 || id - last_id_ < kYear)) {
+  if (id > last_id_ && is_stamp(id) && (last_id_ == 0 || id - last_id_ < kYear)) {
     last_id_ = id;
   }
   State& state = pending_[static_cast<std::size_t>(kind)].state;

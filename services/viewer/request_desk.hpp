@@ -19,6 +19,8 @@
 #include <string_view>
 #include <vector>
 
+#include "services/common/network/command_seal.hpp"
+
 namespace luminav {
 
 /// Sends people's requests and repeats them at 5 Hz until their owner echoes the id. Publishes at once from the thread
@@ -38,7 +40,7 @@ class RequestDesk {
     std::string objection;   // of the owner, who answered but did not do it; "" = none
   };
 
-  explicit RequestDesk(lcm::LCM& lcm) : lcm_(lcm) {}
+  explicit RequestDesk(lcm::LCM& lcm, std::optional<CommandKey> key = {}) : commands_(lcm, key) {}
 
   /// From now on whatever speaks of places or poses is refused with this sentence; "" = no longer. Stops, cancellations
   /// and pauses are sent all the same.
@@ -81,7 +83,7 @@ class RequestDesk {
   void hear(Kind kind, std::int64_t id, const std::string& objection = "");
   void heard_by_both();
 
-  lcm::LCM& lcm_;
+  CommandPublisher commands_;
   mutable std::mutex mutex_;
   std::array<Pending, 5> pending_;
   void check_objection() const;

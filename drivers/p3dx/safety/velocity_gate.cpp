@@ -6,8 +6,9 @@
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kFutureSlack = 50'000;  // [us] a stamp of ours cannot lie ahead
-constexpr double kSidewaysSlack = 1e-6;        // [m/s]
+constexpr std::int64_t kFutureSlack = 50'000;       // [us] a stamp of ours cannot lie ahead
+constexpr std::int64_t kSessionMemory = 1'000'000;  // [us] without an accepted command
+constexpr double kSidewaysSlack = 1e-6;             // [m/s]
 
 }  // namespace
 
@@ -34,6 +35,10 @@ std::string VelocityGate::judge(const Offer& offer, std::int64_t now) const {
 }
 
 std::string VelocityGate::offer(const Offer& offer, std::int64_t now) {
+  if (now - accepted_at_ > kSessionMemory) {
+    session_ = 0;  // its controller is gone: what a recording said in between must not lock the next one out
+    sequence_ = 0;
+  }
   std::string why = judge(offer, now);
   if (!why.empty()) {
     ++refused_;
@@ -41,6 +46,7 @@ std::string VelocityGate::offer(const Offer& offer, std::int64_t now) {
   }
   session_ = offer.session;
   sequence_ = offer.sequence;
+  accepted_at_ = now;
   utime_ = std::min(offer.utime, now);
   velocity_ = {offer.linear, offer.angular};
   return {};

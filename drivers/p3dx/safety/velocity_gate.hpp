@@ -20,7 +20,7 @@ struct VelocityGateParams {
 };
 
 /// Lets only fresh commands through: younger than the timeout by the stamp they answer, and of growing sequence within
-/// a sender's session. A backlog is never fresh.
+/// a sender's session. A backlog is never fresh. A session is forgotten after a second without an accepted command.
 class VelocityGate {
  public:
   explicit VelocityGate(const VelocityGateParams& params) : params_(params) {}
@@ -51,8 +51,9 @@ class VelocityGate {
   VelocityGateParams params_;
   std::int64_t session_ = 0;
   std::int32_t sequence_ = 0;
-  std::int64_t utime_ = 0;       // [us] of the command in force; 0 = none
-  std::int64_t not_before_ = 0;  // [us]
+  std::int64_t utime_ = 0;        // [us] of the command in force; 0 = none
+  std::int64_t not_before_ = 0;   // [us]
+  std::int64_t accepted_at_ = 0;  // [us] when the last command was taken
   DriveVelocity velocity_;
   std::int64_t refused_ = 0;
 };

@@ -113,7 +113,7 @@ RobotDescription read_robot(const TomlTable& root) {
   robot.limits = read_limits(root.table("limits"));
   robot.camera = read_camera(root.table("camera"));
   for (const char* node :
-       {"p3dx", "camera_driver", "detector", "localizer", "mapper", "planner", "controller", "viewer"}) {
+       {"p3dx", "camera_driver", "detector", "localizer", "mapper", "planner", "controller", "viewer", "network"}) {
     root.accept(node);
   }
   root.reject_unknown();

@@ -1,13 +1,12 @@
 #include "services/common/process/channel_filter.hpp"
 
-#include <netinet/in.h>
+#include <linux/if_packet.h>
+#include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
-#include <charconv>
 #include <cstdint>
-#include <cstdlib>
-#include <filesystem>
-#include <optional>
+#include <stdexcept>
 
 #include "services/common/process/channels.hpp"
 
@@ -17,12 +16,23 @@ namespace {
 // Offsets from the UDP header: 8 bytes of it, LCM's magic number, its sequence number, the channel with its NUL.
 constexpr std::uint32_t kMagicOffset = 8;
 constexpr std::uint32_t kChannelOffset = 16;
-constexpr std::uint32_t kShortMagic = 0x4c433032;  // "LC02"; fragments have another
+constexpr std::uint32_t kShortMagic = 0x4c433032;  // "LC02"; fragments have LC03
 constexpr std::uint32_t kKeepAll = 0xffffffff;
-constexpr std::uint16_t kDefaultPort = 7667;
+
+// What the kernel knows of a packet, outside its bytes.
+constexpr auto kFromInterface = static_cast<std::uint32_t>(SKF_AD_OFF + SKF_AD_IFINDEX);
+constexpr auto kFromPacketType = static_cast<std::uint32_t>(SKF_AD_OFF + SKF_AD_PKTTYPE);
+constexpr auto kFromSource = static_cast<std::uint32_t>(SKF_NET_OFF + 12);  // of the IPv4 header
+constexpr std::uint32_t kLoopbackInterface = 1;                             // in every network namespace
+constexpr std::uint32_t kPacketLoopback = PACKET_LOOPBACK;
 
 sock_filter load(std::uint32_t offset, std::uint16_t width) {
   return {static_cast<std::uint16_t>(BPF_LD | BPF_ABS | width), 0, 0, offset};
+}
+
+/// Skips that many instructions where equal, else goes on.
+sock_filter if_equal_skip(std::uint32_t value, std::size_t instructions) {
+  return {BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint8_t>(instructions), 0, value};
 }
 
 /// Goes on where equal, else skips that many instructions.
@@ -59,68 +69,89 @@ void append_comparison(const std::string& channel, std::vector<sock_filter>& pro
   program.push_back(answer(kKeepAll));
 }
 
-/// "udpm://GROUP:PORT?..."; an empty URL is LCM's default.
-std::optional<std::uint16_t> port_of(std::string url) {
-  if (url.empty()) {
-    const char* standard = std::getenv("LCM_DEFAULT_URL");
-    url = standard != nullptr ? standard : "";
+/// Drops what comes from others than this machine and the peers; the rest goes on.
+void append_senders(const std::vector<std::uint32_t>& peers, std::vector<sock_filter>& program) {
+  // An answer is known by the interface lo, or by the copy that the kernel makes of what we send by another one.
+  std::vector<sock_filter> tests{load(kFromInterface, BPF_W), if_equal_skip(kLoopbackInterface, 0),
+                                 load(kFromPacketType, BPF_W), if_equal_skip(kPacketLoopback, 0)};
+  if (!peers.empty()) {
+    tests.push_back(load(kFromSource, BPF_W));
   }
-  if (url.empty()) {
-    return kDefaultPort;
+  for (const std::uint32_t peer : peers) {
+    tests.push_back(if_equal_skip(peer, 0));
   }
-  const std::string address = url.substr(0, url.find('?'));
-  const std::size_t colon = address.rfind(':');
-  std::uint16_t port = 0;
-  const char* end = address.data() + address.size();
-  if (!address.starts_with("udpm://") || colon <= 4 ||
-      std::from_chars(address.data() + colon + 1, end, port).ptr != end) {
-    return std::nullopt;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    tests[i].jt = BPF_CLASS(tests[i].code) == BPF_JMP ? static_cast<std::uint8_t>(tests.size() - i) : 0;
   }
-  return port;
+  program.insert(program.end(), tests.begin(), tests.end());
+  program.push_back(answer(0));
 }
 
-bool receives_datagrams_on(int descriptor, std::uint16_t port) {
-  int type = 0;
-  socklen_t size = sizeof type;
-  sockaddr_in bound{};
-  socklen_t bound_size = sizeof bound;
-  return getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_DGRAM &&
-         getsockname(descriptor, reinterpret_cast<sockaddr*>(&bound), &bound_size) == 0 &&
-         bound.sin_family == AF_INET && ntohs(bound.sin_port) == port;
+bool attach(lcm::LCM& lcm, const LcmNetwork& network, const std::vector<sock_filter>& program) {
+  const std::optional<MulticastAddress> address = multicast_address(network.url);
+  if (!address) {
+    return false;
+  }
+  lcm.getFileno();  // makes the socket, where nothing is subscribed
+  std::vector<sock_filter> copy = program;
+  const sock_fprog filter{static_cast<unsigned short>(copy.size()), copy.data()};
+  bool found = false;
+  for (const int socket : receiving_sockets(*address)) {
+    found = setsockopt(socket, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0 || found;
+  }
+  return found;
+}
+
+/// Waits until what came before the filter was read; nobody has subscribed yet, so LCM drops it.
+void let_pass_what_waits(const LcmNetwork& network) {
+  constexpr int kPatience = 200;  // [ms]
+  for (int waited = 0; waited < kPatience; ++waited) {
+    int waiting = 0;
+    for (const int socket : receiving_sockets(*multicast_address(network.url))) {
+      int bytes = 0;
+      waiting += ioctl(socket, FIONREAD, &bytes) == 0 ? bytes : 0;
+    }
+    if (waiting == 0) {
+      return;
+    }
+    poll(nullptr, 0, 1);
+  }
 }
 
 }  // namespace
 
-std::vector<sock_filter> make_channel_filter(const std::vector<std::string>& channels) {
-  std::vector<sock_filter> program{
-      load(kMagicOffset, BPF_W), unless_equal_skip(kShortMagic, 1), {BPF_JMP | BPF_JA, 0, 0, 1}, answer(kKeepAll)};
-  for (const std::string& channel : channels) {
+std::vector<sock_filter> make_socket_filter(const LcmNetwork& network,
+                                            const std::optional<std::vector<std::string>>& channels) {
+  const std::optional<MulticastAddress> address = multicast_address(network.url);
+  std::vector<sock_filter> program;
+  if (address && (address->ttl <= 0 || !network.peers.empty())) {
+    append_senders(address->ttl <= 0 ? std::vector<std::uint32_t>{} : network.peers, program);
+  }
+  program.insert(program.end(), {load(kMagicOffset, BPF_W), if_equal_skip(kShortMagic, 1), answer(0)});
+  if (!channels) {
+    program.push_back(answer(kKeepAll));
+    return program;
+  }
+  for (const std::string& channel : *channels) {
     append_comparison(channel, program);
   }
   program.push_back(answer(0));
   return program;
 }
 
-bool receive_only(lcm::LCM& lcm, const std::string& url, const std::vector<std::string>& channels) {
-  const std::optional<std::uint16_t> port = port_of(url);
-  if (!port) {
-    return false;
+void receive_from_peers_only(lcm::LCM& lcm, const LcmNetwork& network) {
+  if (!multicast_address(network.url)) {
+    return;
   }
-  lcm.getFileno();  // makes the socket, where nothing is subscribed
-  std::vector<std::string> wanted = channels;
-  wanted.emplace_back(channels::kNodeStatus);  // each process hears which files the others were given
-  std::vector<sock_filter> program = make_channel_filter(wanted);
-  const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
-  bool found = false;
-  // LCM does not tell its socket; it is the one that is bound to the network's port.
-  std::error_code failure;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", failure)) {
-    const int descriptor = std::atoi(entry.path().filename().c_str());
-    if (receives_datagrams_on(descriptor, *port)) {
-      found = setsockopt(descriptor, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0 || found;
-    }
+  if (!attach(lcm, network, make_socket_filter(network, std::nullopt))) {
+    throw std::runtime_error("the socket of " + network.url + " cannot be shut against strangers");
   }
-  return found;
+  let_pass_what_waits(network);
+}
+
+bool receive_only(lcm::LCM& lcm, const LcmNetwork& network, std::vector<std::string> channels) {
+  channels.emplace_back(channels::kNodeStatus);
+  return attach(lcm, network, make_socket_filter(network, channels));
 }
 
 }  // namespace luminav

@@ -84,6 +84,14 @@ CommandLine& CommandLine::lcm_url(std::string& target) {
   return text("--lcm-url", target, "LCM network; default $LUMINAV_LCM_URL, else $LCM_DEFAULT_URL");
 }
 
+CommandLine& CommandLine::launched_robot(std::string& target) {
+  const char* launched = std::getenv("LUMINAV_ROBOT");
+  if (target.empty() && launched != nullptr) {
+    target = launched;
+  }
+  return text("--robot", target, "robot file (TOML) whose table [network] says who may speak; default $LUMINAV_ROBOT");
+}
+
 CommandLine& CommandLine::state_folder(std::string& target) {
   const char* launched = std::getenv("LUMINAV_STATE");
   if (target.empty() && launched != nullptr) {

@@ -31,6 +31,8 @@ class CommandLine {
   CommandLine& robot_file(std::string& target);
   CommandLine& building_file(std::string& target);
   CommandLine& lcm_url(std::string& target);
+  /// For programs that need of it only who may speak; default $LUMINAV_ROBOT, as scripts/launch has it.
+  CommandLine& launched_robot(std::string& target);
   /// Default $LUMINAV_STATE, as scripts/launch has it, else ~/.local/state/luminav; processes add the robot's name.
   CommandLine& state_folder(std::string& target);
 

@@ -14,12 +14,15 @@
 #include <luminav/node_status_t.hpp>
 #include <stdexcept>
 
+#include "services/common/process/channel_filter.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
 
 namespace luminav {
 namespace {
 
+constexpr std::size_t kNodeMemory = 512;          // [MB] the largest of ours uses a tenth of it
+constexpr std::int64_t kDeafAfter = 3'500'000;    // [us] three of its own messages were not heard
 constexpr std::int64_t kHealthPeriod = 50'000;    // [us]
 constexpr std::int64_t kHealthSlack = 25'000;     // [us]
 constexpr std::int64_t kShortestShare = 500'000;  // [us] over which a share of the processor says something
@@ -70,8 +73,8 @@ std::string host_name() {
 
 }  // namespace
 
-std::unique_ptr<lcm::LCM> open_lcm(const std::string& url) {
-  std::string full = url;
+std::unique_ptr<lcm::LCM> open_lcm(const LcmNetwork& network) {
+  std::string full = network.url;
   if (full.starts_with("udpm://") && full.find("recv_buf_size") == std::string::npos) {
     // Stock Debian caps this at 212,992 (425,984 effective), which holds seven of the largest messages.
     full += (full.find('?') == std::string::npos ? "?" : "&") + std::string("recv_buf_size=2097152");
@@ -81,18 +84,34 @@ std::unique_ptr<lcm::LCM> open_lcm(const std::string& url) {
     throw std::runtime_error(fmt::format(
         "cannot open the LCM network {}: most often there is no route for multicast; "
         "`sudo ip link set lo multicast on; sudo ip route add 224.0.0.0/4 dev lo` makes one on this machine",
-        url));
+        network.url));
   }
+  receive_from_peers_only(*lcm, network);
   return lcm;
 }
 
-EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot)
+void limit_memory([[maybe_unused]] std::size_t megabytes) {
+#ifndef __SANITIZE_ADDRESS__  // its shadow memory counts
+  rlimit limit{};
+  if (getrlimit(RLIMIT_DATA, &limit) == 0) {
+    limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, megabytes << 20);
+    setrlimit(RLIMIT_DATA, &limit);
+  }
+#endif
+}
+
+EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot, LcmNetwork network)
     : lcm_(lcm),
+      network_(std::move(network)),
       process_(std::move(process)),
       robot_(std::move(robot)),
       host_(host_name()),
       instance_(now_wall()),
+      roles_(robot_),
+      heard_itself_(now_monotonic()),
       subscriber_(lcm) {
+  subscriber_.on(channels::kNodeStatus, &EventLoop::on_node_status, this);
+  limit_memory(kNodeMemory);
   if (g_signal_pipe[0] < 0 && pipe2(g_signal_pipe, O_CLOEXEC | O_NONBLOCK) != 0) {
     throw std::runtime_error("cannot make a pipe for signals");
   }
@@ -103,6 +122,7 @@ EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot)
   signal(SIGPIPE, SIG_IGN);
   every(
       1'000'000, [this] { publish_status(); }, kHealthSlack);
+  every(1'000'000, [this] { listen_to_itself(); });
   every(
       kHealthPeriod, [this] { check_health(); }, kHealthSlack);
 }
@@ -188,11 +208,15 @@ void EventLoop::check_health() {
 
 void EventLoop::belong_to(SystemFiles files) {
   files_ = std::move(files);
-  subscriber_.on(channels::kNodeStatus, &EventLoop::on_node_status, this);
 }
 
 void EventLoop::on_node_status(const node_status_t& status) {
-  others_.hear(status, now_monotonic());
+  const std::int64_t now = now_monotonic();
+  others_.hear(status, now);
+  roles_.hear(status, now);
+  if (status.instance == instance_ && status.process == process_) {
+    heard_itself_ = now;
+  }
 }
 
 std::string EventLoop::objection() const {
@@ -201,11 +225,32 @@ std::string EventLoop::objection() const {
 
 Health EventLoop::current_health() const {
   Health health = health_ ? health_() : Health{};
-  if (std::string other = objection(); !other.empty()) {
+  const std::string twins = roles_.conflict_of(process_, now_monotonic());
+  if (!twins.empty()) {
+    health.fault = true;
+    health.reason = twins;
+  } else if (std::string other = objection(); !other.empty()) {
     health.fault = true;
     health.reason = std::move(other);
+  } else if (is_deaf() && !health.fault) {
+    health.degraded = true;
+    health.reason = "hears not even itself on the network: its interface is gone";
   }
   return health;
+}
+
+bool EventLoop::is_deaf() const {
+  return now_monotonic() - heard_itself_ > kDeafAfter;
+}
+
+void EventLoop::listen_to_itself() {
+  if (is_deaf()) {
+    join_again(network_);
+  }
+}
+
+std::string EventLoop::conflict() const {
+  return roles_.conflict(now_monotonic());
 }
 
 void EventLoop::publish_status() {

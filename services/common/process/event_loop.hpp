@@ -5,18 +5,26 @@
 #include <cstdint>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
+#include <luminav/node_status_t.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "services/common/network/lcm_network.hpp"
+#include "services/common/process/role_watch.hpp"
 #include "services/common/process/running_system.hpp"
 #include "services/common/process/subscriber.hpp"
 
 namespace luminav {
 
-/// Opens an LCM network with a receive buffer large enough for images, and makes sure it works. Throws
-/// std::runtime_error with one sentence that says what to do, for instance when no route for multicast exists.
-std::unique_ptr<lcm::LCM> open_lcm(const std::string& url);
+/// Opens an LCM network with a receive buffer large enough for images, shut against strangers as
+/// receive_from_peers_only says. Throws std::runtime_error with one sentence that says what to do, for instance when no
+/// route for multicast exists.
+std::unique_ptr<lcm::LCM> open_lcm(const LcmNetwork& network);
+
+/// Makes memory run out at so many megabytes: what is damaged or hostile is then dropped like any other message instead
+/// of filling the machine. Sanitizers need more and get it.
+void limit_memory(std::size_t megabytes);
 
 /// What a process says of itself in NODE_STATUS.
 struct Health {
@@ -27,10 +35,12 @@ struct Health {
 };
 
 /// Runs a process: one poll waits on LCM, on devices and on timers; handlers run one after another on this thread.
-/// Publishes NODE_STATUS when it starts to run, when its state changes and at 1 Hz. SIGINT and SIGTERM end it.
+/// Limits the memory of the process, see limit_memory: to 512 MB. Publishes NODE_STATUS when it starts to run, when its
+/// state changes and at 1 Hz. SIGINT and SIGTERM end it.
 class EventLoop {
  public:
-  EventLoop(lcm::LCM& lcm, std::string process, std::string robot);
+  /// `network`: where `lcm` is open, to join it again should its interface go and come.
+  EventLoop(lcm::LCM& lcm, std::string process, std::string robot, LcmNetwork network = "memq://");
   ~EventLoop();
   EventLoop(const EventLoop&) = delete;
   EventLoop& operator=(const EventLoop&) = delete;
@@ -52,6 +62,8 @@ class EventLoop {
   /// Runs until SIGINT, SIGTERM or stop(); returns 0, or 1 when LCM failed.
   int run();
   void stop() { stopping_ = true; }
+  /// "two controllers on this network: desk, robot": why the robot should stand, of whatever role; "" when all is well.
+  [[nodiscard]] std::string conflict() const;
 
  private:
   struct Watch {
@@ -70,9 +82,12 @@ class EventLoop {
   void measure(const std::function<void()>& step);
   [[nodiscard]] Health current_health() const;
   void on_node_status(const node_status_t& status);
+  void listen_to_itself();
+  [[nodiscard]] bool is_deaf() const;
   void publish_status();
 
   lcm::LCM& lcm_;
+  LcmNetwork network_;
   std::string process_;
   std::string robot_;
   std::string host_;
@@ -89,7 +104,9 @@ class EventLoop {
   double cpu_fraction_ = 0.0;
   std::int8_t published_state_ = -1;  // none yet
   bool stopping_ = false;
-  Subscriber subscriber_;
+  RoleWatch roles_;
+  std::int64_t heard_itself_ = 0;  // [us] monotonic
+  Subscriber subscriber_;          // last: no handler may run on a half-built loop
 };
 
 }  // namespace luminav

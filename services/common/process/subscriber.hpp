@@ -6,16 +6,41 @@
 #include <initializer_list>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "services/common/network/command_seal.hpp"
+
 namespace luminav {
+
+inline bool is_stamp(std::int64_t utime) {
+  return utime > 0 && utime < std::int64_t{1} << 53;
+}
+
+/// What is sent has a stamp, and a request an id, which is taken from the clock too. A stop is obeyed whatever it says.
+template <typename Message>
+bool has_sound_stamps(const Message& message) {
+  if constexpr (requires { message.engaged; }) {
+    return message.engaged != 0 || is_stamp(message.id);
+  } else if constexpr (requires { message.id; }) {
+    return is_stamp(message.utime) && is_stamp(message.id);
+  } else if constexpr (requires { message.utime; }) {
+    return is_stamp(message.utime);
+  }
+  return true;
+}
 
 /// Subscribes a node's handlers so that nothing a peer sends can get through LCM as an exception (which would leave
 /// the handle unusable, LCM 1.3.1): a message that does not decode, or whose handler throws, is dropped and counted.
+///
+/// Stamps and ids are after the epoch and below 2^53 (the year 2255): none of ours overflows when two are added or
+/// subtracted.
 class Subscriber {
  public:
-  explicit Subscriber(lcm::LCM& lcm) : lcm_(lcm) {}
+  /// With a key, commands without its seal are dropped.
+  explicit Subscriber(lcm::LCM& lcm, std::optional<CommandKey> key = {}) : lcm_(lcm), seals_(key) {}
   Subscriber(const Subscriber&) = delete;
   Subscriber& operator=(const Subscriber&) = delete;
   ~Subscriber() {
@@ -58,6 +83,11 @@ class Subscriber {
     virtual void deliver(const lcm::ReceiveBuffer& buffer) = 0;
     void on_bytes(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
       try {
+        const std::span<const std::uint8_t> bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+        if (const std::string why = owner->seals_.judge(channel, bytes); !why.empty()) {
+          owner->drop(channel + ": " + why);
+          return;
+        }
         deliver(*buffer);
       } catch (const std::exception& error) {
         owner->drop(channel + ": " + error.what());
@@ -75,6 +105,10 @@ class Subscriber {
         owner->drop(std::string(Message::getTypeName()) + " does not decode: another version of the type, or damaged");
         return;
       }
+      if (!has_sound_stamps(message)) {
+        owner->drop(std::string(Message::getTypeName()) + " with a stamp or an id that no clock shows");
+        return;
+      }
       (node->*handler)(message);
     }
     Node* node = nullptr;
@@ -83,6 +117,7 @@ class Subscriber {
   };
 
   lcm::LCM& lcm_;
+  SealGuard seals_;
   std::vector<std::unique_ptr<Entry>> entries_;
   std::vector<std::string> channels_;
   std::int64_t dropped_ = 0;

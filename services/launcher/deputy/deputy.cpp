@@ -47,7 +47,7 @@ Deputy::Deputy(lcm::LCM& lcm, const DeputyConfig& config, ProcessRunner& runner)
       journal_(config.log_folder, config.log, config.output),
       children_({config.respawn, config.memory_limit, config.environment}, runner, journal_),
       name_(lcm, config.id, config.nonce),
-      subscriber_(lcm) {
+      subscriber_(lcm, config.key) {
   std::erase_if(config_.allowed, [this](const Command& command) { return command.deputy != config_.id; });
   subscriber_.on(channels::kProcmanOrders, &Deputy::on_orders, this);
   subscriber_.on(channels::kProcmanDiscover, &Deputy::on_discovery, this);

@@ -30,6 +30,7 @@ struct DeputyConfig {
   OutputPacerParams output;
   std::int64_t memory_limit = 0;  // [bytes] resident; a process that uses more is ended, 0 = none
   std::int64_t nonce = 1;         // tells two deputies of one name apart
+  std::optional<CommandKey> key;  // orders without its seal are not obeyed
   Environment environment = [](const std::string&) { return std::nullopt; };
 };
 

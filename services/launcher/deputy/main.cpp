@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/network/network_access.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/launcher/deputy/deputy.hpp"
@@ -38,6 +39,7 @@ int run(int argc, char** argv) {
   launcher::DeputyConfig config;
   std::vector<std::string> files;
   std::string url = launcher::default_procman_url();
+  std::string robot_file;
   std::string logs;
   std::string state;
   std::int64_t respawn_limit = config.respawn.limit;
@@ -48,6 +50,7 @@ int run(int argc, char** argv) {
             "run whatever anybody on the network orders: only on a network of your own");
   line.text("--id", config.id, "name of this deputy, as in the configuration");
   line.text("--lcm-url", url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL");
+  line.launched_robot(robot_file);
   line.text("--log-dir", logs, "folder for the log files; default STATE/log/ID");
   line.integer("--respawn-limit", respawn_limit, "deaths in a row after which a process stays stopped");
   line.integer("--memory-limit", memory_limit, "[MB] a process that uses more is ended, and started again; 0 = none");
@@ -77,9 +80,10 @@ int run(int argc, char** argv) {
   const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   setenv("LUMINAV_BIN", folder.c_str(), 0);
   launcher::PosixRunner runner(folder);  // before LCM makes its thread
-  const auto lcm = open_lcm(url);
-  launcher::limit_memory();
-  EventLoop loop(*lcm, "deputy", "");
+  const NetworkAccess access = read_network_access(robot_file);
+  config.key = access.key;
+  const auto lcm = open_lcm(access.on(url));
+  EventLoop loop(*lcm, "deputy", "", access.on(url));
   signal(SIGHUP, end_like_sigterm);
   signal(SIGQUIT, end_like_sigterm);
   launcher::Deputy deputy(*lcm, config, runner);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
@@ -28,6 +29,7 @@ constexpr double kPatience = 3.0;  // [s] deputies answer within a fifth of a se
 
 struct Options {
   std::string config, action, target;
+  std::string robot_file;  // for its table [network]
   std::string script, procman_url = default_procman_url(), data_url, state, deputy;
   double wait_limit = 30.0;
   bool observe = false, stay = false, stop_on_exit = false, follow = false;
@@ -246,6 +248,7 @@ int run(int argc, char** argv) {
   line.text("--deputy", options.deputy, "with log: only of this deputy");
   line.text("--procman-url", options.procman_url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL");
   line.lcm_url(options.data_url);
+  line.launched_robot(options.robot_file);
   line.state_folder(options.state);
   if (const std::optional<int> status = line.parse(argc, argv)) {
     return *status;
@@ -253,14 +256,15 @@ int run(int argc, char** argv) {
   read_words(words, options);
   const PmdFile file = options.config.empty() ? PmdFile{} : read_pmd(options.config);
 
-  const auto procman = open_lcm(options.procman_url);
-  const auto data = open_lcm(options.data_url);
-  limit_memory();
+  const NetworkAccess access = read_network_access(options.robot_file);
+  const auto procman = open_lcm(access.on(options.procman_url));
+  const auto data = open_lcm(access.on(options.data_url));
+  limit_memory(512);
   catch_interrupts();
   const bool only_looks = options.observe || options.action == "status" || options.action == "log";
-  Sheriff sheriff(*procman, file, {.id = make_sheriff_id(Instant::read()), .observe = only_looks});
+  Sheriff sheriff(*procman, file, {.id = make_sheriff_id(Instant::read()), .observe = only_looks, .key = access.key});
   sheriff.listen_for_readiness(*data);
-  receive_only(*data, options.data_url,  // with its own channels, should both networks be one
+  receive_only(*data, access.on(options.data_url),  // with its own channels, should both networks be one
                {channels::kNodeStatus, channels::kProcmanInfo, channels::kProcmanOrders, channels::kProcmanOutput,
                 channels::kProcmanDiscover});
   Session session(*procman, data.get(), sheriff);

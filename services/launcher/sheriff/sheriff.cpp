@@ -30,7 +30,7 @@ std::string make_sheriff_id(const Instant& now) {
 }
 
 Sheriff::Sheriff(lcm::LCM& procman, const PmdFile& file, const SheriffConfig& config)
-    : procman_(procman), config_(config), procman_subscriber_(procman) {
+    : procman_(procman), config_(config), orders_(procman, config.key), procman_subscriber_(procman, config.key) {
   for (const Command& command : file.commands) {
     commands_.push_back(std::make_unique<TrackedCommand>(command));
   }
@@ -326,7 +326,7 @@ void Sheriff::send_orders(const std::string& id, Deputy& deputy) {
     }
   }
   orders.ncmds = static_cast<std::int32_t>(orders.cmds.size());
-  procman_.publish(channels::kProcmanOrders, &orders);
+  orders_.publish(channels::kProcmanOrders, orders);
   deputy.ordered = now_.steady;
   deputy.orders_due = false;
 }

@@ -23,8 +23,9 @@
 namespace luminav::launcher {
 
 struct SheriffConfig {
-  std::string id;        // "host:pid:utime", see make_sheriff_id
-  bool observe = false;  // only listens
+  std::string id;                      // "host:pid:utime", see make_sheriff_id
+  bool observe = false;                // only listens
+  std::optional<CommandKey> key = {};  // seals its orders; others' without it are not heard
 };
 
 /// An id as procman makes them; the utime says who started last.
@@ -123,6 +124,7 @@ class Sheriff {
 
   lcm::LCM& procman_;
   SheriffConfig config_;
+  CommandPublisher orders_;
   Subscriber procman_subscriber_;
   std::unique_ptr<Subscriber> data_subscriber_;
   std::function<void(const std::string&)> notice_ = [](const std::string&) {};

@@ -273,6 +273,7 @@ TEST_F(ControllerNodeTest, StandsStillWhenThePathIsTakenAway) {
   run(2.0);
   ASSERT_GT(loop_.command_message().linear_x, 0.2);
   path_t path{};
+  path.utime = loop_.command_message().utime;
   path.goal_id = 1;
   path.sequence = 1000;
   loop_.lcm().publish(channels::kPath, &path);

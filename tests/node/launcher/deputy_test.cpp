@@ -45,6 +45,7 @@ TEST_F(DeputyTest, SaysWhatItRunsOnceASecondAndAtEveryChange) {
 TEST_F(DeputyTest, AnswersADiscoveryAtOnce) {
   const int before = world.infos;
   procman::procman_discovery_t discovery{};
+  discovery.utime = 1;
   discovery.transmitter_id = "sheriff";
   world.lcm.publish(channels::kProcmanDiscover, &discovery);
   world.pump();

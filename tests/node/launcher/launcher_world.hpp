@@ -103,6 +103,7 @@ class LauncherWorld {
   void say_ready(const std::string& process, std::int8_t state = node_status_t::STATE_READY,
                  const std::string& host = "") {
     node_status_t status{};
+    status.utime = 1;
     status.host = host;
     status.process = process;
     status.state = state;

@@ -16,7 +16,7 @@ class GoalRequestTest : public ::testing::Test {
 
   static goal_t goal(std::int64_t id) {
     goal_t message{};
-    message.id = id;
+    message.utime = message.id = id;
     message.action = goal_t::ACTION_GO;
     message.count = 1;
     message.poses.resize(1);
@@ -24,6 +24,7 @@ class GoalRequestTest : public ::testing::Test {
   }
   void say(std::int64_t goal_id, int state, const std::string& cause = "", double target_x = 2.0) {
     navigation_status_t status{};
+    status.utime = 1;
     status.has_target = state < navigation_status_t::STATE_ARRIVED || state == navigation_status_t::STATE_PAUSED;
     status.x = status.has_target ? target_x : 0.0;
     status.goal_id = goal_id;
@@ -59,6 +60,19 @@ TEST_F(GoalRequestTest, RepeatsTheGoalUntilItIsEchoed) {
   drain();
   EXPECT_EQ(received_.size(), 3U);
   EXPECT_FALSE(request.outcome());
+}
+
+TEST_F(GoalRequestTest, CountsOnFromAnEarlierGoalWhoseSendersClockWasAhead) {
+  GoalRequest request(lcm_, goal(7));
+  request.tick();
+  say(1000, navigation_status_t::STATE_ARRIVED);  // which the planner has done: it takes no older one
+  request.tick();
+  drain();
+  ASSERT_EQ(received_.size(), 2U);
+  EXPECT_GT(received_.back().id, 1000);
+  EXPECT_FALSE(request.outcome());
+  say(received_.back().id, navigation_status_t::STATE_ARRIVED);
+  EXPECT_EQ(request.outcome(), Outcome::kArrived);
 }
 
 TEST_F(GoalRequestTest, TellsEveryEndWithItsCause) {
@@ -156,6 +170,7 @@ TEST_F(GoalRequestTest, ShowsStatePoseDistanceAndSentence) {
   request.tick();
   EXPECT_EQ(request.progress(), "asking the planner");
   pose_t pose{};
+  pose.utime = 1;
   pose.state = pose_t::STATE_TRACKING;
   pose.x = 1.5;
   pose.y = -2.0;

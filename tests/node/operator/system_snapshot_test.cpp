@@ -16,6 +16,7 @@ TEST(SystemSnapshot, IsEmptyUntilSomebodySpeaks) {
   const SystemSnapshot snapshot(lcm);
   EXPECT_TRUE(snapshot.is_empty());
   node_status_t node{};
+  node.utime = 1;
   node.process = "planner";
   lcm.publish(channels::kNodeStatus, &node);
   while (lcm.handleTimeout(0) > 0) {
@@ -27,16 +28,19 @@ TEST(SystemSnapshot, SaysWhatIsThereAndWhatIsMissing) {
   lcm::LCM lcm("memq://");
   const SystemSnapshot snapshot(lcm);
   robot_status_t robot{};
+  robot.utime = 1;
   robot.robot = "p3dx";
   robot.connected = true;
   robot.motors_enabled = true;
   robot.battery_voltage = 12.64;
   lcm.publish(channels::kRobotStatus, &robot);
   navigation_status_t navigation{};
+  navigation.utime = 1;
   navigation.state = navigation_status_t::STATE_WAITING;
   navigation.cause = "the door is shut";
   lcm.publish(channels::kNavigationStatus, &navigation);
   node_status_t node{};
+  node.utime = 1;
   node.process = "mapper";
   node.state = node_status_t::STATE_DEGRADED;
   node.reason = "no pose";

@@ -87,6 +87,7 @@ class P3dxBench {
   }
   void send_stop(std::int64_t id, bool engaged, const std::string& sender = "test") {
     stop_t stop{};
+    stop.utime = clock.utime();
     stop.id = id;
     stop.engaged = engaged ? 1 : 0;
     stop.sender = sender;
@@ -94,6 +95,7 @@ class P3dxBench {
   }
   void send_motors(std::int64_t id, bool enable) {
     motors_command_t command{};
+    command.utime = clock.utime();
     command.id = id;
     command.enable = enable ? 1 : 0;
     lcm.publish(channels::kMotorsCommand, &command);

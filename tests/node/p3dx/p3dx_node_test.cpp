@@ -134,6 +134,31 @@ TEST(P3dxNode, StandsStillWhileAStopIsInForce) {
   EXPECT_NEAR(bench.base.outputs.linear, 0.4, 1e-9);
 }
 
+TEST(P3dxNode, StandsForAsLongAsItIsHeldAndSaysWhy) {
+  P3dxBench bench;
+  bench.run(2.0);
+  bench.drive(0.4, 0.0);
+  bench.run(2.0);
+  bench.node.hold("two controllers on this network: desk, robot");
+  bench.run(0.6);
+  EXPECT_TRUE(bench.standing());
+  EXPECT_EQ(bench.status.back().reason, "two controllers on this network: desk, robot");
+  bench.node.hold("");
+  bench.run(2.0);
+  EXPECT_NEAR(bench.base.outputs.linear, 0.4, 1e-9);
+}
+
+TEST(P3dxNode, IgnoresARecordedRequestForTheMotors) {
+  P3dxBench bench;
+  bench.run(2.0);
+  bench.send_motors(100, false);
+  bench.run(1.0);
+  bench.send_motors(50, true);  // never heard before, but from before the last
+  bench.run(2.0);
+  EXPECT_FALSE(bench.status.back().motors_enabled);
+  EXPECT_EQ(bench.status.back().motors_command_id, 100);
+}
+
 TEST(P3dxNode, LeavesTheMotorsOffUntilRequestedAndSwitchesThemOffAgain) {
   P3dxConfig config = P3dxBench::robot_config();
   config.enable_motors_at_start = false;

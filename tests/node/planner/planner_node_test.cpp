@@ -266,6 +266,16 @@ TEST(PlannerNode, RefusesPlacesOfAnotherBuilding) {
   EXPECT_NE(world.status.state, Status::STATE_NO_PATH);
 }
 
+TEST(PlannerNode, IgnoresAGoalFromBeforeTheLastOne) {
+  PlannerWorld world;
+  world.run(1.0);
+  world.go(100, 4.0, 1.5);
+  world.go(50, 2.0, 3.0);  // of a recording
+  world.run(0.5);
+  EXPECT_EQ(world.status.goal_id, 100);
+  EXPECT_EQ(world.node.health().dropped_inputs, 1);
+}
+
 TEST(PlannerNode, DrivesToTheNearestPointWithinTheToleranceOfABlockedGoal) {
   PlannerWorld world;
   goal_t goal = world.goal(1, {{5.9, 1.5}});  // 0.2 m from the wall: the robot's middle cannot be there

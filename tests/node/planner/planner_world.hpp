@@ -85,6 +85,7 @@ class PlannerWorld {
   void go(std::int64_t id, double x, double y) { send(goal(id, {{x, y}})); }
   void act(std::int64_t id, std::int8_t action) {
     goal_t message{};
+    message.utime = utime;
     message.id = id;
     message.action = action;
     send(message);

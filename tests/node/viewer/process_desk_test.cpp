@@ -94,6 +94,7 @@ TEST_F(ProcessDeskTest, GoesOnShowingWhenAProcessSaysWhatIsNoNumber) {
   desk_.order({.name = "recorder", .action = ProcessOrder::Action::kStart}, kNow);
   run(1.0);
   node_status_t status{};
+  status.utime = 1;
   status.process = "lcm-logger";
   status.state = node_status_t::STATE_READY;
   for (const double share : {0.25, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "services/common/process/channels.hpp"
 #include "services/common/process/subscriber.hpp"
 #include "services/viewer/request_text.hpp"
@@ -130,6 +132,13 @@ TEST_F(RequestDeskTest, NumbersAboveIdsOfHostsWhoseClockIsAhead) {
   robot.motors_command_id = kStart + 60'000'000;
   desk_.on_robot_status(robot);
   EXPECT_GT(desk_.send(motors_command_t{}, kStart + 1), kStart + 60'000'000);
+}
+
+TEST_F(RequestDeskTest, CountsOnFromNoIdThatNoClockShows) {
+  navigation_status_t status{};
+  status.goal_id = std::numeric_limits<std::int64_t>::max();
+  desk_.on_navigation_status(status);
+  EXPECT_EQ(desk_.send(goal_t{}, kStart), kStart);
 }
 
 TEST_F(RequestDeskTest, EachKindHasItsOwnEcho) {

@@ -64,7 +64,10 @@ Fleet::~Fleet() {
 void Fleet::make_sheriff() {
   sheriff_.reset();
   sheriff_ = std::make_unique<launcher::Sheriff>(
-      *procman_, commands_, launcher::SheriffConfig{launcher::make_sheriff_id(launcher::Instant::read()), false});
+      *procman_, commands_,
+      launcher::SheriffConfig{
+          .id = launcher::make_sheriff_id(launcher::Instant::read()),
+          .key = plan_.key_file.empty() ? std::nullopt : std::optional(read_command_key(plan_.key_file))});
   sheriff_->report_notices([this](const std::string& notice) { notices_.push_back(notice); });
   sheriff_->listen_for_readiness(*lcm_);
 }
@@ -72,6 +75,9 @@ void Fleet::make_sheriff() {
 TestHost& Fleet::add_host(const std::string& id, const NetworkHost* network,
                           std::map<std::string, std::string> environment, int memory_limit) {
   environment.try_emplace("LUMINAV_BIN", LUMINAV_PROGRAMS);
+  if (!plan_.key_file.empty()) {
+    environment.try_emplace("LUMINAV_KEY", plan_.key_file.string());
+  }
   environment.try_emplace("LUMINAV_SCENARIO", plan_.scenario.file.string());
   environment.try_emplace("LUMINAV_ROBOT", plan_.scenario.robot_file.string());
   environment.try_emplace("LUMINAV_BUILDING", plan_.scenario.building_file.string());

@@ -26,6 +26,7 @@ struct FleetPlan {
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string image_url = {};  // for camera images, if not the same
   std::string procman_url = "udpm://239.255.76.67:7668?ttl=0";
+  std::filesystem::path key_file = {};              // of all hosts and of the sheriff; "" = an open network
   bool pty = false;                                 // the robot's line: a terminal instead of TCP
   std::map<std::string, std::string> placed = {};   // process -> host; others: "robot"
   std::map<std::string, std::string> preload = {};  // process -> words in front of its command

@@ -60,6 +60,15 @@ TEST(JpegCodec, OneEncoderServesPicturesOfDifferentSize) {
   }
 }
 
+TEST(JpegCodec, RefusesOtherSidesThanTheCamerasWithoutMakingRoomForThem) {
+  JpegDecoder decoder(320, 240);
+  GreyImage back;
+  EXPECT_FALSE(decoder.decode(encoded(ramp_with_noise(640, 240), 85), back));
+  EXPECT_FALSE(decoder.decode(encoded(ramp_with_noise(320, 480), 85), back));
+  EXPECT_TRUE(back.pixels.empty());
+  EXPECT_TRUE(decoder.decode(encoded(ramp_with_noise(320, 240), 85), back));
+}
+
 TEST(JpegCodec, TruncatedAtAnyPlaceIsAFailureAndNotAHalfPicture) {
   const auto bytes = encoded(ramp_with_noise(320, 240), 85);
   JpegDecoder decoder;

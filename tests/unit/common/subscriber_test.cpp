@@ -5,6 +5,7 @@
 #include <limits>
 #include <luminav/hypotheses_t.hpp>
 #include <luminav/odometry_t.hpp>
+#include <luminav/stop_t.hpp>
 #include <stdexcept>
 
 namespace luminav {
@@ -35,6 +36,7 @@ TEST(Subscriber, SurvivesWhatDoesNotDecodeAndHandlersThatThrow) {
   lcm::LCM lcm("memq://");
   Listener listener(lcm);
   odometry_t message{};
+  message.utime = 1;
   message.sequence = 13;
   lcm.publish("ODOMETRY", &message);
   lcm.publish("ODOMETRY", "rubbish", 7);
@@ -49,6 +51,7 @@ TEST(Subscriber, SurvivesAHostileCount) {
   lcm::LCM lcm("memq://");
   Listener listener(lcm);
   hypotheses_t message{};
+  message.utime = 1;
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
   message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
   // the count stands behind fingerprint, utime and the empty floor
@@ -60,6 +63,44 @@ TEST(Subscriber, SurvivesAHostileCount) {
   drain(lcm);
   EXPECT_EQ(listener.heard, 1);
   EXPECT_EQ(listener.subscriber.dropped(), 1);
+}
+
+TEST(Subscriber, DropsStampsThatNoClockShows) {
+  lcm::LCM lcm("memq://");
+  Listener listener(lcm);
+  odometry_t message{};
+  for (const std::int64_t utime : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1}, std::int64_t{0},
+                                   std::int64_t{1} << 53, std::numeric_limits<std::int64_t>::max()}) {
+    message.utime = utime;
+    lcm.publish("ODOMETRY", &message);
+  }
+  drain(lcm);
+  EXPECT_EQ(listener.heard, 0);
+  EXPECT_EQ(listener.subscriber.dropped(), 5);
+  message.utime = (std::int64_t{1} << 53) - 1;
+  lcm.publish("ODOMETRY", &message);
+  drain(lcm);
+  EXPECT_EQ(listener.heard, 1);
+}
+
+TEST(Subscriber, TakesAStopWhateverItsStampAndNoReleaseWithoutOne) {
+  struct Stopped {
+    explicit Stopped(lcm::LCM& lcm) : subscriber(lcm) { subscriber.on("STOP", &Stopped::on_stop, this); }
+    void on_stop(const stop_t& message) { engaged = message.engaged != 0; }
+    Subscriber subscriber;
+    bool engaged = false;
+  };
+  lcm::LCM lcm("memq://");
+  Stopped stopped(lcm);
+  stop_t message{};
+  message.engaged = 1;
+  lcm.publish("STOP", &message);
+  drain(lcm);
+  EXPECT_TRUE(stopped.engaged);
+  message.engaged = 0;
+  lcm.publish("STOP", &message);
+  drain(lcm);
+  EXPECT_TRUE(stopped.engaged);
 }
 
 TEST(Subscriber, NoLongerListensOnceItIsGone) {

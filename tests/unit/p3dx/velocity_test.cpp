@@ -42,6 +42,15 @@ TEST(VelocityGate, RefusesRepeatedAndOvertakenCommands) {
   EXPECT_EQ(gate.offer(offer(kNow, 6), kNow), "");
 }
 
+TEST(VelocityGate, ForgetsASessionThatIsSilentForASecond) {
+  VelocityGate gate({});
+  VelocityGate::Offer recorded = offer(kNow, 100);
+  recorded.session = kNow;  // later than that of the controller that runs
+  EXPECT_EQ(gate.offer(recorded, kNow), "");
+  EXPECT_NE(gate.offer(offer(kNow + 1'000'000, 1), kNow + 1'000'000), "");
+  EXPECT_EQ(gate.offer(offer(kNow + 1'000'001, 2), kNow + 1'000'001), "");
+}
+
 TEST(VelocityGate, FollowsANewSenderAndNoLongerTheOld) {
   VelocityGate gate({});
   VelocityGate::Offer old_sender = offer(kNow, 100);

@@ -1,0 +1,176 @@
+#include "tests/system/faults/stranger.hpp"
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <limits>
+#include <luminav/goal_t.hpp>
+#include <luminav/initial_pose_t.hpp>
+#include <luminav/map_command_t.hpp>
+#include <luminav/motors_command_t.hpp>
+#include <luminav/stop_t.hpp>
+#include <luminav/teleop_command_t.hpp>
+#include <luminav/velocity_command_t.hpp>
+#include <procman/procman_orders_t.hpp>
+#include <stdexcept>
+#include <string_view>
+
+#include "services/common/process/channels.hpp"
+#include "tests/replay/log_reading/sample_message.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr std::uint16_t kDataPort = 7667;
+constexpr std::uint16_t kProcmanPort = 7668;
+
+void append(std::vector<std::uint8_t>& bytes, std::string_view text) {
+  bytes.insert(bytes.end(), text.begin(), text.end());
+}
+
+/// As LCM sends a message that fits a datagram.
+std::vector<std::uint8_t> short_message(std::uint32_t sequence, const std::string& channel,
+                                        const std::vector<std::uint8_t>& payload) {
+  std::vector<std::uint8_t> datagram;
+  append(datagram, "LC02");
+  for (int shift = 24; shift >= 0; shift -= 8) {
+    datagram.push_back(static_cast<std::uint8_t>(sequence >> shift));
+  }
+  append(datagram, channel);
+  datagram.push_back(0);
+  datagram.insert(datagram.end(), payload.begin(), payload.end());
+  return datagram;
+}
+
+}  // namespace
+
+Stranger::Stranger(const NetworkHost& machine, const std::string& robot_address) {
+  const InsideHost inside(&machine);
+  socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const unsigned char ttl = 1;
+  if (socket_ < 0 || setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl) != 0) {
+    throw std::runtime_error("no socket for a stranger");
+  }
+  targets_.resize(2);
+  inet_aton("239.255.76.67", &targets_[0]);
+  inet_aton(robot_address.c_str(), &targets_[1]);
+}
+
+Stranger::~Stranger() {
+  close(socket_);
+}
+
+void Stranger::send(std::uint16_t port, const std::vector<std::uint8_t>& datagram) {
+  for (const in_addr& target : targets_) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr = target;
+    address.sin_port = htons(port);
+    sent_ +=
+        sendto(socket_, datagram.data(), datagram.size(), 0, reinterpret_cast<sockaddr*>(&address), sizeof address) > 0
+            ? 1
+            : 0;
+  }
+}
+
+void Stranger::say_bytes(const std::string& channel, const std::vector<std::uint8_t>& payload) {
+  send(channel.starts_with("PM_") ? kProcmanPort : kDataPort, short_message(++sequence_, channel, payload));
+}
+
+template <typename Message>
+void Stranger::say(const std::string& channel, const Message& message) {
+  std::vector<std::uint8_t> payload(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(payload.data(), 0, static_cast<int>(payload.size()));
+  say_bytes(channel, payload);
+}
+
+void Stranger::command_everything(std::int64_t utime) {
+  say(channels::kVelocityCommand, velocity_command_t{.utime = utime,
+                                                     .robot = "p3dx",
+                                                     .session = utime - 100'000,
+                                                     .sequence = static_cast<std::int32_t>(sequence_),
+                                                     .linear_x = 0.5,
+                                                     .linear_y = 0.0,
+                                                     .angular_z = 0.0});
+  say(channels::kTeleopCommand, teleop_command_t{.utime = utime,
+                                                 .session = utime - 100'000,
+                                                 .sequence = static_cast<std::int32_t>(sequence_),
+                                                 .linear = 0.5,
+                                                 .angular = 0.0});
+  goal_t goal{};
+  goal.utime = goal.id = utime;
+  goal.action = goal_t::ACTION_GO;
+  goal.count = 1;
+  goal.poses.resize(1);
+  goal.poses[0].x = 8.0;
+  goal.poses[0].y = 6.0;
+  say(channels::kGoal, goal);
+  stop_t release{};
+  release.utime = release.id = utime;
+  release.sender = "stranger";
+  say(channels::kStop, release);
+  motors_command_t motors{};
+  motors.utime = motors.id = utime;
+  say(channels::kMotorsCommand, motors);
+  initial_pose_t pose{};
+  pose.utime = pose.id = utime;
+  pose.covariance[0] = pose.covariance[4] = pose.covariance[8] = 0.01;
+  say(channels::kInitialPose, pose);
+  map_command_t map{};
+  map.utime = map.id = utime;
+  map.action = map_command_t::ACTION_SAVE;
+  map.path = "intruder";
+  say(channels::kMapCommand, map);
+  procman::procman_orders_t orders{};
+  orders.utime = utime;
+  orders.deputy_id = "robot";
+  orders.sheriff_id = "zzz-stranger";
+  say(channels::kProcmanOrders, orders);
+}
+
+void Stranger::engage_stop(std::int64_t utime) {
+  stop_t stop{};
+  stop.utime = stop.id = utime;
+  stop.engaged = 1;
+  stop.sender = "stranger";
+  say(channels::kStop, stop);
+}
+
+void Stranger::send_every_type() {
+  const MessageSchemas& schemas = MessageSchemas::built_in();
+  for (const auto& [name, type] : schemas.types()) {
+    const std::string channel = name == "procman_orders_t"        ? channels::kProcmanOrders
+                                : name == "procman_deputy_info_t" ? channels::kProcmanInfo
+                                : name == "procman_output_t"      ? channels::kProcmanOutput
+                                : name == "procman_discovery_t"   ? channels::kProcmanDiscover
+                                                                  : sample_channel(type);
+    if (name == "stop_t") {
+      continue;  // the sample engages
+    }
+    say_bytes(channel, sample_message(schemas, type));
+    for (const std::int64_t number : {std::int64_t{-1}, std::int64_t{1} << 26, std::int64_t{0x20000000},
+                                      std::int64_t{0x3fffffff}, std::numeric_limits<std::int64_t>::max()}) {
+      for (const FieldSchema& field : type.fields) {
+        say_bytes(channel, sample_message(schemas, type, {{field.name, number}}));
+      }
+    }
+  }
+}
+
+void Stranger::send_rubbish(int datagrams) {
+  std::vector<std::uint8_t> bytes;
+  for (int i = 0; i < datagrams; ++i) {
+    bytes.resize(rng_() % 1200);
+    std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<std::uint8_t>(rng_()); });
+    if (i % 3 == 0) {
+      bytes = short_message(++sequence_, i % 2 == 0 ? channels::kPose : channels::kGridTile, bytes);
+    } else if (i % 3 == 1 && bytes.size() > 20) {
+      std::copy_n("LC03", 4, bytes.begin());
+    }
+    send(i % 2 == 0 ? kDataPort : kProcmanPort, bytes);
+  }
+}
+
+}  // namespace luminav

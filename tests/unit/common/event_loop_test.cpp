@@ -1,0 +1,80 @@
+#include "services/common/process/event_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "services/common/process/channels.hpp"
+
+namespace luminav {
+namespace {
+
+/// What is said of a process while its loop runs, at most for five seconds.
+class LoopWorld {
+ public:
+  LoopWorld() : inbox_(lcm) {
+    inbox_.on(channels::kNodeStatus, &LoopWorld::on_status, this);
+    loop.every(5'000'000, [this] {
+      if (rounds_++ > 0) {
+        loop.stop();
+      }
+    });
+  }
+  /// Ends the loop as soon as the process itself has said so.
+  void run_until_it_says(std::int8_t state) {
+    wanted_ = state;
+    loop.run();
+  }
+  void on_status(const node_status_t& status) {
+    if (status.host != "elsewhere") {
+      said = status;
+      own.instance = status.instance;
+      if (status.state == wanted_) {
+        loop.stop();
+      }
+    }
+  }
+  /// Another process of the name speaks too, from now on.
+  void add_twin(const std::string& process) {
+    loop.every(50'000, [this, process] {
+      node_status_t twin{};
+      twin.utime = 1;
+      twin.process = process;
+      twin.host = "elsewhere";
+      twin.robot = "p3dx";
+      twin.instance = 17;
+      lcm.publish(channels::kNodeStatus, &twin);
+    });
+  }
+
+  lcm::LCM lcm{"memq://"};
+  EventLoop loop{lcm, "controller", "p3dx"};
+  node_status_t said{};
+  node_status_t own{};
+
+ private:
+  Subscriber inbox_;
+  int rounds_ = 0;
+  std::int8_t wanted_ = -1;
+};
+
+TEST(EventLoop, SaysFaultWhenAnotherProcessPlaysItsRole) {
+  LoopWorld world;
+  world.add_twin("controller");
+  world.run_until_it_says(node_status_t::STATE_FAULT);
+  EXPECT_EQ(world.said.state, node_status_t::STATE_FAULT);
+  EXPECT_TRUE(world.said.reason.starts_with("two controllers on this network: ")) << world.said.reason;
+  EXPECT_NE(world.said.reason.find("elsewhere"), std::string::npos) << world.said.reason;
+  EXPECT_EQ(world.loop.conflict(), world.said.reason);
+}
+
+TEST(EventLoop, IsReadyBesideProcessesOfOtherRoles) {
+  LoopWorld world;
+  world.add_twin("planner");
+  world.run_until_it_says(node_status_t::STATE_READY);
+  EXPECT_EQ(world.said.state, node_status_t::STATE_READY);
+  EXPECT_EQ(world.loop.conflict(), "");
+}
+
+}  // namespace
+}  // namespace luminav
