@@ -1,10 +1,15 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string>
 
 #include "drivers/p3dx/arcos/arcos_commands.hpp"
 #include "drivers/p3dx/arcos/configuration_packet.hpp"
 #include "drivers/p3dx/arcos/information_packet.hpp"
+#include "services/common/image/jpeg_codec.hpp"
+#include "tests/replay/log_reading/sample_message.hpp"
 
 using namespace luminav;
 using Bytes = std::vector<std::uint8_t>;
@@ -41,15 +46,82 @@ InformationPacket moving(int i) {
   return packet;
 }
 
+Bytes contents(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// With the byte that chooses the reader, as files_fuzzer.cpp lists them.
+void write_file(const std::filesystem::path& folder, std::uint8_t reader, Bytes bytes) {
+  constexpr std::size_t kMost = 8000;
+  bytes.insert(bytes.begin(), reader);
+  bytes.resize(std::min(bytes.size(), kMost));
+  write(folder / "fuzz_files", reader, bytes);
+}
+
+void write_files(const std::filesystem::path& folder) {
+  const std::filesystem::path launch = std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch";
+  const auto text = [](const std::string& words) { return Bytes(words.begin(), words.end()); };
+  write_file(folder, 0, contents(launch / "robots/p3dx.toml"));
+  write_file(folder, 1, contents(launch / "buildings/laboratory/building.toml"));
+  write_file(folder, 2, contents(launch / "scenarios/laboratory-crowd.toml"));
+  write_file(folder, 3,
+             text("image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n"));
+  write_file(folder, 4, text("P5\n# by hand\n3 2\n255\nabcdef"));
+  write_file(folder, 5, contents(launch / "demo.pmd"));
+  write_file(folder, 8, text("building = \"room\"\nfixtures = 4\nsession = 2\n"));
+  write_file(folder, 9, text("engaged 17 somebody\n"));
+  write_file(folder, 10, contents(std::filesystem::path(LUMINAV_SOURCE_DIR) / "tests/replay/logs/global.lcm"));
+  write_file(folder, 11,
+             text(std::string("\0{\"poses\": [{\"x\": 1, \"y\": 2, \"theta\": 0.5}], \"loop\": true}", 59)));
+  write_file(folder, 12, text("[network]\npeers = [\"10.0.0.2\"]\nkey = \"none\"\n"));
+}
+
+/// A sound message of every type; for the nodes, one of each without changes.
+void write_messages(const std::filesystem::path& folder) {
+  std::uint8_t number = 0;
+  Bytes all;
+  for (const auto& [name, type] : MessageSchemas::built_in().types()) {
+    Bytes bytes = sample_message(MessageSchemas::built_in(), type);
+    bytes.erase(bytes.begin(), bytes.begin() + 8);
+    bytes.insert(bytes.begin(), number);
+    write(folder / "fuzz_messages", number, bytes);
+    append(all, {number, 0x40});
+    ++number;
+  }
+  append(all, all);
+  write(folder / "fuzz_nodes", 0, all);
+}
+
+void write_pictures(const std::filesystem::path& folder) {
+  constexpr int kWidth = 96;  // [px] as the fuzzer's camera
+  constexpr int kHeight = 72;
+  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(kWidth) * kHeight, 90);
+  for (int row = 20; row < 32; ++row) {
+    std::fill_n(pixels.begin() + row * kWidth + 20, 50, std::uint8_t{250});
+  }
+  JpegEncoder encoder;
+  const auto jpeg = encoder.encode({kWidth, kHeight, pixels}, 85);
+  Bytes picture = {0};
+  picture.insert(picture.end(), jpeg.begin(), jpeg.end());
+  write(folder / "fuzz_pictures", 0, picture);
+  write(folder / "fuzz_pictures", 1, {1, 'P', '5', ' ', '2', ' ', '1', ' ', '2', '5', '5', '\n', 7, 9});
+  write(folder / "fuzz_pictures", 2, {2, 90, 1, 20, 20, 50, 12, 250});
+  write(folder / "fuzz_pictures", 3, {3, 90, 2, 20, 20, 50, 12, 250, 5, 40, 40, 10, 130});
+}
+
 }  // namespace
 
-/// Seeds for the fuzzers: what robots and clients really say. make_arcos_corpus FOLDER
+/// Seeds for the fuzzers: what robots and clients really say. make_corpus FOLDER
 int main(int argc, char** argv) {
   if (argc != 2) {
-    std::fprintf(stderr, "usage: make_arcos_corpus FOLDER\n");
+    std::fprintf(stderr, "usage: make_corpus FOLDER\n");
     return 2;
   }
   const std::filesystem::path folder = argv[1];
+  write_files(folder);
+  write_messages(folder);
+  write_pictures(folder);
   Bytes stream;
   Bytes robot = {1};
   for (int i = 0; i < 20; ++i) {

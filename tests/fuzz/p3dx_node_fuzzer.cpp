@@ -129,11 +129,13 @@ class Session {
   /// Engages the stop and releases it in turn; motors are requested with the release.
   void toggle_stop() {
     stop_t stop{};
+    stop.utime = clock_.utime();
     stop.id = ++id_;
     stop.engaged = stopped_ ? 0 : 1;
     network().publish(channels::kStop, &stop);
     if (stopped_) {
       motors_command_t motors{};
+      motors.utime = clock_.utime();
       motors.id = id_;
       motors.enable = static_cast<std::int8_t>(id_ % 4 == 2 ? 1 : 0);
       network().publish(channels::kMotorsCommand, &motors);
