@@ -371,7 +371,7 @@ TEST_F(PoseMemoryTest, DropsAPoseThatTheFirstSightingContradicts) {
   while (distance(before, elsewhere) < 3.0) {
     elsewhere = world_->draw_free_pose();
   }
-  world_->carry(elsewhere);  // while the localizer is not running; the wheels stand still
+  world_->kidnap(elsewhere);  // while the localizer is not running; the wheels stand still
   const std::vector<pose_t> poses = drive(30.0);
   EXPECT_LT(distance_to_tracking(poses), 30.0);
   for (std::size_t i = 0; i < poses.size(); ++i) {
