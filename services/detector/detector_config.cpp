@@ -24,8 +24,7 @@ PaperParams read_paper(const TomlTable& table) {
   p.area_tolerance = table.number("area_tolerance", p.area_tolerance, kFraction);
   p.length_tolerance = table.number("length_tolerance", p.length_tolerance, kFraction);
   p.width_tolerance = table.number("width_tolerance", p.width_tolerance, kFraction);
-  p.one_lamp_width = table.number("one_lamp_width", p.one_lamp_width, {0.01, 5.0});
-  p.two_lamp_width = table.number("two_lamp_width", p.two_lamp_width, {0.01, 5.0});
+  p.bloom = table.number("bloom", p.bloom, {0.0, 1.0});
   p.minimum_fill = table.number("minimum_fill", p.minimum_fill, kFraction);
   p.half_lit_share = table.number("half_lit_share", p.half_lit_share, {0.5, 1.0});
   p.position_sigma = table.number("position_sigma", p.position_sigma, {1e-5, 1.0});

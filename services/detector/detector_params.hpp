@@ -6,12 +6,12 @@ enum class DetectorMode { kPaper, kModern };
 
 /// The paper's chain: two thresholds, opening, contours, validation, moments and minimum-area rectangle.
 struct PaperParams {
-  double high_threshold = 200.0;    // [grey] a lit lamp is brighter than this ...
+  double high_threshold = 235.0;    // [grey] a lit lamp is brighter than this ...
   double high_above_median = 60.0;  // [grey] ... and than the image's median plus this
   double low_threshold = 110.0;     // [grey] an unlit fixture is darker than this ...
   double low_below_median = 14.0;   // [grey] ... and than the image's median less this
   int opening_size = 3;             // [px] side of the square kernel
-  int opening_iterations = 2;       // erosions, then as many dilations
+  int opening_iterations = 1;       // erosions, then as many dilations
   double canny_low = 50.0;          // [grey] hysteresis of the edge image
   double canny_high = 150.0;        // [grey]
   bool direct_contours = true;      // contours of the mask itself: Canny on it shifts centres by 0.15 px
@@ -19,9 +19,8 @@ struct PaperParams {
   double area_tolerance = 0.35;     // share that the area may deviate from length x width
   double length_tolerance = 0.15;   // share that the long side may deviate
   double width_tolerance = 0.25;    // share by which the width may miss [one lamp, two lamps]
-  double one_lamp_width = 0.15;     // [m] narrowest fixture; the building's kinds replace it when they are known
-  double two_lamp_width = 0.30;     // [m] widest fixture
-  double minimum_fill = 0.80;       // contour area / area of its minimum-area rectangle
+  double bloom = 0.12;              // [m] that a lit fixture may look longer and wider
+  double minimum_fill = 0.65;       // contour area / area of its minimum-area rectangle
   double half_lit_share = 0.80;     // below this share of lit pixels (and above its complement): half lit
   double position_sigma = 0.010;    // [m] of each axis: the paper gives no uncertainty
   double heading_sigma = 0.02;      // [rad]

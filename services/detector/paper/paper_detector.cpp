@@ -14,28 +14,12 @@ Eigen::Vector2d to_eigen(const cv::Point2d& point) {
 }  // namespace
 
 PaperDetector::PaperDetector(const PaperParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue)
-    : params_(params),
-      camera_(camera),
-      height_(catalogue.ceiling_height),
-      shortest_(1e9),
-      longest_(0.0),
-      narrowest_(params.one_lamp_width),
-      widest_(params.two_lamp_width),
-      pixels_per_metre_(camera.intrinsics().fx / (catalogue.ceiling_height - camera.mounting().z)) {
-  double narrowest = 1e9;
-  double widest = 0.0;
+    : params_(params), camera_(camera), height_(catalogue.ceiling_height) {
   for (const CeilingKind& kind : catalogue.fixtures) {
-    if (kind.shape == FixtureShape::kRound) {
-      continue;  // the paper knows rectangles
+    if (kind.shape != FixtureShape::kRound) {
+      lengths_.add(kind.length);
+      widths_.add(kind.width);
     }
-    shortest_ = std::min(shortest_, kind.length);
-    longest_ = std::max(longest_, kind.length);
-    narrowest = std::min(narrowest, kind.width);
-    widest = std::max(widest, kind.width);
-  }
-  if (widest > 0.0) {
-    narrowest_ = narrowest;
-    widest_ = widest;
   }
 }
 
@@ -55,7 +39,7 @@ void PaperDetector::segment(const cv::Mat& image, double median) {
 void PaperDetector::detect(const GreyView& image, double median, std::vector<Detection>& detections,
                            DetectorTrace* trace) {
   detections.clear();
-  if (longest_ <= 0.0) {
+  if (lengths_.high <= 0.0) {
     return;
   }
   // OpenCV has no constant view; nothing writes to it
@@ -69,7 +53,6 @@ void PaperDetector::detect(const GreyView& image, double median, std::vector<Det
     if (contour.size() < 8) {
       continue;
     }
-    const cv::RotatedRect rectangle = cv::minAreaRect(contour);
     if (trace != nullptr) {
       std::vector<Eigen::Vector2d> line;
       for (const cv::Point& point : contour) {
@@ -77,45 +60,55 @@ void PaperDetector::detect(const GreyView& image, double median, std::vector<Det
       }
       trace->contours.push_back(std::move(line));
     }
-    if (!is_fixture(contour, rectangle)) {
-      continue;
+    if (const auto detection = fixture_of(contour)) {
+      if (trace != nullptr) {
+        trace->rectangles.push_back(detection->corners_px);
+      }
+      detections.push_back(*detection);
     }
-    const cv::Moments moments = cv::moments(contour);
-    const cv::Point2d centre(moments.m10 / moments.m00, moments.m01 / moments.m00);
-    Detection detection;
-    if (!pose_of(centre, rectangle, detection)) {
-      continue;
-    }
-    detection.state = state_of(contour);
-    detection.fit = std::min(1.0, cv::contourArea(contour) / std::max(1.0F, rectangle.size.area()));
-    if (trace != nullptr) {
-      trace->rectangles.push_back(detection.corners_px);
-    }
-    detections.push_back(detection);
   }
 }
 
-bool PaperDetector::is_fixture(const std::vector<cv::Point>& contour, const cv::RotatedRect& rectangle) const {
-  // A contour runs through the centres of the border pixels: half a pixel is missing on each side.
-  const double length = (std::max(rectangle.size.width, rectangle.size.height) + 1.0) / pixels_per_metre_;
-  const double width = (std::min(rectangle.size.width, rectangle.size.height) + 1.0) / pixels_per_metre_;
+bool PaperDetector::is_cut(const std::vector<cv::Point>& contour) const {
   const cv::Rect box = cv::boundingRect(contour);
-  if (!params_.accept_cut &&
-      (box.x <= 1 || box.y <= 1 || box.br().x >= mask_.cols - 1 || box.br().y >= mask_.rows - 1)) {
-    return false;
+  return box.x <= 1 || box.y <= 1 || box.br().x >= mask_.cols - 1 || box.br().y >= mask_.rows - 1;
+}
+
+std::optional<Detection> PaperDetector::fixture_of(const std::vector<cv::Point>& contour) const {
+  if (!params_.accept_cut && is_cut(contour)) {
+    return std::nullopt;
   }
-  const double area = cv::contourArea(contour) / (pixels_per_metre_ * pixels_per_metre_);
-  if (area < (1.0 - params_.area_tolerance) * shortest_ * narrowest_ ||
-      area > (1.0 + params_.area_tolerance) * longest_ * widest_) {
-    return false;
+  const cv::Moments moments = cv::moments(contour);
+  // A contour runs through the centres of the border pixels: half a pixel is missing on each side.
+  const double contour_area = moments.m00 + 0.5 * static_cast<double>(contour.size()) + 1.0;
+  cv::RotatedRect rectangle = cv::minAreaRect(contour);
+  rectangle.size += cv::Size2f(1.0F, 1.0F);
+  if (moments.m00 <= 0.0) {
+    return std::nullopt;
   }
-  if (length < (1.0 - params_.length_tolerance) * shortest_ || length > (1.0 + params_.length_tolerance) * longest_) {
-    return false;
+  auto detection = pose_of({moments.m10 / moments.m00, moments.m01 / moments.m00}, rectangle);
+  if (!detection) {
+    return std::nullopt;
   }
-  if (width < (1.0 - params_.width_tolerance) * narrowest_ || width > (1.0 + params_.width_tolerance) * widest_) {
-    return false;
-  }
-  return area >= params_.minimum_fill * length * width;
+  detection->state = state_of(contour);
+  detection->fit = std::min(1.0, contour_area / static_cast<double>(rectangle.size.area()));
+  return fits(*detection) ? detection : std::nullopt;
+}
+
+/// Area and length as a fixture has them, width between one lamp's and two lamps'. What is lit may look larger by its
+/// bloom.
+bool PaperDetector::fits(const Detection& detection) const {
+  const double bloom = detection.state == DetectionState::kUnlit ? 0.0 : params_.bloom;
+  const auto is_within = [](double value, double low, double high, double tolerance) {
+    return value >= (1.0 - tolerance) * low && value <= (1.0 + tolerance) * high;
+  };
+  const double longest = lengths_.high + bloom;
+  const double widest = widths_.high + bloom;
+  const double area = detection.fit * detection.length * detection.width;
+  return is_within(detection.length, lengths_.low, longest, params_.length_tolerance) &&
+         is_within(detection.width, widths_.low, widest, params_.width_tolerance) &&
+         is_within(area, lengths_.low * widths_.low, longest * widest, params_.area_tolerance) &&
+         detection.fit >= params_.minimum_fill;
 }
 
 DetectionState PaperDetector::state_of(const std::vector<cv::Point>& contour) const {
@@ -134,7 +127,8 @@ DetectionState PaperDetector::state_of(const std::vector<cv::Point>& contour) co
   return lit < (1.0 - params_.half_lit_share) * all ? DetectionState::kUnlit : DetectionState::kHalf;
 }
 
-bool PaperDetector::pose_of(const cv::Point2d& centre, const cv::RotatedRect& rectangle, Detection& detection) const {
+std::optional<Detection> PaperDetector::pose_of(const cv::Point2d& centre, const cv::RotatedRect& rectangle) const {
+  Detection detection;
   std::array<cv::Point2f, 4> corners;
   rectangle.points(corners.data());
   for (std::size_t i = 0; i < 4; ++i) {
@@ -150,7 +144,7 @@ bool PaperDetector::pose_of(const cv::Point2d& centre, const cv::RotatedRect& re
   const auto second = side(1, 2);
   const auto place = camera_.point_on_ceiling(to_eigen(centre), height_);
   if (!first || !second || !place) {
-    return false;
+    return std::nullopt;
   }
   const Eigen::Vector2d along = first->norm() > second->norm() ? *first : *second;
   detection.shape = DetectionShape::kRectangle;
@@ -161,7 +155,7 @@ bool PaperDetector::pose_of(const cv::Point2d& centre, const cv::RotatedRect& re
   const double position = params_.position_sigma * params_.position_sigma;
   detection.covariance =
       Eigen::Vector3d(position, position, params_.heading_sigma * params_.heading_sigma).asDiagonal();
-  return true;
+  return detection;
 }
 
 }  // namespace luminav

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "services/common/geometry/camera_model.hpp"
@@ -24,18 +26,25 @@ class PaperDetector {
 
  private:
   void segment(const cv::Mat& image, double median);
-  [[nodiscard]] bool is_fixture(const std::vector<cv::Point>& contour, const cv::RotatedRect& rectangle) const;
+  struct Range {
+    double low = 1e9;
+    double high = 0.0;
+    void add(double value) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  };
+  [[nodiscard]] std::optional<Detection> fixture_of(const std::vector<cv::Point>& contour) const;
+  [[nodiscard]] bool is_cut(const std::vector<cv::Point>& contour) const;
+  [[nodiscard]] bool fits(const Detection& detection) const;
   [[nodiscard]] DetectionState state_of(const std::vector<cv::Point>& contour) const;
-  [[nodiscard]] bool pose_of(const cv::Point2d& centre, const cv::RotatedRect& rectangle, Detection& detection) const;
+  [[nodiscard]] std::optional<Detection> pose_of(const cv::Point2d& centre, const cv::RotatedRect& rectangle) const;
 
   PaperParams params_;
   CeilingCamera camera_;
-  double height_;     // [m] of the ceiling
-  double shortest_;   // [m] long side
-  double longest_;    // [m]
-  double narrowest_;  // [m] width of one lamp
-  double widest_;     // [m] width of two lamps
-  double pixels_per_metre_;
+  double height_;  // [m] of the ceiling
+  Range lengths_;  // [m] of the building's rectangular fixtures
+  Range widths_;   // [m] from one lamp to two
   cv::Mat lit_;
   cv::Mat unlit_;
   cv::Mat mask_;
