@@ -73,7 +73,8 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
 }
 
 void read_particles(const TomlTable& table, ParticleParams& params) {
-  params.count = table.count("count", params.count, {10.0, 1e6});
+  params.count = table.count("count", params.count, {0.0, 1e6});
+  params.density = table.number("density", params.density, {0.1, 1e5});
   params.scoring = table.choice("scoring", "equation_one", {"equation_one", "gaussian"}) == "gaussian"
                        ? ParticleScoring::kGaussian
                        : ParticleScoring::kEquationOne;
@@ -93,6 +94,8 @@ void read_particles(const TomlTable& table, ParticleParams& params) {
   params.distance_by_distance = table.number("distance_by_distance", params.distance_by_distance, {0.0, 10.0});
   params.distance_by_turn = table.number("distance_by_turn", params.distance_by_turn, {0.0, 10.0});
   params.redraws = table.count("redraws", params.redraws, {0.0, 100.0});
+  params.carries_weights = table.boolean("carries_weights", params.carries_weights);
+  params.drawn_weight = table.number("drawn_weight", params.drawn_weight, {0.0, 100.0});
   params.copied_share = table.number("copied_share", params.copied_share, {0.0, 0.45});
   params.random_share = table.number("random_share", params.random_share, {0.0, 0.5});
   table.reject_unknown();
@@ -101,24 +104,35 @@ void read_particles(const TomlTable& table, ParticleParams& params) {
 void read_clusters(const TomlTable& table, ClusterParams& params) {
   params.radius_factor = table.number("radius_factor", params.radius_factor, {0.01, 1.0});
   params.heading_gate = table.number("heading_gate", params.heading_gate, {0.01, 3.2});
+  params.starting_share = table.number("starting_share", params.starting_share, {0.001, 1.0});
   params.max = table.count("max", params.max, {1.0, 1000.0});
   table.reject_unknown();
 }
 
 void read_handover(const TomlTable& table, HandoverParams& params) {
+  params.step = table.number("step", params.step, {0.0, 10.0});
+  params.turn = table.number("turn", params.turn, {0.0, 10.0});
   params.share = table.number("share", params.share, kFraction);
-  params.runner_up = table.number("runner_up", params.runner_up, kFraction);
   params.spread = table.number("spread", params.spread, {0.001, 100.0});
   params.heading_spread = table.number("heading_spread", params.heading_spread, {0.001, 4.0});
-  params.fixtures = table.count("fixtures", params.fixtures, {0.0, 1000.0});
-  params.distance = table.number("distance", params.distance, kNotNegative);
-  params.held = table.count("held", params.held, {1.0, 10000.0});
   params.gate = table.number("gate", params.gate, {0.1, 1000.0});
-  params.gate_misses = table.count("gate_misses", params.gate_misses, {1.0, 10000.0});
-  params.nis_limit = table.number("nis_limit", params.nis_limit, {0.1, 1000.0});
+  params.view_margin = table.number("view_margin", params.view_margin, {0.0, 2.0});
   params.blind_distance = table.number("blind_distance", params.blind_distance, {0.1, 10000.0});
-  params.absent_frames = table.count("absent_frames", params.absent_frames, {1.0, 10000.0});
   params.gathered_share = table.number("gathered_share", params.gathered_share, kFraction);
+  table.reject_unknown();
+}
+
+void read_confidence(const TomlTable& table, ConfidenceParams& params) {
+  constexpr Range kProbability{0.001, 0.999};
+  params.fit_if_right = table.number("fit_if_right", params.fit_if_right, kProbability);
+  params.fit_if_wrong = table.number("fit_if_wrong", params.fit_if_wrong, kProbability);
+  params.seen_if_right = table.number("seen_if_right", params.seen_if_right, kProbability);
+  params.seen_if_wrong = table.number("seen_if_wrong", params.seen_if_wrong, kProbability);
+  params.wall_if_right = table.number("wall_if_right", params.wall_if_right, kProbability);
+  params.wall_if_wrong = table.number("wall_if_wrong", params.wall_if_wrong, kProbability);
+  params.independence = table.number("independence", params.independence, {0.01, 1.0});
+  params.sure = table.number("sure", params.sure, {0.0, 100.0});
+  params.refuted = table.number("refuted", params.refuted, {-100.0, 0.0});
   table.reject_unknown();
 }
 
@@ -153,6 +167,7 @@ LocalizerConfig read_localizer_config(const std::filesystem::path& robot_file,
   read_particles(table.table("particles"), config.paper.particles);
   read_clusters(table.table("clusters"), config.paper.clusters);
   read_handover(table.table("handover"), config.paper.handover);
+  read_confidence(table.table("confidence"), config.paper.confidence);
   table.reject_unknown();
   return config;
 }

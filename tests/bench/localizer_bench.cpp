@@ -339,6 +339,7 @@ void register_all() {
   }
   benchmark::RegisterBenchmark("pf_scattered/2000/400/3", particle_filter, particle_params(2000), 400, 3, true);
   ParticleParams paper;
+  paper.count = 2000;
   benchmark::RegisterBenchmark("pf_paper/2000/40/2", particle_filter, paper, 40, 2, false);
   benchmark::RegisterBenchmark("kalman", kalman<WrittenOut>);
   benchmark::RegisterBenchmark("kalman_eigen", kalman<FixedSizeEigen>);

@@ -16,6 +16,12 @@ bool agree(const PoseBelief& a, const PoseBelief& b) {
   return off.dot((a.covariance + b.covariance).ldlt().solve(off)) <= kAgreement;
 }
 
+/// Whether the robot moved far enough since for an image to say something new.
+bool has_moved(const std::optional<Pose2>& since, const Pose2& now, const HandoverParams& params) {
+  return !since || distance(*since, now) >= params.step ||
+         std::abs(wrap_angle(now.theta - since->theta)) >= params.turn;
+}
+
 }  // namespace
 
 PaperLocalizer::PaperLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
@@ -27,7 +33,8 @@ PaperLocalizer::PaperLocalizer(const Building& building, const PriorMap& walls, 
       ceiling_height_(building.ceiling_height),
       errors_(errors),
       params_(params),
-      filter_(map_, walls_, params.particles, seed) {}
+      filter_(map_, walls_, params.particles, seed),
+      confidence_(params.confidence) {}
 
 void PaperLocalizer::add_odometry(const OdometryReading& reading) {
   const OdometryHistory& history = queue_.history();
@@ -59,8 +66,18 @@ void PaperLocalizer::add_guess(const PoseGuess& guess) {
       return;
     }
     give_up("a pose was given that is not the one followed");  // the particles of both will tell
+    filter_.gather(guess.belief, params_.handover.gathered_share);
+    return;
   }
-  filter_.gather(guess.belief, params_.handover.gathered_share);
+  follow(guess.belief, "a pose was given");
+}
+
+/// The Kalman filter starts; until what is seen speaks for the pose it is not trusted.
+void PaperLocalizer::follow(const PoseBelief& belief, const std::string& why) {
+  belief_ = belief;
+  is_kalman_ = true;
+  has_nis_ = false;
+  reason_ = why;
 }
 
 void PaperLocalizer::step(const FrameQueue::TimedFrame& timed) {
@@ -72,115 +89,134 @@ void PaperLocalizer::step(const FrameQueue::TimedFrame& timed) {
   odometer_ += std::hypot(delta.x, delta.y);
   if (is_kalman_) {
     predict(belief_, delta, odometry_noise_with_systematics(delta, robot_.wheel_base, errors_));
-    step_kalman(timed.frame, timed.odometry);
+    step_kalman(timed);
   } else {
-    filter_.predict(delta);
-    step_particles(timed.frame);
+    pending_ = pending_ * delta;
+    for (PoseCluster& cluster : clusters_) {
+      cluster.belief.pose = cluster.belief.pose * delta;
+    }
+    candidate_ = candidate_ ? std::optional<Pose2>(*candidate_ * delta) : std::nullopt;
+    step_particles(timed);
   }
 }
 
-void PaperLocalizer::remember_fixture(const SightingFrame& frame) {
+Eigen::Matrix3d PaperLocalizer::noise_of(const FixtureSighting& sighting, const Fixture& fixture,
+                                         const OdometryReading& odometry) const {
+  const double height = std::max(0.2, view_.height_above_camera(ceiling_height_));
+  Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, errors_) +
+                          systematic_sighting_covariance(sighting, height, odometry.linear, odometry.angular, errors_);
+  if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
+    noise(2, 2) += kNoAngle;
+  }
+  return noise;
+}
+
+int PaperLocalizer::match(const PoseBelief& belief, const FixtureSighting& sighting,
+                          const OdometryReading& odometry) const {
   std::vector<int> near;
-  for (const FixtureSighting& sighting : frame.sightings) {
-    const Eigen::Vector2d place = clusters_.front().belief.pose * sighting.robot_from_fixture.position();
-    near.clear();
-    map_.find_near(place, 0.5, near);
-    if (!near.empty() &&
-        std::find(seen_fixtures_.begin(), seen_fixtures_.end(), near.front()) == seen_fixtures_.end()) {
-      seen_fixtures_.push_back(near.front());
+  map_.find_near(belief.pose * sighting.robot_from_fixture.position(), 1.5, near);
+  int nearest = -1;
+  double min_nis = params_.handover.gate;
+  for (const int index : near) {
+    const double nis = innovate(belief, sighting, map_[index], noise_of(sighting, map_[index], odometry)).nis;
+    if (nis < min_nis) {
+      min_nis = nis;
+      nearest = index;
     }
   }
+  return nearest;
 }
 
-void PaperLocalizer::step_particles(const SightingFrame& frame) {
-  if (frame.sightings.empty() || map_.size() == 0) {
-    return;
+ViewEvidence PaperLocalizer::compare(const PoseBelief& belief, const FrameQueue::TimedFrame& timed) const {
+  ViewEvidence view;
+  std::vector<int> matched;
+  for (const FixtureSighting& sighting : timed.frame.sightings) {
+    const int fixture = match(belief, sighting, timed.odometry);
+    (fixture >= 0 ? view.fits : view.misfits) += 1;
+    matched.push_back(fixture);
   }
-  filter_.update(frame.sightings);
-  has_update_ = true;
-  fixture_utime_ = frame.utime;
-  odometer_at_fixture_ = odometer_;
-  clusters_ = find_clusters(filter_, map_.smallest_spacing(), params_.clusters);
-  remember_fixture(frame);
+  std::vector<int> near;
+  map_.find_near(belief.pose.position(), view_.radius(ceiling_height_), near);
+  for (const int index : near) {
+    const Pose2 robot_from_fixture = belief.pose.inverse() * map_[index].world_from_fixture;
+    if (std::find(matched.begin(), matched.end(), index) == matched.end() &&
+        view_.is_wholly_visible(robot_from_fixture, map_[index], params_.handover.view_margin)) {
+      ++view.absent;
+    }
+  }
+  view.is_in_wall = !walls_.is_free(belief.pose.position());
+  return view;
+}
+
+void PaperLocalizer::step_particles(const FrameQueue::TimedFrame& timed) {
+  const HandoverParams& rules = params_.handover;
+  const bool sees = !timed.frame.sightings.empty() && map_.size() > 0;
+  if (has_moved(std::optional<Pose2>(Pose2{}), pending_, rules)) {
+    move_particles();
+  }
+  if (sees && has_moved(update_odom_, timed.odometry.odom_from_robot, rules)) {
+    update_odom_ = timed.odometry.odom_from_robot;
+    move_particles();
+    filter_.update(timed.frame.sightings);
+    fixture_utime_ = timed.frame.utime;
+    odometer_at_fixture_ = odometer_;
+    clusters_ = find_clusters(filter_, map_.smallest_spacing(), params_.clusters);
+    reason_ = fmt::format("the heaviest of {} clusters holds {:.0f} % of the weight, log ratio {:.1f}",
+                          clusters_.size(), 100.0 * clusters_.front().weight, confidence_.log_ratio());
+  }
+  if (!clusters_.empty() && has_moved(view_odom_, timed.odometry.odom_from_robot, rules)) {
+    view_odom_ = timed.odometry.odom_from_robot;
+    weigh_candidate(timed);
+  }
+}
+
+/// In steps of a fraction of a metre, so that none jumps over a wall.
+void PaperLocalizer::move_particles() {
+  filter_.predict(pending_);
+  pending_ = {};
+}
+
+void PaperLocalizer::weigh_candidate(const FrameQueue::TimedFrame& timed) {
   const HandoverParams& rules = params_.handover;
   const PoseCluster& best = clusters_.front();
-  const double second = clusters_.size() > 1 ? clusters_[1].weight : 0.0;
-  const bool is_sure = best.weight >= rules.share && second <= rules.runner_up &&
-                       position_sigma(best.belief.covariance) <= rules.spread &&
-                       std::sqrt(best.belief.covariance(2, 2)) <= rules.heading_spread &&
-                       static_cast<int>(seen_fixtures_.size()) >= rules.fixtures &&
-                       odometer_ - search_odometer_ >= rules.distance;
-  held_ = is_sure ? held_ + 1 : 0;
-  reason_ =
-      fmt::format("the heaviest of {} clusters holds {:.0f} % of the weight", clusters_.size(), 100.0 * best.weight);
-  if (held_ >= rules.held) {
-    belief_ = best.belief;
-    is_kalman_ = true;
-    gate_misses_ = 0;
-    absent_ = 0;
-    has_nis_ = false;
-    reason_ = "one cluster holds nearly all particles";
+  const Pose2& pose = best.belief.pose;
+  if (!candidate_ || distance(*candidate_, pose) > 0.5 ||
+      std::abs(wrap_angle(candidate_->theta - pose.theta)) > radians(20.0)) {
+    confidence_.restart();
+  }
+  candidate_ = pose;
+  confidence_.add(compare(best.belief, timed));
+  const bool is_sharp = position_sigma(best.belief.covariance) <= rules.spread &&
+                        std::sqrt(best.belief.covariance(2, 2)) <= rules.heading_spread;
+  if (confidence_.is_sure() && is_sharp && best.weight >= rules.share) {
+    follow(best.belief, "one cluster holds nearly all the weight and explains what is seen");
   }
 }
 
-void PaperLocalizer::step_kalman(const SightingFrame& frame, const OdometryReading& odometry) {
-  const HandoverParams& rules = params_.handover;
-  const double height = std::max(0.2, view_.height_above_camera(ceiling_height_));
-  int matched = 0;
-  std::vector<int> near;
-  for (const FixtureSighting& sighting : frame.sightings) {
-    near.clear();
-    map_.find_near(belief_.pose * sighting.robot_from_fixture.position(), 1.5, near);
-    int nearest = -1;
-    Innovation min;
-    min.nis = rules.gate;
-    for (const int index : near) {
-      const Eigen::Matrix3d noise =
-          white_sighting_covariance(sighting, map_[index], errors_) +
-          systematic_sighting_covariance(sighting, height, odometry.linear, odometry.angular, errors_);
-      const Innovation innovation = innovate(belief_, sighting, map_[index], noise);
-      if (innovation.nis < min.nis) {
-        min = innovation;
-        nearest = index;
-      }
-    }
-    if (nearest < 0) {
+void PaperLocalizer::step_kalman(const FrameQueue::TimedFrame& timed) {
+  const OdometryReading& odometry = timed.odometry;
+  if (has_moved(view_odom_, odometry.odom_from_robot, params_.handover)) {
+    view_odom_ = odometry.odom_from_robot;
+    confidence_.add(compare(belief_, timed));
+  }
+  for (const FixtureSighting& sighting : timed.frame.sightings) {
+    const int fixture = match(belief_, sighting, odometry);
+    if (fixture < 0) {
       continue;
     }
-    Eigen::Matrix3d noise =
-        white_sighting_covariance(sighting, map_[nearest], errors_) +
-        systematic_sighting_covariance(sighting, height, odometry.linear, odometry.angular, errors_);
-    if (!sighting.has_theta || symmetry_period(map_[nearest].shape) == 0.0) {
-      noise(2, 2) += kNoAngle;
-    }
-    correct(belief_, min, noise);
-    nis_ = has_nis_ ? nis_ + 0.05 * (min.nis / 3.0 - nis_) : min.nis / 3.0;
+    const Eigen::Matrix3d noise = noise_of(sighting, map_[fixture], odometry);
+    const Innovation innovation = innovate(belief_, sighting, map_[fixture], noise);
+    correct(belief_, innovation, noise);
+    nis_ = has_nis_ ? nis_ + 0.05 * (innovation.nis / 3.0 - nis_) : innovation.nis / 3.0;
     has_nis_ = true;
-    ++matched;
-  }
-  near.clear();
-  map_.find_near(belief_.pose.position(), view_.radius(ceiling_height_), near);
-  const bool is_expected = std::any_of(near.begin(), near.end(), [&](int index) {
-    return view_.is_wholly_visible(belief_.pose.inverse() * map_[index].world_from_fixture, map_[index], 0.1);
-  });
-  if (matched > 0) {
-    fixture_utime_ = frame.utime;
+    fixture_utime_ = timed.frame.utime;
     odometer_at_fixture_ = odometer_;
-    gate_misses_ = 0;
-    absent_ = 0;
     reason_ = "the Kalman filter follows the fixtures";
-  } else {
-    gate_misses_ += frame.sightings.empty() ? 0 : 1;
-    absent_ = is_expected ? absent_ + 1 : absent_;
   }
-  if (gate_misses_ >= rules.gate_misses) {
-    give_up("the sightings do not fit the pose");
-  } else if (absent_ >= rules.absent_frames) {
-    give_up("a fixture that ought to be in view is not seen");
-  } else if (has_nis_ && nis_ > rules.nis_limit) {
-    give_up("the sightings fit the pose worse than they should");
-  } else if (odometer_ - odometer_at_fixture_ > rules.blind_distance) {
-    give_up(fmt::format("no fixture for {:.0f} m", rules.blind_distance));
+  if (confidence_.is_refuted()) {
+    give_up("what is seen and what is not speak against the pose");
+  } else if (odometer_ - odometer_at_fixture_ > params_.handover.blind_distance) {
+    give_up(fmt::format("no fixture for {:.0f} m", params_.handover.blind_distance));
   }
 }
 
@@ -193,9 +229,10 @@ void PaperLocalizer::give_up(const std::string& why) {
   }
   is_kalman_ = false;
   clusters_.clear();
-  seen_fixtures_.clear();
-  search_odometer_ = odometer_;
-  held_ = 0;
+  candidate_.reset();
+  update_odom_.reset();
+  pending_ = {};
+  confidence_.restart();
   reason_ = why;
 }
 
@@ -212,7 +249,7 @@ LocalizerEstimate PaperLocalizer::estimate() const {
     ahead = filter_odometry_->odom_from_robot.inverse() * queue_.history().newest().odom_from_robot;
   }
   if (is_kalman_) {
-    estimate.state = LocalizerState::kTracking;
+    estimate.state = confidence_.log_ratio() > 0.0 ? LocalizerState::kTracking : LocalizerState::kAmbiguous;
     estimate.estimator = EstimatorKind::kKalmanFilter;
     estimate.belief = belief_;
     predict(estimate.belief, ahead, odometry_noise_with_systematics(ahead, robot_.wheel_base, errors_));
@@ -253,7 +290,7 @@ std::vector<WeightedPose> PaperLocalizer::particles(std::size_t max) const {
   }
   const std::size_t step = std::max<std::size_t>(1, (filter_.size() + max - 1) / std::max<std::size_t>(1, max));
   for (std::size_t i = 0; i < filter_.size(); i += step) {
-    result.push_back({filter_.pose(i), filter_.weight(i), 0.0});
+    result.push_back({filter_.pose(i) * pending_, filter_.weight(i), 0.0});
   }
   return result;
 }

@@ -13,30 +13,28 @@
 #include "services/localizer/model/sighting_model.hpp"
 #include "services/localizer/paper/particle_filter.hpp"
 #include "services/localizer/paper/pose_clusters.hpp"
+#include "services/localizer/paper/pose_confidence.hpp"
 
 namespace luminav {
 
-/// When the particle filter hands over to the Kalman filter, and when the Kalman filter gives up.
+/// When the particle filter is updated, when it hands over to the Kalman filter, and when that is given up.
 struct HandoverParams {
-  double share = 0.8;                     // weight of the heaviest cluster
-  double runner_up = 0.1;                 // most that the second may have
-  double spread = 0.25;                   // [m]
+  double step = 0.2;            // [m] of motion from one update to the next: pictures of one place say one thing
+  double turn = radians(23.0);  // [rad] likewise
+  double share = 0.8;           // weight of the heaviest cluster
+  double spread = 0.25;         // [m]
   double heading_spread = radians(10.0);  // [rad]
-  int fixtures = 2;                       // different ones seen
-  double distance = 1.0;                  // [m] driven
-  int held = 10;                          // updates in a row
   double gate = 11.34;                    // chi2(3) at 99 %
-  int gate_misses = 15;                   // images in a row whose sightings all fail the gate
-  double nis_limit = 3.0;                 // running mean per degree of freedom
+  double view_margin = 0.15;              // [m] to the image's border within which a fixture need not be sighted
   double blind_distance = 12.0;           // [m] without a match
-  int absent_frames = 20;                 // images in a row without a fixture that is predicted
-  double gathered_share = 0.5;            // of the particles that start around the old pose after giving up
+  double gathered_share = 0.1;            // of the particles that start around the old pose after giving up
 };
 
 struct PaperLocalizerParams {
   ParticleParams particles;
   ClusterParams clusters;
   HandoverParams handover;
+  ConfidenceParams confidence;
 };
 
 /// The paper's localizer: particle filter, clusters, then an extended Kalman filter, and back when confidence is low.
@@ -50,7 +48,7 @@ class PaperLocalizer final : public Localizer {
   void add_sonar(const SonarScan&) override {}
   void add_base_state(const BaseState&) override {}
   void add_guess(const PoseGuess& guess) override;
-  void recall(const PoseBelief& belief) override { filter_.gather(belief, params_.handover.gathered_share); }
+  void recall(const PoseBelief& belief) override { follow(belief, "the pose from before the restart"); }
   [[nodiscard]] LocalizerEstimate estimate() const override;
   [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t max) const override;
   [[nodiscard]] std::vector<WeightedPose> particles(std::size_t max) const override;
@@ -59,9 +57,17 @@ class PaperLocalizer final : public Localizer {
 
  private:
   void step(const FrameQueue::TimedFrame& timed);
-  void step_particles(const SightingFrame& frame);
-  void step_kalman(const SightingFrame& frame, const OdometryReading& odometry);
-  void remember_fixture(const SightingFrame& frame);
+  void step_particles(const FrameQueue::TimedFrame& timed);
+  void step_kalman(const FrameQueue::TimedFrame& timed);
+  void move_particles();
+  void weigh_candidate(const FrameQueue::TimedFrame& timed);
+  /// Index of the fixture that explains a sighting best within the gate; -1: none.
+  [[nodiscard]] int match(const PoseBelief& belief, const FixtureSighting& sighting,
+                          const OdometryReading& odometry) const;
+  [[nodiscard]] Eigen::Matrix3d noise_of(const FixtureSighting& sighting, const Fixture& fixture,
+                                         const OdometryReading& odometry) const;
+  [[nodiscard]] ViewEvidence compare(const PoseBelief& belief, const FrameQueue::TimedFrame& timed) const;
+  void follow(const PoseBelief& belief, const std::string& why);
   void give_up(const std::string& why);
 
   FixtureMap map_;
@@ -79,12 +85,12 @@ class PaperLocalizer final : public Localizer {
   bool is_kalman_ = false;
   std::string reason_ = "no fixture seen yet";
   bool has_update_ = false;
-  double odometer_ = 0.0;           // [m]
-  double search_odometer_ = 0.0;    // [m] where the search began
-  std::vector<int> seen_fixtures_;  // nearest ones of the heaviest cluster since the search began
-  int held_ = 0;
-  int gate_misses_ = 0;
-  int absent_ = 0;
+  double odometer_ = 0.0;             // [m]
+  Pose2 pending_;                     // motion that the particles have not made yet
+  std::optional<Pose2> update_odom_;  // odom_from_robot at the last update of the particles
+  std::optional<Pose2> view_odom_;    // at the last image that counted for the confidence
+  std::optional<Pose2> candidate_;    // the heaviest cluster, as long as it stays the same one
+  PoseConfidence confidence_;
   double nis_ = 0.0;
   bool has_nis_ = false;
   std::int64_t fixture_utime_ = 0;

@@ -42,6 +42,22 @@ NoisyStep noisy_step(const Pose2& delta, const ParticleParams& params) {
   return step;
 }
 
+/// As many as asked for, or by the floor to search.
+std::size_t count_of(const ParticleParams& params, const WallField& walls, const Eigen::Vector2d& extent) {
+  constexpr double kMax = 1e6;
+  double count = params.count;
+  if (params.count == 0) {
+    double area = extent.x() * extent.y();
+    if (walls.has_walls()) {
+      const PriorMap& map = walls.map();
+      area = std::pow(map.geometry.resolution, 2) *
+             static_cast<double>(std::count(map.cells.begin(), map.cells.end(), Prior::kFree));
+    }
+    count = params.density * area;
+  }
+  return static_cast<std::size_t>(std::clamp(count, 1.0, kMax));
+}
+
 }  // namespace
 
 std::uint64_t SplitMix::next() {
@@ -65,8 +81,7 @@ ParticleFilter::ParticleFilter(const FixtureMap& map, const WallField& walls, co
       params_(params),
       random_(seed),
       min_(-5.0, -5.0),
-      max_(5.0, 5.0),
-      count_(static_cast<std::size_t>(std::max(1, params.count))) {
+      max_(5.0, 5.0) {
   if (walls_.has_walls()) {
     const GridGeometry& geometry = walls_.map().geometry;
     min_ = geometry.origin;
@@ -80,6 +95,7 @@ ParticleFilter::ParticleFilter(const FixtureMap& map, const WallField& walls, co
     min_ -= Eigen::Vector2d(2.0, 2.0);
     max_ += Eigen::Vector2d(2.0, 2.0);
   }
+  count_ = count_of(params, walls_, max_ - min_);
   for (std::vector<float>* values : {&x_, &y_, &theta_, &weight_}) {
     values->assign(with_room(count_), 0.0F);
   }
@@ -282,12 +298,18 @@ void ParticleFilter::update(const std::vector<FixtureSighting>& sightings) {
   const NoiseKey key = next_key();
   const auto sigma = static_cast<float>(params_.weight_jitter);
   const Pose2 reference = pose(0);
+  const bool is_kidnapped = params_.carries_weights && params_.resampling == ParticleResampling::kReplaceWorst;
+  std::array<float, kBlock> before;
   Eigen::Matrix<double, 12, 1> sums = Eigen::Matrix<double, 12, 1>::Zero();
   for (std::size_t begin = 0; begin < count_; begin += kBlock) {
     const std::size_t count = std::min(kBlock, count_ - begin);
+    std::copy_n(&weight_[begin], count, before.begin());
     score_block(&x_[begin], &y_[begin], &theta_[begin], scored_, &weight_[begin], count);
     if (params_.scoring == ParticleScoring::kEquationOne) {
       kernels_.jitter(key, begin, sigma, 1e-9F, &weight_[begin], count);  // negative weights have no meaning
+    }
+    for (std::size_t i = 0; i < count && is_kidnapped; ++i) {
+      weight_[begin + i] *= before[i];
     }
     std::fill(&weight_[begin + count], &weight_[begin + (count + kLanes - 1) / kLanes * kLanes], 0.0F);
     const ParticleMoments m =
@@ -346,7 +368,8 @@ void ParticleFilter::replace_worst() {
   for (std::ptrdiff_t k = 0; k < random; ++k) {
     const std::uint32_t worst = *(order_.end() - 1 - k);
     draw(worst);
-    weight_[worst] = 1e-9F;
+    weight_[worst] =
+        params_.carries_weights ? static_cast<float>(params_.drawn_weight / static_cast<double>(count_)) : 1e-9F;
   }
   for (std::ptrdiff_t k = 0; k < copied; ++k) {
     const std::uint32_t from = *(order_.begin() + k);
@@ -354,6 +377,9 @@ void ParticleFilter::replace_worst() {
     x_[to] = x_[from];
     y_[to] = y_[from];
     theta_[to] = theta_[from];
+    if (params_.carries_weights) {
+      weight_[from] *= 0.5F;  // both together stand for what the one stood for
+    }
     weight_[to] = weight_[from];
   }
   const double sum = std::accumulate(weight_.begin(), weight_.begin() + static_cast<std::ptrdiff_t>(count_), 0.0);

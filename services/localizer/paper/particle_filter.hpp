@@ -17,7 +17,8 @@ enum class ParticleResampling { kReplaceWorst, kSystematic };
 
 /// Parameters of the particle filter. The paper's: equation 1 and churn.
 struct ParticleParams {
-  int count = 2000;
+  int count = 0;           // 0 = by the free floor: as many as `density` says
+  double density = 200.0;  // [1/m^2]
   ParticleScoring scoring = ParticleScoring::kEquationOne;
   double distance_gain = 1.0 / 0.15;        // [1/m] kd of equation 1: the score is halved at 0.15 m
   double angle_gain = 1.0 / radians(10.0);  // [1/rad] kt of equation 1
@@ -33,8 +34,10 @@ struct ParticleParams {
   double distance_by_turn = 0.05;           // [m/rad]
   int redraws = 5;                          // tries to move a particle without entering a wall
   ParticleResampling resampling = ParticleResampling::kReplaceWorst;
-  double copied_share = 0.10;  // churn: the best replace as many of the worst
-  double random_share = 0.05;  // of the worst (churn) or of all (systematic) are drawn anew
+  bool carries_weights = true;  // churn: weights are multiplied from update to update, and a copy halves its weight
+  double drawn_weight = 1.0;    // of a particle drawn anew, in shares of the mean weight
+  double copied_share = 0.10;   // churn: the best replace as many of the worst
+  double random_share = 0.05;   // of the worst (churn) or of all (systematic) are drawn anew
 };
 
 /// A small generator whose numbers are the same on every machine. Steele et al. 2014 (splitmix64).
@@ -74,6 +77,9 @@ class ParticleFilter {
   [[nodiscard]] double score(const Pose2& pose, const std::vector<FixtureSighting>& sightings) const;
 
   [[nodiscard]] std::size_t size() const { return count_; }
+  /// Corners [m] of the rectangle in which particles are drawn.
+  [[nodiscard]] const Eigen::Vector2d& low_corner() const { return min_; }
+  [[nodiscard]] const Eigen::Vector2d& high_corner() const { return max_; }
   [[nodiscard]] Pose2 pose(std::size_t i) const { return {x_[i], y_[i], theta_[i]}; }
   [[nodiscard]] double weight(std::size_t i) const { return static_cast<double>(weight_[i]); }
   /// Of all particles together, working space included.
@@ -102,7 +108,7 @@ class ParticleFilter {
   SplitMix random_;
   Eigen::Vector2d min_;  // [m] corners of where fixtures are, for buildings without a map
   Eigen::Vector2d max_;
-  std::size_t count_;
+  std::size_t count_ = 0;
   std::vector<float> x_, y_, theta_, weight_;
   std::vector<float> spare_x_, spare_y_, spare_theta_;  // systematic resampling writes here
   std::vector<std::uint32_t> order_;                    // churn

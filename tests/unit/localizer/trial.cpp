@@ -213,7 +213,10 @@ TrialResult run_trial(SyntheticWorld& world, Localizer& localizer, const TrialPl
       world.kidnap(world.draw_free_pose());
       judge.kidnapped();
     }
-    const SyntheticWorld::Output output = world.step();
+    SyntheticWorld::Output output = world.step();
+    if (output.frame && plan.whole_only) {
+      std::erase_if(output.frame->sightings, [](const FixtureSighting& sighting) { return sighting.clipped; });
+    }
     if (output.sonar) {
       localizer.add_sonar(*output.sonar);
     }

@@ -12,6 +12,7 @@ struct TrialPlan {
   double duration = 120.0;        // [s]
   std::vector<double> kidnaps{};  // [s] when the robot is put somewhere else
   double grace = 1.0;             // [s] after the first image that contradicts, during which an error is forgiven
+  bool whole_only = false;        // fixtures that the image cuts are not sighted, as by the paper's detector
   bool trace = false;             // print changes of state
 };
 

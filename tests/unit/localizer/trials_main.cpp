@@ -82,6 +82,7 @@ TrialPlan plan_of(const Request& request) {
   TrialPlan plan;
   plan.duration = request.duration;
   plan.trace = request.trace;
+  plan.whole_only = request.paper;
   for (std::int64_t c = 1; c <= request.kidnaps; ++c) {
     plan.kidnaps.push_back(request.duration * static_cast<double>(c) / static_cast<double>(request.kidnaps + 1));
   }

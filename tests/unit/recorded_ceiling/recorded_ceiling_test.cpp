@@ -104,6 +104,24 @@ TEST(RecordedCeiling, FollowsTheRobotFromItsFirstPose) {
   EXPECT_LT(max_turned, kFollowedTurn);
 }
 
+TEST(RecordedCeiling, FollowsTheRobotInModePaper) {
+  const RecordedRun run = read_recorded_run(DetectorMode::kPaper);
+  LocalizerConfig config = config_of(run);
+  config.mode = LocalizerMode::kPaper;
+  const auto localizer = make_localizer(config);
+  localizer->add_odometry({run.frames.front().seen.utime - 10'000, 1, {}});
+  localizer->recall({run.frames.front().world_from_robot, Eigen::Vector3d(0.01, 0.01, 0.001).asDiagonal()});
+  const std::vector<LocalizerEstimate> estimates = follow(*localizer, run);
+  std::size_t followed = 0;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const Eigen::Vector3d offset =
+        offset_modulo_grid(estimates[i].belief.pose, run.frames[i].world_from_robot, run.pitch);
+    followed += offset.head<2>().norm() < kSharp && std::abs(offset.z()) < kSharpTurn ? 1 : 0;
+  }
+  std::printf("mode paper: %zu of %zu images within 0.3 ft and 3 degrees\n", followed, estimates.size());
+  EXPECT_GE(followed, 100U);
+}
+
 TEST(RecordedCeiling, IsNotSureOfItsPlaceUnderAGridOfEqualFixtures) {
   const RecordedRun& run = recorded_run();
   const auto localizer = make_localizer(config_of(run));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
+#include "services/detector/detector_params.hpp"
 #include "services/localizer/localizer_config.hpp"
 #include "services/localizer/model/localizer.hpp"
 
@@ -23,7 +24,7 @@ struct RecordedRun {
 };
 
 /// Reads tests/data/ceiling_office_robot. Throws when something is missing.
-RecordedRun read_recorded_run();
+RecordedRun read_recorded_run(DetectorMode mode = DetectorMode::kModern);
 
 /// Offset (x, y, theta) of a pose from the reference, positions modulo the grid [m, rad].
 Eigen::Vector3d offset_modulo_grid(const Pose2& pose, const Pose2& reference, const Eigen::Vector2d& pitch);

@@ -73,6 +73,21 @@ TEST_F(PaperLocalizerTest, GoesBackToTheParticleFilterWhenCarriedAway) {
   EXPECT_TRUE(drive(30.0, searches));
 }
 
+TEST_F(PaperLocalizerTest, TrustsAGivenPoseOnceAFixtureSpeaksForIt) {
+  (void)drive(0.5, [] { return false; });
+  localizer_->add_guess({1, {world_->truth(), 0.01 * Eigen::Matrix3d::Identity()}});
+  EXPECT_EQ(localizer_->estimate().estimator, EstimatorKind::kKalmanFilter);
+  EXPECT_FALSE(is_tracking());
+  EXPECT_TRUE(drive(60.0, [&] { return is_right(); }));
+}
+
+TEST_F(PaperLocalizerTest, LeavesAGivenPoseThatIsWrong) {
+  (void)drive(0.5, [] { return false; });
+  const Pose2 truth = world_->truth();
+  localizer_->add_guess({1, {{truth.x + 1.2, truth.y, truth.theta + 0.7}, 0.01 * Eigen::Matrix3d::Identity()}});
+  EXPECT_TRUE(drive(60.0, [&] { return localizer_->estimate().estimator != EstimatorKind::kKalmanFilter; }));
+}
+
 TEST_F(PaperLocalizerTest, WeighsAGuessAlsoWhileTracking) {
   ASSERT_TRUE(drive(600.0, [&] { return is_right(); }));
   const Pose2 truth = world_->truth();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "services/localizer/paper/pose_clusters.hpp"
@@ -85,6 +86,46 @@ TEST_F(ParticleFilterTest, ClustersShareAllTheWeight) {
   EXPECT_GT(clusters.front().weight, 0.9);
   EXPECT_NEAR(clusters.front().belief.pose.x, 4.0, 0.03);
   EXPECT_NEAR(wrap_angle(clusters.front().belief.pose.theta - 3.1), 0.0, 0.03);
+}
+
+TEST_F(ParticleFilterTest, HasAsManyParticlesAsTheFreeFloorAsksFor) {
+  const auto free = std::count(walls_.map().cells.begin(), walls_.map().cells.end(), Prior::kFree);
+  const ParticleFilter filter(map_, walls_, {.count = 0, .density = 50.0}, 1);
+  EXPECT_NEAR(static_cast<double>(filter.size()), 50.0 * 0.01 * static_cast<double>(free), 1.0);
+}
+
+/// Weight of the particles at (4, 3.4) beside that of all, after updates with a sighting that fits better at
+/// (1.5, 1.6).
+double share_of_the_misfit(ParticleFilter& filter, int updates) {
+  filter.gather({{4.0, 3.4, 0.0}, 1e-12 * Eigen::Matrix3d::Identity()}, 1.0);
+  filter.gather({{1.5, 1.6, 0.0}, 1e-12 * Eigen::Matrix3d::Identity()}, 0.5);
+  for (int i = 0; i < updates; ++i) {
+    filter.update({sighting_at(0.0, 0.0, 0.0)});
+  }
+  double share = 0.0;
+  for (std::size_t i = 0; i < filter.size(); ++i) {
+    share += distance(filter.pose(i), {4.0, 3.4, 0.0}) < 0.1 ? filter.weight(i) : 0.0;
+  }
+  return share;
+}
+
+TEST_F(ParticleFilterTest, CarriesItsWeightsFromUpdateToUpdate) {
+  const ParticleParams params{.count = 1000, .weight_jitter = 0.0, .copied_share = 0.0, .random_share = 0.0};
+  ParticleFilter once(map_, walls_, params, 7);
+  ParticleFilter twice(map_, walls_, params, 7);
+  const double first = share_of_the_misfit(once, 1);
+  const double second = share_of_the_misfit(twice, 2);
+  EXPECT_NEAR(second / (1.0 - second), std::pow(first / (1.0 - first), 2), 1e-3);
+}
+
+TEST_F(ParticleFilterTest, ACopyAndItsOriginalShareTheWeight) {
+  const ParticleParams params{.count = 1000, .weight_jitter = 0.0, .copied_share = 0.1, .random_share = 0.0};
+  ParticleParams without = params;
+  without.copied_share = 0.0;
+  ParticleFilter copying(map_, walls_, params, 7);
+  ParticleFilter plain(map_, walls_, without, 7);
+  // the worst tenth, which the copies replace, weighs next to nothing after one update
+  EXPECT_NEAR(share_of_the_misfit(copying, 1), share_of_the_misfit(plain, 1), 0.05);
 }
 
 TEST_F(ParticleFilterTest, MotionNoiseHasTheStatedDeviation) {
