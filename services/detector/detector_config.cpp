@@ -64,7 +64,7 @@ DetectorConfig read_detector_config(const std::filesystem::path& robot_file,
   config.catalogue = catalogue_of(read_building(building_file));
 
   const TomlTable table = root.table("detector");
-  const bool paper = table.choice("mode", "modern", {"paper", "modern"}) == "paper";
+  const bool paper = table.choice("mode", robot.mode, {"paper", "modern"}) == "paper";
   config.params.mode = paper ? DetectorMode::kPaper : DetectorMode::kModern;
   config.params.paper = read_paper(table.table("paper"));
   config.params.modern = read_modern(table.table("modern"));

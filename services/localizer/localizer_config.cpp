@@ -157,8 +157,8 @@ LocalizerConfig read_localizer_config(const std::filesystem::path& robot_file,
     config.walls = read_map(config.building.map_file);
   }
   const TomlTable table = root.table("localizer");
-  config.mode =
-      table.choice("mode", "modern", {"paper", "modern"}) == "paper" ? LocalizerMode::kPaper : LocalizerMode::kModern;
+  config.mode = table.choice("mode", config.robot.mode, {"paper", "modern"}) == "paper" ? LocalizerMode::kPaper
+                                                                                        : LocalizerMode::kModern;
   config.seed = static_cast<std::uint64_t>(table.integer("seed", 1, {0.0, 1e15}));
   read_wheels(table.table("wheels"), config.wheels);
   read_errors(table.table("errors"), config.errors);

@@ -14,8 +14,9 @@ namespace {
 constexpr double kMarginWithoutMap = 10.0;  // [m] walls may stand this far beyond the outermost fixture
 constexpr int kMaxCells = 4096;             // per axis, as GRID_TILE's receivers accept
 
-void read_sonar_model(const TomlTable& table, const SonarRing& ring, SonarModelParams& sonar) {
-  const bool is_paper = table.choice("mode", "modern", {"paper", "modern"}) == "paper";
+void read_sonar_model(const TomlTable& table, const RobotDescription& robot, SonarModelParams& sonar) {
+  const SonarRing& ring = robot.sonar;
+  const bool is_paper = table.choice("mode", robot.mode, {"paper", "modern"}) == "paper";
   sonar.kind = is_paper ? SonarModelKind::kLine : SonarModelKind::kCone;
   sonar.half_angle = ring.half_angle;
   sonar.minimum_range = ring.minimum_range;
@@ -89,7 +90,7 @@ MapperConfig read_mapper_config(const std::filesystem::path& robot_file, const s
   MapperConfig config;
   config.robot = read_robot(root);
   const TomlTable table = root.table("mapper");
-  read_sonar_model(table, config.robot.sonar, config.grid.sonar);
+  read_sonar_model(table, config.robot, config.grid.sonar);
   read_grid_mapper(table, config.grid);
   config.grid.robot_radius = config.robot.inscribed_radius();
   config.tiles.changed_period = table.number("changed_period", config.tiles.changed_period, {0.0, 10.0});

@@ -11,7 +11,7 @@ namespace {
 constexpr double kRadiusMargin = 0.0875;  // [m] between inscribed and hard radius: half a cell each for robot and wall
 
 void read_route(const TomlTable& table, const RobotDescription& robot, RoutePlannerParams& route) {
-  const bool is_paper = table.choice("mode", "modern", {"paper", "modern"}) == "paper";
+  const bool is_paper = table.choice("mode", robot.mode, {"paper", "modern"}) == "paper";
   route.mode = is_paper ? PlannerMode::kPaper : PlannerMode::kModern;
   ConfigurationSpaceParams& space = route.space;
   const double inscribed = robot.inscribed_radius();

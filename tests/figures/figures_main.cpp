@@ -60,9 +60,9 @@ class Onlooker {
 /// A run in simulated time that a figure looks into every 0.1 s; ends when `look` returns false or the mission is over.
 class FigureRun {
  public:
-  FigureRun(const fs::path& scenario_file, const std::string& localizer_mode)
+  FigureRun(const fs::path& scenario_file, const std::string& mode)
       : scenario(read_scenario(scenario_file)),
-        robot(scenario, {.localizer_mode = localizer_mode, .detector_mode = {}, .planner_mode = {}, .jpeg = false}),
+        robot(scenario, {.mode = mode, .jpeg = false}),
         judge(robot.lcm(), scenario, robot.world()),
         mission(robot.lcm(), scenario),
         onlooker(robot.lcm()) {}
@@ -92,7 +92,7 @@ void draw_workspace(const fs::path& folder) {
 
 /// The paper's chain on the frame of a drive in which it finds most.
 void draw_detection(const fs::path& folder) {
-  FigureRun run(kSource / "tests/replay/scenarios/loop.toml", "");
+  FigureRun run(kSource / "tests/replay/scenarios/loop.toml", "paper");
   DetectionPicture best(kSource / "launch/robots/p3dx.toml", run.scenario.building_file);
   run.run([&] {
     if (run.onlooker.image) {
@@ -161,7 +161,7 @@ PriorMap evidence_map(const OccupancyGrid& grid) {
 }
 
 void draw_loop_and_grid(const fs::path& folder) {
-  FigureRun run(kSource / "tests/replay/scenarios/loop.toml", "");
+  FigureRun run(kSource / "tests/figures/loop.toml", "paper");
   run.run([] { return true; });
   draw_run((folder / "figure-5-loop-closure.png").string(), run.robot.world(), run.robot.believed_building(),
            run.judge.trail(), run.mission.final_results(), nullptr);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
 namespace luminav {
 namespace {
@@ -107,6 +108,7 @@ double RobotDescription::inscribed_radius() const {
 RobotDescription read_robot(const TomlTable& root) {
   RobotDescription robot;
   robot.name = root.text("name");
+  robot.mode = root.choice("mode", robot.mode, {"paper", "modern"});
   robot.footprint = read_footprint(root);
   robot.wheel_base = root.number("wheel_base", robot.wheel_base, {0.05, 3.0});
   robot.sonar = read_sonar_ring(root);
@@ -122,6 +124,12 @@ RobotDescription read_robot(const TomlTable& root) {
 
 RobotDescription read_robot(const std::filesystem::path& file) {
   return read_robot(TomlTable::load(file));
+}
+
+std::string with_mode(const std::string& robot_toml, const std::string& mode) {
+  // nothing else in the file has that name
+  static const std::regex kModeLine(R"((^|\n)[ \t]*mode[ \t]*=[^\n]*)");
+  return "mode = \"" + mode + "\"\n" + std::regex_replace(robot_toml, kModeLine, "$1");
 }
 
 }  // namespace luminav

@@ -39,6 +39,7 @@ struct CameraDescription {
 /// What every process may know of the robot; no process has constants of its own about it.
 struct RobotDescription {
   std::string name = "p3dx";
+  std::string mode = "modern";  // "paper" or "modern": of all nodes that have both and say nothing of their own
   std::vector<Eigen::Vector2d> footprint;  // [m] robot frame, counter-clockwise, convex
   SonarRing sonar;
   MotionLimits limits;
@@ -55,5 +56,8 @@ struct RobotDescription {
 /// each process reads its own with `table("detector")` and rejects what it does not know there.
 RobotDescription read_robot(const TomlTable& root);
 RobotDescription read_robot(const std::filesystem::path& file);
+
+/// The text of a robot's file with that mode for all nodes, whatever it said before.
+std::string with_mode(const std::string& robot_toml, const std::string& mode);
 
 }  // namespace luminav

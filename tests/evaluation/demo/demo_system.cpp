@@ -20,7 +20,9 @@
 #include <tuple>
 #include <vector>
 
+#include "services/common/configuration/robot_file.hpp"
 #include "services/common/configuration/shipped_file.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/launcher/network.hpp"
 #include "services/launcher/sheriff/script_run.hpp"
@@ -106,7 +108,8 @@ void end_child(pid_t& child, double seconds) {
 
 }  // namespace
 
-DemoSystem::DemoSystem(const Scenario& scenario, const std::string& lcm_url, const std::string& log_file) {
+DemoSystem::DemoSystem(const Scenario& scenario, const std::string& mode, const std::string& lcm_url,
+                       const std::string& log_file) {
   std::string folder = (std::filesystem::temp_directory_path() / "luminav-demo-XXXXXX").string();
   if (mkdtemp(folder.data()) == nullptr) {
     throw std::runtime_error(fmt::format("{}: cannot be made", folder));
@@ -115,15 +118,15 @@ DemoSystem::DemoSystem(const Scenario& scenario, const std::string& lcm_url, con
   const std::string port = std::to_string(free_port());
   const std::string seed = std::to_string(scenario.seed);
   const std::string state = state_folder_.string();
-  for (const auto& [name, value] :
-       std::vector<std::pair<const char*, std::string>>{{"LUMINAV_BIN", program_folder().string()},
-                                                        {"LUMINAV_SCENARIO", scenario.file.string()},
-                                                        {"LUMINAV_ROBOT", scenario.robot_file.string()},
-                                                        {"LUMINAV_BUILDING", scenario.building_file.string()},
-                                                        {"LUMINAV_SIMULATOR_PORT", port},
-                                                        {"LUMINAV_SEED", seed},
-                                                        {"LUMINAV_LCM_URL", lcm_url},
-                                                        {"LUMINAV_STATE", state}}) {
+  for (const auto& [name, value] : std::vector<std::pair<const char*, std::string>>{
+           {"LUMINAV_BIN", program_folder().string()},
+           {"LUMINAV_SCENARIO", scenario.file.string()},
+           {"LUMINAV_ROBOT", robot_file_in_mode(scenario.robot_file, mode).string()},
+           {"LUMINAV_BUILDING", scenario.building_file.string()},
+           {"LUMINAV_SIMULATOR_PORT", port},
+           {"LUMINAV_SEED", seed},
+           {"LUMINAV_LCM_URL", lcm_url},
+           {"LUMINAV_STATE", state}}) {
     setenv(name, value.c_str(), 1);
   }
   configuration_ = launcher::read_pmd(shipped_file("demo.pmd"));
@@ -143,6 +146,16 @@ DemoSystem::~DemoSystem() {
   end_child(recorder_, 5.0);
   std::error_code ignored;
   std::filesystem::remove_all(state_folder_, ignored);
+}
+
+/// The robot's file with another mode, beside what else the demo keeps for its time.
+std::filesystem::path DemoSystem::robot_file_in_mode(const std::filesystem::path& file, const std::string& mode) const {
+  if (mode.empty()) {
+    return file;
+  }
+  const std::filesystem::path copy = state_folder_ / "robot.toml";
+  write_whole_file(copy.string(), with_mode(read_whole_file(file.string()), mode));
+  return copy;
 }
 
 void DemoSystem::start_deputy(const std::string& procman_url) {

@@ -17,8 +17,9 @@ namespace luminav {
 /// left behind when it is destroyed or when this process dies.
 class DemoSystem {
  public:
-  /// `log_file` "" = no recording.
-  DemoSystem(const Scenario& scenario, const std::string& lcm_url, const std::string& log_file);
+  /// `mode` of all nodes that have two, "" = as the robot's file says; `log_file` "" = no recording.
+  DemoSystem(const Scenario& scenario, const std::string& mode, const std::string& lcm_url,
+             const std::string& log_file);
   ~DemoSystem();
   DemoSystem(const DemoSystem&) = delete;
   DemoSystem& operator=(const DemoSystem&) = delete;
@@ -40,6 +41,8 @@ class DemoSystem {
  private:
   void start_deputy(const std::string& procman_url);
   void start_recorder(const Scenario& scenario, const std::string& lcm_url, const std::string& log_file);
+  [[nodiscard]] std::filesystem::path robot_file_in_mode(const std::filesystem::path& file,
+                                                         const std::string& mode) const;
   [[nodiscard]] std::string last_words(const std::string& process) const;
 
   std::filesystem::path state_folder_;

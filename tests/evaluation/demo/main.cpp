@@ -42,6 +42,7 @@ struct DemoOptions {
   std::string picture;
   std::string log;
   bool headless = false;
+  std::string mode;
   std::string lcm_url;
 };
 
@@ -100,12 +101,16 @@ int demo(int argc, char** argv) {
       .text("--scenario", options.scenario, "scenario file")
       .integer("--seed", options.seed, "instead of the scenario's own")
       .number("--duration", options.duration, "[s] time limit instead of the scenario's own")
+      .text("--mode", options.mode, "paper | modern, for all nodes that have both; default as the robot's file says")
       .output_file("--report", options.report, "write the report there (JSON)")
       .output_file("--picture", options.picture, "write a picture of the run there (PNG)")
       .text("--log", options.log, "record all data channels there (lcm-logger)")
       .lcm_url(options.lcm_url);
   if (const auto status = line.parse(argc, argv)) {
     return *status;
+  }
+  if (!options.mode.empty() && options.mode != "paper" && options.mode != "modern") {
+    throw ConfigurationError(fmt::format("--mode {}: must be paper or modern", options.mode));
   }
   Scenario scenario = read_scenario(options.scenario);
   if (options.seed >= 0) {
@@ -133,7 +138,7 @@ int demo(int argc, char** argv) {
   launcher::catch_interrupts();
   fmt::print("demo: {} with seed {}, world {}, on {}\n", scenario.name, scenario.seed, world.hash, options.lcm_url);
   std::fflush(stdout);
-  DemoSystem system(scenario, options.lcm_url, options.log);
+  DemoSystem system(scenario, options.mode, options.lcm_url, options.log);
   const std::optional<RunReport> report = drive(*lcm, system, scenario, world, options);
   const bool was_whole = system.is_whole();
   system.stop();

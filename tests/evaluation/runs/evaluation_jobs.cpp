@@ -68,8 +68,8 @@ std::string reproduce_command(const SuiteEntry& entry, std::uint64_t seed, const
   std::string command = fmt::format(
       "{} --scenario {} --seeds {}", (std::filesystem::path(LUMINAV_SOURCE_DIR) / "scripts/evaluate").string(),
       shell_word(std::filesystem::absolute(entry.scenario).lexically_normal().string()), seed);
-  if (!options.mode.empty()) {
-    command += " --mode " + options.mode;
+  if (const std::string& mode = entry.mode.empty() ? options.mode : entry.mode; !mode.empty()) {
+    command += " --mode " + mode;
   }
   if (sensing_of(entry, options) != "rendered") {
     command += " --sensing " + sensing_of(entry, options);
@@ -125,6 +125,10 @@ std::vector<EvaluationJob> jobs_of(const std::vector<SuiteEntry>& entries, const
                                    const DetectorBehaviour* behaviour) {
   std::vector<EvaluationJob> jobs;
   for (const SuiteEntry& entry : entries) {
+    if (!entry.mode.empty() && (!options.mode.empty() || sensing_of(entry, options) == "geometric")) {
+      throw ConfigurationError("--suite " + entry.suite +
+                               ": compares both modes on rendered pictures, without --mode and --sensing geometric");
+    }
     const Scenario scenario = read_scenario(entry.scenario);
     auto [first, last] = std::pair{entry.first_seed, entry.last_seed};
     if (!options.seeds.empty()) {
@@ -137,7 +141,8 @@ std::vector<EvaluationJob> jobs_of(const std::vector<SuiteEntry>& entries, const
     for (std::uint64_t seed = first; seed <= last; ++seed) {
       EvaluationJob job{scenario, {}, reproduce_command(entry, seed, options), entry.suite, entry.group};
       job.scenario.seed = seed;
-      job.options.robot = {options.mode, options.mode, options.mode, !options.mono8,
+      job.scenario.name += entry.mode.empty() ? "" : "-" + entry.mode;
+      job.options.robot = {entry.mode.empty() ? options.mode : entry.mode, !options.mono8,
                            sensing_of(entry, options) == "geometric" ? behaviour : nullptr};
       job.options.trace = options.trace;
       job.options.patrol = entry.patrol || options.patrol;

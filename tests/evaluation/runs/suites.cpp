@@ -63,6 +63,13 @@ std::vector<SuiteEntry> made_entries(const std::string& suite, const std::filesy
     for (const auto& file : make_worlds(generated)) {
       entries.push_back({file, 1000, 1019, "rendered", false, suite, ""});
     }
+  } else if (suite == "paper") {
+    const std::filesystem::path folder = std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch/scenarios";
+    for (const char* file : {"laboratory.toml", "laboratory-known.toml", "office.toml", "office-known.toml"}) {
+      for (const char* mode : {"paper", "modern"}) {
+        entries.push_back({folder / file, 1000, 1009, "rendered", false, suite, "", mode});
+      }
+    }
   } else if (suite == "scale") {
     for (const auto& file : make_scale_series(generated)) {
       entries.push_back({file, 1000, 1000, "geometric", false, suite, ""});
@@ -98,7 +105,7 @@ std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& p
 
 std::string suite_names() {
   return "quick, laboratory, office, localization, detector, mapping, navigation, endurance, missions, worlds, scale, "
-         "all";
+         "paper, all";
 }
 
 bool has_detector_part(const std::string& suite) {

@@ -16,6 +16,7 @@ struct SuiteEntry {
   bool patrol = false;               // the goals are driven to over and over until the scenario's duration is over
   std::string suite;                 // that it belongs to, also within "all"; "" = none
   std::string group;                 // under which its runs are summed up; "" = the scenario's name
+  std::string mode{};                // of all nodes that have two, told apart by the run's name; "" = as asked for
 };
 
 /// The scenario itself, or all scenarios of a folder, by name. Throws ConfigurationError for a folder without any.

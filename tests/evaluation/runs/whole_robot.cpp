@@ -122,21 +122,25 @@ struct WholeRobot::Parts {
       }
       detector.reset();
       DetectorConfig config = read_detector_config(scenario.robot_file, scenario.building_file);
-      override_mode(config.params.mode, options.detector_mode);
+      override_mode(config.params.mode, options.mode);
       detector = std::make_unique<DetectorNode>(lcm, config);
     } else if (process == "localizer") {
       localizer.reset();
       LocalizerConfig config = read_localizer_config(scenario.robot_file, scenario.building_file);
-      override_mode(config.mode, options.localizer_mode);
+      override_mode(config.mode, options.mode);
       config.seed = scenario.seed;
       localizer = std::make_unique<LocalizerNode>(lcm, config);
     } else if (process == "mapper") {
       mapper.reset();
-      mapper = std::make_unique<MapperNode>(lcm, read_mapper_config(scenario.robot_file, scenario.building_file));
+      MapperConfig config = read_mapper_config(scenario.robot_file, scenario.building_file);
+      if (!options.mode.empty()) {
+        config.grid.sonar.kind = options.mode == "paper" ? SonarModelKind::kLine : SonarModelKind::kCone;
+      }
+      mapper = std::make_unique<MapperNode>(lcm, config);
     } else if (process == "planner") {
       planner.reset();
       PlannerConfig config = read_planner_config(scenario.robot_file, scenario.building_file);
-      override_mode(config.route.mode, options.planner_mode);
+      override_mode(config.route.mode, options.mode);
       planner = std::make_unique<PlannerNode>(lcm, config);
     } else if (process == "controller") {
       controller.reset();

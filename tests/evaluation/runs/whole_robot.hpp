@@ -14,10 +14,8 @@ namespace luminav {
 class DetectorBehaviour;
 
 struct WholeRobotOptions {
-  std::string localizer_mode;  // "paper" or "modern"; "" = as the robot's file says
-  std::string detector_mode;
-  std::string planner_mode;
-  bool jpeg = true;                              // pictures are compressed as on the network; false: mono8
+  std::string mode;  // "paper" or "modern", of all nodes that have both; "" = as the robot's file says
+  bool jpeg = true;  // pictures are compressed as on the network; false: mono8
   const DetectorBehaviour* geometric = nullptr;  // what geometric sensing draws from, instead of camera and detector
 };
 

@@ -32,6 +32,22 @@ TEST(EvaluationJobs, SaysTheCommandThatDoesItAgain) {
                                       " --seeds 3 --mode paper --sensing geometric --patrol");
 }
 
+TEST(EvaluationJobs, TellsTheModesOfASuiteApart) {
+  std::vector<SuiteEntry> entries;
+  for (const char* mode : {"paper", "modern"}) {
+    entries.push_back({kLaboratory, 1000, 1000, "rendered", false, "paper", "", mode});
+  }
+  const auto jobs = jobs_of(entries, {}, nullptr);
+  ASSERT_EQ(jobs.size(), 2U);
+  EXPECT_EQ(jobs[0].scenario.name, "laboratory-paper");
+  EXPECT_EQ(jobs[0].options.robot.mode, "paper");
+  EXPECT_EQ(jobs[1].options.robot.mode, "modern");
+  EXPECT_THAT(jobs[0].reproduce, testing::HasSubstr("--mode paper"));
+  JobOptions options;
+  options.mode = "modern";
+  EXPECT_THROW(jobs_of(entries, options, nullptr), ConfigurationError);
+}
+
 TEST(EvaluationJobs, RefusesSeedsThatAreNone) {
   for (const char* seeds : {"", "7..3", "a..b", "1..", "..", "-3", "1..999999999", "3x"}) {
     JobOptions options;
