@@ -97,6 +97,7 @@ ControlOutput Controller::step(const ControlInput& input) {
     of_wish.blocked = (!is_still(wanted) || hold_since_ != 0) && is_still(verdict.twist) && verdict.limited;
     wait_or_escape(input, of_wish, output);
   }
+  output.reason = output.reason.empty() ? input.ages.doubt : output.reason;
   return output;
 }
 

@@ -9,6 +9,7 @@
 #include "services/controller/following/path_follower.hpp"
 #include "services/controller/following/progress_monitor.hpp"
 #include "services/controller/safety/echo_memory.hpp"
+#include "services/controller/safety/sonar_watch.hpp"
 #include "services/controller/safety/stop_logic.hpp"
 #include "services/controller/safety/touch_memory.hpp"
 #include "services/controller/search/wander.hpp"
@@ -21,6 +22,7 @@ struct ControllerConfig {
   Building building;  // without fixtures: a robot that does not know where it is searches by sonar alone
   PriorMap walls;     // of its map, empty = none
   EchoMemoryParams echo_memory;
+  SonarWatchParams sonar_watch;
   TouchMemoryParams touch_memory;
   StopLogicParams stop_logic;
   LocalMapParams local_map;

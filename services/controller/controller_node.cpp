@@ -9,6 +9,7 @@
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 #include "services/controller/controller_messages.hpp"
+#include "services/controller/safety/facing_wall.hpp"
 #include "services/controller/safety/seconds_between.hpp"
 
 namespace luminav {
@@ -32,6 +33,7 @@ ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config, st
       subscriber_(lcm, key),
       controller_(config),
       echoes_(config.robot.sonar, config.echo_memory),
+      sonar_watch_(config.robot.sonar, config.sonar_watch),
       touches_(config.robot, config.touch_memory) {
   subscriber_.on(channels::kPath, &ControllerNode::on_path, this);
   subscriber_.on(channels::kNavigationStatus, &ControllerNode::on_navigation_status, this);
@@ -48,7 +50,8 @@ ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config, st
 Health ControllerNode::health() const {
   Health health;
   health.dropped_inputs = subscriber_.dropped();
-  health.reason = subscriber_.last_reason();
+  health.degraded = sonar_watch_.trust() != SonarTrust::kTrusted;
+  health.reason = health.degraded ? sonar_watch_.reason() : subscriber_.last_reason();
   return health;
 }
 
@@ -118,6 +121,7 @@ void ControllerNode::restart_odometry(const odometry_t& first) {
   alternatives_.clear();
   odometry_.clear();
   echoes_.clear();
+  sonar_watch_.forget_motion();
   touches_.clear();
   controller_.forget_odometry();
   odometry_.add(first);
@@ -158,7 +162,8 @@ void ControllerNode::on_sonar(const sonar_t& message) {
     return;  // the place of these readings is unknown
   }
   WallTest is_wall;
-  if (const std::optional<Pose2> world = world_from_odom(); world && has_grid_) {
+  const std::optional<Pose2> world = world_from_odom();
+  if (world && has_grid_) {
     is_wall = [this, world_from_odom = *world](const Eigen::Vector2d& point, double distance) {
       return has_wall_near(grid_, world_from_odom * point, distance);
     };
@@ -175,8 +180,20 @@ void ControllerNode::on_sonar(const sonar_t& message) {
       continue;
     }
     const bool has_echo = message.has_echo[i] != 0 && range < config_.robot.sonar.maximum_range - 0.01;
-    echoes_.add({i, message.range_utime[i], range, has_echo, *place}, is_wall);
+    const SonarFiring firing{i, message.range_utime[i], range, has_echo, *place};
+    echoes_.add(firing, is_wall);
+    sonar_watch_.add(firing, world ? look_at_map(i, *world * *place) : SonarWatch::Place{});
   }
+}
+
+SonarWatch::Place ControllerNode::look_at_map(std::size_t disc, const Pose2& world_from_robot) const {
+  const SonarRing& ring = config_.robot.sonar;
+  const Pose2 world_from_sonar = world_from_robot * ring.robot_from_sonar[disc];
+  const Cell cell = grid_.geometry.cell_at(world_from_sonar.position());
+  if (!has_grid_ || !grid_.geometry.contains(cell) || grid_.prior[grid_.geometry.index(cell)] == Prior::kUnknown) {
+    return {};
+  }
+  return {true, facing_wall(grid_, world_from_sonar, ring.half_angle, sonar_watch_.params().wall)};
 }
 
 void ControllerNode::on_robot_status(const robot_status_t& message) {
@@ -274,6 +291,9 @@ std::optional<std::string> ControllerNode::reason_to_halt(std::int64_t utime) co
   if (odometry_.empty() || seconds_between(odometry_.newest().utime, utime) > config_.stop_logic.silent_after) {
     return "no odometry for half a second";
   }
+  if (sonar_watch_.trust() == SonarTrust::kDead) {
+    return sonar_watch_.reason();
+  }
   return std::nullopt;
 }
 
@@ -346,6 +366,7 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
     input.ages.odometry = std::max(0.0, seconds_between(odometry_.newest().utime, utime));
   }
   judge_disc_ages(echoes_, utime, input.ages);
+  input.ages.doubt = sonar_watch_.reason();
   input.ages.front_bumper = status_ && status_->bumpers_front != 0;
   input.ages.rear_bumper = status_ && status_->bumpers_rear != 0;
   return input;

@@ -22,6 +22,7 @@
 #include "services/controller/controller.hpp"
 #include "services/controller/controller_config.hpp"
 #include "services/controller/recent_odometry.hpp"
+#include "services/controller/safety/sonar_watch.hpp"
 
 namespace luminav {
 
@@ -53,6 +54,8 @@ class ControllerNode {
   void publish_command(std::int64_t utime);
   void publish_status(std::int64_t utime);
   void restart_odometry(const odometry_t& first);
+  /// What the building's map leads a disc of a robot that stands there to expect.
+  [[nodiscard]] SonarWatch::Place look_at_map(std::size_t disc, const Pose2& world_from_robot) const;
   /// Remembers what blocks the wheels now, or presses a bumper, and did not before.
   void feel(const robot_status_t& status);
 
@@ -68,6 +71,7 @@ class ControllerNode {
   Subscriber subscriber_;
   Controller controller_;
   EchoMemory echoes_;
+  SonarWatch sonar_watch_;
   TouchMemory touches_;
   OccupancyGrid grid_;
   std::int64_t map_session_ = 0;

@@ -124,6 +124,10 @@ StopVerdict StopLogic::judge(const DriveTwist& wanted, const Obstacles& obstacle
   }
   DriveTwist possible{std::clamp(wanted.linear, -limits_.linear, limits_.linear),
                       std::clamp(wanted.angular, -limits_.angular, limits_.angular)};
+  if (!ages.doubt.empty() && std::abs(possible.linear) > params_.doubtful_linear) {
+    const double share = params_.doubtful_linear / std::abs(possible.linear);
+    possible = {share * possible.linear, share * possible.angular};  // the same arc
+  }
   const bool ahead = possible.linear > 0.0;
   if (possible.linear != 0.0 && (ahead ? ages.front_sonar : ages.rear_sonar) > params_.disc_silent_after) {
     verdict.reason = ahead ? "the front sonars are silent" : "no sonar sees what is behind";

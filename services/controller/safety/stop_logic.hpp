@@ -16,6 +16,7 @@ struct StopLogicParams {
   double reaction_time = 0.25;     // [s] from a command to the wheels
   double silent_after = 0.5;       // [s] without odometry or sonar
   double disc_silent_after = 0.9;  // [s] without a firing: the sector is blind
+  double doubtful_linear = 0.15;   // [m/s] while some sonars seem to be dead
 };
 
 /// How old the senses are, and which way they look.
@@ -26,6 +27,7 @@ struct SenseAges {
   double rear_sonar = 1e9;    // [s] oldest of the discs that look back; 1e9 = there are none
   bool front_bumper = false;  // pressed
   bool rear_bumper = false;   // pressed
+  std::string doubt{};        // why some sonars seem to be dead; "" = none does
 };
 
 /// Ages of the discs of a ring that look within 45 degrees of straight ahead and straight back.

@@ -5,6 +5,8 @@
 #include <luminav/navigation_status_t.hpp>
 #include <luminav/path_t.hpp>
 #include <luminav/velocity_command_t.hpp>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -105,6 +107,8 @@ class ClosedLoop {
   bool motors = true;
   bool drops_pose = false;
   bool drops_sonar = false;
+  std::set<std::size_t> deaf;      // discs that hear nothing, on time
+  std::optional<double> stuck_at;  // [m] all discs say this
 
  private:
   static constexpr std::int64_t kStart = 1'000'000'000'000;  // [us]
@@ -126,7 +130,8 @@ class ClosedLoop {
   void fire() {
     for (std::size_t array = 0; array < 2; ++array) {
       const std::size_t disc = 8 * array + next_disc_;
-      const double range = world_.sonar(disc);
+      const double heard = world_.sonar(disc);
+      const double range = deaf.contains(disc) ? config_.robot.sonar.maximum_range : stuck_at.value_or(heard);
       sonar_.range[disc] = static_cast<float>(range);
       sonar_.has_echo[disc] = range < config_.robot.sonar.maximum_range;
       sonar_.fresh[disc] = true;

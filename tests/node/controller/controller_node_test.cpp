@@ -281,5 +281,104 @@ TEST_F(ControllerNodeTest, StandsStillWhenThePathIsTakenAway) {
   expect_standing("no path");
 }
 
+// ------------------------------------------------------------------------------------------------ senses that are dead
+
+// 18 x 2.4 m outside, 1.8 m wide inside
+const std::vector<std::string> kLongCorridor{"############################################################",
+                                             "#..........................................................#",
+                                             "#..........................................................#",
+                                             "#..........................................................#",
+                                             "#..........................................................#",
+                                             "#..........................................................#",
+                                             "#..........................................................#",
+                                             "############################################################"};
+
+class DeadSonars : public ::testing::Test {
+ protected:
+  DeadSonars() {
+    world_.place_robot({1.0, 1.2, 0.0});
+    loop_.start({.goal = {16.0, 1.2}});
+    run(4.0);
+  }
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(50.0 * seconds); ++i) {
+      loop_.tick();
+    }
+  }
+  /// Drives on until it stands, at most 20 s, and returns how far [m] it came at more than 0.16 m/s and in all.
+  std::pair<double, double> drive_on() {
+    const double start = loop_.driven();
+    double fast = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      loop_.tick();
+      fast = world_.twist().linear > 0.16 ? loop_.driven() - start : fast;
+    }
+    return {fast, loop_.driven() - start};
+  }
+
+  ControllerConfig config_ = read_controller_config(std::string(LUMINAV_SOURCE_DIR) + "/launch/robots/p3dx.toml");
+  KinematicWorld world_{config_.robot, kLongCorridor};
+  ClosedLoop loop_{world_, config_};
+};
+
+TEST_F(DeadSonars, OfAllDiscsMakeItSlowAndThenStandWithOneSentence) {
+  ASSERT_GT(world_.twist().linear, 0.4);
+  ASSERT_FALSE(loop_.node().health().degraded);
+  for (std::size_t disc = 0; disc < 16; ++disc) {
+    loop_.deaf.insert(disc);
+  }
+  const auto [fast, way] = drive_on();
+  EXPECT_LT(fast, 1.0);
+  EXPECT_LT(way, 1.8);
+  EXPECT_DOUBLE_EQ(loop_.command_message().linear_x, 0.0);
+  EXPECT_EQ(loop_.status().state, control_status_t::STATE_STOPPED);
+  EXPECT_EQ(loop_.status().reason, "sonars 0, 7, 8 and 15 heard nothing where walls must be: it stands");
+  EXPECT_TRUE(loop_.node().health().degraded);
+  EXPECT_EQ(loop_.node().health().reason, loop_.status().reason);
+}
+
+TEST_F(DeadSonars, OfTheFrontMakeItStand) {
+  for (std::size_t disc = 0; disc < 8; ++disc) {
+    loop_.deaf.insert(disc);
+  }
+  EXPECT_LT(drive_on().second, 1.8);
+  EXPECT_NE(loop_.status().reason.find("heard nothing where walls must be"), std::string::npos);
+}
+
+TEST_F(DeadSonars, ThatSayTheSameRangeMakeItStand) {
+  loop_.stuck_at = 3.0;
+  EXPECT_LT(drive_on().second, 1.8);
+  EXPECT_NE(loop_.status().reason.find("it stands"), std::string::npos) << loop_.status().reason;
+}
+
+TEST_F(DeadSonars, ThatSayTheSameRangeMakeItStandWhereThePoseIsNotKnown) {
+  loop_.is_tracking = false;
+  loop_.localize();
+  run(2.0);
+  loop_.stuck_at = 3.0;
+  EXPECT_LT(drive_on().second, 2.5);
+  EXPECT_NE(loop_.status().reason.find("measured the same while the robot moved"), std::string::npos)
+      << loop_.status().reason;
+}
+
+TEST_F(DeadSonars, OfOneDiscLetItDriveSlowlyToItsGoal) {
+  loop_.deaf = {0};
+  run(10.0);
+  EXPECT_TRUE(loop_.node().health().degraded);
+  EXPECT_NEAR(loop_.command_message().linear_x, 0.15, 0.01);
+}
+
+TEST_F(DeadSonars, ThatHearAgainLetItDriveOn) {
+  for (std::size_t disc = 0; disc < 16; ++disc) {
+    loop_.deaf.insert(disc);
+  }
+  drive_on();
+  ASSERT_EQ(loop_.status().state, control_status_t::STATE_STOPPED);
+  loop_.deaf.clear();
+  run(6.0);
+  EXPECT_FALSE(loop_.node().health().degraded) << loop_.node().health().reason;
+  EXPECT_GT(world_.twist().linear, 0.3);
+}
+
 }  // namespace
 }  // namespace luminav::testing

@@ -1,0 +1,117 @@
+#include "services/controller/safety/sonar_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+std::string numbers_of(const std::vector<std::size_t>& discs) {
+  std::string text;
+  for (std::size_t i = 0; i < discs.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == discs.size() ? " and " : ", ") + std::to_string(discs[i]);
+  }
+  return text;
+}
+
+}  // namespace
+
+SonarWatch::SonarWatch(const SonarRing& ring, const SonarWatchParams& params)
+    : ring_(ring), params_(params), discs_(ring.robot_from_sonar.size()) {}
+
+void SonarWatch::forget_motion() {
+  for (Disc& disc : discs_) {
+    disc.last.reset();
+    disc.counted.reset();
+    disc.same.reset();
+  }
+  ahead_ = back_ = {};
+}
+
+SonarWatch::Half& SonarWatch::half_of(std::size_t disc) {
+  return ring_.robot_from_sonar[disc].x >= 0.0 ? ahead_ : back_;
+}
+
+bool SonarWatch::is_new_place(const Disc& disc, const SonarFiring& firing) const {
+  if (!disc.counted) {
+    return true;
+  }
+  const Pose2 moved = disc.counted->odom_from_robot.inverse() * firing.odom_from_robot;
+  return std::hypot(moved.x, moved.y) > params_.spacing || std::abs(moved.theta) > params_.turn;
+}
+
+bool SonarWatch::says_the_same(Disc& disc, const SonarFiring& firing) const {
+  if (!firing.has_echo || !disc.same || std::abs(firing.range - disc.same->range) > params_.same) {
+    disc.same.reset();
+    if (firing.has_echo) {
+      disc.same = firing;
+    }
+    return false;
+  }
+  const double axis = disc.same->odom_from_robot.theta + ring_.robot_from_sonar[firing.disc].theta;
+  const Eigen::Vector2d moved = firing.odom_from_robot.position() - disc.same->odom_from_robot.position();
+  if (std::abs(moved.x() * std::cos(axis) + moved.y() * std::sin(axis)) < params_.along) {
+    return false;
+  }
+  disc.same->odom_from_robot = firing.odom_from_robot;
+  return true;
+}
+
+bool SonarWatch::is_silent_half(std::size_t disc, const SonarFiring& firing, bool is_stuck) {
+  Half& half = half_of(disc);
+  if (half.odom_from_robot) {
+    const Pose2 moved = half.odom_from_robot->inverse() * firing.odom_from_robot;
+    half.quiet += std::hypot(moved.x, moved.y) + params_.quiet_turn * std::abs(moved.theta);
+  }
+  half.odom_from_robot = firing.odom_from_robot;
+  half.quiet = firing.has_echo && !is_stuck ? 0.0 : half.quiet;
+  return half.quiet > params_.quiet_way;
+}
+
+void SonarWatch::add(const SonarFiring& firing, const Place& place) {
+  Disc& disc = discs_[firing.disc];
+  const bool is_lively = firing.has_echo && disc.last &&
+                         (!disc.last->has_echo || std::abs(firing.range - disc.last->range) > params_.same);
+  const bool is_stuck = says_the_same(disc, firing);
+  const bool is_half_silent = is_silent_half(firing.disc, firing, is_stuck);
+  const bool is_unheard = place.wall && (!firing.has_echo || firing.range > *place.wall + params_.farther);
+  const bool is_deaf = is_unheard || (!place.is_known && is_half_silent && !firing.has_echo);
+  disc.last = firing;
+  if (is_lively) {
+    disc.evidence = std::max(0.0, disc.evidence - params_.life);
+  } else if ((is_stuck || is_deaf) && is_new_place(disc, firing)) {
+    disc.evidence = std::min(params_.dead, disc.evidence + 1.0);
+    disc.is_stuck = firing.has_echo;
+    disc.counted = firing;
+  }
+}
+
+std::vector<std::size_t> SonarWatch::discs_above(double evidence) const {
+  std::vector<std::size_t> discs;
+  for (std::size_t i = 0; i < discs_.size(); ++i) {
+    if (discs_[i].evidence >= evidence) {
+      discs.push_back(i);
+    }
+  }
+  return discs;
+}
+
+SonarTrust SonarWatch::trust() const {
+  return static_cast<int>(discs_above(params_.dead).size()) >= params_.dead_discs ? SonarTrust::kDead
+         : discs_above(params_.doubt).empty()                                     ? SonarTrust::kTrusted
+                                                                                  : SonarTrust::kDoubted;
+}
+
+std::string SonarWatch::reason() const {
+  const SonarTrust trust = this->trust();
+  if (trust == SonarTrust::kTrusted) {
+    return "";
+  }
+  const std::vector<std::size_t> discs = discs_above(params_.doubt);
+  const bool is_stuck = std::all_of(discs.begin(), discs.end(), [&](std::size_t i) { return discs_[i].is_stuck; });
+  return (discs.size() == 1 ? "sonar " : "sonars ") + numbers_of(discs) +
+         (is_stuck ? " measured the same while the robot moved" : " heard nothing where walls must be") +
+         (trust == SonarTrust::kDead ? ": it stands" : ": it drives slowly");
+}
+
+}  // namespace luminav

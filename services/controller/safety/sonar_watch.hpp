@@ -1,0 +1,81 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/controller/safety/echo_memory.hpp"
+
+namespace luminav {
+
+struct SonarWatchParams {
+  double doubt = 3.0;       // pieces of evidence from which a disc is doubted,
+  double dead = 6.0;        // and from which it counts as dead
+  double life = 2.0;        // pieces that a range which changes takes back
+  int dead_discs = 2;       // so many leave a gap that no neighbour covers
+  double spacing = 0.10;    // [m] or
+  double turn = 0.17;       // [rad] between two readings of a disc that say something new
+  double wall = 2.0;        // [m] up to which a wall that faces a disc must echo
+  double farther = 0.4;     // [m] behind it: the wall was not heard
+  double same = 0.005;      // [m] ranges that differ by less are the same: an echo has noise of its own
+  double along = 0.15;      // [m] of own way along its axis, over which a disc's range has to change
+  double quiet_way = 4.0;   // [m] without pose or map: so far no half of a ring is silent between walls and furniture
+  double quiet_turn = 0.5;  // [m/rad] what turning counts for in it
+};
+
+/// What is to be thought of the ring.
+enum class SonarTrust { kTrusted, kDoubted, kDead };
+
+/// Holds what each disc hears against what map and own motion lead to expect. The base reports its maximum range, on
+/// time, for a disc whose transducer or cable is dead, so ages say nothing. Each disc has one count of evidence that it
+/// tells nothing of the world: up by one for a wall that faces it and was not heard, and for a range that stays the
+/// same on the way towards what it measures; down when its range changes. Readings from one place count once.
+class SonarWatch {
+ public:
+  SonarWatch(const SonarRing& ring, const SonarWatchParams& params);
+
+  /// The place of a firing in the building.
+  struct Place {
+    bool is_known = false;       // pose and map are
+    std::optional<double> wall;  // [m] to the wall that faces the disc, if any
+  };
+  /// Takes up the firings of a disc in the order of their time.
+  void add(const SonarFiring& firing, const Place& place);
+  /// Relative motion across now is unknown. What was found out of the discs stays.
+  void forget_motion();
+
+  [[nodiscard]] SonarTrust trust() const;
+  /// Plain sentence; "" when trusted.
+  [[nodiscard]] std::string reason() const;
+  [[nodiscard]] double evidence(std::size_t disc) const { return discs_[disc].evidence; }
+  [[nodiscard]] const SonarWatchParams& params() const { return params_; }
+
+ private:
+  struct Disc {
+    double evidence = 0.0;
+    bool is_stuck = false;  // the last piece of evidence: it says the same; else it is deaf
+    std::optional<SonarFiring> last;
+    std::optional<SonarFiring> counted;  // the last one that said something new
+    std::optional<SonarFiring> same;     // the first of those that say the same
+  };
+  /// Discs that look to one side, ahead or back.
+  struct Half {
+    double quiet = 0.0;  // [m] since one of them heard something
+    std::optional<Pose2> odom_from_robot;
+  };
+  [[nodiscard]] Half& half_of(std::size_t disc);
+  [[nodiscard]] bool is_new_place(const Disc& disc, const SonarFiring& firing) const;
+  /// Has it come nearer to what it hears, or gone away, and the range is the same?
+  [[nodiscard]] bool says_the_same(Disc& disc, const SonarFiring& firing) const;
+  [[nodiscard]] bool is_silent_half(std::size_t disc, const SonarFiring& firing, bool is_stuck);
+  [[nodiscard]] std::vector<std::size_t> discs_above(double evidence) const;
+
+  SonarRing ring_;
+  SonarWatchParams params_;
+  std::vector<Disc> discs_;
+  Half ahead_;
+  Half back_;
+};
+
+}  // namespace luminav
