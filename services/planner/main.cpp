@@ -1,3 +1,5 @@
+#include <fstream>
+
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
@@ -15,6 +17,7 @@ int main(int argc, char** argv) {
     }
     luminav::PlannerConfig config = luminav::read_planner_config(robot_file, building_file);
     config.state_folder = std::filesystem::path(state) / config.robot.name;
+    std::ifstream("/proc/sys/kernel/random/boot_id") >> config.boot;
     const luminav::NetworkAccess access = luminav::read_network_access(robot_file);
     const luminav::LcmNetwork network = access.on(url);
     const auto lcm = luminav::open_lcm(network);
@@ -24,6 +27,10 @@ int main(int argc, char** argv) {
     luminav::remember_files(robot_file, building_file);
     loop.belong_to(luminav::identify(robot_file, building_file));
     loop.report_health([&] { return node.health(); });
-    return loop.run();
+    const int status = loop.run();
+    if (status == 0) {  // somebody wanted an end
+      node.end();
+    }
+    return status;
   });
 }

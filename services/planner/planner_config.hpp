@@ -20,6 +20,7 @@ struct PlannerConfig {
   std::string building;                ///< its name; "" = not told, then any place is taken as it comes
   std::vector<Place> places;           ///< of the building: a goal that names another one is for another building
   std::filesystem::path state_folder;  ///< where the goal list survives a restart; "" = nowhere
+  std::string boot;                    ///< id of the machine's start; "" = unknown
 };
 
 /// Reads table [planner] of the robot's file and doors and places of the building. Throws ConfigurationError.

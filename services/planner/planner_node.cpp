@@ -21,6 +21,7 @@ constexpr std::int64_t kActivePeriod =
 constexpr std::int64_t kIdlePeriod = 950'000;       // [us] and at 1 Hz without
 constexpr std::int64_t kPathPeriod = 950'000;       // [us] PATH is repeated: a datagram may get lost
 constexpr std::int64_t kRequestPeriod = 2'000'000;  // [us] between TILE_REQUESTs
+constexpr std::int64_t kKeepPeriod = 20'000'000;    // [us] a goal is kept anew: how long ago tells whether it goes on
 constexpr std::size_t kRememberedIds = 32;
 constexpr std::size_t kMaxRequested = 200;
 constexpr int kMaxStops = 1000;
@@ -152,19 +153,35 @@ void PlannerNode::act_on(const goal_t& goal, std::int64_t now) {
   keep_goal();
 }
 
+void PlannerNode::keep(bool asks) {
+  StoredGoal stored{accepted_, cycle_.stop_index(), asks, {config_.boot, config_.building, now_}};
+  store_.keep(stored);
+  kept_ = std::move(stored);
+}
+
 void PlannerNode::keep_goal() {
   try {
     if (!cycle_.is_active()) {
-      if (kept_stop_ >= 0) {
+      if (kept_) {
         store_.forget();
-        kept_stop_ = -1;
+        kept_.reset();
       }
-    } else if (kept_stop_ != cycle_.stop_index() || kept_goal_ != accepted_.id) {
-      kept_stop_ = cycle_.stop_index();
-      kept_goal_ = accepted_.id;
-      store_.keep({accepted_, kept_stop_});
+    } else if (!kept_ || kept_->goal.id != accepted_.id || kept_->pose_index != cycle_.stop_index() ||
+               kept_->asks != cycle_.is_paused() || now_ - kept_->kept.utime > kKeepPeriod ||
+               now_ < kept_->kept.utime) {
+      keep(cycle_.is_paused());
     }
     store_error_.clear();
+  } catch (const std::exception& error) {
+    store_error_ = error.what();
+  }
+}
+
+void PlannerNode::end() {
+  try {
+    if (cycle_.is_active()) {
+      keep(true);
+    }
   } catch (const std::exception& error) {
     store_error_ = error.what();
   }
@@ -178,7 +195,15 @@ void PlannerNode::resume_stored_goal(std::int64_t now) {
   }
   accepted_ = stored->goal;
   done_ids_.push_back(accepted_.id);
-  cycle_.resume_at(request_from(accepted_), stored->pose_index, now);
+  const std::string objection = objection_to_resuming(*stored, {config_.boot, config_.building, now});
+  if (objection.empty()) {
+    cycle_.resume_at(request_from(accepted_), stored->pose_index, now);
+  } else if (stored->kept.building != config_.building) {
+    kept_ = stored;  // its coordinates mean nothing here
+    cycle_.refuse(accepted_.id, "a kept goal is dropped: " + objection, now);
+  } else {
+    cycle_.show_paused(request_from(accepted_), stored->pose_index, objection, now);
+  }
 }
 
 // ---------------------------------------------------------------------------------------------------- inputs

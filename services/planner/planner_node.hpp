@@ -27,6 +27,8 @@ class PlannerNode {
   /// With a key, commands without its seal are dropped.
   PlannerNode(lcm::LCM& lcm, const PlannerConfig& config, std::optional<CommandKey> key = {});
 
+  /// The planner is ended in order: a goal that is under way is kept, but asks before it goes on.
+  void end();
   [[nodiscard]] Health health() const;
   /// What it listens to.
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
@@ -49,6 +51,7 @@ class PlannerNode {
   void publish_path(std::int64_t now);
   void publish_status(std::int64_t now);
   void keep_goal();
+  void keep(bool asks);
   void resume_stored_goal(std::int64_t now);
 
   lcm::LCM& lcm_;
@@ -75,8 +78,7 @@ class PlannerNode {
   int published_sequence_ = 0;
   NavigationState published_state_ = NavigationState::kIdle;
   std::int64_t published_goal_ = 0;
-  int kept_stop_ = -1;
-  std::int64_t kept_goal_ = 0;
+  std::optional<StoredGoal> kept_;  // as it lies in the store
   std::string store_error_;
   Subscriber subscriber_;  // last: no handler may run on a half-built node
 };

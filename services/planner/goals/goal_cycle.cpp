@@ -23,6 +23,12 @@ void GoalCycle::resume_at(const GoalRequest& goal, int stop_index, std::int64_t 
   begin(goal, std::clamp(stop_index, 0, static_cast<int>(goal.stops.size()) - 1), now);
 }
 
+void GoalCycle::show_paused(const GoalRequest& goal, int stop_index, const std::string& why, std::int64_t now) {
+  resume_at(goal, stop_index, now);
+  enter(Phase::kPaused, NavigationState::kPaused,
+        fmt::format("kept from before on the way to {}: {}; resume?", place_of(stop()), why));
+}
+
 void GoalCycle::begin(const GoalRequest& goal, int stop_index, std::int64_t now) {
   now_ = now;
   goal_ = goal;

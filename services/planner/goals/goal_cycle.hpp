@@ -22,6 +22,8 @@ class GoalCycle {
   void start(const GoalRequest& goal, std::int64_t now);
   /// Goes on with a goal that an earlier run was busy with.
   void resume_at(const GoalRequest& goal, int stop_index, std::int64_t now);
+  /// Shows such a goal as paused, and why; it goes on when it is resumed.
+  void show_paused(const GoalRequest& goal, int stop_index, const std::string& why, std::int64_t now);
   void cancel(std::int64_t id, std::int64_t now);
   void pause(std::int64_t id, std::int64_t now);
   void resume(std::int64_t id, std::int64_t now);
@@ -33,6 +35,7 @@ class GoalCycle {
   void update(const Situation& situation);
 
   [[nodiscard]] bool is_active() const { return phase_ != Phase::kNone; }
+  [[nodiscard]] bool is_paused() const { return phase_ == Phase::kPaused; }
   [[nodiscard]] const NavigationReport& report() const { return report_; }
   [[nodiscard]] const GoalPath& path() const { return path_; }
   [[nodiscard]] const GoalRequest& goal() const { return goal_; }

@@ -1,16 +1,47 @@
 #include "services/planner/goals/goal_store.hpp"
 
-#include <cstring>
+#include <fmt/format.h>
+
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
-#include <string>
 #include <system_error>
 #include <vector>
 
 #include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
+namespace {
+
+constexpr const char* kFormat = "luminav goal 2";
+constexpr double kFresh = 120.0;  // [s] since the goal was kept last: its people still stand beside the robot
+
+std::string say_age(double seconds) {
+  return seconds < 5400.0     ? fmt::format("{:.0f} min", seconds / 60.0)
+         : seconds < 129600.0 ? fmt::format("{:.0f} h", seconds / 3600.0)
+                              : fmt::format("{:.0f} days", seconds / 86400.0);
+}
+
+/// Lines before the message.
+std::string heading_of(const StoredGoal& stored) {
+  return fmt::format("{}\n{}\n{}\n{} {} {}\n", kFormat, stored.kept.boot, stored.kept.building, stored.kept.utime,
+                     stored.pose_index, stored.asks ? 1 : 0);
+}
+
+}  // namespace
+
+std::string objection_to_resuming(const StoredGoal& stored, const GoalCircumstances& now) {
+  if (stored.kept.building != now.building) {
+    return fmt::format("it is of building \"{}\", this is \"{}\"", stored.kept.building, now.building);
+  }
+  if (stored.kept.boot.empty() || stored.kept.boot != now.boot) {
+    return "the machine was started anew since";
+  }
+  const double age = 1e-6 * static_cast<double>(now.utime - stored.kept.utime);
+  if (age < 0.0 || age > kFresh) {
+    return age < 0.0 ? "the robot's clock went back since" : fmt::format("that was {} ago", say_age(age));
+  }
+  return stored.asks ? "it was paused, or the planner ended in order" : "";
+}
 
 GoalStore::GoalStore(const std::filesystem::path& folder) : file_(folder.empty() ? folder : folder / "goal.bin") {}
 
@@ -18,13 +49,12 @@ void GoalStore::keep(const StoredGoal& stored) const {
   if (file_.empty()) {
     return;
   }
-  std::string bytes(sizeof stored.pose_index + static_cast<std::size_t>(stored.goal.getEncodedSize()), '\0');
-  std::memcpy(bytes.data(), &stored.pose_index, sizeof stored.pose_index);
-  if (stored.goal.encode(bytes.data() + sizeof stored.pose_index, 0, stored.goal.getEncodedSize()) < 0) {
+  std::vector<char> bytes(static_cast<std::size_t>(stored.goal.getEncodedSize()));
+  if (stored.goal.encode(bytes.data(), 0, stored.goal.getEncodedSize()) < 0) {
     throw std::runtime_error("the goal cannot be encoded");
   }
   std::filesystem::create_directories(file_.parent_path());
-  write_whole_file(file_, bytes, Durability::kRenamed);
+  write_whole_file(file_, heading_of(stored) + std::string(bytes.begin(), bytes.end()), Durability::kRenamed);
 }
 
 void GoalStore::forget() const {
@@ -39,15 +69,18 @@ std::optional<StoredGoal> GoalStore::recall() const {
     return std::nullopt;
   }
   std::ifstream in(file_, std::ios::binary);
-  const std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   StoredGoal stored;
-  if (bytes.size() <= sizeof stored.pose_index) {
+  std::string format;
+  std::getline(in, format);
+  std::getline(in, stored.kept.boot);
+  std::getline(in, stored.kept.building);
+  in >> stored.kept.utime >> stored.pose_index >> stored.asks;
+  if (format != kFormat || !in || in.get() != '\n') {
     return std::nullopt;
   }
-  std::memcpy(&stored.pose_index, bytes.data(), sizeof stored.pose_index);
-  const auto size = static_cast<int>(bytes.size() - sizeof stored.pose_index);
+  const std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   try {
-    if (stored.goal.decode(bytes.data() + sizeof stored.pose_index, 0, size) < 0) {
+    if (stored.goal.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) {
       return std::nullopt;
     }
   } catch (const std::exception&) {  // LCM's decoding throws on damaged counts

@@ -25,6 +25,7 @@ export function sentence(state, building) {
   if (robot?.stop_engaged || control?.stop_engaged) return 'Stopped: it stands still until the stop is released.';
   if (robot && !robot.motors_enabled) return 'The motors are off.';
   if (nameOf(CONTROL, control?.state) === 'teleoperated') return 'Is driven by hand.';
+  if (nameOf(CONTROL, control?.state) === 'stopped' && control.reason) return `Stands still: ${control.reason}.`;
   if (!navigation) return pose ? 'No word from the planner.' : 'Waiting for the robot …';
   const to = navigation.target ? ` to ${spot(navigation.target, building)}` : '';
   const left = navigation.distance_left > 0 ? `, ${navigation.distance_left.toFixed(1)} m left` : '';
@@ -36,7 +37,7 @@ export function sentence(state, building) {
     case 'following': {
       const doing = {yielding: 'Waits for somebody to pass on the way', escaping: 'Frees itself on the way',
         turning: 'Turns on the way'}[nameOf(CONTROL, control?.state)] ?? 'Drives';
-      return `${doing}${to}${left}.`;
+      return `${doing}${to}${left}${control?.reason ? `: ${control.reason}` : ''}.`;
     }
     case 'waiting': return `Waits${to}${why}.`;
     case 'arrived': return `Arrived${navigation.target ? ` at ${spot(navigation.target, building)}` : ''}.`;
@@ -45,7 +46,7 @@ export function sentence(state, building) {
     case 'stuck': return `Is stuck on the way${to}${why}.`;
     case 'cancelled': return 'The goal was cancelled.';
     case 'lost': return `Lost its way${to}${why}.`;
-    case 'paused': return `Pauses on the way${to}.`;
+    case 'paused': return why.endsWith('?') ? `Pauses${why}` : `Pauses on the way${to}.`;
     default: return navigation.cause;
   }
 }

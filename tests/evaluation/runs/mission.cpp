@@ -127,6 +127,9 @@ void Mission::send_goal(std::int64_t utime) {
 }
 
 void Mission::watch_goal(const sim_truth_t& truth) {
+  if (navigation_ && navigation_->goal_id == goal_id_ && navigation_->state == navigation_status_t::STATE_PAUSED) {
+    goal_id_ = truth.utime;  // a planner that was ended in order asks: yes, there
+  }
   if (!navigation_ || navigation_->goal_id != goal_id_ || !is_final(navigation_->state)) {
     ended_since_ = 0;
     return;

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <limits>
+#include <optional>
 
 #include "tests/node/planner/planner_world.hpp"
 
@@ -505,26 +507,123 @@ TEST(PlannerNode, TellsItsStateOftenEnough) {
   EXPECT_GE(world.statuses - before, 25);
 }
 
-TEST(PlannerNode, GoesOnWithItsGoalAfterARestart) {
-  const auto folder = std::filesystem::path(LUMINAV_BINARY_DIR) / "node_planner_state";
-  std::filesystem::remove_all(folder);
-  PlannerConfig config;
-  config.state_folder = folder;
-  {
-    PlannerWorld world(config);
-    world.send(world.goal(8, {{3.0, 2.0}, {4.0, 1.5}}));
-    ASSERT_TRUE(world.run_until(30.0, [&] { return world.status.pose_index == 1; }));
+/// A planner that is killed on the way to its second stop, and the next one.
+class KeptGoal : public ::testing::Test {
+ protected:
+  KeptGoal() {
+    std::filesystem::remove_all(config_.state_folder);
+    before_.emplace(config_);
+    before_->send(before_->goal(8, {{3.0, 2.0}, {4.0, 1.5}}));
+    EXPECT_TRUE(before_->run_until(30.0, [&] { return before_->status.pose_index == 1; }));
   }
-  {
-    PlannerWorld world(config);
-    world.run(1.0);
-    EXPECT_EQ(world.status.goal_id, 8);
-    EXPECT_EQ(world.status.pose_index, 1);
-    EXPECT_TRUE(world.run_until_state(30.0, Status::STATE_ARRIVED));
+  /// The next planner, so many seconds of the robot's time later.
+  PlannerWorld& start_anew(double later = 5.0) {
+    const std::int64_t utime = before_->utime;
+    before_.reset();
+    after_.emplace(config_);
+    after_->utime = utime + static_cast<std::int64_t>(1e6 * later);
+    after_->robot = {3.0, 2.0, 0.0};
+    after_->run(3.0);
+    return *after_;
   }
-  PlannerWorld world(config);
-  world.run(1.0);
-  EXPECT_EQ(world.status.state, Status::STATE_IDLE);
+  /// It shows the goal and moves nothing, until somebody resumes it.
+  void expect_asks(const std::string& why) {
+    EXPECT_EQ(after_->status.state, Status::STATE_PAUSED);
+    EXPECT_EQ(after_->status.goal_id, 8);
+    EXPECT_EQ(after_->status.pose_index, 1);
+    EXPECT_THAT(after_->status.cause, HasSubstr(why));
+    EXPECT_THAT(after_->status.cause, HasSubstr("resume?"));
+    EXPECT_THAT(after_->states, ::testing::Each(Status::STATE_PAUSED));
+    EXPECT_EQ(after_->path.count, 0);
+    after_->act(9, goal_t::ACTION_RESUME);
+    EXPECT_TRUE(after_->run_until_state(30.0, Status::STATE_ARRIVED));
+  }
+
+  PlannerConfig config_ = [] {
+    PlannerConfig config;
+    config.state_folder = std::filesystem::path(LUMINAV_BINARY_DIR) / "node_planner_state";
+    config.building = "laboratory";
+    config.boot = "first";
+    return config;
+  }();
+  std::optional<PlannerWorld> before_;
+  std::optional<PlannerWorld> after_;
+};
+
+TEST_F(KeptGoal, GoesOnAfterACrash) {
+  PlannerWorld& world = start_anew();
+  EXPECT_EQ(world.status.goal_id, 8);
+  EXPECT_EQ(world.status.pose_index, 1);
+  EXPECT_TRUE(world.run_until_state(30.0, Status::STATE_ARRIVED));
+  before_.emplace(config_);
+  before_->run(1.0);
+  EXPECT_EQ(before_->status.state, Status::STATE_IDLE);
+}
+
+TEST_F(KeptGoal, GoesOnAfterACrashLateInALongDrive) {
+  before_->motors = false;
+  before_->run(300.0);
+  EXPECT_NE(start_anew().status.state, Status::STATE_PAUSED);
+}
+
+TEST_F(KeptGoal, AsksAfterAnOrderlyEnd) {
+  before_->node.end();
+  start_anew();
+  expect_asks("ended in order");
+}
+
+TEST_F(KeptGoal, AsksWhenItWasPaused) {
+  before_->act(9, goal_t::ACTION_PAUSE);
+  start_anew();
+  expect_asks("paused");
+}
+
+TEST_F(KeptGoal, AsksAfterANewStartOfTheMachine) {
+  config_.boot = "second";
+  start_anew();
+  expect_asks("started anew");
+}
+
+TEST_F(KeptGoal, AsksWhereTheStartOfTheMachineIsNotKnown) {
+  config_.boot = "";
+  start_anew();
+  expect_asks("started anew");
+}
+
+TEST_F(KeptGoal, AsksTheNextMorning) {
+  start_anew(14.0 * 3600.0);
+  expect_asks("14 h ago");
+}
+
+TEST_F(KeptGoal, AsksWhenTheClockWentBack) {
+  start_anew(-100.0);
+  expect_asks("clock went back");
+}
+
+TEST_F(KeptGoal, AsksAgainWhenItCrashesWhileItAsks) {
+  before_->node.end();
+  start_anew();
+  before_.emplace(config_);
+  before_->utime = after_->utime + 5'000'000;
+  before_->run(2.0);
+  EXPECT_EQ(before_->status.state, Status::STATE_PAUSED);
+}
+
+TEST_F(KeptGoal, IsDroppedInAnotherBuilding) {
+  config_.building = "office";
+  PlannerWorld& world = start_anew();
+  EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
+  EXPECT_THAT(world.status.cause, HasSubstr("building \"laboratory\", this is \"office\""));
+  EXPECT_EQ(world.path.count, 0);
+  world.act(9, goal_t::ACTION_RESUME);
+  world.run(3.0);
+  EXPECT_EQ(world.path.count, 0);
+  EXPECT_FALSE(std::filesystem::exists(config_.state_folder / "goal.bin"));
+}
+
+TEST_F(KeptGoal, IsNoneWhereTheFileIsDamaged) {
+  std::ofstream(config_.state_folder / "goal.bin") << "luminav goal 2\nfirst\nlaboratory\n";
+  EXPECT_EQ(start_anew().status.state, Status::STATE_IDLE);
 }
 
 }  // namespace
