@@ -46,6 +46,7 @@ void Controller::forget_odometry() {
 void Controller::enter(ControlTask task, const ControlInput& input) {
   if (task == ControlTask::kWander && task_ != ControlTask::kWander) {
     wander_.clear();
+    turn_search_.restart();
   }
   task_ = task;
   escape_.reset();
@@ -92,7 +93,7 @@ ControlOutput Controller::step(const ControlInput& input) {
   if (verdict.limited && (verdict.blocked || is_still(verdict.twist))) {
     output.reason = verdict.reason;
   }
-  if (task == ControlTask::kFollow || task == ControlTask::kWander) {
+  if (may_travel(task)) {
     StopVerdict of_wish = verdict;
     of_wish.blocked = (!is_still(wanted) || hold_since_ != 0) && is_still(verdict.twist) && verdict.limited;
     wait_or_escape(input, of_wish, output);
@@ -186,6 +187,9 @@ DriveTwist Controller::wish(const ControlInput& input, ControlOutput& output) {
       output.state = ControlState::kTeleop;
       return input.teleoperation;
     case ControlTask::kWander:
+      if (!may_travel(input.task)) {
+        return search(input, output);
+      }
       output.state = ControlState::kWandering;
       break;
     case ControlTask::kFollow:
@@ -205,11 +209,33 @@ DriveTwist Controller::wish(const ControlInput& input, ControlOutput& output) {
     output.reason = escape_->move.name;
     return escape_twist(input.now).value_or(DriveTwist{});
   }
-  if (input.task == ControlTask::kWander) {
-    return wander_.step(
-        {input.now, input.odom_from_robot, obstacles_, input.remembered, input.firings, input.alternatives});
+  return input.task == ControlTask::kWander ? search(input, output) : output.follow.wanted;
+}
+
+bool Controller::may_travel(ControlTask task) const {
+  return task == ControlTask::kFollow ||
+         (task == ControlTask::kWander && config_.building.search == SearchManner::kWander);
+}
+
+DriveTwist Controller::search(const ControlInput& input, ControlOutput& output) {
+  switch (config_.building.search) {
+    case SearchManner::kWander:
+      // Keep-out areas belong here once buildings have them: what any pose that is possible has one, is one.
+      return wander_.step(
+          {input.now, input.odom_from_robot, obstacles_, input.remembered, input.firings, input.alternatives});
+    case SearchManner::kTurn: {
+      const DriveTwist turn = turn_search_.step(input.odom_from_robot, config_.robot.limits.angular);
+      output.state = turn_search_.is_over() ? ControlState::kIdle : ControlState::kTurning;
+      output.reason = turn_search_.is_over()
+                          ? "has looked all round and does not know where it is: tell it, or push it on"
+                          : "looks round for ceiling lights that tell where it is";
+      return turn;
+    }
+    case SearchManner::kStand:
+      output.reason = "stands until it knows where it is: tell it, or push it on";
+      return {};
   }
-  return output.follow.wanted;
+  return {};
 }
 
 void Controller::follow(const ControlInput& input, ControlOutput& output) {

@@ -10,6 +10,7 @@
 #include "services/controller/following/progress_monitor.hpp"
 #include "services/controller/safety/escape.hpp"
 #include "services/controller/safety/stop_logic.hpp"
+#include "services/controller/safety/turn_search.hpp"
 #include "services/controller/search/wander.hpp"
 
 namespace luminav {
@@ -81,6 +82,10 @@ class Controller {
   [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest) const;
   void hold_still(std::int64_t now, const Pose2& place, const DriveTwist& wanted, double nearest, StopVerdict& verdict);
   DriveTwist wish(const ControlInput& input, ControlOutput& output);
+  /// Looks for its place as the building allows.
+  DriveTwist search(const ControlInput& input, ControlOutput& output);
+  /// May it leave its place?
+  [[nodiscard]] bool may_travel(ControlTask task) const;
   void follow(const ControlInput& input, ControlOutput& output);
   [[nodiscard]] std::optional<DriveTwist> escape_twist(std::int64_t now) const;
   void begin_escape(const ControlInput& input, bool by_unknown, ControlOutput& output);
@@ -94,6 +99,7 @@ class Controller {
   StopLogic stop_logic_;
   PathFollower follower_;
   Wander wander_;
+  TurnSearch turn_search_;
   ProgressMonitor progress_;
   PlanePoints walls_;    // of this step: known ones, robot frame
   Obstacles obstacles_;  // of this step: echoes and these walls

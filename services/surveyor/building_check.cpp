@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "services/surveyor/alike_fixtures.hpp"
 
@@ -15,6 +16,7 @@ constexpr double kRobotRadius = 0.25;    // [m] must fit where a place is
 constexpr double kShareInWall = 0.1;     // of a fixture's face; less is a map drawn by hand
 constexpr double kLargestFixture = 2.5;  // [m] longer ones are rows of fixtures
 constexpr double kNarrowestDoor = 0.6;   // [m] what the robot needs
+constexpr double kDrop = 1.0;            // [m] round a place or a door: who stops or turns there comes so far
 
 /// Points spread over a rectangle, in its own frame, a resolution apart at most.
 std::vector<Eigen::Vector2d> points_of(double length, double width, double spacing) {
@@ -195,6 +197,27 @@ class Walls {
   std::vector<bool> is_wall_;
 };
 
+/// Distance [m] from a point to the nearest unknown cell, or the map's border, that a straight line over free floor
+/// leads to; nothing within `farthest`.
+std::optional<double> distance_to_unknown(const PriorMap& map, const Eigen::Vector2d& point, double farthest) {
+  constexpr int kDirections = 72;
+  const double step = 0.5 * map.geometry.resolution;
+  std::optional<double> nearest;
+  for (int i = 0; i < kDirections; ++i) {
+    const double theta = 2.0 * kPi * i / kDirections;
+    for (double way = 0.0; way <= nearest.value_or(farthest); way += step) {
+      const Prior prior = map.at(point + way * Eigen::Vector2d(std::cos(theta), std::sin(theta)));
+      if (prior == Prior::kUnknown) {
+        nearest = way;
+      }
+      if (prior != Prior::kFree) {
+        break;
+      }
+    }
+  }
+  return nearest;
+}
+
 class BuildingInspector {
  public:
   BuildingInspector(const BuildingSource& source, const PriorMap* map)
@@ -301,6 +324,8 @@ class BuildingInspector {
         add(FindingKind::kError, source_.door_lines[i],
             fmt::format("door {} at ({:.2f}, {:.2f}) is a wall in the map", door.id, door.world_from_door.x,
                         door.world_from_door.y));
+      } else {
+        warn_of_unknown(fmt::format("door {}", door.id), door.world_from_door.position(), source_.door_lines[i]);
       }
     }
   }
@@ -319,7 +344,20 @@ class BuildingInspector {
         add(FindingKind::kError, source_.place_lines[i],
             fmt::format("place \"{}\" at ({:.2f}, {:.2f}): no way leads there from most of the building", place.name,
                         place.pose.x, place.pose.y));
+      } else {
+        warn_of_unknown(fmt::format("place \"{}\"", place.name), place.pose.position(), source_.place_lines[i]);
       }
+    }
+  }
+
+  /// What the map does not know and no wall shuts off may be a stair: no sense of the robot's looks down.
+  void warn_of_unknown(const std::string& what, const Eigen::Vector2d& point, int line) {
+    const std::optional<double> distance = distance_to_unknown(*map_, point, kDrop);
+    if (distance) {
+      add(FindingKind::kWarning, line,
+          fmt::format("{} at ({:.2f}, {:.2f}) is {:.2f} m from what the map does not know: stairs there are seen by no "
+                      "sense of the robot; draw a wall before them",
+                      what, point.x(), point.y(), *distance));
     }
   }
 

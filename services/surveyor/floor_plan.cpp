@@ -25,6 +25,7 @@ class FloorDraughtsman {
       : params_(params), rng_(params.seed), layout_(params_, plan_.building) {
     plan_.building.name = params.name;
     plan_.building.ceiling_height = params.ceiling_height;
+    plan_.building.search = SearchManner::kWander;  // a floor that is made has no stairs
     GridGeometry& geometry = plan_.map.geometry;
     geometry.resolution = params.resolution;
     geometry.columns = static_cast<int>(std::lround(params.width / params.resolution));

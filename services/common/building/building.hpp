@@ -77,9 +77,27 @@ struct Place {
   bool has_theta = false;
 };
 
+/// What a robot may do that does not know where it is: drive about by sonar, which sees no stairs and little glass,
+/// look round where it is, or nothing.
+enum class SearchManner { kWander, kTurn, kStand };
+
+/// As building files spell it.
+inline const char* name_of(SearchManner manner) {
+  switch (manner) {
+    case SearchManner::kWander:
+      return "wander";
+    case SearchManner::kTurn:
+      return "turn";
+    case SearchManner::kStand:
+      return "stand";
+  }
+  return "";
+}
+
 /// What is known of a building. Poses in the world frame.
 struct Building {
   std::string name;
+  SearchManner search = SearchManner::kTurn;
   double ceiling_height = 2.8;  // [m]
   std::string map_file;         // absolute path of the map's YAML; "" = none
   std::vector<Fixture> fixtures;

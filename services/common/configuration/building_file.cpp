@@ -106,6 +106,10 @@ BuildingSource read_building_source(const std::filesystem::path& file) {
   building.name = root.text("name");
   building.ceiling_height = root.number("ceiling_height", {1.0, 30.0});
   building.map_file = root.path("map");
+  const std::string search = root.choice("search", name_of(building.search), {"wander", "turn", "stand"});
+  building.search = search == "wander"  ? SearchManner::kWander
+                    : search == "stand" ? SearchManner::kStand
+                                        : SearchManner::kTurn;
   std::set<int> ids;
   for (const TomlTable& table : root.tables("fixture")) {
     building.fixtures.push_back(read_fixture(table, building.ceiling_height));
@@ -145,6 +149,7 @@ void write_building(const std::filesystem::path& file, const Building& building)
   if (!building.map_file.empty()) {
     text += fmt::format("map = {}\n", quoted(building.map_file));
   }
+  text += fmt::format("search = \"{}\"\n", name_of(building.search));
   for (const Fixture& fixture : building.fixtures) {
     text += fixture_table(fixture, building.ceiling_height);
   }

@@ -148,12 +148,14 @@ TEST_F(ClosedLoopTest, SaysThatItIsStuckWhereTheWayIsWalledOff) {
   EXPECT_FALSE(loop.status().reason.empty());
 }
 
-TEST_F(ClosedLoopTest, WandersOverTheGroundWithoutTouching) {
+TEST_F(ClosedLoopTest, WandersOverTheGroundWithoutTouchingWhereTheBuildingAllowsIt) {
+  ControllerConfig config = config_;
+  config.building.search = SearchManner::kWander;
   for (const unsigned seed : {1U, 2U, 3U}) {
     KinematicWorld world(config_.robot, kRooms, seed);
     world.place_robot({2.0, 4.0, 0.7 * seed});
     world.add_walker({.from = {1.0, 1.2}, .to = {8.0, 1.2}, .position = {1.0, 1.2}});
-    ClosedLoop loop(world, config_);
+    ClosedLoop loop(world, config);
     loop.localize();
     loop.run(90.0);
     EXPECT_EQ(world.contacts(), 0);

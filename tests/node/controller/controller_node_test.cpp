@@ -316,7 +316,12 @@ class DeadSonars : public ::testing::Test {
     return {fast, loop_.driven() - start};
   }
 
-  ControllerConfig config_ = read_controller_config(std::string(LUMINAV_SOURCE_DIR) + "/launch/robots/p3dx.toml");
+  static ControllerConfig config() {
+    ControllerConfig config = read_controller_config(std::string(LUMINAV_SOURCE_DIR) + "/launch/robots/p3dx.toml");
+    config.building.search = SearchManner::kWander;
+    return config;
+  }
+  ControllerConfig config_ = config();
   KinematicWorld world_{config_.robot, kLongCorridor};
   ClosedLoop loop_{world_, config_};
 };

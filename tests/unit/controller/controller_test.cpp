@@ -69,6 +69,12 @@ TEST(Controller, DoesNotLeaveItsPlaceWhenItIsOnlyToTurnThere) {
   }
 }
 
+ControllerConfig searching(SearchManner manner) {
+  ControllerConfig config = ControllerConfig::for_robot(testing::test_robot());
+  config.building.search = manner;
+  return config;
+}
+
 /// A robot that searches before a wall, so that it wants to turn, with a thing at a place.
 ControlInput search_with(const ObstaclePoint& thing) {
   ControlInput input;
@@ -83,7 +89,7 @@ ControlInput search_with(const ObstaclePoint& thing) {
 }
 
 TEST(Controller, SearchesFreeFloorAlmostAsFastAsItDrivesThere) {
-  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  Controller controller(searching(SearchManner::kWander));
   ControlInput input = search_with(thing_at(9.0, 0.0, true));
   input.echoes.clear();
   input.remembered.clear();
@@ -96,7 +102,7 @@ TEST(Controller, SearchesFreeFloorAlmostAsFastAsItDrivesThere) {
 }
 
 TEST(Controller, MakesRoomWhereACornerForbidsTheTurnToItsWayOfSearch) {
-  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  Controller controller(searching(SearchManner::kWander));
   ControlInput input = search_with(thing_at(-0.27, 0.285, true));
   input.echoes.push_back(thing_at(-0.27, -0.285, true));  // beside the rear corners, which swing out
   input.remembered = input.echoes;
@@ -111,7 +117,7 @@ TEST(Controller, MakesRoomWhereACornerForbidsTheTurnToItsWayOfSearch) {
 
 TEST(Controller, TurnsAtFullSpeedBesideWhatStoodWhileItSearches) {
   const auto rate_beside = [](bool has_stood) {
-    Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+    Controller controller(searching(SearchManner::kWander));
     ControlInput input = search_with(thing_at(0.0, 0.55, has_stood));
     double rate = 0.0;
     for (int i = 1; i <= 30; ++i) {
@@ -125,7 +131,7 @@ TEST(Controller, TurnsAtFullSpeedBesideWhatStoodWhileItSearches) {
 }
 
 TEST(Controller, DoesNotWaitLongForPeopleWhileItMayAsWellSearchElsewhere) {
-  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  Controller controller(searching(SearchManner::kWander));
   ControlInput input = search_with(thing_at(0.0, 0.29, false));
   input.echoes.back().approach = 0.5;
   input.echoes.push_back(thing_at(0.0, -0.29, false));
@@ -180,6 +186,62 @@ TEST(Controller, GetsNowhereWhenItsWheelsSpinOnTheSpot) {
     input.odom_from_robot = input.odom_from_robot * Pose2{0.05 * output.twist.linear, 0.0, 0.0};
   }
   EXPECT_TRUE(has_escaped);
+}
+
+/// Drives a search on free floor for a minute and a half; returns the turn [rad] and the way [m] driven.
+struct SearchTrack {
+  double turned = 0.0;
+  double way = 0.0;
+  ControlOutput last;
+};
+SearchTrack search_for_long(Controller& controller, Pose2& odom_from_robot, std::int64_t& now) {
+  SearchTrack track;
+  ControlInput input = search_with(thing_at(9.0, 0.0, true));
+  input.echoes.clear();
+  input.remembered.clear();
+  for (int i = 1; i <= 1800; ++i) {
+    input.now = now += 50'000;
+    input.odom_from_robot = odom_from_robot;
+    track.last = controller.step(input);
+    odom_from_robot = odom_from_robot * drive_arc(track.last.twist, 0.05);
+    track.turned += 0.05 * std::abs(track.last.twist.angular);
+    track.way += 0.05 * std::abs(track.last.twist.linear);
+  }
+  return track;
+}
+
+TEST(Controller, LooksRoundOnceWithoutLeavingItsPlaceUnlessTheBuildingAllowsToWander) {
+  Controller controller(ControllerConfig::for_robot(testing::test_robot()));
+  Pose2 robot;
+  std::int64_t now = 1'000'000;
+  const SearchTrack track = search_for_long(controller, robot, now);
+  EXPECT_EQ(track.way, 0.0);
+  EXPECT_NEAR(degrees(track.turned), 400.0, 10.0);
+  EXPECT_NE(track.last.reason.find("tell it, or push it on"), std::string::npos);
+  robot = robot * Pose2{1.0, 0.0, 0.0};  // somebody pushed it on
+  EXPECT_NEAR(degrees(search_for_long(controller, robot, now).turned), 400.0, 10.0);
+}
+
+TEST(Controller, StandsWhereTheBuildingAllowsNoSearch) {
+  Controller controller(searching(SearchManner::kStand));
+  Pose2 robot;
+  std::int64_t now = 1'000'000;
+  const SearchTrack track = search_for_long(controller, robot, now);
+  EXPECT_EQ(track.way, 0.0);
+  EXPECT_EQ(track.turned, 0.0);
+  EXPECT_NE(track.last.reason.find("stands until it knows"), std::string::npos);
+}
+
+TEST(Controller, DoesNotLeaveItsPlaceToFreeATurnWhereItMayOnlyLookRound) {
+  Controller controller(searching(SearchManner::kTurn));
+  ControlInput input = search_with(thing_at(-0.27, 0.285, true));
+  input.echoes.push_back(thing_at(-0.27, -0.285, true));  // beside the rear corners, which swing out
+  for (int i = 1; i <= 400; ++i) {
+    input.now = 1'000'000 + 50'000 * i;
+    const ControlOutput output = controller.step(input);
+    ASSERT_NE(output.state, ControlState::kEscaping);
+    ASSERT_EQ(output.twist.linear, 0.0);
+  }
 }
 
 }  // namespace

@@ -96,5 +96,29 @@ TEST(BuildingCheck, SaysThatABuildingWithoutFixturesIsOfNoUse) {
   EXPECT_THAT(findings_of(""), Contains(finding(FindingKind::kError, 1, "no fixture")));
 }
 
+TEST(BuildingCheck, WarnsOfPlacesAndDoorsBesideWhatTheMapDoesNotKnow) {
+  const TemporaryFolder folder;
+  PriorMap map = hall();
+  for (int row = 2; row < 98; ++row) {
+    for (int column = 2; column < 198; ++column) {
+      // a stair ends at x = 5 m, and nobody has been behind the wall at x = 12 m
+      Prior& cell = map.cells[map.geometry.index({column, row})];
+      cell = column < 50 || column > 121 ? Prior::kUnknown : cell;
+    }
+  }
+  const auto source = read_building_source(folder.write("building.toml",
+                                                        "name = \"hall\"\nceiling_height = 2.8\n"
+                                                        "[[place]]\nname = \"landing\"\nx = 5.6\ny = 6.0\n"
+                                                        "[[place]]\nname = \"desk\"\nx = 6.4\ny = 6.0\n"
+                                                        "[[place]]\nname = \"behind the wall\"\nx = 11.5\ny = 6.0\n"
+                                                        "[[door]]\nid = 3\nx = 5.3\ny = 3.0\n"));
+  const auto findings = check_building(source, &map);
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kWarning, 3, "m from what the map does not know")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kWarning, 15, "door 3")));
+  EXPECT_THAT(findings, Not(Contains(Field(&BuildingFinding::text, HasSubstr("\"desk\" at (6.40, 6.00) is")))));
+  EXPECT_THAT(findings,
+              Not(Contains(Field(&BuildingFinding::text, HasSubstr("behind the wall\" at (11.50, 6.00) is")))));
+}
+
 }  // namespace
 }  // namespace luminav
