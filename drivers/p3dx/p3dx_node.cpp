@@ -38,6 +38,11 @@ DeadReckoningParams reckoning_params(const P3dxConfig& config, const std::string
   return params;
 }
 
+WheelWatchParams wheel_params(const RobotDescription& robot) {
+  const double braking = robot.limits.linear / robot.limits.linear_deceleration;
+  return {.wheel_base = robot.wheel_base, .dead_after = braking + 0.4, .runs_after = braking + 0.7};
+}
+
 }  // namespace
 
 P3dxNode::P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, OpenStream open_stream,
@@ -53,6 +58,7 @@ P3dxNode::P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, 
       settings_(config.robot.limits, config.angular_deceleration),
       stop_(config.state_folder),
       motors_(config.enable_motors_at_start),
+      wheels_(wheel_params(config.robot)),
       subscriber_(lcm, key) {
   subscriber_.on(channels::kVelocityCommand, &P3dxNode::on_velocity_command, this);
   subscriber_.on(channels::kStop, &P3dxNode::on_stop, this);
@@ -100,6 +106,9 @@ void P3dxNode::on_motors_command(const motors_command_t& message) {
   const std::int64_t now = wake();
   gate_.clear(now);
   motors_.request(message.enable != 0);
+  if (message.enable != 0) {
+    wheels_.restart();
+  }
   if (link_.connected()) {
     // VEL 0 and RVEL 0 go first: some robots have run wild right after ENABLE.
     writer_.restart();
@@ -189,6 +198,7 @@ void P3dxNode::on_connected() {
   last_ = InformationPacket();
   sonar_.clear();
   motors_.on_connected();
+  wheels_.restart();
   gate_.clear(now);
   gate_.set_limits(std::min(limits.linear, 1e-3 * robot.velocity_top),
                    std::min(limits.angular, radians(robot.turn_rate_top)));
@@ -239,8 +249,30 @@ void P3dxNode::on_information(const ReceivedInformation& received) {
   if (motors_were_wanted != motors_.wish() || !received.packet.motors_enabled) {
     gate_.clear(now);  // whatever was asked of a robot without motors is not done later
   }
+  if (!motors_were_wanted && motors_.wish()) {
+    wheels_.restart();
+  }
+  watch_wheels(utime);
   publish_odometry(utime);
   publish_sonar();
+}
+
+void P3dxNode::watch_wheels(std::int64_t utime) {
+  if (clock_.utime() - utime > kLongestGap) {
+    wheels_.forget_motion();  // measured while this driver slept and told the robot something else
+    return;
+  }
+  const bool was_well = wheels_.fault().empty();
+  wheels_.update(last_, told_, utime);
+  if (!was_well || wheels_.fault().empty()) {
+    return;
+  }
+  // The robot's own control would drive a wheel that it does not see turn faster and faster: only without power it
+  // stands.
+  motors_.request(false);
+  gate_.clear(clock_.utime());
+  link_.send(encode_command(ArcosCommand::kEmergencyStop));
+  link_.send(encode_command(ArcosCommand::kEnable, 0));
 }
 
 void P3dxNode::command_motion(std::int64_t now) {
@@ -249,6 +281,7 @@ void P3dxNode::command_motion(std::int64_t now) {
   }
   const bool stands = stop_.engaged() || standing_still_ || !held_because_.empty();
   const DriveVelocity wanted = stands ? DriveVelocity{} : gate_.velocity(now);
+  told_ = wanted;
   for (std::vector<std::uint8_t>& frame : writer_.poll(wanted, now)) {
     link_.send(std::move(frame));
   }
@@ -317,6 +350,9 @@ std::string P3dxNode::reason(std::int64_t now) const {
   if (!link_.connected() || session_ == 0) {
     return trouble_of(link_);
   }
+  if (!wheels_.fault().empty()) {
+    return wheels_.fault() + ": motors off until they are requested again";
+  }
   if (!motors_.reason().empty()) {
     return motors_.reason();
   }
@@ -341,6 +377,9 @@ Health P3dxNode::health() const {
   if (!connected()) {
     health.fault = true;
     health.reason = trouble_of(link_);
+  } else if (!wheels_.fault().empty()) {
+    health.fault = true;
+    health.reason = wheels_.fault() + ": motors off until they are requested again";
   } else if (!motors_.reason().empty()) {
     health.degraded = true;
     health.reason = motors_.reason();

@@ -19,6 +19,7 @@
 #include "drivers/p3dx/safety/motors_supervisor.hpp"
 #include "drivers/p3dx/safety/stop_latch.hpp"
 #include "drivers/p3dx/safety/velocity_gate.hpp"
+#include "drivers/p3dx/safety/wheel_watch.hpp"
 #include "drivers/p3dx/sonar_collector.hpp"
 #include "drivers/p3dx/velocity_writer.hpp"
 #include "services/common/process/clock.hpp"
@@ -69,6 +70,8 @@ class P3dxNode {
   void on_connected();
   void send_settings(std::int64_t now);
   void on_information(const ReceivedInformation& received);
+  /// Takes the motors off wheels that do not do what they are told.
+  void watch_wheels(std::int64_t utime);
   void command_motion(std::int64_t now);
   void publish_odometry(std::int64_t utime);
   void publish_sonar();
@@ -86,6 +89,8 @@ class P3dxNode {
   MotionSettings settings_;
   StopLatch stop_;
   MotorsSupervisor motors_;
+  WheelWatch wheels_;
+  DriveVelocity told_;        // the robot, last
   InformationPacket last_;    // the last that was believed
   std::int64_t session_ = 0;  // [us] 0 = not connected
   std::int32_t odometry_sequence_ = 0;

@@ -399,5 +399,39 @@ TEST(P3dxNode, DoesTheSameEachTime) {
   EXPECT_EQ(record(), record());
 }
 
+TEST(P3dxNode, TakesThePowerOffAWheelWhoseEncoderIsDead) {
+  P3dxBench bench;
+  bench.run(3.0);
+  bench.drive(0.4, 0.0);
+  bench.run(2.0);
+  ASSERT_FALSE(bench.node.health().fault);
+  bench.base.dead_left = true;
+  bench.run(1.9);
+  EXPECT_TRUE(bench.node.health().fault);
+  EXPECT_EQ(
+      bench.node.health().reason,
+      "the left wheel is told to turn and its encoder does not count it: motors off until they are requested again");
+  EXPECT_EQ(bench.status.back().reason, bench.node.health().reason);
+  EXPECT_FALSE(bench.status.back().motors_enabled);
+  const double then = bench.base.true_left;
+  bench.run(10.0);
+  EXPECT_NEAR(bench.base.true_left, then, 1e-6);
+  bench.base.dead_left = false;
+  bench.send_motors(7, true);
+  bench.run(3.0);
+  EXPECT_FALSE(bench.node.health().fault) << bench.node.health().reason;
+  EXPECT_GT(bench.base.true_left, then + 0.5);
+}
+
+TEST(P3dxNode, TakesThePowerOffAWheelThatRunsUntold) {
+  P3dxBench bench;
+  bench.run(3.0);
+  bench.base.runaway_left = 0.3;
+  bench.run(1.9);
+  EXPECT_EQ(bench.node.health().reason,
+            "the left wheel turns although it is told to stand: motors off until they are requested again");
+  EXPECT_FALSE(bench.base.outputs.motors_enabled);
+}
+
 }  // namespace
 }  // namespace luminav

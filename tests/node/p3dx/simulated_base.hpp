@@ -23,6 +23,10 @@ class SimulatedBase {
       now.left_travel = kStep * (outputs.linear - 0.5 * wheel_base_ * outputs.angular);
       now.right_travel = kStep * (outputs.linear + 0.5 * wheel_base_ * outputs.angular);
     }
+    true_left += now.left_travel;
+    now.left_travel = dead_left ? 0.0 : now.left_travel;
+    now.right_travel = dead_right ? 0.0 : now.right_travel;
+    now.left_travel += kStep * runaway_left;
     travel += 0.5 * std::abs(now.left_travel + now.right_travel);
     turned += (now.right_travel - now.left_travel) / wheel_base_;
     outputs = controller_.step(kStep, now);
@@ -57,6 +61,10 @@ class SimulatedBase {
   ArcosInputs inputs;
   ArcosOutputs outputs;
   bool blocked = false;
+  bool dead_left = false;                        // the encoder counts nothing
+  bool dead_right = false;                       // likewise
+  double runaway_left = 0.0;                     // [m/s] the wheel turns, whatever it is told
+  double true_left = 0.0;                        // [m] of the wheel, whatever its encoder counts
   double travel = 0.0;                           // [m]
   double turned = 0.0;                           // [rad]
   std::vector<std::vector<std::uint8_t>> heard;  // whole frames from the client

@@ -1,0 +1,52 @@
+#include "drivers/p3dx/safety/wheel_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace luminav {
+namespace {
+
+constexpr double kLongestPause = 0.3;  // [s] between two packets; what happened in a longer one is not known
+
+}  // namespace
+
+void WheelWatch::restart() {
+  forget_motion();
+  fault_.clear();
+}
+
+void WheelWatch::forget_motion() {
+  wheels_ = {};
+  utime_ = 0;
+}
+
+void WheelWatch::update(const InformationPacket& packet, const DriveVelocity& commanded, std::int64_t utime) {
+  const double passed = utime_ == 0 ? 0.0 : std::min(kLongestPause, 1e-6 * static_cast<double>(utime - utime_));
+  utime_ = utime;
+  if (!packet.motors_enabled || packet.stop_button || packet.stall_left || packet.stall_right) {
+    wheels_ = {};
+    return;
+  }
+  const double turning = 0.5 * params_.wheel_base * commanded.angular;
+  judge(wheels_[0], "left", commanded.linear - turning, 1e-3 * packet.left_mm_s, passed);
+  judge(wheels_[1], "right", commanded.linear + turning, 1e-3 * packet.right_mm_s, passed);
+}
+
+void WheelWatch::judge(Wheel& wheel, const char* name, double asked, double counted, double passed) {
+  const bool must_turn = std::abs(asked) > params_.asked;
+  const bool turns_so = std::copysign(1.0, asked) * counted > params_.counted;
+  if (turns_so) {
+    wheel.dead = 0.0;
+  } else if (must_turn) {
+    wheel.dead += passed;
+  }
+  const bool runs = std::abs(asked) < params_.rest && std::abs(counted) > params_.running;
+  wheel.running = runs ? wheel.running + passed : 0.0;
+  if (fault_.empty() && wheel.dead > params_.dead_after) {
+    fault_ = std::string("the ") + name + " wheel is told to turn and its encoder does not count it";
+  } else if (fault_.empty() && wheel.running > params_.runs_after) {
+    fault_ = std::string("the ") + name + " wheel turns although it is told to stand";
+  }
+}
+
+}  // namespace luminav
