@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace luminav {
 namespace {
@@ -39,6 +40,16 @@ SimulatedCeiling::SimulatedCeiling(const WorldTruth& truth, std::uint64_t seed, 
       renderer_(model_of(truth, seed)),
       setting_{0, params.exposure_us, params.gain} {
   renderer_.set_world(truth.daylight, states_of(truth.lamp_states), {});
+  std::copy_if(truth.events.begin(), truth.events.end(), std::back_inserter(events_), [](const ScenarioEvent& event) {
+    return event.kind == EventKind::kCover || (event.kind == EventKind::kFreeze && event.device == "camera");
+  });
+}
+
+bool SimulatedCeiling::is_under_way(EventKind kind) const {
+  const double time = 1e-6 * static_cast<double>(truth_.newest().utime - truth_.newest().session);
+  return std::any_of(events_.begin(), events_.end(), [&](const ScenarioEvent& event) {
+    return event.kind == kind && time >= event.at && time < event.at + event.duration;
+  });
 }
 
 bool SimulatedCeiling::on_truth(const TruthSample& sample) {
@@ -117,7 +128,18 @@ bool SimulatedCeiling::render_next(Frame& frame) {
   }
   const TruthSample& now = truth_.newest();
   renderer_.set_world(now.daylight, now.lamps, now.moved);
-  renderer_.render(exposure, rows_, frame.image);
+  if (is_under_way(EventKind::kFreeze) && !last_.pixels.empty()) {
+    frame.image = last_;
+  } else {
+    renderer_.render(exposure, rows_, frame.image);
+  }
+  if (is_under_way(EventKind::kCover)) {
+    constexpr std::uint8_t kLeft = 64;  // a little noise comes through
+    std::for_each(frame.image.pixels.begin(), frame.image.pixels.end(), [](std::uint8_t& pixel) { pixel /= kLeft; });
+  }
+  if (!events_.empty()) {
+    last_ = frame.image;
+  }
   frame.utime = std::llround(middle - time_offset_us_);
   frame.exposure_us = setting_.exposure_us;
   frame.gain = setting_.gain;

@@ -49,6 +49,8 @@ class SimulatedCeiling final : public FrameSource {
   [[nodiscard]] double next_middle() const;
   void start_frames_at(double middle);
   void apply_settings();
+  /// Is an event of that kind under way?
+  [[nodiscard]] bool is_under_way(EventKind kind) const;
   [[nodiscard]] bool render_next(Frame& frame);
 
   SimulatedCeilingParams params_;
@@ -64,6 +66,8 @@ class SimulatedCeiling final : public FrameSource {
   Setting setting_;                 // in effect
   std::deque<Setting> asked_;
   std::vector<simulated::TruePose> rows_;
+  std::vector<ScenarioEvent> events_;  // that are the camera's own
+  GreyImage last_;                     // picture, for one that freezes
 };
 
 }  // namespace luminav

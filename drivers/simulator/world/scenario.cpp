@@ -187,12 +187,30 @@ void read_carry_event(const TomlTable& table, ScenarioEvent& event) {
   event.duration = table.number("duration", 3.0, kDuration);
 }
 
+void read_dead_sense(const TomlTable& table, const std::string& kind, ScenarioEvent& event) {
+  event.kind = kind == "deafen"   ? EventKind::kDeafen
+               : kind == "stick"  ? EventKind::kStick
+               : kind == "freeze" ? EventKind::kFreeze
+                                  : EventKind::kCover;
+  event.duration = table.number("duration", kDuration.max, kDuration);
+  if (kind == "freeze") {
+    (void)table.text("device");  // required
+    event.device = table.choice("device", "", {"camera", "encoder_left", "encoder_right"});
+  } else if (kind != "cover") {
+    event.discs = table.integers("discs");
+    if (std::any_of(event.discs.begin(), event.discs.end(), [](int disc) { return disc < 0 || disc > 31; })) {
+      table.fail("discs", "must be numbers of sonar discs, from 0");
+    }
+  }
+}
+
 ScenarioEvent read_event(const TomlTable& table, const Building& building) {
   ScenarioEvent event;
   event.at = table.number("at", kDuration);
   (void)table.text("kind");  // required
-  const std::string kind =
-      table.choice("kind", "", {"carry", "slip", "bump", "light", "door", "unplug", "lamp", "kill", "clock"});
+  const std::string kind = table.choice("kind", "",
+                                        {"carry", "slip", "bump", "light", "door", "unplug", "lamp", "deafen", "stick",
+                                         "freeze", "cover", "kill", "clock"});
   if (kind == "carry") {
     event.kind = EventKind::kCarry;
     read_carry_event(table, event);
@@ -219,6 +237,8 @@ ScenarioEvent read_event(const TomlTable& table, const Building& building) {
     event.id = static_cast<int>(table.integer("id", {0, 1e9}));
     check_fixture(table, "id", event.id, building);
     event.pose = read_displacement(table);
+  } else if (kind == "deafen" || kind == "stick" || kind == "freeze" || kind == "cover") {
+    read_dead_sense(table, kind, event);
   } else if (kind == "kill") {
     event.kind = EventKind::kKill;
     (void)table.text("process");  // required

@@ -52,7 +52,21 @@ struct DriveStep {
   double duration = 0.0;  // [s]
 };
 
-enum class EventKind { kCarry, kSlip, kBump, kLight, kDoor, kUnplug, kLamp, kKill, kClock };
+enum class EventKind {
+  kCarry,
+  kSlip,
+  kBump,
+  kLight,
+  kDoor,
+  kUnplug,
+  kLamp,
+  kDeafen,
+  kStick,
+  kFreeze,
+  kCover,
+  kKill,
+  kClock
+};
 
 /// Something that happens to the robot or its world at a time. Only the fields of its kind count.
 struct ScenarioEvent {
@@ -60,14 +74,15 @@ struct ScenarioEvent {
   EventKind kind = EventKind::kCarry;
   Pose2 pose;                      // carry: where to, world; bump and lamp: displacement, world
   bool has_place = true;           // carry; false: drawn from the free space by seed
-  double duration = 0.0;           // [s] carry, slip, unplug
+  double duration = 0.0;           // [s] carry, slip, unplug, and of senses that fail
   double factor = 1.0;             // slip: ground covered per wheel travel
   std::optional<double> daylight;  // light: 0..1
   std::vector<int> on;             // light: fixture ids
   std::vector<int> off;            // light: fixture ids
   int id = 0;                      // door or lamp
   bool open = true;                // door
-  std::string device;              // unplug: "camera" | "serial"
+  std::string device;              // unplug: "camera" | "serial"; freeze: "camera" | "encoder_left" | "encoder_right"
+  std::vector<int> discs;          // deafen, stick: sonar discs from 0; empty = all
   std::string process;             // kill; executed by the program that runs the scenario
   std::string host;                // clock
   double step = 0.0;               // [s] clock

@@ -48,7 +48,10 @@ World::World(std::uint64_t seed, const WorldTruth& truth)
       robot_(truth_, seed),
       sonar_(truth_.robot.sonar, seed),
       floor_(truth_.floor_tilt, seed),
-      contact_random_(seed, "contact") {
+      contact_random_(seed, "contact"),
+      deaf_until_(static_cast<std::size_t>(sonar_.discs()), 0.0),
+      stuck_until_(static_cast<std::size_t>(sonar_.discs()), 0.0),
+      ranges_(static_cast<std::size_t>(sonar_.discs()), truth_.robot.sonar.maximum_range) {
   for (const WalkingPerson& person : truth_.people) {
     people_.emplace_back(person);
   }
@@ -81,7 +84,35 @@ WheelReport World::step(const MotorCommand& command) {
   }
   state_.clearance = state_.carried ? Separation::kNoneNear : separation_.nearest();
   measure_motion(before);
+  report.left = time() < frozen_until_[0] ? 0.0 : report.left;
+  report.right = time() < frozen_until_[1] ? 0.0 : report.right;
   return report;
+}
+
+double World::measure_sonar(int disc) {
+  const auto i = static_cast<std::size_t>(disc);
+  // drawn all the same: what other discs hear does not depend on it
+  const double range = sonar_.measure(scene_, state_.world_from_robot, disc);
+  if (time() < deaf_until_[i]) {
+    return truth_.robot.sonar.maximum_range;
+  }
+  ranges_[i] = time() < stuck_until_[i] ? ranges_[i] : range;
+  return ranges_[i];
+}
+
+void World::start_dead_sense(const ScenarioEvent& event) {
+  const double until = time() + event.duration;
+  if (event.kind == EventKind::kFreeze) {
+    if (event.device != "camera") {  // the simulated camera freezes by itself
+      frozen_until_[event.device == "encoder_left" ? 0 : 1] = until;
+    }
+    return;
+  }
+  std::vector<double>& discs = event.kind == EventKind::kDeafen ? deaf_until_ : stuck_until_;
+  for (std::size_t i = 0; i < discs.size(); ++i) {
+    const bool is_named = std::find(event.discs.begin(), event.discs.end(), static_cast<int>(i)) != event.discs.end();
+    discs[i] = event.discs.empty() || is_named ? until : discs[i];
+  }
 }
 
 void World::start_due_events() {
@@ -135,6 +166,13 @@ void World::start(const ScenarioEvent& event) {
         offset = {offset.x + event.pose.x, offset.y + event.pose.y, wrap_angle(offset.theta + event.pose.theta)};
       }
       break;
+    case EventKind::kDeafen:
+    case EventKind::kStick:
+    case EventKind::kFreeze:
+      start_dead_sense(event);
+      break;
+    case EventKind::kCover:
+      break;  // the simulated camera does this
     case EventKind::kKill:
     case EventKind::kClock:
       break;  // the program that runs the scenario does these

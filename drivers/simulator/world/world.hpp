@@ -54,7 +54,7 @@ class World {
   /// One tick of kTick.
   WheelReport step(const MotorCommand& command);
   /// One pulse of a sonar disc [m].
-  double measure_sonar(int disc) { return sonar_.measure(scene_, state_.world_from_robot, disc); }
+  double measure_sonar(int disc);
   [[nodiscard]] int sonar_discs() const { return sonar_.discs(); }
 
   [[nodiscard]] const WorldState& state() const { return state_; }
@@ -77,6 +77,7 @@ class World {
 
   void start_due_events();
   void start(const ScenarioEvent& event);
+  void start_dead_sense(const ScenarioEvent& event);
   void move_doors();
   void walk_people();
   void carry();
@@ -106,6 +107,10 @@ class World {
   double camera_unplugged_until_ = 0.0;  // [s]
   double serial_unplugged_until_ = 0.0;  // [s]
   double stalled_until_ = 0.0;           // [s]
+  std::vector<double> deaf_until_;       // [s] by disc
+  std::vector<double> stuck_until_;      // [s] by disc
+  std::vector<double> ranges_;           // [m] last measured, by disc
+  double frozen_until_[2] = {0.0, 0.0};  // [s] encoders, left and right
   bool spinning_ = false;                // wheels turn although the robot is held
   std::vector<bool> door_wanted_open_;
 };

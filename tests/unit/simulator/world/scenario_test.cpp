@@ -262,5 +262,23 @@ TEST(ScenarioFile, LoadsEveryScenarioThatIsShipped) {
   EXPECT_GT(files, 0);
 }
 
+TEST(ScenarioFile, ReadsSensesThatFail) {
+  const Scenario scenario = read(
+      "[[event]]\nat = 1\nkind = \"deafen\"\ndiscs = [0, 7]\nduration = 20\n"
+      "[[event]]\nat = 2\nkind = \"stick\"\n"
+      "[[event]]\nat = 3\nkind = \"freeze\"\ndevice = \"encoder_left\"\n"
+      "[[event]]\nat = 4\nkind = \"cover\"\n");
+  ASSERT_EQ(scenario.events.size(), 4U);
+  EXPECT_EQ(scenario.events[0].kind, EventKind::kDeafen);
+  EXPECT_THAT(scenario.events[0].discs, ElementsAre(0, 7));
+  EXPECT_EQ(scenario.events[0].duration, 20.0);
+  EXPECT_TRUE(scenario.events[1].discs.empty());
+  EXPECT_GT(scenario.events[1].duration, 1e6);
+  EXPECT_EQ(scenario.events[2].device, "encoder_left");
+  EXPECT_EQ(scenario.events[3].kind, EventKind::kCover);
+  EXPECT_THAT(error_of("[[event]]\nat = 1\nkind = \"freeze\"\ndevice = \"sonar\"\n"), HasSubstr("encoder_left"));
+  EXPECT_THAT(error_of("[[event]]\nat = 1\nkind = \"deafen\"\ndiscs = [-1]\n"), HasSubstr("discs"));
+}
+
 }  // namespace
 }  // namespace luminav

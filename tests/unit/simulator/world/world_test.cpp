@@ -317,5 +317,38 @@ TEST(World, NeverPenetratesAnything) {
   EXPECT_GT(world.contacts().contacts(), 10);
 }
 
+TEST(World, DeafensAndSticksTheDiscsThatAnEventNames) {
+  std::vector<ScenarioEvent> events = {event(0.5, EventKind::kDeafen), event(0.5, EventKind::kStick)};
+  events[0].discs = {0};
+  events[0].duration = 1.0;
+  events[1].discs = {1};
+  events[1].duration = 1.0;
+  WorldTruth truth = truth_at({3.0, 3.0, 0.0}, events);
+  truth.robot.sonar.robot_from_sonar.assign(2, Pose2{});
+  World world(kSeed, truth);
+  const double before = world.measure_sonar(1);
+  EXPECT_LT(world.measure_sonar(0), truth.robot.sonar.maximum_range);
+  run(world, kForward, 1.2);
+  EXPECT_EQ(world.measure_sonar(0), truth.robot.sonar.maximum_range);
+  EXPECT_EQ(world.measure_sonar(1), before);
+  run(world, kStand, 1.0);
+  EXPECT_LT(world.measure_sonar(0), truth.robot.sonar.maximum_range);
+  EXPECT_NE(world.measure_sonar(1), before);
+}
+
+TEST(World, FreezesAnEncoderWhileItsWheelTurnsOn) {
+  std::vector<ScenarioEvent> events = {event(1.0, EventKind::kFreeze)};
+  events[0].device = "encoder_left";
+  events[0].duration = 1.0;
+  World world(kSeed, truth_at({3.0, 3.0, 0.0}, events));
+  run(world, kForward, 0.99);
+  const double before = world.state().world_from_robot.x;
+  const Way frozen = run(world, kForward, 1.0);
+  EXPECT_EQ(frozen.left, 0.0);
+  EXPECT_GT(frozen.right, 0.3);
+  EXPECT_GT(world.state().world_from_robot.x - before, 0.3);
+  EXPECT_GT(run(world, kForward, 1.0).left, 0.3);
+}
+
 }  // namespace
 }  // namespace luminav
