@@ -68,6 +68,10 @@ void CameraNode::on_truth(const sim_truth_t& message) {
 
 void CameraNode::poll() {
   if (source_.take(clock_.utime(), frame_)) {
+    pictures_.look_at(frame_.image, frame_.utime);
+    if (pictures_.is_frozen()) {
+      return;  // nobody shall take it for the ceiling
+    }
     control_exposure(frame_);
     publish(frame_);
   }
@@ -111,7 +115,7 @@ void CameraNode::publish(const Frame& frame) {
   message_.exposure_us = frame.exposure_us;
   message_.gain = frame.gain;
   message_.row_time_us = frame.row_time_us;
-  message_.health = exposure_.complaint();
+  message_.health = pictures_.is_dark() ? pictures_.complaint() : exposure_.complaint();
   if (config_.encoding == ImageEncoding::kMono8) {
     message_.format = camera_image_t::FORMAT_MONO8;
     message_.quality = 0;
@@ -138,6 +142,10 @@ Health CameraNode::health() const {
   if (const std::string fault = source_.fault(); !fault.empty()) {
     health.fault = true;
     health.reason = fault;
+  } else if (const std::string complaint = pictures_.complaint(); !complaint.empty()) {
+    health.fault = pictures_.is_frozen();
+    health.degraded = !health.fault;
+    health.reason = complaint;
   } else if (const std::string shortcoming = source_.shortcoming(); !shortcoming.empty()) {
     health.degraded = true;
     health.reason = shortcoming;

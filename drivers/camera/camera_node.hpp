@@ -10,6 +10,7 @@
 
 #include "drivers/camera/camera_config.hpp"
 #include "drivers/camera/exposure_control.hpp"
+#include "drivers/camera/picture_watch.hpp"
 #include "drivers/camera/simulated/ceiling.hpp"
 #include "drivers/camera/sources/frame_source.hpp"
 #include "services/common/image/jpeg_codec.hpp"
@@ -49,6 +50,7 @@ class CameraNode {
   FrameSource& source_;
   SimulatedCeiling* ceiling_ = nullptr;
   ExposureControl exposure_;
+  PictureWatch pictures_{{}};
   StampGuard odometry_stamps_;
   double angular_ = 0.0;  // [rad/s] newest known
   JpegEncoder encoder_;

@@ -41,11 +41,13 @@ class CameraNodeTest : public testing::Test {
  protected:
   CameraNodeTest() { lcm_.subscribe(channels::kCameraImage, &CameraNodeTest::on_image, this); }
 
-  void start(const CameraConfig& config = {}) {
-    ceiling_ = std::make_unique<SimulatedCeiling>(laboratory(), 5);
+  void start(const CameraConfig& config = {}, const std::vector<ScenarioEvent>& events = {}) {
+    WorldTruth world = laboratory();
+    world.events = events;
+    ceiling_ = std::make_unique<SimulatedCeiling>(world, 5);
     node_ = std::make_unique<CameraNode>(lcm_, config, clock_, *ceiling_);
     truth_.utime = clock_.utime();
-    truth_.session = 1;
+    truth_.session = kStart;
     truth_.daylight = 0.4;
     truth_.lamps = 4;
     truth_.lamp_state.assign(4, sim_truth_t::LAMP_ON);
@@ -133,6 +135,7 @@ class NoiseThenDull : public FrameSource {
   bool take(std::int64_t now, Frame& frame) override {
     frame.image = {320, 240, std::vector<std::uint8_t>(320 * 240, 90)};
     frame.utime = now;
+    frame.image.pixels[0] = static_cast<std::uint8_t>(80 + now / 1'000'000 % 20);  // no two are equal
     if (std::exchange(is_first_, false)) {
       std::mt19937 rng(7);
       std::generate(frame.image.pixels.begin(), frame.image.pixels.end(),
@@ -334,6 +337,42 @@ TEST(CameraConfig, AnUnknownOrImpossibleKeyIsAnErrorWithFileAndLine) {
     }
   }
   std::filesystem::remove(file);
+}
+
+TEST_F(CameraNodeTest, PublishesNoPictureOfAFrozenCameraAndSaysSoWithinTwoSeconds) {
+  ScenarioEvent freeze;
+  freeze.at = 3.0;
+  freeze.kind = EventKind::kFreeze;
+  freeze.device = "camera";
+  freeze.duration = 4.0;
+  start({}, {freeze});
+  run(2.9);
+  EXPECT_EQ(node_->health().reason, "");
+  run(1.1);
+  EXPECT_TRUE(node_->health().fault);
+  EXPECT_NE(node_->health().reason.find("frozen"), std::string::npos);
+  const std::size_t before = images_.size();
+  run(2.5);
+  EXPECT_EQ(images_.size(), before);
+  run(2.0);
+  EXPECT_EQ(node_->health().reason, "");
+  EXPECT_GT(images_.size(), before);
+}
+
+TEST_F(CameraNodeTest, SaysThatItIsCoveredWithinTwoSeconds) {
+  ScenarioEvent cover;
+  cover.at = 3.0;
+  cover.kind = EventKind::kCover;
+  cover.duration = 4.0;
+  start({}, {cover});
+  run(2.9);
+  EXPECT_EQ(node_->health().reason, "");
+  run(2.1);
+  EXPECT_TRUE(node_->health().degraded);
+  EXPECT_NE(node_->health().reason.find("covered"), std::string::npos);
+  EXPECT_EQ(images_.back().health, node_->health().reason);
+  run(8.0);
+  EXPECT_EQ(node_->health().reason, "");
 }
 
 }  // namespace
