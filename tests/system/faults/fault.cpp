@@ -17,6 +17,8 @@ const char* word(FaultKind kind) {
       return "restart";
     case FaultKind::kUnplug:
       return "unplug";
+    case FaultKind::kDeadSense:
+      return "sense:";
     case FaultKind::kKillDeputy:
       return "kill the deputy";
     case FaultKind::kKillSheriff:

@@ -8,12 +8,23 @@
 
 namespace luminav {
 
-enum class FaultKind { kKill, kFreeze, kRestart, kUnplug, kKillDeputy, kKillSheriff, kKillAll, kDiskFull, kLeak };
+enum class FaultKind {
+  kKill,
+  kFreeze,
+  kRestart,
+  kUnplug,
+  kDeadSense,
+  kKillDeputy,
+  kKillSheriff,
+  kKillAll,
+  kDiskFull,
+  kLeak
+};
 
 /// Something that goes wrong while the robot drives.
 struct Fault {
   FaultKind kind = FaultKind::kKill;
-  std::string target;     // process or device; "" where the kind says all
+  std::string target;     // process, device or what happens to a sense; "" where the kind says all
   double duration = 0.0;  // [s] freeze, unplug, disk full, leak at most
 };
 
@@ -44,6 +55,11 @@ struct FaultResult {
   double linear = 0.0, angular = 0.0;  // [m/s], [rad/s] when it happened
   double bound = 0.0;                  // [s] within which the robot has to stand
   bool must_stand = false;
+  std::optional<double> said;     // [s] after the fault a process named it, for a sense that died
+  double say_bound = 0.0;         // [s] within which one has to; 0 = none
+  double way = 0.0;               // [m] driven since, until it stood or the sense came back
+  double way_bound = 0.0;         // [m] at most; 0 = any
+  std::string sentence;           // what that process said
   std::optional<double> stood;    // [s] after the fault
   std::optional<double> bridged;  // [s] after the fault commands came again, in time
   std::optional<double> back;     // [s] after the fault the process was ready again
@@ -56,7 +72,11 @@ struct FaultResult {
 
   [[nodiscard]] bool stands_in_time() const { return !must_stand || bridged || (stood && *stood <= bound); }
   [[nodiscard]] bool resumes_in_time() const;
-  [[nodiscard]] bool good() const { return contacts == 0 && stands_in_time() && resumes_in_time(); }
+  [[nodiscard]] bool is_said_in_time() const { return say_bound == 0.0 || (said && *said <= say_bound); }
+  [[nodiscard]] bool good() const {
+    return contacts == 0 && stands_in_time() && resumes_in_time() && is_said_in_time() &&
+           (way_bound == 0.0 || way <= way_bound);
+  }
 };
 
 inline constexpr double kResumeWithin = 3.0;  // [s]

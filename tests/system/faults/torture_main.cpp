@@ -13,6 +13,7 @@
 #include "services/common/process/command_line.hpp"
 #include "services/launcher/sheriff/session.hpp"
 #include "tests/system/faults/torture_round.hpp"
+#include "tests/system/faults/torture_scenario.hpp"
 
 namespace luminav {
 namespace {
@@ -53,7 +54,7 @@ int torture(int argc, char** argv) {
     fmt::print("the full disk is left out: only root can mount the small file system that it is\n");
   }
   FaultDeck check(1, full_disk);
-  for (int i = 0; to_string(check.draw()).find(only) == std::string::npos; ++i) {
+  for (int i = 0; to_string(check.draw()).find(only) == std::string::npos && !names_a_dead_sense(only); ++i) {
     if (i > 100) {
       throw ConfigurationError(fmt::format("--only {}: no fault that can be injected here has such a name", only));
     }

@@ -7,7 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
+#include <luminav/motors_command_t.hpp>
 #include <stdexcept>
+
+#include "services/common/process/channels.hpp"
+#include "tests/system/faults/torture_scenario.hpp"
 
 namespace luminav {
 namespace {
@@ -18,9 +23,10 @@ constexpr double kMargin = 0.15;            // [s]
 constexpr std::int64_t kInFlight = 50'000;  // [us] messages of a process that has just died may still arrive
 constexpr double kPersonNear = 1.6;         // [m] then it may wait for the person
 constexpr int kMemoryLimit = 250;           // [MB] of a process
-constexpr double kUnplugEvery = 80.0;       // [s]
-constexpr const char* kPlaces[] = {"workbench",      "seminar",       "office-1", "office-3",
-                                   "north-corridor", "east-corridor", "lift"};
+constexpr double kSayWithin = 2.0 + 0.3;    // [s] and what a busy machine takes
+constexpr double kSonarWay = 3.5;           // [m] for walls to come by that a dead sonar does not hear
+constexpr double kWheelWay = 1.5;           // [m]
+constexpr double kDriving = 0.15;           // [m/s]
 
 bool mount_small_disk(const std::filesystem::path& folder) {
   return mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=24m") == 0;
@@ -37,41 +43,6 @@ double seconds(std::int64_t from, std::int64_t to) {
   return static_cast<double>(to - from) * 1e-6;
 }
 
-/// Boxes and people, goals for hours, and plugs that somebody pulls.
-void write_scenario(const std::filesystem::path& file, const RoundPlan& plan) {
-  std::mt19937_64 random(plan.seed);
-  const std::string launch = LUMINAV_SOURCE_DIR "/launch";
-  std::ofstream out(file);
-  out << fmt::format("building = \"{0}/buildings/laboratory/building.toml\"\nrobot = \"{0}/robots/p3dx.toml\"\n",
-                     launch);
-  out << fmt::format("seed = {}\nduration = {}\n[lighting]\ndaylight = 0.5\n", plan.seed, 60.0 * plan.minutes + 600.0);
-  out << "[start]\nx = 5.4\ny = 5.6\ntheta = 0.3\nknown = true\n";
-  out << "[[obstacle]]\nlength = 0.6\nwidth = 0.4\n[[obstacle]]\nlength = 0.5\nwidth = 0.5\n";
-  out << "[[obstacle]]\nlength = 0.8\nwidth = 0.3\n[[person]]\nspeed = 0.8\n[[person]]\nspeed = 0.6\n";
-  std::vector<std::string> places(std::begin(kPlaces), std::end(kPlaces));
-  std::string last;
-  for (int i = 0; i < 10; ++i) {
-    do {
-      std::shuffle(places.begin(), places.end(), random);
-    } while (places.front() == last);
-    for (const std::string& place : places) {
-      out << fmt::format("[[goal]]\nplace = \"{}\"\n", place);
-    }
-    last = places.back();
-  }
-  if (!plan.only.empty()) {
-    return;
-  }
-  std::uniform_real_distribution<double> jitter(-8.0, 8.0);
-  std::uniform_real_distribution<double> duration(1.5, 4.0);
-  bool serial = true;
-  for (double at = kUnplugEvery; at < 60.0 * plan.minutes; at += kUnplugEvery) {
-    out << fmt::format("[[event]]\nat = {:.1f}\nkind = \"unplug\"\ndevice = \"{}\"\nduration = {:.1f}\n",
-                       at + jitter(random), serial ? "serial" : "camera", duration(random));
-    serial = !serial;
-  }
-}
-
 }  // namespace
 
 TortureRound::TortureRound(const RoundPlan& plan) : plan_(plan), random_(plan.seed + 77) {
@@ -80,7 +51,7 @@ TortureRound::TortureRound(const RoundPlan& plan) : plan_(plan), random_(plan.se
   if (plan_.full_disk && !mount_small_disk(state)) {
     throw std::runtime_error(fmt::format("{}: no file system can be mounted there", state.string()));
   }
-  write_scenario(plan_.folder / "scenario.toml", plan_);
+  write_torture_scenario(plan_.folder / "scenario.toml", {plan_.seed, plan_.minutes, plan_.only});
   scenario_ = read_scenario(plan_.folder / "scenario.toml");
   limits_ = read_robot(scenario_.robot_file).limits;
   const auto leaking = [&](const std::string& process) {
@@ -117,6 +88,18 @@ bool TortureRound::unplugged() const {
   return truth_->newest() && (truth_->newest()->serial_unplugged || truth_->newest()->camera_unplugged);
 }
 
+double TortureRound::simulated_time() const {
+  return truth_->newest() ? seconds(truth_->newest()->session, truth_->newest()->utime) : 0.0;
+}
+
+const ScenarioEvent* TortureRound::dead_sense() const {
+  const double now = simulated_time();
+  const auto event = std::find_if(scenario_.events.begin(), scenario_.events.end(), [now](const ScenarioEvent& each) {
+    return sense_of(each) != nullptr && now >= each.at && now < each.at + each.duration;
+  });
+  return event != scenario_.events.end() ? &*event : nullptr;
+}
+
 void TortureRound::run(FaultDeck& deck, std::vector<FaultResult>& results, GoalTally& goals) {
   truth_ = std::make_unique<TruthWatch>(fleet_->lcm());
   robot_ = std::make_unique<RobotWatch>(fleet_->lcm(), fleet_->clock());
@@ -130,7 +113,10 @@ void TortureRound::run(FaultDeck& deck, std::vector<FaultResult>& results, GoalT
   while (wait_for_driving()) {
     goals.contacts_between_faults += truth_->contacts() - contacts_seen_;
     FaultResult result;
-    if (unplugged()) {
+    if (const ScenarioEvent* event = dead_sense()) {
+      result = begin({FaultKind::kDeadSense, sense_of(*event)->name, event->duration});
+      judge_dead_sense(result, *event);
+    } else if (unplugged()) {
       result = begin({FaultKind::kUnplug, truth_->newest()->serial_unplugged ? "serial" : "camera", 0.0});
       judge_unplug(result);
     } else {
@@ -144,16 +130,18 @@ void TortureRound::run(FaultDeck& deck, std::vector<FaultResult>& results, GoalT
     result.contacts = truth_->contacts() - contacts_seen_;
     contacts_seen_ = truth_->contacts();
     result.truth_gap = truth_->take_longest_gap();
-    fmt::print("{:7.1f} s {:<22} at {:.2f} m/s {}{}{}{}{}{}\n", result.at, to_string(result.fault), result.linear,
-               result.stood ? fmt::format("stands after {:.2f}", *result.stood) : "did not stand",
-               result.bridged ? fmt::format(" bridged after {:.2f}", *result.bridged)
-                              : (result.must_stand ? fmt::format(" (at most {:.2f})", result.bound) : ""),
-               result.back ? fmt::format(", ready after {:.2f}", *result.back) : "",
-               result.resumed ? fmt::format(", moves {:.2f} later", *result.resumed) : "",
-               result.contacts > 0
-                   ? fmt::format(", {} contacts, {} of them blind", result.contacts, result.blind_contacts)
-                   : "",
-               result.good() ? "" : fmt::format("  WRONG: {}", result.remark));
+    fmt::print(
+        "{:7.1f} s {:<22} at {:.2f} m/s {}{}{}{}{}{}\n", result.at, to_string(result.fault), result.linear,
+        result.stood ? fmt::format("stands after {:.2f}", *result.stood) : "did not stand",
+        result.bridged ? fmt::format(" bridged after {:.2f}", *result.bridged)
+                       : (result.must_stand ? fmt::format(" (at most {:.2f})", result.bound) : ""),
+        result.back ? fmt::format(", ready after {:.2f}", *result.back) : "",
+        (result.said ? fmt::format(", said after {:.2f}, {:.1f} m: \"{}\"", *result.said, result.way, result.sentence)
+                     : "") +
+            (result.resumed ? fmt::format(", moves {:.2f} later", *result.resumed) : ""),
+        result.contacts > 0 ? fmt::format(", {} contacts, {} of them blind", result.contacts, result.blind_contacts)
+                            : "",
+        result.good() ? "" : fmt::format("  WRONG: {}", result.remark));
     std::fflush(stdout);
     results.push_back(result);
   }
@@ -178,8 +166,11 @@ bool TortureRound::wait_for_driving() {
   while (!time_is_over()) {
     fleet_->pump();
     const std::int64_t now = fleet_->clock().utime();
-    if (unplugged()) {
+    if (unplugged() || dead_sense() != nullptr) {
       return true;
+    }
+    if (!plan_.only.empty() && names_a_dead_sense(plan_.only)) {
+      continue;  // these come by themselves
     }
     const bool event_soon =
         std::any_of(scenario_.events.begin(), scenario_.events.end(), [&](const ScenarioEvent& event) {
@@ -256,6 +247,54 @@ void TortureRound::judge_unplug(FaultResult& result) {
   settle(result, *connected);
 }
 
+void TortureRound::judge_dead_sense(FaultResult& result, const ScenarioEvent& event) {
+  const DeadSense& sense = *sense_of(event);
+  const bool is_wheel = event.kind == EventKind::kFreeze && event.device != "camera";
+  const bool is_sonar = event.kind == EventKind::kDeafen || event.kind == EventKind::kStick;
+  const double before = truth_->driven();
+  const std::int64_t end = fault_at_ + static_cast<std::int64_t>(1e6 * event.duration);
+  if (std::abs(result.linear) > kDriving || !(is_wheel || is_sonar)) {  // else nothing can be learnt of them
+    result.say_bound = is_sonar ? event.duration : kSayWithin;
+    result.way_bound = is_sonar ? kSonarWay : is_wheel ? kWheelWay : 0.0;
+    result.must_stand = is_wheel;
+  }
+  result.bound = kSayWithin + kMargin + limits_.linear / limits_.linear_deceleration;
+  fleet_->pump_until(
+      [&] {
+        const auto status = fleet_->statuses().find(sense.process);
+        if (!result.said && status != fleet_->statuses().end() &&
+            status->second.state >= node_status_t::STATE_DEGRADED) {
+          result.said = seconds(fault_at_, fleet_->clock().utime());
+          result.sentence = status->second.reason;
+        }
+        return fleet_->clock().utime() > end;
+      },
+      60.0);
+  result.way = truth_->driven() - before;
+  if (is_sonar && result.way < 0.5 * kSonarWay && !result.said) {
+    result.say_bound = 0.0;  // it stood for somebody: nothing could be learnt
+  }
+  if (is_wheel) {
+    request_motors();
+  }
+  settle(result, end);
+  if (!result.is_said_in_time()) {
+    result.remark = "nobody named it in time; " + robot_->sentence();
+  } else if (result.way_bound > 0.0 && result.way > result.way_bound) {
+    result.remark = fmt::format("drove {:.1f} m, at most {:.1f}", result.way, result.way_bound);
+  }
+}
+
+void TortureRound::request_motors() {
+  motors_command_t request{};
+  request.utime = request.id = fleet_->clock().utime();
+  request.enable = 1;
+  for (int i = 0; i < 5; ++i) {
+    fleet_->lcm().publish(channels::kMotorsCommand, &request);
+    fleet_->pump_for(0.2);
+  }
+}
+
 void TortureRound::fill_disk() {
   std::ofstream ballast(plan_.folder / "robot" / "ballast");
   const std::string piece(64 << 10, 'x');
@@ -328,6 +367,7 @@ void TortureRound::inject(FaultResult& result) {
       std::filesystem::remove(leak);
       break;
     case FaultKind::kUnplug:
+    case FaultKind::kDeadSense:
       break;
   }
   constexpr double kPatience = 20.0;  // [s]

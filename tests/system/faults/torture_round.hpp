@@ -43,12 +43,20 @@ class TortureRound {
   FaultResult begin(const Fault& fault);
   void inject(FaultResult& result);
   void judge_unplug(FaultResult& result);
+  /// Waits until a process names the sense that died, and the robot stands where it has to; then until it is well
+  /// again.
+  void judge_dead_sense(FaultResult& result, const ScenarioEvent& event);
   void judge_standing(FaultResult& result);
   void settle(FaultResult& result, std::int64_t back);
   [[nodiscard]] std::optional<std::int64_t> ready_after(const std::vector<std::string>& processes,
                                                         const std::vector<pid_t>& before, std::int64_t utime) const;
   [[nodiscard]] bool time_is_over() const;
   [[nodiscard]] bool unplugged() const;
+  /// The event of a sense that is dead now.
+  [[nodiscard]] const ScenarioEvent* dead_sense() const;
+  /// [s] since the simulator began.
+  [[nodiscard]] double simulated_time() const;
+  void request_motors();
   void fill_disk();
 
   RoundPlan plan_;
