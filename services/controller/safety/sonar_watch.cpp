@@ -25,18 +25,22 @@ void SonarWatch::forget_motion() {
     disc.counted.reset();
     disc.same.reset();
   }
-  ahead_ = back_ = {};
+  for (Half* half : {&ahead_, &back_}) {
+    half->quiet = 0.0;
+    half->odom_from_robot.reset();
+    half->counted.reset();
+  }
 }
 
 SonarWatch::Half& SonarWatch::half_of(std::size_t disc) {
   return ring_.robot_from_sonar[disc].x >= 0.0 ? ahead_ : back_;
 }
 
-bool SonarWatch::is_new_place(const Disc& disc, const SonarFiring& firing) const {
-  if (!disc.counted) {
+bool SonarWatch::is_new_place(const std::optional<Pose2>& counted, const SonarFiring& firing) const {
+  if (!counted) {
     return true;
   }
-  const Pose2 moved = disc.counted->odom_from_robot.inverse() * firing.odom_from_robot;
+  const Pose2 moved = counted->inverse() * firing.odom_from_robot;
   return std::hypot(moved.x, moved.y) > params_.spacing || std::abs(moved.theta) > params_.turn;
 }
 
@@ -77,12 +81,21 @@ void SonarWatch::add(const SonarFiring& firing, const Place& place) {
   const bool is_unheard = place.wall && (!firing.has_echo || firing.range > *place.wall + params_.farther);
   const bool is_deaf = is_unheard || (!place.is_known && is_half_silent && !firing.has_echo);
   disc.last = firing;
-  if (is_lively) {
+  Half& half = half_of(firing.disc);
+  if (is_lively || (place.wall && firing.has_echo && !is_unheard && !is_stuck)) {
     disc.evidence = std::max(0.0, disc.evidence - params_.life);
-  } else if ((is_stuck || is_deaf) && is_new_place(disc, firing)) {
-    disc.evidence = std::min(params_.dead, disc.evidence + 1.0);
+    half.evidence = std::max(0.0, half.evidence - params_.life);
+  } else if (is_stuck || is_deaf) {
     disc.is_stuck = firing.has_echo;
-    disc.counted = firing;
+    count(firing, disc.counted, disc.evidence);
+    count(firing, half.counted, half.evidence);
+  }
+}
+
+void SonarWatch::count(const SonarFiring& firing, std::optional<Pose2>& counted, double& evidence) const {
+  if (is_new_place(counted, firing)) {
+    evidence = std::min(params_.dead, evidence + 1.0);
+    counted = firing.odom_from_robot;
   }
 }
 
@@ -97,9 +110,11 @@ std::vector<std::size_t> SonarWatch::discs_above(double evidence) const {
 }
 
 SonarTrust SonarWatch::trust() const {
-  return static_cast<int>(discs_above(params_.dead).size()) >= params_.dead_discs ? SonarTrust::kDead
-         : discs_above(params_.doubt).empty()                                     ? SonarTrust::kTrusted
-                                                                                  : SonarTrust::kDoubted;
+  const double half = std::max(ahead_.evidence, back_.evidence);
+  if (half >= params_.dead || static_cast<int>(discs_above(params_.dead).size()) >= params_.dead_discs) {
+    return SonarTrust::kDead;
+  }
+  return half >= params_.doubt || !discs_above(params_.doubt).empty() ? SonarTrust::kDoubted : SonarTrust::kTrusted;
 }
 
 std::string SonarWatch::reason() const {
@@ -107,7 +122,8 @@ std::string SonarWatch::reason() const {
   if (trust == SonarTrust::kTrusted) {
     return "";
   }
-  const std::vector<std::size_t> discs = discs_above(params_.doubt);
+  const bool is_half = std::max(ahead_.evidence, back_.evidence) >= params_.doubt;
+  const std::vector<std::size_t> discs = discs_above(is_half ? 1.0 : params_.doubt);
   const bool is_stuck = std::all_of(discs.begin(), discs.end(), [&](std::size_t i) { return discs_[i].is_stuck; });
   return (discs.size() == 1 ? "sonar " : "sonars ") + numbers_of(discs) +
          (is_stuck ? " measured the same while the robot moved" : " heard nothing where walls must be") +

@@ -16,7 +16,7 @@ struct SonarWatchParams {
   int dead_discs = 2;       // so many leave a gap that no neighbour covers
   double spacing = 0.10;    // [m] or
   double turn = 0.17;       // [rad] between two readings of a disc that say something new
-  double wall = 2.0;        // [m] up to which a wall that faces a disc must echo
+  double wall = 3.0;        // [m] up to which a wall that faces a disc must echo
   double farther = 0.4;     // [m] behind it: the wall was not heard
   double same = 0.005;      // [m] ranges that differ by less are the same: an echo has noise of its own
   double along = 0.15;      // [m] of own way along its axis, over which a disc's range has to change
@@ -30,7 +30,9 @@ enum class SonarTrust { kTrusted, kDoubted, kDead };
 /// Holds what each disc hears against what map and own motion lead to expect. The base reports its maximum range, on
 /// time, for a disc whose transducer or cable is dead, so ages say nothing. Each disc has one count of evidence that it
 /// tells nothing of the world: up by one for a wall that faces it and was not heard, and for a range that stays the
-/// same on the way towards what it measures; down when its range changes. Readings from one place count once.
+/// same on the way towards what it measures; down when its range changes, or a wall is heard where it
+/// must be. Readings from one place count once. The
+/// discs of a half, which share a cable and a board, have one such count together, which any of them takes back.
 class SonarWatch {
  public:
   SonarWatch(const SonarRing& ring, const SonarWatchParams& params);
@@ -56,16 +58,20 @@ class SonarWatch {
     double evidence = 0.0;
     bool is_stuck = false;  // the last piece of evidence: it says the same; else it is deaf
     std::optional<SonarFiring> last;
-    std::optional<SonarFiring> counted;  // the last one that said something new
-    std::optional<SonarFiring> same;     // the first of those that say the same
+    std::optional<Pose2> counted;     // where the last piece of evidence came from
+    std::optional<SonarFiring> same;  // the first of those that say the same
   };
   /// Discs that look to one side, ahead or back.
   struct Half {
+    double evidence = 0.0;
     double quiet = 0.0;  // [m] since one of them heard something
     std::optional<Pose2> odom_from_robot;
+    std::optional<Pose2> counted;  // where the last piece of evidence came from
   };
   [[nodiscard]] Half& half_of(std::size_t disc);
-  [[nodiscard]] bool is_new_place(const Disc& disc, const SonarFiring& firing) const;
+  [[nodiscard]] bool is_new_place(const std::optional<Pose2>& counted, const SonarFiring& firing) const;
+  /// One more piece of evidence, unless one was counted at this place.
+  void count(const SonarFiring& firing, std::optional<Pose2>& counted, double& evidence) const;
   /// Has it come nearer to what it hears, or gone away, and the range is the same?
   [[nodiscard]] bool says_the_same(Disc& disc, const SonarFiring& firing) const;
   [[nodiscard]] bool is_silent_half(std::size_t disc, const SonarFiring& firing, bool is_stuck);

@@ -337,7 +337,8 @@ TEST_F(DeadSonars, OfAllDiscsMakeItSlowAndThenStandWithOneSentence) {
   EXPECT_LT(way, 1.8);
   EXPECT_DOUBLE_EQ(loop_.command_message().linear_x, 0.0);
   EXPECT_EQ(loop_.status().state, control_status_t::STATE_STOPPED);
-  EXPECT_EQ(loop_.status().reason, "sonars 0, 7, 8 and 15 heard nothing where walls must be: it stands");
+  EXPECT_NE(loop_.status().reason.find("heard nothing where walls must be: it stands"), std::string::npos)
+      << loop_.status().reason;
   EXPECT_TRUE(loop_.node().health().degraded);
   EXPECT_EQ(loop_.node().health().reason, loop_.status().reason);
 }

@@ -323,7 +323,7 @@ TEST(World, DeafensAndSticksTheDiscsThatAnEventNames) {
   events[0].duration = 1.0;
   events[1].discs = {1};
   events[1].duration = 1.0;
-  WorldTruth truth = truth_at({3.0, 3.0, 0.0}, events);
+  WorldTruth truth = truth_at({8.0, 3.0, 0.0}, events);
   truth.robot.sonar.robot_from_sonar.assign(2, Pose2{});
   World world(kSeed, truth);
   const double before = world.measure_sonar(1);
