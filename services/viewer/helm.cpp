@@ -6,6 +6,7 @@
 #include <luminav/teleop_command_t.hpp>
 
 #include "services/common/process/channels.hpp"
+#include "services/viewer/request_desk.hpp"
 
 namespace luminav {
 
@@ -41,7 +42,9 @@ void Helm::steer(const Steering& steering, std::int64_t now) {
   command.sequence = steering.sequence;
   command.linear = steering.linear;
   command.angular = steering.angular;
-  commands_.publish(channels::kTeleopCommand, command);
+  if (commands_.publish(channels::kTeleopCommand, command) < 0) {
+    throw NotSent("the network took nothing: it was not sent");
+  }
 }
 
 }  // namespace luminav

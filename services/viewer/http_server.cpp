@@ -275,6 +275,8 @@ struct HttpServer::Servers {
             response.set_content(fmt::format(R"({{"id":{}}})", act(request.body)), "application/json");
           } catch (const RequestError& error) {
             refuse(response, 400, error.what());
+          } catch (const NotSent& error) {
+            refuse(response, 503, error.what());
           }
         });
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdio>
 #include <stdexcept>
+#include <vector>
 
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/network/network_access.hpp"
@@ -19,16 +20,16 @@
 namespace luminav {
 namespace {
 
-std::string random_token() {
-  std::array<unsigned char, 12> bytes{};
+std::string random_hex(std::size_t count) {
+  std::vector<unsigned char> bytes(count);
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    throw std::runtime_error("the kernel gives no random numbers for a token");
+    throw std::runtime_error("the kernel gives no random numbers");
   }
-  std::string token;
+  std::string hex;
   for (const unsigned char byte : bytes) {
-    token += fmt::format("{:02x}", byte);
+    hex += fmt::format("{:02x}", byte);
   }
-  return token;
+  return hex;
 }
 
 std::string host_name() {
@@ -60,7 +61,7 @@ int view(int argc, char** argv) {
   http.port = static_cast<int>(port);
   http.command_port = static_cast<int>(command_port);
   http.host_name = host_name();
-  http.token = is_loopback(http.listen) ? "" : random_token();
+  http.token = is_loopback(http.listen) ? "" : random_hex(12);
 
   const ViewerConfig config = read_viewer_config(robot_file, building_file);
   const HostClock clock;
@@ -70,7 +71,7 @@ int view(int argc, char** argv) {
   SnapshotBoard board;
   PictureStore pictures;
   const auto procman = open_lcm(access.on(procman_url));
-  RequestDesk desk(*lcm, access.key);
+  RequestDesk desk(*lcm, fmt::format("viewer@{}:{}-{}", http.host_name, getpid(), random_hex(4)), access.key);
   Helm helm(*lcm, config.robot.limits, access.key);
   ProcessDesk processes(*procman, *lcm, access.key);
   ViewerNode node(*lcm, config, clock, board, pictures, desk, helm);

@@ -19,13 +19,25 @@ std::int64_t RequestDesk::post(Kind kind, const char* channel, Message message, 
   const std::lock_guard lock(mutex_);
   message.id = new_id(now);
   Pending& pending = pending_[static_cast<std::size_t>(kind)];
-  pending.state = {kind, Fate::kWaiting, message.id, now, ""};
+  pending.state = {kind, Fate::kWaiting, message.id, now, "", kind == Kind::kStop && !gives_up};
   pending.gives_up = gives_up;
   pending.publish = [this, channel, message](std::int64_t utime) mutable {
     message.utime = utime;
-    commands_.publish(channel, message);
+    return commands_.publish(channel, message) >= 0;
   };
-  pending.publish(now);
+  if (kind == Kind::kStop) {
+    for (StopEcho* owner : {&driver_, &controller_}) {
+      owner->obeyed = false;
+      owner->id_when_asked = owner->id;
+    }
+  }
+  if (!pending.publish(now)) {
+    if (gives_up) {
+      pending.state.fate = Fate::kUnanswered;
+    }
+    throw NotSent(gives_up ? "the network took nothing: it was not sent"
+                           : "the network took nothing: it was not sent, but is tried again");
+  }
   return message.id;
 }
 
@@ -50,6 +62,7 @@ std::int64_t RequestDesk::send(goal_t goal, std::int64_t now) {
 
 std::int64_t RequestDesk::send(stop_t stop, std::int64_t now) {
   const bool gives_up = stop.engaged == 0;
+  stop.sender = sender_;
   return post(Kind::kStop, channels::kStop, std::move(stop), now, gives_up);
 }
 
@@ -88,7 +101,7 @@ void RequestDesk::hear(Kind kind, std::int64_t id, const std::string& objection)
     last_id_ = id;
   }
   State& state = pending_[static_cast<std::size_t>(kind)].state;
-  if (state.fate == Fate::kWaiting && state.id == id) {
+  if (kind != Kind::kStop && state.fate == Fate::kWaiting && state.id == id) {
     state.fate = Fate::kAnswered;
     state.objection = objection;
   }
@@ -99,21 +112,35 @@ void RequestDesk::on_navigation_status(const navigation_status_t& message) {
   hear(Kind::kGoal, message.goal_id);
 }
 
-// A STOP has two owners, driver and controller; both must have it.
-void RequestDesk::heard_by_both() {
-  hear(Kind::kStop, std::min(stop_heard_by_driver_, stop_heard_by_controller_));
+// A STOP has two owners, driver and controller. Both must have obeyed: an id alone may be another's.
+void RequestDesk::hear_of_stop(StopEcho& owner, std::int64_t id, bool engaged) {
+  hear(Kind::kStop, id);
+  State& state = pending_[static_cast<std::size_t>(Kind::kStop)].state;
+  const bool is_another_stop =
+      owner.heard && engaged && id != state.id && id != driver_.id_when_asked && id != controller_.id_when_asked;
+  owner.id = id;
+  owner.engaged = engaged;
+  owner.heard = true;
+  if (state.fate != Fate::kWaiting) {
+    return;
+  }
+  owner.obeyed = owner.obeyed || (id == state.id && engaged == state.engages);
+  if (driver_.obeyed && controller_.obeyed) {
+    state.fate = Fate::kAnswered;
+  } else if (is_another_stop && !state.engages) {
+    state.fate = Fate::kUnanswered;
+    state.objection = "somebody asked for another stop meanwhile";
+  }
 }
 
 void RequestDesk::on_control_status(const control_status_t& message) {
   const std::lock_guard lock(mutex_);
-  stop_heard_by_controller_ = message.stop_id;
-  heard_by_both();
+  hear_of_stop(controller_, message.stop_id, message.stop_engaged != 0);
 }
 
 void RequestDesk::on_robot_status(const robot_status_t& message) {
   const std::lock_guard lock(mutex_);
-  stop_heard_by_driver_ = message.stop_id;
-  heard_by_both();
+  hear_of_stop(driver_, message.stop_id, message.stop_engaged != 0);
   hear(Kind::kMotors, message.motors_command_id);
 }
 

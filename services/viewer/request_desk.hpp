@@ -15,6 +15,7 @@
 #include <luminav/robot_status_t.hpp>
 #include <luminav/stop_t.hpp>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,7 +24,13 @@
 
 namespace luminav {
 
-/// Sends people's requests and repeats them at 5 Hz until their owner echoes the id. Publishes at once from the thread
+/// The network took nothing; the message says so.
+class NotSent : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Sends people's requests and repeats them at 5 Hz until their owner has obeyed. Publishes at once from the thread
 /// that asks, so that a STOP needs no other thread to be alive; thread-safe. A newer request replaces an older one of
 /// its kind. Reads no clock: the time is handed in.
 class RequestDesk {
@@ -38,23 +45,27 @@ class RequestDesk {
     std::int64_t id = 0;
     std::int64_t asked = 0;  // [us] when it was asked
     std::string objection;   // of the owner, who answered but did not do it; "" = none
+    bool engages = false;    // of a STOP: it asks for one, not for the release
   };
 
-  explicit RequestDesk(lcm::LCM& lcm, std::optional<CommandKey> key = {}) : commands_(lcm, key) {}
+  /// `sender` names this desk in STOP: two desks of one name would take each other's requests for their own.
+  RequestDesk(lcm::LCM& lcm, std::string sender, std::optional<CommandKey> key = {})
+      : commands_(lcm, key), sender_(std::move(sender)) {}
 
   /// From now on whatever speaks of places or poses is refused with this sentence; "" = no longer. Stops, cancellations
   /// and pauses are sent all the same.
   void object(std::string why);
 
   // Each stamps, numbers and sends the request and returns its id; throws RequestError where it is refused. `now` [us]
-  // since the epoch.
+  // since the epoch. Throws NotSent when the network takes nothing; then only the engaging of a STOP is tried again by
+  // repeat().
   std::int64_t send(goal_t goal, std::int64_t now);
   std::int64_t send(stop_t stop, std::int64_t now);
   std::int64_t send(motors_command_t command, std::int64_t now);
   std::int64_t send(initial_pose_t guess, std::int64_t now);
   std::int64_t send(map_command_t command, std::int64_t now);
 
-  /// A fifth of a second has passed: repeats what nobody has echoed. Gives up after 10 s, but never on a STOP.
+  /// A fifth of a second has passed: repeats what was not obeyed yet. Gives up after 10 s, but never on a STOP.
   void repeat(std::int64_t now);
 
   void on_navigation_status(const navigation_status_t& message);
@@ -72,8 +83,16 @@ class RequestDesk {
 
   struct Pending {
     State state;
-    std::function<void(std::int64_t now)> publish;
+    std::function<bool(std::int64_t now)> publish;  // false: not sent
     bool gives_up = true;
+  };
+  /// What an owner of STOP last said of it, and whether it has obeyed the newest request.
+  struct StopEcho {
+    std::int64_t id = 0;
+    bool engaged = false;
+    bool heard = false;
+    bool obeyed = false;
+    std::int64_t id_when_asked = 0;
   };
   template <typename Message>
   std::int64_t post(Kind kind, const char* channel, Message message, std::int64_t now, bool gives_up = true);
@@ -81,17 +100,19 @@ class RequestDesk {
   /// heard.
   std::int64_t new_id(std::int64_t now);
   void hear(Kind kind, std::int64_t id, const std::string& objection = "");
-  void heard_by_both();
+  /// A release is given up when somebody has asked for another stop since.
+  void hear_of_stop(StopEcho& owner, std::int64_t id, bool engaged);
 
   CommandPublisher commands_;
+  std::string sender_;
   mutable std::mutex mutex_;
   std::array<Pending, 5> pending_;
   void check_objection() const;
 
   std::string objection_;
   std::int64_t last_id_ = 0;
-  std::int64_t stop_heard_by_driver_ = 0;
-  std::int64_t stop_heard_by_controller_ = 0;
+  StopEcho driver_;
+  StopEcho controller_;
 };
 
 }  // namespace luminav

@@ -152,7 +152,6 @@ goal_t read_goal_request(const std::string& body, const Building& building) {
 stop_t read_stop_request(const std::string& body) {
   const Json object = Json::parse(body, nullptr, false);
   stop_t stop{};
-  stop.sender = "viewer";
   stop.engaged = !(object.is_object() && object.contains("engaged") && object["engaged"] == false);
   return stop;
 }

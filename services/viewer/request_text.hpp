@@ -37,7 +37,7 @@ struct ProcessOrder {
 std::string_view name_of(ProcessOrder::Action action);
 
 // Each reads the JSON body of a request strictly: unknown keys, wrong types, numbers that are not finite or farther
-// than 10 km are a RequestError. Stamps and ids are left to the sender.
+// than 10 km are a RequestError. Stamps, ids and the sender's name are left to the desk.
 
 /// {"action": "go" | "cancel" | "pause" | "resume", "poses": [{"x", "y", "theta"?, "wait"?} | {"place"}], "loop"?}.
 goal_t read_goal_request(const std::string& body, const Building& building);

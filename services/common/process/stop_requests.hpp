@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <deque>
 #include <string>
-#include <utility>
 
 namespace luminav {
 
-/// The rule by which STOP is obeyed, the same for all who obey it: once engaged it stays until it is released. Requests
-/// are repeated by their senders and each is acted on once; nobody's release from before a stop of his own counts.
+/// The rule by which STOP is obeyed, the same for all who obey it: whoever asks for a stop gets it, and it stays until
+/// it is released. Requests are repeated by their senders: each release is acted on once, and nobody's release from
+/// before a stop of his own counts.
 class StopRequests {
  public:
   enum class Verdict { kTaken, kRepeated, kOutdated };
@@ -18,38 +18,65 @@ class StopRequests {
   StopRequests() = default;
   /// Goes on from the last request that was taken before.
   StopRequests(std::int64_t id, bool engaged, const std::string& sender)
-      : engaged_(engaged), id_(id), sender_(sender), seen_{{sender, id}} {}
+      : engaged_(engaged), id_(id), sender_(shortened(sender)), seen_{{sender_, id, engaged}} {}
 
   Verdict take(std::int64_t id, bool engaged, const std::string& sender) {
-    const std::pair<std::string, std::int64_t> key{sender, id};
-    if (std::find(seen_.begin(), seen_.end(), key) != seen_.end()) {
+    const Request request{shortened(sender), id, engaged};
+    const bool is_known = std::find(seen_.begin(), seen_.end(), request) != seen_.end();
+    if (!engaged && is_known) {
       return Verdict::kRepeated;
     }
-    // Ids are compared within one sender only, since hosts' clocks differ. A stop is obeyed whatever its id.
-    if (!engaged && engaged_ && sender == sender_ && id < id_) {
+    if (!engaged && is_from_before_own_stop(request)) {
       return Verdict::kOutdated;
     }
-    seen_.push_back(key);
-    if (seen_.size() > kRemembered) {
-      seen_.pop_front();
+    if (!is_known) {
+      remember(request);
     }
+    // While released even a known stop is obeyed: standing once too often is the better mistake.
+    const bool repeats = is_known && engaged_;
     engaged_ = engaged;
     id_ = id;
-    sender_ = sender;
-    return Verdict::kTaken;
+    sender_ = request.sender;
+    return repeats ? Verdict::kRepeated : Verdict::kTaken;
   }
 
   [[nodiscard]] bool engaged() const { return engaged_; }
-  /// Id of the last request taken; 0 = none.
+  /// Id of the last request obeyed, a repeated stop too; 0 = none.
   [[nodiscard]] std::int64_t id() const { return id_; }
+  /// Of that request, shortened to 64 letters.
   [[nodiscard]] const std::string& sender() const { return sender_; }
 
  private:
-  static constexpr std::size_t kRemembered = 128;  // requests; each is repeated for a second at most
+  struct Request {
+    std::string sender;
+    std::int64_t id = 0;
+    bool engaged = false;
+    friend bool operator==(const Request&, const Request&) = default;
+  };
+
+  // Ids are compared within one sender only, since hosts' clocks differ.
+  [[nodiscard]] bool is_from_before_own_stop(const Request& release) const {
+    return std::any_of(seen_.begin(), seen_.end(), [&](const Request& seen) {
+      return seen.engaged && seen.sender == release.sender && seen.id >= release.id;
+    });
+  }
+  void remember(const Request& request) {
+    constexpr std::size_t kRemembered = 128;  // each is repeated for a second at most
+    seen_.push_back(request);
+    if (seen_.size() > kRemembered) {
+      seen_.pop_front();
+    }
+  }
+  // It is sent on in ROBOT_STATUS, 50 times a second.
+  static std::string shortened(const std::string& sender) {
+    constexpr std::size_t kLongestSender = 64;  // [bytes]
+    return sender.substr(0, kLongestSender);
+  }
+
   bool engaged_ = false;
   std::int64_t id_ = 0;
   std::string sender_;
-  std::deque<std::pair<std::string, std::int64_t>> seen_;  // sender and id, newest last
+  std::deque<Request> seen_;  // newest last
 };
 
 }  // namespace luminav

@@ -159,6 +159,20 @@ TEST(P3dxNode, IgnoresARecordedRequestForTheMotors) {
   EXPECT_EQ(bench.status.back().motors_command_id, 100);
 }
 
+TEST(P3dxNode, ObeysAStopThatHasTheIdOfARelease) {
+  P3dxBench bench;
+  bench.run(2.0);
+  bench.drive(0.4, 0.0);
+  bench.send_stop(100, true, "viewer");
+  bench.send_stop(101, false, "viewer");
+  bench.run(2.0);
+  EXPECT_FALSE(bench.standing());
+  bench.send_stop(101, true, "viewer");  // two pages counted on from the same id
+  bench.run(0.6);
+  EXPECT_TRUE(bench.status.back().stop_engaged);
+  EXPECT_TRUE(bench.standing());
+}
+
 TEST(P3dxNode, LeavesTheMotorsOffUntilRequestedAndSwitchesThemOffAgain) {
   P3dxConfig config = P3dxBench::robot_config();
   config.enable_motors_at_start = false;

@@ -163,7 +163,7 @@ class HttpFuzzTest : public ::testing::Test {
   VirtualClock clock_;
   SnapshotBoard board_;
   PictureStore pictures_;
-  RequestDesk desk_{lcm_};
+  RequestDesk desk_{lcm_, "viewer@desk"};
   Helm helm_{lcm_, {}};
   ProcessDesk processes_{procman_, lcm_};
   Building building_;

@@ -45,7 +45,7 @@ class HttpServerTest : public ::testing::Test {
   VirtualClock clock_;
   SnapshotBoard board_;
   PictureStore pictures_;
-  RequestDesk desk_{lcm_};
+  RequestDesk desk_{lcm_, "viewer@desk"};
   Helm helm_{lcm_, {}};
   lcm::LCM procman_{"memq://"};
   ProcessDesk processes_{procman_, lcm_};

@@ -26,6 +26,23 @@ class RequestDeskTest : public ::testing::Test {
     while (lcm_.handleTimeout(0) > 0) {
     }
   }
+  std::int64_t ask_for_stop(bool engaged) {
+    stop_t stop{};
+    stop.engaged = engaged ? 1 : 0;
+    return desk_.send(stop, kStart);
+  }
+  void driver_says(std::int64_t stop_id, bool engaged) {
+    robot_status_t status{};
+    status.stop_id = stop_id;
+    status.stop_engaged = engaged ? 1 : 0;
+    desk_.on_robot_status(status);
+  }
+  void controller_says(std::int64_t stop_id, bool engaged) {
+    control_status_t status{};
+    status.stop_id = stop_id;
+    status.stop_engaged = engaged ? 1 : 0;
+    desk_.on_control_status(status);
+  }
   Fate fate_of(RequestDesk::Kind kind) {
     for (const RequestDesk::State& state : desk_.states()) {
       if (state.kind == kind) {
@@ -36,7 +53,7 @@ class RequestDeskTest : public ::testing::Test {
   }
 
   lcm::LCM lcm_{"memq://"};
-  RequestDesk desk_{lcm_};
+  RequestDesk desk_{lcm_, "viewer@desk"};
   Subscriber subscriber_;
   std::vector<goal_t> goals_;
   std::vector<stop_t> stops_;
@@ -96,17 +113,58 @@ TEST_F(RequestDeskTest, GivesUpOnAGoalButNeverOnAStop) {
 }
 
 TEST_F(RequestDeskTest, AStopNeedsDriverAndController) {
+  const std::int64_t id = ask_for_stop(true);
+  driver_says(id, true);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kWaiting);
+  controller_says(id, true);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kAnswered);
+}
+
+TEST_F(RequestDeskTest, AnEchoedIdAloneIsNoStop) {
+  const std::int64_t id = ask_for_stop(true);
+  driver_says(id, false);  // another desk's release, that has the same id
+  controller_says(id, false);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kWaiting);
+  deliver();
+  desk_.repeat(kStart + 200'000);
+  deliver();
+  EXPECT_EQ(stops_.size(), 2U);
+  driver_says(id, true);
+  controller_says(id, true);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kAnswered);
+}
+
+TEST_F(RequestDeskTest, GivesAReleaseUpWhenSomebodyElseStops) {
+  driver_says(7, true);
+  controller_says(7, true);
+  ask_for_stop(false);
+  driver_says(7, true);  // not obeyed yet
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kWaiting);
+  driver_says(9, true);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kUnanswered);
+  deliver();
+  stops_.clear();
+  desk_.repeat(kStart + 200'000);
+  deliver();
+  EXPECT_TRUE(stops_.empty()) << "it would undo a stop that is newer";
+}
+
+TEST_F(RequestDeskTest, SaysWhoAsks) {
+  ask_for_stop(true);
+  deliver();
+  EXPECT_EQ(stops_.at(0).sender, "viewer@desk");
+}
+
+TEST(RequestDesk, SaysWhenNothingWasSentAndTriesAStopAgain) {
+  lcm::LCM network("no-such-network://");
+  RequestDesk desk(network, "viewer");
+  EXPECT_THROW(desk.send(goal_t{}, kStart), NotSent);
   stop_t stop{};
   stop.engaged = 1;
-  const std::int64_t id = desk_.send(stop, kStart);
-  robot_status_t robot{};
-  robot.stop_id = id;
-  desk_.on_robot_status(robot);
-  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kWaiting);
-  control_status_t control{};
-  control.stop_id = id;
-  desk_.on_control_status(control);
-  EXPECT_EQ(fate_of(RequestDesk::Kind::kStop), Fate::kAnswered);
+  EXPECT_THROW(desk.send(stop, kStart), NotSent);
+  for (const RequestDesk::State& state : desk.states()) {
+    EXPECT_EQ(state.fate, state.kind == RequestDesk::Kind::kStop ? Fate::kWaiting : Fate::kUnanswered);
+  }
 }
 
 TEST_F(RequestDeskTest, ANewerRequestReplacesTheOlderOne) {

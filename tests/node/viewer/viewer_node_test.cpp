@@ -58,7 +58,7 @@ class ViewerNodeTest : public ::testing::Test {
   VirtualClock clock_;
   SnapshotBoard board_;
   PictureStore pictures_;
-  RequestDesk desk_{lcm_};
+  RequestDesk desk_{lcm_, "viewer@desk"};
   Helm helm_{lcm_, {}};
   ViewerNode node_{lcm_, {}, clock_, board_, pictures_, desk_, helm_};
   Subscriber requests_;
