@@ -12,5 +12,5 @@ foreach(name ${files})
   string(APPEND arrays "constexpr char k_${identifier}[] = {${bytes}'\\0'};\n")
   string(APPEND table "      {\"${name}\", {k_${identifier}, ${size}}},\n")
 endforeach()
-file(WRITE ${OUTPUT} "#include \"services/viewer/web_files.hpp\"\n\nnamespace luminav {\nnamespace {\n${arrays}}  // namespace\n
+file(WRITE ${OUTPUT} "#include \"services/viewer/http/web_files.hpp\"\n\nnamespace luminav {\nnamespace {\n${arrays}}  // namespace\n
 const std::vector<WebFile>& web_files() {\n  static const std::vector<WebFile> files = {\n${table}  };\n  return files;\n}\n\n}  // namespace luminav\n")

@@ -1,44 +1,62 @@
 #include <fmt/format.h>
-#include <sys/random.h>
 #include <unistd.h>
 
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <stdexcept>
-#include <vector>
 
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/launcher/network.hpp"
-#include "services/viewer/http_rules.hpp"
-#include "services/viewer/http_server.hpp"
+#include "services/viewer/http/http_rules.hpp"
+#include "services/viewer/http/http_server.hpp"
 #include "services/viewer/process_desk.hpp"
+#include "services/viewer/token_file.hpp"
 #include "services/viewer/viewer_node.hpp"
 
 namespace luminav {
 namespace {
-
-std::string random_hex(std::size_t count) {
-  std::vector<unsigned char> bytes(count);
-  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    throw std::runtime_error("the kernel gives no random numbers");
-  }
-  std::string hex;
-  for (const unsigned char byte : bytes) {
-    hex += fmt::format("{:02x}", byte);
-  }
-  return hex;
-}
 
 std::string host_name() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
 }
 
+/// A person reads it. A deputy's children have a terminal too, but each leads a session of its own there, and what they
+/// print is kept and sent on.
+bool is_read_by_a_person_alone() {
+  return isatty(STDOUT_FILENO) != 0 && getsid(0) != getpid();
+}
+
+void say_address(const std::string& address, const std::string& token, const std::filesystem::path& token_file) {
+  if (token.empty()) {
+    fmt::print("viewer: open {}\n", address);
+  } else if (is_read_by_a_person_alone()) {
+    // after the hash: browsers keep it to themselves
+    fmt::print("viewer: open {}#token={}\n", address, token);
+  } else {
+    fmt::print("viewer: open {}#token=TOKEN, with the token of {}\n", address, token_file.string());
+  }
+  std::fflush(stdout);
+}
+
+/// A viewer that cannot keep its token serves all the same: somebody may want to stop the robot.
+std::string token_of(const std::filesystem::path& file) {
+  try {
+    return read_or_make_token(file);
+  } catch (const ConfigurationError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    fmt::print(stderr, "viewer: {}; pages must be opened anew when it starts again\n", error.what());
+    return random_hex(12);
+  }
+}
+
 int view(int argc, char** argv) {
-  std::string robot_file, building_file, url;
+  std::string robot_file, building_file, url, state, token_file;
   std::string procman_url = launcher::default_procman_url();
   HttpOptions http;
   std::int64_t port = http.port;
@@ -50,6 +68,8 @@ int view(int argc, char** argv) {
       .integer("--port", port, "of the page, 0 = any free one")
       .integer("--command-port", command_port, "of the commands alone (default: the next one)")
       .text("--procman-url", procman_url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL")
+      .state_folder(state)
+      .text("--token-file", token_file, "file of this user that holds the token (default: STATE/ROBOT/viewer_token)")
       .text("--web", http.web_folder, "folder to read the page from instead of the built-in one");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
@@ -61,9 +81,12 @@ int view(int argc, char** argv) {
   http.port = static_cast<int>(port);
   http.command_port = static_cast<int>(command_port);
   http.host_name = host_name();
-  http.token = is_loopback(http.listen) ? "" : random_hex(12);
 
   const ViewerConfig config = read_viewer_config(robot_file, building_file);
+  const std::filesystem::path kept_token = token_file.empty()
+                                               ? std::filesystem::path(state) / config.robot.name / "viewer_token"
+                                               : std::filesystem::path(token_file);
+  http.token = is_loopback(http.listen) ? "" : token_of(kept_token);
   const HostClock clock;
   const NetworkAccess access = read_network_access(robot_file);
   const LcmNetwork network = access.on(url);
@@ -76,8 +99,7 @@ int view(int argc, char** argv) {
   ProcessDesk processes(*procman, *lcm, access.key);
   ViewerNode node(*lcm, config, clock, board, pictures, desk, helm);
   const HttpServer server(http, {board, pictures, desk, helm, processes, clock, config.building, config.robot});
-  fmt::print("viewer: open {}\n", server.address());
-  std::fflush(stdout);
+  say_address(server.address(), http.token, kept_token);
 
   EventLoop loop(*lcm, "viewer", config.robot.name, network);
   loop.belong_to(identify(robot_file, building_file));

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-
 namespace luminav {
 
 std::string server_sent_event(std::string_view name, std::string_view json) {
@@ -27,31 +25,27 @@ void SnapshotBoard::clear(Lane lane) {
 }
 
 void SnapshotBoard::tick() {
-  {
-    const std::lock_guard lock(mutex_);
-    ++tick_;
-  }
-  changed_.notify_all();
-}
-
-void SnapshotBoard::close() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_closed_ = true;
-  }
-  changed_.notify_all();
-}
-
-bool SnapshotBoard::is_closed() const {
   const std::lock_guard lock(mutex_);
-  return is_closed_;
+  ++tick_;
+  if (wake_) {
+    wake_();
+  }
 }
 
-std::vector<SnapshotBoard::Text> SnapshotBoard::read(Cursor& cursor, int patience_ms, std::size_t bulk_budget) {
-  std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, std::chrono::milliseconds(patience_ms), [&] { return is_closed_ || tick_ != cursor.tick; });
+void SnapshotBoard::report_ticks(std::function<void()> wake) {
+  const std::lock_guard lock(mutex_);
+  wake_ = std::move(wake);
+}
+
+SnapshotBoard::Cursor SnapshotBoard::new_reader() const {
+  const std::lock_guard lock(mutex_);
+  return {.tick = tick_};
+}
+
+std::vector<SnapshotBoard::Text> SnapshotBoard::read(Cursor& cursor, std::size_t bulk_budget) const {
+  const std::lock_guard lock(mutex_);
   std::vector<Text> texts;
-  if (is_closed_) {
+  if (cursor.tick == tick_) {
     return texts;
   }
   cursor.tick = tick_;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -30,22 +29,23 @@ class SnapshotBoard {
   /// How far one reader has read; a fresh one is given everything.
   struct Cursor {
     std::array<std::uint64_t, 2> seen{};
-    std::uint64_t tick = 0;
+    std::uint64_t tick = 0;  // there is nothing new until the next
   };
 
   /// Replaces the text of a subject. Readers see it after the next tick.
   void put(Lane lane, const std::string& subject, std::string text);
   /// Forgets all subjects of a lane.
   void clear(Lane lane);
-  /// Wakes the readers.
+  /// What was put is complete, and may be read.
   void tick();
-  /// Wakes the readers for good: no more readings.
-  void close();
+  /// Whom each tick wakes; called from the thread that ticks. null = nobody any more.
+  void report_ticks(std::function<void()> wake);
 
-  /// What changed since the cursor, oldest first, live before bulk; waits for the next tick, but no longer than
-  /// `patience_ms`, then it may be empty. At least one bulk text is handed out however small the budget [bytes].
-  [[nodiscard]] std::vector<Text> read(Cursor& cursor, int patience_ms, std::size_t bulk_budget);
-  [[nodiscard]] bool is_closed() const;
+  /// For a reader that is to see nothing from before the next tick: without readers nobody renews the texts.
+  [[nodiscard]] Cursor new_reader() const;
+  /// What changed since the cursor, oldest first, live before bulk; empty when there was no tick since. At least one
+  /// bulk text is handed out however small the budget [bytes].
+  [[nodiscard]] std::vector<Text> read(Cursor& cursor, std::size_t bulk_budget) const;
 
  private:
   struct Entry {
@@ -58,11 +58,10 @@ class SnapshotBoard {
   };
 
   mutable std::mutex mutex_;
-  std::condition_variable changed_;
+  std::function<void()> wake_;
   std::array<Content, 2> lanes_;
   std::uint64_t version_ = 0;
-  std::uint64_t tick_ = 1;  // above a fresh cursor's: the first reading does not wait
-  bool is_closed_ = false;
+  std::uint64_t tick_ = 1;  // above a fresh cursor's
 };
 
 }  // namespace luminav

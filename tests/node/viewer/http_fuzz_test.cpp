@@ -1,7 +1,7 @@
 // A client that sends 10,000 malformed requests: none of them crashes the viewer or becomes a message that moves the
 // robot. A stop may come out of it: whatever is not clearly a release of the stop is a stop.
 
-#include "services/viewer/http_server.hpp"
+#include "services/viewer/http/http_server.hpp"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>

@@ -28,7 +28,8 @@ class ViewerNodeTest : public ::testing::Test {
   // What the reader is told now: (event, data), oldest first.
   std::vector<std::pair<std::string, Json>> news() {
     std::vector<std::pair<std::string, Json>> events;
-    for (const SnapshotBoard::Text& text : board_.read(cursor_, 0, 1'000'000)) {
+    board_.tick();
+    for (const SnapshotBoard::Text& text : board_.read(cursor_, 1'000'000)) {
       const std::size_t line = text->find('\n');
       EXPECT_EQ(text->substr(0, 7), "event: ");
       EXPECT_EQ(text->substr(text->size() - 2), "\n\n");

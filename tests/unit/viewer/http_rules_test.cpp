@@ -1,4 +1,4 @@
-#include "services/viewer/http_rules.hpp"
+#include "services/viewer/http/http_rules.hpp"
 
 #include <gtest/gtest.h>
 
@@ -52,21 +52,21 @@ TEST(AccessRules, OnAllAddressesKnowsAddressesAndItsOwnName) {
 
 TEST(AccessRules, TakesCommandsFromItsOwnPageOnly) {
   const AccessRules rules("127.0.0.1", "robot", 8080, "");
-  EXPECT_FALSE(rules.objection_to_command("localhost:8080", "http://localhost:8080", ""));
-  EXPECT_FALSE(rules.objection_to_command("localhost:8081", "http://localhost:8080", ""));  // the command port
-  EXPECT_FALSE(rules.objection_to_command("localhost:9000", "http://localhost:9000", ""));  // through a tunnel
-  EXPECT_FALSE(rules.objection_to_command("localhost:8081", "", ""));                       // no browser
-  EXPECT_TRUE(rules.objection_to_command("localhost:8081", "http://localhost:3000", ""));   // another page of this host
-  EXPECT_TRUE(rules.objection_to_command("localhost:8081", "http://evil.example:8080", ""));
-  EXPECT_TRUE(rules.objection_to_command("localhost:8081", "null", ""));
-  EXPECT_TRUE(rules.objection_to_command("127.0.0.1:8081", "http://localhost:8080", ""));
+  EXPECT_FALSE(rules.objection_to_origin("localhost:8080", "http://localhost:8080"));
+  EXPECT_FALSE(rules.objection_to_origin("localhost:8081", "http://localhost:8080"));  // the command port
+  EXPECT_FALSE(rules.objection_to_origin("localhost:9000", "http://localhost:9000"));  // through a tunnel
+  EXPECT_FALSE(rules.objection_to_origin("localhost:8081", ""));                       // no browser
+  EXPECT_TRUE(rules.objection_to_origin("localhost:8081", "http://localhost:3000"));   // another page of this host
+  EXPECT_TRUE(rules.objection_to_origin("localhost:8081", "http://evil.example:8080"));
+  EXPECT_TRUE(rules.objection_to_origin("localhost:8081", "null"));
+  EXPECT_TRUE(rules.objection_to_origin("127.0.0.1:8081", "http://localhost:8080"));
 }
 
 TEST(AccessRules, DemandsTheWholeToken) {
   const AccessRules rules("0.0.0.0", "robot", 8080, "secret");
-  EXPECT_FALSE(rules.objection_to_command("robot:8081", "http://robot:8080", "secret"));
+  EXPECT_FALSE(rules.objection_to_token("secret"));
   for (const char* token : {"", "secre", "secrets", "Secret"}) {
-    EXPECT_TRUE(rules.objection_to_command("robot:8081", "http://robot:8080", token)) << token;
+    EXPECT_TRUE(rules.objection_to_token(token)) << token;
   }
 }
 

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <thread>
-
 namespace luminav {
 namespace {
 
@@ -14,9 +12,11 @@ using Lane = SnapshotBoard::Lane;
 
 constexpr std::size_t kPlenty = 1'000'000;
 
+// After a tick.
 std::vector<std::string> read(SnapshotBoard& board, SnapshotBoard::Cursor& cursor, std::size_t budget = kPlenty) {
+  board.tick();
   std::vector<std::string> texts;
-  for (const SnapshotBoard::Text& text : board.read(cursor, 0, budget)) {
+  for (const SnapshotBoard::Text& text : board.read(cursor, budget)) {
     texts.push_back(*text);
   }
   return texts;
@@ -62,22 +62,34 @@ TEST(SnapshotBoard, ForgetsALane) {
   EXPECT_THAT(read(board, cursor), ElementsAre("new map"));
 }
 
-TEST(SnapshotBoard, WakesReadersWithTheTickAndWhenItCloses) {
+TEST(SnapshotBoard, HandsOutNothingBetweenTwoTicks) {
   SnapshotBoard board;
   SnapshotBoard::Cursor cursor;
   EXPECT_THAT(read(board, cursor), IsEmpty());
-  std::vector<SnapshotBoard::Text> texts;
-  std::thread reader([&] { texts = board.read(cursor, 60'000, kPlenty); });
   board.put(Lane::kLive, "state", "new");
+  EXPECT_THAT(board.read(cursor, kPlenty), IsEmpty());
+  EXPECT_THAT(read(board, cursor), ElementsAre("new"));
+}
+
+TEST(SnapshotBoard, ShowsANewReaderNothingFromBeforeTheNextTick) {
+  SnapshotBoard board;
+  board.put(Lane::kLive, "state", "of a minute ago");
   board.tick();
-  reader.join();
-  ASSERT_EQ(texts.size(), 1U);
-  EXPECT_EQ(*texts.front(), "new");
-  std::thread last_reader([&] { texts = board.read(cursor, 60'000, kPlenty); });
-  board.close();
-  last_reader.join();
-  EXPECT_TRUE(texts.empty());
-  EXPECT_TRUE(board.is_closed());
+  SnapshotBoard::Cursor cursor = board.new_reader();
+  EXPECT_THAT(board.read(cursor, kPlenty), IsEmpty());
+  board.put(Lane::kLive, "state", "new");
+  EXPECT_THAT(read(board, cursor), ElementsAre("new"));
+}
+
+TEST(SnapshotBoard, WakesWhomItWasToldTo) {
+  SnapshotBoard board;
+  int woken = 0;
+  board.report_ticks([&] { ++woken; });
+  board.tick();
+  EXPECT_EQ(woken, 1);
+  board.report_ticks(nullptr);
+  board.tick();
+  EXPECT_EQ(woken, 1);
 }
 
 }  // namespace

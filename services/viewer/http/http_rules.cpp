@@ -1,4 +1,4 @@
-#include "services/viewer/http_rules.hpp"
+#include "services/viewer/http/http_rules.hpp"
 
 #include <arpa/inet.h>
 
@@ -112,16 +112,16 @@ bool AccessRules::is_own_page(std::string_view host, std::string_view origin) co
   return asked && page && asked->host == page->host && (page->port == page_port_ || page->port == asked->port);
 }
 
-std::optional<std::string> AccessRules::objection_to_command(std::string_view host, std::string_view origin,
-                                                             std::string_view token) const {
-  if (auto objection = objection_to_host(host)) {
-    return objection;
-  }
+std::optional<std::string> AccessRules::objection_to_origin(std::string_view host, std::string_view origin) const {
   if (!origin.empty() && !is_own_page(host, origin)) {
     return "commands are taken from the viewer's own page only";
   }
+  return std::nullopt;
+}
+
+std::optional<std::string> AccessRules::objection_to_token(std::string_view token) const {
   if (!token_.empty() && !is_same_secret(token_, token)) {
-    return "the token is missing or wrong: open the page by the address that the viewer printed when it started";
+    return "the token is missing or wrong: open the page by the address that holds it, see scripts/view --help";
   }
   return std::nullopt;
 }

@@ -19,19 +19,20 @@ struct HttpOptions {
   int port = 8080;          // of the page; 0 = any free one
   int command_port = 8081;  // of the commands alone; 0 = any free one
   std::string host_name;    // of this machine, for people on others
-  std::string token;        // demanded for commands; "" = none
+  std::string token;        // demanded for commands, except to stop; "" = none
   std::string web_folder;   // reads the page from there instead of the built-in one; "" = built in
 };
 
-/// Two HTTP servers with threads of their own: one serves the page, the building, the camera's picture and the events,
-/// and takes commands too; the other takes commands only, so that a STOP gets through while every thread of the first
-/// is held by a slow reader.
+/// Two HTTP listeners with a thread each: one serves the page, the building, the camera's picture and the events, and
+/// takes commands too; the other takes commands only. Whatever clients do, neither waits for them.
 ///
-///   GET  /events              server-sent events, see ViewerNode; 503 when 40 clients listen
+///   GET  /events              server-sent events, see ViewerNode; 503 when 40 clients listen, or ten of one machine
 ///   GET  /building.json, /settings.json, the page
 ///   GET  /camera.jpg[?sequence=N]  the newest picture, or that one; 404 when it is not there any more
 ///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose, /api/map, /api/steering, /api/process
-///                             JSON, see request_text.hpp; answers {"id": N}
+///                             JSON, see request_text.hpp; answers {"id": N}, 400 with
+///                             {"error": why} for what is none, 403 for who may not, 503 when the network takes
+///                             nothing. A STOP needs no token, its release does.
 class HttpServer {
  public:
   /// What is shown and where requests go. All must outlive the server.
@@ -48,14 +49,14 @@ class HttpServer {
 
   /// Binds both ports and starts to serve; throws std::runtime_error when one of them is taken.
   HttpServer(const HttpOptions& options, const Context& context);
-  /// Closes the board and waits for all threads.
+  /// Ends all connections and threads.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
   [[nodiscard]] int port() const;
   [[nodiscard]] int command_port() const;
-  /// For a person to open, token included.
+  /// For a person to open; without the token.
   [[nodiscard]] std::string address() const;
   [[nodiscard]] int listeners() const;
 

@@ -27,9 +27,9 @@ class AccessRules {
 
   /// Why the request must be refused, or nothing. An absent Host is "".
   [[nodiscard]] std::optional<std::string> objection_to_host(std::string_view host) const;
-  /// The same for what changes something: also checks the Origin ("" = not from a browser) and the token.
-  [[nodiscard]] std::optional<std::string> objection_to_command(std::string_view host, std::string_view origin,
-                                                                std::string_view token) const;
+  /// The same for what changes something. An absent Origin is "": it comes from no browser.
+  [[nodiscard]] std::optional<std::string> objection_to_origin(std::string_view host, std::string_view origin) const;
+  [[nodiscard]] std::optional<std::string> objection_to_token(std::string_view token) const;
   /// True for the page's own origin.
   [[nodiscard]] bool is_own_page(std::string_view host, std::string_view origin) const;
 

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace luminav {
+
+/// What a client is answered.
+struct HttpResponse {
+  int status = 200;
+  std::string type = "application/json";
+  std::shared_ptr<const std::string> body;  // null = empty
+  std::vector<std::pair<std::string, std::string>> headers;
+  /// Not null: the answer has no end. It is asked for more whenever there may be news and the client has taken all
+  /// before; "" = nothing new.
+  std::function<std::string()> more;
+  std::string sign_of_life;  // sent after a second without more
+};
+
+}  // namespace luminav
