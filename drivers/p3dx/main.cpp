@@ -16,6 +16,9 @@ using namespace luminav;
 
 namespace {
 
+constexpr const char* kGuardianDied =
+    "its guardian has died: it stops the robot and ends, to be started again with another";
+
 /// Tells the guardian which line to hold, and the user what happens to the line.
 class Watch {
  public:
@@ -47,9 +50,9 @@ class Watch {
 
   Health health() const {
     Health health = node_.health();
-    if (!guardian_.alive() && !health.fault) {
-      health.degraded = true;
-      health.reason = "the guardian process has died: only the robot's watchdog would stop it";
+    if (!guardian_.alive()) {
+      health.fault = true;
+      health.reason = kGuardianDied;
     }
     return health;
   }
@@ -130,11 +133,19 @@ int main(int argc, char** argv) {
     loop.every(20'000, [&] {
       node.hold(loop.conflict());
       watch.poll();
+      if (!guardian.alive()) {  // nobody would stop the robot should this process die, too
+        loop.check_health();
+        loop.stop();
+      }
     });
     loop.report_health([&] { return watch.health(); });
     watch.report_connection([&] { loop.check_health(); });
     const int status = loop.run();
     bring_to_rest(node, watch);
+    if (!guardian.alive()) {
+      fmt::print(stderr, "p3dx: {}\n", kGuardianDied);
+      return 1;
+    }
     return status;
   });
 }

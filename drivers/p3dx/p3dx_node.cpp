@@ -94,7 +94,7 @@ void P3dxNode::on_stop(const stop_t& message) {
     command_motion(now);
     link_.flush(now);
   }
-  stop_.save();
+  stop_.save(now);
 }
 
 void P3dxNode::on_motors_command(const motors_command_t& message) {
@@ -187,6 +187,7 @@ void P3dxNode::poll() {
     next_status_ = now - next_status_ > 5 * kStatusPeriod ? now + kStatusPeriod : next_status_ + kStatusPeriod;
     publish_status(now);
   }
+  stop_.save(now);
   beat();
 }
 
@@ -383,6 +384,9 @@ Health P3dxNode::health() const {
   } else if (!motors_.reason().empty()) {
     health.degraded = true;
     health.reason = motors_.reason();
+  } else if (!stop_.trouble().empty()) {
+    health.degraded = true;
+    health.reason = stop_.trouble();
   } else if (link_.has_configuration() && 10 * last_.battery_voltage < robot.low_battery &&
              last_.battery_voltage > 0.0) {
     health.degraded = true;

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 
 #include <algorithm>
 #include <limits>
@@ -310,19 +311,51 @@ TEST(P3dxNode, StopsBeforeItKeepsTheStopOnDisk) {
   const TemporaryFolder folder;
   P3dxConfig config = P3dxBench::robot_config();
   config.state_folder = folder.path();
+  std::vector<bool> kept;
+  {
+    P3dxBench bench({}, config);
+    bench.drive(0.3, 0.0);
+    bench.run(3.0);
+    bench.noise.on_frame = [&](const PacketView& frame) {
+      if (frame.type == static_cast<std::uint8_t>(ArcosCommand::kVelocity)) {
+        kept.push_back(std::filesystem::exists(folder.path() / "stop"));
+      }
+    };
+    bench.send_stop(1, true);
+    bench.lcm.handleTimeout(0);  // no time goes by
+  }
+  EXPECT_EQ(kept, std::vector<bool>{false});
+  EXPECT_TRUE(StopLatch(folder.path()).engaged());
+}
+
+TEST(P3dxNode, StandsAndSaysSoWhereTheKeptStopCannotBeRead) {
+  const TemporaryFolder folder;
+  folder.write("stop", "");  // as a power cut leaves it
+  P3dxConfig config = P3dxBench::robot_config();
+  config.state_folder = folder.path();
   P3dxBench bench({}, config);
   bench.drive(0.3, 0.0);
   bench.run(3.0);
-  std::vector<bool> kept;
-  bench.noise.on_frame = [&](const PacketView& frame) {
-    if (frame.type == static_cast<std::uint8_t>(ArcosCommand::kVelocity)) {
-      kept.push_back(std::filesystem::exists(folder.path() / "stop"));
-    }
-  };
+  EXPECT_EQ(bench.base.travel, 0.0);
+  EXPECT_THAT(bench.status.back().reason, HasSubstr("cannot read the stop that was kept"));
+  bench.send_stop(1, false);
+  bench.run(2.0);
+  EXPECT_GT(bench.base.travel, 0.0);
+}
+
+TEST(P3dxNode, IsDegradedWhileTheStopCannotBeKept) {
+  P3dxConfig config = P3dxBench::robot_config();
+  config.state_folder = "/proc/nowhere";
+  P3dxBench bench({}, config);
+  bench.run(3.0);
   bench.send_stop(1, true);
-  bench.lcm.handleTimeout(0);  // no time goes by
-  EXPECT_EQ(kept, std::vector<bool>{false});
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "stop"));
+  bench.lcm.handleTimeout(0);
+  for (int i = 0; i < 1000 && bench.node.health().reason.find("survive") == std::string::npos; ++i) {
+    bench.run(0.02);
+    poll(nullptr, 0, 1);  // it is written beside this thread
+  }
+  EXPECT_TRUE(bench.node.health().degraded);
+  EXPECT_THAT(bench.node.health().reason, HasSubstr("the stop would not survive a restart"));
 }
 
 TEST(P3dxNode, IsNotSwitchedByLateCopiesOfAnOlderRequest) {
