@@ -20,15 +20,20 @@ constexpr std::size_t kMaxRefused = 32;       // entries, so that strangers cann
 constexpr std::size_t kLongestRefused = 256;  // [bytes] of a refused text that is repeated
 constexpr std::size_t kMaxCommands = 250;     // PM_INFO has to fit a datagram
 
-/// Signal and time of the orders, or procman's standard where they make no sense.
-void make_sensible(procman::procman_command_t& command) {
-  if (command.stop_signal < 1 || command.stop_signal > 64) {
-    command.stop_signal = SIGINT;
+/// Signal and time of the orders where they end a process, else those of the deputy's own file. SIGSTOP, say, would
+/// freeze a robot's driver together with its guardian. `own` null: the command does not stand there.
+void make_sensible(procman::procman_command_t& command, const Command* own) {
+  const int given = command.stop_signal;
+  const bool ends = given == SIGINT || given == SIGTERM || given == SIGHUP || given == SIGQUIT;
+  if (!ends && !(own != nullptr && own->stop_signal == given)) {
+    command.stop_signal = static_cast<std::int8_t>(own != nullptr ? own->stop_signal : SIGINT);
   }
+  constexpr float kLongestStop = 10.0F;  // [s]
+  const float own_time = own != nullptr ? static_cast<float>(own->stop_time_allowed) : 7.0F;
   if (!std::isfinite(command.stop_time_allowed) || command.stop_time_allowed <= 0.0F) {
-    command.stop_time_allowed = 7.0F;
+    command.stop_time_allowed = own_time;
   }
-  command.stop_time_allowed = std::min(command.stop_time_allowed, 3600.0F);
+  command.stop_time_allowed = std::min(command.stop_time_allowed, std::max(own_time, kLongestStop));
 }
 
 /// A stranger's text, fit for a terminal and a datagram.
@@ -76,10 +81,11 @@ void Deputy::on_discovery(const procman::procman_discovery_t&) {
   children_.note_change();  // somebody new: who is here?
 }
 
-bool Deputy::is_allowed(const procman::procman_command_t& command) const {
-  return config_.allow_any || std::any_of(config_.allowed.begin(), config_.allowed.end(), [&](const Command& allowed) {
-           return allowed.name == command.command_id && allowed.exec == command.exec_str;
-         });
+const Command* Deputy::find_own(const procman::procman_command_t& command) const {
+  const auto own = std::find_if(config_.allowed.begin(), config_.allowed.end(), [&](const Command& allowed) {
+    return allowed.name == command.command_id && allowed.exec == command.exec_str;
+  });
+  return own == config_.allowed.end() ? nullptr : &*own;
 }
 
 void Deputy::on_orders(const procman::procman_orders_t& orders) {
@@ -101,7 +107,7 @@ void Deputy::on_orders(const procman::procman_orders_t& orders) {
   }
   bool all_allowed = true;
   for (const procman::procman_command_desired_t& ordered : orders.cmds) {
-    if (is_allowed(ordered.cmd)) {
+    if (config_.allow_any || find_own(ordered.cmd) != nullptr) {
       obey(ordered);
     } else {
       all_allowed = false;
@@ -131,7 +137,7 @@ ManagedCommand* Deputy::list_refused(const procman::procman_command_t& ordered, 
   command.command.command_id = id;
   command.command.exec_str = harmless(ordered.exec_str);
   command.command.group = harmless(ordered.group);
-  make_sensible(command.command);
+  make_sensible(command.command, nullptr);
   journal_.say(
       now_, fmt::format("refused command \"{}\" of sheriff {}: `{}` does not stand in this deputy's configuration", id,
                         harmless(sheriff_id), harmless(ordered.exec_str)));
@@ -145,6 +151,10 @@ void Deputy::refuse(const procman::procman_command_desired_t& ordered, const std
   }
   ManagedCommand& command = *listed;
   const std::string id = harmless(ordered.cmd.command_id);
+  if (ordered.force_quit != 0 && !command.refused) {
+    stop_whatever_its_words(command, ordered.desired_runid);
+    return;
+  }
   if (command.running()) {
     journal_.say_seldom(
         now_, fmt::format("refused other words for \"{}\", which goes on: `{}`", id, harmless(ordered.cmd.exec_str)));
@@ -161,6 +171,19 @@ void Deputy::refuse(const procman::procman_command_desired_t& ordered, const std
     command.respawn_at.reset();
     children_.note_change();
   }
+}
+
+// To stop is always allowed: the sheriff's file may have been edited since the start.
+void Deputy::stop_whatever_its_words(ManagedCommand& command, std::int32_t desired_runid) {
+  command.should_run = false;
+  command.respawn_at.reset();
+  if (command.running()) {
+    children_.stop(now_, command);
+  } else if (desired_runid != 0 && command.actual_runid != desired_runid) {
+    command.actual_runid = desired_runid;
+    children_.note_change();
+  }
+  command.desired_runid = desired_runid;
 }
 
 ManagedCommand* Deputy::list_ordered(const std::string& id) {
@@ -184,7 +207,7 @@ void Deputy::obey(const procman::procman_command_desired_t& ordered) {
   }
   ManagedCommand& command = *listed;
   command.command = ordered.cmd;
-  make_sensible(command.command);
+  make_sensible(command.command, find_own(ordered.cmd));
   command.refused = false;
   command.removing = false;
   command.should_run = ordered.force_quit == 0;

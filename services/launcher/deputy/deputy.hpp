@@ -59,8 +59,10 @@ class Deputy {
   void on_orders(const procman::procman_orders_t& orders);
   void on_discovery(const procman::procman_discovery_t& discovery);
 
-  [[nodiscard]] bool is_allowed(const procman::procman_command_t& command) const;
+  /// As it stands in the deputy's own configuration; null = not there, or with other words.
+  [[nodiscard]] const Command* find_own(const procman::procman_command_t& command) const;
   void refuse(const procman::procman_command_desired_t& ordered, const std::string& sheriff_id);
+  void stop_whatever_its_words(ManagedCommand& command, std::int32_t desired_runid);
   [[nodiscard]] ManagedCommand* list_refused(const procman::procman_command_t& ordered, const std::string& sheriff_id);
   void obey(const procman::procman_command_desired_t& ordered);
   [[nodiscard]] ManagedCommand* list_ordered(const std::string& id);

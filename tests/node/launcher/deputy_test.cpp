@@ -92,6 +92,61 @@ TEST_F(DeputyTest, ReplacesSignalsAndTimesThatMakeNoSense) {
   EXPECT_THAT(world.runner.signals, ElementsAre(Pair(101, 2)));
 }
 
+TEST_F(DeputyTest, SendsNoSignalThatDoesNotEndAProcess) {
+  int pid = 101;
+  int run = 0;
+  for (const int signal : {19, 18, 20, 23, 9}) {  // STOP, CONT, TSTP, URG; KILL leaves a driver no time to brake
+    Command frozen = mapper;
+    frozen.stop_signal = signal;
+    frozen.stop_time_allowed = 3600.0;
+    world.order("s", {LauncherWorld::desired(frozen, ++run)});
+    world.order("s", {LauncherWorld::desired(frozen, run, true)});
+    world.run(0.1);
+    EXPECT_THAT(world.runner.signals, ElementsAre(Pair(pid++, 2))) << signal;
+    world.runner.signals.clear();
+  }
+}
+
+TEST_F(DeputyTest, WaitsNoLongerForAProcessToEndThanItsOwnFileSaysOrTenSeconds) {
+  world.runner.stubborn.insert("$LUMINAV_BIN/mapper");
+  Command patient = mapper;
+  patient.stop_time_allowed = 3600.0;
+  world.order("s", {LauncherWorld::desired(patient, 1)});
+  world.order("s", {LauncherWorld::desired(patient, 1, true)});
+  world.run(10.3);
+  EXPECT_THAT(world.runner.signals, ElementsAre(Pair(101, 2), Pair(101, 9)));
+}
+
+TEST_F(DeputyTest, UsesAnySignalOfItsOwnFile) {
+  Command own = LauncherWorld::command("logger");
+  own.stop_signal = 10;
+  LauncherWorld other;
+  other.add_deputy({own});
+  other.run(0.7);
+  other.order("s", {LauncherWorld::desired(own, 1)});
+  other.order("s", {LauncherWorld::desired(own, 1, true)});
+  EXPECT_THAT(other.runner.signals, ElementsAre(Pair(101, 10)));
+}
+
+TEST_F(DeputyTest, StopsARunningProcessWhateverItsWordsInTheOrders) {
+  world.order("s", {LauncherWorld::desired(camera, 1)});
+  Command edited = camera;
+  edited.exec += " --verbose";
+  world.order("s", {LauncherWorld::desired(edited, 2)});
+  world.run(0.1);
+  EXPECT_EQ(world.listed("camera").pid, 101) << "other words are not run";
+  world.order("s", {LauncherWorld::desired(edited, 2, true)});
+  world.run(0.1);
+  EXPECT_THAT(world.runner.signals, ElementsAre(Pair(101, 2)));
+  EXPECT_EQ(world.listed("camera").pid, 0);
+  EXPECT_EQ(world.listed("camera").cmd.exec_str, camera.exec);
+  world.run(3.0);
+  EXPECT_THAT(world.runner.running, IsEmpty()) << "it was stopped for good";
+  world.order("s", {LauncherWorld::desired(camera, 3)});
+  world.run(0.1);
+  EXPECT_EQ(world.listed("camera").pid, 102);
+}
+
 TEST_F(DeputyTest, RestartsWhatDiedAndGivesUpInTheEnd) {
   world.order("s", {LauncherWorld::desired(camera, 1)});
   int deaths = 0;

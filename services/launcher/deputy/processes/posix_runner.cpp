@@ -84,8 +84,10 @@ void PosixRunner::signal(int pid, int signal) {
   }
   for (const int descendant : descendants_of(pid)) {
     found->second.descendants.insert(descendant);
-    if (signal != SIGKILL || is_in_session(descendant, pid)) {
+    if (is_in_session(descendant, pid)) {
       kill(descendant, signal);
+    } else if (signal != SIGKILL) {
+      kill(descendant, SIGTERM);  // never one that it cannot choose what to do about
     }
   }
   kill(pid, signal);
