@@ -20,8 +20,12 @@ P3dxConfig read_p3dx_config(const std::filesystem::path& robot_file) {
   config.assume_p3dx_sh = table.boolean("assume_p3dx_sh", config.assume_p3dx_sh);
   config.command_timeout = table.number("command_timeout", config.command_timeout, {0.1, 1.0});
   config.angular_deceleration = table.number("angular_deceleration", config.angular_deceleration, {0.05, 20.0});
+  config.supervised = table.number("supervised", config.supervised, {0.0, 600.0});
   config.distance_factor = table.number("distance_factor", config.distance_factor, {0.0, 10.0});
   table.reject_unknown();
+  if (config.supervised > 0.0 && config.supervised < 2.0) {
+    table.fail("supervised", "must be 0 (off) or 2 to 600 s: a page speaks once a second");
+  }
   for (const char* key : {"baud", "fast_baud"}) {
     const int rate = key == std::string_view("baud") ? config.baud : config.fast_baud;
     const bool stays = rate == 0 && key == std::string_view("fast_baud");

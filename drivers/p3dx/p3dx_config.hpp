@@ -18,6 +18,7 @@ struct P3dxConfig {
   double command_timeout = 0.3;               // [s] age at which a VELOCITY_COMMAND no longer moves the robot
   double angular_deceleration = 2.0944;       // [rad/s^2] of the turn when stopping
   double distance_factor = 0.0;               // [mm per unit] of the robot's x, y; 0 = by its subclass
+  double supervised = 0.0;                    // [s] without a living page or operator, then it stands; 0 = never
   double guardian_silence = 0.3;              // [s] without a sign of life, then the guardian acts
   double guardian_done_after = 0.0;    // [s] of silence, then the guardian has ended the session; 0 = there is none
   std::filesystem::path state_folder;  // where the software stop survives a restart; "" = it does not

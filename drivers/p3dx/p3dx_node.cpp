@@ -1,5 +1,7 @@
 #include "drivers/p3dx/p3dx_node.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <luminav/odometry_t.hpp>
@@ -19,7 +21,6 @@ constexpr std::int64_t kBeatPeriod = 55'000;     // [us] with every third poll
 constexpr double kAerosDistanceFactor = 0.485;   // [mm] p3dx on its older controller board
 constexpr double kArcosDistanceFactor = 1.0;     // [mm] p3dx-sh
 constexpr double kFastestRobot = 1.5;            // [m/s] whatever a controller claims
-constexpr std::size_t kSenderLength = 64;        // of a STOP: it goes into each ROBOT_STATUS
 constexpr std::size_t kMotionQueue = 4;          // frames waiting on a line that is stuck
 
 /// Packets that were held back arrive together; each was taken at least a cycle [us] before the next.
@@ -59,9 +60,11 @@ P3dxNode::P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, 
       stop_(config.state_folder),
       motors_(config.enable_motors_at_start),
       wheels_(wheel_params(config.robot)),
+      watched_(clock.utime()),
       subscriber_(lcm, key) {
   subscriber_.on(channels::kVelocityCommand, &P3dxNode::on_velocity_command, this);
   subscriber_.on(channels::kStop, &P3dxNode::on_stop, this);
+  subscriber_.on(channels::kSupervision, &P3dxNode::on_supervision, this);
   subscriber_.on(channels::kMotorsCommand, &P3dxNode::on_motors_command, this);
 }
 
@@ -82,19 +85,36 @@ void P3dxNode::on_velocity_command(const velocity_command_t& message) {
     subscriber_.drop("VELOCITY_COMMAND: " + why);
     return;
   }
+  if ((message.linear_x != 0.0 || message.angular_z != 0.0) && is_unsupervised(now)) {
+    obey_stop(now, now, true, fmt::format("the driver: no page and no operator for {:.0f} s", config_.supervised));
+    return;
+  }
   command_motion(now);
   link_.flush(now);
 }
 
 void P3dxNode::on_stop(const stop_t& message) {
-  const std::int64_t now = wake();
-  if (stop_.request(message.id, message.engaged != 0, message.sender.substr(0, kSenderLength))) {
+  obey_stop(wake(), message.id, message.engaged != 0, message.sender);
+}
+
+void P3dxNode::obey_stop(std::int64_t now, std::int64_t id, bool engaged, const std::string& sender) {
+  if (stop_.request(id, engaged, sender)) {
     gate_.clear(now);
     writer_.restart();  // at once, however short ago the last change was
     command_motion(now);
     link_.flush(now);
   }
   stop_.save(now);
+}
+
+void P3dxNode::on_supervision(const supervision_t&) {
+  watched_ = clock_.utime();
+}
+
+// Asked when a command would move the robot: one that stands needs nobody, and nobody comes back to a robot that
+// drives.
+bool P3dxNode::is_unsupervised(std::int64_t now) const {
+  return config_.supervised > 0.0 && 1e-6 * static_cast<double>(now - watched_) > config_.supervised;
 }
 
 void P3dxNode::on_motors_command(const motors_command_t& message) {

@@ -5,6 +5,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/motors_command_t.hpp>
 #include <luminav/stop_t.hpp>
+#include <luminav/supervision_t.hpp>
 #include <luminav/velocity_command_t.hpp>
 #include <optional>
 #include <string>
@@ -61,12 +62,15 @@ class P3dxNode {
  private:
   void on_velocity_command(const velocity_command_t& message);
   void on_stop(const stop_t& message);
+  void on_supervision(const supervision_t& message);
   void on_motors_command(const motors_command_t& message);
 
   /// The time; to be called before anything is said on the line, which others may have used while this process slept.
   std::int64_t wake();
   [[nodiscard]] bool guardian_heard_nothing(std::int64_t now) const;
   void beat();
+  void obey_stop(std::int64_t now, std::int64_t id, bool engaged, const std::string& sender);
+  [[nodiscard]] bool is_unsupervised(std::int64_t now) const;
   void on_connected();
   void send_settings(std::int64_t now);
   void on_information(const ReceivedInformation& received);
@@ -104,6 +108,7 @@ class P3dxNode {
   std::int64_t impossible_packets_ = 0;
   std::int64_t last_motors_command_ = 0;  // id
   std::string held_because_;
+  std::int64_t watched_ = 0;     // [us] when somebody last watched, or this began
   bool standing_still_ = false;  // for good
   Subscriber subscriber_;
 };

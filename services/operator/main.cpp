@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <luminav/supervision_t.hpp>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -15,6 +16,7 @@
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/network/network_access.hpp"
+#include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/operator/goal_request.hpp"
@@ -81,12 +83,21 @@ class ProgressLine {
   std::int64_t shown_ = 0;  // [us]
 };
 
+// Whoever waits here sees the robot, or should; Ctrl-C stops it.
+void say_somebody_watches(lcm::LCM& lcm) {
+  supervision_t supervision{};
+  supervision.utime = clock_us(CLOCK_REALTIME);
+  supervision.sender = "operator";
+  lcm.publish(channels::kSupervision, &supervision);
+}
+
 int watch(lcm::LCM& lcm, GoalRequest& request) {
   constexpr std::int64_t kTick = 200'000;  // [us]
   ProgressLine line;
   bool was_interrupted = false;
   while (!request.outcome()) {
     request.tick();
+    say_somebody_watches(lcm);
     listen_until(lcm, clock_us(CLOCK_MONOTONIC) + kTick);
     if (g_interrupted != 0) {
       g_interrupted = 0;

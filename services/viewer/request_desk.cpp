@@ -1,6 +1,7 @@
 #include "services/viewer/request_desk.hpp"
 
 #include <algorithm>
+#include <luminav/supervision_t.hpp>
 #include <utility>
 
 #include "services/common/process/channels.hpp"
@@ -77,6 +78,21 @@ std::int64_t RequestDesk::send(initial_pose_t guess, std::int64_t now) {
 
 std::int64_t RequestDesk::send(map_command_t command, std::int64_t now) {
   return post(Kind::kMap, channels::kMapCommand, std::move(command), now);
+}
+
+void RequestDesk::attend(std::int64_t now) {
+  constexpr std::int64_t kPeriod = 200'000;  // [us]
+  const std::lock_guard lock(mutex_);
+  if (now - attended_ < kPeriod && now >= attended_) {
+    return;
+  }
+  supervision_t supervision{};
+  supervision.utime = now;
+  supervision.sender = sender_;
+  if (commands_.publish(channels::kSupervision, supervision) < 0) {
+    throw NotSent("the network takes nothing");
+  }
+  attended_ = now;
 }
 
 void RequestDesk::repeat(std::int64_t now) {

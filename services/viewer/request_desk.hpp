@@ -65,6 +65,9 @@ class RequestDesk {
   std::int64_t send(initial_pose_t guess, std::int64_t now);
   std::int64_t send(map_command_t command, std::int64_t now);
 
+  /// Somebody has this viewer's page in view: says so in SUPERVISION, at most five times a second. Throws NotSent.
+  void attend(std::int64_t now);
+
   /// A fifth of a second has passed: repeats what was not obeyed yet. Gives up after 10 s, but never on a STOP.
   void repeat(std::int64_t now);
 
@@ -111,6 +114,7 @@ class RequestDesk {
 
   std::string objection_;
   std::int64_t last_id_ = 0;
+  std::int64_t attended_ = 0;  // [us] when SUPERVISION was sent last
   StopEcho driver_;
   StopEcho controller_;
 };

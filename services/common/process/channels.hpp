@@ -19,6 +19,7 @@ inline constexpr const char* kPath = "PATH";
 inline constexpr const char* kNavigationStatus = "NAVIGATION_STATUS";
 inline constexpr const char* kControlStatus = "CONTROL_STATUS";
 inline constexpr const char* kStop = "STOP";
+inline constexpr const char* kSupervision = "SUPERVISION";
 inline constexpr const char* kMotorsCommand = "MOTORS_COMMAND";
 inline constexpr const char* kTeleopCommand = "TELEOP_COMMAND";
 inline constexpr const char* kInitialPose = "INITIAL_POSE";

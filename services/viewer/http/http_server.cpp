@@ -205,7 +205,11 @@ struct HttpServer::Servers {
     if (request.method == "OPTIONS") {
       return preflight();
     }
-    const auto found = actions.find(request.path.substr(kCommandPrefix.size()));
+    const std::string name = request.path.substr(kCommandPrefix.size());
+    if (name == "watch" && request.method == "POST") {
+      return watch(request);
+    }
+    const auto found = actions.find(name);
     if (found == actions.end()) {
       return refusal(404, "there is no such command");
     }
@@ -231,6 +235,20 @@ struct HttpServer::Servers {
     } catch (const NotSent& error) {
       return refusal(503, error.what());
     }
+  }
+
+  // A page that is in view asks once a second, as it would send a STOP.
+  HttpResponse watch(const HttpRequest& request) {
+    if (const auto objection = rules->objection_to_origin(request.header("host"), request.header("origin"))) {
+      return refusal(403, *objection);
+    }
+    try {
+      context.desk.attend(context.clock.utime());
+    } catch (const NotSent& error) {
+      return refusal(503, error.what());
+    }
+    const bool may_command = !rules->objection_to_token(request.header("x-luminav-token"));
+    return text_answer(fmt::format(R"({{"may_command":{}}})", may_command));
   }
 
   // Browsers ask first before the page of one port sends JSON to another.

@@ -30,9 +30,10 @@ struct HttpOptions {
 ///   GET  /building.json, /settings.json, the page
 ///   GET  /camera.jpg[?sequence=N]  the newest picture, or that one; 404 when it is not there any more
 ///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose, /api/map, /api/steering, /api/process
-///                             JSON, see request_text.hpp; answers {"id": N}, 400 with
-///                             {"error": why} for what is none, 403 for who may not, 503 when the network takes
-///                             nothing. A STOP needs no token, its release does.
+///                             JSON, see request_text.hpp; answers {"id": N}, or {"error": why} with 400 for what is
+///                             none, 403 for who may not, 503 when the network takes nothing. A STOP needs no token,
+///                             its release does.
+///   POST /api/watch           a person has the page in view; answers {"may_command": the token is right}
 class HttpServer {
  public:
   /// What is shown and where requests go. All must outlive the server.

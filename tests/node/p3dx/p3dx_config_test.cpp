@@ -34,6 +34,9 @@ TEST(P3dxConfig, NamesTheKeyThatIsWrong) {
   EXPECT_THAT(error_of("baud = 12345"), HasSubstr("115200"));
   EXPECT_THAT(error_of("device = \"ttyUSB0\""), HasSubstr("tcp:HOST:PORT"));
   EXPECT_THAT(error_of("enable_motors = \"never\""), HasSubstr("on_request"));
+  EXPECT_EQ(error_of("supervised = 0"), "");
+  EXPECT_EQ(error_of("supervised = 5"), "");
+  EXPECT_THAT(error_of("supervised = 1"), HasSubstr("2 to 600"));
   EXPECT_THAT(error_of("motors = true"), HasSubstr("motors"));
   EXPECT_THAT(error_of("command_timeout = 9.0"), HasSubstr("command_timeout"));
 }

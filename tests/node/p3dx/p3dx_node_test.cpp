@@ -174,6 +174,48 @@ TEST(P3dxNode, ObeysAStopThatHasTheIdOfARelease) {
   EXPECT_TRUE(bench.standing());
 }
 
+void say_somebody_watches(P3dxBench& bench) {
+  supervision_t supervision{};
+  supervision.utime = bench.clock.utime();
+  bench.lcm.publish(channels::kSupervision, &supervision);
+}
+
+TEST(P3dxNode, StandsWhenNobodyWatchesAndUntilSomebodyReleasesIt) {
+  P3dxConfig config = P3dxBench::robot_config();
+  config.supervised = 3.0;
+  P3dxBench bench({}, config);
+  bench.drive(0.4, 0.0);
+  for (int i = 0; i < 10; ++i) {
+    say_somebody_watches(bench);
+    bench.run(1.0);
+    EXPECT_FALSE(bench.status.back().stop_engaged) << i;
+  }
+  EXPECT_NEAR(bench.base.outputs.linear, 0.4, 1e-9);
+  bench.run(3.0);
+  EXPECT_TRUE(bench.standing());
+  EXPECT_TRUE(bench.status.back().stop_engaged);
+  EXPECT_THAT(bench.status.back().reason, HasSubstr("no page and no operator for 3 s"));
+  say_somebody_watches(bench);
+  bench.run(1.0);
+  EXPECT_TRUE(bench.standing()) << "it does not begin to move because somebody looks";
+  bench.send_stop(7, false, "viewer");
+  bench.run(1.0);
+  EXPECT_FALSE(bench.standing());
+}
+
+TEST(P3dxNode, NeedsNobodyWhileItStands) {
+  P3dxConfig config = P3dxBench::robot_config();
+  config.supervised = 3.0;
+  P3dxBench bench({}, config);
+  bench.drive(0.0, 0.0);
+  bench.run(20.0);
+  EXPECT_FALSE(bench.status.back().stop_engaged);
+  say_somebody_watches(bench);
+  bench.drive(0.2, 0.0);
+  bench.run(2.0);
+  EXPECT_FALSE(bench.standing());
+}
+
 TEST(P3dxNode, LeavesTheMotorsOffUntilRequestedAndSwitchesThemOffAgain) {
   P3dxConfig config = P3dxBench::robot_config();
   config.enable_motors_at_start = false;

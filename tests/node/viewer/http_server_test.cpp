@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <luminav/supervision_t.hpp>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -35,9 +36,11 @@ class HttpServerTest : public ::testing::Test {
     server_ = std::make_unique<HttpServer>(options, context());
     subscriber_.on(channels::kGoal, &HttpServerTest::on_goal, this);
     subscriber_.on(channels::kStop, &HttpServerTest::on_stop, this);
+    subscriber_.on(channels::kSupervision, &HttpServerTest::on_supervision, this);
   }
   HttpServer::Context context() { return {board_, pictures_, desk_, helm_, processes_, clock_, building_, robot_}; }
   void on_goal(const goal_t& message) { goals_.push_back(message); }
+  void on_supervision(const supervision_t& message) { watched_ += message.sender == "viewer@desk" ? 1 : 0; }
   void on_stop(const stop_t& message) { stops_.push_back(message); }
   void deliver() {
     while (lcm_.handleTimeout(0) > 0) {
@@ -60,6 +63,7 @@ class HttpServerTest : public ::testing::Test {
   Subscriber subscriber_;
   std::vector<goal_t> goals_;
   std::vector<stop_t> stops_;
+  int watched_ = 0;
   std::unique_ptr<HttpServer> server_;
 };
 
@@ -163,6 +167,16 @@ TEST_F(GuardedHttpServerTest, ObeysAStopWithoutTheTokenButNoRelease) {
   ASSERT_EQ(stops_.size(), 2U);
   EXPECT_TRUE(stops_[0].engaged && stops_[1].engaged);
   EXPECT_EQ(commands().Post("/api/stop", {{"X-Luminav-Token", "secret"}}, R"({"engaged":false})", kJson)->status, 200);
+}
+
+TEST_F(GuardedHttpServerTest, TellsAPageInViewWhatItMayAndTheRobotThatSomebodyWatches) {
+  EXPECT_EQ(page().Post("/api/watch", "", "text/plain")->body, R"({"may_command":false})");
+  clock_.advance(1'000'000);
+  EXPECT_EQ(commands().Post("/api/watch", {{"X-Luminav-Token", "secret"}}, "", "text/plain")->body,
+            R"({"may_command":true})");
+  EXPECT_EQ(page().Post("/api/watch", {{"Origin", "http://evil.example"}}, "", "text/plain")->status, 403);
+  deliver();
+  EXPECT_EQ(watched_, 2);
 }
 
 TEST_F(HttpServerTest, SaysWhenAStopCouldNotBeSent) {
