@@ -242,9 +242,10 @@ std::optional<Pose2> ViewerNode::world_from_robot_at(std::int64_t utime) const {
 std::string ViewerNode::requests_json() const {
   std::string list;
   for (const RequestDesk::State& state : desk_.states()) {
-    list += fmt::format(R"({}{{"kind":"{}","fate":"{}","id":{},"objection":{},"age":{:.1f}}})", list.empty() ? "" : ",",
-                        RequestDesk::name_of(state.kind), RequestDesk::name_of(state.fate), state.id,
-                        to_json(state.objection), static_cast<double>(clock_.utime() - state.asked) * 1e-6);
+    list += fmt::format(R"({}{{"kind":"{}","fate":"{}","id":{},"objection":{},"engages":{},"age":{:.1f}}})",
+                        list.empty() ? "" : ",", RequestDesk::name_of(state.kind), RequestDesk::name_of(state.fate),
+                        state.id, to_json(state.objection), state.engages,
+                        static_cast<double>(clock_.utime() - state.asked) * 1e-6);
   }
   return "[" + list + "]";
 }

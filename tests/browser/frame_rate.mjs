@@ -69,6 +69,7 @@ const server = createServer((request, response) => {
     }, 100);
     request.on('close', () => clearInterval(timer));
   } else if (path === '/building.json') response.end(JSON.stringify(building));
+  else if (path === '/api/watch') response.end('{"may_command":true}');
   else if (path === '/settings.json') response.end('{"command_port":1,"needs_token":false}');
   else if (readdirSync(web).includes(path.slice(1))) {
     response.writeHead(200, {'Content-Type': types[path.split('.').at(-1)]});

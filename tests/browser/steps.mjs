@@ -88,6 +88,7 @@ export const stopping = {
     await until('it stands', 5, () => Math.abs(system.truth.linear) < 0.02 && Math.abs(system.truth.angular) < 0.02);
     await desk.says('#doing', /Stopped/);
     await phone.says('#doing', /Stopped/);
+    for (const page of [desk, phone]) await page.says('#stop-state', /The robot stands/);
     await sleep(500);
     await system.end('logger', 'SIGINT');
     const seen = judgeStop(system.bin, log, await phone.pressedAt());
@@ -100,9 +101,25 @@ export const stopping = {
     return said;
   },
 
-  async 'it stays where it is until released, and then goes on'({system, phone}) {
+  async 'the release lies under the thumb, and lets it stay where it is'({system, desk, phone}) {
+    await everyLook(desk, 'stopped');
+    await everyLook(phone, 'stopped');
+    const box = await (await phone.page.$('#release')).boundingBox();
+    assert(box.y > 0 && box.y + box.height < 844, `the button lies at ${box.y}`);
     await phone.press('#release');
     await until('the stop is released', 5, () => !system.state.robot.stop_engaged && !system.state.control.stop_engaged);
+    await desk.says('#doing', /Pauses/);
+    const {x, y} = system.truth;
+    await sleep(1500);
+    assert(system.distanceTo(x, y) < 0.01, 'it moved because a stop was released');
+  },
+
+  async 'stopped and released once more, it goes on if a person wants that'({system, desk, phone}) {
+    await desk.page.keyboard.press('Space');
+    await until('it is stopped', 5, () => system.state.robot.stop_engaged && system.state.control.stop_engaged);
+    await phone.press('#release-go');
+    await until('the stop is released', 5, () => !system.state.robot.stop_engaged && !system.state.control.stop_engaged);
+    await phone.press('#pause');
     if (await phone.isShown('#motors')) await phone.press('#motors');
     const off = await arrives(system, 9.6, 6.4, 0.3, 40);
     return `${cm(off)} off`;

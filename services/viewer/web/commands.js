@@ -2,7 +2,10 @@
 // takes them too, for instance through a tunnel that forwards only that one.
 const token = (() => {
   const given = new URLSearchParams(location.hash.slice(1)).get('token');
-  if (given) sessionStorage.setItem('token', given);
+  if (given) {
+    sessionStorage.setItem('token', given);
+    globalThis.history?.replaceState(null, '', location.pathname + location.search);  // not for whoever looks over a shoulder
+  }
   return given ?? sessionStorage.getItem('token') ?? '';
 })();
 
@@ -12,21 +15,24 @@ fetch('settings.json').then((answer) => answer.json()).then((settings) => {
   commandBase = `${location.protocol}//${location.hostname}:${settings.command_port}`;
 }).catch(() => {});
 
-async function send(base, name, body, type, patience = 3000) {
+async function post(base, name, body, {type = 'application/json', patience = 3000, withToken = true} = {}) {
   const headers = {'Content-Type': type};
-  if (token) headers['X-Luminav-Token'] = token;
+  if (token && withToken) headers['X-Luminav-Token'] = token;
   const answer = await fetch(`${base}/api/${name}`,
-    {method: 'POST', headers, body: JSON.stringify(body), signal: AbortSignal.timeout(patience)});
+    {method: 'POST', headers, body: JSON.stringify(body), signal: AbortSignal.timeout(patience)}).catch((error) => {
+    throw new Error(error.name === 'TimeoutError' ? 'the viewer does not answer' : 'no connection to the viewer');
+  });
   const said = await answer.json().catch(() => ({}));
   if (!answer.ok) throw Object.assign(new Error(said.error ?? `the viewer answers ${answer.status}`), {refused: true});
-  return said.id;
+  return said;
 }
+const send = async (...what) => (await post(...what)).id;
 
 // One way only: a port of its own that cannot be reached is not tried again.
 async function sendOnce(name, body, patience) {
   const base = commandBase;
   try {
-    const id = await send(base, name, body, 'application/json', patience);
+    const id = await send(base, name, body, {patience});
     hasAnswered ||= base !== '';
     return id;
   } catch (error) {
@@ -42,7 +48,7 @@ async function command(name, body) {
     return await sendOnce(name, body);
   } catch (error) {
     if (error.refused || !base) throw error;
-    return send('', name, body, 'application/json');
+    return send('', name, body);
   }
 }
 
@@ -56,9 +62,22 @@ export const process = (name, action) => command('process', {name, action});
 export const steer = (steering) => sendOnce('steering', steering, 500);
 export const release = () => command('stop', {engaged: false});
 
-// Both ways at once, and as plain text, for which browsers ask no permission first: the quickest there is.
+// Both ways at once, as plain text and without the token, for which browsers ask no permission first: the quickest there
+// is, and it needs no token.
+const PLAIN = {type: 'text/plain', withToken: false, patience: 1500};
+function bothWays(name, body, onPage = PLAIN) {
+  const ways = [post('', name, body, onPage)];
+  if (commandBase) ways.push(post(commandBase, name, body, PLAIN));
+  return ways;
+}
 export function stop() {
-  const ways = [send('', 'stop', {engaged: true}, 'text/plain')];
-  if (commandBase) ways.push(send(commandBase, 'stop', {engaged: true}, 'text/plain'));
-  return Promise.any(ways).catch((all) => { throw all.errors[0]; });
+  return Promise.any(bothWays('stop', {engaged: true})).catch((all) => { throw all.errors[0]; });
+}
+
+// Whether a stop would get through, by the same ways; returns whether anything else would be obeyed. To the robot it is the
+// sign that somebody watches.
+export async function watch() {
+  const ways = bothWays('watch', {}, {...PLAIN, withToken: true});
+  await Promise.any(ways).catch((all) => { throw all.errors[0]; });
+  return ways[0].then((said) => said.may_command !== false, () => true);
 }

@@ -2,13 +2,16 @@ import * as commands from './commands.js';
 import {Connection} from './connection.js';
 import {Theme} from './colours.js';
 import {Ground} from './ground.js';
+import {guarded, whatIsBroken} from './guard.js';
 import * as draw from './layers.js';
 import {MapView} from './map_view.js';
+import {NAVIGATION, nameOf} from './names.js';
 import {Panels, note} from './panels.js';
 import {Particles} from './particles.js';
 import {Picture} from './picture.js';
 import {Processes} from './processes.js';
 import {Steering} from './steering.js';
+import {Stop} from './stop.js';
 import {Tiles} from './tiles.js';
 import {Trails} from './trails.js';
 
@@ -24,6 +27,8 @@ const picture = new Picture($('camera'), $('camera-caption'), $('camera-none'));
 const connection = new Connection();
 const processes = new Processes(ask, note);
 const steering = new Steering({stick: $('stick'), knob: $('knob'), keysButton: $('keys'), word: $('hand-word')}, connection);
+
+const stop = new Stop(ask, (number) => nameOf(NAVIGATION, number));
 
 let building = null;
 let state = null;
@@ -79,22 +84,24 @@ fetch('building.json').then((answer) => answer.json()).then((known) => {
 connection.addEventListener('state', ({detail}) => {
   state = detail;
   const {pose, ages} = state;
-  trails.extend(state, STALE_S);
-  if (isFollowing && pose && ages.POSE < STALE_S) view.centre = [pose.x, pose.y];
+  stop.show(state);
+  guarded('the trail', () => trails.extend(state, STALE_S));
+  if (isFollowing && Number.isFinite(pose?.x) && Number.isFinite(pose?.y) && ages.POSE < STALE_S) view.centre = [pose.x, pose.y];
   panels.show(state, building);
-  showRequests(state.requests);
+  guarded('what became of requests', () => showRequests(state.requests));
   redraw();
 });
 connection.addEventListener('nodes', ({detail}) => {
-  processes.showNodes(detail);
-  panels.showDelays(detail);
-  panels.drawCharts(theme.colours);
+  guarded('the processes', () => processes.showNodes(detail));
+  guarded('the delays', () => panels.showDelays(detail));
+  guarded('the charts', () => panels.drawCharts(theme.colours));
 });
-connection.addEventListener('processes', ({detail}) => processes.showCommands(detail));
+connection.addEventListener('processes', ({detail}) => guarded('the processes', () => processes.showCommands(detail)));
 connection.addEventListener('path', ({detail}) => { path = detail; redraw(); });
-connection.addEventListener('tile', ({detail}) => tiles.take(detail));
-connection.addEventListener('picture', ({detail}) => picture.show(detail));
-connection.addEventListener('hypotheses', ({detail}) => {
+connection.addEventListener('tile', ({detail}) => guarded('the map', () => tiles.take(detail)));
+connection.addEventListener('picture', ({detail}) => guarded('the camera', () => picture.show(detail)));
+connection.addEventListener('hypotheses', ({detail}) => guarded('the particles', () => takeHypotheses(detail)));
+function takeHypotheses(detail) {
   hypotheses = detail.hypotheses;
   const bytes = new DataView(Uint8Array.from(atob(detail.particles), (letter) => letter.charCodeAt(0)).buffer);
   const count = Math.min(detail.particle_count, Math.floor(bytes.byteLength / 6));
@@ -107,7 +114,7 @@ connection.addEventListener('hypotheses', ({detail}) => {
     cloud.weight[i] = bytes.getUint8(6 * i + 5) / 255;
   }
   redraw();
-});
+}
 
 // Nothing frozen may look alive.
 connection.addEventListener('watch', () => {
@@ -117,16 +124,18 @@ connection.addEventListener('watch', () => {
     text = Number.isFinite(connection.silence())
       ? `No word from the viewer for ${Math.round(connection.silence())} s: this picture is old. Trying to reach it …`
       : 'Reaching for the viewer …';
-  } else if (state && Object.keys(state.ages).length === 0) {
+  } else if (state && Object.keys(state.ages).every((channel) => channel === 'NODE_STATUS')) {  // that is the viewer's own
     text = 'The viewer runs, but hears nothing of a robot: is the system started?';
   } else if (state?.robot && state.ages.ROBOT_STATUS > STALE_S) {
     text = `The robot's driver has been silent for ${Math.round(state.ages.ROBOT_STATUS)} s: this picture is old.`;
   } else if (state?.pose && state.ages.POSE > STALE_S) {
     text = `The localizer has been silent for ${Math.round(state.ages.POSE)} s: the robot may be elsewhere.`;
+  } else {
+    text = whatIsBroken();
   }
   if (stale.textContent !== text) stale.textContent = text;
   stale.hidden = !text;
-  document.body.classList.toggle('stale', Boolean(text));
+  document.body.classList.toggle('stale', Boolean(text) && text !== whatIsBroken());
 });
 
 // ---- what goes out
@@ -137,10 +146,10 @@ const reported = new Map();
 
 function showRequests(requests) {
   for (const {kind, fate, id, objection, age} of requests) {
-    if (fate === 'waiting' && age > 0.6) note(kind, `${kind.replace('_', ' ')}: waiting for ${OWNERS[kind]} …`, 'warn', 2);
+    if (fate === 'waiting' && age > 0.6 && kind !== 'stop') note(kind, `${kind.replace('_', ' ')}: waiting for ${OWNERS[kind]} …`, 'warn', 2);
     if (reported.get(kind) === id || fate === 'waiting') continue;
     reported.set(kind, id);
-    if (fate === 'unanswered' && age < 20) note(kind, `${kind.replace('_', ' ')}: ${OWNERS[kind]} did not answer`, 'bad');
+    if (fate === 'unanswered' && age < 20) note(kind, `${kind.replace('_', ' ')}: ${objection || `${OWNERS[kind]} did not answer`}`, 'bad');
     if (fate === 'answered' && objection && age < 20) note(kind, `${kind}: ${objection}`, 'bad');
     if (fate === 'answered' && kind === 'map' && !objection && age < 20) note(kind, 'map: done', '', 3);
   }
@@ -155,25 +164,17 @@ async function ask(subject, send, what) {
   }
 }
 
-function pressStop() {
-  $('stop').classList.add('pressed');
-  setTimeout(() => $('stop').classList.remove('pressed'), 300);
-  commands.stop().then(() => note('STOP', 'STOP sent', 'bad', 2))
-    .catch((error) => note('STOP', `STOP did not get through: ${error.message}. Use the button on the robot.`, 'bad', 15));
-}
-
 // already on the way down: a tap that slips is still a stop
 let lastStop = 0;
-$('stop').addEventListener('pointerdown', () => { lastStop = performance.now(); pressStop(); });
-$('stop').addEventListener('click', () => { if (performance.now() - lastStop > 1000) pressStop(); });  // by key or reader
+$('stop').addEventListener('pointerdown', () => { lastStop = performance.now(); stop.press(); });
+$('stop').addEventListener('click', () => { if (performance.now() - lastStop > 1000) stop.press(); });  // by key or reader
 addEventListener('keydown', (event) => {
   if (event.code !== 'Space' || event.target.closest?.('input[type=text], textarea')) return;
   event.preventDefault();
-  if (!event.repeat) pressStop();
+  if (!event.repeat) stop.press();
 }, true);
 addEventListener('keyup', (event) => { if (event.code === 'Space') event.preventDefault(); }, true);  // presses no button
 
-$('release').addEventListener('click', () => ask('release', commands.release, 'of the stop'));
 $('motors').addEventListener('click', () => ask('motors', commands.motorsOn, 'on'));
 $('cancel').addEventListener('click', () => ask('cancel', () => commands.goal('cancel'), 'the goal'));
 $('pause').addEventListener('click', () => {
@@ -325,6 +326,6 @@ function paint() {
 }
 
 (function frame() {
-  if (isDirty) { isDirty = false; paint(); }
   requestAnimationFrame(frame);
+  if (isDirty) { isDirty = false; guarded('the map', paint); }
 })();
