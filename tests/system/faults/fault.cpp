@@ -27,6 +27,16 @@ const char* word(FaultKind kind) {
       return "kill all processes";
     case FaultKind::kDiskFull:
       return "full disk, kill";
+    case FaultKind::kKillGuardian:
+      return "kill the guardian of";
+    case FaultKind::kKillLossy:
+      return "10 % loss, kill";
+    case FaultKind::kKillViewer:
+      return "STOP, kill the viewer";
+    case FaultKind::kStarve:
+      return "starve the processor";
+    case FaultKind::kReadOnly:
+      return "read-only state, kill";
     default:
       return "leak in";
   }
@@ -44,11 +54,15 @@ bool breaks_the_chain(const Fault& fault) {
     case FaultKind::kKill:
     case FaultKind::kFreeze:
     case FaultKind::kRestart:
+    case FaultKind::kKillLossy:
+    case FaultKind::kReadOnly:
       return in_chain;
     case FaultKind::kUnplug:
       return fault.target == "serial";
     case FaultKind::kKillDeputy:
     case FaultKind::kKillAll:
+    case FaultKind::kKillGuardian:
+    case FaultKind::kKillViewer:
       return true;
     default:
       return false;
@@ -66,7 +80,17 @@ Fault FaultDeck::draw() {
     left_.push_back({FaultKind::kKillDeputy, "", 0.0});
     left_.push_back({FaultKind::kKillSheriff, "", 0.0});
     left_.push_back({FaultKind::kKillAll, "", 0.0});
-    if (full_disk_) {
+    left_.push_back({FaultKind::kKillGuardian, "p3dx", 0.0});
+    left_.push_back({FaultKind::kKillViewer, "", 2.0});
+    left_.push_back({FaultKind::kStarve, "", 5.0});
+    if (means_.packet_loss) {
+      for (const char* process : kProcesses) {
+        left_.push_back({FaultKind::kKillLossy, process, 1.0});
+      }
+    }
+    if (means_.full_disk) {
+      left_.push_back({FaultKind::kReadOnly, "p3dx", 4.0});
+      left_.push_back({FaultKind::kReadOnly, "planner", 4.0});
       left_.push_back({FaultKind::kDiskFull, "planner", 6.0});
       left_.push_back({FaultKind::kDiskFull, "mapper", 6.0});
     }

@@ -18,7 +18,12 @@ enum class FaultKind {
   kKillSheriff,
   kKillAll,
   kDiskFull,
-  kLeak
+  kLeak,
+  kKillGuardian,  // of the driver, alone
+  kKillLossy,     // with a tenth of all messages lost before, meanwhile and after
+  kKillViewer,    // right after it was told to stop the robot
+  kStarve,        // two busy loops per core
+  kReadOnly       // the state's folder
 };
 
 /// Something that goes wrong while the robot drives.
@@ -34,16 +39,21 @@ std::string to_string(const Fault& fault);
 /// True when the robot gets no more commands that are worth executing while the fault lasts: it has to stand.
 bool breaks_the_chain(const Fault& fault);
 
+/// What this machine lets a test do.
+struct FaultMeans {
+  bool full_disk = false;    // there is a small file system of its own to be filled, or made read-only
+  bool packet_loss = false;  // there is a network of its own
+};
+
 /// Draws faults so that each comes up once before any comes up again.
 class FaultDeck {
  public:
-  /// `full_disk`: whether there is a small file system of its own to be filled.
-  FaultDeck(std::uint64_t seed, bool full_disk) : random_(seed), full_disk_(full_disk) {}
+  FaultDeck(std::uint64_t seed, const FaultMeans& means) : random_(seed), means_(means) {}
   Fault draw();
 
  private:
   std::mt19937_64 random_;
-  bool full_disk_;
+  FaultMeans means_;
   std::vector<Fault> left_;
 };
 

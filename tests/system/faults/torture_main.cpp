@@ -12,6 +12,7 @@
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/launcher/sheriff/session.hpp"
+#include "tests/system/faults/interference.hpp"
 #include "tests/system/faults/torture_round.hpp"
 #include "tests/system/faults/torture_scenario.hpp"
 
@@ -53,14 +54,18 @@ int torture(int argc, char** argv) {
   if (!full_disk) {
     fmt::print("the full disk is left out: only root can mount the small file system that it is\n");
   }
-  FaultDeck check(1, full_disk);
+  const FaultMeans means{.full_disk = full_disk, .packet_loss = PacketLoss::is_possible()};
+  if (!means.packet_loss) {
+    fmt::print("losing messages is left out: that takes nft and a network of its own, as scripts/torture makes it\n");
+  }
+  FaultDeck check(1, means);
   for (int i = 0; to_string(check.draw()).find(only) == std::string::npos && !names_a_dead_sense(only); ++i) {
     if (i > 100) {
       throw ConfigurationError(fmt::format("--only {}: no fault that can be injected here has such a name", only));
     }
   }
   const int rounds = std::max(2, static_cast<int>(std::lround(minutes / kRoundMinutes)));
-  FaultDeck deck(static_cast<std::uint64_t>(seed), full_disk);
+  FaultDeck deck(static_cast<std::uint64_t>(seed), means);
   std::vector<FaultResult> results;
   GoalTally goals;
   bool interrupted = false;
@@ -71,7 +76,7 @@ int torture(int argc, char** argv) {
                           .minutes = minutes / rounds,
                           .pty = number % 2 == 0,
                           .only = only,
-                          .full_disk = full_disk,
+                          .means = means,
                           .folder = std::filesystem::path(folder) / fmt::format("round-{}", number)});
       round.run(deck, results, goals);
     }

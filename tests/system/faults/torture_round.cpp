@@ -1,7 +1,6 @@
 #include "tests/system/faults/torture_round.hpp"
 
 #include <fmt/format.h>
-#include <signal.h>
 #include <sys/mount.h>
 
 #include <algorithm>
@@ -32,13 +31,6 @@ bool mount_small_disk(const std::filesystem::path& folder) {
   return mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=24m") == 0;
 }
 
-/// Nothing where there is no process: 0 would be all of this program's group.
-void send_signal(pid_t pid, int signal) {
-  if (pid > 0) {
-    kill(pid, signal);
-  }
-}
-
 double seconds(std::int64_t from, std::int64_t to) {
   return static_cast<double>(to - from) * 1e-6;
 }
@@ -48,7 +40,7 @@ double seconds(std::int64_t from, std::int64_t to) {
 TortureRound::TortureRound(const RoundPlan& plan) : plan_(plan), random_(plan.seed + 77) {
   const std::filesystem::path state = plan_.folder / "robot";
   std::filesystem::create_directories(state);
-  if (plan_.full_disk && !mount_small_disk(state)) {
+  if (plan_.means.full_disk && !mount_small_disk(state)) {
     throw std::runtime_error(fmt::format("{}: no file system can be mounted there", state.string()));
   }
   write_torture_scenario(plan_.folder / "scenario.toml", {plan_.seed, plan_.minutes, plan_.only});
@@ -72,7 +64,7 @@ TortureRound::~TortureRound() {
   robot_.reset();
   truth_.reset();
   fleet_.reset();
-  if (plan_.full_disk) {
+  if (plan_.means.full_disk) {
     std::error_code ignored;  // the logs, for a person who kept the folder
     std::filesystem::copy(plan_.folder / "robot", plan_.folder / "robot-kept", std::filesystem::copy_options::recursive,
                           ignored);
@@ -194,16 +186,20 @@ bool TortureRound::wait_for_driving() {
   return false;
 }
 
+void TortureRound::measure_speed(FaultResult& result) const {
+  result.linear = truth_->newest()->linear;
+  result.angular = truth_->newest()->angular;
+  result.bound = (result.fault.kind == FaultKind::kUnplug ? kWatchdog : kCommandTimeout) + kMargin +
+                 std::max(std::abs(result.linear) / limits_.linear_deceleration,
+                          std::abs(result.angular) / limits_.angular_acceleration);
+}
+
 FaultResult TortureRound::begin(const Fault& fault) {
   FaultResult result;
   result.fault = fault;
   result.round = plan_.number;
   result.at = truth_->elapsed();
-  result.linear = truth_->newest()->linear;
-  result.angular = truth_->newest()->angular;
-  result.bound = (fault.kind == FaultKind::kUnplug ? kWatchdog : kCommandTimeout) + kMargin +
-                 std::max(std::abs(result.linear) / limits_.linear_deceleration,
-                          std::abs(result.angular) / limits_.angular_acceleration);
+  measure_speed(result);
   result.must_stand = breaks_the_chain(fault);
   contacts_seen_ = truth_->contacts();
   truth_->take_longest_gap();
@@ -295,13 +291,6 @@ void TortureRound::request_motors() {
   }
 }
 
-void TortureRound::fill_disk() {
-  std::ofstream ballast(plan_.folder / "robot" / "ballast");
-  const std::string piece(64 << 10, 'x');
-  while (ballast << piece << std::flush) {
-  }
-}
-
 std::optional<std::int64_t> TortureRound::ready_after(const std::vector<std::string>& processes,
                                                       const std::vector<pid_t>& before, std::int64_t utime) const {
   std::int64_t last = utime;
@@ -316,80 +305,12 @@ std::optional<std::int64_t> TortureRound::ready_after(const std::vector<std::str
   return last;
 }
 
-void TortureRound::inject(FaultResult& result) {
-  const Fault& fault = result.fault;
-  std::vector<std::string> victims{fault.target};
-  if (fault.kind == FaultKind::kKillAll || fault.kind == FaultKind::kKillDeputy) {
-    victims = fleet_->processes();
-    std::erase(victims, "simulator");
-  } else if (fault.kind == FaultKind::kKillSheriff) {
-    victims.clear();
-  }
-  std::vector<pid_t> pids;
-  for (const std::string& victim : victims) {
-    pids.push_back(fleet_->pid(victim));
-  }
-  const std::filesystem::path leak = plan_.folder / ("leak-" + fault.target);
-  switch (fault.kind) {
-    case FaultKind::kDiskFull:
-      fill_disk();
-      fleet_->pump_for(2.0);
-      result.linear = truth_->newest()->linear;
-      [[fallthrough]];
-    case FaultKind::kKill:
-    case FaultKind::kKillAll:
-      fault_at_ = fleet_->clock().utime();
-      for (const pid_t pid : pids) {
-        send_signal(pid, SIGKILL);
-      }
-      break;
-    case FaultKind::kFreeze:
-      send_signal(pids.front(), SIGSTOP);
-      fleet_->pump_for(fault.duration);
-      send_signal(pids.front(), SIGCONT);
-      settle(result, fleet_->clock().utime());
-      return;
-    case FaultKind::kRestart:
-      fleet_->sheriff().restart({launcher::Target::Kind::kCommand, fault.target});
-      break;
-    case FaultKind::kKillDeputy:
-      fleet_->host("robot").kill_deputy();
-      fleet_->pump_for(2.0);
-      fleet_->host("robot").start();
-      break;
-    case FaultKind::kKillSheriff:
-      fleet_->replace_sheriff();
-      fleet_->pump_for(2.0);
-      break;
-    case FaultKind::kLeak:
-      std::ofstream(leak) << "leak\n";
-      fleet_->pump_until([&] { return fleet_->pid(fault.target) != pids.front(); }, fault.duration);
-      std::filesystem::remove(leak);
-      break;
-    case FaultKind::kUnplug:
-    case FaultKind::kDeadSense:
-      break;
-  }
-  constexpr double kPatience = 20.0;  // [s]
-  fleet_->pump_until([&] { return ready_after(victims, pids, fault_at_).has_value(); }, kPatience);
-  const auto ready = ready_after(victims, pids, fault_at_);
-  if (fault.kind == FaultKind::kDiskFull) {
-    fleet_->pump_for(fault.duration - 2.0);
-    std::filesystem::remove(plan_.folder / "robot" / "ballast");
-  }
-  if (!ready) {
-    judge_standing(result);
-    result.remark = "not ready again; " + robot_->sentence();
-    return;
-  }
-  settle(result, *ready);
-}
-
 void TortureRound::judge_standing(FaultResult& result) {
   const std::int64_t bound = fault_at_ + static_cast<std::int64_t>(result.bound * 1e6);
   fleet_->pump_until([&] { return fleet_->clock().utime() > bound + 300'000; }, 30.0);
   // Commands that came again in time: then nothing has to stand.
-  const bool may_bridge = result.fault.kind == FaultKind::kKill || result.fault.kind == FaultKind::kRestart;
+  const bool may_bridge = result.fault.kind == FaultKind::kKill || result.fault.kind == FaultKind::kRestart ||
+                          result.fault.kind == FaultKind::kKillLossy;
   if (result.must_stand && may_bridge && result.fault.target != "p3dx") {
     const auto again = result.fault.target == "localizer" ? robot_->tracked_after(fault_at_ + kInFlight)
                                                           : robot_->commanded_after(fault_at_ + kInFlight);

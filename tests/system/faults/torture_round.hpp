@@ -20,8 +20,8 @@ struct RoundPlan {
   std::uint64_t seed = 1;
   double minutes = 5.0;
   bool pty = false;
-  std::string only;        // only faults whose name holds this
-  bool full_disk = false;  // the robot's state lies on a small file system, which can be filled
+  std::string only;  // only faults whose name holds this
+  FaultMeans means;  // full_disk: the robot's state lies on a small file system, which can be filled
   std::filesystem::path folder;
 };
 
@@ -57,7 +57,12 @@ class TortureRound {
   /// [s] since the simulator began.
   [[nodiscard]] double simulated_time() const;
   void request_motors();
+  /// How fast it is, and so how long it may take to stand.
+  void measure_speed(FaultResult& result) const;
   void fill_disk();
+  void starve(double duration);
+  void stop_by_a_viewer_that_is_killed(FaultResult& result);
+  void release_stop();
 
   RoundPlan plan_;
   Scenario scenario_;

@@ -31,15 +31,16 @@ GoalTally all_reached() {
 }
 
 TEST(FaultDeck, FillsADiskOnlyWhereThereIsOneOfItsOwn) {
-  EXPECT_GT(full_disks(FaultDeck(1, true)), 0);
-  EXPECT_EQ(full_disks(FaultDeck(1, false)), 0);
+  EXPECT_GT(full_disks(FaultDeck(1, {.full_disk = true})), 0);
+  EXPECT_EQ(full_disks(FaultDeck(1, {})), 0);
 }
 
 TEST(FaultDeck, DrawsEachFaultBeforeAnyComesAgain) {
   for (const bool full_disk : {true, false}) {
-    // 7 processes in 3 ways each; the deputy, the sheriff, all at once; two full disks; two leaks
-    const int kinds = full_disk ? 28 : 26;
-    FaultDeck deck(1, full_disk);
+    // 7 processes in 3 ways each; the deputy, the sheriff, all at once; two leaks; guardian, viewer and processor; with
+    // a disk of its own two full and two read-only ones; with a network of its own 7 processes under loss
+    const int kinds = full_disk ? 40 : 29;
+    FaultDeck deck(1, {.full_disk = full_disk, .packet_loss = full_disk});
     for (int pass = 0; pass < 3; ++pass) {
       std::set<std::string> drawn;
       for (int i = 0; i < kinds; ++i) {
