@@ -11,6 +11,7 @@
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
+#include "services/common/process/urgency.hpp"
 
 using namespace luminav;
 
@@ -118,6 +119,7 @@ int main(int argc, char** argv) {
     constexpr double kFarewell = 0.15;  // [s] in which it ends the session
     config.guardian_silence = guarding.silence;
     config.guardian_done_after = guarding.silence + guarding.brake_time + kFarewell;
+    claim_urgency();  // the guardian inherits it
     Guardian guardian(guarding);
     const NetworkAccess access = read_network_access(robot);
     const LcmNetwork network = access.on(url);

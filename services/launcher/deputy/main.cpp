@@ -16,6 +16,7 @@
 #include "services/launcher/deputy/deputy.hpp"
 #include "services/launcher/deputy/processes/posix_runner.hpp"
 #include "services/launcher/network.hpp"
+#include "services/launcher/service_notice.hpp"
 
 namespace {
 
@@ -97,6 +98,7 @@ int run(int argc, char** argv) {
     }
   };
   loop.every(50'000, tick);
+  loop.every(1'000'000, [] { launcher::tell_service_manager("WATCHDOG=1"); });
   loop.watch([&] { return runner.event_descriptor(); }, tick);
   loop.watch([&] { return lcm->getFileno(); }, tick);  // answers at once, not with the next period
   loop.report_health(

@@ -126,6 +126,11 @@ void say(const char* text) {
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
+  // A service's protection from running out of memory is the deputy's, and of those who take it again (claim_urgency).
+  if (const int score = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC); score >= 0) {
+    [[maybe_unused]] const ssize_t written = write(score, "0", 1);
+    close(score);
+  }
   rlimit memory{};
   if (getrlimit(RLIMIT_DATA, &memory) == 0) {  // the deputy's own limit is not theirs
     memory.rlim_cur = memory.rlim_max;
