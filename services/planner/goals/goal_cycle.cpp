@@ -75,6 +75,7 @@ void GoalCycle::resume(std::int64_t id, std::int64_t now) {
   now_ = now;
   report_.goal_id = id;
   if (phase_ == Phase::kPaused) {
+    goal_.id = id;  // its paths carry the id that the status carries, or the controller waits for another
     last_tracking_ = 0;
     enter(Phase::kLocalizing, NavigationState::kLocalizing, "");
   }

@@ -204,6 +204,7 @@ TEST(PlannerNode, CancelsPausesAndResumes) {
   world.run(2.0);
   EXPECT_EQ(world.status.state, Status::STATE_FOLLOWING);
   EXPECT_GT(distance(world.robot, here), 0.3);
+  EXPECT_EQ(world.path.goal_id, world.status.goal_id) << "the controller would wait for the path of that goal";
   world.act(4, goal_t::ACTION_CANCEL);
   EXPECT_EQ(world.status.state, Status::STATE_CANCELLED);
   EXPECT_EQ(world.status.goal_id, 4);
