@@ -1,5 +1,7 @@
 #include "services/detector/detector_config.hpp"
 
+#include <algorithm>
+
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
 
@@ -69,18 +71,14 @@ DetectorConfig read_detector_config(const std::filesystem::path& robot_file,
   config.params.paper = read_paper(table.table("paper"));
   config.params.modern = read_modern(table.table("modern"));
   table.reject_unknown();
+  double lowest = config.catalogue.ceiling_height;
   for (const CeilingKind& kind : config.catalogue.fixtures) {
-    if (kind.height < config.camera.mounting.z + 0.2) {
-      throw ConfigurationError(building_file.string() + ": fixture height " + std::to_string(kind.height) +
-                               " m: must be at least 0.2 m above the camera, which " + robot_file.string() +
-                               " puts at " + std::to_string(config.camera.mounting.z) + " m");
-    }
+    lowest = std::min(lowest, kind.height);
   }
-  if (config.catalogue.ceiling_height < config.camera.mounting.z + 0.2) {
-    throw ConfigurationError(building_file.string() + ": ceiling_height " +
-                             std::to_string(config.catalogue.ceiling_height) +
-                             " m: must be at least 0.2 m above the camera, which " + robot_file.string() + " puts at " +
-                             std::to_string(config.camera.mounting.z) + " m");
+  if (lowest < config.camera.mounting.z + 0.2) {
+    throw ConfigurationError(building_file.string() + ": ceiling_height or a fixture's height " +
+                             std::to_string(lowest) + " m: must be at least 0.2 m above the camera, which " +
+                             robot_file.string() + " puts at " + std::to_string(config.camera.mounting.z) + " m");
   }
   return config;
 }

@@ -15,8 +15,10 @@ using Eigen::Vector2d;
 
 constexpr std::array kLitLevels{250, 240, 225, 200, 175, 150, 125, 100, 80, 62, 48, 36, 28};  // [grey]
 constexpr std::array kDepths{60, 40, 27, 18, 12, 8, 6, 4, 3};                                 // [grey]
+constexpr std::size_t kMedianSamples = 20000;
 constexpr int kMaxFits = 400;      // of a frame: more are a picture of something else than a ceiling
 constexpr double kRagged = 0.02;   // [m] by which noise and grid lines may change a side of an unlit region
+constexpr double kSlack = 1.4;     // times its size, and bloom, no region of a kind is larger
 constexpr double kCertain = 0.9;   // share of the outline that shows an edge: nothing better is to be expected
 constexpr double kOutset = 3.0;    // [1/m] by which an unlit outline is the worse, the less it has its nominal size
 constexpr double kOfRegion = 0.4;  // score of a region's own rectangle, at most: edges say more
@@ -125,6 +127,14 @@ ModernDetector::ModernDetector(const ModernDetectorParams& params, const Ceiling
   // wider than the widest fixture and its bloom, or its middle would count as surroundings
   window_radius_ = static_cast<int>(std::ceil(0.5 * (1.25 * max_width(catalogue_) + 0.08) / cell));
   min_cells_ = std::max(6, static_cast<int>(0.5 * params_.min_visible * min_area(catalogue_) / (cell * cell)));
+  for (const auto* kinds : {&catalogue_.fixtures, &catalogue_.elements}) {
+    for (const CeilingKind& kind : *kinds) {
+      const double length = kSlack * kind.length + 2.0 * params_.max_bloom;
+      const double width = kSlack * kind.width + 2.0 * params_.max_bloom;
+      max_extent_ = std::max(max_extent_, std::hypot(length, width));
+      max_area_ = std::max(max_area_, length * width);
+    }
+  }
   // grid lines between tiles are thinner than two cells; the narrowest fixture must survive
   is_eroded_ = min_width(catalogue_) / cell >= 5.0;
   ignore_lines_ = min_width(catalogue_) / cell >= 7.5;
@@ -133,7 +143,7 @@ ModernDetector::ModernDetector(const ModernDetectorParams& params, const Ceiling
 const std::vector<Detection>& ModernDetector::detect(const GreyView& image, DetectorTrace* trace) {
   detections_.clear();
   reduce(image, factor_, reduced_);
-  const GreyHistogram histogram(reduced_.cells);
+  const GreyHistogram histogram(reduced_.cells, 1 + reduced_.cells.size() / kMedianSamples);
   median_ = histogram.median();
   if (catalogue_.fixtures.empty()) {
     return detections_;
@@ -144,7 +154,8 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
                            .dark = contrast_.dark(),
                            .factor = factor_,
                            .pixel_noise = std::clamp(contrast_.noise() * factor_, 1.0, 14.0),
-                           .brightest = histogram.max()};
+                           .brightest = max_cell(reduced_),
+                           .saturated = histogram.share_from(kLitLevels.front())};
   fits_left_ = kMaxFits;
   look_for(true, kLitLevels, frame, trace);
   look_for(false, kDepths, frame, trace);
@@ -161,13 +172,13 @@ void ModernDetector::look_for(bool bright, std::span<const int> levels, const Ce
   const int least =
       (bright ? median_ : 0) + static_cast<int>(std::max(contrast, params_.noise_factor * contrast_.noise()) + 0.5);
   const Raster& cells = bright ? reduced_ : contrast_.dark();
-  const int brightest = GreyHistogram(cells.cells).max();
+  const int brightest = max_cell(cells);
   for (const int level : levels) {
     if (level >= brightest || level < least) {
       continue;
     }
     for (const Region& region : finder_.find(cells, min_cells_, {.level = level, .is_eroded = !bright && is_eroded_})) {
-      if (!is_explained(region)) {
+      if (may_be_a_kind(region) && !is_explained(region)) {
         look_at_region(region, {level, bright}, frame, trace);
       }
     }
@@ -186,8 +197,12 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
                                 .bloom = layer.bright ? params_.max_bloom : 0.0,
                                 .min_visible = 0.7 * params_.min_visible,
                                 .may_be_broken = !layer.bright};
+  const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(shape_, layer.bright, tolerance);
+  if (hypotheses.empty()) {
+    return;
+  }
   const OutlineFitParams params = fit_params(region, layer);
-  for (const OutlineHypothesis& hypothesis : proposer_.propose(shape_, layer.bright, tolerance)) {
+  for (const OutlineHypothesis& hypothesis : hypotheses) {
     if (was_tried(hypothesis) || fits_left_ <= 0) {
       continue;
     }
@@ -239,7 +254,8 @@ void ModernDetector::take_best_first(const CeilingFrame& frame) {
             [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   for (const Candidate& candidate : accepted_) {
     const std::optional<Detection> detection = builder_.build(frame, candidate);
-    if (detection && !overlaps(*detection)) {
+    const bool wanted = params_.report_elements || !candidate.hypothesis.is_element;
+    if (detection && wanted && !overlaps(*detection)) {
       detections_.push_back(*detection);
     }
   }
@@ -271,6 +287,16 @@ bool ModernDetector::was_tried(const OutlineHypothesis& hypothesis) const {
            hypothesis.half_width == other.half_width && (a.position() - b.position()).squaredNorm() < 0.03 * 0.03 &&
            std::abs(wrap_axis(a.theta - b.theta)) < radians(3.0);
   });
+}
+
+/// False when it is larger than everything that hangs here.
+bool ModernDetector::may_be_a_kind(const Region& region) const {
+  const int column = (region.left + region.right) / 2;
+  const int row = (region.top + region.bottom) / 2;
+  const double area = plane_.cell_area(column, row);
+  const double shorter = area / plane_.cell_size(column, row);  // side of a cell, which tilt and lens stretch
+  return !(shorter * std::hypot(region.right - region.left, region.bottom - region.top) > max_extent_) &&
+         !(area * region.cells > max_area_);  // no number says nothing
 }
 
 /// True when it is part of something that nothing can be said better of.

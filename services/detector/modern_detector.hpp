@@ -47,6 +47,7 @@ class ModernDetector {
   void take_best_first(const CeilingFrame& frame);
   [[nodiscard]] OutlineFitParams fit_params(const Region& region, const Layer& layer) const;
   [[nodiscard]] bool was_tried(const OutlineHypothesis& hypothesis) const;
+  [[nodiscard]] bool may_be_a_kind(const Region& region) const;
   [[nodiscard]] bool is_explained(const Region& region) const;
   [[nodiscard]] bool overlaps(const Detection& detection) const;
 
@@ -55,12 +56,14 @@ class ModernDetector {
   CeilingCatalogue catalogue_;
   int factor_;
   CellPlane plane_;
-  int window_radius_;  // [cells]
-  int min_cells_;      // of a region
-  bool is_eroded_;     // of dark regions, by a cell
-  bool ignore_lines_;  // between tiles
-  int median_ = 0;     // [grey] of the reduced image
-  int fits_left_ = 0;  // of this frame
+  int window_radius_;        // [cells]
+  int min_cells_;            // of a region
+  double max_extent_ = 0.0;  // [m] of a region
+  double max_area_ = 0.0;    // [m^2]
+  bool is_eroded_;           // of dark regions, by a cell
+  bool ignore_lines_;        // between tiles
+  int median_ = 0;           // [grey] of the reduced image
+  int fits_left_ = 0;        // of this frame
   Raster reduced_;
   ContrastMap contrast_;
   RegionFinder finder_;

@@ -205,8 +205,7 @@ const BenchResult* peer_of(const BenchResults& results, const std::string& name)
   const std::size_t slash = name.find('/');
   const std::string family = name.substr(0, slash);
   const std::string rest = slash == std::string::npos ? "" : name.substr(slash);
-  const std::map<std::string, std::string> fixed = {{"detector/segment", "detector/opencv"},
-                                                    {"detector/modern", "detector/opencv"},
+  const std::map<std::string, std::string> fixed = {{"detector/modern", "detector/opencv"},
                                                     {"lcm/300", "udp_multicast/300"},
                                                     {"lcm/30000", "udp_multicast/30000"},
                                                     {"lcm_node/300", "lcm/300"},

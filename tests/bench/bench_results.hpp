@@ -34,7 +34,7 @@ void add_demo_report(const std::filesystem::path& file, BenchResults& results);
 BenchResults read_bench_results(const std::filesystem::path& file);
 void write_bench_results(const std::filesystem::path& file, const BenchResults& results);
 
-/// The benchmark that `name` is compared with in the same run (detector/opencv for detector/segment, cspace_opencv/N
+/// The benchmark that `name` is compared with in the same run (detector/opencv for detector/modern, cspace_opencv/N
 /// for cspace/N, NAME_mrpt for NAME, ...), if it ran.
 const BenchResult* peer_of(const BenchResults& results, const std::string& name);
 

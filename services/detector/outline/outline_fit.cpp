@@ -240,7 +240,9 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
   edges_.spread_points(outline, metres_per_px_, std::max(6.0, search.lines + 1.0));
 
   const int widest = std::max(3, std::min(11, static_cast<int>(0.45 * narrow_px)));
-  const std::array<Pass, 3> passes{{{widest, 8.0}, {std::min(widest, 6), 4.0}, {std::min(widest, 4), 2.0}}};
+  // Beside a dark fixture a line of the grid may hide its edge: it is found beyond the line.
+  const int last = std::min(widest, params.inside_brighter ? 4 : 7);
+  const std::array<Pass, 3> passes{{{widest, 8.0}, {std::min(widest, 7), 4.0}, {last, 2.0}}};
   OutlineFit fit{.placement = start, .metres_per_px = metres_per_px_};
   for (const Pass& pass : passes) {
     search.search_px = pass.search_px;

@@ -1,6 +1,7 @@
 #include "services/detector/sampling/grey_histogram.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace luminav {
 
@@ -32,6 +33,11 @@ int GreyHistogram::median() const {
   return 0;
 }
 
+double GreyHistogram::share_from(int level) const {
+  const int count = std::accumulate(counts_.begin() + std::clamp(level, 0, 256), counts_.end(), 0);
+  return static_cast<double>(count) / std::max(total_, 1);
+}
+
 double GreyHistogram::interpolated_median() const {
   const int level = median();
   int below = 0;
@@ -40,15 +46,6 @@ double GreyHistogram::interpolated_median() const {
   }
   const int here = std::max(counts_[static_cast<std::size_t>(level)], 1);
   return level - 0.5 + (0.5 * total_ - below) / here;
-}
-
-int GreyHistogram::max() const {
-  for (std::size_t level = counts_.size(); level-- > 0;) {
-    if (counts_[level] > 0) {
-      return static_cast<int>(level);
-    }
-  }
-  return 0;
 }
 
 }  // namespace luminav

@@ -15,9 +15,9 @@ class GreyHistogram {
 
   /// The lowest level that at least half of the cells do not exceed; 0 of none.
   [[nodiscard]] int median() const;
-  /// The same, linear within that level.
+  [[nodiscard]] double share_from(int level) const;  // of the cells that are at least as bright
+  /// The median, linear within its level.
   [[nodiscard]] double interpolated_median() const;
-  [[nodiscard]] int max() const;
 
  private:
   std::array<int, 256> counts_{};

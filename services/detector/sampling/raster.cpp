@@ -140,6 +140,15 @@ void reduce(const GreyView& image, int factor, Raster& result) {
   }
 }
 
+LUMINAV_VECTOR_CLONES
+int max_cell(const Raster& image) {
+  std::uint8_t largest = 0;
+  for (const std::uint8_t cell : image.cells) {
+    largest = std::max(largest, cell);
+  }
+  return largest;
+}
+
 void dilate(const Raster& image, int radius, Raster& result, Raster& scratch) {
   running_extreme(image, radius, 0, larger_of, larger_of_rows, result, scratch);
 }

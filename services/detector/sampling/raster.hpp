@@ -29,6 +29,9 @@ struct Raster {
 /// Means of factor x factor squares, rounded; factor 1, 2 or 4. Rows and columns that fill no square are left out.
 void reduce(const GreyView& image, int factor, Raster& result);
 
+/// The largest cell; 0 of none.
+int max_cell(const Raster& image);
+
 /// Largest (smallest) cell within `radius` cells in x and y; beyond the border there is nothing.
 void dilate(const Raster& image, int radius, Raster& result, Raster& scratch);
 void erode(const Raster& image, int radius, Raster& result, Raster& scratch);

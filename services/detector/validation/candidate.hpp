@@ -18,6 +18,7 @@ struct CeilingFrame {
   int factor = 4;            // [px] side of a cell of the reduced image
   double pixel_noise = 4.0;  // [grey]
   int brightest = 255;       // [grey] of the cells
+  double saturated = 0.0;    // share of the cells
 };
 
 /// Grey level of the cell that a pixel of the image belongs to.

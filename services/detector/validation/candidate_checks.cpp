@@ -27,8 +27,12 @@ constexpr double kOtherWidth = 0.03;  // [m] by which widths of kinds differ
 constexpr double kMaxBesides = 0.30;  // share of the ring that is as bright: panes of a skylight lie in rows
 constexpr double kFull = 0.80;  // of its rectangle, what a region fills; round ends and slanting cells leave a rest
 constexpr double kMaxHollow = 0.20;
-constexpr double kMaxDimmer = 0.5;         // than the brightest cells in view, of their grey level
-constexpr double kMaxWithoutEdge = 0.25;   // share of the outline
+constexpr double kMaxDimmer = 0.5;        // than the brightest cells in view, of their grey level
+constexpr double kMaxWithoutEdge = 0.25;  // share of the outline
+// Where much is saturated, it says little that a lamp is, too.
+constexpr double kOverexposed = 0.08;  // share of the cells
+constexpr double kMaxOverexposed = 0.4;
+constexpr double kMaxAmissOfSpeck = 0.8;   // sizes of a few pixels say little
 constexpr double kMaxAmiss = 1.0;          // in sum
 constexpr double kMaxAmissOfPiece = 0.35;  // its length says nothing
 constexpr double kRelativeContrast = 0.3;  // of a lamp above its surroundings, of its own grey level
@@ -36,6 +40,12 @@ constexpr double kRingDistance = 0.35;     // of the width
 
 bool is_bar(const Candidate& candidate) {
   return candidate.hypothesis.outline.shape != FixtureShape::kRound;
+}
+
+/// A disc of a few pixels: any crumb looks like it.
+bool is_speck(const Candidate& candidate) {
+  const Outline& outline = candidate.hypothesis.outline;
+  return outline.shape == FixtureShape::kRound && outline.length < kMinDisc * candidate.fit.metres_per_px;
 }
 
 }  // namespace
@@ -74,8 +84,7 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
 }
 
 Verdict CandidateChecks::by_region(const CeilingFrame& frame, const Candidate& candidate) const {
-  const Outline& outline = candidate.hypothesis.outline;
-  if (outline.shape == FixtureShape::kRound && outline.length / candidate.fit.metres_per_px < kMinDisc) {
+  if (is_speck(candidate)) {
     return Verdict::kTooUncertain;
   }
   return contrast(frame, candidate);
@@ -90,11 +99,14 @@ Verdict CandidateChecks::contrast(const CeilingFrame& frame, const Candidate& ca
       (above < params_.lit_contrast || (!candidate.by_edges && above < kRelativeContrast * around.inside))) {
     return Verdict::kNoContrast;
   }
-  const double amiss = candidate.hypothesis.size_error / params_.size_tolerance + around.bright_share / kMaxBesides +
-                       std::max(0.0, kFull - candidate.hypothesis.fill) / kMaxHollow +
-                       (1.0 - around.inside / frame.brightest) / kMaxDimmer +
-                       (candidate.by_edges ? (1.0 - candidate.fit.quality()) / kMaxWithoutEdge : 0.0);
-  return amiss > (candidate.is_whole() ? kMaxAmiss : kMaxAmissOfPiece) ? Verdict::kNotAlone : Verdict::kAccepted;
+  const double amiss =
+      candidate.hypothesis.size_error / params_.size_tolerance + around.bright_share / kMaxBesides +
+      std::max(0.0, kFull - candidate.hypothesis.fill) / kMaxHollow +
+      (1.0 - around.inside / frame.brightest) / kMaxDimmer +
+      (candidate.by_edges ? (1.0 - candidate.fit.quality()) / kMaxWithoutEdge : 0.0) +
+      (candidate.is_whole() ? std::min(kMaxOverexposed, kMaxOverexposed * frame.saturated / kOverexposed) : 0.0);
+  const double most = !candidate.is_whole() ? kMaxAmissOfPiece : is_speck(candidate) ? kMaxAmissOfSpeck : kMaxAmiss;
+  return amiss > most ? Verdict::kMuchAmiss : Verdict::kAccepted;
 }
 
 bool CandidateChecks::has_right_size(const Candidate& candidate) const {

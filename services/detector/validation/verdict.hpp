@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 namespace luminav {
 
 /// What became of a guess.
@@ -17,44 +20,28 @@ enum class Verdict {
   kTooFewEdges,
   kTooUncertain,
   kNoContrast,
-  kNotAlone,
+  kMuchAmiss,
   kMayBeAnother,
 };
 
 constexpr const char* to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kAccepted:
-      return "accepted";
-    case Verdict::kNoEdges:
-      return "no edges";
-    case Verdict::kWrongSize:
-      return "too large or too small";
-    case Verdict::kTooLittleInView:
-      return "too little in view";
-    case Verdict::kNoLongSide:
-      return "no edge along a long side";
-    case Verdict::kUnequalSides:
-      return "sides of different brightness";
-    case Verdict::kNoEnd:
-      return "no edge at an end";
-    case Verdict::kSidesEndEarly:
-      return "long sides end early";
-    case Verdict::kNotFilled:
-      return "not filled";
-    case Verdict::kGoesOnBeyondEnd:
-      return "goes on beyond its end";
-    case Verdict::kTooFewEdges:
-      return "too few edges for a piece";
-    case Verdict::kTooUncertain:
-      return "too uncertain";
-    case Verdict::kNoContrast:
-      return "no brighter than its surroundings";
-    case Verdict::kNotAlone:
-      return "others like it beside it";
-    case Verdict::kMayBeAnother:
-      return "may be another kind";
-  }
-  return "";
+  constexpr std::array kTexts{"accepted",
+                              "no edges",
+                              "too large or too small",
+                              "too little in view",
+                              "no edge along a long side",
+                              "unequal edges",
+                              "no end",
+                              "long sides end early",
+                              "not filled",
+                              "goes on beyond its end",
+                              "too few edges",
+                              "uncertain",
+                              "hardly any contrast",
+                              "too much of it is amiss",
+                              "may be another kind"};
+  static_assert(kTexts.size() == static_cast<std::size_t>(Verdict::kMayBeAnother) + 1);
+  return kTexts[static_cast<std::size_t>(verdict)];
 }
 
 }  // namespace luminav

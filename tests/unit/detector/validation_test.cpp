@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include "services/detector/sampling/mean_profile.hpp"
+#include "services/detector/sampling/pixel_sampling.hpp"
+#include "services/detector/validation/candidate.hpp"
+#include "services/detector/validation/candidate_checks.hpp"
+#include "services/detector/validation/detection_builder.hpp"
+#include "services/detector/validation/half_lit_by_brightness.hpp"
+#include "services/detector/validation/half_lit_by_grid_lines.hpp"
+#include "services/detector/validation/verdict.hpp"
+#include "tests/unit/detector/ceiling_picture.hpp"
+#include "tests/unit/detector/drawn_detections.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr double kHeight = 2.8;
+
+CeilingCamera model() {
+  const CameraDescription camera = test::test_camera();
+  return CeilingCamera(camera.intrinsics, camera.mounting);
+}
+
+/// One of two lamps burns, that towards +y.
+GreyImage half_lit(double joint_depth, double darker) {
+  test::DrawnCeiling ceiling{.joint_depth = joint_depth, .noise = 1.0};
+  ceiling.shapes = {{.pose = {0.05, 0.1, 0.0}, .state = DetectionState::kHalf, .darker = darker}};
+  return test::draw_ceiling(ceiling, test::test_camera(), kHeight);
+}
+const Outline kStrip{.length = 1.2, .width = 0.15, .height = kHeight};
+const OutlinePlacement kBurningHalf{.pose = {0.05, 0.175, 0.0}};
+
+TEST(Verdict, HasAText) {
+  EXPECT_STREQ(to_string(Verdict::kAccepted), "accepted");
+  EXPECT_STREQ(to_string(Verdict::kMayBeAnother), "may be another kind");
+}
+
+TEST(HalfLit, ShowsItsDarkHalfByItsBrightness) {
+  const auto around = compare_strip_sides(half_lit(0.0, 40.0).view(), model(), kStrip, kBurningHalf, 1.0);
+  EXPECT_TRUE(around.valid);
+  EXPECT_GT(around.asymmetry, 0.45);
+  EXPECT_EQ(around.side, -1);
+}
+
+TEST(HalfLit, ShowsADarkHalfAsBrightAsTheCeilingByTheGridThatItCovers) {
+  const auto [left, right] = look_for_grid_lines(half_lit(20.0, 0.0).view(), model(), kStrip, kBurningHalf, 1.0);
+  EXPECT_EQ(left, Beside::kCeiling);
+  EXPECT_EQ(right, Beside::kCovered);
+}
+
+TEST(MeanProfile, CrossesAnEdge) {
+  const SideLine side{{0.05, 0.175, 0.0}, kHeight, Eigen::Vector2d::UnitX(), Eigen::Vector2d::UnitY()};
+  const SideProfile profile = mean_profile(half_lit(0.0, 0.0).view(), model(), side,
+                                           {.first = 0.0, .steps = 40, .from = -0.3, .apart = 0.04, .count = 16});
+  EXPECT_EQ(profile.lines, 16);
+  EXPECT_NEAR(profile.grey.front(), 255.0, 1.0);
+  EXPECT_NEAR(profile.grey.back(), 110.0, 3.0);
+}
+
+TEST(PixelSampling, IsLinearBetweenPixels) {
+  const GreyImage image{4, 4, {0, 0, 0, 0, 0, 10, 30, 0, 0, 50, 70, 0, 0, 0, 0, 0}};
+  EXPECT_FLOAT_EQ(bilinear(image.view(), 1.5F, 1.0F), 20.0F);
+  EXPECT_FLOAT_EQ(bilinear(image.view(), 1.5F, 1.5F), 40.0F);
+  EXPECT_TRUE(is_sampled(image.view(), {1.5, 1.5}));
+  EXPECT_FALSE(is_sampled(image.view(), {2.5, 1.5}));
+}
+
+TEST(CandidateChecks, FindALampWhoseSizeTheFileHasWrongByATenth) {
+  for (const double factor : {0.91, 1.0, 1.09}) {
+    test::DrawnCeiling ceiling;
+    ceiling.shapes = {{.pose = {0.1, 0.05, 0.4}, .length = 1.2 * factor, .width = 0.15 * factor}};
+    const auto detections = test::detect(ceiling);
+    ASSERT_EQ(detections.size(), 1U) << factor;
+    test::expect_at(detections[0], {0.1, 0.05, 0.4}, 5e-3, radians(0.2));
+  }
+}
+
+TEST(CandidateChecks, TakeNoPanesOfASkylightForLamps) {
+  test::DrawnCeiling ceiling;
+  for (int i = -2; i <= 2; ++i) {
+    ceiling.shapes.push_back({.pose = {0.0, 0.19 * i, 0.0}, .width = 0.15});
+  }
+  ceiling.bloom = 10.0;
+  for (const Detection& detection : test::detect(ceiling)) {
+    EXPECT_GT(std::abs(detection.robot_from_fixture.y), 0.3) << "one between others";
+  }
+}
+
+TEST(DetectionBuilder, DescribesAWholeLamp) {
+  const CeilingCatalogue catalogue{.fixtures = {{.length = 1.2, .width = 0.15, .lamps = 1}}, .elements = {}};
+  const DetectionBuilder builder(model(), catalogue);
+  Candidate candidate;
+  candidate.hypothesis.outline = kStrip;
+  candidate.fit.placement = kBurningHalf;
+  candidate.by_edges = false;
+  const GreyImage image = half_lit(0.0, 0.0);
+  Raster reduced;
+  reduce(image.view(), 4, reduced);
+  const auto detection = builder.build({.image = image.view(), .reduced = reduced, .dark = reduced}, candidate);
+  ASSERT_TRUE(detection);
+  EXPECT_EQ(detection->state, DetectionState::kLit);
+  EXPECT_FALSE(detection->clipped);
+  EXPECT_DOUBLE_EQ(detection->length, 1.2);
+  EXPECT_DOUBLE_EQ(detection->robot_from_fixture.y, 0.175);
+}
+
+}  // namespace
+}  // namespace luminav
