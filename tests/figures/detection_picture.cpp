@@ -3,8 +3,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "services/detector/tool/debug_picture.hpp"
 #include "services/detector/detector_config.hpp"
+#include "services/detector/tool/debug_picture.hpp"
 
 namespace luminav {
 namespace {
