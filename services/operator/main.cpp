@@ -84,20 +84,20 @@ class ProgressLine {
 };
 
 // Whoever waits here sees the robot, or should; Ctrl-C stops it.
-void say_somebody_watches(lcm::LCM& lcm) {
+void say_somebody_watches(CommandPublisher& commands) {
   supervision_t supervision{};
   supervision.utime = clock_us(CLOCK_REALTIME);
   supervision.sender = "operator";
-  lcm.publish(channels::kSupervision, &supervision);
+  commands.publish(channels::kSupervision, supervision);
 }
 
-int watch(lcm::LCM& lcm, GoalRequest& request) {
+int watch(lcm::LCM& lcm, CommandPublisher commands, GoalRequest& request) {
   constexpr std::int64_t kTick = 200'000;  // [us]
   ProgressLine line;
   bool was_interrupted = false;
   while (!request.outcome()) {
     request.tick();
-    say_somebody_watches(lcm);
+    say_somebody_watches(commands);
     listen_until(lcm, clock_us(CLOCK_MONOTONIC) + kTick);
     if (g_interrupted != 0) {
       g_interrupted = 0;
@@ -159,7 +159,7 @@ int run_goto(int argc, char** argv) {
   goal.tolerance = tolerance;
   const auto lcm = open_lcm(access.on(url));
   GoalRequest request(*lcm, goal, access.key);
-  return watch(*lcm, request);
+  return watch(*lcm, CommandPublisher(*lcm, access.key), request);
 }
 
 int run_cancel(int argc, char** argv) {
@@ -174,7 +174,7 @@ int run_cancel(int argc, char** argv) {
   const NetworkAccess access = read_network_access(robot_file);
   const auto lcm = open_lcm(access.on(url));
   GoalRequest request(*lcm, goal, access.key);
-  const int status = watch(*lcm, request);
+  const int status = watch(*lcm, CommandPublisher(*lcm, access.key), request);
   return status == static_cast<int>(Outcome::kCancelled) ? 0 : status;
 }
 

@@ -20,6 +20,7 @@
 #include <luminav/sim_truth_t.hpp>
 #include <luminav/sonar_t.hpp>
 #include <luminav/stop_t.hpp>
+#include <luminav/supervision_t.hpp>
 #include <luminav/teleop_command_t.hpp>
 #include <luminav/tile_request_t.hpp>
 #include <luminav/velocity_command_t.hpp>
@@ -43,6 +44,6 @@ using AllMessageTypes =
                  node_status_t, odometry_t, path_t, pose_t, procman::procman_command_desired_t,
                  procman::procman_command_status_t, procman::procman_command_t, procman::procman_deputy_info_t,
                  procman::procman_discovery_t, procman::procman_orders_t, procman::procman_output_t, robot_status_t,
-                 sim_truth_t, sonar_t, stop_t, teleop_command_t, tile_request_t, velocity_command_t>;
+                 sim_truth_t, sonar_t, stop_t, supervision_t, teleop_command_t, tile_request_t, velocity_command_t>;
 
 }  // namespace luminav
