@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <luminav/tile_request_t.hpp>
 #include <nlohmann/json.hpp>
 
@@ -19,7 +21,8 @@ class ViewerNodeTest : public ::testing::Test {
   void on_tile_request(const tile_request_t&) { ++tile_requests_; }
 
   template <typename Message>
-  void send(const char* channel, const Message& message) {
+  void send(const char* channel, Message message) {
+    message.utime = std::max<std::int64_t>(message.utime, 1);  // without a stamp nothing is taken
     lcm_.publish(channel, &message);
     while (lcm_.handleTimeout(0) > 0) {
     }
