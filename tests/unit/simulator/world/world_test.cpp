@@ -343,7 +343,7 @@ TEST(World, FreezesAnEncoderWhileItsWheelTurnsOn) {
   World world(kSeed, truth_at({3.0, 3.0, 0.0}, events));
   run(world, kForward, 0.99);
   const double before = world.state().world_from_robot.x;
-  const Way frozen = run(world, kForward, 1.0);
+  const Travel frozen = run(world, kForward, 1.0);
   EXPECT_EQ(frozen.left, 0.0);
   EXPECT_GT(frozen.right, 0.3);
   EXPECT_GT(world.state().world_from_robot.x - before, 0.3);
