@@ -1,4 +1,4 @@
-#include "tests/system/faults/torture_round.hpp"
+#include "tests/system/faults/torture/torture_round.hpp"
 
 #include <fmt/format.h>
 #include <sys/mount.h>
@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "services/common/process/channels.hpp"
-#include "tests/system/faults/torture_scenario.hpp"
+#include "tests/system/faults/torture/torture_scenario.hpp"
 
 namespace luminav {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/system/faults/torture_scenario.hpp"
+#include "tests/system/faults/torture/torture_scenario.hpp"
 
 #include <fmt/format.h>
 

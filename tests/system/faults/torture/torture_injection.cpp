@@ -7,7 +7,7 @@
 
 #include "services/common/process/channels.hpp"
 #include "tests/system/faults/interference.hpp"
-#include "tests/system/faults/torture_round.hpp"
+#include "tests/system/faults/torture/torture_round.hpp"
 
 namespace luminav {
 namespace {

@@ -13,8 +13,8 @@
 #include "services/common/process/command_line.hpp"
 #include "services/launcher/sheriff/session.hpp"
 #include "tests/system/faults/interference.hpp"
-#include "tests/system/faults/torture_round.hpp"
-#include "tests/system/faults/torture_scenario.hpp"
+#include "tests/system/faults/torture/torture_round.hpp"
+#include "tests/system/faults/torture/torture_scenario.hpp"
 
 namespace luminav {
 namespace {
