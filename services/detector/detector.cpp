@@ -12,7 +12,7 @@
 namespace luminav {
 namespace {
 
-constexpr int kLeastSide = 64;  // [px]
+constexpr int kMinSide = 64;  // [px]
 constexpr double kAspectTolerance = 0.01;
 constexpr std::size_t kMedianStep = 13;  // every 13th pixel: 23,600 of a webcam's image
 
@@ -57,7 +57,7 @@ Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
 bool Detector::accepts(const GreyView& image) const {
-  if (image.width < kLeastSide || image.height < kLeastSide || image.width > 8192 || image.height > 8192 ||
+  if (image.width < kMinSide || image.height < kMinSide || image.width > 8192 || image.height > 8192 ||
       image.pixels.size() != static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
     return false;
   }

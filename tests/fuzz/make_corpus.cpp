@@ -53,9 +53,9 @@ Bytes contents(const std::filesystem::path& file) {
 
 /// With the byte that chooses the reader, as files_fuzzer.cpp lists them.
 void write_file(const std::filesystem::path& folder, std::uint8_t reader, Bytes bytes) {
-  constexpr std::size_t kMost = 8000;
+  constexpr std::size_t kMaxSize = 8000;
   bytes.insert(bytes.begin(), reader);
-  bytes.resize(std::min(bytes.size(), kMost));
+  bytes.resize(std::min(bytes.size(), kMaxSize));
   write(folder / "fuzz_files", reader, bytes);
 }
 

@@ -156,7 +156,7 @@ void sink_below(const Raster& level, const Raster& image, Raster& result) {
 
 /// Median absolute difference of horizontal neighbours, over every seventh row, as a standard deviation.
 double noise_of(const Raster& image, std::vector<std::uint8_t>& steps) {
-  constexpr double kLeast = 0.3;
+  constexpr double kMinNoise = 0.3;
   constexpr std::size_t kSamples = 8192;
   steps.clear();
   for (int y = 3; y < image.height; y += 7) {
@@ -166,7 +166,7 @@ double noise_of(const Raster& image, std::vector<std::uint8_t>& steps) {
     }
   }
   // median of |a - b| = 0.954 sigma of one
-  return std::max(kLeast, GreyHistogram(steps, 1 + steps.size() / kSamples).interpolated_median() / 0.954);
+  return std::max(kMinNoise, GreyHistogram(steps, 1 + steps.size() / kSamples).interpolated_median() / 0.954);
 }
 
 }  // namespace

@@ -195,7 +195,7 @@ TEST_F(DisambiguationTest, TurnsBackForAPoseThatOneLookTheOtherWayWouldHaveFound
   EXPECT_LT(end_of_path({}), -1.0) << "but it was the longer way from where it began";
 }
 
-TEST_F(DisambiguationTest, KnowsNoWayWhereAllForetellTheSame) {
+TEST_F(DisambiguationTest, KnowsNoPathWhereAllPredictTheSame) {
   const std::vector<Fixture> alike{fixture_at(0, 0), fixture_at(20, 0)};
   EXPECT_FALSE(path(alike, floor_with_walls({}), kBelowEither));
   EXPECT_FALSE(path(kTwoAlike, floor_with_walls({}), {}));

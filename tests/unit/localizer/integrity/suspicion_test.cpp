@@ -156,7 +156,7 @@ bool any_about(const std::vector<std::string>& reasons, const std::string& words
   return false;
 }
 
-TEST(Suspicion, OfAPoseThatForetellsTheNextFixtureEndsThere) {
+TEST(Suspicion, OfAPoseThatPredictsTheNextFixtureEndsThere) {
   CorridorDrive drive;
   drive.drive_to(8.0);
   ASSERT_EQ(drive.state(), LocalizerState::kTracking);
@@ -169,7 +169,7 @@ TEST(Suspicion, OfAPoseThatForetellsTheNextFixtureEndsThere) {
 }
 
 // Another pose explains the false fixture and the next one: the two at 25.5 and 27.2 are as far apart.
-TEST(Suspicion, OfAPoseThatForetoldManyFixturesEndsAtTheNextUnlessTheWheelsStoodStill) {
+TEST(Suspicion, OfAPoseThatPredictedManyFixturesEndsAtTheNextUnlessTheWheelsStoodStill) {
   for (const bool has_halted : {false, true}) {
     for (const bool is_trusted : {false, true}) {
       CorridorDrive drive(27.2);
