@@ -82,16 +82,16 @@ class Controller {
   [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest) const;
   void hold_still(std::int64_t now, const Pose2& place, const DriveTwist& wanted, double nearest, StopVerdict& verdict);
   DriveTwist wish(const ControlInput& input, ControlOutput& output);
-  /// Looks for its place as the building allows.
+  /// Searches for the pose as the building's file allows.
   DriveTwist search(const ControlInput& input, ControlOutput& output);
   /// May it leave its place?
   [[nodiscard]] bool may_travel(ControlTask task) const;
   void follow(const ControlInput& input, ControlOutput& output);
   [[nodiscard]] std::optional<DriveTwist> escape_twist(std::int64_t now) const;
   void begin_escape(const ControlInput& input, bool by_unknown, ControlOutput& output);
-  /// Seconds since it last got anywhere; what is told of them counts escapes that led back to their place too.
+  /// Returns the seconds since the last progress. While escapes go in circles `output` counts from the first of them.
   double judge_progress(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output);
-  /// Where it is blocked, or over.
+  /// Ends the escape when its time is over or the stop logic blocks it.
   void end_escape(std::int64_t now, const StopVerdict& verdict);
   void wait_or_escape(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output);
 

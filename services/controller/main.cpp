@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
     std::string state;
     luminav::CommandLine command_line("controller", "Drives the robot along a path and never into anything.");
     command_line.robot_file(robot_file)
-        .text("--building", building_file, "building file (TOML): a lost robot searches by what it foretells");
+        .text("--building", building_file, "building file (TOML): a lost robot searches by what it predicts");
     command_line.lcm_url(url).state_folder(state);
     if (const auto status = command_line.parse(argc, argv)) {
       return *status;

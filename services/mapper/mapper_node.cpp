@@ -27,7 +27,7 @@ std::uint64_t hash_of(const grid_tile_t& tile) {  // FNV-1a over the compressed 
   return hash;
 }
 
-/// Whoever may ask over the network may name a map, not a file.
+/// True for the name of a map: a request from the network never names a file.
 bool is_map_name(const std::string& text) {
   const auto allowed = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '-' || c == '_'); };
   return text.size() <= 64 && std::all_of(text.begin(), text.end(), allowed);

@@ -83,7 +83,7 @@ class ProgressLine {
   std::int64_t shown_ = 0;  // [us]
 };
 
-// Whoever waits here sees the robot, or should; Ctrl-C stops it.
+// A person who waits here should see the robot; Ctrl-C stops it.
 void say_somebody_watches(CommandPublisher& commands) {
   supervision_t supervision{};
   supervision.utime = clock_us(CLOCK_REALTIME);

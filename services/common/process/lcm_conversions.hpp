@@ -17,8 +17,8 @@ inline Pose2 world_from_robot(const pose_t& message) {
   return {message.x, message.y, message.theta};
 }
 
-/// False for what no robot measures: numbers that are none, places beyond 100 km, speeds beyond 10 m/s or 100 rad/s.
-/// Sums and cells of anything less can be trusted not to overflow.
+/// False for values that are not finite, places beyond 100 km, and speeds beyond 10 m/s or 100 rad/s. Sums and grid
+/// cells of anything smaller do not overflow.
 [[nodiscard]] bool is_possible(const odometry_t& message);
 [[nodiscard]] bool is_possible(const pose_t& message);
 

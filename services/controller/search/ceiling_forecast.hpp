@@ -12,7 +12,7 @@ namespace luminav {
 /// What the building's file predicts of a place: the fixture seen above it, and whether there is room to stand.
 class CeilingForecast {
  public:
-  /// Foretells nothing.
+  /// Predicts nothing.
   CeilingForecast() = default;
   /// A fixture is seen from within `view_radius` [m] of its centre; `clearance` [m] is kept from the walls. Without
   /// walls (an empty map) there is room everywhere.

@@ -47,14 +47,14 @@ struct SearchPlaces {
   std::optional<Eigen::Vector2d> heading_for;  // where the last way led to
 };
 
-/// Finds the place to drive to when several poses are possible: where what they predict differs most for the least
-/// way.
+/// Finds the place to drive to when several poses are possible: where their predictions differ most for the
+/// shortest path.
 class Disambiguation {
  public:
   Disambiguation(CeilingForecast forecast, const DisambiguationParams& params)
       : forecast_(std::move(forecast)), params_(params) {}
 
-  /// Way [m, odom] from the robot on to the most telling ground. Nothing if no place within reach tells them apart.
+  /// Returns the path [m, odom] from the robot to the place that tells most; nothing if none within reach does.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path(const SearchPlaces& places,
                                                                  std::span<const PoseAlternative> alternatives,
                                                                  const SearchMap& map) const;

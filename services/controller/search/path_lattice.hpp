@@ -9,8 +9,8 @@
 
 namespace luminav {
 
-/// Shortest ways from the robot over a square lattice of places around it: Dijkstra, one place at a time, so that
-/// whoever searches may stop. The lattice stands still in its frame while the robot moves.
+/// Shortest paths from the robot over a square lattice of places around it: Dijkstra, one place at a time, so that
+/// the caller may stop. The lattice stands still in its frame while the robot moves.
 class PathLattice {
  public:
   struct Visit {

@@ -36,7 +36,7 @@ struct ViewRules {
                                                    const Eigen::Vector2d& place, bool is_known_floor,
                                                    const ViewRules& rules);
 
-/// Nobody who is there can tell which of the two was predicted.
+/// True if a robot at that place could not tell which of the two was predicted.
 [[nodiscard]] bool look_alike(const PredictedView& a, const PredictedView& b, const ViewRules& rules);
 
 }  // namespace luminav

@@ -20,7 +20,7 @@ struct SearchPriceParams {
   double min_beside_wall = 0.35;      // share that must have room beside a wall where sonar heard something stand
 };
 
-/// Metres that a metre at a place [m, odom] counts for whoever looks for its pose; infinite: no way leads through.
+/// Price of a metre at a place [m, odom] while searching for the pose; infinite if no path leads through.
 /// Floor that sonar knows counts as it is if any likely alternative has room there, the rest by what their walls say.
 [[nodiscard]] double search_price(const Eigen::Vector2d& place, std::span<const PossiblePose> poses,
                                   const CeilingForecast& forecast, const SearchMap& map,

@@ -21,27 +21,27 @@ struct EchoRules {
   int passage_looks = 2;        // likewise beams that pass a place one way: one in a hundred is silent by chance
 };
 
-/// Collects sonar echoes until the robot has moved enough for them to say something new of where it is: echoes from one
-/// place repeat each other's errors, also when the robot comes by again. So do echoes of one surface from wherever they
-/// are heard, for it is in the map or it is not: each counts once. Whoever goes to and fro beside a box that the map
-/// doesn't know would else prove that the box is a wall. Likewise beams that pass a place one way, silent ones too.
+/// Collects sonar echoes until the robot has moved enough for new evidence. Echoes heard at one place repeat each
+/// other's errors, also on a later visit. Echoes of one surface do so from everywhere, since the map has it or not:
+/// each surface counts once. Otherwise driving back and forth past an unmapped box would turn it into evidence for a
+/// wall. The same holds for beams that pass a place in one direction, silent ones included.
 class EchoCollector {
  public:
   EchoCollector(const SonarRing& sonar, const EchoRules& rules)
       : sonar_(sonar), rules_(rules), heard_utime_(sonar.robot_from_sonar.size(), 0) {}
 
-  /// Keeps the readings that are of a known disc, neither too near nor echoes near the ring's end of range, and silence
-  /// of discs that heard something lately: a dead one says nothing.
+  /// Keeps readings of known discs that are neither too near nor near the end of the range, and silence of discs that
+  /// heard something lately: a dead disc is silent too.
   void add(const SonarScan& scan);
   /// Forgets the echoes and where they were heard: relative motion across now is unknown.
   void clear();
-  /// Every place and surface is as good as new, for whoever has not heard it.
+  /// Makes every place and surface new evidence again, for hypotheses that have not heard it.
   void forget_places();
   void advance(const Pose2& delta);
-  /// The newest reading of each disc, and as passages alone two in a row before it that went farther, as beside a
-  /// doorway, at most so many of either, of the last second before `utime` [us], in the robot frame of that instant,
-  /// without those of surfaces and passages that have had their weight; empty while the robot has not moved enough or
-  /// fewer than three discs have readings.
+  /// Returns at most `max` echoes of the last second before `utime` [us], the newest of each disc, in the robot frame
+  /// of that instant, and at most `max` passages: two readings in a row before it that went farther, as beside a
+  /// doorway. Leaves out surfaces and passages that have had their weight. Empty while the robot has not moved enough
+  /// or fewer than three discs have readings.
   [[nodiscard]] std::vector<PlacedEcho> take(std::int64_t utime, const OdometryHistory& history, std::size_t max);
 
  private:

@@ -17,7 +17,7 @@ class HypothesisRanking {
   explicit HypothesisRanking(const HypothesisParams& params) : params_(params) {}
 
   void begin();
-  /// Goes on; true when the list is sorted. Whoever changes it meanwhile must begin again.
+  /// Goes on; true when the list is sorted. After a change of the list meanwhile, begin again.
   [[nodiscard]] bool advance(std::vector<Hypothesis>& hypotheses, double best_sonar, WorkBudget& budget);
 
  private:

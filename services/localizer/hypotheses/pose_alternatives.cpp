@@ -6,8 +6,8 @@
 namespace luminav {
 namespace {
 
-// Whoever drives to tell poses apart must not take those for done that only sonar holds down: boxes are on no map. Nor
-// must they count like the leader: the robot would for minutes seek the door that only they have.
+// The search must not drop poses that only sonar speaks against, since boxes are on no map. But they must not weigh as
+// much as the leader: the robot would spend minutes looking for a door that only they predict.
 constexpr double kMaxBySonar = 4.0;
 
 }  // namespace

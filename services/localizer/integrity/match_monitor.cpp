@@ -94,7 +94,7 @@ void MatchMonitor::note_pause(const Pose2& odom_from_robot) {
   still_frames_ = are_wheels_at_rest(odom_at_frame_, odom_from_robot) ? still_frames_ + 1 : 0;
   odom_at_frame_ = odom_from_robot;
   if (still_frames_ == 1 && !paused_) {
-    contradicting_ = 0;  // whoever carries it begins here
+    contradicting_ = 0;  // a kidnap can begin here
   }
   paused_ = paused_ || still_frames_ >= rules_.pause_frames;
   halted_ = halted_ || still_frames_ >= rules_.halt_frames;
@@ -144,7 +144,7 @@ bool MatchMonitor::count_missing(const SightingFrame& frame, const PoseBelief& b
   const auto moved_less = [&](double distance, double turn) {
     return std::hypot(since_match.x, since_match.y) < distance && std::abs(since_match.theta) < turn;
   };
-  // who is lifted while driving has rolled on a little between the last image and being lifted
+  // a robot that is lifted while driving rolls on a little after the last image
   const bool stands_still =
       moved_less(rules_.still_distance, rules_.still_turn) ||
       (still_frames_ >= rules_.vanish_frames && moved_less(rules_.stop_distance, rules_.stop_turn));

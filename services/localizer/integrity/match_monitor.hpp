@@ -40,22 +40,22 @@ class MatchMonitor {
                                                   double distance_since_match, bool is_suspected);
   /// While the motors are off a hand may move the robot: then it counts as having stood still.
   void allow_kidnapping(bool allowed) { may_be_kidnapped_ = allowed; }
-  /// The pose was put in doubt: begin to count anew.
+  /// Restarts all counts: the pose was suspected.
   void reset();
-  /// The pose is held for true again. With `was_suspected` it is the one doubted before: the fixture that was missed
-  /// then is dead, gone or hard to see, and is not missed again; what was seen beside all fixtures is none, and is not
-  /// wondered at again.
+  /// The pose is TRACKING again. With `was_suspected` it is the pose that was suspected: the fixture that was missing
+  /// is dead, gone or hard to see and does not count as missing again; the object that fitted no fixture is remembered
+  /// as none.
   void confirm(bool was_suspected);
 
  private:
-  /// Begins to count anew.
+  /// Restarts the counts of the images in a row.
   void forget_run();
   void note_pause(const Pose2& odom_from_robot);
   void note_match(const std::vector<FixtureMatch>& matches, const PoseBelief& belief, const Pose2& odom_from_robot);
-  /// The pose was right for long, and since its last match the wheels have not stood still: nobody carries a robot away
-  /// so quickly.
+  /// True if the pose predicted many fixtures and the wheels have turned since its last match: nobody can have carried
+  /// the robot away so quickly.
   [[nodiscard]] bool is_beyond_kidnapping(std::int64_t utime) const;
-  /// The thing was found out to be no fixture.
+  /// True if the object at that place is known to be no fixture.
   [[nodiscard]] bool is_no_fixture(const Eigen::Vector2d& place_in_world) const;
   /// Where [world] something is seen that is no fixture of the building.
   [[nodiscard]] std::optional<Eigen::Vector2d> find_unexplained(const SightingFrame& frame,

@@ -10,8 +10,8 @@
 
 namespace luminav {
 
-/// Watches for things on the ceiling that rush past, which nothing there does unless somebody carries the robot. Things
-/// are linked from image to image by nearness alone: three images may be all that shows one.
+/// Detects things on the ceiling that pass faster than the wheels turn: then somebody carries the robot. Things are
+/// associated from image to image by distance alone, since three images may be all that show one.
 class MotionOutlier {
  public:
   /// `wheel_base` [m]

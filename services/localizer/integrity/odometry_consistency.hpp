@@ -11,8 +11,8 @@
 
 namespace luminav {
 
-/// Watches whether the fixtures in view move as the wheels say. Where they do not, somebody moves the robot: odometry
-/// says nothing of where to, and a filter that follows a fixture by sight is lost with it.
+/// Checks that the fixtures in view move as the wheels say. If they do not, somebody moves the robot: odometry does not
+/// know where to, and a filter that follows a fixture by sight is misled.
 class OdometryConsistency {
  public:
   /// `wheel_base` [m]

@@ -9,12 +9,11 @@
 
 namespace luminav {
 
-/// Watches by the sonars whether somebody carries a robot whose wheels stand still: then all that it hears moves, on
-/// all sides, where people who pass move a few echoes at a time.
+/// Detects by sonar that a robot is carried while its wheels stand still: then everything it hears moves, on all sides.
+/// People who pass move a few echoes at a time.
 class SonarChange {
  public:
-  /// True when since the wheels stand still, some seconds ago at most, most discs have come to hear things elsewhere.
-  /// It begins anew then.
+  /// True if most discs hear things elsewhere than when the wheels stopped, or some seconds ago. Then it starts again.
   [[nodiscard]] bool look(const SonarScan& scan, const Pose2& odom_from_robot);
 
  private:

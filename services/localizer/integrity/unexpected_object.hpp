@@ -10,9 +10,9 @@
 
 namespace luminav {
 
-/// Watches for what comes into view of a standing robot. Nothing on a ceiling moves, so it was hidden, the detector did
-/// not see it, or somebody put the robot where it is in view; then a fixture in view where the pose has one is no
-/// proof, for it may be another one that is there by chance.
+/// Detects what comes into view of a robot that stands still. Nothing on a ceiling moves, so it was hidden, the
+/// detector had missed it, or somebody moved the robot. After such a move a fixture that fits the pose proves nothing:
+/// it may be another one that is there by chance.
 class UnexpectedObject {
  public:
   explicit UnexpectedObject(const TrackingRules& rules) : rules_(rules) {}

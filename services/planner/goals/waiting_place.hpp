@@ -9,14 +9,14 @@
 
 namespace luminav {
 
-/// A place [m, world] lies in the opening of a door: nobody can pass.
+/// True if a place [m, world] lies in the opening of a door: a robot there lets nobody pass.
 bool is_in_opening(const Door& door, const Eigen::Vector2d& place);
 
-/// Whoever comes through the door while the robot is at a place [m, world] finds it in his way.
+/// True if a robot at a place [m, world] would obstruct a person who comes through the door.
 bool is_in_doorway(const Door& door, const Eigen::Vector2d& place);
 
-/// Places [m, world] beside the way through a door, on the side from which `path` comes to it, where the robot can turn
-/// and the door is near and in sight; the nearest to the way's start first. Empty where there is no room.
+/// Places [m, world] beside the passage of a door, on the side from which `path` reaches it, where the robot can turn
+/// and the door is near and in sight; the nearest to the passage's start first. Empty where there is no room.
 std::vector<Eigen::Vector2d> places_beside(const Door& door, const Polyline& path, const ConfigurationSpace& space);
 
 }  // namespace luminav
