@@ -19,7 +19,7 @@
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
-#include "services/operator/goal_request.hpp"
+#include "services/operator/goal_order.hpp"
 #include "services/operator/goal_target.hpp"
 #include "services/operator/system_files.hpp"
 #include "services/operator/system_snapshot.hpp"
@@ -91,7 +91,7 @@ void say_somebody_watches(CommandPublisher& commands) {
   commands.publish(channels::kSupervision, supervision);
 }
 
-int watch(lcm::LCM& lcm, CommandPublisher commands, GoalRequest& request) {
+int watch(lcm::LCM& lcm, CommandPublisher commands, GoalOrder& request) {
   constexpr std::int64_t kTick = 200'000;  // [us]
   ProgressLine line;
   bool was_interrupted = false;
@@ -158,7 +158,7 @@ int run_goto(int argc, char** argv) {
   goal.id = goal.utime = new_id();
   goal.tolerance = tolerance;
   const auto lcm = open_lcm(access.on(url));
-  GoalRequest request(*lcm, goal, access.key);
+  GoalOrder request(*lcm, goal, access.key);
   return watch(*lcm, CommandPublisher(*lcm, access.key), request);
 }
 
@@ -173,7 +173,7 @@ int run_cancel(int argc, char** argv) {
   goal.action = goal_t::ACTION_CANCEL;
   const NetworkAccess access = read_network_access(robot_file);
   const auto lcm = open_lcm(access.on(url));
-  GoalRequest request(*lcm, goal, access.key);
+  GoalOrder request(*lcm, goal, access.key);
   const int status = watch(*lcm, CommandPublisher(*lcm, access.key), request);
   return status == static_cast<int>(Outcome::kCancelled) ? 0 : status;
 }

@@ -6,7 +6,7 @@
 
 #include "services/common/geometry/angle.hpp"
 #include "services/common/process/channels.hpp"
-#include "services/operator/goal_request.hpp"
+#include "services/operator/goal_order.hpp"
 
 namespace luminav {
 namespace {

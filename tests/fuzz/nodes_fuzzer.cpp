@@ -15,7 +15,7 @@
 #include "services/launcher/sheriff/sheriff.hpp"
 #include "services/localizer/localizer_node.hpp"
 #include "services/mapper/mapper_node.hpp"
-#include "services/operator/goal_request.hpp"
+#include "services/operator/goal_order.hpp"
 #include "services/planner/planner_node.hpp"
 #include "services/viewer/viewer_node.hpp"
 #include "tests/fuzz/message_types.hpp"
@@ -96,7 +96,7 @@ class Robot {
         controller_(network(), ControllerConfig::for_robot(robot())),
         mapper_(network(), mapper_config()),
         localizer_(network(), localizer_config()),
-        desk_(network()),
+        desk_(network(), "fuzz"),
         helm_(network(), robot().limits),
         viewer_(network(), {.robot = robot(), .building = building()}, clock_, board_, pictures_, desk_, helm_),
         deputy_(network(), {.id = "sample", .allow_any = true, .log_folder = ""}, runner_),
@@ -159,7 +159,7 @@ class Robot {
   launcher::FakeRunner runner_;
   launcher::Deputy deputy_;
   launcher::Sheriff sheriff_;
-  GoalRequest goal_;
+  GoalOrder goal_;
   Subscriber inbox_;
 };
 

@@ -69,6 +69,9 @@ void PaperLocalizer::add_guess(const PoseGuess& guess) {
     filter_.gather(guess.belief, params_.handover.gathered_share);
     return;
   }
+  clusters_.clear();
+  candidate_.reset();
+  confidence_.restart();  // what was seen so far spoke of another pose
   follow(guess.belief, "a pose was given");
 }
 

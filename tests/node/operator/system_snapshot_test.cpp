@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "services/common/process/channels.hpp"
-#include "services/operator/goal_request.hpp"
+#include "services/operator/goal_order.hpp"
 
 namespace luminav {
 namespace {

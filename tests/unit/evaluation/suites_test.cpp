@@ -93,7 +93,7 @@ TEST(Suites, AnUnknownOneNamesThoseThereAre) {
     (void)suite_entries("nonsense", generated());
     FAIL();
   } catch (const ConfigurationError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("endurance, missions, worlds, scale, all"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("endurance, missions, worlds, scale, paper, all"));
   }
 }
 

@@ -31,10 +31,10 @@ std::string to_string(Outcome outcome);
 
 /// One request to the planner and what becomes of it. Repeated with each `tick` until NAVIGATION_STATUS echoes its id.
 /// Knows no clock: the owner calls `tick` at 5 Hz.
-class GoalRequest {
+class GoalOrder {
  public:
   /// `goal.id` must be set; a cancellation is over as soon as it is echoed.
-  GoalRequest(lcm::LCM& lcm, const goal_t& goal, std::optional<CommandKey> key = {});
+  GoalOrder(lcm::LCM& lcm, const goal_t& goal, std::optional<CommandKey> key = {});
 
   /// A fifth of a second has passed.
   void tick();

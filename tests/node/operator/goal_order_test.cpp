@@ -1,4 +1,4 @@
-#include "services/operator/goal_request.hpp"
+#include "services/operator/goal_order.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@ namespace luminav {
 namespace {
 
 /// The planner's side of the bus.
-class GoalRequestTest : public ::testing::Test {
+class GoalOrderTest : public ::testing::Test {
  protected:
-  GoalRequestTest() { lcm_.subscribe(channels::kGoal, &GoalRequestTest::on_goal, this); }
+  GoalOrderTest() { lcm_.subscribe(channels::kGoal, &GoalOrderTest::on_goal, this); }
 
   static goal_t goal(std::int64_t id) {
     goal_t message{};
@@ -48,8 +48,8 @@ class GoalRequestTest : public ::testing::Test {
   std::vector<goal_t> received_;
 };
 
-TEST_F(GoalRequestTest, RepeatsTheGoalUntilItIsEchoed) {
-  GoalRequest request(lcm_, goal(7));
+TEST_F(GoalOrderTest, RepeatsTheGoalUntilItIsEchoed) {
+  GoalOrder request(lcm_, goal(7));
   for (int i = 0; i < 3; ++i) {
     request.tick();
   }
@@ -62,8 +62,8 @@ TEST_F(GoalRequestTest, RepeatsTheGoalUntilItIsEchoed) {
   EXPECT_FALSE(request.outcome());
 }
 
-TEST_F(GoalRequestTest, CountsOnFromAnEarlierGoalWhoseSendersClockWasAhead) {
-  GoalRequest request(lcm_, goal(7));
+TEST_F(GoalOrderTest, CountsOnFromAnEarlierGoalWhoseSendersClockWasAhead) {
+  GoalOrder request(lcm_, goal(7));
   request.tick();
   say(1000, navigation_status_t::STATE_ARRIVED);  // which the planner has done: it takes no older one
   request.tick();
@@ -75,7 +75,7 @@ TEST_F(GoalRequestTest, CountsOnFromAnEarlierGoalWhoseSendersClockWasAhead) {
   EXPECT_EQ(request.outcome(), Outcome::kArrived);
 }
 
-TEST_F(GoalRequestTest, TellsEveryEndWithItsCause) {
+TEST_F(GoalOrderTest, TellsEveryEndWithItsCause) {
   const std::pair<int, Outcome> ends[] = {{navigation_status_t::STATE_ARRIVED, Outcome::kArrived},
                                           {navigation_status_t::STATE_NO_PATH, Outcome::kNoPath},
                                           {navigation_status_t::STATE_BLOCKED, Outcome::kBlocked},
@@ -83,7 +83,7 @@ TEST_F(GoalRequestTest, TellsEveryEndWithItsCause) {
                                           {navigation_status_t::STATE_CANCELLED, Outcome::kCancelled},
                                           {navigation_status_t::STATE_LOST, Outcome::kLost}};
   for (const auto& [state, outcome] : ends) {
-    GoalRequest request(lcm_, goal(9));
+    GoalOrder request(lcm_, goal(9));
     request.tick();
     say(9, navigation_status_t::STATE_FOLLOWING);
     EXPECT_FALSE(request.outcome());
@@ -94,23 +94,23 @@ TEST_F(GoalRequestTest, TellsEveryEndWithItsCause) {
   }
 }
 
-TEST_F(GoalRequestTest, IsNotFooledByTheEndOfAnEarlierGoal) {
-  GoalRequest request(lcm_, goal(9));
+TEST_F(GoalOrderTest, IsNotFooledByTheEndOfAnEarlierGoal) {
+  GoalOrder request(lcm_, goal(9));
   request.tick();
   say(8, navigation_status_t::STATE_ARRIVED);
   EXPECT_FALSE(request.outcome());
 }
 
-TEST_F(GoalRequestTest, NoticesThatAnotherGoalTookItsPlace) {
-  GoalRequest request(lcm_, goal(9));
+TEST_F(GoalOrderTest, NoticesThatAnotherGoalTookItsPlace) {
+  GoalOrder request(lcm_, goal(9));
   request.tick();
   say(9, navigation_status_t::STATE_FOLLOWING);
   say(10, navigation_status_t::STATE_PLANNING, "", 5.0);
   EXPECT_EQ(request.outcome(), Outcome::kReplaced);
 }
 
-TEST_F(GoalRequestTest, TellsThatSomebodyElseCancelledIt) {
-  GoalRequest request(lcm_, goal(9));
+TEST_F(GoalOrderTest, TellsThatSomebodyElseCancelledIt) {
+  GoalOrder request(lcm_, goal(9));
   request.tick();
   say(9, navigation_status_t::STATE_FOLLOWING);
   say(10, navigation_status_t::STATE_CANCELLED, "cancelled on the way to (2.00, 0.00)");
@@ -118,8 +118,8 @@ TEST_F(GoalRequestTest, TellsThatSomebodyElseCancelledIt) {
   EXPECT_EQ(request.cause(), "cancelled on the way to (2.00, 0.00)");
 }
 
-TEST_F(GoalRequestTest, OutlastsAPauseBySomebodyElse) {
-  GoalRequest request(lcm_, goal(9));
+TEST_F(GoalOrderTest, OutlastsAPauseBySomebodyElse) {
+  GoalOrder request(lcm_, goal(9));
   request.tick();
   say(9, navigation_status_t::STATE_FOLLOWING);
   say(10, navigation_status_t::STATE_PAUSED, "paused on the way to (2.00, 0.00)");
@@ -134,8 +134,8 @@ TEST_F(GoalRequestTest, OutlastsAPauseBySomebodyElse) {
   EXPECT_EQ(request.outcome(), Outcome::kArrived);
 }
 
-TEST_F(GoalRequestTest, GivesUpAfterFiveSecondsOfSilence) {
-  GoalRequest unheard(lcm_, goal(9));
+TEST_F(GoalOrderTest, GivesUpAfterFiveSecondsOfSilence) {
+  GoalOrder unheard(lcm_, goal(9));
   for (int i = 0; i < 25; ++i) {
     unheard.tick();
     EXPECT_FALSE(unheard.outcome());
@@ -143,7 +143,7 @@ TEST_F(GoalRequestTest, GivesUpAfterFiveSecondsOfSilence) {
   unheard.tick();
   EXPECT_EQ(unheard.outcome(), Outcome::kNobodyAnswers);
 
-  GoalRequest heard(lcm_, goal(9));
+  GoalOrder heard(lcm_, goal(9));
   say(9, navigation_status_t::STATE_FOLLOWING);
   for (int i = 0; i < 26; ++i) {
     heard.tick();
@@ -151,8 +151,8 @@ TEST_F(GoalRequestTest, GivesUpAfterFiveSecondsOfSilence) {
   EXPECT_EQ(heard.outcome(), Outcome::kPlannerSilent);
 }
 
-TEST_F(GoalRequestTest, CancelsUnderANewIdAndWaitsForItsEcho) {
-  GoalRequest request(lcm_, goal(9));
+TEST_F(GoalOrderTest, CancelsUnderANewIdAndWaitsForItsEcho) {
+  GoalOrder request(lcm_, goal(9));
   request.tick();
   say(9, navigation_status_t::STATE_FOLLOWING);
   request.cancel(11);
@@ -165,8 +165,8 @@ TEST_F(GoalRequestTest, CancelsUnderANewIdAndWaitsForItsEcho) {
   EXPECT_EQ(request.outcome(), Outcome::kCancelled);
 }
 
-TEST_F(GoalRequestTest, ShowsStatePoseDistanceAndSentence) {
-  GoalRequest request(lcm_, goal(9));
+TEST_F(GoalOrderTest, ShowsStatePoseDistanceAndSentence) {
+  GoalOrder request(lcm_, goal(9));
   request.tick();
   EXPECT_EQ(request.progress(), "asking the planner");
   pose_t pose{};
@@ -180,8 +180,8 @@ TEST_F(GoalRequestTest, ShowsStatePoseDistanceAndSentence) {
   EXPECT_EQ(request.progress(), "waiting | at (1.50, -2.00) 90 deg | 3.2 m left | somebody stands in the way");
 }
 
-TEST_F(GoalRequestTest, SurvivesBytesThatAreNoStatus) {
-  GoalRequest request(lcm_, goal(9));
+TEST_F(GoalOrderTest, SurvivesBytesThatAreNoStatus) {
+  GoalOrder request(lcm_, goal(9));
   request.tick();
   const std::uint8_t bytes[] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
   lcm_.publish(channels::kNavigationStatus, bytes, sizeof(bytes));

@@ -1,4 +1,4 @@
-#include "services/operator/goal_request.hpp"
+#include "services/operator/goal_order.hpp"
 
 #include <fmt/format.h>
 
@@ -89,14 +89,14 @@ std::string control_state_name(int state) {
   return name_in(kNames, state);
 }
 
-GoalRequest::GoalRequest(lcm::LCM& lcm, const goal_t& goal, std::optional<CommandKey> key)
+GoalOrder::GoalOrder(lcm::LCM& lcm, const goal_t& goal, std::optional<CommandKey> key)
     : commands_(lcm, key), subscriber_(lcm), goal_(goal) {
   is_cancelling_ = goal.action == goal_t::ACTION_CANCEL;
-  subscriber_.on(channels::kNavigationStatus, &GoalRequest::on_navigation_status, this);
-  subscriber_.on(channels::kPose, &GoalRequest::on_pose, this);
+  subscriber_.on(channels::kNavigationStatus, &GoalOrder::on_navigation_status, this);
+  subscriber_.on(channels::kPose, &GoalOrder::on_pose, this);
 }
 
-void GoalRequest::tick() {
+void GoalOrder::tick() {
   if (outcome_) {
     return;
   }
@@ -114,7 +114,7 @@ void GoalRequest::tick() {
   }
 }
 
-void GoalRequest::cancel(std::int64_t id) {
+void GoalOrder::cancel(std::int64_t id) {
   goal_t request{};
   request.utime = id;
   request.id = id;
@@ -127,16 +127,16 @@ void GoalRequest::cancel(std::int64_t id) {
   commands_.publish(channels::kGoal, goal_);
 }
 
-void GoalRequest::finish(Outcome outcome, const std::string& cause) {
+void GoalOrder::finish(Outcome outcome, const std::string& cause) {
   outcome_ = outcome;
   cause_ = cause;
 }
 
-void GoalRequest::on_pose(const pose_t& message) {
+void GoalOrder::on_pose(const pose_t& message) {
   pose_ = message;
 }
 
-void GoalRequest::on_navigation_status(const navigation_status_t& message) {
+void GoalOrder::on_navigation_status(const navigation_status_t& message) {
   const std::optional<navigation_status_t> before = std::exchange(status_, message);
   if (outcome_) {
     return;
@@ -165,7 +165,7 @@ void GoalRequest::on_navigation_status(const navigation_status_t& message) {
   }
 }
 
-std::string GoalRequest::progress() const {
+std::string GoalOrder::progress() const {
   if (!is_echoed_ || !status_) {
     return "asking the planner";
   }
