@@ -15,8 +15,9 @@ using Word = std::uint64_t;
 /// One cell to either side. The words before the first and behind the last one are read, too.
 LUMINAV_VECTOR_CLONES
 void widen(const Word* bits, std::size_t words, Word* result) {
+  const auto end = static_cast<std::ptrdiff_t>(words);  // signed: the first reads the word before it
 #pragma GCC ivdep
-  for (std::size_t i = 0; i < words; ++i) {
+  for (std::ptrdiff_t i = 0; i < end; ++i) {
     result[i] = bits[i] | bits[i] << 1 | bits[i] >> 1 | bits[i - 1] >> 63 | bits[i + 1] << 63;
   }
 }
