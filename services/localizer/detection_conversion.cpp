@@ -8,12 +8,13 @@
 namespace luminav {
 namespace {
 
-constexpr double kFarthest = 50.0;  // [m] of a sighting from the robot
+constexpr double kFarthest = 50.0;       // [m] of a sighting from the robot
+constexpr double kMaxCovariance = 1e12;  // [m^2] and [rad^2] far beyond what says "unknown"
 
 }  // namespace
 
 bool is_covariance(const double (&values)[9]) {
-  return std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }) &&
+  return std::all_of(std::begin(values), std::end(values), [](double v) { return std::abs(v) < kMaxCovariance; }) &&
          values[0] > 0.0 && values[4] > 0.0 && values[8] > 0.0 && values[0] * values[4] - values[1] * values[1] >= 0.0;
 }
 

@@ -18,6 +18,7 @@ constexpr std::int64_t kMemoryPeriod = 1'000'000;    // [us]
 constexpr std::int64_t kMemoryPatience = 5'000'000;  // [us] in doubt after which a pose is forgotten
 constexpr std::int64_t kSilence = 1'000'000;         // [us]
 constexpr std::int64_t kMaxAhead = 500'000;          // [us] of an image before the newest odometry
+constexpr double kFarthestGuess = 1e5;               // [m] no building is larger
 constexpr std::size_t kMaxHypotheses = 500;          // listed in one message
 constexpr std::size_t kMaxParticles = 2000;
 constexpr int kMaxDetections = 200;  // beyond it the detector has gone mad
@@ -120,8 +121,9 @@ void LocalizerNode::on_robot_status(const robot_status_t& message) {
 }
 
 void LocalizerNode::on_initial_pose(const initial_pose_t& message) {
-  if (!all_finite({message.x, message.y, message.theta}) || !is_covariance(message.covariance)) {
-    subscriber_.drop("INITIAL_POSE: not a pose");
+  if (!all_finite({message.x, message.y, message.theta}) || std::hypot(message.x, message.y) > kFarthestGuess ||
+      !is_covariance(message.covariance)) {
+    subscriber_.drop("INITIAL_POSE: not a pose of any building");
     return;
   }
   localizer_->add_guess(

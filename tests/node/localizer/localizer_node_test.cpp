@@ -294,6 +294,25 @@ TEST_F(LocalizerNodeTest, TakesAGuessAsAHypothesisAndEchoesItsId) {
   EXPECT_NEAR(poses_.back().x, 4.0, 1e-9);
 }
 
+TEST_F(LocalizerNodeTest, RefusesAGuessBeyondEveryBuilding) {
+  send_odometry(1'000'000);
+  initial_pose_t guess{};
+  guess.utime = 1'000'000;
+  guess.id = 77;
+  guess.x = 1e144;
+  guess.covariance[0] = guess.covariance[4] = guess.covariance[8] = 0.01;
+  lcm_.publish(channels::kInitialPose, &guess);
+  guess.x = 4.0;
+  guess.id = 78;
+  guess.covariance[4] = 1e300;
+  lcm_.publish(channels::kInitialPose, &guess);
+  handle_all();
+  send_odometry(1'100'000);
+  EXPECT_EQ(node_.health().dropped_inputs, 2);
+  EXPECT_NE(poses_.back().initial_pose_id, 77);
+  EXPECT_NE(poses_.back().initial_pose_id, 78);
+}
+
 /// A robot that drove until its pose was known, with a folder for the pose memory.
 class PoseMemoryTest : public LocalizerNodeTest {
  protected:
