@@ -28,20 +28,26 @@ void WheelWatch::update(const InformationPacket& packet, const DriveVelocity& co
     return;
   }
   const double turning = 0.5 * params_.wheel_base * commanded.angular;
-  judge(wheels_[0], "left", commanded.linear - turning, 1e-3 * packet.left_mm_s, passed);
-  judge(wheels_[1], "right", commanded.linear + turning, 1e-3 * packet.right_mm_s, passed);
+  look(wheels_[0], commanded.linear - turning, 1e-3 * packet.left_mm_s, passed);
+  look(wheels_[1], commanded.linear + turning, 1e-3 * packet.right_mm_s, passed);
+  judge(wheels_[0], wheels_[1], "left", passed);
+  judge(wheels_[1], wheels_[0], "right", passed);
 }
 
-void WheelWatch::judge(Wheel& wheel, const char* name, double asked, double counted, double passed) {
-  const bool must_turn = std::abs(asked) > params_.asked;
-  const bool turns_so = std::copysign(1.0, asked) * counted > params_.counted;
-  if (turns_so) {
-    wheel.dead = 0.0;
-  } else if (must_turn) {
-    wheel.dead += passed;
-  }
+void WheelWatch::look(Wheel& wheel, double asked, double counted, double passed) const {
+  wheel.must_turn = std::abs(asked) > params_.asked;
+  wheel.turns_so = std::copysign(1.0, asked) * counted > params_.counted;
   const bool runs = std::abs(asked) < params_.rest && std::abs(counted) > params_.running;
   wheel.running = runs ? wheel.running + passed : 0.0;
+}
+
+/// A robot that is held or carried counts nothing on either side: its odometry is right, and it may go on afterwards.
+void WheelWatch::judge(Wheel& wheel, const Wheel& other, const char* name, double passed) {
+  if (wheel.turns_so) {
+    wheel.dead = 0.0;
+  } else if (wheel.must_turn && other.must_turn && other.turns_so) {
+    wheel.dead += passed;
+  }
   if (fault_.empty() && wheel.dead > params_.dead_after) {
     fault_ = std::string("the ") + name + " wheel is told to turn and its encoder does not count it";
   } else if (fault_.empty() && wheel.running > params_.runs_after) {

@@ -54,6 +54,14 @@ TEST_F(WheelWatchTest, AddsUpTheTimesInWhichADeadEncoderShouldHaveCounted) {
   EXPECT_EQ(watch_.fault(), "the right wheel is told to turn and its encoder does not count it");
 }
 
+TEST_F(WheelWatchTest, LetsARobotGoOnThatWasCarried) {
+  drive(5.0, {0.4, 0.0}, 0.4, 0.4);
+  drive(10.0, {0.4, 0.0}, 0.0, 0.0);
+  drive(0.2, {0.4, 0.0}, 0.1, 0.0);  // one wheel is on the floor before the other
+  drive(5.0, {0.4, 0.0}, 0.4, 0.4);
+  EXPECT_EQ(watch_.fault(), "");
+}
+
 TEST_F(WheelWatchTest, NamesAWheelThatCountsBackwards) {
   drive(1.6, {0.3, 0.0}, 0.3, -0.3);
   EXPECT_EQ(watch_.fault(), "the right wheel is told to turn and its encoder does not count it");
