@@ -24,6 +24,7 @@ namespace {
 
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 template <typename Message>
 LogEvent event_of(std::int64_t utime, const std::string& channel, const Message& message) {
@@ -259,6 +260,31 @@ TEST(LogSurvey, NamesForeignTypesAndASecondRobot) {
   }
   EXPECT_THAT(survey.objections(), Contains(HasSubstr("ODOMETRY: no known type")));
   EXPECT_THAT(survey.objections(), Contains(HasSubstr("2 robots in it (ada, bob)")));
+}
+
+TEST(LogSurvey, TakesALostConnectionForNoSecondSender) {
+  const auto senders = [](const std::vector<std::int64_t>& sessions) {
+    LogSurvey survey;
+    std::int64_t utime = 0;
+    for (const std::int64_t session : sessions) {
+      robot_status_t status{};
+      status.utime = ++utime;
+      status.session = session;
+      survey.add(event_of(utime, "ROBOT_STATUS", status));
+    }
+    return survey.objections();
+  };
+  EXPECT_THAT(senders({0, 7, 0, 0, 7, 0, 8}), Not(Contains(HasSubstr("two senders"))));
+  EXPECT_THAT(senders({7, 8, 7}), Contains(HasSubstr("two senders")));
+}
+
+TEST(LogSurvey, KnowsThatLcmTestsItself) {
+  LogSurvey survey;
+  LogEvent event = odometry_event(1, 1);
+  event.channel = "LCM_SELF_TEST";
+  event.data = {'l', 'c', 'm', ' ', 's', 'e', 'l', 'f', ' ', 't', 'e', 's', 't', 0};
+  survey.add(event);
+  EXPECT_THAT(survey.objections(), Not(Contains(HasSubstr("LCM_SELF_TEST"))));
 }
 
 TEST(Divergence, NamesChannelTimeAndFieldOfTheFirstDifference) {

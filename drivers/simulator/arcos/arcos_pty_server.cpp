@@ -77,7 +77,7 @@ class PtyArcosServer final : public ArcosServer {
   PtyArcosServer& operator=(const PtyArcosServer&) = delete;
   ~PtyArcosServer() override {
     close(terminal_);
-    if (!link_.empty() && is_symlink(link_)) {
+    if (!link_.empty() && leads_here()) {
       unlink(link_.c_str());
     }
   }
@@ -125,6 +125,13 @@ class PtyArcosServer final : public ArcosServer {
       close(terminal_);
       throw std::runtime_error(link_ + ": " + why);
     }
+  }
+
+  // A simulator that was started since may have put its own link there.
+  [[nodiscard]] bool leads_here() const {
+    std::array<char, 128> target{};
+    const ssize_t length = readlink(link_.c_str(), target.data(), target.size());
+    return length > 0 && name_ == std::string_view(target.data(), static_cast<std::size_t>(length));
   }
 
   [[nodiscard]] bool rates_agree() const {

@@ -53,7 +53,8 @@ int run(int argc, char** argv) {
   line.text("--lcm-url", url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL");
   line.launched_robot(robot_file);
   line.text("--log-dir", logs, "folder for the log files; default STATE/log/ID");
-  line.integer("--respawn-limit", respawn_limit, "deaths in a row after which a process stays stopped");
+  line.integer("--respawn-limit", respawn_limit,
+               "restarts in a row after which a process that dies again stays stopped");
   line.integer("--memory-limit", memory_limit, "[MB] a process that uses more is ended, and started again; 0 = none");
   line.state_folder(state);
   if (const std::optional<int> status = line.parse(argc, argv)) {

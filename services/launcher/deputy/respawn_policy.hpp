@@ -9,7 +9,7 @@ struct RespawnParams {
   double first_delay = 0.05;    // [s] after the first death; doubles with each death in a row
   double longest_delay = 5.0;   // [s]
   double settled_after = 10.0;  // [s] a process that lived this long has recovered: the row ends
-  int limit = 8;                // deaths in a row; then it stays stopped until it is ordered to start again
+  int limit = 8;                // restarts in a row; after one death more it stays stopped until it is ordered to start
 };
 
 /// Decides when a process that died by itself runs again: soon after a first crash, later and later in a crash loop,

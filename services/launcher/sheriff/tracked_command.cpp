@@ -306,7 +306,9 @@ Condition TrackedCommand::stopped_condition(std::string& detail) const {
   const bool by_order =
       force_quit && (ended_by_signal(status_->exit_code, SIGINT) || ended_by_signal(status_->exit_code, SIGTERM) ||
                      ended_by_signal(status_->exit_code, SIGKILL));
-  if (undecided_since_ && ended_by_signal(status_->exit_code, SIGINT)) {
+  // Nobody commands, so nobody says whether it was stopped: our programs end well when they are asked to.
+  if (undecided_since_ && (ended_well(status_->exit_code) || ended_by_signal(status_->exit_code, SIGINT) ||
+                           ended_by_signal(status_->exit_code, SIGTERM))) {
     return Condition::kStopped;
   }
   if (command.auto_respawn != 0 && !force_quit) {

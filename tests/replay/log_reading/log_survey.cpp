@@ -98,10 +98,13 @@ void LogSurvey::add(const LogEvent& event) {
 void LogSurvey::follow_sequence(ChannelSurvey& channel, const LogEvent& event) {
   const auto session = schemas_.integer(event.data, "session");
   const bool same_session = session == channel.session;
-  if (session && !same_session) {
+  const bool connected = session && *session != 0;  // 0: no robot is connected, before, between and after sessions
+  if (connected && !same_session) {
     channel.mixed_senders = channel.mixed_senders || !channel.sessions.insert(*session).second;
   }
-  channel.session = session;
+  if (connected) {
+    channel.session = session;
+  }
   const auto sequence = schemas_.integer(event.data, "sequence");
   if (sequence && channel.sequence && same_session) {
     // a PATH's number counts the plans, not all of which are sent
@@ -142,7 +145,7 @@ std::vector<std::string> LogSurvey::objections() const {
     list.push_back(fmt::format("the logger's clock went back {} times", backward_));
   }
   for (const auto& [name, channel] : channels_) {
-    if (channel.type.empty()) {
+    if (channel.type.empty() && name != "LCM_SELF_TEST") {  // that one is LCM's own
       list.push_back(
           fmt::format("{}: no known type has the fingerprint {:016x}: recorded with another version, or foreign", name,
                       channel.fingerprint));

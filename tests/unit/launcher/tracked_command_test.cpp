@@ -1,6 +1,7 @@
 #include "services/launcher/sheriff/tracked_command.hpp"
 
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <limits>
 
@@ -122,6 +123,17 @@ TEST(TrackedCommand, LeavesACrashedProcessThatIsAboutToRestartAlone) {
   stopped.update(status(0, 5, 2), 0);
   EXPECT_TRUE(stopped.update(status(0, 5, 2), 7 * kSecond));
   EXPECT_TRUE(stopped.force_quit) << "nobody restarted it, so it had been stopped";
+}
+
+TEST(TrackedCommand, TakesWhatEndedWellForStoppedWhereNobodyCommands) {
+  for (const int ended_well : {0, SIGINT, SIGTERM}) {
+    TrackedCommand command(a_command(true));
+    command.update(status(0, 5, ended_well), 0);
+    EXPECT_EQ(condition_of(command), Condition::kStopped) << "wait status " << ended_well;
+  }
+  TrackedCommand crashed(a_command(true));
+  crashed.update(status(0, 5, SIGSEGV), 0);
+  EXPECT_EQ(condition_of(crashed), Condition::kRestarting);
 }
 
 TEST(TrackedCommand, IsReadyOnlyByItsOwnWord) {

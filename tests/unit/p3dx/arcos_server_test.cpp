@@ -201,6 +201,15 @@ TEST(PtyArcosServer, ReplacesALinkAndNothingElseOfItsName) {
   std::filesystem::remove(name);
 }
 
+TEST(PtyArcosServer, LeavesTheLinkOfItsSuccessor) {
+  ArcosController controller({});
+  const std::string name = testing::TempDir() + "arcos_server_test_successor";
+  auto first = ArcosServer::on_pty(controller, name);
+  const auto second = ArcosServer::on_pty(controller, name);
+  first.reset();
+  EXPECT_TRUE(std::filesystem::is_symlink(name));
+}
+
 TEST(PtyArcosServer, TakesTheNextClient) {
   ArcosController controller({});
   const auto server = ArcosServer::on_pty(controller, testing::TempDir() + "arcos_server_test_line");
