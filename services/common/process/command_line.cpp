@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <stdexcept>
 
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/configuration/whole_file.hpp"
@@ -56,6 +57,9 @@ CommandLine& CommandLine::list(std::string_view flag, std::vector<std::string>& 
 
 CommandLine& CommandLine::positional(std::string_view name, std::vector<std::string>& target, std::string_view help,
                                      bool required) {
+  if (name.find(' ') != std::string_view::npos) {
+    throw std::logic_error("newer CLI11 takes no spaces in a positional's name");
+  }
   // "4.2 -1.5" are numbers, not options
   parser_->app.allow_extras(false);
   parser_->app.add_option(std::string(name), target, std::string(help))->required(required);

@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
     double resolution = 0.1, tolerance = 0.15, radius = 0.30;
     bool unknown_free = false;
     CommandLine options("plan", "Plans a way on a map of the ROS map_server format.");
-    options.positional("MAP.yaml X Y X Y", arguments, "map, start and goal [m]", true)
+    options.positional("ROUTE", arguments, "MAP.yaml X Y X Y: map, start and goal [m]", true)
         .output_file("--json", json_file, "where the way is written")
         .output_file("--png", png_file, "where a picture is written")
         .text("--mode", mode, "paper or modern")

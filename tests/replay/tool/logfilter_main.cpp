@@ -38,7 +38,7 @@ int filter(int argc, char** argv) {
   double until = 1e9;
   CommandLine line("logfilter",
                    "Writes a part of an LCM log into a new log: channels, a time span, every Nth message.");
-  line.positional("LOG NEW", files, "the log to read and the log to write", true)
+  line.positional("LOGS", files, "LOG NEW: the log to read and the log to write", true)
       .text("--channels", pattern, "regular expression of the channels to keep")
       .number("--from", from, "[s] since the first message")
       .number("--until", until, "[s] since the first message")
