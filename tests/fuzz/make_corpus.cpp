@@ -90,7 +90,12 @@ void write_messages(const std::filesystem::path& folder) {
     ++number;
   }
   append(all, all);
-  write(folder / "fuzz_nodes", 0, all);
+  constexpr std::uint8_t kCasts = 7;  // of the fuzzer: each service alone, then all of them
+  for (std::uint8_t cast = 0; cast < kCasts; ++cast) {
+    Bytes run = {cast};
+    append(run, all);
+    write(folder / "fuzz_nodes", cast, run);
+  }
 }
 
 void write_pictures(const std::filesystem::path& folder) {

@@ -5,97 +5,88 @@
 namespace luminav {
 namespace {
 
-constexpr const char* kProcesses[] = {"p3dx", "camera", "detector", "localizer", "mapper", "planner", "controller"};
+using Targets = std::vector<const char*>;
 
-const char* word(FaultKind kind) {
-  switch (kind) {
-    case FaultKind::kKill:
-      return "kill";
-    case FaultKind::kFreeze:
-      return "freeze";
-    case FaultKind::kRestart:
-      return "restart";
-    case FaultKind::kUnplug:
-      return "unplug";
-    case FaultKind::kDeadSense:
-      return "sense:";
-    case FaultKind::kKillDeputy:
-      return "kill the deputy";
-    case FaultKind::kKillSheriff:
-      return "kill the sheriff";
-    case FaultKind::kKillAll:
-      return "kill all processes";
-    case FaultKind::kDiskFull:
-      return "full disk, kill";
-    case FaultKind::kKillGuardian:
-      return "kill the guardian of";
-    case FaultKind::kKillLossy:
-      return "10 % loss, kill";
-    case FaultKind::kKillViewer:
-      return "STOP, kill the viewer";
-    case FaultKind::kStarve:
-      return "starve the processor";
-    case FaultKind::kReadOnly:
-      return "read-only state, kill";
-    default:
-      return "leak in";
-  }
+const Targets& processes() {
+  static const Targets kProcesses = {"p3dx", "camera", "detector", "localizer", "mapper", "planner", "controller"};
+  return kProcesses;
+}
+
+enum class Stands { kAlways, kNever, kInChain };  // kInChain: where the target passes on what moves the robot
+
+/// All that is to be known of a kind of fault before it is injected.
+struct KindOfFault {
+  FaultKind kind;
+  const char* word;
+  Stands stands;
+  Targets targets;            // each is drawn; none: it comes by the scenario
+  double shortest = 0.0;      // [s]
+  double longest = shortest;  // [s]
+  bool FaultMeans::*needs = nullptr;
+};
+
+const std::vector<KindOfFault>& kinds() {
+  static const std::vector<KindOfFault> kKinds = {
+      {FaultKind::kKill, "kill", Stands::kInChain, processes()},
+      {FaultKind::kFreeze, "freeze", Stands::kInChain, processes(), 1.2, 4.0},
+      {FaultKind::kRestart, "restart", Stands::kInChain, processes()},
+      {FaultKind::kUnplug, "unplug", Stands::kInChain, {}},
+      {FaultKind::kDeadSense, "sense:", Stands::kNever, {}},
+      {FaultKind::kKillDeputy, "kill the deputy", Stands::kAlways, {""}},
+      {FaultKind::kKillSheriff, "kill the sheriff", Stands::kNever, {""}},
+      {FaultKind::kKillAll, "kill all processes", Stands::kAlways, {""}},
+      {FaultKind::kKillGuardian, "kill the guardian of", Stands::kAlways, {"p3dx"}},
+      {FaultKind::kKillViewer, "STOP, kill the viewer", Stands::kAlways, {""}, 2.0},
+      {FaultKind::kStarve, "starve the processor", Stands::kNever, {""}, 5.0},
+      {FaultKind::kKillLossy, "10 % loss, kill", Stands::kInChain, processes(), 1.0, 1.0, &FaultMeans::packet_loss},
+      {FaultKind::kStrangers, "strangers on the wire", Stands::kNever, {""}, 6.0, 6.0, &FaultMeans::second_host},
+      {FaultKind::kReadOnly,
+       "read-only state, kill",
+       Stands::kInChain,
+       {"p3dx", "planner"},
+       4.0,
+       4.0,
+       &FaultMeans::full_disk},
+      {FaultKind::kDiskFull,
+       "full disk, kill",
+       Stands::kNever,
+       {"planner", "mapper"},
+       6.0,
+       6.0,
+       &FaultMeans::full_disk},
+      {FaultKind::kLeak, "leak in", Stands::kNever, {"mapper", "detector"}, 20.0}};
+  return kKinds;
+}
+
+const KindOfFault& kind_of(const Fault& fault) {
+  return *std::find_if(kinds().begin(), kinds().end(),
+                       [&](const KindOfFault& each) { return each.kind == fault.kind; });
 }
 
 }  // namespace
 
 std::string to_string(const Fault& fault) {
-  return fault.target.empty() ? word(fault.kind) : std::string(word(fault.kind)) + " " + fault.target;
+  const std::string word = kind_of(fault).word;
+  return fault.target.empty() ? word : word + " " + fault.target;
 }
 
 bool breaks_the_chain(const Fault& fault) {
-  const bool in_chain = fault.target == "p3dx" || fault.target == "localizer" || fault.target == "controller";
-  switch (fault.kind) {
-    case FaultKind::kKill:
-    case FaultKind::kFreeze:
-    case FaultKind::kRestart:
-    case FaultKind::kKillLossy:
-    case FaultKind::kReadOnly:
-      return in_chain;
-    case FaultKind::kUnplug:
-      return fault.target == "serial";
-    case FaultKind::kKillDeputy:
-    case FaultKind::kKillAll:
-    case FaultKind::kKillGuardian:
-    case FaultKind::kKillViewer:
-      return true;
-    default:
-      return false;
-  }
+  const Targets chain = {"p3dx", "localizer", "controller", "serial"};
+  const Stands stands = kind_of(fault).stands;
+  return stands == Stands::kAlways ||
+         (stands == Stands::kInChain && std::find(chain.begin(), chain.end(), fault.target) != chain.end());
 }
 
 Fault FaultDeck::draw() {
   if (left_.empty()) {
-    std::uniform_real_distribution<double> freeze(1.2, 4.0);
-    for (const char* process : kProcesses) {
-      left_.push_back({FaultKind::kKill, process, 0.0});
-      left_.push_back({FaultKind::kFreeze, process, freeze(random_)});
-      left_.push_back({FaultKind::kRestart, process, 0.0});
-    }
-    left_.push_back({FaultKind::kKillDeputy, "", 0.0});
-    left_.push_back({FaultKind::kKillSheriff, "", 0.0});
-    left_.push_back({FaultKind::kKillAll, "", 0.0});
-    left_.push_back({FaultKind::kKillGuardian, "p3dx", 0.0});
-    left_.push_back({FaultKind::kKillViewer, "", 2.0});
-    left_.push_back({FaultKind::kStarve, "", 5.0});
-    if (means_.packet_loss) {
-      for (const char* process : kProcesses) {
-        left_.push_back({FaultKind::kKillLossy, process, 1.0});
+    for (const KindOfFault& each : kinds()) {
+      for (const char* target : each.targets) {
+        if (each.needs == nullptr || means_.*each.needs) {
+          std::uniform_real_distribution<double> duration(each.shortest, each.longest);
+          left_.push_back({each.kind, target, duration(random_)});
+        }
       }
     }
-    if (means_.full_disk) {
-      left_.push_back({FaultKind::kReadOnly, "p3dx", 4.0});
-      left_.push_back({FaultKind::kReadOnly, "planner", 4.0});
-      left_.push_back({FaultKind::kDiskFull, "planner", 6.0});
-      left_.push_back({FaultKind::kDiskFull, "mapper", 6.0});
-    }
-    left_.push_back({FaultKind::kLeak, "mapper", 20.0});
-    left_.push_back({FaultKind::kLeak, "detector", 20.0});
     std::shuffle(left_.begin(), left_.end(), random_);
   }
   const Fault fault = left_.back();

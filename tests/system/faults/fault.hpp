@@ -23,14 +23,15 @@ enum class FaultKind {
   kKillLossy,     // with a tenth of all messages lost before, meanwhile and after
   kKillViewer,    // right after it was told to stop the robot
   kStarve,        // two busy loops per core
-  kReadOnly       // the state's folder
+  kReadOnly,      // the state's folder
+  kStrangers      // another machine on the wire says everything it can, then floods
 };
 
 /// Something that goes wrong while the robot drives.
 struct Fault {
   FaultKind kind = FaultKind::kKill;
   std::string target;     // process, device or what happens to a sense; "" where the kind says all
-  double duration = 0.0;  // [s] freeze, unplug, disk full, leak at most
+  double duration = 0.0;  // [s] that it lasts; a leak at most
 };
 
 /// "kill controller", as a table shows it.
@@ -43,6 +44,7 @@ bool breaks_the_chain(const Fault& fault);
 struct FaultMeans {
   bool full_disk = false;    // there is a small file system of its own to be filled, or made read-only
   bool packet_loss = false;  // there is a network of its own
+  bool second_host = false;  // and another machine can be put on its wire
 };
 
 /// Draws faults so that each comes up once before any comes up again.
@@ -78,13 +80,14 @@ struct FaultResult {
   int contacts = 0;
   int blind_contacts = 0;  // of these, while the robot's own line was cut and its watchdog had not yet stopped it
   double truth_gap = 0.0;  // [s] longest time without truth: how well the machine kept up
+  bool violated = false;   // something else that this fault promises did not hold; the remark says what
   std::string remark;
 
   [[nodiscard]] bool stands_in_time() const { return !must_stand || bridged || (stood && *stood <= bound); }
   [[nodiscard]] bool resumes_in_time() const;
   [[nodiscard]] bool is_said_in_time() const { return say_bound == 0.0 || (said && *said <= say_bound); }
   [[nodiscard]] bool good() const {
-    return contacts == 0 && stands_in_time() && resumes_in_time() && is_said_in_time() &&
+    return contacts == 0 && !violated && stands_in_time() && resumes_in_time() && is_said_in_time() &&
            (way_bound == 0.0 || way <= way_bound);
   }
 };

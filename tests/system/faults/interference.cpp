@@ -8,7 +8,6 @@
 #include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,6 +15,8 @@
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
+
+#include "tests/system/faults/hosts/network_host.hpp"
 
 namespace luminav {
 namespace {
@@ -62,11 +63,7 @@ PacketLoss::~PacketLoss() {
 }
 
 bool PacketLoss::is_possible() {
-  struct stat own {};
-  struct stat machine {};
-  const bool is_apart =
-      stat("/proc/self/ns/net", &own) == 0 && (stat("/proc/1/ns/net", &machine) != 0 || own.st_ino != machine.st_ino);
-  return is_apart && run("nft list tables >/dev/null");
+  return has_own_network() && run("nft list tables >/dev/null");
 }
 
 BusyLoops::BusyLoops(int per_core) {

@@ -38,9 +38,9 @@ TEST(FaultDeck, FillsADiskOnlyWhereThereIsOneOfItsOwn) {
 TEST(FaultDeck, DrawsEachFaultBeforeAnyComesAgain) {
   for (const bool full_disk : {true, false}) {
     // 7 processes in 3 ways each; the deputy, the sheriff, all at once; two leaks; guardian, viewer and processor; with
-    // a disk of its own two full and two read-only ones; with a network of its own 7 processes under loss
-    const int kinds = full_disk ? 40 : 29;
-    FaultDeck deck(1, {.full_disk = full_disk, .packet_loss = full_disk});
+    // a disk of its own two full and two read-only ones; with a network of its own 7 processes under loss and strangers
+    const int kinds = full_disk ? 41 : 29;
+    FaultDeck deck(1, {.full_disk = full_disk, .packet_loss = full_disk, .second_host = full_disk});
     for (int pass = 0; pass < 3; ++pass) {
       std::set<std::string> drawn;
       for (int i = 0; i < kinds; ++i) {

@@ -53,4 +53,19 @@ class Cable {
   NetworkHost middle_;
 };
 
+/// Whether this program runs in a network namespace that is not the machine's.
+bool has_own_network();
+
+/// A second host, on a wire to this program's own network, which becomes its network card: its multicast goes there, as
+/// that of a robot with Wi-Fi does. Throws std::runtime_error where that is not possible.
+class Neighbour {
+ public:
+  static constexpr const char* kOwnAddress = "10.77.0.1";
+  Neighbour();
+  [[nodiscard]] const NetworkHost& host() const { return host_; }
+
+ private:
+  NetworkHost host_;
+};
+
 }  // namespace luminav

@@ -54,9 +54,11 @@ int torture(int argc, char** argv) {
   if (!full_disk) {
     fmt::print("the full disk is left out: only root can mount the small file system that it is\n");
   }
-  const FaultMeans means{.full_disk = full_disk, .packet_loss = PacketLoss::is_possible()};
-  if (!means.packet_loss) {
-    fmt::print("losing messages is left out: that takes nft and a network of its own, as scripts/torture makes it\n");
+  const std::unique_ptr<Neighbour> neighbour = has_own_network() ? std::make_unique<Neighbour>() : nullptr;
+  const FaultMeans means{
+      .full_disk = full_disk, .packet_loss = PacketLoss::is_possible(), .second_host = neighbour != nullptr};
+  if (!means.packet_loss || !means.second_host) {
+    fmt::print("what takes nft or a network of its own is left out: start it by scripts/torture\n");
   }
   FaultDeck check(1, means);
   for (int i = 0; to_string(check.draw()).find(only) == std::string::npos && !names_a_dead_sense(only); ++i) {
@@ -77,6 +79,7 @@ int torture(int argc, char** argv) {
                           .pty = number % 2 == 0,
                           .only = only,
                           .means = means,
+                          .neighbour = neighbour.get(),
                           .folder = std::filesystem::path(folder) / fmt::format("round-{}", number)});
       round.run(deck, results, goals);
     }

@@ -102,42 +102,70 @@ void TortureRound::run(FaultDeck& deck, std::vector<FaultResult>& results, GoalT
   fmt::print("round {}: seed {}, robot on {}, all ready after {:.2f} s\n", plan_.number, plan_.seed,
              plan_.pty ? "a terminal" : "TCP", seconds(begun, fleet_->clock().utime()));
   mission_ = std::make_unique<Mission>(fleet_->lcm(), scenario_);
-  while (wait_for_driving()) {
+  std::optional<Fault> next = draw(deck);
+  while (wait_for(next)) {
     goals.contacts_between_faults += truth_->contacts() - contacts_seen_;
-    FaultResult result;
-    if (const ScenarioEvent* event = dead_sense()) {
-      result = begin({FaultKind::kDeadSense, sense_of(*event)->name, event->duration});
-      judge_dead_sense(result, *event);
-    } else if (unplugged()) {
-      result = begin({FaultKind::kUnplug, truth_->newest()->serial_unplugged ? "serial" : "camera", 0.0});
-      judge_unplug(result);
-    } else {
-      Fault fault = deck.draw();
-      while (to_string(fault).find(plan_.only) == std::string::npos) {
-        fault = deck.draw();
-      }
-      result = begin(fault);
-      inject(result);
+    results.push_back(break_something(next));
+    if (!next) {
+      next = draw(deck);
     }
-    result.contacts = truth_->contacts() - contacts_seen_;
-    contacts_seen_ = truth_->contacts();
-    result.truth_gap = truth_->take_longest_gap();
-    fmt::print(
-        "{:7.1f} s {:<22} at {:.2f} m/s {}{}{}{}{}{}\n", result.at, to_string(result.fault), result.linear,
-        result.stood ? fmt::format("stands after {:.2f}", *result.stood) : "did not stand",
-        result.bridged ? fmt::format(" bridged after {:.2f}", *result.bridged)
-                       : (result.must_stand ? fmt::format(" (at most {:.2f})", result.bound) : ""),
-        result.back ? fmt::format(", ready after {:.2f}", *result.back) : "",
-        (result.said ? fmt::format(", said after {:.2f}, {:.1f} m: \"{}\"", *result.said, result.way, result.sentence)
-                     : "") +
-            (result.resumed ? fmt::format(", moves {:.2f} later", *result.resumed) : ""),
-        result.contacts > 0 ? fmt::format(", {} contacts, {} of them blind", result.contacts, result.blind_contacts)
-                            : "",
-        result.good() ? "" : fmt::format("  WRONG: {}", result.remark));
-    std::fflush(stdout);
-    results.push_back(result);
   }
   goals.contacts_between_faults += truth_->contacts() - contacts_seen_;
+  count_goals(goals);
+  fmt::print("round {}: {} goals, {:.0f} m in {:.0f} s\n", plan_.number, mission_->results().size(), truth_->driven(),
+             truth_->elapsed());
+  fleet_->run_script("stop", 15.0);
+}
+
+std::optional<Fault> TortureRound::draw(FaultDeck& deck) const {
+  if (!plan_.only.empty() && names_a_dead_sense(plan_.only)) {
+    return std::nullopt;
+  }
+  Fault fault = deck.draw();
+  while (to_string(fault).find(plan_.only) == std::string::npos) {
+    fault = deck.draw();
+  }
+  return fault;
+}
+
+FaultResult TortureRound::break_something(std::optional<Fault>& next) {
+  FaultResult result;
+  if (const ScenarioEvent* event = dead_sense()) {
+    result = begin({FaultKind::kDeadSense, sense_of(*event)->name, event->duration});
+    judge_dead_sense(result, *event);
+  } else if (unplugged()) {
+    result = begin({FaultKind::kUnplug, truth_->newest()->serial_unplugged ? "serial" : "camera", 0.0});
+    judge_unplug(result);
+  } else {
+    result = begin(*next);
+    next.reset();
+    FaultInjection(*this).inject(result);
+  }
+  result.contacts = truth_->contacts() - contacts_seen_;
+  contacts_seen_ = truth_->contacts();
+  result.truth_gap = truth_->take_longest_gap();
+  print(result);
+  return result;
+}
+
+void TortureRound::print(const FaultResult& result) {
+  const std::string said =
+      result.said ? fmt::format(", said after {:.2f}, {:.1f} m: \"{}\"", *result.said, result.way, result.sentence)
+                  : "";
+  fmt::print(
+      "{:7.1f} s {:<22} at {:.2f} m/s {}{}{}{}{}{}{}\n", result.at, to_string(result.fault), result.linear,
+      result.stood ? fmt::format("stands after {:.2f}", *result.stood) : "did not stand",
+      result.bridged      ? fmt::format(" bridged after {:.2f}", *result.bridged)
+      : result.must_stand ? fmt::format(" (at most {:.2f})", result.bound)
+                          : "",
+      result.back ? fmt::format(", ready after {:.2f}", *result.back) : "", said,
+      result.resumed ? fmt::format(", moves {:.2f} later", *result.resumed) : "",
+      result.contacts > 0 ? fmt::format(", {} contacts, {} of them blind", result.contacts, result.blind_contacts) : "",
+      result.good() ? "" : fmt::format("  WRONG: {}", result.remark));
+  std::fflush(stdout);
+}
+
+void TortureRound::count_goals(GoalTally& goals) const {
   for (const GoalResult& goal : mission_->results()) {
     ++(goal.reached ? goals.reached : goals.missed);
     if (!goal.reached) {
@@ -145,12 +173,17 @@ void TortureRound::run(FaultDeck& deck, std::vector<FaultResult>& results, GoalT
                                          goal.y, goal.error_m, goal.cause));
     }
   }
-  fmt::print("round {}: {} goals, {:.0f} m in {:.0f} s\n", plan_.number, mission_->results().size(), truth_->driven(),
-             truth_->elapsed());
-  fleet_->run_script("stop", 15.0);
 }
 
-bool TortureRound::wait_for_driving() {
+// A deputy starts a process that dies by itself eight times in a row, and calls what has lived for 10 s recovered. So
+// the same one is not broken more often: a crash loop shall end.
+bool TortureRound::is_settled(const std::string& process) const {
+  constexpr double kRecovered = 11.0;  // [s]
+  const std::int64_t started = fleet_->started(process);
+  return started == 0 || seconds(started, fleet_->clock().utime()) > kRecovered;
+}
+
+bool TortureRound::wait_for(const std::optional<Fault>& next) {
   std::uniform_real_distribution<double> pause(1.0, 5.0);
   const double wanted = pause(random_);  // [s] of good driving
   std::int64_t since = 0;
@@ -161,8 +194,8 @@ bool TortureRound::wait_for_driving() {
     if (unplugged() || dead_sense() != nullptr) {
       return true;
     }
-    if (!plan_.only.empty() && names_a_dead_sense(plan_.only)) {
-      continue;  // these come by themselves
+    if (!next) {
+      continue;  // it comes by itself
     }
     const bool event_soon =
         std::any_of(scenario_.events.begin(), scenario_.events.end(), [&](const ScenarioEvent& event) {
@@ -174,7 +207,7 @@ bool TortureRound::wait_for_driving() {
     const bool good = all_run && robot_->is_following() && robot_->is_tracking() &&
                       robot_->navigation()->distance_left > 2.0 && std::abs(truth_->newest()->linear) > 0.15;
     since = good ? (since == 0 ? now : since) : 0;
-    if (good && !event_soon && seconds(since, now) > wanted) {
+    if (good && !event_soon && seconds(since, now) > wanted && is_settled(next->target)) {
       return true;
     }
     if (seconds(shown, now) > 15.0) {
@@ -255,15 +288,21 @@ void TortureRound::judge_dead_sense(FaultResult& result, const ScenarioEvent& ev
     result.must_stand = is_wheel;
   }
   result.bound = kSayWithin + kMargin + limits_.linear / limits_.linear_deceleration;
+  std::int64_t last = fault_at_;
   fleet_->pump_until(
       [&] {
+        const std::int64_t now = fleet_->clock().utime();
+        if (is_wheel && !result.said && truth_->stands()) {
+          result.say_bound += seconds(last, now);  // of a wheel that is not told to turn nothing can be learnt
+        }
+        last = now;
         const auto status = fleet_->statuses().find(sense.process);
         if (!result.said && status != fleet_->statuses().end() &&
             status->second.state >= node_status_t::STATE_DEGRADED) {
-          result.said = seconds(fault_at_, fleet_->clock().utime());
+          result.said = seconds(fault_at_, now);
           result.sentence = status->second.reason;
         }
-        return fleet_->clock().utime() > end;
+        return now > end;
       },
       60.0);
   result.way = truth_->driven() - before;
@@ -291,13 +330,12 @@ void TortureRound::request_motors() {
   }
 }
 
-std::optional<std::int64_t> TortureRound::ready_after(const std::vector<std::string>& processes,
-                                                      const std::vector<pid_t>& before, std::int64_t utime) const {
-  std::int64_t last = utime;
-  for (std::size_t i = 0; i < processes.size(); ++i) {
-    const pid_t pid = fleet_->pid(processes[i]);
-    const auto heard = fleet_->heard_after(processes[i], std::max(utime, fleet_->started(processes[i])));
-    if (pid == 0 || pid == before[i] || !heard) {
+std::optional<std::int64_t> TortureRound::ready_after(const Victims& victims) const {
+  std::int64_t last = fault_at_;
+  for (std::size_t i = 0; i < victims.names.size(); ++i) {
+    const pid_t pid = fleet_->pid(victims.names[i]);
+    const auto heard = fleet_->heard_after(victims.names[i], std::max(fault_at_, fleet_->started(victims.names[i])));
+    if (pid == 0 || pid == victims.pids[i] || !heard) {
       return std::nullopt;
     }
     last = std::max(last, *heard);

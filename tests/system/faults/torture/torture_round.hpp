@@ -10,7 +10,9 @@
 #include "tests/evaluation/runs/mission.hpp"
 #include "tests/system/faults/fault.hpp"
 #include "tests/system/faults/fleet.hpp"
+#include "tests/system/faults/hosts/network_host.hpp"
 #include "tests/system/faults/robot_watch.hpp"
+#include "tests/system/faults/torture/torture_injection.hpp"
 #include "tests/system/faults/truth_watch.hpp"
 
 namespace luminav {
@@ -22,6 +24,7 @@ struct RoundPlan {
   bool pty = false;
   std::string only;  // only faults whose name holds this
   FaultMeans means;  // full_disk: the robot's state lies on a small file system, which can be filled
+  const Neighbour* neighbour = nullptr;  // where strangers speak from
   std::filesystem::path folder;
 };
 
@@ -37,19 +40,24 @@ class TortureRound {
   void run(FaultDeck& deck, std::vector<FaultResult>& results, GoalTally& goals);
 
  private:
-  /// Waits until it drives well and nothing else is about to happen; nothing: time is over. A result that is there
-  /// already: the world's own fault came first.
-  bool wait_for_driving();
+  friend class FaultInjection;
+
+  /// The next fault with a name that was asked for; nothing where only the world's own were.
+  [[nodiscard]] std::optional<Fault> draw(FaultDeck& deck) const;
+  /// Waits until it drives well, and until a fault of the world or the time for this one has come; false: time is over.
+  bool wait_for(const std::optional<Fault>& next);
+  /// What has gone wrong and how that went; takes the next fault unless the world's own came first.
+  FaultResult break_something(std::optional<Fault>& next);
   FaultResult begin(const Fault& fault);
-  void inject(FaultResult& result);
+  /// False where its process has died so often that its deputy would take it for a crash loop.
+  [[nodiscard]] bool is_settled(const std::string& process) const;
   void judge_unplug(FaultResult& result);
   /// Waits until a process names the sense that died, and the robot stands where it has to; then until it is well
   /// again.
   void judge_dead_sense(FaultResult& result, const ScenarioEvent& event);
   void judge_standing(FaultResult& result);
   void settle(FaultResult& result, std::int64_t back);
-  [[nodiscard]] std::optional<std::int64_t> ready_after(const std::vector<std::string>& processes,
-                                                        const std::vector<pid_t>& before, std::int64_t utime) const;
+  [[nodiscard]] std::optional<std::int64_t> ready_after(const Victims& victims) const;
   [[nodiscard]] bool time_is_over() const;
   [[nodiscard]] bool unplugged() const;
   /// The event of a sense that is dead now.
@@ -59,10 +67,8 @@ class TortureRound {
   void request_motors();
   /// How fast it is, and so how long it may take to stand.
   void measure_speed(FaultResult& result) const;
-  void fill_disk();
-  void starve(double duration);
-  void stop_by_a_viewer_that_is_killed(FaultResult& result);
-  void release_stop();
+  static void print(const FaultResult& result);
+  void count_goals(GoalTally& goals) const;
 
   RoundPlan plan_;
   Scenario scenario_;
