@@ -11,7 +11,34 @@ namespace {
 
 struct Row {
   int count = 0, bridged = 0, contacts = 0, late_stand = 0, late_resume = 0;
+  int violated = 0;
   std::vector<double> stood, over_bound, back, resumed;  // [s]
+
+  void add(const FaultResult& result) {
+    ++count;
+    bridged += result.bridged ? 1 : 0;
+    contacts += result.contacts;
+    late_stand += result.stands_in_time() ? 0 : 1;
+    late_resume += result.resumes_in_time() ? 0 : 1;
+    violated += result.violated || !result.is_said_in_time() ? 1 : 0;
+    if (result.stood) {
+      stood.push_back(*result.stood);
+    }
+    if (result.must_stand && result.stood && !result.bridged) {
+      over_bound.push_back(*result.stood - result.bound);
+    }
+    if (result.back) {
+      back.push_back(*result.back);
+    }
+    if (result.resumed && !result.needs_no_resume) {
+      resumed.push_back(*result.resumed);
+    }
+  }
+  [[nodiscard]] std::string wrong() const {
+    return (late_stand + late_resume > 0 ? fmt::format("  {} too late to stand, {} to go on", late_stand, late_resume)
+                                         : "") +
+           (violated > 0 ? fmt::format("  {} not said or not kept", violated) : "");
+  }
 };
 
 std::string middle_and_worst(std::vector<double> values) {
@@ -36,24 +63,7 @@ std::string to_table(const std::vector<FaultResult>& results, const GoalTally& g
   for (const FaultResult& result : results) {
     contacts += result.contacts;
     blind_contacts += result.blind_contacts;
-    Row& row = rows[to_string(result.fault)];
-    ++row.count;
-    row.bridged += result.bridged ? 1 : 0;
-    row.contacts += result.contacts;
-    row.late_stand += result.stands_in_time() ? 0 : 1;
-    row.late_resume += result.resumes_in_time() ? 0 : 1;
-    if (result.stood) {
-      row.stood.push_back(*result.stood);
-    }
-    if (result.must_stand && result.stood && !result.bridged) {
-      row.over_bound.push_back(*result.stood - result.bound);
-    }
-    if (result.back) {
-      row.back.push_back(*result.back);
-    }
-    if (result.resumed && !result.needs_no_resume) {
-      row.resumed.push_back(*result.resumed);
-    }
+    rows[to_string(result.fault)].add(result);
   }
   std::string text =
       fmt::format("{:<22} {:>5} {:>7} {:>13} {:>15} {:>13} {:>13} {:>8}\n", "fault (median / worst, s)", "times",
@@ -61,10 +71,7 @@ std::string to_table(const std::vector<FaultResult>& results, const GoalTally& g
   for (const auto& [name, row] : rows) {
     text += fmt::format("{:<25} {:>5} {:>7} {:>13} {:>15} {:>13} {:>13} {:>8}{}\n", name, row.count, row.bridged,
                         middle_and_worst(row.stood), middle_and_worst(row.over_bound), middle_and_worst(row.back),
-                        middle_and_worst(row.resumed), row.contacts,
-                        row.late_stand + row.late_resume > 0
-                            ? fmt::format("  {} too late to stand, {} to go on", row.late_stand, row.late_resume)
-                            : "");
+                        middle_and_worst(row.resumed), row.contacts, row.wrong());
   }
   text += fmt::format("{} faults, {} goals reached, {} missed, {} contacts between faults, {} in faults",
                       results.size(), goals.reached, goals.missed, goals.contacts_between_faults, contacts);
