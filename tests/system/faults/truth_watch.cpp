@@ -1,7 +1,10 @@
 #include "tests/system/faults/truth_watch.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "services/common/process/channels.hpp"
 
@@ -28,6 +31,11 @@ void TruthWatch::on_truth(const sim_truth_t& truth) {
   if (newest_ && truth.session == newest_->session) {
     longest_gap_ = std::max(longest_gap_, static_cast<double>(truth.utime - newest_->utime) * 1e-6);
     driven_ += std::hypot(truth.x - newest_->x, truth.y - newest_->y);
+  }
+  if (newest_ && truth.contacts > newest_->contacts) {
+    const sim_truth_t before = *std::exchange(newest_, truth);
+    last_contact_ = fmt::format("at ({:.2f}, {:.2f}) with {:.2f} m/s and {:.2f} rad/s, nearest person {:.2f} m",
+                                truth.x, truth.y, before.linear, before.angular, nearest_person());
   }
   if (first_ == 0) {
     first_ = truth.utime;

@@ -5,6 +5,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/sim_truth_t.hpp>
 #include <optional>
+#include <string>
 
 #include "services/common/process/subscriber.hpp"
 
@@ -25,6 +26,8 @@ class TruthWatch {
   [[nodiscard]] double driven() const { return driven_; }
   [[nodiscard]] double elapsed() const;
   [[nodiscard]] int contacts() const { return newest_ ? newest_->contacts : 0; }
+  /// How it last touched something, in words; "" = it never did.
+  [[nodiscard]] const std::string& last_contact() const { return last_contact_; }
   [[nodiscard]] int hard_contacts() const { return newest_ ? newest_->hard_contacts : 0; }
   /// Distance from the robot's centre to the nearest person [m]; 100 = none.
   [[nodiscard]] double nearest_person() const;
@@ -45,6 +48,7 @@ class TruthWatch {
   std::int64_t first_ = 0;
   double driven_ = 0.0;
   double longest_gap_ = 0.0;
+  std::string last_contact_;
 };
 
 }  // namespace luminav

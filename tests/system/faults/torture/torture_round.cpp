@@ -148,20 +148,21 @@ FaultResult TortureRound::break_something(std::optional<Fault>& next) {
   return result;
 }
 
-void TortureRound::print(const FaultResult& result) {
+void TortureRound::print(const FaultResult& result) const {
   const std::string said =
       result.said ? fmt::format(", said after {:.2f}, {:.1f} m: \"{}\"", *result.said, result.way, result.sentence)
                   : "";
-  fmt::print(
-      "{:7.1f} s {:<22} at {:.2f} m/s {}{}{}{}{}{}{}\n", result.at, to_string(result.fault), result.linear,
-      result.stood ? fmt::format("stands after {:.2f}", *result.stood) : "did not stand",
-      result.bridged      ? fmt::format(" bridged after {:.2f}", *result.bridged)
-      : result.must_stand ? fmt::format(" (at most {:.2f})", result.bound)
-                          : "",
-      result.back ? fmt::format(", ready after {:.2f}", *result.back) : "", said,
-      result.resumed ? fmt::format(", moves {:.2f} later", *result.resumed) : "",
-      result.contacts > 0 ? fmt::format(", {} contacts, {} of them blind", result.contacts, result.blind_contacts) : "",
-      result.good() ? "" : fmt::format("  WRONG: {}", result.remark));
+  fmt::print("{:7.1f} s {:<22} at {:.2f} m/s {}{}{}{}{}{}{}\n", result.at, to_string(result.fault), result.linear,
+             result.stood ? fmt::format("stands after {:.2f}", *result.stood) : "did not stand",
+             result.bridged      ? fmt::format(" bridged after {:.2f}", *result.bridged)
+             : result.must_stand ? fmt::format(" (at most {:.2f})", result.bound)
+                                 : "",
+             result.back ? fmt::format(", ready after {:.2f}", *result.back) : "", said,
+             result.resumed ? fmt::format(", moves {:.2f} later", *result.resumed) : "",
+             result.contacts > 0 ? fmt::format(", {} contacts, {} of them blind, the last {}", result.contacts,
+                                               result.blind_contacts, truth_->last_contact())
+                                 : "",
+             result.good() ? "" : fmt::format("  WRONG: {}", result.remark));
   std::fflush(stdout);
 }
 

@@ -67,7 +67,7 @@ class TortureRound {
   void request_motors();
   /// How fast it is, and so how long it may take to stand.
   void measure_speed(FaultResult& result) const;
-  static void print(const FaultResult& result);
+  void print(const FaultResult& result) const;
   void count_goals(GoalTally& goals) const;
 
   RoundPlan plan_;
