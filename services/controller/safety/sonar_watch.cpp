@@ -74,8 +74,10 @@ bool SonarWatch::is_silent_half(std::size_t disc, const SonarFiring& firing, boo
 
 void SonarWatch::add(const SonarFiring& firing, const Place& place) {
   Disc& disc = discs_[firing.disc];
-  const bool is_lively = firing.has_echo && disc.last &&
-                         (!disc.last->has_echo || std::abs(firing.range - disc.last->range) > params_.same);
+  // One that was stuck and falls silent changes, too: it may stand before nothing now.
+  const bool is_lively =
+      disc.last && (firing.has_echo ? !disc.last->has_echo || std::abs(firing.range - disc.last->range) > params_.same
+                                    : disc.last->has_echo && disc.is_stuck);
   const bool is_stuck = says_the_same(disc, firing);
   const bool is_half_silent = is_silent_half(firing.disc, firing, is_stuck);
   const bool is_unheard = place.wall && (!firing.has_echo || firing.range > *place.wall + params_.farther);

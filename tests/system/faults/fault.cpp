@@ -95,7 +95,8 @@ Fault FaultDeck::draw() {
 }
 
 bool FaultResult::resumes_in_time() const {
-  return needs_no_resume || (resumed && *resumed <= kResumeWithin);
+  const double bound = fault.kind == FaultKind::kKillLossy ? kResumeAmidLoss : kResumeWithin;
+  return needs_no_resume || (resumed && *resumed <= bound);
 }
 
 bool passed(const std::vector<FaultResult>& results, const GoalTally& goals) {

@@ -92,7 +92,8 @@ struct FaultResult {
   }
 };
 
-inline constexpr double kResumeWithin = 3.0;  // [s]
+inline constexpr double kResumeWithin = 3.0;    // [s]
+inline constexpr double kResumeAmidLoss = 8.0;  // [s] a planner without its map asks once a second for what was lost
 
 /// What became of all goals.
 struct GoalTally {

@@ -293,7 +293,7 @@ void TortureRound::judge_dead_sense(FaultResult& result, const ScenarioEvent& ev
   fleet_->pump_until(
       [&] {
         const std::int64_t now = fleet_->clock().utime();
-        if (is_wheel && !result.said && truth_->stands()) {
+        if (is_wheel && result.must_stand && !result.said && truth_->stands()) {
           result.say_bound += seconds(last, now);  // of a wheel that is not told to turn nothing can be learnt
         }
         last = now;

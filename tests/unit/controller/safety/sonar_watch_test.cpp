@@ -147,6 +147,16 @@ TEST(SonarWatch, TrustsADiscAgainThatHearsSomethingNew) {
   EXPECT_EQ(drive.watch.trust(), SonarTrust::kTrusted);
 }
 
+TEST(SonarWatch, LetsARobotGoOnWhoseStuckDiscsHearNothingAfterwards) {
+  Drive drive;
+  drive.hear = [](std::size_t, const Pose2&) { return 3.0; };
+  drive.go(1.6);
+  ASSERT_EQ(drive.watch.trust(), SonarTrust::kDead);
+  drive.hear = [](std::size_t, const Pose2&) { return kRing.maximum_range; };  // it stands in the middle of a hall
+  drive.go(0.0, 0.16);
+  EXPECT_EQ(drive.watch.trust(), SonarTrust::kDoubted) << "so it may drive on, slowly";
+}
+
 TEST(SonarWatch, KeepsWhatItFoundOutOverANewSessionOfTheOdometry) {
   Drive drive{.look = corridor_map};
   drive.go(3.0);
