@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "services/common/process/channels.hpp"
+#include "services/localizer/pose_memory.hpp"
 #include "tests/unit/localizer/synthetic_world.hpp"
 
 namespace luminav {
@@ -431,6 +432,20 @@ TEST_F(PoseMemoryTest, SurvivesADamagedMemory) {
   ASSERT_LT(distance_to_tracking(drive(60.0)), 60.0);
   std::ofstream(folder_ / "localizer_pose.toml") << "building = \"two";
   EXPECT_EQ(drive(1.0).front().state, pose_t::STATE_LOST);
+}
+
+TEST_F(PoseMemoryTest, IsNoneWhereTheFileIsCutAnywhere) {
+  const PoseMemory memory(folder_);
+  RememberedPose pose;
+  pose.building = "two";
+  pose.belief.covariance = 1e-12 * Eigen::Matrix3d::Identity();
+  ASSERT_TRUE(memory.save(pose));
+  ASSERT_TRUE(memory.load());
+  // the last byte ends the last line, which says everything
+  for (auto size = std::filesystem::file_size(folder_ / "localizer_pose.toml") - 1; size-- > 0;) {
+    std::filesystem::resize_file(folder_ / "localizer_pose.toml", size);
+    ASSERT_FALSE(memory.load()) << size;
+  }
 }
 
 TEST_F(LocalizerNodeTest, WeighsAGuessAgainstTheTrackedPoseAndKeepsWhatIsSeen) {

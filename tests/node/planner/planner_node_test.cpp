@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "services/planner/goals/goal_store.hpp"
 #include "tests/node/planner/planner_world.hpp"
 
 namespace luminav {
@@ -625,6 +626,15 @@ TEST_F(KeptGoal, IsDroppedInAnotherBuilding) {
 TEST_F(KeptGoal, IsNoneWhereTheFileIsDamaged) {
   std::ofstream(config_.state_folder / "goal.bin") << "luminav goal 2\nfirst\nlaboratory\n";
   EXPECT_EQ(start_anew().status.state, Status::STATE_IDLE);
+}
+
+TEST_F(KeptGoal, IsNoneWhereTheFileIsCutAnywhere) {
+  const GoalStore store(config_.state_folder);
+  ASSERT_TRUE(store.recall());
+  for (auto size = std::filesystem::file_size(config_.state_folder / "goal.bin"); size-- > 0;) {
+    std::filesystem::resize_file(config_.state_folder / "goal.bin", size);
+    ASSERT_FALSE(store.recall()) << size;
+  }
 }
 
 }  // namespace
