@@ -103,7 +103,6 @@ int view(int argc, char** argv) {
 
   EventLoop loop(*lcm, "viewer", config.robot.name, network);
   loop.belong_to(identify(robot_file, building_file));
-  limit_memory(1500);  // the stacks of a hundred threads count
   loop.report_health([&] { return node.health(); });
   loop.every(100'000, [&] {
     if (server.listeners() > 0) {
