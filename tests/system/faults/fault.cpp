@@ -95,8 +95,8 @@ Fault FaultDeck::draw() {
 }
 
 bool FaultResult::resumes_in_time() const {
-  const double bound = fault.kind == FaultKind::kKillLossy ? kResumeAmidLoss : kResumeWithin;
-  return needs_no_resume || (resumed && *resumed <= bound);
+  const double within = fault.kind == FaultKind::kKillLossy ? kResumeAmidLoss : kResumeWithin;
+  return needs_no_resume || (resumed && *resumed <= within);
 }
 
 bool passed(const std::vector<FaultResult>& results, const GoalTally& goals) {

@@ -93,7 +93,7 @@ struct FaultResult {
 };
 
 inline constexpr double kResumeWithin = 3.0;    // [s]
-inline constexpr double kResumeAmidLoss = 8.0;  // [s] a planner without its map asks once a second for what was lost
+inline constexpr double kResumeAmidLoss = 8.0;  // [s] a planner asks every two seconds for tiles that were lost
 
 /// What became of all goals.
 struct GoalTally {
