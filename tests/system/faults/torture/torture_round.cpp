@@ -19,6 +19,7 @@ namespace {
 constexpr double kCommandTimeout = 0.3;     // [s] without commands, then the driver brakes
 constexpr double kWatchdog = 2.0;           // [s] of the robot as delivered: all that is left when its line is cut
 constexpr double kMargin = 0.15;            // [s]
+constexpr double kLostCommands = 0.1;       // [s] of two in a row, amid loss
 constexpr std::int64_t kInFlight = 50'000;  // [us] messages of a process that has just died may still arrive
 constexpr double kPersonNear = 1.6;         // [m] then it may wait for the person
 constexpr int kMemoryLimit = 250;           // [MB] of a process
@@ -224,6 +225,7 @@ void TortureRound::measure_speed(FaultResult& result) const {
   result.linear = truth_->newest()->linear;
   result.angular = truth_->newest()->angular;
   result.bound = (result.fault.kind == FaultKind::kUnplug ? kWatchdog : kCommandTimeout) + kMargin +
+                 (result.fault.kind == FaultKind::kKillLossy ? kLostCommands : 0.0) +
                  std::max(std::abs(result.linear) / limits_.linear_deceleration,
                           std::abs(result.angular) / limits_.angular_acceleration);
 }
@@ -293,7 +295,7 @@ void TortureRound::judge_dead_sense(FaultResult& result, const ScenarioEvent& ev
   fleet_->pump_until(
       [&] {
         const std::int64_t now = fleet_->clock().utime();
-        if (is_wheel && result.must_stand && !result.said && truth_->stands()) {
+        if (is_wheel && result.must_stand && !result.said && std::abs(truth_->newest()->linear) < kDriving) {
           result.say_bound += seconds(last, now);  // of a wheel that is not told to turn nothing can be learnt
         }
         last = now;
