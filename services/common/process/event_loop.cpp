@@ -91,7 +91,7 @@ std::unique_ptr<lcm::LCM> open_lcm(const LcmNetwork& network) {
 }
 
 void limit_memory([[maybe_unused]] std::size_t megabytes) {
-#ifndef __SANITIZE_ADDRESS__  // its shadow memory counts
+#ifndef LUMINAV_SANITIZED  // shadow memory counts
   rlimit limit{};
   if (getrlimit(RLIMIT_DATA, &limit) == 0) {
     limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, megabytes << 20);
