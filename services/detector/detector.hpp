@@ -6,9 +6,9 @@
 
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/image/grey_image.hpp"
-#include "services/detector/detection.hpp"
-#include "services/detector/detector_params.hpp"
-#include "services/detector/detector_trace.hpp"
+#include "services/detector/model/detection.hpp"
+#include "services/detector/model/detector_params.hpp"
+#include "services/detector/model/detector_trace.hpp"
 #include "services/detector/outline/ceiling_catalogue.hpp"
 
 namespace luminav {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "services/common/configuration/robot_file.hpp"
-#include "services/detector/detector_params.hpp"
+#include "services/detector/model/detector_params.hpp"
 #include "services/detector/outline/ceiling_catalogue.hpp"
 
 namespace luminav {

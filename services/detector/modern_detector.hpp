@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "services/common/image/grey_image.hpp"
-#include "services/detector/detection.hpp"
-#include "services/detector/detector_params.hpp"
-#include "services/detector/detector_trace.hpp"
 #include "services/detector/hypotheses/cell_plane.hpp"
 #include "services/detector/hypotheses/outline_proposer.hpp"
 #include "services/detector/hypotheses/region_shape.hpp"
+#include "services/detector/model/detection.hpp"
+#include "services/detector/model/detector_params.hpp"
+#include "services/detector/model/detector_trace.hpp"
 #include "services/detector/outline/ceiling_catalogue.hpp"
 #include "services/detector/outline/outline_fit.hpp"
 #include "services/detector/segmentation/contrast_map.hpp"

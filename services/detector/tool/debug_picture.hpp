@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "services/common/image/grey_image.hpp"
-#include "services/detector/detection.hpp"
-#include "services/detector/detector_trace.hpp"
+#include "services/detector/model/detection.hpp"
+#include "services/detector/model/detector_trace.hpp"
 
 namespace luminav {
 

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "services/common/geometry/camera_model.hpp"
-#include "services/detector/detector_params.hpp"
+#include "services/detector/model/detector_params.hpp"
 #include "services/detector/outline/ceiling_catalogue.hpp"
 #include "services/detector/validation/candidate.hpp"
 #include "services/detector/validation/verdict.hpp"

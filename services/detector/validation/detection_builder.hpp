@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "services/common/geometry/camera_model.hpp"
-#include "services/detector/detection.hpp"
+#include "services/detector/model/detection.hpp"
 #include "services/detector/outline/ceiling_catalogue.hpp"
 #include "services/detector/validation/candidate.hpp"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "services/common/image/grey_image.hpp"
-#include "services/detector/detection.hpp"
-#include "services/detector/detector_params.hpp"
-#include "services/detector/detector_trace.hpp"
+#include "services/detector/model/detection.hpp"
+#include "services/detector/model/detector_params.hpp"
+#include "services/detector/model/detector_trace.hpp"
 #include "tests/evaluation/detector_score/imaged_fixture.hpp"
 
 namespace luminav::score {

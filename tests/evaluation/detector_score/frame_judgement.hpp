@@ -5,7 +5,7 @@
 
 #include "drivers/camera/simulated/renderer.hpp"
 #include "drivers/simulator/world/world_truth.hpp"
-#include "services/detector/detection.hpp"
+#include "services/detector/model/detection.hpp"
 #include "tests/evaluation/detector_score/detector_score.hpp"
 #include "tests/evaluation/detector_score/imaged_fixture.hpp"
 

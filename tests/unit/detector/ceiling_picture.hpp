@@ -5,7 +5,7 @@
 
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/image/grey_image.hpp"
-#include "services/detector/detection.hpp"
+#include "services/detector/model/detection.hpp"
 #include "services/detector/outline/ceiling_catalogue.hpp"
 
 namespace luminav::test {

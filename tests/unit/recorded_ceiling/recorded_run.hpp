@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
-#include "services/detector/detector_params.hpp"
+#include "services/detector/model/detector_params.hpp"
 #include "services/localizer/localizer_config.hpp"
 #include "services/localizer/model/localizer.hpp"
 
