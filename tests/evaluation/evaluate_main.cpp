@@ -147,7 +147,7 @@ int evaluate(const Request& request) {
   const int threads = static_cast<int>(request.threads);
   std::vector<DetectorCondition> detector;
   if (request.scenarios.empty() && has_detector_part(request.suite)) {
-    detector = measure_detector(request.jobs.mode, threads);
+    detector = request.suite == "tolerance" ? measure_tolerance(threads) : measure_detector(request.jobs.mode, threads);
   }
   const std::vector<RunReport> reports = run_jobs(jobs, threads);
   std::size_t passed = 0;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tests/evaluation/detector_score/detector_score.hpp"
+#include "tests/evaluation/detector_score/tolerance_suite.hpp"
 
 namespace luminav {
 namespace {
@@ -73,6 +74,42 @@ std::vector<DetectorCondition> measure_detector(const std::string& mode, int thr
   for (const auto& [name, score] : {std::pair{"with lamps on", lit}, std::pair{"matrix", all}}) {
     fmt::print(stderr, "detector: {}\n", score::score_table_row(name, score));
     conditions.push_back(condition_of(name, score));
+  }
+  return conditions;
+}
+
+std::vector<DetectorCondition> measure_tolerance(int threads) {
+  std::array<std::vector<score::DetectorScore>, kBuildings.size()> parts;
+  const auto work = [&](std::size_t i) {
+    score::DetectorScoreOptions options;
+    options.scenario =
+        std::filesystem::path(LUMINAV_SOURCE_DIR) / fmt::format("launch/scenarios/{}.toml", kBuildings[i]);
+    options.first_seed = 1000;
+    options.worlds = 5;
+    options.frames = 24;
+    parts[i] = score::score_mistakes(options);
+  };
+  std::vector<std::thread> workers;
+  for (std::size_t i = 0; i < kBuildings.size(); ++i) {
+    if (threads > 1) {
+      workers.emplace_back(work, i);
+    } else {
+      work(i);
+    }
+  }
+  for (std::thread& worker : workers) {
+    worker.join();
+  }
+  std::vector<DetectorCondition> conditions;
+  for (std::size_t i = 0; i < score::mistakes().size(); ++i) {
+    score::DetectorScore sum;
+    for (const std::vector<score::DetectorScore>& part : parts) {
+      sum.add(part[i]);
+    }
+    conditions.push_back(condition_of(score::mistakes()[i].name, sum));
+    fmt::print(stderr, "tolerance: {:<28} precision {:.3f}, recall {:.3f} ({:+.3f}), of whole ones {:.3f}\n",
+               score::mistakes()[i].name, sum.precision(), sum.recall(), sum.recall() - conditions.front().recall,
+               sum.whole_recall());
   }
   return conditions;
 }

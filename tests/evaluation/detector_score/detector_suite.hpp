@@ -20,4 +20,8 @@ struct DetectorCondition {
 /// the last entry, "matrix", is over all frames. `mode` "paper", else modern. Says on stderr how far it is.
 std::vector<DetectorCondition> measure_detector(const std::string& mode, int threads);
 
+/// Measures what it costs when files or light miss the truth by what an installer may miss; the first entry is without
+/// any mistake. In the modern mode; centres and directions are not measured.
+std::vector<DetectorCondition> measure_tolerance(int threads);
+
 }  // namespace luminav
