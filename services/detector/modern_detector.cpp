@@ -16,12 +16,13 @@ using Eigen::Vector2d;
 constexpr std::array kLitLevels{250, 240, 225, 200, 175, 150, 125, 100, 80, 62, 48, 36, 28};  // [grey]
 constexpr std::array kDepths{60, 40, 27, 18, 12, 8, 6, 4, 3};                                 // [grey]
 constexpr std::size_t kMedianSamples = 20000;
-constexpr int kMaxFits = 400;      // of a frame: more are a picture of something else than a ceiling
-constexpr double kRagged = 0.02;   // [m] by which noise and grid lines may change a side of an unlit region
-constexpr double kSlack = 1.4;     // times its size, and bloom, no region of a kind is larger
-constexpr double kCertain = 0.9;   // share of the outline that shows an edge: nothing better is to be expected
-constexpr double kOutset = 3.0;    // [1/m] by which an unlit outline is the worse, the less it has its nominal size
-constexpr double kOfRegion = 0.4;  // score of a region's own rectangle, at most: edges say more
+constexpr int kMaxFits = 400;        // of a frame: more are a picture of something else than a ceiling
+constexpr double kRagged = 0.02;     // [m] by which noise and grid lines may change a side of an unlit region
+constexpr double kOtherSize = 0.01;  // share by which an unlit region's length must miss to be tried as it is
+constexpr double kSlack = 1.4;       // times its size, and bloom, no region of a kind is larger
+constexpr double kCertain = 0.9;     // share of the outline that shows an edge: nothing better is to be expected
+constexpr double kOutset = 3.0;      // [1/m] by which an unlit outline is the worse, the less it has its nominal size
+constexpr double kOfRegion = 0.4;    // score of a region's own rectangle, at most: edges say more
 
 double min_width(const CeilingCatalogue& catalogue) {
   double side = 0.3;
@@ -70,7 +71,7 @@ double coarsest_pixel(const CeilingCamera& camera, double height) {
 /// Cells must stay clearly smaller than the narrowest fixture.
 int reduction_factor(const CeilingCamera& camera, const CeilingCatalogue& catalogue) {
   const double narrowest_px = min_width(catalogue) / coarsest_pixel(camera, catalogue.ceiling_height);
-  return narrowest_px >= 20.0 ? 4 : narrowest_px >= 10.0 ? 2 : 1;
+  return narrowest_px >= 20.0 ? 4 : narrowest_px >= 6.0 ? 2 : 1;
 }
 
 std::array<Vector2d, 4> corners_of(const Outline& outline, const OutlinePlacement& placement,
@@ -228,24 +229,37 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
 Verdict ModernDetector::judge(const CeilingFrame& frame, const OutlineFitParams& params, Candidate& candidate) {
   const OutlineHypothesis& hypothesis = candidate.hypothesis;
   candidate.fit.placement = hypothesis.start;
-  Verdict verdict = Verdict::kNoEdges;
-  // What is dark has no bloom: it is first looked for in its nominal size.
-  const OutlinePlacement start = candidate.bright ? hypothesis.start : OutlinePlacement{hypothesis.start.pose};
-  if (const auto fit = fitter_.fit(frame.image, hypothesis.outline, params, start)) {
-    candidate.fit = *fit;
-    verdict = checks_.by_edges(frame, candidate);
-    candidate.score =
-        fit->quality() + 0.1 * fit->ends_visible() - hypothesis.size_error -
-        (candidate.bright ? 0.0
-                          : kOutset * (std::abs(fit->placement.side_outset) + std::abs(fit->placement.end_outset)));
+  if (candidate.bright) {
+    const Verdict verdict = judge_edges(frame, params, hypothesis.start, candidate);
+    return verdict == Verdict::kAccepted || !hypothesis.is_whole ? verdict : judge_region(frame, candidate);
   }
-  if (verdict == Verdict::kAccepted || !candidate.bright || !hypothesis.is_whole) {
-    return verdict;
+  // What is dark has no bloom: it is first looked for in its nominal size, then, as the file may be wrong, in that of
+  // its region.
+  const Verdict verdict = judge_edges(frame, params, {hypothesis.start.pose}, candidate);
+  return verdict == Verdict::kAccepted || hypothesis.size_error < kOtherSize
+             ? verdict
+             : judge_edges(frame, params, hypothesis.start, candidate);
+}
+
+Verdict ModernDetector::judge_edges(const CeilingFrame& frame, const OutlineFitParams& params,
+                                    const OutlinePlacement& start, Candidate& candidate) {
+  const auto fit = fitter_.fit(frame.image, candidate.hypothesis.outline, params, start);
+  if (!fit) {
+    return Verdict::kNoEdges;
   }
+  candidate.fit = *fit;
+  candidate.score = fit->quality() + 0.1 * fit->ends_visible() - candidate.hypothesis.size_error;
+  if (!candidate.bright) {
+    candidate.score -= kOutset * (std::abs(fit->placement.side_outset) + std::abs(fit->placement.end_outset));
+  }
+  return checks_.by_edges(frame, candidate);
+}
+
+Verdict ModernDetector::judge_region(const CeilingFrame& frame, Candidate& candidate) {
   candidate.by_edges = false;
-  candidate.fit = fit_of_region(hypothesis, shape_.cell_size());
+  candidate.fit = fit_of_region(candidate.hypothesis, shape_.cell_size());
   candidate.fit.metres_per_px = shape_.cell_size() / factor_;
-  candidate.score = kOfRegion * hypothesis.fill - hypothesis.size_error;
+  candidate.score = kOfRegion * candidate.hypothesis.fill - candidate.hypothesis.size_error;
   return checks_.by_region(frame, candidate);
 }
 

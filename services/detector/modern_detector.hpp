@@ -44,6 +44,9 @@ class ModernDetector {
   void look_for(bool bright, std::span<const int> levels, const CeilingFrame& frame, DetectorTrace* trace);
   void look_at_region(const Region& region, const Layer& layer, const CeilingFrame& frame, DetectorTrace* trace);
   [[nodiscard]] Verdict judge(const CeilingFrame& frame, const OutlineFitParams& params, Candidate& candidate);
+  [[nodiscard]] Verdict judge_edges(const CeilingFrame& frame, const OutlineFitParams& params,
+                                    const OutlinePlacement& start, Candidate& candidate);
+  [[nodiscard]] Verdict judge_region(const CeilingFrame& frame, Candidate& candidate);
   void take_best_first(const CeilingFrame& frame);
   [[nodiscard]] OutlineFitParams fit_params(const Region& region, const Layer& layer) const;
   [[nodiscard]] bool was_tried(const OutlineHypothesis& hypothesis) const;

@@ -10,15 +10,16 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kAhead = 0.02;    // [m] to find the normal's direction in the image
-constexpr int kMinSearch = 3;      // [px] outwards that must be in view
-constexpr float kNearer = 0.03F;   // [1/px] by which an edge counts for less that lies farther from the prediction
-constexpr double kCertain = 2.5;   // sigmas of noise that a step must have
-constexpr int kNearMean = 3;       // [px] from the edge of a side's mean profile
-constexpr int kLinePx = 7;         // lines of the ceiling's grid are narrower: 15 mm, blurred
-constexpr double kFaint = 0.6;     // of the least step otherwise: the mean of a side is certain
-constexpr double kLikely = 1.0;    // sigmas of a single profile's step beside a certain mean
-constexpr double kMinShare = 0.4;  // of the mean's step
+constexpr double kAhead = 0.02;   // [m] to find the normal's direction in the image
+constexpr int kMinSearch = 3;     // [px] outwards that must be in view
+constexpr float kNearer = 0.03F;  // [1/px] by which an edge counts for less that lies farther from the prediction
+constexpr double kCertain = 2.5;  // sigmas of noise that a step must have
+constexpr int kNearMean = 3;      // [px] from the edge of a side's mean profile
+constexpr int kLinePx = 7;        // lines of the ceiling's grid are narrower: 15 mm, blurred
+constexpr std::size_t kMinThinned = 14;  // points of a side of which half will do at first
+constexpr double kFaint = 0.6;           // of the least step otherwise: the mean of a side is certain
+constexpr double kLikely = 1.0;          // sigmas of a single profile's step beside a certain mean
+constexpr double kMinShare = 0.4;        // of the mean's step
 
 template <typename Profile>
 void add_to(Profile& sum, const Profile& profile) {
@@ -202,19 +203,29 @@ double EdgeSearch::grid_line_offset(const Profile& mean, double noise) const {
              : 0.0;
 }
 
-/// Fills dark lines narrower than `window` pixels up to the lower of their rims (closing): the grid beside an unlit
-/// fixture has edges higher than the fixture's own.
-void EdgeSearch::fill_lines(Profile& profile, int window) const {
-  const int last = 2 * reach_;
-  Profile dilated{};
-  for (int k = 0; k <= last; ++k) {
-    dilated[static_cast<std::size_t>(k)] = *std::max_element(profile.begin() + std::max(0, k - window / 2),
-                                                             profile.begin() + std::min(last, k + window / 2) + 1);
-  }
-  for (int k = 0; k <= last; ++k) {
-    profile[static_cast<std::size_t>(k)] = *std::min_element(dilated.begin() + std::max(0, k - window / 2),
-                                                             dilated.begin() + std::min(last, k + window / 2) + 1);
-  }
+/// Fills dark lines narrower than kLinePx pixels up to the lower of their rims (closing): the grid beside an unlit
+/// fixture has edges higher than the fixture's own. Windows of 7 are put together from those of 4, and these of 2.
+void EdgeSearch::fill_lines(Profile& profile) const {
+  static_assert(kLinePx == 7);
+  constexpr std::size_t kMargin = kLinePx / 2;
+  const auto length = static_cast<std::size_t>(2 * reach_ + 1);
+  std::array<float, kMaxLength + 2 * kMargin> padded;
+  const auto close = [&](float beyond, auto extreme) {
+    const std::size_t padded_length = length + 2 * kMargin;
+    std::fill_n(padded.begin(), kMargin, beyond);
+    std::copy_n(profile.begin(), length, padded.begin() + kMargin);
+    std::fill_n(padded.begin() + kMargin + length, kMargin, beyond);
+    for (const std::size_t ahead : {std::size_t{1}, std::size_t{2}}) {
+      for (std::size_t k = 0; k + ahead < padded_length; ++k) {
+        padded[k] = extreme(padded[k], padded[k + ahead]);
+      }
+    }
+    for (std::size_t k = 0; k < length; ++k) {
+      profile[k] = extreme(padded[k], padded[k + kMargin]);
+    }
+  };
+  close(0.0F, [](float a, float b) { return std::max(a, b); });
+  close(255.0F, [](float a, float b) { return std::min(a, b); });
 }
 
 /// Each profile's own edge; where single profiles are too noisy, the mean of all of a side still shows where it is, and
@@ -233,7 +244,7 @@ void EdgeSearch::search_side(int side, const EdgeSearchParams& params) {
     Profile& profile = profile_of(point);
     add_to(with_lines, profile);
     if (!params.inside_brighter) {
-      fill_lines(profile, kLinePx);
+      fill_lines(profile);
     }
     add_to(mean, profile);
     const auto step = largest_step(profile, params, everywhere);
@@ -281,8 +292,15 @@ void EdgeSearch::start(const OutlinePlacement& placement, double height, const E
 
 void EdgeSearch::measure(const GreyView& image, const EdgeSearchParams& params, int side) {
   const auto s = static_cast<std::size_t>(side);
-  for (std::size_t i = first_of_side_[s]; i < first_of_side_[s + 1]; ++i) {
-    sample(image, i, params);
+  const std::size_t first = first_of_side_[s];
+  const std::size_t last = first_of_side_[s + 1];
+  const bool thinned = params.is_first && last - first >= kMinThinned;
+  for (std::size_t i = first; i < last; ++i) {
+    if (thinned && (i - first) % 2 == 1) {
+      points_[i].in_view = points_[i].found = false;
+    } else {
+      sample(image, i, params);
+    }
   }
   search_side(side, params);
 }

@@ -32,6 +32,7 @@ struct EdgeSearchParams {
   double min_edge = 10.0;    // [grey] step that counts as an edge
   double max_edge = 255.0;   // [grey] higher ones count for no more
   double pixel_noise = 4.0;  // [grey] 1 sigma
+  bool is_first = false;     // most guesses are wrong, and half of the points says so
 };
 
 /// Looks for the edges of an outline: grey profiles across it, and in each the largest step of the right sign. The
@@ -71,7 +72,7 @@ class EdgeSearch {
   void search_side(int side, const EdgeSearchParams& params);
   [[nodiscard]] double grid_line_offset(const Profile& mean, double noise) const;
   [[nodiscard]] std::span<EdgePoint> own_points_of(int side);
-  void fill_lines(Profile& profile, int window) const;
+  void fill_lines(Profile& profile) const;
   [[nodiscard]] Profile& profile_of(const EdgePoint& point) {
     return profiles_[static_cast<std::size_t>(&point - points_.data())];
   }

@@ -246,6 +246,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
   OutlineFit fit{.placement = start, .metres_per_px = metres_per_px_};
   for (const Pass& pass : passes) {
     search.search_px = pass.search_px;
+    search.is_first = &pass == &passes.front();
     edges_.start(fit.placement, outline.height, search);
     if (!measure(image, search, pass.cutoff_px)) {
       return std::nullopt;

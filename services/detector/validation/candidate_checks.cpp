@@ -20,8 +20,10 @@ constexpr double kMinDisc = 16.0;             // [px] across: any dark speck loo
 constexpr double kSpeckSupport = 0.92;        // share of the rim of a smaller lamp that must show its edge
 constexpr double kOfMinVisible = 0.75;        // edges are looked for no closer to the border than this leaves
 constexpr double kMinStretch = 0.4;           // of a long side, where the other one or both ends are out of view
-constexpr double kAlikeSides = 0.5;   // least step of a lamp's side, of the other's: a burning half has a faint one
-constexpr double kAlikeEdges = 0.45;  // least step of any edge of an unlit piece, of its clearest
+constexpr double kAlikeSides = 0.5;     // least step of a lamp's side, of the other's: a burning half has a faint one
+constexpr double kAlikeEdges = 0.45;    // least step of any edge of an unlit piece, of its clearest
+constexpr double kEndsBrighter = 0.45;  // beyond the end of an unlit one, of its edges' step
+constexpr double kEndsLessDeep = 0.30;
 constexpr double kOtherWidth = 0.03;  // [m] by which widths of kinds differ
 // Each amiss by 1:
 constexpr double kMaxBesides = 0.30;  // share of the ring that is as bright: panes of a skylight lie in rows
@@ -29,14 +31,17 @@ constexpr double kFull = 0.80;  // of its rectangle, what a region fills; round 
 constexpr double kMaxHollow = 0.20;
 constexpr double kMaxDimmer = 0.5;        // than the brightest cells in view, of their grey level
 constexpr double kMaxWithoutEdge = 0.25;  // share of the outline
-// Where much is saturated, it says little that a lamp is, too.
-constexpr double kOverexposed = 0.08;  // share of the cells
+// Where much is saturated, it says little that a lamp is, too, and what is lit is as bright as a lamp.
+constexpr double kMuchWhite = 0.08;   // share of the cells
+constexpr double kOverexposed = 0.2;  // share of the cells
 constexpr double kMaxOverexposed = 0.4;
-constexpr double kMaxAmissOfSpeck = 0.8;   // sizes of a few pixels say little
-constexpr double kMaxAmiss = 1.0;          // in sum
-constexpr double kMaxAmissOfPiece = 0.35;  // its length says nothing
-constexpr double kRelativeContrast = 0.3;  // of a lamp above its surroundings, of its own grey level
-constexpr double kRingDistance = 0.35;     // of the width
+constexpr double kMaxAmissOfSpeck = 0.8;    // sizes of a few pixels say little
+constexpr double kMaxAmiss = 1.0;           // in sum
+constexpr double kMaxAmissOfPiece = 0.35;   // its length says nothing
+constexpr double kRelativeContrast = 0.45;  // of a lamp above its surroundings, of its own grey level
+constexpr double kWhiteContrast = 0.3;      // the same of one that is white, whose edges aren't known
+constexpr double kSaturated = 250.0;        // [grey]
+constexpr double kRingDistance = 0.35;      // of the width
 
 bool is_bar(const Candidate& candidate) {
   return candidate.hypothesis.outline.shape != FixtureShape::kRound;
@@ -70,7 +75,7 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
       !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
     return Verdict::kGoesOnBeyondEnd;
   }
-  if (!is_filled(frame, candidate)) {
+  if (!is_filled(frame, candidate, candidate.bright ? 0.85 : 0.75)) {
     return Verdict::kNotFilled;
   }
   if (!candidate.hypothesis.is_element && outline.shape != FixtureShape::kRound &&
@@ -84,7 +89,7 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
 }
 
 Verdict CandidateChecks::by_region(const CeilingFrame& frame, const Candidate& candidate) const {
-  if (is_speck(candidate)) {
+  if (is_speck(candidate) || (frame.saturated > kMuchWhite && candidate.level < kSaturated)) {
     return Verdict::kTooUncertain;
   }
   return contrast(frame, candidate);
@@ -95,8 +100,8 @@ Verdict CandidateChecks::by_region(const CeilingFrame& frame, const Candidate& c
 Verdict CandidateChecks::contrast(const CeilingFrame& frame, const Candidate& candidate) const {
   const Surroundings around = surroundings(frame, candidate);
   const double above = around.inside - around.ring;
-  if (around.in_view > 0 &&
-      (above < params_.lit_contrast || (!candidate.by_edges && above < kRelativeContrast * around.inside))) {
+  const double relative = around.inside < kSaturated ? kRelativeContrast : candidate.by_edges ? 0.0 : kWhiteContrast;
+  if (around.in_view > 0 && above < std::max(params_.lit_contrast, relative * around.inside)) {
     return Verdict::kNoContrast;
   }
   const double amiss =
@@ -104,7 +109,7 @@ Verdict CandidateChecks::contrast(const CeilingFrame& frame, const Candidate& ca
       std::max(0.0, kFull - candidate.hypothesis.fill) / kMaxHollow +
       (1.0 - around.inside / frame.brightest) / kMaxDimmer +
       (candidate.by_edges ? (1.0 - candidate.fit.quality()) / kMaxWithoutEdge : 0.0) +
-      (candidate.is_whole() ? std::min(kMaxOverexposed, kMaxOverexposed * frame.saturated / kOverexposed) : 0.0);
+      (candidate.by_edges && candidate.is_whole() ? std::min(kMaxOverexposed, frame.saturated / kOverexposed) : 0.0);
   const double most = !candidate.is_whole() ? kMaxAmissOfPiece : is_speck(candidate) ? kMaxAmissOfSpeck : kMaxAmiss;
   return amiss > most ? Verdict::kMuchAmiss : Verdict::kAccepted;
 }
@@ -330,14 +335,18 @@ bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candid
   const Outline& outline = candidate.hypothesis.outline;
   const PointTransform pose(candidate.fit.placement.pose);
   const double half_length = 0.5 * outline.length + candidate.fit.placement.end_outset;
-  std::array<double, 2> sum{};  // inside, outside
+  std::array<double, 2> grey{};   // inside, outside
+  std::array<double, 2> depth{};  // the same
   std::array<int, 2> count{};
   for (const double distance : kDistances) {
     for (const double across : {-0.3, -0.1, 0.1, 0.3}) {
       for (const std::size_t outside : {std::size_t{0}, std::size_t{1}}) {
         const double along = (end == kFarEnd ? 1.0 : -1.0) * (half_length + (outside == 1 ? distance : -distance));
-        if (const auto depth = level_at(frame, candidate, pose, {along, across * outline.width})) {
-          sum[outside] += *depth;
+        const auto pixel =
+            camera_.pixel_of_ceiling_point(pose * Vector2d(along, across * outline.width), outline.height);
+        if (pixel && camera_.is_in_image(*pixel)) {
+          grey[outside] += cell_at(frame.reduced, *pixel, frame.factor);
+          depth[outside] += cell_at(frame.dark, *pixel, frame.factor);
           ++count[outside];
         }
       }
@@ -346,11 +355,15 @@ bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candid
   if (count[0] < 3 || count[1] < 3) {
     return true;  // out of view: nothing to say against it
   }
-  const double inside = sum[0] / count[0];
-  return inside - sum[1] / count[1] > 0.45 * std::max(inside, candidate.fit.step());
+  // Both: beside glare the surroundings are guessed too bright, and on a slope of light what is outside is brighter.
+  const double brighter = grey[1] / count[1] - grey[0] / count[0];
+  const double less_deep = depth[0] / count[0] - depth[1] / count[1];
+  const double step = candidate.fit.step();
+  return brighter > kEndsBrighter * std::min(candidate.fit.sides[static_cast<std::size_t>(end)].step, step) &&
+         less_deep > kEndsLessDeep * std::max(depth[0] / count[0], step);
 }
 
-bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& candidate) const {
+bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& candidate, double least) const {
   const Outline& outline = candidate.hypothesis.outline;
   const PointTransform pose(candidate.fit.placement.pose);
   const double level = candidate.bright ? candidate.level : 0.5 * params_.unlit_contrast;
@@ -365,7 +378,7 @@ bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& cand
       }
     }
   }
-  return looked >= 5 && filled * 100 >= looked * (candidate.bright ? 85 : 75);
+  return looked >= 5 && filled >= least * looked;
 }
 
 CandidateChecks::Surroundings CandidateChecks::surroundings(const CeilingFrame& frame,

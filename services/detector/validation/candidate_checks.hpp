@@ -18,6 +18,8 @@ class CandidateChecks {
   CandidateChecks(const ModernDetectorParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue)
       : params_(params), camera_(camera), catalogue_(catalogue) {}
 
+  /// True when at least that share of the outline, where it is placed, is as bright, or dark, as its region.
+  [[nodiscard]] bool is_filled(const CeilingFrame& frame, const Candidate& candidate, double least) const;
   [[nodiscard]] Verdict by_edges(const CeilingFrame& frame, const Candidate& candidate) const;
   /// Of a lamp that is whole in view.
   [[nodiscard]] Verdict by_region(const CeilingFrame& frame, const Candidate& candidate) const;
@@ -44,7 +46,6 @@ class CandidateChecks {
                                     double width) const;
   /// An unlit one is dark just inside of an end in view and no longer just outside.
   [[nodiscard]] bool ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const;
-  [[nodiscard]] bool is_filled(const CeilingFrame& frame, const Candidate& candidate) const;
   [[nodiscard]] Surroundings surroundings(const CeilingFrame& frame, const Candidate& candidate) const;
   /// Grey level, or depth, at a place of the outline; nothing out of view.
   [[nodiscard]] std::optional<int> level_at(const CeilingFrame& frame, const Candidate& candidate,
