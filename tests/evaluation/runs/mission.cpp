@@ -72,8 +72,8 @@ void Mission::on_truth(const sim_truth_t& truth) {
   if (truth.utime - first_utime_ < kGoalDelay) {
     return;
   }
-  if (scenario_.start_known && scenario_.start) {
-    tell_start(truth.utime);
+  if (scenario_.start_known) {
+    tell_start(truth);
   }
   if (has_goal_left()) {
     if (goal_id_ == 0) {
@@ -87,8 +87,9 @@ void Mission::on_truth(const sim_truth_t& truth) {
   }
 }
 
-void Mission::tell_start(std::int64_t utime) {
+void Mission::tell_start(const sim_truth_t& truth) {
   const std::int64_t id = first_utime_;
+  const std::int64_t utime = truth.utime;
   if ((pose_ && pose_->initial_pose_id == id) || utime - first_utime_ > 60'000'000 ||
       (utime - first_utime_) % kRepeat >= 10'000) {
     return;
@@ -96,9 +97,9 @@ void Mission::tell_start(std::int64_t utime) {
   initial_pose_t message{};
   message.utime = utime;
   message.id = id;
-  message.x = scenario_.start->x;
-  message.y = scenario_.start->y;
-  message.theta = scenario_.start->theta;
+  message.x = truth.x;
+  message.y = truth.y;
+  message.theta = truth.theta;
   message.covariance[0] = message.covariance[4] = 0.1 * 0.1;
   message.covariance[8] = radians(5.0) * radians(5.0);
   lcm_.publish(channels::kInitialPose, &message);

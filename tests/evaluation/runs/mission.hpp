@@ -49,7 +49,7 @@ class Mission {
   void on_navigation(const navigation_status_t& status) { navigation_ = status; }
   void on_robot_status(const robot_status_t& status);
   void on_pose(const pose_t& pose) { pose_ = pose; }
-  void tell_start(std::int64_t utime);
+  void tell_start(const sim_truth_t& truth);
   void send_goal(std::int64_t utime);
   void watch_goal(const sim_truth_t& truth);
   void finish_goal(const sim_truth_t& truth, bool arrived);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <luminav/initial_pose_t.hpp>
+#include <vector>
+
 #include "services/common/process/channels.hpp"
 
 namespace luminav {
@@ -66,6 +69,34 @@ TEST(Mission, JudgesAnArrivalWhereTheRobotWasLifted) {
   const ScenarioGoal goal = goal_with_heading(0.0);
   EXPECT_TRUE(arrive(goal, {2.1, 3.0, 0.0}, true).reached);
   EXPECT_FALSE(arrive(goal, {2.5, 3.0, 0.0}, true).reached);
+}
+
+struct ToldPoses {
+  std::vector<initial_pose_t> all;
+  void add(const lcm::ReceiveBuffer*, const std::string&, const initial_pose_t* message) { all.push_back(*message); }
+};
+
+TEST(Mission, TellsAKnownStartAlsoWhereItWasDrawn) {
+  lcm::LCM lcm("memq://");
+  Scenario scenario;
+  scenario.goals = {goal_with_heading(0.0)};
+  scenario.start_known = true;  // and no place in the scenario: the simulator draws one
+  Mission mission(lcm, scenario);
+  ToldPoses told;
+  lcm.subscribe(channels::kInitialPose, &ToldPoses::add, &told);
+  sim_truth_t truth{};
+  truth.x = 2.0;
+  truth.y = 3.0;
+  truth.theta = 0.5;
+  for (truth.utime = kTick; truth.utime < 100 * kTick; truth.utime += kTick) {
+    lcm.publish(channels::kSimTruth, &truth);
+    while (lcm.handleTimeout(0) > 0) {
+    }
+  }
+  ASSERT_FALSE(told.all.empty());
+  EXPECT_EQ(told.all.front().x, 2.0);
+  EXPECT_EQ(told.all.front().y, 3.0);
+  EXPECT_EQ(told.all.front().theta, 0.5);
 }
 
 TEST(Mission, AsksForNoHeadingWhereTheGoalHasNone) {
