@@ -96,6 +96,7 @@ void read_particles(const TomlTable& table, ParticleParams& params) {
   params.redraws = table.count("redraws", params.redraws, {0.0, 100.0});
   params.carries_weights = table.boolean("carries_weights", params.carries_weights);
   params.drawn_weight = table.number("drawn_weight", params.drawn_weight, {0.0, 100.0});
+  params.facing_share = table.number("facing_share", params.facing_share, kFraction);
   params.copied_share = table.number("copied_share", params.copied_share, {0.0, 0.45});
   params.random_share = table.number("random_share", params.random_share, {0.0, 0.5});
   table.reject_unknown();
@@ -117,6 +118,7 @@ void read_handover(const TomlTable& table, HandoverParams& params) {
   params.heading_spread = table.number("heading_spread", params.heading_spread, {0.001, 4.0});
   params.gate = table.number("gate", params.gate, {0.1, 1000.0});
   params.view_margin = table.number("view_margin", params.view_margin, {0.0, 2.0});
+  params.images_per_view = table.number("images_per_view", params.images_per_view, {1.0, 1000.0});
   params.blind_distance = table.number("blind_distance", params.blind_distance, {0.1, 10000.0});
   params.gathered_share = table.number("gathered_share", params.gathered_share, kFraction);
   table.reject_unknown();

@@ -207,7 +207,7 @@ void PaperLocalizer::step_kalman(const FrameQueue::TimedFrame& timed) {
     if (fixture < 0) {
       continue;
     }
-    const Eigen::Matrix3d noise = noise_of(sighting, map_[fixture], odometry);
+    const Eigen::Matrix3d noise = params_.handover.images_per_view * noise_of(sighting, map_[fixture], odometry);
     const Innovation innovation = innovate(belief_, sighting, map_[fixture], noise);
     correct(belief_, innovation, noise);
     nis_ = has_nis_ ? nis_ + 0.05 * (innovation.nis / 3.0 - nis_) : innovation.nis / 3.0;

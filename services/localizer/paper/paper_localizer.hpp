@@ -26,6 +26,7 @@ struct HandoverParams {
   double heading_spread = radians(10.0);  // [rad]
   double gate = 11.34;                    // chi2(3) at 99 %
   double view_margin = 0.15;              // [m] to the image's border within which a fixture need not be sighted
+  double images_per_view = 8.0;           // they share lens, tilt and fixture errors: each counts for that much less
   double blind_distance = 12.0;           // [m] without a match
   double gathered_share = 0.1;            // of the particles that start around the old pose after giving up
 };

@@ -42,6 +42,19 @@ NoisyStep noisy_step(const Pose2& delta, const ParticleParams& params) {
   return step;
 }
 
+/// Sums of weight, x, y, cosine, sine, xx, xy, yy, x theta, y theta, theta theta, theta about a reference pose.
+using MomentSums = Eigen::Matrix<double, 12, 1>;
+
+/// Mean and spread of particles; `m`: their sums for a weight of one.
+PoseBelief belief_of(const MomentSums& m, const Pose2& reference) {
+  PoseBelief belief;
+  belief.pose = {reference.x + m[1], reference.y + m[2], wrap_angle(reference.theta + std::atan2(m[4], m[3]))};
+  const Eigen::Vector3d mean(m[1], m[2], m[11]);
+  belief.covariance << m[5], m[6], m[8], m[6], m[7], m[9], m[8], m[9], m[10];
+  belief.covariance -= mean * mean.transpose();
+  return belief;
+}
+
 /// As many as asked for, or by the floor to search.
 std::size_t count_of(const ParticleParams& params, const WallField& walls, const Eigen::Vector2d& extent) {
   constexpr double kMax = 1e6;
@@ -60,22 +73,10 @@ std::size_t count_of(const ParticleParams& params, const WallField& walls, const
 
 }  // namespace
 
-std::uint64_t SplitMix::next() {
-  state_ += 0x9E3779B97F4A7C15ULL;
-  std::uint64_t z = state_;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return z ^ (z >> 31);
-}
-
-double SplitMix::gauss() {
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-  return radius * std::cos(2.0 * kPi * uniform());
-}
-
 ParticleFilter::ParticleFilter(const FixtureMap& map, const WallField& walls, const ParticleParams& params,
                                std::uint64_t seed)
-    : walls_(walls),
+    : map_(map),
+      walls_(walls),
       nearest_(map),
       kernels_(particle_kernels()),
       params_(params),
@@ -121,37 +122,6 @@ std::size_t ParticleFilter::memory_bytes() const {
 NoiseKey ParticleFilter::next_key() {
   const std::uint64_t bits = random_.next();
   return {static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32)};
-}
-
-void ParticleFilter::draw(std::size_t i) {
-  for (int attempt = 0; attempt < 1000; ++attempt) {
-    const Eigen::Vector2d place(min_.x() + random_.uniform() * (max_.x() - min_.x()),
-                                min_.y() + random_.uniform() * (max_.y() - min_.y()));
-    x_[i] = static_cast<float>(place.x());
-    y_[i] = static_cast<float>(place.y());
-    if (walls_.is_free({x_[i], y_[i]})) {
-      break;
-    }
-  }
-  theta_[i] = static_cast<float>(wrap_angle(2.0 * kPi * random_.uniform()));
-  weight_[i] = 1.0F / static_cast<float>(count_);
-}
-
-void ParticleFilter::scatter() {
-  for (std::size_t i = 0; i < count_; ++i) {
-    draw(i);
-  }
-}
-
-void ParticleFilter::gather(const PoseBelief& belief, double share) {
-  const auto count = std::min(count_, static_cast<std::size_t>(share * static_cast<double>(count_)));
-  const Eigen::Matrix3d root = belief.covariance.llt().matrixL();
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d offset = root * Eigen::Vector3d(random_.gauss(), random_.gauss(), random_.gauss());
-    x_[i] = static_cast<float>(belief.pose.x + offset.x());
-    y_[i] = static_cast<float>(belief.pose.y + offset.y());
-    theta_[i] = static_cast<float>(wrap_angle(belief.pose.theta + offset.z()));
-  }
 }
 
 void ParticleFilter::predict(const Pose2& delta) {
@@ -291,50 +261,52 @@ void ParticleFilter::update(const std::vector<FixtureSighting>& sightings) {
   if (sightings.empty()) {
     return;
   }
+  if (is_fresh_) {
+    redraw_share(sightings);
+  }
   scored_.clear();
   for (std::size_t i = 0; i < std::min(kMaxSightings, sightings.size()); ++i) {
     scored_.push_back(prepare(sightings[i]));
   }
   const NoiseKey key = next_key();
-  const auto sigma = static_cast<float>(params_.weight_jitter);
   const Pose2 reference = pose(0);
-  const bool is_kidnapped = params_.carries_weights && params_.resampling == ParticleResampling::kReplaceWorst;
-  std::array<float, kBlock> before;
-  Eigen::Matrix<double, 12, 1> sums = Eigen::Matrix<double, 12, 1>::Zero();
+  MomentSums sums = MomentSums::Zero();
   for (std::size_t begin = 0; begin < count_; begin += kBlock) {
     const std::size_t count = std::min(kBlock, count_ - begin);
-    std::copy_n(&weight_[begin], count, before.begin());
-    score_block(&x_[begin], &y_[begin], &theta_[begin], scored_, &weight_[begin], count);
-    if (params_.scoring == ParticleScoring::kEquationOne) {
-      kernels_.jitter(key, begin, sigma, 1e-9F, &weight_[begin], count);  // negative weights have no meaning
-    }
-    for (std::size_t i = 0; i < count && is_kidnapped; ++i) {
-      weight_[begin + i] *= before[i];
-    }
-    std::fill(&weight_[begin + count], &weight_[begin + (count + kLanes - 1) / kLanes * kLanes], 0.0F);
+    weigh(begin, count, key);
     const ParticleMoments m =
         kernels_.moments(&x_[begin], &y_[begin], &theta_[begin], &weight_[begin], static_cast<float>(reference.x),
                          static_cast<float>(reference.y), static_cast<float>(reference.theta), count);
-    Eigen::Matrix<double, 12, 1> block;
+    MomentSums block;
     block << m.weight, m.x, m.y, m.cosine, m.sine, m.xx, m.xy, m.yy, m.xt, m.yt, m.tt, m.t;
     sums += block;
   }
   const double total = sums[0];
-  sums /= total;
-  belief_.pose = {reference.x + sums[1], reference.y + sums[2],
-                  wrap_angle(reference.theta + std::atan2(sums[4], sums[3]))};
-  const Eigen::Vector3d mean(sums[1], sums[2], sums[11]);
-  belief_.covariance << sums[5], sums[6], sums[8], sums[6], sums[7], sums[9], sums[8], sums[9], sums[10];
-  belief_.covariance -= mean * mean.transpose();
+  belief_ = belief_of(sums / total, reference);
   if (params_.resampling == ParticleResampling::kSystematic) {
     resample_systematically(total);
-  } else {
-    const auto scale = static_cast<float>(1.0 / total);
-    for (float& weight : weight_) {
-      weight *= scale;
-    }
-    replace_worst();
+    return;
   }
+  const auto scale = static_cast<float>(1.0 / total);
+  for (float& weight : weight_) {
+    weight *= scale;
+  }
+  replace_worst(sightings);
+}
+
+void ParticleFilter::weigh(std::size_t begin, std::size_t count, NoiseKey key) {
+  const bool carries = params_.carries_weights && params_.resampling == ParticleResampling::kReplaceWorst;
+  std::array<float, kBlock> before;
+  std::copy_n(&weight_[begin], count, before.begin());
+  score_block(&x_[begin], &y_[begin], &theta_[begin], scored_, &weight_[begin], count);
+  if (params_.scoring == ParticleScoring::kEquationOne) {
+    const auto sigma = static_cast<float>(params_.weight_jitter);
+    kernels_.jitter(key, begin, sigma, 1e-9F, &weight_[begin], count);  // negative weights have no meaning
+  }
+  for (std::size_t i = 0; i < count && carries; ++i) {
+    weight_[begin + i] *= before[i];
+  }
+  std::fill(&weight_[begin + count], &weight_[begin + (count + kLanes - 1) / kLanes * kLanes], 0.0F);
 }
 
 void ParticleFilter::resample_systematically(double total) {
@@ -350,7 +322,7 @@ void ParticleFilter::resample_systematically(double total) {
   }
 }
 
-void ParticleFilter::replace_worst() {
+void ParticleFilter::replace_worst(const std::vector<FixtureSighting>& sightings) {
   const auto random = static_cast<std::ptrdiff_t>(params_.random_share * static_cast<double>(count_));
   const auto copied = std::min(static_cast<std::ptrdiff_t>(params_.copied_share * static_cast<double>(count_)),
                                (static_cast<std::ptrdiff_t>(count_) - random) / 2);
@@ -367,7 +339,11 @@ void ParticleFilter::replace_worst() {
   }
   for (std::ptrdiff_t k = 0; k < random; ++k) {
     const std::uint32_t worst = *(order_.end() - 1 - k);
-    draw(worst);
+    if (random_.uniform() < params_.facing_share) {
+      draw_facing(worst, sightings);
+    } else {
+      draw(worst);
+    }
     weight_[worst] =
         params_.carries_weights ? static_cast<float>(params_.drawn_weight / static_cast<double>(count_)) : 1e-9F;
   }

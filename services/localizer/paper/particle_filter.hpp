@@ -9,6 +9,7 @@
 #include "services/localizer/model/wall_field.hpp"
 #include "services/localizer/paper/nearest_fixture_grid.hpp"
 #include "services/localizer/paper/particle_kernels.hpp"
+#include "services/localizer/paper/split_mix.hpp"
 
 namespace luminav {
 
@@ -38,20 +39,7 @@ struct ParticleParams {
   double drawn_weight = 1.0;    // of a particle drawn anew, in shares of the mean weight
   double copied_share = 0.10;   // churn: the best replace as many of the worst
   double random_share = 0.05;   // of the worst (churn) or of all (systematic) are drawn anew
-};
-
-/// A small generator whose numbers are the same on every machine. Steele et al. 2014 (splitmix64).
-class SplitMix {
- public:
-  explicit SplitMix(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t next();
-  /// In [0, 1).
-  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
-  /// Mean 0, deviation 1. Box and Muller 1958.
-  double gauss();
-
- private:
-  std::uint64_t state_;
+  double facing_share = 0.5;    // of what is drawn anew: where a sighting fits a fixture; the others anywhere
 };
 
 /// Particle filter: odometry with noise inside the free space; each sighting scored against the nearest fixture, by the
@@ -62,7 +50,8 @@ class ParticleFilter {
  public:
   ParticleFilter(const FixtureMap& map, const WallField& walls, const ParticleParams& params, std::uint64_t seed);
 
-  /// Draws all anew in the free space.
+  /// Draws all anew in the free space. Of these the next update draws `facing_share` again where its sightings fit:
+  /// each alias of the first view gets as many, and none is lost by chance.
   void scatter();
   void predict(const Pose2& delta);
   /// Scores all particles, then resamples; no sightings, no update. At most 8 sightings are used.
@@ -92,15 +81,22 @@ class ParticleFilter {
     SightingScore score;
   };
   void draw(std::size_t i);
+  /// Draws a particle where a fixture of the map looks as one of the sightings does; anywhere if that is in no free
+  /// space.
+  void draw_facing(std::size_t i, const std::vector<FixtureSighting>& sightings);
+  void redraw_share(const std::vector<FixtureSighting>& sightings);
   void move_inside_walls(const NoisyStep& step, std::size_t begin, std::size_t count, NoiseKey key);
   [[nodiscard]] ScoredSighting prepare(const FixtureSighting& sighting) const;
   void score_block(const float* x, const float* y, const float* theta, const std::vector<ScoredSighting>& sightings,
                    float* scores, std::size_t count) const;
-  void replace_worst();
+  /// Weighs particles `begin` .. by the sightings in `scored_`.
+  void weigh(std::size_t begin, std::size_t count, NoiseKey key);
+  void replace_worst(const std::vector<FixtureSighting>& sightings);
   void resample_systematically(double total);
   [[nodiscard]] double free_probability(const Eigen::Vector2d& point) const;
   [[nodiscard]] NoiseKey next_key();
 
+  const FixtureMap& map_;
   const WallField& walls_;
   NearestFixtureGrid nearest_;
   const ParticleKernels& kernels_;
@@ -109,6 +105,7 @@ class ParticleFilter {
   Eigen::Vector2d min_;  // [m] corners of where fixtures are, for buildings without a map
   Eigen::Vector2d max_;
   std::size_t count_ = 0;
+  bool is_fresh_ = true;  // nothing was seen since all were drawn
   std::vector<float> x_, y_, theta_, weight_;
   std::vector<float> spare_x_, spare_y_, spare_theta_;  // systematic resampling writes here
   std::vector<std::uint32_t> order_;                    // churn

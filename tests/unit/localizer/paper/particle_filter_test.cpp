@@ -34,6 +34,29 @@ TEST(SplitMix, AgreesWithThePublishedSequence) {
   EXPECT_NEAR(uniform.uniform(), 0.741564878772, 1e-12);
 }
 
+TEST_F(ParticleFilterTest, GivesEachAliasOfTheFirstViewAsMuchWeight) {
+  params_.count = 5000;
+  ParticleFilter filter(map_, walls_, params_, 7);
+  const FixtureSighting sighting = sighting_at(0.3, 0.0, 0.0);
+  filter.update({sighting});
+  double min = 1.0;
+  double max = 0.0;
+  for (const Fixture& fixture : map_.fixtures()) {
+    for (const double turn : {0.0, kPi}) {
+      const Pose2 alias = fixture.world_from_fixture * Pose2{0.0, 0.0, turn} * sighting.robot_from_fixture.inverse();
+      double weight = 0.0;
+      for (std::size_t i = 0; i < filter.size(); ++i) {
+        const Pose2 pose = filter.pose(i);
+        const bool is_near = distance(pose, alias) < 0.4 && std::abs(wrap_angle(pose.theta - alias.theta)) < 0.5;
+        weight += is_near ? filter.weight(i) : 0.0;
+      }
+      min = std::min(min, weight);
+      max = std::max(max, weight);
+    }
+  }
+  EXPECT_GT(min, 0.7 * max);
+}
+
 TEST_F(ParticleFilterTest, EquationOneIsOneForAPerfectFit) {
   // fixture 1 stands at (1.5, 1.6), heading 0
   EXPECT_NEAR(filter_.score({1.5, 1.6, 0.0}, {sighting_at(0.0, 0.0, 0.0)}), 1.0, 1e-9);
@@ -148,6 +171,7 @@ ParticleParams systematic(int count) {
   params.scoring = ParticleScoring::kGaussian;
   params.resampling = ParticleResampling::kSystematic;
   params.random_share = 0.0;
+  params.facing_share = 0.0;
   return params;
 }
 
