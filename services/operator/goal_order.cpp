@@ -66,6 +66,12 @@ std::string to_string(Outcome outcome) {
       return "replaced";
     case Outcome::kPlannerSilent:
       return "the planner fell silent";
+    case Outcome::kPaused:
+      return "paused";
+    case Outcome::kResumed:
+      return "goes on";
+    case Outcome::kNothingToDo:
+      return "nothing to do";
     case Outcome::kInterrupted:
       return "interrupted";
   }
@@ -91,7 +97,6 @@ std::string control_state_name(int state) {
 
 GoalOrder::GoalOrder(lcm::LCM& lcm, const goal_t& goal, std::optional<CommandKey> key)
     : commands_(lcm, key), subscriber_(lcm), goal_(goal) {
-  is_cancelling_ = goal.action == goal_t::ACTION_CANCEL;
   subscriber_.on(channels::kNavigationStatus, &GoalOrder::on_navigation_status, this);
   subscriber_.on(channels::kPose, &GoalOrder::on_pose, this);
 }
@@ -121,7 +126,6 @@ void GoalOrder::cancel(std::int64_t id) {
   request.action = goal_t::ACTION_CANCEL;
   goal_ = request;
   is_echoed_ = false;
-  is_cancelling_ = true;
   silent_ticks_ = 0;
   outcome_.reset();
   commands_.publish(channels::kGoal, goal_);
@@ -130,6 +134,18 @@ void GoalOrder::cancel(std::int64_t id) {
 void GoalOrder::finish(Outcome outcome, const std::string& cause) {
   outcome_ = outcome;
   cause_ = cause;
+}
+
+void GoalOrder::finish_action(const navigation_status_t& echo) {
+  if (goal_.action == goal_t::ACTION_CANCEL) {
+    finish(Outcome::kCancelled, echo.cause);
+  } else if (echo.state == navigation_status_t::STATE_IDLE || outcome_of(echo.state)) {
+    finish(Outcome::kNothingToDo, "the robot has no goal");
+  } else if (goal_.action == goal_t::ACTION_RESUME) {
+    finish(Outcome::kResumed, echo.cause);
+  } else if (echo.state == navigation_status_t::STATE_PAUSED) {
+    finish(Outcome::kPaused, echo.cause);
+  }
 }
 
 void GoalOrder::on_pose(const pose_t& message) {
@@ -156,8 +172,8 @@ void GoalOrder::on_navigation_status(const navigation_status_t& message) {
   }
   is_echoed_ = true;
   silent_ticks_ = 0;
-  if (is_cancelling_) {
-    finish(Outcome::kCancelled, message.cause);
+  if (goal_.action != goal_t::ACTION_GO) {
+    finish_action(message);
     return;
   }
   if (const std::optional<Outcome> outcome = outcome_of(message.state)) {

@@ -23,6 +23,9 @@ enum class Outcome : int {
   kLost = 7,
   kReplaced = 8,       // somebody else sent another goal
   kPlannerSilent = 9,  // it had answered before
+  kPaused = 10,
+  kResumed = 11,
+  kNothingToDo = 12,  // no goal to pause or to go on with
   kInterrupted = 130
 };
 
@@ -33,7 +36,7 @@ std::string to_string(Outcome outcome);
 /// Knows no clock: the owner calls `tick` at 5 Hz.
 class GoalOrder {
  public:
-  /// `goal.id` must be set; a cancellation is over as soon as it is echoed.
+  /// `goal.id` must be set; whatever is no new goal (cancel, pause, resume) is over as soon as it is echoed.
   GoalOrder(lcm::LCM& lcm, const goal_t& goal, std::optional<CommandKey> key = {});
 
   /// A fifth of a second has passed.
@@ -53,12 +56,12 @@ class GoalOrder {
   void on_navigation_status(const navigation_status_t& message);
   void on_pose(const pose_t& message);
   void finish(Outcome outcome, const std::string& cause);
+  void finish_action(const navigation_status_t& echo);
 
   CommandPublisher commands_;
   Subscriber subscriber_;
   goal_t goal_;  // its id is the one by which the planner speaks of it
   bool is_echoed_ = false;
-  bool is_cancelling_ = false;
   int silent_ticks_ = 0;
   std::optional<navigation_status_t> status_;
   std::optional<pose_t> pose_;

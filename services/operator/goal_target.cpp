@@ -25,11 +25,24 @@ std::optional<std::vector<double>> read_numbers(const std::vector<std::string>& 
   return numbers;
 }
 
+std::optional<std::vector<double>> read_point(std::vector<std::string> words) {
+  constexpr std::string_view kDegrees = "deg";
+  const bool has_degrees = words.size() == 3 && words.back().ends_with(kDegrees);
+  if (has_degrees) {
+    words.back().resize(words.back().size() - kDegrees.size());
+  }
+  std::optional<std::vector<double>> numbers = read_numbers(words);
+  if (numbers && has_degrees) {
+    numbers->back() = radians(numbers->back());
+  }
+  return numbers;
+}
+
 goal_t make_goal(const std::vector<std::string>& words, const Building& building) {
   goal_pose_t stop{};
-  if (const auto numbers = read_numbers(words)) {
+  if (const auto numbers = read_point(words)) {
     if (numbers->size() != 2 && numbers->size() != 3) {
-      throw ConfigurationError("a point has two numbers, X and Y, and perhaps a heading THETA");
+      throw ConfigurationError("a point has two numbers, X and Y, and perhaps a heading, in radians or as 90deg");
     }
     stop.x = (*numbers)[0];
     stop.y = (*numbers)[1];

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <luminav/supervision_t.hpp>
+#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -21,6 +22,7 @@
 #include "services/common/process/event_loop.hpp"
 #include "services/operator/goal_order.hpp"
 #include "services/operator/goal_target.hpp"
+#include "services/operator/robot_order.hpp"
 #include "services/operator/system_files.hpp"
 #include "services/operator/system_snapshot.hpp"
 
@@ -141,11 +143,12 @@ int run_goto(int argc, char** argv) {
   command_line.number("--tolerance", tolerance, "metres within which it counts as reached; 0 = the planner's");
   command_line.lcm_url(url)
       .launched_robot(robot_file)
-      .positional("target", words, "PLACE, or X Y [THETA] in metres and radians, world frame", true);
+      .positional("target", words,
+                  "PLACE, or X Y [HEADING] in metres, world frame; the heading in radians, or as 90deg", true);
   if (const auto status = command_line.parse(argc, argv)) {
     return *status;
   }
-  const std::optional<std::vector<double>> numbers = read_numbers(words);
+  const std::optional<std::vector<double>> numbers = read_point(words);
   const NetworkAccess access = read_network_access(robot_file);
   // A building is needed for places only; one that was named must be the running one, as must those of all processes.
   if (!numbers || !building_file.empty()) {
@@ -162,38 +165,131 @@ int run_goto(int argc, char** argv) {
   return watch(*lcm, CommandPublisher(*lcm, access.key), request);
 }
 
-int run_cancel(int argc, char** argv) {
+goal_t action_goal(std::int8_t action) {
+  goal_t goal{};
+  goal.id = goal.utime = new_id();
+  goal.action = action;
+  return goal;
+}
+
+/// A command about the goal that is under way; status 0 when it ended as it should.
+int run_goal_action(int argc, char** argv, const std::string& does, std::int8_t action, Outcome good) {
   std::string url, robot_file;
-  CommandLine command_line("cancel", "Makes the robot give up its goal and stand still.");
+  CommandLine command_line(argv[0], does);
   if (const auto status = command_line.lcm_url(url).launched_robot(robot_file).parse(argc, argv)) {
     return *status;
   }
-  goal_t goal{};
-  goal.id = goal.utime = new_id();
-  goal.action = goal_t::ACTION_CANCEL;
   const NetworkAccess access = read_network_access(robot_file);
   const auto lcm = open_lcm(access.on(url));
-  GoalOrder request(*lcm, goal, access.key);
+  GoalOrder request(*lcm, action_goal(action), access.key);
   const int status = watch(*lcm, CommandPublisher(*lcm, access.key), request);
-  return status == static_cast<int>(Outcome::kCancelled) ? 0 : status;
+  return status == static_cast<int>(good) ? 0 : status;
+}
+
+/// Repeats a request until it is obeyed, a STOP without end, others for ten seconds.
+int carry_out(lcm::LCM& lcm, RobotWish wish, const std::string& done, std::optional<CommandKey> key) {
+  constexpr std::int64_t kTick = 200'000;         // [us]
+  constexpr std::int64_t kPatience = 10'000'000;  // [us]
+  RobotOrder order(lcm, wish, new_id(), fmt::format("terminal:{}", getpid()), key);
+  ProgressLine line;
+  const std::int64_t end = clock_us(CLOCK_MONOTONIC) + kPatience;
+  const auto is_done = [&] { return order.is_obeyed() && (wish != RobotWish::kStop || order.stands()); };
+  while (!is_done() && g_interrupted == 0) {
+    order.tick();
+    listen_until(lcm, clock_us(CLOCK_MONOTONIC) + kTick);
+    if (!order.is_obeyed()) {
+      line.show(order.progress());
+    }
+    if (wish != RobotWish::kStop && clock_us(CLOCK_MONOTONIC) > end) {
+      break;
+    }
+  }
+  line.end();
+  fmt::print("{}\n", is_done() ? done : order.is_obeyed() ? "obeyed, but it still moves" : order.progress());
+  return is_done() ? 0 : g_interrupted != 0 ? 130 : 1;
+}
+
+int run_stop(int argc, char** argv) {
+  std::string url, robot_file;
+  CommandLine command_line("stop", "Stops the robot, and keeps it stopped until somebody releases the stop.");
+  if (const auto status = command_line.lcm_url(url).launched_robot(robot_file).parse(argc, argv)) {
+    return *status;
+  }
+  const NetworkAccess access = read_network_access(robot_file);
+  const auto lcm = open_lcm(access.on(url));
+  return carry_out(*lcm, RobotWish::kStop, "the robot stands; scripts/release lets it move again", access.key);
+}
+
+/// Pauses a goal that is under way; false when the planner does not.
+bool pause_goal(lcm::LCM& lcm, const NetworkAccess& access) {
+  GoalOrder request(lcm, action_goal(goal_t::ACTION_PAUSE), access.key);
+  const Outcome outcome{watch(lcm, CommandPublisher(lcm, access.key), request)};
+  return outcome == Outcome::kPaused || outcome == Outcome::kNothingToDo;
+}
+
+int run_release(int argc, char** argv) {
+  std::string url, robot_file;
+  bool goes_on = false;
+  CommandLine command_line("release", "Lets a stopped robot move again; a goal stays paused until scripts/resume.");
+  command_line.flag("--go-on", goes_on, "drive on to the goal at once");
+  if (const auto status = command_line.lcm_url(url).launched_robot(robot_file).parse(argc, argv)) {
+    return *status;
+  }
+  const NetworkAccess access = read_network_access(robot_file);
+  const auto lcm = open_lcm(access.on(url));
+  if (!goes_on && !pause_goal(*lcm, access)) {
+    throw std::runtime_error(
+        "the planner does not pause its goal, so the stop is kept; --go-on releases it all the same");
+  }
+  return carry_out(*lcm, RobotWish::kRelease, "released", access.key);
+}
+
+int run_motors(int argc, char** argv) {
+  std::string url, robot_file;
+  std::vector<std::string> words;
+  CommandLine command_line("motors", "Switches the robot's motors on or off.");
+  command_line.lcm_url(url).launched_robot(robot_file).positional("state", words, "on | off", true);
+  if (const auto status = command_line.parse(argc, argv)) {
+    return *status;
+  }
+  if (words.size() != 1 || (words.front() != "on" && words.front() != "off")) {
+    throw ConfigurationError("say on or off");
+  }
+  const NetworkAccess access = read_network_access(robot_file);
+  const auto lcm = open_lcm(access.on(url));
+  const bool on = words.front() == "on";
+  return carry_out(*lcm, on ? RobotWish::kMotorsOn : RobotWish::kMotorsOff, "motors: asked for " + words.front(),
+                   access.key);
 }
 
 int run_status(int argc, char** argv) {
   std::string url, robot_file;
+  bool as_json = false, watches = false;
   CommandLine command_line("status", "Prints what the robot and its processes say of themselves.");
+  command_line.flag("--json", as_json, "for programs").flag("--watch", watches, "again each second, until Ctrl-C");
   if (const auto status = command_line.lcm_url(url).launched_robot(robot_file).parse(argc, argv)) {
     return *status;
   }
   const NetworkAccess access = read_network_access(robot_file);
   const auto lcm = open_lcm(access.on(url));
-  const SystemSnapshot snapshot(*lcm);
-  // each process reports once a second
-  listen_until(*lcm, clock_us(CLOCK_MONOTONIC) + 1'300'000);
-  if (snapshot.is_empty()) {
-    fmt::print("nothing is running on {}\n", url);
-    return 1;
-  }
-  fmt::print("{}{}\n", snapshot.page(), describe(access, url));
+  do {
+    const SystemSnapshot snapshot(*lcm);  // anew each time: a process that fell silent is not shown as if it spoke
+    listen_until(*lcm, clock_us(CLOCK_MONOTONIC) + 1'300'000);  // each process reports once a second
+    if (watches && !as_json && isatty(STDOUT_FILENO) != 0) {
+      fmt::print("\033[H\033[2J");
+    }
+    if (as_json) {
+      fmt::print("{}\n", snapshot.json());
+    } else if (snapshot.is_empty()) {
+      fmt::print("nothing is running on {}\n", url);
+    } else {
+      fmt::print("{}{}\n", snapshot.page(), describe(access, url));
+    }
+    std::fflush(stdout);
+    if (!watches && snapshot.is_empty()) {
+      return 1;
+    }
+  } while (watches && g_interrupted == 0);
   return 0;
 }
 
@@ -212,19 +308,29 @@ int run_files(int argc, char** argv) {
   return 0;
 }
 
+int run_cancel(int argc, char** argv) {
+  return run_goal_action(argc, argv, "Makes the robot give up its goal and stand still.", goal_t::ACTION_CANCEL,
+                         Outcome::kCancelled);
+}
+
+int run_pause(int argc, char** argv) {
+  return run_goal_action(argc, argv, "Makes the robot stand and keep its goal.", goal_t::ACTION_PAUSE,
+                         Outcome::kPaused);
+}
+
+int run_resume(int argc, char** argv) {
+  return run_goal_action(argc, argv, "Makes the robot go on with a paused goal.", goal_t::ACTION_RESUME,
+                         Outcome::kResumed);
+}
+
 int run(int argc, char** argv) {
   const std::string command = argc > 1 ? argv[1] : "";
-  if (command == "goto") {
-    return run_goto(argc - 1, argv + 1);
-  }
-  if (command == "cancel") {
-    return run_cancel(argc - 1, argv + 1);
-  }
-  if (command == "status") {
-    return run_status(argc - 1, argv + 1);
-  }
-  if (command == "files") {
-    return run_files(argc - 1, argv + 1);
+  static const std::map<std::string, int (*)(int, char**)> kCommands = {
+      {"goto", run_goto},     {"cancel", run_cancel}, {"pause", run_pause},
+      {"resume", run_resume}, {"stop", run_stop},     {"release", run_release},
+      {"motors", run_motors}, {"status", run_status}, {"files", run_files}};
+  if (const auto found = kCommands.find(command); found != kCommands.end()) {
+    return found->second(argc - 1, argv + 1);
   }
   if (command == "--version") {
     fmt::print("operator (luminav) {}\n", kVersion);
@@ -233,7 +339,9 @@ int run(int argc, char** argv) {
   const bool asks_help = command == "-h" || command == "--help";
   fmt::print(
       asks_help ? stdout : stderr,
-      "operator goto (PLACE | X Y [THETA]) | status | cancel | files; each has --help\n"
+      "operator goto (PLACE | X Y [HEADING]) | status | cancel | pause | resume | stop | release | motors (on | off) | "
+      "files;\n"
+      "each has --help\n"
       "goto exits 0 when arrived, 1 nobody answers, 2 wrong usage, 3 no path, 4 blocked, 5 stuck, 6 cancelled,\n"
       "7 lost, 8 replaced by another goal, 9 the planner fell silent, 130 interrupted (the goal is cancelled)\n");
   return asks_help ? 0 : 2;

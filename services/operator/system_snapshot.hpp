@@ -24,6 +24,8 @@ class SystemSnapshot {
   [[nodiscard]] bool is_empty() const;
   /// Robot, pose, goal, motion, and one line per process.
   [[nodiscard]] std::string page() const;
+  /// The same for programs: robot, building, pose, goal, control (null where nothing was heard) and processes.
+  [[nodiscard]] std::string json() const;
 
  private:
   void on_robot_status(const robot_status_t& message) { robot_ = message; }

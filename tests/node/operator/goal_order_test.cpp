@@ -189,5 +189,26 @@ TEST_F(GoalOrderTest, SurvivesBytesThatAreNoStatus) {
   EXPECT_FALSE(request.outcome());
 }
 
+TEST_F(GoalOrderTest, EndsAPauseAndAResumptionAsSoonAsTheyAreObeyed) {
+  goal_t pause = goal(7);
+  pause.action = goal_t::ACTION_PAUSE;
+  GoalOrder pausing(lcm_, pause);
+  say(7, navigation_status_t::STATE_PAUSED);
+  EXPECT_EQ(pausing.outcome(), Outcome::kPaused);
+  goal_t resume = goal(8);
+  resume.action = goal_t::ACTION_RESUME;
+  GoalOrder resuming(lcm_, resume);
+  say(8, navigation_status_t::STATE_LOCALIZING);
+  EXPECT_EQ(resuming.outcome(), Outcome::kResumed);
+}
+
+TEST_F(GoalOrderTest, SaysThatThereIsNoGoalToPause) {
+  goal_t pause = goal(7);
+  pause.action = goal_t::ACTION_PAUSE;
+  GoalOrder pausing(lcm_, pause);
+  say(7, navigation_status_t::STATE_ARRIVED);
+  EXPECT_EQ(pausing.outcome(), Outcome::kNothingToDo);
+}
+
 }  // namespace
 }  // namespace luminav

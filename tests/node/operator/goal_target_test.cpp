@@ -55,5 +55,13 @@ TEST(GoalTarget, RefusesTooFewAndTooManyNumbers) {
   EXPECT_THROW(make_goal({"1", "2", "3", "4"}, building()), ConfigurationError);
 }
 
+TEST(GoalTarget, TakesAHeadingInRadiansOrInDegrees) {
+  EXPECT_NEAR(make_goal({"1", "2", "1.5"}, Building{}).poses.at(0).theta, 1.5, 1e-12);
+  const goal_pose_t turned = make_goal({"1", "-2", "-90deg"}, Building{}).poses.at(0);
+  EXPECT_NEAR(turned.theta, -1.5707963267948966, 1e-12);
+  EXPECT_EQ(turned.y, -2.0);
+  EXPECT_FALSE(read_point({"90deg", "1"}));
+}
+
 }  // namespace
 }  // namespace luminav
