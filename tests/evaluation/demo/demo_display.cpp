@@ -56,6 +56,10 @@ std::string DemoDisplay::goal() const {
   const std::string name = goal.place.empty() ? fmt::format("({:.2f}, {:.2f})", goal.pose.x, goal.pose.y) : goal.place;
   std::string text = fmt::format("goal {}/{} {}", mission_.current_goal() + 1, scenario_.goals.size(), name);
   // the status of the goal before lasts until the planner has heard of this one
+  if (mission_.is_interrupted()) {
+    return text + ": waits, somebody else sends the robot (" + navigation_word(judge_.navigation()->state) +
+           "); goes on 5 s after that has ended";
+  }
   if (judge_.navigation() && judge_.navigation()->goal_id == mission_.goal_id()) {
     const navigation_status_t& status = *judge_.navigation();
     text += fmt::format(": {}", navigation_word(status.state));

@@ -23,6 +23,7 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/configuration/shipped_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
+#include "services/common/network/lcm_network.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/launcher/network.hpp"
 #include "services/launcher/sheriff/script_run.hpp"
@@ -58,6 +59,17 @@ int free_port() {
     }
   }
   throw std::runtime_error("no free TCP port for the simulated robot");
+}
+
+/// Two demos on two networks need two for their orders as well: LUMINAV_PROCMAN_URL, else the port above the data's.
+std::string procman_url_beside(const std::string& lcm_url) {
+  const auto data = multicast_address(lcm_url);
+  if (std::getenv("LUMINAV_PROCMAN_URL") == nullptr && data) {
+    in_addr group{data->group};
+    const std::string url = fmt::format("udpm://{}:{}?ttl=0", inet_ntoa(group), data->port + 1);
+    setenv("LUMINAV_PROCMAN_URL", url.c_str(), 1);
+  }
+  return launcher::default_procman_url();
 }
 
 /// Starts a child that gets no terminal input and dies with this process.
@@ -130,7 +142,7 @@ DemoSystem::DemoSystem(const Scenario& scenario, const std::string& mode, const 
     setenv(name, value.c_str(), 1);
   }
   configuration_ = launcher::read_pmd(shipped_file("demo.pmd"));
-  const std::string procman_url = launcher::default_procman_url();
+  const std::string procman_url = procman_url_beside(lcm_url);
   procman_ = open_lcm(procman_url);
   start_deputy(procman_url);
   if (!log_file.empty()) {
@@ -144,6 +156,7 @@ DemoSystem::DemoSystem(const Scenario& scenario, const std::string& mode, const 
 DemoSystem::~DemoSystem() {
   end_child(deputy_, 10.0);
   end_child(recorder_, 5.0);
+  end_child(viewer_, 5.0);
   std::error_code ignored;
   std::filesystem::remove_all(state_folder_, ignored);
 }
@@ -173,6 +186,12 @@ void DemoSystem::start_recorder(const Scenario& scenario, const std::string& lcm
                           state_folder_ / "record.log");
 }
 
+void DemoSystem::start_viewer(const Scenario& scenario, const std::string& lcm_url, int port) {
+  viewer_ = start_child({(program_folder() / "viewer").string(), "--robot", scenario.robot_file.string(), "--building",
+                         scenario.building_file.string(), "--lcm-url", lcm_url, "--port", std::to_string(port)},
+                        state_folder_ / "view.log");
+}
+
 std::string DemoSystem::last_words(const std::string& process) const {
   std::string last;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(state_folder_)) {
@@ -200,7 +219,7 @@ void DemoSystem::pump(lcm::LCM& data) {
 
 bool DemoSystem::is_whole() {
   for (const auto& [child, name, log] :
-       {std::tuple{&deputy_, "deputy", "deputy"}, {&recorder_, "recorder", "record"}}) {
+       {std::tuple{&deputy_, "deputy", "deputy"}, {&recorder_, "recorder", "record"}, {&viewer_, "page", "view"}}) {
     if (*child > 0 && waitpid(*child, nullptr, WNOHANG) == *child) {
       *child = -1;
       failure_ = fmt::format("the {} ended: {}", name, last_words(log));
@@ -248,6 +267,7 @@ void DemoSystem::stop() {
   }
   end_child(deputy_, 10.0);
   end_child(recorder_, 5.0);
+  end_child(viewer_, 5.0);
 }
 
 void DemoSystem::kill_process(const std::string& name) {

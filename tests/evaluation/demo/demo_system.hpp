@@ -27,7 +27,9 @@ class DemoSystem {
   /// Starts everything and waits until it is ready, handling `data`'s messages meanwhile. False when interrupted or
   /// when something does not come up: then failure() says what.
   [[nodiscard]] bool start(lcm::LCM& data);
-  /// False when what the demo itself started, deputy or recorder, has ended: then failure() says which and why.
+  /// Starts the page on this port and the next one.
+  void start_viewer(const Scenario& scenario, const std::string& lcm_url, int port);
+  /// False when what the demo itself started, deputy, recorder or page, has ended: then failure() says which and why.
   [[nodiscard]] bool is_whole();
   /// Handles what arrives within 20 ms.
   void pump(lcm::LCM& data);
@@ -52,6 +54,7 @@ class DemoSystem {
   std::string failure_;
   pid_t deputy_ = -1;
   pid_t recorder_ = -1;
+  pid_t viewer_ = -1;
 };
 
 }  // namespace luminav

@@ -44,7 +44,57 @@ struct DemoOptions {
   bool headless = false;
   std::string mode;
   std::string lcm_url;
+  bool view = false;
+  std::int64_t id = 0;
+
+  [[nodiscard]] int page_port() const { return 8080 + 2 * static_cast<int>(id); }
 };
+
+/// A second demo beside the first: networks ten ports farther on, a page two.
+void move_apart(DemoOptions& options) {
+  if (options.id < 0 || options.id > 99) {
+    throw ConfigurationError(fmt::format("--id = {}, must be between 0 and 99", options.id));
+  }
+  if (options.id > 0) {
+    unsetenv("LUMINAV_PROCMAN_URL");
+    options.lcm_url = fmt::format("udpm://239.255.76.67:{}?ttl=0", 7667 + 10 * options.id);
+  }
+}
+
+/// How a person calls a script: from here, or installed.
+std::string command(const std::string& name) {
+  const std::filesystem::path programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  return (std::filesystem::exists(programs / "launch") ? "luminav-" : "scripts/") + name;
+}
+
+void say_what_to_try(const DemoOptions& options) {
+  const std::string building = fmt::format("LUMINAV_SCENARIO={} ", options.scenario);
+  const bool is_usual = options.scenario == shipped_file("scenarios/laboratory.toml");
+  fmt::print(
+      "\nWhat to try next:\n"
+      "  {}{} {}    # the same robot goes on until Ctrl-C; then, in another terminal:\n"
+      "  {}      # watch and drive it at http://localhost:8080\n"
+      "  {} lift # send it somewhere; {} ends that, {} stops it\n",
+      is_usual ? "" : building, command("launch"), shipped_file("demo.pmd"), command("view"), command("goto"),
+      command("cancel"), command("stop"));
+}
+
+/// After the goals the page goes on: the robot is the visitor's until Ctrl-C.
+void stay(lcm::LCM& lcm, DemoSystem& system, const DemoOptions& options) {
+  fmt::print("\nThe robot is yours at http://localhost:{}/ until Ctrl-C.\n", options.page_port());
+  std::fflush(stdout);
+  while (!launcher::take_interrupt() && system.is_whole()) {
+    system.pump(lcm);
+  }
+}
+
+/// Asks the desktop, where there is one, for a browser.
+void open_browser(int port) {
+  if (isatty(STDOUT_FILENO) != 0 && (getenv("DISPLAY") != nullptr || getenv("WAYLAND_DISPLAY") != nullptr)) {
+    const std::string line = fmt::format("xdg-open http://localhost:{}/ >/dev/null 2>&1 &", port);
+    [[maybe_unused]] const int status = std::system(line.c_str());
+  }
+}
 
 /// Drives one run to its end, showing what happens. Nothing = interrupted, or the system's failure() says why.
 std::optional<RunReport> drive(lcm::LCM& lcm, DemoSystem& system, const Scenario& scenario, const WorldTruth& world,
@@ -54,6 +104,10 @@ std::optional<RunReport> drive(lcm::LCM& lcm, DemoSystem& system, const Scenario
   DemoDisplay display(lcm, judge, mission, scenario, options.headless);
   if (!system.start(lcm)) {
     return std::nullopt;
+  }
+  if (options.view) {
+    system.start_viewer(scenario, options.lcm_url, options.page_port());
+    open_browser(options.page_port());
   }
   std::set<std::size_t> killed;
   const std::int64_t started = launcher::Instant::read().steady;
@@ -102,19 +156,25 @@ int demo(int argc, char** argv) {
       .integer("--seed", options.seed, "instead of the scenario's own")
       .number("--duration", options.duration, "[s] time limit instead of the scenario's own")
       .text("--mode", options.mode, "paper | modern, for all nodes that have both; default as the robot's file says")
-      .output_file("--report", options.report, "write the report there (JSON)")
-      .output_file("--picture", options.picture, "write a picture of the run there (PNG)")
+      .output_file("--json,--report", options.report, "write the report there (JSON)")
+      .output_file("--png,--picture", options.picture, "write a picture of the run there (PNG)")
       .text("--log", options.log, "record all data channels there (lcm-logger)")
+      .flag("--view", options.view, "show the page, http://localhost:8080/, and go on with it when the goals are done")
+      .integer("--id", options.id, "of a further demo beside others, 1 to 99: on ports of its own")
       .lcm_url(options.lcm_url);
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
+  move_apart(options);
   if (!options.mode.empty() && options.mode != "paper" && options.mode != "modern") {
     throw ConfigurationError(fmt::format("--mode {}: must be paper or modern", options.mode));
   }
   Scenario scenario = read_scenario(options.scenario);
   if (options.seed >= 0) {
     scenario.seed = static_cast<std::uint64_t>(options.seed);
+  }
+  if (options.duration < 0.0) {
+    throw ConfigurationError(fmt::format("--duration = {}, must be above 0 s", options.duration));
   }
   if (options.duration > 0.0) {
     scenario.duration = options.duration;
@@ -137,16 +197,31 @@ int demo(int argc, char** argv) {
   const auto lcm = open_lcm(options.lcm_url);
   launcher::catch_interrupts();
   fmt::print("demo: {} with seed {}, world {}, on {}\n", scenario.name, scenario.seed, world.hash, options.lcm_url);
+  if (options.view) {
+    fmt::print("demo: the page is at http://localhost:{}/\n", options.page_port());
+  } else if (options.id > 0) {
+    fmt::print("demo: other terminals say first: export LUMINAV_LCM_URL='{}'; the page is {} --port {}\n",
+               options.lcm_url, command("view"), options.page_port());
+  } else {
+    fmt::print("demo: to watch it, say {} in another terminal\n", command("view"));
+  }
   std::fflush(stdout);
   DemoSystem system(scenario, options.mode, options.lcm_url, options.log);
   const std::optional<RunReport> report = drive(*lcm, system, scenario, world, options);
   const bool was_whole = system.is_whole();
+  if (report && was_whole && options.view) {
+    fmt::print("{}", to_text(*report));
+    stay(*lcm, system, options);
+  }
   system.stop();
   if (!report) {
     fmt::print("demo: {}\n", system.failure().empty() ? "interrupted, everything stopped" : system.failure());
     return system.failure().empty() ? 130 : 1;
   }
-  fmt::print("{}", to_text(*report));
+  if (!options.view) {
+    fmt::print("{}", to_text(*report));
+    say_what_to_try(options);
+  }
   if (!options.report.empty()) {
     write_whole_file(options.report, to_json(*report));
   }

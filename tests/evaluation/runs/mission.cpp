@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <luminav/goal_t.hpp>
 #include <luminav/initial_pose_t.hpp>
@@ -14,7 +15,8 @@ namespace {
 
 constexpr std::int64_t kRepeat = 200'000;     // [us] requests go out at 5 Hz until echoed
 constexpr std::int64_t kSettled = 1'000'000;  // [us] a final state must last that long: replanning may pass through one
-constexpr std::int64_t kGoalDelay = 1'000'000;  // [us] between the first truth and the first request
+constexpr std::int64_t kForeignRest = 5'000'000;  // [us] that a person has to go on with what he began
+constexpr std::int64_t kGoalDelay = 1'000'000;    // [us] between the first truth and the first request
 
 // What "arrived" promises: the planner's heading_tolerance of 5 degrees by its own belief, and three times the 2
 // degrees RMS that the localizer may be off by in a building that was not surveyed.
@@ -82,8 +84,12 @@ void Mission::on_truth(const sim_truth_t& truth) {
       request_poses_.push_back({truth.x, truth.y, truth.theta});
       driven_.push_back(0.0);
     }
-    send_goal(truth.utime);
-    watch_goal(truth);
+    if (is_interrupted()) {
+      watch_foreign_goal(truth.utime);
+    } else {
+      send_goal(truth.utime);
+      watch_goal(truth);
+    }
   }
 }
 
@@ -142,6 +148,18 @@ void Mission::watch_goal(const sim_truth_t& truth) {
   // who is carried off upon its arrival had arrived where it was lifted
   if (truth.utime - ended_since_ >= kSettled || (arrived && truth.carried)) {
     finish_goal(standing_.value_or(truth), arrived);
+  }
+}
+
+// Ids grow: ours must be newer than that of whoever came between.
+void Mission::watch_foreign_goal(std::int64_t utime) {
+  if (!is_final(navigation_->state)) {
+    ended_since_ = 0;
+  } else if (ended_since_ == 0) {
+    ended_since_ = utime;
+  } else if (utime - ended_since_ >= kForeignRest) {
+    goal_id_ = std::max(utime, navigation_->goal_id + 1);
+    ended_since_ = 0;
   }
 }
 
@@ -206,7 +224,7 @@ std::vector<GoalResult> Mission::final_results() const {
       missed.error_m = std::hypot(truth_->x - wanted.pose.x, truth_->y - wanted.pose.y);
     }
     missed.cause = i == results_.size() && navigation_ && navigation_->goal_id == goal_id_
-                       ? "out of time: " + navigation_->cause
+                       ? "out of time" + (navigation_->cause.empty() ? "" : ": " + navigation_->cause)
                        : "out of time";
     all.push_back(missed);
   }

@@ -28,6 +28,8 @@ class Mission {
   [[nodiscard]] const std::vector<GoalResult>& results() const { return results_; }
   /// Of the current goal's request; 0 = it is not requested yet.
   [[nodiscard]] std::int64_t goal_id() const { return goal_id_; }
+  /// Somebody else's request has the robot; the current goal is sent again once that has ended.
+  [[nodiscard]] bool is_interrupted() const { return goal_id_ != 0 && navigation_ && navigation_->goal_id > goal_id_; }
   /// Results with the goals that were never ended counted as missed.
   [[nodiscard]] std::vector<GoalResult> final_results() const;
   [[nodiscard]] std::size_t current_goal() const { return results_.size(); }
@@ -52,6 +54,7 @@ class Mission {
   void tell_start(const sim_truth_t& truth);
   void send_goal(std::int64_t utime);
   void watch_goal(const sim_truth_t& truth);
+  void watch_foreign_goal(std::int64_t utime);
   void finish_goal(const sim_truth_t& truth, bool arrived);
 
   lcm::LCM& lcm_;

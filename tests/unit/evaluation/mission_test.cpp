@@ -107,5 +107,59 @@ TEST(Mission, AsksForNoHeadingWhereTheGoalHasNone) {
   EXPECT_FALSE(result.heading_error_deg.has_value());
 }
 
+/// A robot that stands, and a planner that is asked by the mission and by somebody else.
+class SharedRobot : public ::testing::Test {
+ protected:
+  SharedRobot() { scenario_.goals = {goal_with_heading(0.0)}; }
+
+  void pass(std::int64_t ticks, std::int64_t goal_id, int state) {
+    for (std::int64_t i = 0; i < ticks; ++i) {
+      sim_truth_t truth{};
+      truth.utime = utime_ += kTick;
+      truth.x = 2.0;
+      truth.y = 3.0;
+      lcm_.publish(channels::kSimTruth, &truth);
+      navigation_status_t status{};
+      status.goal_id = goal_id;
+      status.state = static_cast<std::int8_t>(state);
+      lcm_.publish(channels::kNavigationStatus, &status);
+      while (lcm_.handleTimeout(0) > 0) {
+      }
+    }
+  }
+
+  lcm::LCM lcm_{"memq://"};
+  Scenario scenario_;
+  std::int64_t utime_ = 0;
+};
+
+TEST_F(SharedRobot, MissionSendsItsGoalAgainWhenSomebodyElsesHasEnded) {
+  Mission mission(lcm_, scenario_);
+  pass(20, 0, navigation_status_t::STATE_IDLE);
+  const std::int64_t first = mission.goal_id();
+  pass(5, first, navigation_status_t::STATE_FOLLOWING);
+  EXPECT_FALSE(mission.is_interrupted());
+  const std::int64_t foreign = first + 1'000'000'000;
+  pass(100, foreign, navigation_status_t::STATE_FOLLOWING);
+  EXPECT_TRUE(mission.is_interrupted());
+  EXPECT_EQ(mission.goal_id(), first) << "somebody else's goal is not taken away";
+  pass(100, foreign, navigation_status_t::STATE_CANCELLED);
+  EXPECT_FALSE(mission.is_interrupted());
+  EXPECT_GT(mission.goal_id(), foreign);
+  pass(30, mission.goal_id(), navigation_status_t::STATE_ARRIVED);
+  EXPECT_TRUE(mission.is_finished());
+  EXPECT_EQ(mission.failure(), "");
+}
+
+TEST_F(SharedRobot, MissionLeavesAGoalThatSomebodyPausedAlone) {
+  Mission mission(lcm_, scenario_);
+  pass(20, 0, navigation_status_t::STATE_IDLE);
+  const std::int64_t first = mission.goal_id();
+  pass(5, first, navigation_status_t::STATE_FOLLOWING);
+  pass(200, first + 1, navigation_status_t::STATE_PAUSED);
+  EXPECT_TRUE(mission.is_interrupted());
+  EXPECT_EQ(mission.goal_id(), first);
+}
+
 }  // namespace
 }  // namespace luminav
