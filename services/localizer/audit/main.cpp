@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <future>
@@ -45,8 +46,21 @@ struct Findings {
   }
 };
 
+/// Says on standard error what goes on, for a person who waits.
+void say(const std::string& what) {
+  fmt::print(stderr, "audit: {}\n", what);
+}
+
+void say_share(std::size_t done, std::size_t count) {
+  const std::size_t tenth = std::max<std::size_t>(1, count / 10);
+  if (done % tenth == 0 && done < count) {
+    say(fmt::format("{} of {} places", done, count));
+  }
+}
+
 // Each thread takes a stretch of neighbouring places.
 std::vector<double> resolving_distances(const RivalGround& ground) {
+  std::atomic<std::size_t> done = 0;
   const std::size_t count = ground.points.size();
   const std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
   std::vector<double> distances(count);
@@ -56,6 +70,7 @@ std::vector<double> resolving_distances(const RivalGround& ground) {
       ResolvingWalk walk(ground);
       for (std::size_t i = t * count / threads; i < (t + 1) * count / threads; ++i) {
         distances[i] = walk.length(static_cast<std::int32_t>(i));
+        say_share(++done, count);
       }
     }));
   }
@@ -203,11 +218,15 @@ int run(int argc, char** argv) {
   }
   AuditParams params;
   params.with_elements = with_elements;
+  say(fmt::format("where do {} fixtures look alike?", building.fixtures.size()));
   const AmbiguityAudit audit(building, walls, read_robot(std::filesystem::path(robot_file)).camera, params);
   if (audit.places().empty()) {
     throw std::runtime_error(file.string() + ": its map has no place where a robot could stand");
   }
-  const Findings findings{building, audit, resolving_distances(audit.ground()), audit.best_changes(3)};
+  say(fmt::format("how far to drive from each of {} places until the pose is told?", audit.places().size()));
+  std::vector<double> distances = resolving_distances(audit.ground());
+  say("which change would help?");
+  const Findings findings{building, audit, std::move(distances), audit.best_changes(3)};
   print(findings);
   if (!json_file.empty()) {
     write_json(json_file, findings);
