@@ -174,6 +174,9 @@ void ControllerNode::on_sonar(const sonar_t& message) {
       continue;  // told already
     }
     const std::optional<Pose2> place = odometry_.odom_from_robot_at(message.range_utime[i]);
+    if (!place && message.range_utime[i] < odometry_.began()) {
+      continue;  // each SONAR tells of all discs: some fired before this process listened
+    }
     const bool is_ahead = odometry_.is_too_far_ahead(message.range_utime[i]);
     if (!std::isfinite(range) || range < 0.0 || range > 50.0 || !place || is_ahead) {
       subscriber_.drop("SONAR: impossible range or stamp");

@@ -15,6 +15,7 @@ constexpr std::int64_t kTooFarAhead = 200'000;  // [us] motion is not extrapolat
 }  // namespace
 
 void RecentOdometry::add(const odometry_t& message) {
+  began_ = messages_.empty() ? message.utime : began_;
   messages_.push_back(message);
   while (messages_.front().utime < message.utime - kKept) {
     messages_.pop_front();

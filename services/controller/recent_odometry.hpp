@@ -14,11 +14,16 @@ class RecentOdometry {
  public:
   /// Takes up a message of the same session, not older than the last.
   void add(const odometry_t& message);
-  void clear() { messages_.clear(); }
+  void clear() {
+    messages_.clear();
+    began_ = 0;
+  }
 
   [[nodiscard]] bool empty() const { return messages_.empty(); }
   /// Not when empty.
   [[nodiscard]] const odometry_t& newest() const { return messages_.back(); }
+  /// Stamp of the first message since it was cleared; 0 when empty.
+  [[nodiscard]] std::int64_t began() const { return began_; }
   /// Between two messages interpolated, after the newest driven on for 0.2 s at most; nothing before the oldest.
   [[nodiscard]] std::optional<Pose2> odom_from_robot_at(std::int64_t utime) const;
   /// Farther ahead of the newest than that: no measurement of this clock's. Not when empty.
@@ -26,6 +31,7 @@ class RecentOdometry {
 
  private:
   std::deque<odometry_t> messages_;  // oldest first
+  std::int64_t began_ = 0;           // [us]
 };
 
 }  // namespace luminav

@@ -202,6 +202,37 @@ TEST_F(ControllerNodeTest, StopsWhenTheSonarsFallSilent) {
   EXPECT_DOUBLE_EQ(loop_.command_message().angular_z, 0.0);
 }
 
+TEST_F(ControllerNodeTest, CountsNoSonarAsImpossibleThatFiredBeforeItListened) {
+  lcm::LCM lcm("memq://");
+  ControllerNode node(lcm, config_);
+  constexpr std::int64_t kBegin = 1'700'000'000'000'000;  // [us]
+  odometry_t odometry{};
+  odometry.utime = kBegin;
+  odometry.session = 1;
+  lcm.publish(channels::kOdometry, &odometry);
+  sonar_t sonar{};
+  sonar.utime = kBegin + 10'000;
+  sonar.session = 1;
+  sonar.count = static_cast<std::int32_t>(config_.robot.sonar.robot_from_sonar.size());
+  const auto count = static_cast<std::size_t>(sonar.count);
+  sonar.range.assign(count, 2.0);
+  sonar.range_utime.assign(count, kBegin - 600'000);
+  sonar.fresh.assign(count, 1);
+  sonar.has_echo.assign(count, 1);
+  lcm.publish(channels::kSonar, &sonar);
+  const auto drain = [&] {
+    while (lcm.handleTimeout(0) > 0) {
+    }
+  };
+  drain();
+  EXPECT_EQ(node.health().dropped_inputs, 0);
+  sonar.utime += 100'000;
+  sonar.range_utime.assign(count, kBegin + 60'000'000);
+  lcm.publish(channels::kSonar, &sonar);
+  drain();
+  EXPECT_EQ(node.health().dropped_inputs, sonar.count) << "a stamp from the future is still one";
+}
+
 TEST_F(ControllerNodeTest, CommandsNothingWhileTheMotorsAreOff) {
   drive_off();
   loop_.motors = false;
