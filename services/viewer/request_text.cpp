@@ -127,13 +127,20 @@ std::int8_t read_action(const std::string& word) {
   throw RequestError("action: must be go, cancel, pause or resume");
 }
 
+std::int8_t read_policy(const std::string& word) {
+  if (word == "stop") return goal_t::POLICY_STOP;
+  if (word == "skip") return goal_t::POLICY_SKIP;
+  if (word == "retry") return goal_t::POLICY_RETRY;
+  throw RequestError("policy: must be stop, skip or retry");
+}
+
 }  // namespace
 
 goal_t read_goal_request(const std::string& body, const Building& building) {
-  const Json object = read_object(body, {"action", "poses", "loop"});
+  const Json object = read_object(body, {"action", "poses", "loop", "policy"});
   goal_t goal{};
   goal.action = read_action(text(object, "action"));
-  goal.policy = goal_t::POLICY_STOP;
+  goal.policy = object.contains("policy") ? read_policy(text(object, "policy")) : goal_t::POLICY_STOP;
   if (goal.action != goal_t::ACTION_GO) {
     return goal;
   }

@@ -39,7 +39,8 @@ std::string_view name_of(ProcessOrder::Action action);
 // Each reads the JSON body of a request strictly: unknown keys, wrong types, numbers that are not finite or farther
 // than 10 km are a RequestError. Stamps, ids and the sender's name are left to the desk.
 
-/// {"action": "go" | "cancel" | "pause" | "resume", "poses": [{"x", "y", "theta"?, "wait"?} | {"place"}], "loop"?}.
+/// {"action": "go" | "cancel" | "pause" | "resume", "poses": [{"x", "y", "theta"?, "wait"?} | {"place"}], "loop"?,
+/// "policy"?: "stop" | "skip" | "retry" when a pose cannot be reached}.
 goal_t read_goal_request(const std::string& body, const Building& building);
 /// {"engaged": true | false}. Anything unreadable engages: a stop that is misspelt still stops.
 stop_t read_stop_request(const std::string& body);

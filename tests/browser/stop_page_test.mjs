@@ -1,64 +1,16 @@
 // stop_page_test SOURCE FOLDER: what the page says of STOP and of values that make no sense, in Chromium, with a viewer
 // that is only pretended. Needs playwright-core under FOLDER; pictures stay there.
 import assert from 'node:assert/strict';
-import {existsSync, mkdirSync, readdirSync, readFileSync} from 'node:fs';
-import {createServer} from 'node:http';
-import {createRequire} from 'node:module';
-import {userInfo} from 'node:os';
+
+import {PretendedViewer, standing, startBrowser} from './pretended_viewer.mjs';
 
 const [source, folder] = process.argv.slice(2);
-const web = `${source}/services/viewer/web`;
-const types = {html: 'text/html', css: 'text/css', js: 'text/javascript', svg: 'image/svg+xml'};
-
-const building = {name: 'hut', fixtures: [], elements: [], doors: [], windows: [], places: [{name: 'lift', x: 1, y: 2}],
-  robot: {maximum_linear: 0.5, maximum_angular: 1, footprint: [[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]],
-    sonar: {discs: [], opening_angle: 0.3, maximum_range: 3}}};
-const standing = () => ({
-  utime: 1e15, ages: {POSE: 0.02, ROBOT_STATUS: 0.02, CONTROL_STATUS: 0.02, NAVIGATION_STATUS: 0.1}, requests: [],
-  pose: {state: 2, x: 1, y: 1, theta: 0, covariance: [1e-4, 0, 0, 0, 1e-4, 0, 0, 0, 1e-4], reason: '', nis: 1, distance_since_fixture: 0.3},
-  robot: {connected: true, motors_enabled: true, stop_engaged: false, stop_button: false, battery_voltage: 12.5, linear: 0, angular: 0, reason: ''},
-  control: {state: 0, reason: '', linear: 0, angular: 0, clearance: 1, stop_engaged: false},
-  navigation: {state: 0, pose_count: 0, pose_index: 0, distance_left: 0, cause: ''}});
-const viewer = {state: standing(), answers: true, mayCommand: true, stops: 0, heard: []};
-
-const server = createServer((request, response) => {
-  const path = request.url === '/' ? '/index.html' : request.url.split('?')[0];
-  if (path === '/events') {
-    response.writeHead(200, {'Content-Type': 'text/event-stream'});
-    const timer = setInterval(() => response.write(`event: state\ndata: ${JSON.stringify(viewer.state)}\n\n`), 50);
-    request.on('close', () => clearInterval(timer));
-  } else if (path.startsWith('/api/')) {
-    if (!viewer.answers) return;  // as one that is frozen
-    let body = '';
-    request.on('data', (piece) => { body += piece; });
-    request.on('end', () => {
-      viewer.heard.push(`${path} ${body}`);
-      response.end(path === '/api/watch' ? JSON.stringify({may_command: viewer.mayCommand}) : '{"id":7}');
-    });
-  } else if (path === '/building.json') response.end(JSON.stringify(building));
-  else if (path === '/settings.json') response.end(JSON.stringify({command_port: server.address().port, needs_token: true}));
-  else if (readdirSync(web).includes(path.slice(1))) {
-    response.writeHead(200, {'Content-Type': types[path.split('.').at(-1)]});
-    response.end(readFileSync(web + path));
-  } else {
-    response.writeHead(404);
-    response.end();
-  }
-});
-await new Promise((listening) => server.listen(0, '127.0.0.1', listening));
-
-const executablePath = process.env.LUMINAV_CHROMIUM ?? '/usr/bin/chromium';
-if (!existsSync(executablePath)) {
-  console.log(`skipped: no ${executablePath}`);
-  process.exit(77);
-}
-mkdirSync(`${folder}/pictures`, {recursive: true});
-const {chromium} = createRequire(`${folder}/`)('playwright-core');
-const browser = await chromium.launch({executablePath, args: userInfo().uid === 0 ? ['--no-sandbox'] : []});
+const viewer = await new PretendedViewer(source).listen();
+const browser = await startBrowser(folder);
 const open = async (options) => {
   const page = await (await browser.newContext(options)).newPage();
   page.on('pageerror', (error) => { throw error; });
-  await page.goto(`http://127.0.0.1:${server.address().port}/#token=0123456789abcdef`);
+  await page.goto(viewer.address);
   return page;
 };
 const pages = {
@@ -157,7 +109,6 @@ try {
   await look('failed-stop-page').catch(() => {});
 } finally {
   await browser.close();
-  server.closeAllConnections();
-  server.close();
+  viewer.close();
 }
 process.exit(failure ? 1 : 0);

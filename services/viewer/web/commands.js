@@ -52,7 +52,8 @@ async function command(name, body) {
   }
 }
 
-export const go = (poses, loop = false) => command('goal', {action: 'go', poses, loop});
+// `skips`: a stop that cannot be reached is left out instead of ending the goal.
+export const go = (poses, loop = false, skips = loop) => command('goal', {action: 'go', poses, loop, policy: skips ? 'skip' : 'stop'});
 export const goal = (action) => command('goal', {action});
 export const motorsOn = () => command('motors', {enable: true});
 export const initialPose = (x, y, theta) => command('initial_pose', {x, y, theta});

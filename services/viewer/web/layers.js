@@ -82,6 +82,7 @@ export function drawCeiling(context, view, building, colours) {
 export function drawPlaces(context, view, building, colours) {
   context.font = '12px system-ui, sans-serif';
   context.textAlign = 'center';
+  const written = [];  // no name over another's: who wants to read them all comes nearer
   for (const place of building.places) {
     const [px, py] = view.toScreen(place.x, place.y);
     context.fillStyle = colours.place;
@@ -93,6 +94,8 @@ export function drawPlaces(context, view, building, colours) {
     context.strokeStyle = colours.halo;
     const half = context.measureText(place.name).width / 2 + 4;
     const middle = px < 0 || px > view.width ? px : Math.min(Math.max(px, half), view.width - half);
+    if (written.some(([x, y, reach]) => Math.abs(x - middle) < reach + half && Math.abs(y - py) < 14)) continue;
+    written.push([middle, py, half]);
     context.strokeText(place.name, middle, py - 8);
     context.fillText(place.name, middle, py - 8);
   }

@@ -3,7 +3,12 @@ import {Connection} from './connection.js';
 import {Theme} from './colours.js';
 import {Ground} from './ground.js';
 import {guarded, whatIsBroken} from './guard.js';
+import {Goals} from './goals.js';
+import {Happenings} from './happenings.js';
+import {drawCrosshair, listenForStop, listenOnMap} from './keyboard.js';
 import * as draw from './layers.js';
+import {MEANINGS, explain, mark} from './legend.js';
+import {download, mapPicture} from './map_picture.js';
 import {MapView} from './map_view.js';
 import {NAVIGATION, nameOf} from './names.js';
 import {Panels, note} from './panels.js';
@@ -25,7 +30,11 @@ const view = new MapView($('map'));
 const panels = new Panels();
 const picture = new Picture($('camera'), $('camera-caption'), $('camera-none'));
 const connection = new Connection();
-const processes = new Processes(ask, note);
+const happenings = new Happenings({list: $('happened'), save: $('happened-save'), clear: $('happened-clear')});
+const processes = new Processes(ask, (subject, text, tone, seconds) => {
+  note(subject, text, tone, seconds);
+  happenings.add(text, tone);
+});
 const steering = new Steering({stick: $('stick'), knob: $('knob'), keysButton: $('keys'), word: $('hand-word')}, connection);
 
 const stop = new Stop(ask, (number) => nameOf(NAVIGATION, number));
@@ -35,8 +44,6 @@ let state = null;
 let path = null;
 let cloud = null;
 let hypotheses = [];
-let draft = null;        // {x, y, theta}: a goal that is not sent yet
-let route = [];
 let isFollowing = false;
 let isFitted = false;
 const trails = new Trails();
@@ -72,11 +79,7 @@ fetch('building.json').then((answer) => answer.json()).then((known) => {
   steering.limits = {linear: known.robot.maximum_linear, angular: known.robot.maximum_angular};
   $('building').textContent = known.name;
   document.title = `Luminav · ${known.name}`;
-  for (const place of known.places) {
-    const chip = Object.assign(document.createElement('button'), {textContent: place.name});
-    chip.addEventListener('click', () => ask('go', () => commands.go([{place: place.name}]), `to ${place.name}`));
-    $('places').append(chip);
-  }
+  goals.setPlaces(known.places);
   if (!isFitted) fit();
   redrawAll();
 });
@@ -85,6 +88,8 @@ connection.addEventListener('state', ({detail}) => {
   state = detail;
   const {pose, ages} = state;
   stop.show(state);
+  guarded('what happened', () => happenings.watch(state, building));
+  picture.watch(ages);
   guarded('the trail', () => trails.extend(state, STALE_S));
   if (isFollowing && Number.isFinite(pose?.x) && Number.isFinite(pose?.y) && ages.POSE < STALE_S) view.centre = [pose.x, pose.y];
   panels.show(state, building);
@@ -96,7 +101,10 @@ connection.addEventListener('nodes', ({detail}) => {
   guarded('the delays', () => panels.showDelays(detail));
   guarded('the charts', () => panels.drawCharts(theme.colours));
 });
-connection.addEventListener('processes', ({detail}) => guarded('the processes', () => processes.showCommands(detail)));
+connection.addEventListener('processes', ({detail}) => guarded('the processes', () => {
+  processes.showCommands(detail);
+  happenings.watchProcesses(detail);
+}));
 connection.addEventListener('path', ({detail}) => { path = detail; redraw(); });
 connection.addEventListener('tile', ({detail}) => guarded('the map', () => tiles.take(detail)));
 connection.addEventListener('picture', ({detail}) => guarded('the camera', () => picture.show(detail)));
@@ -151,7 +159,7 @@ function showRequests(requests) {
     reported.set(kind, id);
     if (fate === 'unanswered' && age < 20) note(kind, `${kind.replace('_', ' ')}: ${objection || `${OWNERS[kind]} did not answer`}`, 'bad');
     if (fate === 'answered' && objection && age < 20) note(kind, `${kind}: ${objection}`, 'bad');
-    if (fate === 'answered' && kind === 'map' && !objection && age < 20) note(kind, 'map: done', '', 3);
+    if (fate === 'answered' && kind === 'map' && !objection && age < 20) note(kind, "map: done; saved maps are map.yaml and map.pgm in the mapper's state folder", '', 6);
   }
 }
 
@@ -161,6 +169,7 @@ async function ask(subject, send, what) {
     note(subject, `Asked: ${subject} ${what}`.trim(), '', 2.5);
   } catch (error) {
     note(subject, `${subject} failed: ${error.message}`, 'bad');
+    happenings.add(`${subject} failed: ${error.message}`, 'bad');
   }
 }
 
@@ -168,12 +177,7 @@ async function ask(subject, send, what) {
 let lastStop = 0;
 $('stop').addEventListener('pointerdown', () => { lastStop = performance.now(); stop.press(); });
 $('stop').addEventListener('click', () => { if (performance.now() - lastStop > 1000) stop.press(); });  // by key or reader
-addEventListener('keydown', (event) => {
-  if (event.code !== 'Space' || event.target.closest?.('input[type=text], textarea')) return;
-  event.preventDefault();
-  if (!event.repeat) stop.press();
-}, true);
-addEventListener('keyup', (event) => { if (event.code === 'Space') event.preventDefault(); }, true);  // presses no button
+listenForStop(() => stop.press());
 
 $('motors').addEventListener('click', () => ask('motors', commands.motorsOn, 'on'));
 $('cancel').addEventListener('click', () => ask('cancel', () => commands.goal('cancel'), 'the goal'));
@@ -182,50 +186,9 @@ $('pause').addEventListener('click', () => {
   ask(action, () => commands.goal(action), '');
 });
 
-// ---- goals by tapping
-
-function setDraft(next) {
-  draft = next;
-  $('ask').hidden = !draft;
-  if (draft) {
-    const heading = draft.theta === undefined ? '' : `, ${Math.round(draft.theta * 180 / Math.PI)}°`;
-    $('ask-text').textContent = `${draft.x.toFixed(2)}, ${draft.y.toFixed(2)} m${heading}`;
-  }
-  redraw();
-}
-
-function setRoute(next) {
-  route = next;
-  $('route').hidden = route.length === 0;
-  $('route-stops').replaceChildren(...route.map((stop) => Object.assign(document.createElement('li'),
-    {textContent: `${stop.x.toFixed(1)}, ${stop.y.toFixed(1)} m`})));
-  redraw();
-}
-
-view.addEventListener('tap', ({detail: [x, y]}) => {
-  $('ask').classList.toggle('high', view.toScreen(x, y)[1] > view.height / 2);  // never over the goal itself
-  setDraft({x, y, theta: undefined});
-});
-view.addEventListener('handle', ({detail: [x, y]}) => {
-  if (draft) setDraft({...draft, theta: Math.atan2(y - draft.y, x - draft.x)});
-});
-const asPose = ({x, y, theta}) => (theta === undefined ? {x, y} : {x, y, theta});
-$('ask-go').addEventListener('click', () => {
-  const pose = asPose(draft);
-  setDraft(null);
-  ask('go', () => commands.go([pose]), `to ${pose.x.toFixed(1)}, ${pose.y.toFixed(1)}`);
-});
-$('ask-add').addEventListener('click', () => { setRoute([...route, asPose(draft)]); setDraft(null); });
-$('ask-here').addEventListener('click', () => {
-  if (draft.theta === undefined) { note('pose', 'Drag the knob to where the robot looks first.', 'warn'); return; }
-  const {x, y, theta} = draft;
-  setDraft(null);
-  ask('pose', () => commands.initialPose(x, y, theta), 'told to the localizer');
-});
-$('ask-close').addEventListener('click', () => setDraft(null));
-addEventListener('keydown', (event) => { if (event.key === 'Escape') setDraft(null); });
-$('route-go').addEventListener('click', () => ask('route', () => commands.go(route, $('route-loop').checked), ''));
-$('route-clear').addEventListener('click', () => setRoute([]));
+const goals = new Goals({view, ask, note, redraw: () => redraw(), isTight: (x, y) => tiles.isOccupiedNear(x, y, halfWidth())});
+// [m] that must be free on each side of the middle between the wheels
+function halfWidth() { return Math.max(0, ...(building?.robot.footprint.map(([, y]) => Math.abs(y)) ?? [])) + 0.04; }
 
 // ---- the map
 
@@ -251,19 +214,42 @@ view.addEventListener('resize', () => {
   oldSize = [view.width, view.height];
   if (isRough && !isFollowing) fit();
 });
-theme.addEventListener('change', () => { tiles.setColours(theme.colours.tiles); redrawAll(); });
+theme.addEventListener('change', () => { tiles.setColours(theme.colours.tiles); colourLegend(); redrawAll(); });
+listenOnMap(view, {choose: (x, y) => { goals.tap(x, y); $('ask-go').focus(); }, fit: () => $('fit').click(),
+  isSteering: () => $('keys').getAttribute('aria-pressed') === 'true'});
 tiles.setColours(theme.colours.tiles);
 
+const swatches = [];
 for (const [key, label] of draw.LAYERS) {
   const box = Object.assign(document.createElement('input'), {type: 'checkbox', checked: layers[key]});
   box.addEventListener('change', () => { layers[key] = box.checked; redrawAll(); });
   const line = document.createElement('label');
-  line.append(box, label);
+  const swatch = document.createElement('span');
+  swatches.push([swatch, key]);
+  line.append(box, swatch, label);
+  line.title = MEANINGS[key][2];
   $('layers').append(line);
 }
+function colourLegend() {
+  for (const [swatch, key] of swatches) swatch.replaceChildren(mark(key, theme.colours));
+  explain($('legend'), draw.LAYERS, theme.colours);
+}
+colourLegend();
+// Not modal: nothing may lie over STOP.
+$('help-button').addEventListener('click', () => ($('help').open ? $('help').close() : $('help').show()));
+addEventListener('keydown', (event) => { if (event.key === 'Escape') $('help').close(); });
 $('layers-button').addEventListener('click', () => {
   $('layers').hidden = !$('layers').hidden;
   $('layers-button').setAttribute('aria-expanded', String(!$('layers').hidden));
+});
+
+$('map-picture').addEventListener('click', () => {
+  if (!tiles.geometry) { note('map', 'There is no map yet.', 'warn'); return; }
+  mapPicture(tiles, building, theme.colours).toBlob((blob) => {
+    const name = `${building?.name ?? 'map'}.png`;
+    download(blob, name);
+    note('map', `The map is in ${name} (${(blob.size / 1e3).toFixed(0)} kB), where your browser puts what it downloads.`);
+  });
 });
 
 function drawScale() {
@@ -315,7 +301,10 @@ function paint() {
     draw.drawRobot(context, view, pose, building.robot, colours.tracking, colours.halo, true);
     if (state.control && layers.forces) draw.drawForces(context, view, pose, state.control, colours);
   }
-  route.forEach((stop) => draw.drawGoal(context, view, [stop.x, stop.y, stop.theta], colours.draft));
+  goals.route.forEach((stop) => draw.drawGoal(context, view, [stop.x, stop.y, stop.theta],
+    goals.isTight(stop.x, stop.y) ? colours.lost : colours.draft));
+  drawCrosshair(context, view, colours.draft);
+  const {draft} = goals;
   view.handle = null;
   if (draft) {
     draw.drawGoal(context, view, [draft.x, draft.y, draft.theta], colours.draft, KNOB_PX);

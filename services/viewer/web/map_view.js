@@ -50,6 +50,13 @@ export class MapView extends EventTarget {
     this.changed();
   }
 
+  // By pixels of the screen, to the right and up.
+  pan(right, up) {
+    this.centre = [this.centre[0] + right / this.scale, this.centre[1] + up / this.scale];
+    this.dispatchEvent(new Event('pan'));
+    this.changed();
+  }
+
   fit([left, bottom, right, top]) {
     this.centre = [(left + right) / 2, (bottom + top) / 2];
     this.scale = Math.min(400, Math.max(2, 0.94 * Math.min(this.width / (right - left), this.height / (top - bottom))));

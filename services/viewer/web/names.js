@@ -17,8 +17,29 @@ export function spot(point, building) {
   return place ? place.name : `(${point[0].toFixed(1)}, ${point[1].toFixed(1)})`;
 }
 
+const SILENT_S = 2;       // [s] of what comes several times a second
+const PLANNER_S = 4;      // [s] the planner speaks less often
+
+// What the robot has to do without, as a sentence behind the other; '' while all is there.
+function missing({ages}) {
+  const lacks = [['CAMERA_IMAGE', 'no picture from its camera'], ['FIXTURE_DETECTIONS', 'no word from its detector'], ['SONAR', 'no sonar']]
+    .filter(([channel]) => ages[channel] > SILENT_S);
+  return lacks.length ? ` It has had ${lacks[0][1]} for ${Math.round(ages[lacks[0][0]])} s.` : '';
+}
+
 // One sentence: what the robot does, or why not.
 export function sentence(state, building) {
+  const {robot, control, navigation, ages} = state;
+  if (robot?.connected && control && ages.CONTROL_STATUS > SILENT_S) {
+    return `The controller has been silent for ${Math.round(ages.CONTROL_STATUS)} s: the robot stands.`;
+  }
+  if (robot?.connected && navigation && ages.NAVIGATION_STATUS > PLANNER_S && !robot.stop_engaged) {
+    return `The planner has been silent for ${Math.round(ages.NAVIGATION_STATUS)} s.${missing(state)}`;
+  }
+  return doing(state, building) + missing(state);
+}
+
+function doing(state, building) {
   const {robot, control, navigation, pose} = state;
   if (robot && !robot.connected) return `The robot is not connected. ${robot.reason}`;
   if (robot?.stop_button) return 'The stop button on the robot is pressed.';

@@ -1,45 +1,65 @@
 // Words and figures beside the map.
 import {Chart} from './charts.js';
 import {guarded} from './guard.js';
-import {CONTROL, NAVIGATION, POSE, degrees, metres, nameOf, sentence} from './names.js';
+import {CONTROL, NAVIGATION, POSE, degrees, metres, nameOf, sentence, spot} from './names.js';
 
 const $ = (id) => document.getElementById(id);
 const STALE_S = 1.0;  // the slowest of the channels that must not stop comes at 10 Hz
 
-const FACTS = ['Pose', 'Why', 'Goal', 'Motion', 'Controller', 'Free space', 'Last fixture', 'Battery', 'Motors', 'Stop', 'Contact',
-  'Delay', 'Truth'];
+const OLD_S = 3.0;
+
+// For everybody, and what only experts want to know.
+const FACTS = ['Where', 'Goal', 'Speed', 'Room ahead', 'Battery', 'Motors', 'Stop', 'Contact'];
+const NUMBERS = ['Pose', 'Why', 'Motion', 'Controller', 'Last lamp', 'Delay', 'Truth'];
 
 function setText(element, text) { if (element.textContent !== text) element.textContent = text; }
 
 export class Panels {
   constructor() {
     this.charts = {
-      sigma: new Chart($('charts'), 'position ±', 'cm', 1, 5),
+      sigma: new Chart($('charts'), 'how sure (±)', 'cm', 1, 5),
       speed: new Chart($('charts'), 'speed', 'm/s', 2, 0.5),
       nis: new Chart($('charts'), 'innovation²', '', 2, 2),
       error: new Chart($('charts'), 'true error', 'cm', 1, 5),
     };
+    this.charts.nis.figure.classList.add('numbers');
     this.charts.error.hide();
     this.facts = new Map();
-    for (const name of FACTS) {  // their order is fixed, whoever speaks first
+    this.ages = {};
+    for (const name of [...FACTS, ...NUMBERS]) {  // their order is fixed, whoever speaks first
       const entry = {term: document.createElement('dt'), value: document.createElement('dd')};
       entry.term.textContent = name;
+      entry.term.classList.toggle('numbers', NUMBERS.includes(name));
       entry.term.hidden = entry.value.hidden = true;
       $('facts').append(entry.term, entry.value);
       this.facts.set(name, entry);
     }
+    const show = (isOn) => {
+      document.body.classList.toggle('experts', isOn);
+      $('numbers').setAttribute('aria-pressed', String(isOn));
+    };
+    show(localStorage.getItem('numbers') === 'yes');
+    $('numbers').addEventListener('click', () => {
+      const isOn = !document.body.classList.contains('experts');
+      localStorage.setItem('numbers', isOn ? 'yes' : 'no');
+      show(isOn);
+    });
   }
 
-  fact(name, value, tone = '') {
+  // `channel`: whose word it is; one that stopped coming is shown as old.
+  fact(name, value, tone = '', channel = '') {
     const entry = this.facts.get(name);
+    const age = this.ages[channel];
+    const isOld = age > OLD_S;
     entry.term.hidden = entry.value.hidden = false;
-    setText(entry.value, value);
-    entry.value.className = tone;
+    setText(entry.value, isOld ? `${value} (${Math.round(age)} s ago)` : value);
+    entry.value.className = `${isOld ? 'old' : tone}${NUMBERS.includes(name) ? ' numbers' : ''}`;
   }
 
   // What a person must know at one look; a word that stopped coming is not shown as if it still held.
   show(state, building) {
     const {pose, robot, control, navigation, ages} = state;
+    this.ages = ages;
     const poseIsOld = !pose || ages.POSE > STALE_S;
     const isTracking = !poseIsOld && pose.state === 2;
     guarded('the headline', () => {
@@ -48,40 +68,46 @@ export class Panels {
       badge.dataset.state = poseIsOld ? 'none' : nameOf(POSE, pose.state).toLowerCase();
       setText($('doing'), ages.ROBOT_STATUS > STALE_S ? 'No word from the robot.' : sentence(state, building));
     });
-    if (pose) guarded('the pose', () => this.showPose(pose, isTracking));
-    if (navigation) guarded('the goal', () => this.showGoal(navigation));
+    if (pose) guarded('the pose', () => this.showPose(pose, isTracking, building));
+    if (navigation) guarded('the goal', () => this.showGoal(navigation, building));
     if (control) guarded('the motion', () => this.showControl(control));
     if (robot) guarded('the robot', () => this.showRobot(robot));
     guarded('the truth', () => this.showTruth(state, isTracking));
     $('motors').hidden = !robot || robot.motors_enabled || !robot.connected;
   }
 
-  showPose(pose, isTracking) {
+  showPose(pose, isTracking, building) {
     const sigma = Math.sqrt(Math.max(0, (pose.covariance[0] + pose.covariance[4]) / 2));
     this.fact('Pose', isTracking ? `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m · ${degrees(pose.theta)} · ±${(sigma * 100).toFixed(1)} cm`
-      : 'not known', isTracking ? '' : 'bad');
-    this.fact('Why', pose.reason || '–');
-    this.fact('Last fixture', `${metres(pose.distance_since_fixture)} ago`);
+      : 'not known', isTracking ? '' : 'bad', 'POSE');
+    this.fact('Where', isTracking ? `${where(pose, building)}, sure to ${Math.max(1, Math.round(sigma * 200))} cm` : 'not known yet',
+      isTracking ? '' : 'bad', 'POSE');
+    this.fact('Why', pose.reason || '–', '', 'POSE');
+    this.fact('Last lamp', `${metres(pose.distance_since_fixture)} ago`, '', 'POSE');
     this.charts.sigma.add(isTracking ? sigma * 100 : NaN);
     this.charts.nis.add(isTracking && pose.nis !== null ? pose.nis : NaN);
   }
 
-  showGoal(navigation) {
-    this.fact('Goal', navigation.pose_count > 1
-      ? `${nameOf(NAVIGATION, navigation.state)}, stop ${navigation.pose_index + 1} of ${navigation.pose_count}`
-      : nameOf(NAVIGATION, navigation.state));
+  showGoal(navigation, building) {
+    const target = navigation.target ? `${spot(navigation.target, building)}: ` : '';
+    const stop = navigation.pose_count > 1 ? `, stop ${navigation.pose_index + 1} of ${navigation.pose_count}` : '';
+    this.fact('Goal', `${target}${nameOf(NAVIGATION, navigation.state)}${stop}`, '', 'NAVIGATION_STATUS');
     setText($('pause'), navigation.state === 11 ? 'Go on' : 'Pause');
   }
 
   showControl(control) {
-    this.fact('Motion', `${nameOf(CONTROL, control.state)} · ${control.linear.toFixed(2)} m/s · ${degrees(control.angular)}/s`);
-    this.fact('Free space', control.clearance >= 10 ? 'nothing near' : metres(control.clearance),
-      control.clearance < 0.15 ? 'warn' : '');
-    this.fact('Controller', control.reason || '–');
+    this.fact('Motion', `${nameOf(CONTROL, control.state)} · ${control.linear.toFixed(2)} m/s · ${degrees(control.angular)}/s`, '',
+      'CONTROL_STATUS');
+    this.fact('Room ahead', control.clearance >= 10 ? 'nothing near' : metres(control.clearance),
+      control.clearance < 0.15 ? 'warn' : '', 'CONTROL_STATUS');
+    this.fact('Controller', control.reason || '–', '', 'CONTROL_STATUS');
   }
 
   showRobot(robot) {
     const volts = robot.battery_voltage;
+    const turning = degrees(Math.abs(robot.angular));
+    this.fact('Speed', Math.abs(robot.linear) > 0.02 ? `${robot.linear.toFixed(2)} m/s` : Math.abs(robot.angular) > 0.02
+      ? `turns, ${turning}/s` : 'stands still');
     this.fact('Battery', volts > 0 ? `${volts.toFixed(1)} V${robot.charge_state > 0 ? ', charging' : ''}` : 'unknown',
       volts > 0 && volts < 11.5 ? 'bad' : '');
     this.fact('Motors', robot.motors_enabled ? 'on' : 'off', robot.motors_enabled ? 'good' : 'warn');
@@ -112,6 +138,13 @@ export class Panels {
   drawCharts(colours) {
     for (const chart of Object.values(this.charts)) chart.draw(colours.tracking, colours.faint);
   }
+}
+
+// In words where there is a place near, else by coordinates.
+function where({x, y}, building) {
+  const near = building?.places.map((place) => [Math.hypot(place.x - x, place.y - y), place.name]).sort((a, b) => a[0] - b[0])[0];
+  if (!near || near[0] > 3) return `${x.toFixed(1)}, ${y.toFixed(1)} m`;
+  return near[0] < 0.3 ? `at ${near[1]}` : `${near[0].toFixed(1)} m from ${near[1]}`;
 }
 
 const notes = new Map();

@@ -1,6 +1,7 @@
 // The camera's picture with what was found in it: rectangle green, pose blue, as in the paper.
 const GREEN = '#22c55e';
 const BLUE = '#3b82f6';
+const OLD_S = 2;  // several pictures did not come
 
 export class Picture {
   constructor(canvas, caption, none) {
@@ -9,9 +10,18 @@ export class Picture {
     this.caption = caption;
     this.none = none;
     this.isLoading = false;
+    this.isOld = false;
     // nobody looks: nothing is fetched
     this.isVisible = true;
     new IntersectionObserver(([entry]) => { this.isVisible = entry.isIntersecting; }).observe(canvas.parentElement);
+  }
+
+  // A picture that stays looks so.
+  watch(ages) {
+    const age = ages.CAMERA_IMAGE;
+    this.isOld = age > OLD_S;
+    this.canvas.classList.toggle('old', this.isOld);
+    if (this.isOld && !this.canvas.hidden) this.caption.textContent = `picture is ${Math.round(age)} s old`;
   }
 
   async show(about) {

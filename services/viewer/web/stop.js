@@ -119,6 +119,9 @@ export class Stop {
     $('stop').classList.toggle('engaged', isEngaged);
     $('stop').classList.toggle('unreached', this.isOutOfReach());
     $('releases').hidden = !(isEngaged || isPending);
+    document.body.classList.toggle('stopped', isEngaged || isPending);
+    const stopTitle = stands ? 'STOPPED' : 'STOP';
+    if ($('stop-title').textContent !== stopTitle) $('stop-title').textContent = stopTitle;
     const underway = this.isUnderway();
     $('release-go').hidden = !underway;
     const title = underway ? 'Release, stay here' : 'Release stop';

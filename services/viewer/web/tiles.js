@@ -132,6 +132,27 @@ export class Tiles {
     }
   }
 
+  // Whether a wall or something that the sonars saw lies within `radius` [m] of a point.
+  isOccupiedNear(x, y, radius) {
+    if (!this.geometry) return false;
+    const {resolution, origin} = this.geometry;
+    const cells = Math.ceil(radius / resolution);
+    const [column, row] = [Math.floor((x - origin[0]) / resolution), Math.floor((y - origin[1]) / resolution)];
+    for (let v = -cells; v <= cells; ++v) {
+      for (let u = -cells; u <= cells; ++u) {
+        if (Math.hypot(u, v) * resolution <= radius && this.isOccupied(column + u, row + v)) return true;
+      }
+    }
+    return false;
+  }
+
+  isOccupied(column, row) {
+    const bytes = this.cells.get(`${Math.floor(column / SIDE)},${Math.floor(row / SIDE)}`)?.bytes;
+    if (!bytes) return false;
+    const index = (row % SIDE) * SIDE + column % SIDE;
+    return bytes[index] === 2 || ((bytes[SIDE * SIDE + index] << 24) >> 24) > 20;
+  }
+
   bounds() {
     if (!this.geometry) return null;
     const {origin, resolution, columns, rows} = this.geometry;

@@ -58,6 +58,7 @@ TEST(GoalRequestText, RefusesEverythingElse) {
                            R"({"action":"go","poses":[{"place":"nowhere"}]})",
                            R"({"action":"go","poses":[{"x":1,"y":2,"wait":-1}]})",
                            R"({"action":"go","poses":[{"x":1,"y":2}],"loop":1})",
+                           R"({"action":"go","poses":[{"x":1,"y":2}],"policy":"perhaps"})",
                            R"({"action":"go","poses":[{"x":1,"y":2}],"more":1})",
                            "{\"action\":\"go\",\"poses\":[{\"place\":\"\xff\"}]}"}) {
     EXPECT_THROW(read_goal_request(body, building), RequestError) << body;
@@ -68,6 +69,15 @@ TEST(GoalRequestText, RefusesEverythingElse) {
   }
   EXPECT_THROW(read_goal_request(many + "]}", building), RequestError);
   EXPECT_THROW(read_goal_request(std::string(60'000, '['), building), RequestError);
+}
+
+TEST(GoalRequestText, EndsARouteAtAStopThatCannotBeReachedUnlessToldToLeaveItOut) {
+  const auto policy = [](const std::string& more) {
+    return read_goal_request(R"({"action":"go","poses":[{"x":1,"y":2}])" + more + "}", Building{}).policy;
+  };
+  EXPECT_EQ(policy(""), goal_t::POLICY_STOP);
+  EXPECT_EQ(policy(R"(,"policy":"skip")"), goal_t::POLICY_SKIP);
+  EXPECT_EQ(policy(R"(,"policy":"retry","loop":true)"), goal_t::POLICY_RETRY);
 }
 
 TEST(StopRequestText, StopsWheneverItIsNotClearlyARelease) {

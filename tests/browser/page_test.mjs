@@ -1,0 +1,267 @@
+// page_test SOURCE FOLDER: what a visitor, a person with a keyboard and one with a screen reader meet on the page, on a phone,
+// a tablet and a desktop, light and dark, with a viewer that is only pretended. Needs playwright-core and axe-core under FOLDER.
+import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
+import {deflateSync} from 'node:zlib';
+
+import {PretendedViewer, hut, standing, startBrowser} from './pretended_viewer.mjs';
+
+const [source, folder, only = ''] = process.argv.slice(2);  // only: a screen, or a screen and a theme as "phone, dark"
+const places = [{name: 'lift', x: 1, y: 2, theta: 0.5}, ...Array.from({length: 27}, (_, i) => ({name: `office-${i + 1}`, x: i % 7, y: 3 + Math.floor(i / 7)}))];
+const viewer = await new PretendedViewer(source, {...hut, places}).listen();
+const browser = await startBrowser(folder);
+const axe = readFileSync(`${folder}/node_modules/axe-core/axe.min.js`, 'utf8');
+const SCREENS = {phone: {viewport: {width: 390, height: 844}, hasTouch: true, isMobile: true}, tablet: {viewport: {width: 768, height: 1024}, hasTouch: true},
+  desktop: {viewport: {width: 1440, height: 900}}};
+
+// A room of 6.4 m with a wall along its left side.
+function room() {
+  const bytes = new Uint8Array(2 * 64 * 64);
+  for (let i = 0; i < 4096; ++i) bytes[i] = i % 64 < 2 ? 2 : 1;
+  return {session: 1, revision: 1, resolution: 0.1, origin: [-1, -1], columns: 64, rows: 64, tile_column: 0, tile_row: 0,
+    data: deflateSync(bytes).toString('base64')};
+}
+const node = (process, more = {}) => ({age: 0.2, status: {process, host: 'desk', state: 1, reason: '', cpu_fraction: 0.01, memory_bytes: 9e6,
+  dropped_inputs: 0, worst_step_us: 100, ...more}});
+const command = (name) => ({name, group: 'services', running: true, condition: 'ready', restarts: 0, detail: ''});
+function sayProcesses() {
+  viewer.say('processes', {commands: ['controller', 'planner'].map(command), order: null});
+  viewer.say('nodes', {nodes: [node('controller', {reason: 'SONAR: impossible range or stamp', dropped_inputs: 3}), node('planner')], rates: {POSE: 50}, delays: {}});
+}
+
+let page;
+const textOf = (selector) => page.$eval(selector, (element) => element.innerText);
+const says = (selector, pattern) => page.waitForFunction(([where, text]) => {
+  const element = document.querySelector(where);
+  return element.checkVisibility() && new RegExp(text).test(element.innerText);
+}, [selector, pattern.source], {polling: 50, timeout: 40_000});
+const hears = async (what, since) => {
+  for (let i = 0; i < 100; ++i) {
+    const found = viewer.heard.slice(since).find((request) => request.startsWith(what));
+    if (found) return found;
+    await page.waitForTimeout(50);
+  }
+  throw new Error(`the page did not ask ${what}: ${viewer.heard.slice(since)}`);
+};
+const stops = () => viewer.heard.filter((request) => request.startsWith('/api/stop')).length;
+// A STOP that is asked for is waited for; that none is, shows within a third of a second.
+const stopsBy = async (action, patience = 3000) => {
+  const before = stops();
+  await action();
+  for (let waited = 0; waited < patience && stops() === before; waited += 50) await page.waitForTimeout(50);
+  return stops() > before;
+};
+const stopsNotBy = async (action) => !await stopsBy(action, 300);
+const bounds = (selector) => page.$eval(selector, (element) => element.getBoundingClientRect().toJSON());
+const look = (title, name, theme) => page.screenshot({path: `${folder}/pictures/${title}-${name}-${theme}.png`});
+const press = (selector) => page.click(selector);
+
+const steps = {
+  async 'a long sentence moves and widens nothing'(name, theme) {
+    await says('#doing', /Stands still/);
+    const before = await bounds('#stage');
+    viewer.state.navigation = {state: 6, pose_count: 1, pose_index: 0, distance_left: 0, target: [1, 2],
+      cause: `goal lies in or beside an obstacle: ${'nearest reachable point (8.3, 2.1) is 0.42 m away, tolerance 0.18 m; '.repeat(4)}`};
+    await says('#doing', /Finds no way to lift/);
+    await look('refused', name, theme);
+    assert.deepEqual(await bounds('#stage'), before);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    viewer.state = standing();
+  },
+
+  async 'two taps lead to one of 28 places'() {
+    await page.fill('#place-search', 'ice-2');
+    const shown = await page.$$eval('#places button', (chips) => chips.filter((chip) => chip.checkVisibility()).map((chip) => chip.textContent));
+    assert.deepEqual(shown, ['office-2', ...Array.from({length: 8}, (_, i) => `office-2${i}`)]);
+    const since = viewer.heard.length;
+    await press('#places button:text-is("office-2")');
+    assert.match(await hears('/api/goal', since), /"place":"office-2"/);
+    await page.fill('#place-search', '');
+  },
+
+  async 'pause and cancel are in sight'() {
+    for (const id of ['#pause', '#cancel']) {
+      const [box, footer] = [await bounds(id), await bounds('footer')];
+      assert(box.bottom < footer.top || box.right < footer.left, `${id} lies behind the STOP bar`);
+    }
+  },
+
+  async 'the map shows what a tap means, beside the tap'(name, theme) {
+    viewer.say('tile', room());
+    await page.waitForFunction(() => document.querySelector('#map').dataset.tiles === '1');
+    const at = (x, y) => page.$eval('#map', (canvas, [u, v]) => {
+      const [centreX, centreY, scale] = canvas.dataset.view.split(' ').map(Number);
+      const box = canvas.getBoundingClientRect();
+      return [box.left + box.width / 2 + (u - centreX) * scale, box.top + box.height / 2 - (v - centreY) * scale];
+    }, [x, y]);
+    const tap = async (x, y) => page.mouse.click(...await at(x, y));
+    await tap(1, 2);
+    await says('#ask-text', /^lift$/);
+    const [box, [, py]] = [await bounds('#ask'), await at(1, 2)];
+    assert(Math.min(Math.abs(box.top - py), Math.abs(box.bottom - py)) < 80, `the question lies at ${box.top}, the tap at ${py}`);
+    await press('#ask-add');
+    await tap(-0.8, 1);
+    await press('#ask-add');
+    await says('#route-stops', /lift\n.*too near a wall/);
+    await look('route', name, theme);
+    const since = viewer.heard.length;
+    await page.check('#route-skip');
+    await press('#route-go');
+    assert.match(await hears('/api/goal', since), /"place":"lift".*"policy":"skip"/);
+    await press('#route-clear');
+  },
+
+  async 'the map is kept as a picture'(name, theme) {
+    const [file] = await Promise.all([page.waitForEvent('download'), press('#map-picture')]);
+    assert.equal(file.suggestedFilename(), 'hut.png');
+    const png = readFileSync(await file.path());
+    assert.deepEqual([png.toString('latin1', 1, 4), png.readUInt32BE(16), png.readUInt32BE(20)], ['PNG', 128, 128], 'of 6.4 m at 20 px');
+    await file.saveAs(`${folder}/pictures/map-${name}-${theme}.png`);
+  },
+
+  async 'what is frozen looks frozen'(name, theme) {
+    Object.assign(viewer.state.ages, {CAMERA_IMAGE: 0.1, SONAR: 0.1});
+    viewer.picture = readFileSync(`${source}/tests/data/camera_calibration/left01.jpg`);
+    await page.locator('#camera-card').scrollIntoViewIfNeeded();
+    const show = setInterval(() => viewer.say('picture', {sequence: 1, width: 640, height: 480, exposure_us: 900, health: '', seen: null}), 200);
+    await says('#camera-caption', /no detector/);
+    clearInterval(show);
+    viewer.state.ages.CAMERA_IMAGE = 6.2;
+    await says('#camera-caption', /picture is 6 s old/);
+    assert(await page.$eval('#camera', (canvas) => canvas.classList.contains('old')));
+    await says('#doing', /no picture from its camera for 6 s/);
+    Object.assign(viewer.state.ages, {CAMERA_IMAGE: 0.1, CONTROL_STATUS: 8});
+    await says('#doing', /controller has been silent for 8 s: the robot stands/);
+    assert.match(await textOf('#facts'), /Room ahead\s+1.00 m \(8 s ago\)/);
+    await look('frozen', name, theme);
+    viewer.state = standing();
+  },
+
+  async 'a visitor reads words, an expert the numbers'() {
+    sayProcesses();
+    await says('#processes', /controller/);
+    assert.match(await textOf('#facts'), /Where\s+1.0 m from lift, sure to 2 cm/);
+    assert.doesNotMatch(await textOf('#side'), /innovation|impossible|Controller\n/);
+    await press('#numbers');
+    await says('#facts', /Controller/);
+    await says('#charts', /innovation/);
+    await press('#numbers');
+  },
+
+  async 'every mark on the map is named'(name, theme) {
+    await press('#help-button');
+    await says('#help', /Light fixtures.*lamps on the ceiling/);
+    assert.equal(await page.$$eval('#legend li', (lines) => lines.length), 15);
+    await look('help', name, theme);
+    assert(await stopsBy(() => press('#stop')), 'the help lies over STOP');
+    await page.keyboard.press('Escape');
+    await page.waitForSelector('#help', {state: 'hidden'});
+  },
+
+  async 'forgetting asks first'() {
+    const since = viewer.heard.length;
+    await press('#clear-map');
+    await says('#clear-map', /Really/);
+    assert(!viewer.heard.slice(since).some((request) => request.startsWith('/api/map')));
+    await press('#clear-map');
+    await hears('/api/map {"action":"clear_evidence"}', since);
+  },
+
+  async 'what happened is kept over a reload'(name, theme) {
+    viewer.state.navigation = {...standing().navigation, state: 3, target: [1, 2]};
+    await says('#happened', /sets out to lift/);
+    viewer.state.navigation.state = 5;
+    await says('#happened', /arrived at lift/);
+    Object.assign(viewer.state.robot, {stop_engaged: true, reason: 'viewer@desk'});
+    await says('#happened', /STOP: viewer@desk/);
+    viewer.state = standing();
+    await says('#happened', /STOP is released/);
+    await page.reload();
+    await says('#happened', /STOP is released\n[^]*arrived at lift/);
+    const [file] = await Promise.all([page.waitForEvent('download'), press('#happened-save')]);
+    assert.match(readFileSync(await file.path(), 'utf8'), /T.*Z arrived at lift\n/);
+    await look('happened', name, theme);
+  },
+
+  async 'STOP comes first on the keyboard, and the rest is reached with it'(name) {
+    if (name === 'phone') return;
+    const {keyboard} = page;
+    await press('#layers-button');
+    await page.focus('#layers input');
+    const isOn = () => page.$eval('#layers input', (box) => box.checked);
+    const before = await isOn();
+    assert(await stopsNotBy(() => keyboard.press('Space')), 'a box that is toggled stops the robot');
+    assert.equal(await isOn(), !before);
+    assert(await stopsBy(() => keyboard.press('x')), 'X stops whatever has the focus');
+    await page.click('#layers input');
+    assert(await stopsBy(() => keyboard.press('Space')), 'a box that was clicked keeps the space bar');
+    await page.focus('#pause');
+    assert(await stopsBy(() => keyboard.press('Space')), 'a button keeps the space bar');
+    await page.fill('#place-search', '');
+    assert(await stopsNotBy(() => page.type('#place-search', 'x y')), 'writing stops the robot');
+    await press('#layers-button');
+
+    await page.focus('#map');
+    const view = () => page.$eval('#map', (canvas) => canvas.dataset.view.split(' ').map(Number));
+    const [x, y, scale] = await view();
+    await keyboard.press('ArrowRight');
+    await keyboard.press('ArrowUp');
+    await keyboard.press('+');
+    await page.waitForTimeout(200);
+    const [newX, newY, newScale] = await view();
+    assert(newX > x && newY > y && newScale > scale, 'the map does not follow the keys');
+    await keyboard.press('Enter');
+    await says('#ask', /Go there/);
+    const since = viewer.heard.length;
+    await page.focus('#ask-left');
+    await keyboard.press('Enter');
+    await page.focus('#ask-go');
+    await keyboard.press('Enter');
+    assert.match(await hears('/api/goal', since), /"theta":0.26/);
+  },
+
+  async 'the focus survives what is renewed'(name) {
+    sayProcesses();
+    await page.waitForSelector('button[data-process=planner]');
+    await page.focus('button[data-process=planner]');
+    for (let i = 0; i < 3; ++i) sayProcesses();
+    await page.waitForTimeout(200);
+    assert.equal(await page.evaluate(() => document.activeElement.dataset.process), 'planner', name);
+  },
+
+  async 'axe finds nothing'(name, theme) {
+    await page.evaluate(axe);
+    for (const open of ['', '#layers-button', '#help-button']) {
+      if (open) await press(open);
+      const found = await page.evaluate(() => globalThis.axe.run().then(({violations}) => violations.map(({id, nodes}) =>
+        `${id}: ${nodes.map((element) => element.html.slice(0, 120)).join(' | ')}`)));
+      assert.deepEqual(found, [], `${name}, ${theme}, ${open}`);
+    }
+  },
+};
+
+let failure = null;
+try {
+  for (const [name, screen] of Object.entries(SCREENS)) {
+    for (const theme of ['light', 'dark']) {
+      if (!`${name}, ${theme}`.startsWith(only)) continue;
+      viewer.state = standing();
+      page = await (await browser.newContext({...screen, colorScheme: theme, acceptDownloads: true})).newPage();
+      page.setDefaultTimeout(60_000);
+      page.on('pageerror', (error) => { failure ??= error; });
+      await page.goto(viewer.address);
+      for (const [title, step] of Object.entries(steps)) {
+        await step(name, theme).catch((error) => { error.message = `${name}, ${theme}: ${title}: ${error.message}`; throw error; });
+      }
+      await page.context().close();
+      console.log(`ok  ${name}, ${theme}`);
+    }
+  }
+} catch (error) {
+  failure = error;
+  await look('failed-page', '', '').catch(() => {});
+}
+console.log(failure ? `FAILED: ${failure.stack}` : 'passed');
+await browser.close();
+viewer.close();
+process.exit(failure ? 1 : 0);
