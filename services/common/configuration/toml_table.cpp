@@ -63,7 +63,9 @@ TomlTable TomlTable::load(const std::filesystem::path& file) {
   auto contents = std::make_shared<Contents>();
   contents->file = std::filesystem::absolute(file).lexically_normal();
   if (!std::filesystem::is_regular_file(contents->file)) {
-    throw ConfigurationError(fmt::format("{}: no such file", file.string()));
+    const bool is_folder = std::filesystem::is_directory(contents->file);
+    throw ConfigurationError(
+        fmt::format("{}: {}", file.string(), is_folder ? "is a folder, name the file in it" : "no such file"));
   }
   refuse_deep_keys(contents->file);
   try {

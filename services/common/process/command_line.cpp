@@ -1,11 +1,13 @@
 #include "services/common/process/command_line.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 
 #include "services/common/configuration/toml_table.hpp"
@@ -26,7 +28,10 @@ CommandLine::CommandLine(std::string_view process, std::string_view description)
 CommandLine::~CommandLine() = default;
 
 CommandLine& CommandLine::text(std::string_view flag, std::string& target, std::string_view help, bool required) {
-  parser_->app.add_option(std::string(flag), target, std::string(help))->capture_default_str()->required(required);
+  parser_->app.add_option(std::string(flag), target, std::string(help))
+      ->capture_default_str()
+      ->required(required)
+      ->check([](const std::string& value) { return value.empty() ? "needs a value" : std::string(); }, "", "");
   return *this;
 }
 
@@ -71,7 +76,8 @@ CommandLine& CommandLine::robot_file(std::string& target) {
 }
 
 CommandLine& CommandLine::building_file(std::string& target) {
-  return text("--building", target, "building file (TOML)", true);
+  building_file_ = &target;
+  return text("--building", target, "building file (TOML), or its folder", true);
 }
 
 CommandLine& CommandLine::lcm_url(std::string& target) {
@@ -112,11 +118,20 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
   try {
     parser_->app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int status = parser_->app.exit(error);
-    return status == 0 ? 0 : 2;
+    if (error.get_exit_code() == 0) {
+      return parser_->app.exit(error);  // help or version
+    }
+    const std::string what = dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr
+                                 ? error.what()
+                                 : fmt::format("found {}", fmt::join(parser_->app.remaining(), " "));
+    fmt::print(stderr, "{}: {}; see --help\n", parser_->app.get_name(), what);
+    return 2;
   }
   if (std::any_of(output_files_.begin(), output_files_.end(), [](const std::string* file) { return *file == "-"; })) {
     keep_standard_output_for_files();
+  }
+  if (building_file_ != nullptr && std::filesystem::is_directory(*building_file_)) {
+    *building_file_ += "/building.toml";
   }
   return std::nullopt;
 }

@@ -43,6 +43,7 @@ class CommandLine {
   struct Parser;
   std::unique_ptr<Parser> parser_;
   std::vector<const std::string*> output_files_;
+  std::string* building_file_ = nullptr;
 };
 
 /// Runs the body of main; prints `<process>: <what>` and returns 2 for a ConfigurationError, 1 for any other exception.

@@ -2,8 +2,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +16,8 @@
 #include <luminav/node_status_t.hpp>
 #include <stdexcept>
 
+#include "services/common/configuration/configuration_error.hpp"
+#include "services/common/network/lcm_network.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
@@ -73,7 +77,42 @@ std::string host_name() {
 
 }  // namespace
 
+namespace {
+
+/// Asks the kernel before LCM does, which would say it in the words of tools that Debian has no more.
+bool has_route(const MulticastAddress& group) {
+  const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = group.group;
+  address.sin_port = htons(group.port);
+  const bool reached = connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(descriptor);
+  return reached;
+}
+
+void check_url(const std::string& url) {
+  const auto multicast = multicast_address(url);
+  const auto starts_with = [&](const char* scheme) { return url.starts_with(scheme); };
+  if (!multicast && !starts_with("memq://") && !starts_with("file://") && !starts_with("tcpq://") &&
+      !starts_with("mpudpm://")) {
+    throw ConfigurationError(fmt::format(
+        "the LCM network is {}, must be udpm://GROUP:PORT?ttl=N, as udpm://239.255.76.67:7667?ttl=0 (LUMINAV_LCM_URL, "
+        "LCM_DEFAULT_URL or --lcm-url)",
+        url));
+  }
+  if (multicast && !has_route(*multicast)) {
+    throw std::runtime_error(
+        fmt::format("no route for multicast to the LCM network {}; on one machine "
+                    "`sudo ip link set lo multicast on; sudo ip route add 224.0.0.0/4 dev lo` makes one",
+                    url));
+  }
+}
+
+}  // namespace
+
 std::unique_ptr<lcm::LCM> open_lcm(const LcmNetwork& network) {
+  check_url(network.url);
   std::string full = network.url;
   if (full.starts_with("udpm://") && full.find("recv_buf_size") == std::string::npos) {
     // Stock Debian caps this at 212,992 (425,984 effective), which holds seven of the largest messages.
@@ -81,10 +120,7 @@ std::unique_ptr<lcm::LCM> open_lcm(const LcmNetwork& network) {
   }
   auto lcm = std::make_unique<lcm::LCM>(full);
   if (!lcm->good()) {
-    throw std::runtime_error(fmt::format(
-        "cannot open the LCM network {}: most often there is no route for multicast; "
-        "`sudo ip link set lo multicast on; sudo ip route add 224.0.0.0/4 dev lo` makes one on this machine",
-        network.url));
+    throw std::runtime_error(fmt::format("cannot open the LCM network {}", network.url));
   }
   receive_from_peers_only(*lcm, network);
   return lcm;

@@ -181,7 +181,7 @@ int main(int argc, char** argv) {
         .output_file("--json", output.json_file, "where to write the detections (- or left out: standard output)")
         .text("--debug", output.debug_folder,
               "folder for pictures of what was tried (green) and found (blue): STEM.png, STEM-2.png, ...")
-        .output_file("--sheet", output.sheet_file, "one picture of them all")
+        .output_file("--png,--sheet", output.sheet_file, "one picture of them all")
         .positional("images", files, "PNG, JPEG, PGM, ...", true);
     if (const auto status = command_line.parse(argc, argv)) {
       return *status;

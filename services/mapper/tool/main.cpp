@@ -105,13 +105,13 @@ void draw(const std::string& file, const GridMapper& mapper, const std::vector<P
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run_guarded("map_tool", [&] {
+  return run_guarded("map", [&] {
     std::string robot_file, ranges_file, poses_file, out_file, png_file, mode = "modern";
     Units units;
     std::int64_t max_rows = 0;
     double resolution = 0.1;
     CommandLine options(
-        "map_tool",
+        "map",
         "Draws a map from sonar ranges and poses. Each line of RANGES: time, then one range per disc of "
         "the robot's file; each line of POSES: time, x, y, heading; same times.");
     options.robot_file(robot_file)

@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
   std::string png;
   std::string svg;
   CommandLine line("check-building", "Checks a building's file as a surveyor would, and draws it.");
-  line.positional("building", files, "building.toml", true)
+  line.positional("building", files, "building.toml, or its folder", true)
       .output_file("--png", png, "draw it: fixtures with a finding in red")
       .output_file("--svg", svg, "the same as SVG");
   if (const auto status = line.parse(argc, argv)) {
@@ -82,6 +82,7 @@ int main(int argc, char** argv) {
     if (files.size() != 1) {
       throw std::runtime_error("needs one building.toml");
     }
-    return check(files.front(), png, svg);
+    const std::filesystem::path file = files.front();
+    return check((std::filesystem::is_directory(file) ? file / "building.toml" : file).string(), png, svg);
   });
 }

@@ -88,8 +88,8 @@ int replay(int argc, char** argv) {
       .output_file("--out", options.out_file, "write the outputs into this new log, with the inputs' time stamps")
       .flag("--keep-inputs", options.keep_inputs,
             "the new log holds inputs and truth too, so that it can be replayed itself")
-      .output_file("--report", report_file, "write the report as JSON there")
-      .output_file("--picture", picture,
+      .output_file("--json,--report", report_file, "write the report as JSON there")
+      .output_file("--png,--picture", picture,
                    "PNG: truth grey, recorded black, replayed green (particles, hypotheses) and blue (Kalman filter), "
                    "odometry magenta")
       .list("--tolerance", tolerances,
