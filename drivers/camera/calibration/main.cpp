@@ -32,10 +32,13 @@ struct Arguments {
   std::string out;
   std::string residuals;
   double square = 0.025;
-  std::int64_t window = 11;
+  std::int64_t window = 0;  // the better one of those below
   std::int64_t views = 20;
   bool only_look = false;
 };
+
+constexpr int kUsualWindow = 11;  // [px]
+constexpr int kSmallWindow = 5;   // [px] where squares are small or pictures blurred
 
 struct Views {
   std::vector<BoardView> views;
@@ -54,12 +57,16 @@ Chessboard board_of(const Arguments& arguments) {
   if (!(arguments.square > 0.0 && arguments.square < 1.0)) {
     throw ConfigurationError("--square: must be the side of a square in metres");
   }
-  if (arguments.window < 2 || arguments.window > 50) {
-    throw ConfigurationError("--window: must be 2 to 50 px");
+  if (arguments.window != 0 && (arguments.window < 2 || arguments.window > 50)) {
+    throw ConfigurationError("--window: must be 2 to 50 px, or 0 for the better one of two");
   }
   board.square = arguments.square;
-  board.window_px = static_cast<int>(arguments.window);
+  board.window_px = arguments.window == 0 ? kUsualWindow : static_cast<int>(arguments.window);
   return board;
+}
+
+LensModel lens_model(const Arguments& arguments) {
+  return arguments.model == "fisheye" ? LensModel::kFisheye : LensModel::kPinhole;
 }
 
 Views read_views(const std::vector<std::string>& files, const Chessboard& board) {
@@ -91,9 +98,7 @@ void print(const LensCalibration& calibration, const Views& views) {
   const CameraIntrinsics& lens = calibration.intrinsics;
   for (std::size_t i = 0; i < views.names.size(); ++i) {
     fmt::print("  {:<24} {:.3f} px{}\n", views.names[i], calibration.view_rms_px[i],
-               calibration.view_rms_px[i] > 2.0 * calibration.rms_px
-                   ? "  worse than the others: blurred? try --window 5"
-                   : "");
+               calibration.view_rms_px[i] > 2.0 * calibration.rms_px ? "  worse than the others: blurred?" : "");
   }
   fmt::print("{} views, reprojection error {:.3f} px RMS\n", calibration.view_rms_px.size(), calibration.rms_px);
   fmt::print("fx {:.2f}  fy {:.2f}  cx {:.2f}  cy {:.2f} px", lens.fx, lens.fy, lens.cx, lens.cy);
@@ -113,6 +118,39 @@ void write_residuals(const std::string& file, const LensCalibration& calibration
   write_picture(file, picture);
 }
 
+struct Fit {
+  Views views;
+  LensCalibration calibration;
+};
+
+Fit fit_lens(const Arguments& arguments, const Chessboard& board) {
+  Fit fit{read_views(arguments.pictures, board), {}};
+  fit.calibration = calibrate_lens(fit.views.views, board, lens_model(arguments), fit.views.width, fit.views.height);
+  return fit;
+}
+
+/// The usual window, or the smaller one where that fits the same views clearly better.
+Fit fit_with_better_window(const Arguments& arguments, Chessboard board) {
+  Fit usual = fit_lens(arguments, board);
+  board.window_px = kSmallWindow;
+  Fit small = fit_lens(arguments, board);
+  const bool is_better =
+      small.views.views.size() >= usual.views.views.size() && small.calibration.rms_px < 0.9 * usual.calibration.rms_px;
+  fmt::print("corners refined within {} px: {:.3f} px RMS, within {} px {:.3f} px; took {} px\n", kUsualWindow,
+             usual.calibration.rms_px, kSmallWindow, small.calibration.rms_px, is_better ? kSmallWindow : kUsualWindow);
+  return is_better ? small : usual;
+}
+
+Fit fit_live(const Arguments& arguments, const Chessboard& board, const CameraIntrinsics& asked) {
+  LiveCamera camera{arguments.device, asked.width, asked.height};
+  Views views;
+  views.views =
+      collect_live(camera, board, static_cast<std::size_t>(std::clamp<std::int64_t>(arguments.views, 4, 500)));
+  views.width = camera.width;
+  views.height = camera.height;
+  return {views, calibrate_lens(views.views, board, lens_model(arguments), views.width, views.height)};
+}
+
 int run(const Arguments& arguments) {
   if (arguments.model != "pinhole" && arguments.model != "fisheye") {
     throw ConfigurationError("--model " + arguments.model + ": must be pinhole or fisheye");
@@ -125,20 +163,9 @@ int run(const Arguments& arguments) {
   if (!arguments.robot.empty()) {
     robot = read_robot(std::filesystem::path(arguments.robot));
   }
-  Views views;
-  if (arguments.device.empty()) {
-    views = read_views(arguments.pictures, board);
-  } else {
-    const CameraIntrinsics& asked = robot.camera.intrinsics;
-    LiveCamera camera{arguments.device, asked.width, asked.height};
-    views.views =
-        collect_live(camera, board, static_cast<std::size_t>(std::clamp<std::int64_t>(arguments.views, 4, 500)));
-    views.width = camera.width;
-    views.height = camera.height;
-  }
-  const LensCalibration calibration =
-      calibrate_lens(views.views, board, arguments.model == "fisheye" ? LensModel::kFisheye : LensModel::kPinhole,
-                     views.width, views.height);
+  const auto [views, calibration] = !arguments.device.empty() ? fit_live(arguments, board, robot.camera.intrinsics)
+                                    : arguments.window == 0   ? fit_with_better_window(arguments, board)
+                                                              : fit_lens(arguments, board);
   print(calibration, views);
   if (!arguments.residuals.empty()) {
     write_residuals(arguments.residuals, calibration, views);
@@ -171,11 +198,10 @@ int main(int argc, char** argv) {
         .integer("--views", arguments.views, "to take from a live camera")
         .text("--board", arguments.board, "inner corners of the board, COLUMNSxROWS")
         .number("--square", arguments.square, "side of a square [m]")
-        .integer(
-            "--window", arguments.window,
-            "half side of the window in which corners are refined [px]; try a smaller one when some views are worse")
+        .integer("--window", arguments.window,
+                 "half side of the window in which corners are refined [px]; 0 = 11, or 5 where that fits better")
         .text("--model", arguments.model, "pinhole or fisheye")
-        .output_file("--residuals", arguments.residuals, "picture of the residuals to write (.png)")
+        .output_file("--png,--residuals", arguments.residuals, "picture of the residuals to write (.png)")
         .output_file("--out", arguments.out, "file to write instead of the robot's own")
         .flag("--dry-run", arguments.only_look, "leave the robot's file as it is");
     if (const auto status = line.parse(argc, argv)) {

@@ -92,7 +92,7 @@ std::vector<OdometryReading> corrected(const std::vector<OdometryReading>& odome
 
 }  // namespace
 
-std::vector<KnownFrame> follow_drive(const DriveLog& log, const LocalizerConfig& config, double spacing, double turn) {
+FollowedDrive follow_drive(const DriveLog& log, const LocalizerConfig& config, double spacing, double turn) {
   LocalizerConfig modern = config;
   modern.mode = LocalizerMode::kModern;
   const std::unique_ptr<Localizer> localizer = make_localizer(modern);
@@ -100,7 +100,7 @@ std::vector<KnownFrame> follow_drive(const DriveLog& log, const LocalizerConfig&
   const CeilingView view(config.robot.camera);
   const std::vector<OdometryReading> odometry = corrected(log.odometry, config);
   const auto offset = static_cast<std::int64_t>(std::lround(1e6 * config.robot.camera.time_offset));
-  std::vector<KnownFrame> known;
+  FollowedDrive followed;
   std::vector<Pose2> steps;
   Pose2 last_kept;
   bool has_kept = false;
@@ -141,7 +141,12 @@ std::vector<KnownFrame> follow_drive(const DriveLog& log, const LocalizerConfig&
       at.angular = before.angular + share * (now.angular - before.angular);
       const Pose2 since = has_kept ? last_kept.inverse() * at.odom_from_robot : Pose2{};
       const bool is_apart = !has_kept || std::hypot(since.x, since.y) > spacing || std::abs(since.theta) > turn;
-      if (estimate.state != LocalizerState::kTracking || raw.sightings.empty() || !is_apart) {
+      if (estimate.state != LocalizerState::kTracking) {
+        ++followed.unused.not_tracking;
+        continue;
+      }
+      if (raw.sightings.empty() || !is_apart) {
+        ++(raw.sightings.empty() ? followed.unused.without_fixture : followed.unused.too_near);
         continue;
       }
       SightingFrame frame;
@@ -152,19 +157,20 @@ std::vector<KnownFrame> follow_drive(const DriveLog& log, const LocalizerConfig&
       const Pose2 pose = estimate.belief.pose * (part.inverse() * step).inverse();
       std::vector<KnownSighting> sightings = recognise(frame, pose, map);
       if (sightings.empty()) {
+        ++followed.unused.without_fixture;
         continue;
       }
       const Pose2 told_part = interpolate(Pose2{}, told, share);
       steps.push_back(done.inverse() * told_part);
       done = told_part;
-      known.push_back({at, pose, std::move(sightings), has_kept ? steps : std::vector<Pose2>{}});
+      followed.frames.push_back({at, pose, std::move(sightings), has_kept ? steps : std::vector<Pose2>{}});
       steps.clear();
       last_kept = at.odom_from_robot;
       has_kept = true;
     }
     steps.push_back(done.inverse() * told);
   }
-  return known;
+  return followed;
 }
 
 }  // namespace luminav

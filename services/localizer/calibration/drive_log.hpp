@@ -34,7 +34,19 @@ struct KnownFrame {
   std::vector<Pose2> steps;  // odometry since the frame before, reading by reading, as the wheels told it
 };
 
+/// Where the images of a drive went. The localizer begins anew, whatever was known while the drive was recorded.
+struct FrameTally {
+  std::size_t not_tracking = 0;     // the pose was not known yet, or not any more
+  std::size_t too_near = 0;         // to one that is used
+  std::size_t without_fixture = 0;  // nothing in it is surely a fixture of the building
+};
+
+struct FollowedDrive {
+  std::vector<KnownFrame> frames;
+  FrameTally unused;
+};
+
 /// Follows the drive with the localizer and keeps frames at least `spacing` [m] or `turn` [rad] apart, while TRACKING.
-std::vector<KnownFrame> follow_drive(const DriveLog& log, const LocalizerConfig& config, double spacing, double turn);
+FollowedDrive follow_drive(const DriveLog& log, const LocalizerConfig& config, double spacing, double turn);
 
 }  // namespace luminav

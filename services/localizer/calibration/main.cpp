@@ -102,13 +102,18 @@ int run(int argc, char** argv) {
   if (log.is_cut) {
     fmt::print("{}: cut off; what was whole before was used\n", logs.front());
   }
-  const std::vector<KnownFrame> frames = follow_drive(log, config, kSpacing, kTurn);
+  const auto [frames, unused] = follow_drive(log, config, kSpacing, kTurn);
+  const std::string why = fmt::format(
+      "{} images used; of the others {} were taken while the pose was not known (the localizer begins anew, whatever "
+      "it "
+      "knew while this was recorded), {} less than {:.1f} m and {:.0f} deg from one that is used, {} without a known "
+      "fixture",
+      frames.size(), unused.not_tracking, unused.too_near, kSpacing, degrees(kTurn), unused.without_fixture);
   if (frames.size() < kMinFrames) {
     throw std::runtime_error(
-        fmt::format("only {} images with a known pose, {} are needed: drive longer, where fixtures "
-                    "are, until the localizer is TRACKING",
-                    frames.size(), kMinFrames));
+        fmt::format("{} images are needed: drive longer and farther, where fixtures are; {}", kMinFrames, why));
   }
+  fmt::print("{}\n", why);
   const DriveCalibration calibration = calibrate_drive(frames, config);
   print(calibration);
   if (!calibration.has_converged) {

@@ -94,7 +94,7 @@ TEST(DriveCalibration, ErrorsOfTenRobotsShrinkToAFifthAfterThreeMinutes) {
     options.spin_distance = 4.0;  // as the README tells people to drive
     testing::SyntheticWorld world(config.building, config.walls, config.robot, options);
     const DriveLog log = drive(world, 200.0);  // the first seconds pass until the pose is known
-    const DriveCalibration found = calibrate_drive(follow_drive(log, config, 0.10, radians(5.0)), config);
+    const DriveCalibration found = calibrate_drive(follow_drive(log, config, 0.10, radians(5.0)).frames, config);
     ASSERT_TRUE(found.has_converged) << seed;
     const WheelCorrection wheels{found.wheel_scale.value, found.wheel_ratio.value, found.wheel_base.value};
     blind_before += squared_error_after_three_metres({}, world);
@@ -142,7 +142,8 @@ TEST(DriveCalibration, ASecondOneKeepsWhatTheFirstFound) {
     std::string text = text_of(kLaunch + "/robots/p3dx.toml");
     for (int round = 1; round <= 2; ++round) {
       const DriveLog log = drive(world, 200.0);
-      const DriveCalibration found = calibrate_drive(follow_drive(log, calibrated, 0.10, radians(5.0)), calibrated);
+      const DriveCalibration found =
+          calibrate_drive(follow_drive(log, calibrated, 0.10, radians(5.0)).frames, calibrated);
       ASSERT_TRUE(found.has_converged) << seed;
       text = write_into(text, found, calibrated);
       std::ofstream(file) << text;
