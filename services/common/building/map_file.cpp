@@ -3,67 +3,22 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include <cctype>
-#include <fstream>
+#include <Eigen/Geometry>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "services/common/building/map_picture.hpp"
 #include "services/common/configuration/configuration_error.hpp"
 #include "services/common/configuration/whole_file.hpp"
+#include "services/common/geometry/angle.hpp"
+#include "services/common/geometry/pose2.hpp"
 
 namespace luminav {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// What stands before a picture's pixels, which follow row by row from the top left.
-struct PictureHeader {
-  int width = 0;
-  int height = 0;
-  int maximum = 255;
-};
-
-/// Next number of a PGM header; comments run from # to the end of the line.
-int read_header_number(std::istream& in, const fs::path& file) {
-  while (true) {
-    const int next = in.peek();
-    if (next == '#') {
-      std::string comment;
-      std::getline(in, comment);
-    } else if (std::isspace(next) != 0) {
-      in.get();
-    } else {
-      break;
-    }
-  }
-  int number = 0;
-  if (!(in >> number) || number <= 0) {
-    throw ConfigurationError(fmt::format("{}: not a binary PGM picture (P5)", file.string()));
-  }
-  return number;
-}
-
-PictureHeader read_pgm_header(std::istream& in, const fs::path& file) {
-  char magic[2] = {};
-  in.read(magic, 2);
-  if (magic[0] != 'P' || magic[1] != '5') {
-    throw ConfigurationError(fmt::format("{}: not a binary PGM picture (P5)", file.string()));
-  }
-  PictureHeader image;
-  image.width = read_header_number(in, file);
-  image.height = read_header_number(in, file);
-  image.maximum = read_header_number(in, file);
-  if (image.maximum > 255) {
-    throw ConfigurationError(fmt::format("{}: 16-bit PGM, must be 8-bit", file.string()));
-  }
-  if (image.width > 20000 || image.height > 20000) {
-    throw ConfigurationError(
-        fmt::format("{}: {} x {} px, must be at most 20000 x 20000", file.string(), image.width, image.height));
-  }
-  in.get();
-  return image;
-}
 
 void require_file(const fs::path& file) {
   std::error_code failure;
@@ -79,74 +34,157 @@ void require_range(const fs::path& file, const char* key, double value, double m
   }
 }
 
+enum class MapMode { kTrinary, kScale, kRaw };
+
+/// What the description says beside the picture.
+struct MapDescription {
+  fs::path picture;
+  double resolution = 0.0;           // [m]
+  Pose2 world_from_picture;          // of its lower left corner
+  double free_threshold = 0.196;     // occupancy, 0..1
+  double occupied_threshold = 0.65;  // likewise
+  bool negate = false;
+  MapMode mode = MapMode::kTrinary;
+};
+
+YAML::Node load(const fs::path& file) {
+  require_file(file);  // a folder has no lines, and a pipe none yet
+  try {
+    return YAML::LoadFile(file.string());
+  } catch (const YAML::BadFile&) {
+    throw ConfigurationError(fmt::format("{}: cannot be read", file.string()));
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError(fmt::format("{}:{}: {}", file.string(), error.mark.line + 1, error.msg));
+  }
+}
+
+MapMode mode_of(const fs::path& file, const std::string& word) {
+  if (word == "trinary" || word == "scale" || word == "raw") {
+    return word == "raw" ? MapMode::kRaw : word == "scale" ? MapMode::kScale : MapMode::kTrinary;
+  }
+  throw ConfigurationError(fmt::format("{}: mode = {}, must be trinary, scale or raw", file.string(), word));
+}
+
+/// 0 and 1 as much as false and true: both are in use.
+bool read_flag(const YAML::Node& node) {
+  bool flag = false;
+  return YAML::convert<bool>::decode(node, flag) ? flag : node.as<int>() != 0;
+}
+
+MapDescription describe(const fs::path& file, const YAML::Node& yaml) {
+  MapDescription map;
+  const fs::path picture = yaml["image"].as<std::string>();
+  map.picture = picture.is_absolute() ? picture : file.parent_path() / picture;
+  map.resolution = yaml["resolution"].as<double>();
+  const auto origin = yaml["origin"].as<std::vector<double>>();
+  if (origin.size() != 2 && origin.size() != 3) {
+    throw ConfigurationError(fmt::format("{}: origin must be [x, y, yaw]", file.string()));
+  }
+  map.world_from_picture = {origin[0], origin[1], origin.size() > 2 ? origin[2] : 0.0};
+  map.free_threshold = yaml["free_thresh"] ? yaml["free_thresh"].as<double>() : map.free_threshold;
+  map.occupied_threshold = yaml["occupied_thresh"] ? yaml["occupied_thresh"].as<double>() : map.occupied_threshold;
+  map.negate = yaml["negate"] && read_flag(yaml["negate"]);
+  map.mode = yaml["mode"] ? mode_of(file, yaml["mode"].as<std::string>()) : map.mode;
+  return map;
+}
+
+MapDescription read_description(const fs::path& file) {
+  const YAML::Node yaml = load(file);
+  if (!yaml.IsMap() || !yaml["image"] || !yaml["resolution"] || !yaml["origin"]) {
+    throw ConfigurationError(fmt::format("{}: must have image, resolution and origin", file.string()));
+  }
+  MapDescription map;
+  try {
+    map = describe(file, yaml);
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError(fmt::format("{}:{}: {}", file.string(), error.mark.line + 1, error.msg));
+  }
+  constexpr double kFarthest = 1e5;  // [m] as poses
+  require_range(file, "resolution", map.resolution, 0.001, 10.0);
+  require_range(file, "origin", map.world_from_picture.x, -kFarthest, kFarthest);
+  require_range(file, "origin", map.world_from_picture.y, -kFarthest, kFarthest);
+  require_range(file, "yaw of origin", map.world_from_picture.theta, -7.0, 7.0);  // a full turn either way
+  require_range(file, "free_thresh", map.free_threshold, 0.0, 1.0);
+  require_range(file, "occupied_thresh", map.occupied_threshold, map.free_threshold, 1.0);
+  return map;
+}
+
+/// As map_server reads it. We know three states only, so `scale` is `trinary`; in `raw` a byte is a percentage, above
+/// 100 unknown. What is transparent is unknown.
+Prior prior_of(const MapPixel& pixel, const MapDescription& map) {
+  if (pixel.opacity < 128) {
+    return Prior::kUnknown;
+  }
+  const double value = map.negate ? 255.0 - pixel.grey : pixel.grey;
+  if (map.mode == MapMode::kRaw && value > 100.0) {
+    return Prior::kUnknown;
+  }
+  const double occupancy = map.mode == MapMode::kRaw ? value / 100.0 : 1.0 - value / 255.0;
+  return occupancy > map.occupied_threshold ? Prior::kOccupied
+         : occupancy < map.free_threshold   ? Prior::kFree
+                                            : Prior::kUnknown;
+}
+
+PriorMap read_upright(const MapDescription& description) {
+  MapPicture picture(description.picture);
+  PriorMap map;
+  map.geometry.resolution = description.resolution;
+  map.geometry.columns = picture.width();
+  map.geometry.rows = picture.height();
+  map.cells.resize(map.geometry.size());
+  for (int row = picture.height() - 1; row >= 0; --row) {
+    int column = 0;
+    for (const MapPixel& pixel : picture.next_row()) {
+      map.cells[map.geometry.index({column++, row})] = prior_of(pixel, description);
+    }
+  }
+  return map;
+}
+
+/// A grid along the axes of the world around a turned one. A cell is a wall where any of four points in it is one, so
+/// that no thin wall gets holes, and free only where all of them are.
+PriorMap turned(const PriorMap& map, const Pose2& world_from_map) {
+  const double width = map.geometry.columns * map.geometry.resolution;
+  const double height = map.geometry.rows * map.geometry.resolution;
+  Eigen::AlignedBox2d box;
+  for (const auto& [u, v] : {std::pair(0.0, 0.0), {width, 0.0}, {0.0, height}, {width, height}}) {
+    box.extend(world_from_map * Eigen::Vector2d(u, v));
+  }
+  PriorMap result;
+  result.geometry.resolution = map.geometry.resolution;
+  result.geometry.origin = box.min();
+  result.geometry.columns = static_cast<int>(std::ceil(box.sizes().x() / map.geometry.resolution - 1e-6));
+  result.geometry.rows = static_cast<int>(std::ceil(box.sizes().y() / map.geometry.resolution - 1e-6));
+  result.cells.assign(result.geometry.size(), Prior::kUnknown);
+  const Pose2 map_from_world = world_from_map.inverse();
+  const double quarter = 0.25 * map.geometry.resolution;
+  for (int row = 0; row < result.geometry.rows; ++row) {
+    for (int column = 0; column < result.geometry.columns; ++column) {
+      const Eigen::Vector2d centre = result.geometry.centre_of({column, row});
+      int free = 0;
+      int occupied = 0;
+      for (const auto& [u, v] : {std::pair(-1, -1), {1, -1}, {-1, 1}, {1, 1}}) {
+        const Prior prior = map.at(map_from_world * (centre + quarter * Eigen::Vector2d(u, v)));
+        free += prior == Prior::kFree ? 1 : 0;
+        occupied += prior == Prior::kOccupied ? 1 : 0;
+      }
+      result.cells[result.geometry.index({column, row})] = occupied > 0 ? Prior::kOccupied
+                                                           : free == 4  ? Prior::kFree
+                                                                        : Prior::kUnknown;
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 PriorMap read_map(const fs::path& yaml_file) {
-  require_file(yaml_file);  // a folder has no lines, and a pipe none yet
-  YAML::Node yaml;
-  try {
-    yaml = YAML::LoadFile(yaml_file.string());
-  } catch (const YAML::BadFile&) {
-    throw ConfigurationError(fmt::format("{}: cannot be read", yaml_file.string()));
-  } catch (const YAML::Exception& error) {
-    throw ConfigurationError(fmt::format("{}:{}: {}", yaml_file.string(), error.mark.line + 1, error.msg));
+  const MapDescription description = read_description(yaml_file);
+  PriorMap map = read_upright(description);
+  if (wrap_angle(description.world_from_picture.theta) != 0.0) {
+    return turned(map, description.world_from_picture);
   }
-  if (!yaml.IsMap() || !yaml["image"] || !yaml["resolution"] || !yaml["origin"]) {
-    throw ConfigurationError(fmt::format("{}: must have image, resolution and origin", yaml_file.string()));
-  }
-  PriorMap map;
-  double free_threshold = 0.196;
-  double occupied_threshold = 0.65;
-  bool negate = false;
-  fs::path image_file;
-  try {
-    image_file = yaml["image"].as<std::string>();
-    map.geometry.resolution = yaml["resolution"].as<double>();
-    const auto origin = yaml["origin"].as<std::vector<double>>();
-    if (origin.size() < 2 || (origin.size() > 2 && origin[2] != 0.0)) {
-      throw ConfigurationError(
-          fmt::format("{}: origin must be [x, y, 0]; turned maps are not read", yaml_file.string()));
-    }
-    map.geometry.origin = {origin[0], origin[1]};
-    free_threshold = yaml["free_thresh"] ? yaml["free_thresh"].as<double>() : free_threshold;
-    occupied_threshold = yaml["occupied_thresh"] ? yaml["occupied_thresh"].as<double>() : occupied_threshold;
-    negate = yaml["negate"] && yaml["negate"].as<int>() != 0;
-  } catch (const YAML::Exception& error) {
-    throw ConfigurationError(fmt::format("{}:{}: {}", yaml_file.string(), error.mark.line + 1, error.msg));
-  }
-  constexpr double kFarthest = 1e5;  // [m] as poses
-  require_range(yaml_file, "resolution", map.geometry.resolution, 0.001, 10.0);
-  require_range(yaml_file, "origin", map.geometry.origin.x(), -kFarthest, kFarthest);
-  require_range(yaml_file, "origin", map.geometry.origin.y(), -kFarthest, kFarthest);
-  require_range(yaml_file, "free_thresh", free_threshold, 0.0, 1.0);
-  require_range(yaml_file, "occupied_thresh", occupied_threshold, free_threshold, 1.0);
-  const fs::path picture = image_file.is_absolute() ? image_file : yaml_file.parent_path() / image_file;
-  require_file(picture);
-  std::ifstream in(picture, std::ios::binary);
-  if (!in) {
-    throw ConfigurationError(fmt::format("{}: cannot be read", picture.string()));
-  }
-  const PictureHeader image = read_pgm_header(in, picture);
-  map.geometry.columns = image.width;
-  map.geometry.rows = image.height;
-  map.cells.resize(map.geometry.size());
-  const auto columns = static_cast<std::size_t>(image.width);
-  std::vector<std::uint8_t> pixels(columns);  // a row at a time: the picture may be larger than all else in memory
-  for (int row = image.height - 1; row >= 0; --row) {
-    in.read(reinterpret_cast<char*>(pixels.data()), image.width);
-    if (in.gcount() != image.width) {
-      const std::size_t read = static_cast<std::size_t>(image.height - 1 - row) * columns;
-      throw ConfigurationError(fmt::format("{}: cut off, {} of {} pixels", picture.string(),
-                                           read + static_cast<std::size_t>(in.gcount()), map.geometry.size()));
-    }
-    for (int column = 0; column < image.width; ++column) {
-      const double brightness = static_cast<double>(pixels[static_cast<std::size_t>(column)]) / image.maximum;
-      const double occupancy = negate ? brightness : 1.0 - brightness;
-      map.cells[map.geometry.index({column, row})] = occupancy > occupied_threshold ? Prior::kOccupied
-                                                     : occupancy < free_threshold   ? Prior::kFree
-                                                                                    : Prior::kUnknown;
-    }
-  }
+  map.geometry.origin = description.world_from_picture.position();
   return map;
 }
 
