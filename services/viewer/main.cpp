@@ -11,6 +11,7 @@
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/launcher/network.hpp"
+#include "services/viewer/address/page_addresses.hpp"
 #include "services/viewer/http/http_rules.hpp"
 #include "services/viewer/http/http_server.hpp"
 #include "services/viewer/process_desk.hpp"
@@ -31,12 +32,29 @@ bool is_read_by_a_person_alone() {
   return isatty(STDOUT_FILENO) != 0 && getsid(0) != getpid();
 }
 
-void say_address(const std::string& address, const std::string& token, const std::filesystem::path& token_file) {
+/// For a phone: by number, and to be photographed.
+void say_where_others_reach_it(const HttpOptions& http, int port, const std::string& token) {
+  std::string first;
+  for (const std::string& address : reachable_addresses(http.listen)) {
+    const std::string page = fmt::format("http://{}:{}/#token={}", address, port, token);
+    fmt::print("viewer: or   {}\n", page);
+    first = first.empty() ? page : first;
+  }
+  if (!first.empty()) {
+    fmt::print("{}", qr_code(first));
+  }
+}
+
+void say_address(const HttpOptions& http, const HttpServer& server, const std::filesystem::path& token_file) {
+  const std::string address = server.address();
+  const std::string& token = http.token;
+  const int port = server.port();
   if (token.empty()) {
     fmt::print("viewer: open {}\n", address);
   } else if (is_read_by_a_person_alone()) {
     // after the hash: browsers keep it to themselves
     fmt::print("viewer: open {}#token={}\n", address, token);
+    say_where_others_reach_it(http, port, token);
   } else {
     fmt::print("viewer: open {}#token=TOKEN, with the token of {}\n", address, token_file.string());
   }
@@ -99,7 +117,7 @@ int view(int argc, char** argv) {
   ProcessDesk processes(*procman, *lcm, access.key);
   ViewerNode node(*lcm, config, clock, board, pictures, desk, helm);
   const HttpServer server(http, {board, pictures, desk, helm, processes, clock, config.building, config.robot});
-  say_address(server.address(), http.token, kept_token);
+  say_address(http, server, kept_token);
 
   EventLoop loop(*lcm, "viewer", config.robot.name, network);
   loop.belong_to(identify(robot_file, building_file));

@@ -2,7 +2,8 @@
 import * as commands from './commands.js';
 
 const $ = (id) => document.getElementById(id);
-const PLACE_PX = 16;         // a tap as near as that to a place means the place
+const PLACE_PX = 16;         // a tap as near as that to a place means the place,
+const PLACE_M = 0.7;         // [m] and so near, when the map is seen from afar
 const MANY_PLACES = 12;      // from then on they are searched
 const STEP = Math.PI / 12;   // [rad] of a heading by key
 const EDGE_PX = 8;
@@ -56,7 +57,7 @@ export class Goals {
     const [px, py] = this.view.toScreen(x, y);
     const place = this.places.find((known) => {
       const [qx, qy] = this.view.toScreen(known.x, known.y);
-      return Math.hypot(qx - px, qy - py) < PLACE_PX;
+      return Math.hypot(qx - px, qy - py) < PLACE_PX && Math.hypot(known.x - x, known.y - y) < PLACE_M;
     });
     this.setDraft(place ? {x: place.x, y: place.y, theta: place.theta, place: place.name} : {x, y, theta: undefined});
   }
