@@ -61,22 +61,31 @@ void move_apart(DemoOptions& options) {
   }
 }
 
-/// How a person calls a script: from here, or installed.
-std::string command(const std::string& name) {
+bool is_installed() {
   const std::filesystem::path programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  return (std::filesystem::exists(programs / "launch") ? "luminav-" : "scripts/") + name;
+  return std::filesystem::exists(programs / "launch");
 }
 
-void say_what_to_try(const DemoOptions& options) {
-  const std::string building = fmt::format("LUMINAV_SCENARIO={} ", options.scenario);
+/// How a person calls a script: from here, or installed.
+std::string command(const std::string& name) {
+  return (is_installed() ? "luminav-" : "scripts/") + name;
+}
+
+void say_what_to_try(const DemoOptions& options, const Building& building) {
   const bool is_usual = options.scenario == shipped_file("scenarios/laboratory.toml");
-  fmt::print(
-      "\nWhat to try next:\n"
-      "  {}{} {}    # the same robot goes on until Ctrl-C; then, in another terminal:\n"
-      "  {}      # watch and drive it at http://localhost:8080\n"
-      "  {} lift # send it somewhere; {} ends that, {} stops it\n",
-      is_usual ? "" : building, command("launch"), shipped_file("demo.pmd"), command("view"), command("goto"),
-      command("cancel"), command("stop"));
+  const std::string launch =
+      fmt::format("{}{} {}", is_usual ? "" : fmt::format("LUMINAV_SCENARIO={} ", options.scenario), command("launch"),
+                  is_installed() ? shipped_file("demo.pmd") : "launch/demo.pmd");
+  const std::string go =
+      fmt::format("{} {}", command("goto"), building.places.empty() ? "X Y" : building.places.front().name);
+  const std::size_t width = std::max(launch.size(), go.size());
+  fmt::print("\nWhat to try next:\n");
+  for (const auto& [line, does] :
+       {std::pair{launch, std::string("the same robot, until Ctrl-C; in another terminal then:")},
+        {command("view"), "watch and drive it at http://localhost:8080"},
+        {go, fmt::format("send it somewhere; {} ends that, {} stops it", command("cancel"), command("stop"))}}) {
+    fmt::print("  {:<{}}  # {}\n", line, width, does);
+  }
 }
 
 /// After the goals the page goes on: the robot is the visitor's until Ctrl-C.
@@ -145,8 +154,8 @@ std::optional<RunReport> drive(lcm::LCM& lcm, DemoSystem& system, const Scenario
   return report;
 }
 
-int demo(int argc, char** argv) {
-  DemoOptions options;
+/// Nothing where the demo may go on, else the exit status.
+std::optional<int> read_options(int argc, char** argv, DemoOptions& options) {
   CommandLine line(
       "demo",
       "A simulated P3-DX finds out where it is by the ceiling's lights and drives to the scenario's goals, "
@@ -162,19 +171,31 @@ int demo(int argc, char** argv) {
       .flag("--view", options.view, "show the page, http://localhost:8080/, and go on with it when the goals are done")
       .integer("--id", options.id, "of a further demo beside others, 1 to 99: on ports of its own")
       .lcm_url(options.lcm_url);
-  if (const auto status = line.parse(argc, argv)) {
-    return *status;
-  }
-  move_apart(options);
+  return line.parse(argc, argv);
+}
+
+void check(const DemoOptions& options) {
   if (!options.mode.empty() && options.mode != "paper" && options.mode != "modern") {
     throw ConfigurationError(fmt::format("--mode {}: must be paper or modern", options.mode));
   }
+  if (options.duration < 0.0) {
+    throw ConfigurationError(fmt::format("--duration = {}, must be above 0 s", options.duration));
+  }
+  check_writable("--report", options.report);
+  check_writable("--picture", options.picture);
+  check_writable("--log", options.log);
+  if (options.log == "-") {
+    throw ConfigurationError("--log -: a log is a file, with what is needed to replay it beside");
+  }
+  if (!options.log.empty() && std::filesystem::exists(options.log)) {
+    throw std::runtime_error(fmt::format("{}: exists already, logs are never overwritten", options.log));
+  }
+}
+
+Scenario scenario_of(const DemoOptions& options) {
   Scenario scenario = read_scenario(options.scenario);
   if (options.seed >= 0) {
     scenario.seed = static_cast<std::uint64_t>(options.seed);
-  }
-  if (options.duration < 0.0) {
-    throw ConfigurationError(fmt::format("--duration = {}, must be above 0 s", options.duration));
   }
   if (options.duration > 0.0) {
     scenario.duration = options.duration;
@@ -184,19 +205,10 @@ int demo(int argc, char** argv) {
       fmt::print(stderr, "demo: this machine's clock stays as it is, at {} s too: two_hosts steps clocks\n", event.at);
     }
   }
-  check_writable("--report", options.report);
-  check_writable("--picture", options.picture);
-  check_writable("--log", options.log);
-  const WorldTruth world = draw_world(scenario, read_building(scenario.building_file), read_robot(scenario.robot_file));
-  if (options.log == "-") {
-    throw ConfigurationError("--log -: a log is a file, with what is needed to replay it beside");
-  }
-  if (!options.log.empty() && std::filesystem::exists(options.log)) {
-    throw std::runtime_error(fmt::format("{}: exists already, logs are never overwritten", options.log));
-  }
-  const auto lcm = open_lcm(options.lcm_url);
-  launcher::catch_interrupts();
-  fmt::print("demo: {} with seed {}, world {}, on {}\n", scenario.name, scenario.seed, world.hash, options.lcm_url);
+  return scenario;
+}
+
+void say_where_it_is_seen(const DemoOptions& options) {
   if (options.view) {
     fmt::print("demo: the page is at http://localhost:{}/\n", options.page_port());
   } else if (options.id > 0) {
@@ -206,11 +218,29 @@ int demo(int argc, char** argv) {
     fmt::print("demo: to watch it, say {} in another terminal\n", command("view"));
   }
   std::fflush(stdout);
+}
+
+int demo(int argc, char** argv) {
+  DemoOptions options;
+  if (const auto status = read_options(argc, argv, options)) {
+    return *status;
+  }
+  move_apart(options);
+  check(options);
+  const Scenario scenario = scenario_of(options);
+  const Building building = read_building(scenario.building_file);
+  const WorldTruth world = draw_world(scenario, building, read_robot(scenario.robot_file));
+  const auto lcm = open_lcm(options.lcm_url);
+  launcher::catch_interrupts();
+  fmt::print("demo: {} with seed {}, world {}, on {}\n", scenario.name, scenario.seed, world.hash, options.lcm_url);
+  say_where_it_is_seen(options);
   DemoSystem system(scenario, options.mode, options.lcm_url, options.log);
   const std::optional<RunReport> report = drive(*lcm, system, scenario, world, options);
   const bool was_whole = system.is_whole();
-  if (report && was_whole && options.view) {
+  if (report) {
     fmt::print("{}", to_text(*report));
+  }
+  if (report && was_whole && options.view) {
     stay(*lcm, system, options);
   }
   system.stop();
@@ -219,8 +249,7 @@ int demo(int argc, char** argv) {
     return system.failure().empty() ? 130 : 1;
   }
   if (!options.view) {
-    fmt::print("{}", to_text(*report));
-    say_what_to_try(options);
+    say_what_to_try(options, building);
   }
   if (!options.report.empty()) {
     write_whole_file(options.report, to_json(*report));

@@ -120,6 +120,7 @@ class SharedRobot : public ::testing::Test {
       truth.y = 3.0;
       lcm_.publish(channels::kSimTruth, &truth);
       navigation_status_t status{};
+      status.utime = utime_;
       status.goal_id = goal_id;
       status.state = static_cast<std::int8_t>(state);
       lcm_.publish(channels::kNavigationStatus, &status);
