@@ -330,15 +330,38 @@ class BuildingInspector {
     }
   }
 
+  /// The map as the planner takes it: what no robot may enter is as good as a wall.
+  [[nodiscard]] PriorMap with_keep_out() const {
+    PriorMap map = *map_;
+    for (int row = 0; row < map.geometry.rows; ++row) {
+      for (int column = 0; column < map.geometry.columns; ++column) {
+        if (zone_at(map.geometry.centre_of({column, row})) != nullptr) {
+          map.cells[map.geometry.index({column, row})] = Prior::kOccupied;
+        }
+      }
+    }
+    return map;
+  }
+  [[nodiscard]] const Zone* zone_at(const Eigen::Vector2d& point) const {
+    const auto found = std::find_if(building_.zones.begin(), building_.zones.end(), [&](const Zone& zone) {
+      return zone.kind == ZoneKind::kKeepOut && contains(zone.polygon, point);
+    });
+    return found == building_.zones.end() ? nullptr : &*found;
+  }
+
   void check_places() {
-    const StandingRoom room(*map_);
+    const StandingRoom room(with_keep_out());
     for (std::size_t i = 0; i < building_.places.size(); ++i) {
       const Place& place = building_.places[i];
       const int part = room.part_at(place.pose.position());
-      if (part == 0) {
+      if (const Zone* zone = zone_at(place.pose.position())) {
+        add(FindingKind::kError, source_.place_lines[i],
+            fmt::format("place \"{}\" at ({:.2f}, {:.2f}) lies in the keep-out zone \"{}\": no goal there is taken",
+                        place.name, place.pose.x, place.pose.y, zone->name));
+      } else if (part == 0) {
         add(FindingKind::kError, source_.place_lines[i],
             fmt::format(
-                "place \"{}\" at ({:.2f}, {:.2f}): the robot does not fit there, a wall is nearer than {:.2f} m",
+                "place \"{}\" at ({:.2f}, {:.2f}): the robot does not fit there, a wall or a keep-out zone is nearer than {:.2f} m",
                 place.name, place.pose.x, place.pose.y, kRobotRadius));
       } else if (part != room.largest()) {
         add(FindingKind::kError, source_.place_lines[i],
@@ -356,7 +379,7 @@ class BuildingInspector {
     if (distance) {
       add(FindingKind::kWarning, line,
           fmt::format("{} at ({:.2f}, {:.2f}) is {:.2f} m from what the map does not know: stairs there are seen by no "
-                      "sense of the robot; draw a wall before them",
+                      "sense of the robot; put a keep-out zone before them",
                       what, point.x(), point.y(), *distance));
     }
   }

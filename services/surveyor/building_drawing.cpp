@@ -140,6 +140,17 @@ std::string draw_building_svg(const Building& building, const PriorMap* map, con
     svg += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"0.32\" fill=\"#850\">{}</text>\n", x(centre) + 0.2,
                        y(centre) - 0.25, fixture.id);
   }
+  for (const Zone& zone : building.zones) {
+    std::string corners;
+    for (const Eigen::Vector2d& corner : zone.polygon) {
+      corners += fmt::format("{:.3f},{:.3f} ", x(corner), y(corner));
+    }
+    const char* colour = zone.kind == ZoneKind::kKeepOut ? "#c22" : "#c80";
+    svg += fmt::format(
+        "<polygon points=\"{0}\" fill=\"{1}\" fill-opacity=\"0.15\" stroke=\"{1}\" stroke-width=\"0.06\"/>"
+        "<text x=\"{2:.2f}\" y=\"{3:.2f}\" font-size=\"0.4\" fill=\"{1}\">{4}</text>\n",
+        corners, colour, x(zone.polygon.front()) + 0.1, y(zone.polygon.front()) - 0.1, escaped(zone.name));
+  }
   for (const Place& place : building.places) {
     svg += fmt::format(
         "<circle cx=\"{0:.2f}\" cy=\"{1:.2f}\" r=\"0.12\" fill=\"#16a\"/><text x=\"{2:.2f}\" y=\"{3:.2f}\" "
@@ -213,6 +224,15 @@ void draw_building_png(const std::filesystem::path& file, const Building& buildi
       text(at(fixture.world_from_fixture.position()) + cv::Point(4, -6), std::to_string(fixture.id), 0.35,
            {0, 90, 150});
     }
+  }
+  for (const Zone& zone : building.zones) {
+    std::vector<cv::Point> corners;
+    for (const Eigen::Vector2d& corner : zone.polygon) {
+      corners.push_back(at(corner));
+    }
+    const cv::Scalar colour = zone.kind == ZoneKind::kKeepOut ? cv::Scalar(40, 40, 200) : cv::Scalar(20, 140, 210);
+    cv::polylines(image, corners, true, colour, 2, cv::LINE_AA);
+    text(corners.front() + cv::Point(5, -5), zone.name, scale > 15.0 ? 0.5 : 0.35, colour);
   }
   for (const Place& place : building.places) {
     cv::circle(image, at(place.pose.position()), 4, {170, 100, 20}, cv::FILLED, cv::LINE_AA);

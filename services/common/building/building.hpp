@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "services/common/geometry/angle.hpp"
+#include "services/common/geometry/polygon.hpp"
 #include "services/common/geometry/pose2.hpp"
 
 namespace luminav {
@@ -94,6 +95,28 @@ inline const char* name_of(SearchManner manner) {
   return "";
 }
 
+/// What a robot must not enter, or must pass slowly.
+enum class ZoneKind { kKeepOut, kSlow };
+
+/// As building files spell it.
+inline const char* name_of(ZoneKind kind) {
+  switch (kind) {
+    case ZoneKind::kKeepOut:
+      return "keep-out";
+    case ZoneKind::kSlow:
+      return "slow";
+  }
+  return "";
+}
+
+/// An area of the floor with a rule of its own, such as the head of a stair.
+struct Zone {
+  std::string name;
+  ZoneKind kind = ZoneKind::kKeepOut;
+  Polygon polygon;     // [m] world
+  double speed = 0.2;  // [m/s] in a slow zone
+};
+
 /// What is known of a building. Poses in the world frame.
 struct Building {
   std::string name;
@@ -105,6 +128,7 @@ struct Building {
   std::vector<Window> windows;
   std::vector<Door> doors;
   std::vector<Place> places;
+  std::vector<Zone> zones;
 };
 
 }  // namespace luminav

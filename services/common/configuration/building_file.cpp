@@ -61,6 +61,26 @@ CeilingElement read_element(const TomlTable& table) {
   return element;
 }
 
+Zone read_zone(const TomlTable& table) {
+  Zone zone;
+  zone.name = table.text("name");
+  zone.kind = table.choice("kind", "keep-out", {"keep-out", "slow"}) == "slow" ? ZoneKind::kSlow : ZoneKind::kKeepOut;
+  zone.polygon = table.points("polygon");
+  for (const Eigen::Vector2d& corner : zone.polygon) {
+    if (!(corner.cwiseAbs().maxCoeff() <= kCoordinate.max)) {
+      table.fail("polygon", fmt::format("has a corner that is no place within {:.0f} m", kCoordinate.max));
+    }
+  }
+  if (!is_simple(zone.polygon)) {
+    table.fail("polygon", "must be a list of at least three [x, y] corners in metres whose edges do not cross");
+  }
+  if (zone.kind == ZoneKind::kSlow) {
+    zone.speed = table.number("speed", zone.speed, {0.05, 2.0});
+  }
+  table.reject_unknown();
+  return zone;
+}
+
 std::string pose_lines(const Pose2& pose) {
   return fmt::format("x = {:.3f}\ny = {:.3f}\ntheta = {:.4f}\n", pose.x, pose.y, pose.theta);
 }
@@ -138,6 +158,10 @@ BuildingSource read_building_source(const std::filesystem::path& file) {
     source.place_lines.push_back(table.line());
     table.reject_unknown();
   }
+  for (const TomlTable& table : root.tables("zone")) {
+    building.zones.push_back(read_zone(table));
+    source.zone_lines.push_back(table.line());
+  }
   root.reject_unknown();
   return source;
 }
@@ -168,6 +192,14 @@ void write_building(const std::filesystem::path& file, const Building& building)
     text +=
         fmt::format("\n[[place]]\nname = {}\nx = {:.3f}\ny = {:.3f}\n", quoted(place.name), place.pose.x, place.pose.y);
     text += place.has_theta ? fmt::format("theta = {:.4f}\n", place.pose.theta) : "";
+  }
+  for (const Zone& zone : building.zones) {
+    text += fmt::format("\n[[zone]]\nname = {}\nkind = \"{}\"\npolygon = [", quoted(zone.name), name_of(zone.kind));
+    for (std::size_t i = 0; i < zone.polygon.size(); ++i) {
+      text += fmt::format("{}[{:.3f}, {:.3f}]", i == 0 ? "" : ", ", zone.polygon[i].x(), zone.polygon[i].y());
+    }
+    text += "]\n";
+    text += zone.kind == ZoneKind::kSlow ? fmt::format("speed = {:.3f}\n", zone.speed) : "";
   }
   write_whole_file(file, text);
 }

@@ -8,7 +8,7 @@
 namespace luminav {
 
 /// Reads a building.toml strictly. Throws ConfigurationError, naming file, line, key and what is allowed; two fixtures
-/// with one id are an error.
+/// with one id are an error, and so is a zone whose edges cross.
 Building read_building(const std::filesystem::path& file);
 
 /// A building and the line of its file on which each table begins, in the building's order.
@@ -19,6 +19,7 @@ struct BuildingSource {
   std::vector<int> window_lines;
   std::vector<int> door_lines;
   std::vector<int> place_lines;
+  std::vector<int> zone_lines;
 };
 /// As read_building.
 BuildingSource read_building_source(const std::filesystem::path& file);

@@ -120,5 +120,18 @@ TEST(BuildingCheck, WarnsOfPlacesAndDoorsBesideWhatTheMapDoesNotKnow) {
               Not(Contains(Field(&BuildingFinding::text, HasSubstr("behind the wall\" at (11.50, 6.00) is")))));
 }
 
+TEST(BuildingCheck, NamesThePlacesThatAKeepOutZoneTakesAway) {
+  const std::string places =
+      "[[place]]\nname = \"landing\"\nx = 9.0\ny = 3.0\n"
+      "[[place]]\nname = \"cellar\"\nx = 11.2\ny = 3.0\n"
+      "[[place]]\nname = \"desk\"\nx = 3.0\ny = 2.0\n";
+  EXPECT_THAT(findings_of(places), Not(Contains(Field(&BuildingFinding::text, HasSubstr("\"landing\"")))));
+  const auto findings =
+      findings_of(places + "[[zone]]\nname = \"stairs\"\npolygon = [[8, 0], [10, 0], [10, 10], [8, 10]]\n");
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 3, "\"landing\" at (9.00, 3.00) lies in")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 7, "\"cellar\" at (11.20, 3.00): no way leads")));
+  EXPECT_THAT(findings, Not(Contains(Field(&BuildingFinding::text, HasSubstr("\"desk\"")))));
+}
+
 }  // namespace
 }  // namespace luminav
