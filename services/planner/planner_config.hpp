@@ -19,11 +19,12 @@ struct PlannerConfig {
   std::vector<Door> doors;             ///< for sentences: a blocked door is called one
   std::string building;                ///< its name; "" = not told, then any place is taken as it comes
   std::vector<Place> places;           ///< of the building: a goal that names another one is for another building
+  std::vector<Zone> keep_out{};        ///< zones that no goal may lie in
   std::filesystem::path state_folder;  ///< where the goal list survives a restart; "" = nowhere
   std::string boot;                    ///< id of the machine's start; "" = unknown
 };
 
-/// Reads table [planner] of the robot's file and doors and places of the building. Throws ConfigurationError.
+/// Reads table [planner] of the robot's file and doors, places and zones of the building. Throws ConfigurationError.
 PlannerConfig read_planner_config(const std::filesystem::path& robot_file, const std::filesystem::path& building_file);
 
 }  // namespace luminav

@@ -259,6 +259,11 @@ Route RoutePlanner::plan(const RouteRequest& request) {
 
 std::optional<std::size_t> RoutePlanner::first_blocked(const Polyline& points, std::size_t from) const {
   const double radius = params_.space.hard_radius - kBlockedMargin;
+  if (from < points.size() && space_.is_keep_out(space_.geometry().cell_at(points[from]))) {
+    while (from < points.size() && space_.is_blocked(space_.geometry().cell_at(points[from]))) {
+      ++from;
+    }
+  }
   for (std::size_t i = from; i < points.size(); ++i) {
     const Cell cell = space_.geometry().cell_at(points[i]);
     if (space_.is_solid(cell) || space_.clearance(cell) <= radius + 1e-6) {

@@ -55,7 +55,8 @@ class RoutePlanner {
   [[nodiscard]] Route plan(const RouteRequest& request);
 
   /// Index of the first point from `from` on that cannot be passed any more: a cell of margin less than for planning,
-  /// so that a path along the limit does not flicker. Nothing when all of it is passable.
+  /// so that a path along the limit does not flicker. Nothing when all of it is passable. A path that begins in a
+  /// keep-out zone leads out of it: so far it is not blocked.
   [[nodiscard]] std::optional<std::size_t> first_blocked(const Polyline& points, std::size_t from) const;
 
  private:

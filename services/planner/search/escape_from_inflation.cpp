@@ -23,7 +23,9 @@ EscapeFromInflation::EscapeFromInflation(const ConfigurationSpace& space, const 
       params_(params),
       robot_(robot),
       start_(space.geometry().cell_at(robot)),
-      reach_(static_cast<int>(std::ceil(params.reach / space.geometry().resolution))) {}
+      starts_in_zone_(space.is_keep_out(start_)),
+      reach_(static_cast<int>(std::ceil((starts_in_zone_ ? std::max(params.reach, params.zone_reach) : params.reach) /
+                                        space.geometry().resolution))) {}
 
 std::size_t EscapeFromInflation::cells_in_reach() const {
   const auto side = static_cast<std::size_t>(2 * reach_ + 1);
@@ -46,7 +48,8 @@ bool EscapeFromInflation::may_enter(const Cell& cell) const {
       !geometry.contains(cell)) {
     return false;
   }
-  return !space_.is_solid(cell) || (geometry.centre_of(cell) - robot_).norm() <= params_.body_radius;
+  return !space_.is_solid(cell) || (starts_in_zone_ && space_.is_keep_out(cell)) ||
+         (geometry.centre_of(cell) - robot_).norm() <= params_.body_radius;
 }
 
 // The nearer to an obstacle the dearer, so that the way out leads straight away from it.

@@ -14,9 +14,11 @@ struct EscapeFromInflationParams {
   double reach = 1.0;         // [m] from the robot
   double body_radius = 0.22;  // [m] what seems to stand this close to the robot's middle cannot be there
   double hard_radius = 0.30;  // [m] the space's own
+  double zone_reach = 15.0;   // [m] from a robot inside a keep-out zone
 };
 
-/// The way out for a robot beside an obstacle: through cells that are blocked, never through solid ones.
+/// The way out for a robot beside an obstacle, through cells that are blocked, never through solid ones; and for one
+/// inside a keep-out zone, through that zone.
 class EscapeFromInflation {
  public:
   /// `robot` [m, world] is in a cell inside the space, which must outlive this.
@@ -43,6 +45,7 @@ class EscapeFromInflation {
   EscapeFromInflationParams params_;
   Eigen::Vector2d robot_;
   Cell start_;
+  bool starts_in_zone_;
   int reach_;  // [cells]
 };
 

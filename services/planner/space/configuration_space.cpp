@@ -86,6 +86,7 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, c
     const double cells = square == kNothingNear ? kDistanceReach + 1 : std::sqrt(square);
     metres_[static_cast<std::size_t>(square)] = static_cast<float>(cells * geometry_.resolution);
   }
+  draw_zones();
   squared_distance_ = std::make_unique_for_overwrite<std::uint8_t[]>(geometry_.size());
   const auto blocks = [](int cells) { return static_cast<std::size_t>((cells + kBlock - 1) / kBlock); };
   is_measured_.assign(blocks(geometry_.columns) * blocks(geometry_.rows), 0);
@@ -95,6 +96,7 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, c
     const int last = std::min(first + kRowsAtOnce, geometry_.rows);
     const int needed = std::min(last + kDistanceReach, geometry_.rows);
     read(grid, suspected, read_to, needed, solid_, unknown_);
+    add_zones(read_to, needed, solid_, unknown_);
     read_to = needed;
     widen(first, last);
   }
@@ -132,6 +134,47 @@ void ConfigurationSpace::read(const OccupancyGrid& grid, const std::vector<Suspe
           solid.set(cell);
         }
       }
+    }
+  }
+}
+
+void ConfigurationSpace::draw_zones() {
+  if (params_.keep_out.empty()) {
+    return;
+  }
+  zones_ = BitGrid(geometry_.columns, geometry_.rows);
+  keep_out_ = BitGrid(geometry_.columns, geometry_.rows);
+  const double touched = std::sqrt(0.5) * geometry_.resolution;  // from a cell's centre to its corner
+  for (const Polygon& zone : params_.keep_out) {
+    Eigen::Vector2d low = zone.front();
+    Eigen::Vector2d high = low;
+    for (const Eigen::Vector2d& corner : zone) {
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
+    }
+    const Cell first = geometry_.cell_at(low);
+    const Cell last = geometry_.cell_at(high);
+    for (int row = std::max(0, first.row - 1); row <= std::min(geometry_.rows - 1, last.row + 1); ++row) {
+      for (int column = std::max(0, first.column - 1); column <= std::min(geometry_.columns - 1, last.column + 1);
+           ++column) {
+        const Eigen::Vector2d centre = geometry_.centre_of({column, row});
+        if (contains(zone, centre) || distance_to_edge(zone, centre) <= touched) {
+          zones_.set({column, row});
+        }
+      }
+    }
+  }
+}
+
+void ConfigurationSpace::add_zones(int first_row, int last_row, BitGrid& solid, const BitGrid& unknown) {
+  if (zones_.rows() == 0) {
+    return;
+  }
+  for (int row = first_row; row < last_row; ++row) {
+    for (std::size_t i = 0; i < zones_.words_per_row(); ++i) {
+      const std::uint64_t zone = zones_.row(row)[i];
+      keep_out_.row(row)[i] = zone & ~solid.row(row)[i] & ~unknown.row(row)[i];
+      solid.row(row)[i] |= zone;
     }
   }
 }
@@ -193,6 +236,7 @@ ConfigurationSpace::Update ConfigurationSpace::update(const OccupancyGrid& grid,
   BitGrid solid = BitGrid::unfilled(geometry_.columns, geometry_.rows);
   BitGrid unknown = BitGrid::unfilled(geometry_.columns, geometry_.rows);
   read(grid, suspected, 0, geometry_.rows, solid, unknown);
+  add_zones(0, geometry_.rows, solid, unknown);
   const CellWindow in_solid = difference(solid, solid_);
   const CellWindow in_unknown = difference(unknown, unknown_);
   if (in_solid.is_empty() && in_unknown.is_empty()) {

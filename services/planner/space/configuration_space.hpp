@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
+#include "services/common/geometry/polygon.hpp"
 #include "services/planner/space/bit_grid.hpp"
 #include "services/planner/space/cost_terrain.hpp"
 #include "services/planner/space/distance_field.hpp"
@@ -20,6 +21,7 @@ struct ConfigurationSpaceParams {
   double free_log_odds = -0.6;     ///< evidence below makes a cell free of which the building's map knows nothing
   bool unknown_is_free = false;    ///< plan through what nobody has seen
   bool disputed_is_free = false;   ///< plan through walls that the sonars saw through
+  std::vector<Polygon> keep_out{};  ///< [m] world; solid to every path but that of a robot which is inside
 };
 
 /// A disc that counts as occupied for a while: something stopped the robot there that no sonar shows.
@@ -62,6 +64,10 @@ class ConfigurationSpace {
   [[nodiscard]] bool is_solid(const Cell& cell) const {
     return !geometry_.contains(cell) || solid_.test(cell) || unknown_.test(cell);
   }
+  /// In a keep-out zone, with nothing solid there besides.
+  [[nodiscard]] bool is_keep_out(const Cell& cell) const {
+    return keep_out_.rows() > 0 && geometry_.contains(cell) && keep_out_.test(cell);
+  }
   /// Distance [m] from a cell's centre to the nearest occupied cell's; 1.6 m (at 0.1 m a cell) where nothing is near.
   [[nodiscard]] double clearance(const Cell& cell) const;
   /// The same between cells, bilinear [m].
@@ -75,6 +81,9 @@ class ConfigurationSpace {
  private:
   void read(const OccupancyGrid& grid, const std::vector<SuspectedObstacle>& suspected, int first_row, int last_row,
             BitGrid& solid, BitGrid& unknown) const;
+  void draw_zones();
+  /// Takes the zones' cells into `solid`, and keeps those in which nothing else is.
+  void add_zones(int first_row, int last_row, BitGrid& solid, const BitGrid& unknown);
   void widen(int first_row, int last_row);
   /// Clearance [m] between a cell's centre and those to its right and above, by parts of a cell; all have been
   /// measured.
@@ -97,6 +106,8 @@ class ConfigurationSpace {
   BitGrid solid_;
   BitGrid unknown_;  // and not to be entered
   BitGrid passable_;
+  BitGrid zones_;     // all cells that a keep-out zone touches; no rows: there is no zone
+  BitGrid keep_out_;  // those of them that are free otherwise
   // of square blocks of 64 cells, measured when first asked for; memory is touched only then
   mutable std::vector<std::uint8_t> is_measured_;
   mutable std::unique_ptr<std::uint8_t[]> squared_distance_;

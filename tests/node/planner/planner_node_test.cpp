@@ -270,6 +270,17 @@ TEST(PlannerNode, RefusesPlacesOfAnotherBuilding) {
   EXPECT_NE(world.status.state, Status::STATE_NO_PATH);
 }
 
+TEST(PlannerNode, RefusesAGoalInAKeepOutZoneByItsName) {
+  PlannerConfig config;
+  config.keep_out = {{"stairs", ZoneKind::kKeepOut, {{8.0, 3.0}, {10.0, 3.0}, {10.0, 5.0}, {8.0, 5.0}}, 0.2}};
+  PlannerWorld world(config);
+  world.run(1.0);
+  world.send(world.goal(1, {{9.0, 4.0}}));
+  EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
+  EXPECT_THAT(world.status.cause, HasSubstr("stairs"));
+  EXPECT_EQ(world.path.count, 0);
+}
+
 TEST(PlannerNode, IgnoresAGoalFromBeforeTheLastOne) {
   PlannerWorld world;
   world.run(1.0);

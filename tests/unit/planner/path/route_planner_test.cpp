@@ -35,6 +35,39 @@ TEST(RoutePlanner, PassesADoorInItsMiddle) {
   EXPECT_EQ(route.points.back(), Eigen::Vector2d(9.0, 4.0));
 }
 
+TEST(RoutePlanner, GoesRoundAKeepOutZone) {
+  RoutePlannerParams params;
+  params.space.keep_out = {{{3.0, 0.0}, {5.0, 0.0}, {5.0, 3.0}, {3.0, 3.0}}};
+  RoutePlanner planner = planner_for(empty_room(8.0, 5.0), params);
+  const Route route = planner.plan({{1.0, 1.0}, {7.0, 1.0}, 0.1});
+  ASSERT_EQ(route.outcome, RouteOutcome::kFound);
+  for (const Eigen::Vector2d& point : route.points) {
+    EXPECT_FALSE(contains(params.space.keep_out[0], point));
+    EXPECT_GT(distance_to_edge(params.space.keep_out[0], point), 0.22) << point.transpose();
+  }
+  EXPECT_FALSE(planner.first_blocked(route.points, 0));
+  EXPECT_EQ(planner.plan({{1.0, 1.0}, {4.0, 1.0}, 0.1}).outcome, RouteOutcome::kGoalBlocked);
+}
+
+TEST(RoutePlanner, LeadsOutOfAKeepOutZoneByAShortWayAndNotThroughItsWalls) {
+  RoutePlannerParams params;
+  params.space.keep_out = {{{2.0, 0.0}, {8.0, 0.0}, {8.0, 4.0}, {2.0, 4.0}}};
+  OccupancyGrid grid = empty_room(12.0, 8.0);
+  build_wall(grid, 2.0, 2.9, 6.0, 3.1);  // inside the zone, north of the robot
+  RoutePlanner planner = planner_for(grid, params);
+  const Eigen::Vector2d robot{4.5, 2.3};
+  const Route route = planner.plan({robot, {11.0, 7.0}, 0.1});
+  ASSERT_EQ(route.outcome, RouteOutcome::kFound);
+  double inside = 0.0;
+  for (std::size_t i = 1; i < route.points.size(); ++i) {
+    const Eigen::Vector2d& point = route.points[i];
+    EXPECT_NE(grid.prior[grid.geometry.index(grid.geometry.cell_at(point))], Prior::kOccupied) << point.transpose();
+    inside += contains(params.space.keep_out[0], point) ? (point - route.points[i - 1]).norm() : 0.0;
+  }
+  EXPECT_LT(inside, 3.7);
+  EXPECT_FALSE(planner.first_blocked(route.points, 0)) << "who is inside may leave";
+}
+
 TEST(RoutePlanner, FindsTheWayInPaperModeToo) {
   RoutePlannerParams params;
   params.mode = PlannerMode::kPaper;
