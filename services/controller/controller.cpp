@@ -33,6 +33,7 @@ Controller::Controller(const ControllerConfig& config)
       wander_(config.wander, config.robot.sonar, stop_logic_,
               CeilingForecast(config.building, config.walls, config.view_radius(), config.wall_clearance)),
       progress_(config.progress),
+      zones_(config.building.zones),
       obstacles_(stop_logic_.footprint()),
       ramp_(config.robot.limits, config.jerk) {}
 
@@ -57,13 +58,47 @@ void Controller::enter(ControlTask task, const ControlInput& input) {
   progress_.restart(input.now, place_of(input));
 }
 
-ControlOutput Controller::step(const ControlInput& input) {
-  ControlOutput output;
+// While it searches, a zone of any pose that is possible is one.
+void Controller::look_around(const ControlInput& input) {
   walls_.clear();
   if (input.world_from_robot && input.grid != nullptr) {
     find_known_walls(*input.grid, *input.world_from_robot, config_.local_map, walls_);
   }
-  obstacles_.set(input.echoes, walls_);
+  std::size_t zones = 0;
+  if (input.world_from_robot) {
+    zones = zones_.add_edges(*input.world_from_robot, config_.local_map.radius, walls_);
+  } else {
+    constexpr double kPossible = 0.01;  // of all probability: what is less would shut every way
+    for (const PoseAlternative& alternative : input.alternatives) {
+      const Pose2 world_from_robot = alternative.world_from_odom * input.odom_from_robot;
+      zones +=
+          alternative.weight < kPossible ? 0 : zones_.add_edges(world_from_robot, config_.local_map.radius, walls_);
+    }
+  }
+  obstacles_.set(input.echoes, walls_, zones);
+}
+
+DriveTwist Controller::slowed(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const {
+  if (!input.world_from_robot || wanted.linear == 0.0) {
+    return wanted;
+  }
+  const double speed = std::abs(wanted.linear);
+  const double braking =
+      speed * (config_.stop_logic.reaction_time + 0.5 * speed / config_.robot.limits.linear_deceleration);
+  const Zone* const zone = zones_.slow_at(*input.world_from_robot, std::copysign(braking, wanted.linear));
+  if (zone == nullptr || speed <= zone->speed) {
+    return wanted;
+  }
+  if (output.reason.empty()) {
+    output.reason = "slow zone " + zone->name;
+  }
+  const double share = zone->speed / speed;
+  return {share * wanted.linear, share * wanted.angular};  // the same arc
+}
+
+ControlOutput Controller::step(const ControlInput& input) {
+  ControlOutput output;
+  look_around(input);
   output.clearance = stop_logic_.clearance(obstacles_);
   const ControlTask task = input.halt ? ControlTask::kNone : input.task;
   if (task != task_) {
@@ -77,7 +112,7 @@ ControlOutput Controller::step(const ControlInput& input) {
   }
   look_for_people(input.now);
   const double unknown = obstacles_.min_unknown_distance(10.0);
-  const DriveTwist wanted = with_care(wish(input, output), unknown);
+  const DriveTwist wanted = slowed(with_care(wish(input, output), unknown), input, output);
   DriveTwist smooth = ramp_.step(wanted, input.duration);
   if (escape_ && wanted.linear != 0.0) {
     // the arc that was found free, from the first step on: turning speeds up faster than driving
@@ -99,6 +134,10 @@ ControlOutput Controller::step(const ControlInput& input) {
     wait_or_escape(input, of_wish, output);
   }
   output.reason = output.reason.empty() ? input.ages.doubt : output.reason;
+  if (const std::string inside = input.world_from_robot ? zones_.keep_out_at(*input.world_from_robot) : "";
+      !inside.empty() && output.reason.empty()) {
+    output.reason = "is inside the keep-out zone " + inside;
+  }
   return output;
 }
 
@@ -220,7 +259,6 @@ bool Controller::may_travel(ControlTask task) const {
 DriveTwist Controller::search(const ControlInput& input, ControlOutput& output) {
   switch (config_.building.search) {
     case SearchManner::kWander:
-      // Keep-out areas belong here once buildings have them: what any pose that is possible has one, is one.
       return wander_.step(
           {input.now, input.odom_from_robot, obstacles_, input.remembered, input.firings, input.alternatives});
     case SearchManner::kTurn: {

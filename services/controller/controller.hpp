@@ -11,6 +11,7 @@
 #include "services/controller/safety/escape.hpp"
 #include "services/controller/safety/stop_logic.hpp"
 #include "services/controller/safety/turn_search.hpp"
+#include "services/controller/safety/zones.hpp"
 #include "services/controller/search/wander.hpp"
 
 namespace luminav {
@@ -77,6 +78,10 @@ class Controller {
     std::int64_t start = 0;  // [us]
   };
   void enter(ControlTask task, const ControlInput& input);
+  /// Takes up what stands around the robot, and where it must not go.
+  void look_around(const ControlInput& input);
+  /// What a slow zone leaves of a wish.
+  [[nodiscard]] DriveTwist slowed(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const;
   void look_for_people(std::int64_t now);
   [[nodiscard]] bool has_met_people(std::int64_t now) const;
   [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest) const;
@@ -101,6 +106,7 @@ class Controller {
   Wander wander_;
   TurnSearch turn_search_;
   ProgressMonitor progress_;
+  Zones zones_;
   PlanePoints walls_;    // of this step: known ones, robot frame
   Obstacles obstacles_;  // of this step: echoes and these walls
   CommandRamp ramp_;

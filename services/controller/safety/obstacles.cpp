@@ -27,7 +27,8 @@ std::uint64_t at_most(const double* squares, double max) {
 
 }  // namespace
 
-void Obstacles::set(std::span<const ObstaclePoint> measured, const PlanePoints& walls) {
+void Obstacles::set(std::span<const ObstaclePoint> measured, const PlanePoints& walls, std::size_t zones) {
+  zones_ = zones;
   measured_.assign(measured.begin(), measured.end());
   points_.clear();
   points_.reserve(measured.size() + walls.size());

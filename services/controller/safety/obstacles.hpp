@@ -20,6 +20,7 @@ struct ObstaclePoint {
   double age = 0.0;                                    // [s] since it was measured
   bool is_known = false;                               // the building's map has it
   bool has_stood = false;                              // something was heard there before: it doesn't walk
+  bool is_zone = false;                                // the edge of a keep-out zone, which nobody hears
 };
 
 /// All that stands around the robot in one step of control: what was measured, then the walls of the building's map.
@@ -32,8 +33,9 @@ class Obstacles {
     set(measured, {});
   }
 
-  /// Takes the place of all before. Walls are points [m] in the robot frame.
-  void set(std::span<const ObstaclePoint> measured, const PlanePoints& walls);
+  /// Takes the place of all before. Walls are points [m] in the robot frame; the last `zones` of them are edges of
+  /// keep-out zones.
+  void set(std::span<const ObstaclePoint> measured, const PlanePoints& walls, std::size_t zones = 0);
   /// The same from another place.
   [[nodiscard]] Obstacles seen_from(const Pose2& there_from_here) const;
 
@@ -41,7 +43,7 @@ class Obstacles {
   [[nodiscard]] const PlanePoints& points() const { return points_; }
   [[nodiscard]] Eigen::Vector2d position(std::size_t i) const { return points_[i]; }
   [[nodiscard]] ObstaclePoint operator[](std::size_t i) const {
-    return i < measured_.size() ? measured_[i] : wall_at(points_[i]);
+    return i < measured_.size() ? measured_[i] : wall_at(points_[i], i >= size() - zones_);
   }
   [[nodiscard]] std::span<const ObstaclePoint> measured() const { return measured_; }
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
@@ -78,7 +80,9 @@ class Obstacles {
   static constexpr std::size_t kBlock = Footprint::kBlock;  // points, one bit each
   static_assert(kBlock == 64);
 
-  static ObstaclePoint wall_at(const Eigen::Vector2d& position) { return {position, 0.0, 0.0, true, false}; }
+  static ObstaclePoint wall_at(const Eigen::Vector2d& position, bool is_zone) {
+    return {position, 0.0, 0.0, true, false, is_zone};
+  }
   /// Which of a block's points have at most this squared distance [m^2] from the box.
   [[nodiscard]] std::uint64_t within(std::size_t first, double squared) const;
   void measure();
@@ -89,6 +93,7 @@ class Obstacles {
   Footprint footprint_;
   std::vector<ObstaclePoint> measured_;
   PlanePoints points_;                    // of all
+  std::size_t zones_ = 0;                 // the last of them
   std::vector<double> squared_from_box_;  // [m^2] of each point; whole blocks, infinite beyond the last point
   std::vector<double> min_of_block_;      // [m^2] of these
 };

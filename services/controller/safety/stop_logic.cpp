@@ -19,7 +19,10 @@ std::string describe(const ObstaclePoint& obstacle) {
                       : std::abs(side) > radians(145.0) ? "behind"
                       : side > 0.0                      ? "on the left"
                                                         : "on the right";
-  std::snprintf(text.data(), text.size(), "%s %s, %.2f m from the wheel axis", obstacle.is_known ? "wall" : "something",
+  std::snprintf(text.data(), text.size(), "%s %s, %.2f m from the wheel axis",
+                obstacle.is_zone    ? "edge of a keep-out zone"
+                : obstacle.is_known ? "wall"
+                                    : "something",
                 where, obstacle.position.norm());
   return text.data();
 }
