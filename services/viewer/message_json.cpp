@@ -328,6 +328,14 @@ std::string to_json(const Building& building, const RobotDescription& robot) {
     }
     json["places"].push_back(item);
   }
+  json["zones"] = Json::array();
+  for (const Zone& zone : building.zones) {
+    Json polygon = Json::array();
+    for (const Eigen::Vector2d& corner : zone.polygon) {
+      polygon.push_back({corner.x(), corner.y()});
+    }
+    json["zones"].push_back({{"name", zone.name}, {"kind", name_of(zone.kind)}, {"polygon", polygon}});
+  }
   Json footprint = Json::array();
   for (const Eigen::Vector2d& corner : robot.footprint) {
     footprint.push_back({corner.x(), corner.y()});

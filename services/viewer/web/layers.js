@@ -1,7 +1,7 @@
 // What is drawn on the map, one function per layer, from the ground up.
 export const LAYERS = [
   ['walls', 'Walls', true], ['evidence', 'Sonar evidence', true], ['fixtures', 'Light fixtures', true],
-  ['ceiling', 'Vents and detectors', false], ['places', 'Places', true], ['detections', 'Seen on the ceiling', true],
+  ['ceiling', 'Vents and detectors', false], ['zones', 'Zones', true], ['places', 'Places', true], ['detections', 'Seen on the ceiling', true],
   ['particles', 'Particles', true], ['hypotheses', 'Hypotheses', true], ['sonar', 'Sonar beams', true],
   ['path', 'Path and goal', true], ['forces', 'Forces', false], ['trail', 'Trail', true], ['odometry', 'Trail of the odometry', false],
   ['truth', 'Truth (simulation)', true], ['people', 'People (simulation)', true],
@@ -76,6 +76,26 @@ export function drawCeiling(context, view, building, colours) {
     if (element.kind === 'detector') disc(context, view, element.pose[0], element.pose[1], element.length / 2 * view.scale);
     else trace(context, view, placed(element.pose, box(element.length, element.width)), true);
     context.stroke();
+  }
+}
+
+export function drawZones(context, view, building, colours) {
+  context.font = '12px system-ui, sans-serif';
+  context.textAlign = 'left';
+  context.lineWidth = 2;
+  for (const zone of building.zones) {
+    const colour = zone.kind === 'slow' ? colours.slowZone : colours.keepOut;
+    trace(context, view, zone.polygon, true);
+    context.globalAlpha = 0.15;
+    context.fillStyle = colour;
+    context.fill();
+    context.globalAlpha = 1;
+    context.strokeStyle = colour;
+    context.stroke();
+    if (view.scale < 12) continue;
+    const [px, py] = view.toScreen(Math.min(...zone.polygon.map(([x]) => x)), Math.max(...zone.polygon.map(([, y]) => y)));
+    context.fillStyle = colour;
+    context.fillText(zone.name, px + 4, py + 14);
   }
 }
 

@@ -7,6 +7,7 @@ export const MEANINGS = {
   evidence: [(c) => rgb(c.tiles.hit), 'block', 'what the sonars saw and no map knows; blue shade: they saw nothing there'],
   fixtures: [(c) => c.fixtureSeen, 'block', 'lamps on the ceiling: filled while the camera sees them, grey if unlit'],
   ceiling: [(c) => c.faint, 'box', 'vents, smoke detectors and the like'],
+  zones: [(c) => c.keepOut, 'box', 'red: it never enters; amber: it drives slowly'],
   places: [(c) => c.place, 'dot', 'places with a name: tap one to go there'],
   detections: [(c) => c.detection, 'box', 'what the camera takes for a lamp, where the robot believes to be; dashed: unlit'],
   particles: [(c) => c.particle, 'dot', 'guesses where the robot may be'],

@@ -284,6 +284,7 @@ function paint() {
   if (layers.odometry) draw.drawTrail(context, view, trails.odometry, colours.odometryTrail, [6, 3]);
   if (layers.trail) draw.drawTrail(context, view, trails.pose, colours.trail);
   if (layers.truth) draw.drawTrail(context, view, trails.truth, colours.truthTrail, [3, 4]);
+  if (layers.zones) draw.drawZones(context, view, building, colours);
   if (layers.places) draw.drawPlaces(context, view, building, colours);
   if (layers.particles && cloud && !isTracking) particles.draw(context, view, cloud, colours.particle);
   if (layers.path) draw.drawPath(context, view, path, state?.navigation, state?.control, colours);

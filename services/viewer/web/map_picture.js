@@ -16,6 +16,7 @@ export function mapPicture(tiles, building, colours) {
   tiles.draw(context, view, {walls: true, evidence: true});
   if (building) {
     draw.drawFixtures(context, view, building, colours);
+    draw.drawZones(context, view, building, colours);
     draw.drawPlaces(context, view, building, colours);
   }
   return canvas;

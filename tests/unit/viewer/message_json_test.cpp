@@ -181,6 +181,7 @@ TEST(BuildingJson, HoldsBuildingAndRobot) {
   building.fixtures.push_back({});
   building.places.push_back({"door", {1.0, 2.0, 0.0}, false});
   building.places.push_back({"desk", {1.0, 2.0, 1.0}, true});
+  building.zones.push_back({"stairs", ZoneKind::kKeepOut, {{1.0, 2.0}, {3.0, 2.0}, {3.0, 4.0}}, 0.2});
   RobotDescription robot;
   robot.footprint = {{0.2, 0.2}, {-0.2, 0.2}, {-0.2, -0.2}};
   robot.sonar.robot_from_sonar = {Pose2{0.1, 0.0, 0.5}};
@@ -188,6 +189,8 @@ TEST(BuildingJson, HoldsBuildingAndRobot) {
   EXPECT_EQ(json["fixtures"][0]["shape"], "rectangle");
   EXPECT_FALSE(json["places"][0].contains("theta"));
   EXPECT_TRUE(json["places"][1].contains("theta"));
+  EXPECT_EQ(json["zones"][0]["kind"], "keep-out");
+  EXPECT_EQ(json["zones"][0]["polygon"], nlohmann::json::parse("[[1.0, 2.0], [3.0, 2.0], [3.0, 4.0]]"));
   EXPECT_EQ(json["robot"]["footprint"].size(), 3U);
   EXPECT_DOUBLE_EQ(json["robot"]["sonars"][0][2], 0.5);
 }
