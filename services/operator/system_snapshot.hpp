@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/control_status_t.hpp>
 #include <luminav/navigation_status_t.hpp>
@@ -9,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "services/common/process/running_system.hpp"
 #include "services/common/process/subscriber.hpp"
@@ -33,7 +35,7 @@ class SystemSnapshot {
   void on_navigation_status(const navigation_status_t& message) { navigation_ = message; }
   void on_control_status(const control_status_t& message) { control_ = message; }
   void on_node_status(const node_status_t& message) {
-    nodes_[message.process + "@" + message.host] = message;
+    nodes_[{message.process, message.host, message.instance}] = message;
     system_.hear(message, 0);
   }
 
@@ -42,7 +44,7 @@ class SystemSnapshot {
   std::optional<pose_t> pose_;
   std::optional<navigation_status_t> navigation_;
   std::optional<control_status_t> control_;
-  std::map<std::string, node_status_t> nodes_;
+  std::map<std::tuple<std::string, std::string, std::int64_t>, node_status_t> nodes_;  // two of one name are two
   RunningSystem system_;
 };
 

@@ -160,6 +160,7 @@ void HttpConnection::answer(const HttpRequest& request, HttpResponse response, c
   if (request.method == "HEAD") {
     closes_when_sent_ = closes_when_sent_ || response.more;
   } else if (response.more) {
+    closes_when_sent_ = false;  // what has no end is never all sent, also for who wants no second answer
     more_ = std::move(response.more);
     sign_of_life_ = std::move(response.sign_of_life);
     last_more_ = now;

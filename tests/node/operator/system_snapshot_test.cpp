@@ -55,6 +55,23 @@ TEST(SystemSnapshot, SaysWhatIsThereAndWhatIsMissing) {
   EXPECT_THAT(page, HasSubstr("no pose"));
 }
 
+TEST(SystemSnapshot, ShowsTwoProcessesOfOneName) {
+  lcm::LCM lcm("memq://");
+  const SystemSnapshot snapshot(lcm);
+  for (const std::int64_t instance : {1, 2, 1}) {
+    node_status_t node{};
+    node.utime = 1;
+    node.process = "viewer";
+    node.instance = instance;
+    node.state = instance == 2 ? node_status_t::STATE_FAULT : node_status_t::STATE_READY;
+    lcm.publish(channels::kNodeStatus, &node);
+  }
+  while (lcm.handleTimeout(0) > 0) {
+  }
+  EXPECT_THAT(snapshot.page(), HasSubstr("viewer       ready"));
+  EXPECT_THAT(snapshot.page(), HasSubstr("viewer       fault"));
+}
+
 TEST(SystemSnapshot, NamesStatesItDoesNotKnow) {
   EXPECT_EQ(navigation_state_name(99), "state 99");
   EXPECT_EQ(pose_state_name(-1), "state -1");

@@ -200,12 +200,12 @@ TEST_F(HttpServerTest, SaysWhenAStopCouldNotBeSent) {
 // A client that asks for the events and reads them only when it is told to.
 class EventReader {
  public:
-  explicit EventReader(int port) : descriptor_(socket(AF_INET, SOCK_STREAM, 0)) {
+  explicit EventReader(int port, const std::string& header = "") : descriptor_(socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     address.sin_port = htons(static_cast<std::uint16_t>(port));
-    const std::string request = "GET /events HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+    const std::string request = "GET /events HTTP/1.1\r\nHost: 127.0.0.1\r\n" + header + "\r\n";
     is_connected_ = connect(descriptor_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0 &&
                     send(descriptor_, request.data(), request.size(), MSG_NOSIGNAL) > 0;
   }
@@ -258,6 +258,13 @@ TEST_F(HttpServerTest, StreamsNewsToItsReaders) {
   EXPECT_THAT(received, HasSubstr("Content-Type: text/event-stream\r\n"));
   EXPECT_THAT(received, HasSubstr("\r\n\r\nretry: "));
   EXPECT_THAT(received, HasSubstr("\n\nevent: state\ndata: {}\n\n"));
+}
+
+TEST_F(HttpServerTest, StreamsToAReaderThatWantsNoSecondAnswer) {
+  const Ticking ticking(board_);
+  const EventReader reader(server_->port(), "Connection: close\r\n");  // as Python's urllib
+  const std::string twice = "event: state\ndata: {}\n\nevent: state\ndata: {}\n\n";
+  EXPECT_THAT(reader.read_until(twice), HasSubstr(twice));
 }
 
 TEST_F(HttpServerTest, ManyStalledReadersHoldUpNobody) {
