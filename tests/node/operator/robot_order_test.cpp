@@ -22,6 +22,7 @@ class RobotOrderTest : public ::testing::Test {
   }
   void driver_says(std::int64_t stop_id, bool engaged, double linear = 0.0, std::int64_t motors_id = 0) {
     robot_status_t status{};
+    status.utime = 1;
     status.stop_id = stop_id;
     status.stop_engaged = engaged ? 1 : 0;
     status.linear = linear;
@@ -31,6 +32,7 @@ class RobotOrderTest : public ::testing::Test {
   }
   void controller_says(std::int64_t stop_id, bool engaged) {
     control_status_t status{};
+    status.utime = 1;
     status.stop_id = stop_id;
     status.stop_engaged = engaged ? 1 : 0;
     lcm_.publish(channels::kControlStatus, &status);
