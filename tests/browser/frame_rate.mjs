@@ -40,7 +40,7 @@ function hypotheses(round) {
     particles: bytes.toString('base64')};
 }
 
-const building = {name: 'large', ceiling_height: 2.8, elements: [], doors: [], windows: [], places: [],
+const building = {name: 'large', ceiling_height: 2.8, elements: [], doors: [], windows: [], zones: [], places: [],
   fixtures: Array.from({length: 2000}, (_, i) => ({id: i, shape: 'rectangle', pose: [2 + 4.4 * (i % 45), 2 + 4.4 * Math.floor(i / 45), 0],
     length: 1.2, width: 0.3})),
   robot: {name: 'p3dx', footprint: [[0.21, -0.21], [0.21, 0.21], [-0.3, 0.21], [-0.3, -0.21]], sonars: [], sonar_half_angle: 0.26,

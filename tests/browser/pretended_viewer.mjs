@@ -6,7 +6,7 @@ import {userInfo} from 'node:os';
 
 const types = {html: 'text/html', css: 'text/css', js: 'text/javascript', svg: 'image/svg+xml'};
 
-export const hut = {name: 'hut', fixtures: [], elements: [], doors: [], windows: [], places: [{name: 'lift', x: 1, y: 2}],
+export const hut = {name: 'hut', fixtures: [], elements: [], doors: [], windows: [], zones: [], places: [{name: 'lift', x: 1, y: 2}],
   robot: {maximum_linear: 0.5, maximum_angular: 1, footprint: [[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]],
     sonar: {discs: [], opening_angle: 0.3, maximum_range: 3}, sonars: []}};
 
