@@ -14,6 +14,7 @@
 #include "services/viewer/address/page_addresses.hpp"
 #include "services/viewer/http/http_rules.hpp"
 #include "services/viewer/http/http_server.hpp"
+#include "services/viewer/http/metrics.hpp"
 #include "services/viewer/process_desk.hpp"
 #include "services/viewer/token_file.hpp"
 #include "services/viewer/viewer_node.hpp"
@@ -116,17 +117,14 @@ int view(int argc, char** argv) {
   Helm helm(*lcm, config.robot.limits, access.key);
   ProcessDesk processes(*procman, *lcm, access.key);
   ViewerNode node(*lcm, config, clock, board, pictures, desk, helm);
+  Metrics metrics(*lcm);
   const HttpServer server(http, {board, pictures, desk, helm, processes, clock, config.building, config.robot});
   say_address(http, server, kept_token);
 
   EventLoop loop(*lcm, "viewer", config.robot.name, network);
   loop.belong_to(identify(robot_file, building_file));
   loop.report_health([&] { return node.health(); });
-  loop.every(100'000, [&] {
-    if (server.listeners() > 0) {
-      node.show();
-    }
-  });
+  loop.every(100'000, [&] { node.show(); });
   loop.every(200'000, [&] {
     desk.object(loop.objection());
     desk.repeat(clock.utime());
@@ -140,6 +138,7 @@ int view(int argc, char** argv) {
   loop.every(1'000'000, [&] {
     node.show_processes();
     board.put(SnapshotBoard::Lane::kLive, "processes", server_sent_event("processes", processes.json()));
+    board.put(SnapshotBoard::Lane::kAsked, "metrics", metrics.text(clock.utime()));
   });
   return loop.run();
 }

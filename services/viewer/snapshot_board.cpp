@@ -8,6 +8,12 @@ std::string server_sent_event(std::string_view name, std::string_view json) {
   return fmt::format("event: {}\ndata: {}\n\n", name, json);
 }
 
+std::string json_of(const std::string& server_sent_event) {
+  constexpr std::string_view kData = "\ndata: ";
+  const std::size_t begin = server_sent_event.find(kData) + kData.size();
+  return server_sent_event.substr(begin, server_sent_event.size() - begin - 2);
+}
+
 void SnapshotBoard::put(Lane lane, const std::string& subject, std::string text) {
   auto shared = std::make_shared<const std::string>(std::move(text));
   const std::lock_guard lock(mutex_);
@@ -62,6 +68,22 @@ std::vector<SnapshotBoard::Text> SnapshotBoard::read(Cursor& cursor, std::size_t
       texts.push_back(text);
       seen = next->first;
     }
+  }
+  return texts;
+}
+
+SnapshotBoard::Text SnapshotBoard::newest(Lane lane, const std::string& subject) const {
+  const std::lock_guard lock(mutex_);
+  const auto& entries = lanes_[static_cast<std::size_t>(lane)].entries;
+  const auto found = entries.find(subject);
+  return found == entries.end() ? nullptr : found->second.text;
+}
+
+std::vector<SnapshotBoard::Text> SnapshotBoard::all(Lane lane) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Text> texts;
+  for (const auto& [subject, entry] : lanes_[static_cast<std::size_t>(lane)].entries) {
+    texts.push_back(entry.text);
   }
   return texts;
 }

@@ -15,6 +15,8 @@ namespace luminav {
 
 /// A text as a browser's EventSource takes it. `json` on one line.
 std::string server_sent_event(std::string_view name, std::string_view json);
+/// The JSON in such a text.
+std::string json_of(const std::string& server_sent_event);
 
 /// What browsers are shown: the newest text per subject, and nothing older. A reader that falls behind skips what was
 /// replaced meanwhile, so memory is bounded by the number of subjects however slow or dead the readers are.
@@ -23,7 +25,8 @@ class SnapshotBoard {
  public:
   /// Live subjects are always handed out whole; bulk ones (map tiles) within a budget per reading, so that a large map
   /// cannot delay the robot's state.
-  enum class Lane : std::size_t { kLive = 0, kBulk = 1 };
+  /// What is asked for by name alone is handed to no reader.
+  enum class Lane : std::size_t { kLive = 0, kBulk = 1, kAsked = 2 };
   using Text = std::shared_ptr<const std::string>;
 
   /// How far one reader has read; a fresh one is given everything.
@@ -41,11 +44,15 @@ class SnapshotBoard {
   /// Whom each tick wakes; called from the thread that ticks. null = nobody any more.
   void report_ticks(std::function<void()> wake);
 
-  /// For a reader that is to see nothing from before the next tick: without readers nobody renews the texts.
+  /// For a reader that begins with the next tick.
   [[nodiscard]] Cursor new_reader() const;
   /// What changed since the cursor, oldest first, live before bulk; empty when there was no tick since. At least one
   /// bulk text is handed out however small the budget [bytes].
   [[nodiscard]] std::vector<Text> read(Cursor& cursor, std::size_t bulk_budget) const;
+  /// The newest text of a subject; null when there is none.
+  [[nodiscard]] Text newest(Lane lane, const std::string& subject) const;
+  /// The newest text of each subject, by name.
+  [[nodiscard]] std::vector<Text> all(Lane lane) const;
 
  private:
   struct Entry {
@@ -59,7 +66,7 @@ class SnapshotBoard {
 
   mutable std::mutex mutex_;
   std::function<void()> wake_;
-  std::array<Content, 2> lanes_;
+  std::array<Content, 3> lanes_;
   std::uint64_t version_ = 0;
   std::uint64_t tick_ = 1;  // above a fresh cursor's
 };

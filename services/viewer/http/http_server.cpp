@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <map>
@@ -10,6 +11,7 @@
 
 #include "services/viewer/http/http_listener.hpp"
 #include "services/viewer/http/http_rules.hpp"
+#include "services/viewer/http/readings.hpp"
 #include "services/viewer/http/web_files.hpp"
 #include "services/viewer/message_json.hpp"
 #include "services/viewer/request_text.hpp"
@@ -21,6 +23,7 @@ std::string_view content_type_of(std::string_view name) {
   if (name.ends_with(".css")) return "text/css; charset=utf-8";
   if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
   if (name.ends_with(".svg")) return "image/svg+xml";
+  if (name.ends_with(".json")) return "application/json";
   return "application/octet-stream";
 }
 
@@ -28,19 +31,7 @@ namespace {
 
 constexpr std::size_t kTilesPerTick = 18 * 1024;  // [bytes] of map per client and tenth of a second
 constexpr std::string_view kCommandPrefix = "/api/";
-
-HttpResponse text_answer(std::string text, std::string_view type = "application/json") {
-  HttpResponse response;
-  response.type = type;
-  response.body = std::make_shared<const std::string>(std::move(text));
-  return response;
-}
-
-HttpResponse refusal(int status, const std::string& why) {
-  HttpResponse response = text_answer(fmt::format(R"({{"error":{}}})", to_json(std::string_view(why))));
-  response.status = status;
-  return response;
-}
+constexpr std::string_view kDescription = "openapi.json";  // of the interface: a file of the page, under another path
 
 std::string read_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -66,6 +57,7 @@ struct HttpServer::Servers {
         page({.listen = options.listen, .port = options.port, .headers = headers(commands.port())}) {
     rules.emplace(options.listen, options.host_name, page.port(), options.token);
     prepare_files();
+    prepare_readings();
     prepare_commands();
     context.board.report_ticks([this] { page.wake(); });
     page.start([this](const HttpRequest& request) { return answer(request, true); });
@@ -91,8 +83,10 @@ struct HttpServer::Servers {
     if (const auto objection = rules->objection_to_host(request.header("host"))) {
       return refusal(403, *objection);
     }
+    const bool is_reading = is_page && (request.method == "GET" || request.method == "HEAD");
+    const auto reading = is_reading ? readings.find(request.path) : readings.end();
     if (request.path.starts_with(kCommandPrefix)) {
-      HttpResponse response = answer_command(request);
+      HttpResponse response = reading != readings.end() ? reading->second(request) : answer_command(request);
       allow_own_page(request, response);
       return response;
     }
@@ -102,13 +96,20 @@ struct HttpServer::Servers {
     if (request.method != "GET" && request.method != "HEAD") {
       return refusal(405, "only GET is answered here");
     }
-    if (request.path == "/events") {
-      return events();
-    }
-    if (request.path == "/camera.jpg") {
-      return picture(request.query);
-    }
-    return file(request.path);
+    return reading != readings.end() ? reading->second(request) : file(request.path);
+  }
+
+  void prepare_readings() {
+    readings = board_readings(context.board, context.clock, context.building);
+    readings["/events"] = [this](const HttpRequest&) { return events(); };
+    readings["/camera.jpg"] = [this](const HttpRequest& request) { return picture(request.query); };
+    const auto always = [this](const std::string& path, const HttpResponse& response) {
+      readings[path] = [response](const HttpRequest&) { return response; };
+    };
+    always("/building.json", text_answer(to_json(context.building, context.robot)));
+    always("/settings.json", text_answer(fmt::format(R"({{"command_port":{},"needs_token":{}}})", commands.port(),
+                                                     !options.token.empty())));
+    readings["/api/openapi.json"] = [this](const HttpRequest&) { return file(fmt::format("/{}", kDescription)); };
   }
 
   void prepare_files() {
@@ -117,9 +118,6 @@ struct HttpServer::Servers {
       files[path] = text_answer(std::string(web_file.content), content_type_of(web_file.name));
       names[path] = web_file.name;
     }
-    files["/building.json"] = text_answer(to_json(context.building, context.robot));
-    files["/settings.json"] =
-        text_answer(fmt::format(R"({{"command_port":{},"needs_token":{}}})", commands.port(), !options.token.empty()));
   }
 
   // Names from the built-in list only: no path gets out of a folder.
@@ -271,6 +269,7 @@ struct HttpServer::Servers {
 
   HttpOptions options;
   Context context;
+  Readings readings;                          // by path
   std::map<std::string, HttpResponse> files;  // by path
   std::map<std::string, std::string> names;   // of those that --web reads anew
   std::map<std::string, Command> actions;
@@ -292,8 +291,16 @@ int HttpServer::command_port() const {
   return servers_->commands.port();
 }
 
-int HttpServer::listeners() const {
-  return servers_->page.endless();
+std::vector<std::string> HttpServer::routes() const {
+  std::vector<std::string> routes = {"POST /api/watch"};
+  for (const auto& [path, reading] : servers_->readings) {
+    routes.push_back("GET " + path);
+  }
+  for (const auto& [name, command] : servers_->actions) {
+    routes.push_back(fmt::format("POST {}{}", kCommandPrefix, name));
+  }
+  std::sort(routes.begin(), routes.end());
+  return routes;
 }
 
 std::string HttpServer::address() const {

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
@@ -29,11 +30,14 @@ struct HttpOptions {
 ///   GET  /events              server-sent events, see ViewerNode; 503 when 40 clients listen, or ten of one machine
 ///   GET  /building.json, /settings.json, the page
 ///   GET  /camera.jpg[?sequence=N]  the newest picture, or that one; 404 when it is not there any more
+///   GET  /api/..., /metrics   the newest of the events and the like, for programs
 ///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose, /api/map, /api/steering, /api/process
 ///                             JSON, see request_text.hpp; answers {"id": N}, or {"error": why} with 400 for what is
 ///                             none, 403 for who may not, 503 when the network takes nothing. A STOP needs no token,
 ///                             its release does.
 ///   POST /api/watch           a person has the page in view; answers {"may_command": the token is right}
+///
+/// web/openapi.json describes all of it but the page; a test compares it with `routes`.
 class HttpServer {
  public:
   /// What is shown and where requests go. All must outlive the server.
@@ -59,7 +63,8 @@ class HttpServer {
   [[nodiscard]] int command_port() const;
   /// For a person to open; without the token.
   [[nodiscard]] std::string address() const;
-  [[nodiscard]] int listeners() const;
+  /// What is answered, the page's own files apart: "GET /api/state", ..., sorted.
+  [[nodiscard]] std::vector<std::string> routes() const;
 
  private:
   struct Servers;
