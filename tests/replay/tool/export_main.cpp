@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "services/common/configuration/shipped_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/process/command_line.hpp"
 #include "tests/replay/log_reading/log_file.hpp"
 #include "tests/replay/log_reading/message_schema.hpp"
+#include "tests/replay/tool/mcap/foxglove_export.hpp"
 
 namespace luminav {
 namespace {
@@ -134,37 +136,79 @@ class Exporter {
   std::map<std::string, std::int64_t> undecodable_;
 };
 
+/// The damage of the log, in one sentence.
+std::string write_tables(const std::string& file, const std::string& folder, std::int64_t longest) {
+  Exporter exporter(longest);
+  LogEvent event;
+  LogReader log(file);
+  std::int64_t events = 0;  // a log that is being recorded goes on meanwhile: its end is where it was now
+  for (; log.next(event); ++events) {
+    exporter.look(event);
+  }
+  exporter.open(folder);
+  LogReader again(file);
+  for (std::int64_t i = 0; i < events && again.next(event); ++i) {
+    exporter.write(event);
+  }
+  exporter.finish();
+  return log.damage();
+}
+
+/// That of the log's own configuration, where scripts/record kept one, or the one that is shipped.
+std::filesystem::path robot_of(const std::string& log, const std::string& asked) {
+  const std::filesystem::path kept = log + ".config/robot.toml";
+  if (!asked.empty()) {
+    return asked;
+  }
+  return std::filesystem::exists(kept) ? kept : std::filesystem::path(shipped_file("robots/p3dx.toml"));
+}
+
+std::string write_mcap(const std::string& file, const std::string& out, const std::string& robot,
+                       std::int64_t longest) {
+  const RobotDescription description = read_robot(robot_of(file, robot));
+  LogReader log(file);
+  McapWriter writer(out);
+  FoxgloveExport exporter(writer, description, static_cast<std::size_t>(longest));
+  for (LogEvent event; log.next(event);) {
+    exporter.add(event);
+  }
+  exporter.finish();
+  writer.finish();
+  for (const auto& [topic, count] : exporter.counts()) {
+    fmt::print("{:<20} {:>8} messages\n", topic, count);
+  }
+  for (const auto& [channel, count] : exporter.unknown()) {
+    fmt::print("{:<20} {:>8} messages of no known type left out\n", channel, count);
+  }
+  return log.damage();
+}
+
 int export_log(int argc, char** argv) {
   std::vector<std::string> logs;
-  std::string folder;
+  std::string folder, mcap, robot;
   std::int64_t longest = 64;
-  CommandLine line(
-      "export",
-      "Writes an LCM log as tables, one CSV file per channel, with the units of the message types in the header.");
+  CommandLine line("export",
+                   "Writes an LCM log as tables, one CSV file per channel with the units of the message types in the "
+                   "header, or as one MCAP file for Foxglove, Lichtblick and PlotJuggler.");
   line.positional("LOG", logs, "file that lcm-logger or scripts/record wrote", true)
-      .text("--csv", folder, "folder to write to; it is made, files in it are never overwritten", true)
-      .integer("--longest", longest, "elements of an array that get columns; pictures and tiles are left out");
+      .text("--csv", folder, "folder to write to; it is made, files in it are never overwritten")
+      .output_file("--mcap", mcap, "MCAP file to write")
+      .text("--robot", robot,
+            "for --mcap: where sonars and camera sit (default: LOG.config/robot.toml, else the P3-DX)")
+      .integer("--longest", longest, "elements of an array that are written; pictures and tiles are left out");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
   if (logs.size() != 1 || longest < 1 || longest > 10'000) {
     throw ConfigurationError("needs one log, and --longest between 1 and 10000");
   }
-  Exporter exporter(longest);
-  LogEvent event;
-  LogReader log(logs.front());
-  std::int64_t events = 0;  // a log that is being recorded goes on meanwhile: its end is where it was now
-  for (; log.next(event); ++events) {
-    exporter.look(event);
+  if (folder.empty() == mcap.empty()) {
+    throw ConfigurationError("needs --csv FOLDER or --mcap FILE");
   }
-  exporter.open(folder);
-  LogReader again(logs.front());
-  for (std::int64_t i = 0; i < events && again.next(event); ++i) {
-    exporter.write(event);
-  }
-  exporter.finish();
-  if (!log.damage().empty()) {
-    fmt::print("{}\n", log.damage());
+  const std::string damage =
+      folder.empty() ? write_mcap(logs.front(), mcap, robot, longest) : write_tables(logs.front(), folder, longest);
+  if (!damage.empty()) {
+    fmt::print("{}\n", damage);
   }
   return 0;
 }

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <luminav/odometry_t.hpp>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "services/common/building/occupancy_grid.hpp"
+#include "services/common/configuration/robot_file.hpp"
+#include "tests/replay/log_reading/log_file.hpp"
+#include "tests/replay/tool/mcap/mcap_writer.hpp"
+
+namespace luminav {
+
+/// Writes the events of a log for viewers that know Foxglove's schemas (Foxglove, Lichtblick, PlotJuggler):
+///
+///   /pose              PoseInFrame, each POSE; frame "world"
+///   /tf                FrameTransforms: world -> odom with each POSE, odom -> robot with each ODOMETRY, robot ->
+///   camera once /sonar             PointCloud, the echoes of each SONAR; frame "robot" /camera CompressedImage, each
+///   CAMERA_IMAGE that is a JPEG /camera/fixtures   ImageAnnotations, the outlines of each FIXTURE_DETECTIONS /path
+///   SceneUpdate, the line of each PATH /map               Grid, the whole map: at most once in five seconds, and at
+///   the end /log               Log, what a process says whenever it says something else CHANNEL            each
+///   message of a known type as it is, under the channel's own name
+///
+/// Log time is when the logger received the message, publish time its own stamp. Schemas: the published lists of
+/// fields.
+class FoxgloveExport {
+ public:
+  /// `longest`: elements of an array in the messages as they are.
+  FoxgloveExport(McapWriter& writer, RobotDescription robot, std::size_t longest);
+
+  void add(const LogEvent& event);
+  void finish();
+
+  /// Messages per topic, and those of no known type per channel.
+  [[nodiscard]] std::map<std::string, std::uint64_t> counts() const;
+  [[nodiscard]] const std::map<std::string, std::int64_t>& unknown() const { return unknown_; }
+
+ private:
+  void add_standard(const LogEvent& event);
+  void add_pose(const LogEvent& event);
+  void add_odometry(const LogEvent& event);
+  void add_sonar(const LogEvent& event);
+  void add_picture(const LogEvent& event);
+  void add_detections(const LogEvent& event);
+  void add_path(const LogEvent& event);
+  void add_tile(const LogEvent& event);
+  void add_map();
+  /// What a process says; once for each change.
+  void say(const LogEvent& event, const std::string& name, int level, const std::string& sentence);
+  void write(const std::string& topic, const std::string& schema, std::int64_t received, std::int64_t utime,
+             const nlohmann::json& message);
+  /// Messages of one channel may be of several types.
+  template <typename SchemaOf>
+  McapWriter::Channel channel(const std::string& topic, const std::string& schema, SchemaOf schema_of);
+
+  McapWriter& writer_;
+  RobotDescription robot_;
+  std::size_t longest_;
+  std::map<std::pair<std::string, std::string>, McapWriter::Channel> channels_;  // by topic and schema
+  std::map<std::string, std::int64_t> unknown_;
+  std::map<std::string, std::string> said_;
+  std::optional<odometry_t> odometry_;
+  OccupancyGrid grid_;
+  std::int64_t map_session_ = 0;
+  std::int64_t newest_ = 0;                  // [us] received
+  std::int64_t map_written_ = 0;             // [us] received; 0 = never
+  std::optional<std::int64_t> map_pending_;  // [us] stamp of the newest tile that is not yet in /map
+};
+
+}  // namespace luminav
