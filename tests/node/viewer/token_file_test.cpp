@@ -1,4 +1,4 @@
-#include "services/viewer/token_file.hpp"
+#include "services/viewer/http/token_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

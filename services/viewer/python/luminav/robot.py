@@ -80,9 +80,10 @@ class Robot:
                 raise ValueError("theta belongs to a point (x, y)")
         return self.follow([target])
 
-    def follow(self, targets: Iterable[Target], loop: bool = False) -> Task:
-        """Sends the robot to one target after another, up to 100; with `loop` round and round until it is cancelled."""
-        body = {"action": "go", "poses": [goal_pose(target) for target in targets], "loop": loop}
+    def follow(self, targets: Iterable[Target], loop: bool = False, policy: str = "stop") -> Task:
+        """Sends the robot to one target after another, up to 100; with `loop` round and round until it is cancelled. `policy` says
+        what one that cannot be reached means for the others: stop, skip or retry."""
+        body = {"action": "go", "poses": [goal_pose(target) for target in targets], "loop": loop, "policy": policy}
         return Task(self, self._connection.post("goal", body)["id"])
 
     def patrol(self, targets: Iterable[Target]) -> Task:

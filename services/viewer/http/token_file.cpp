@@ -1,4 +1,4 @@
-#include "services/viewer/token_file.hpp"
+#include "services/viewer/http/token_file.hpp"
 
 #include <fmt/format.h>
 #include <sys/random.h>
