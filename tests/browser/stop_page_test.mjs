@@ -22,11 +22,11 @@ const says = async (selector, pattern) => {
       const element = document.querySelector(where);
       return element.checkVisibility() && new RegExp(text).test(element.innerText);
     },
-      [selector, pattern.source], {polling: 50, timeout: 20_000});
+      [selector, pattern.source], {polling: 50, timeout: 90_000});
   }
 };
 const hides = async (selector) => {
-  for (const page of Object.values(pages)) await page.waitForSelector(selector, {state: 'hidden', timeout: 20_000});
+  for (const page of Object.values(pages)) await page.waitForSelector(selector, {state: 'hidden', timeout: 90_000});
 };
 const look = async (title) => {
   for (const [name, page] of Object.entries(pages)) await page.screenshot({path: `${folder}/pictures/${title}-${name}.png`});
