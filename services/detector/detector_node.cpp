@@ -1,5 +1,7 @@
 #include "services/detector/detector_node.hpp"
 
+#include <utility>
+
 #include <cmath>
 #include <luminav/fixture_detections_t.hpp>
 
@@ -119,7 +121,9 @@ void DetectorNode::on_camera_image(const camera_image_t& message) {
   result.camera = message.camera;
   result.width = message.width;
   result.height = message.height;
-  for (const Detection& detection : detector_.detect(view)) {
+  const std::vector<Detection>& detections = detector_.detect(view);
+  sizes_.add(detections);
+  for (const Detection& detection : detections) {
     if (is_finite(detection)) {
       result.detections.push_back(encode(detection));
     }
@@ -139,6 +143,9 @@ Health DetectorNode::health() const {
   } else if (!camera_health_.empty()) {
     health.degraded = true;
     health.reason = "camera: " + camera_health_;
+  } else if (std::string complaint = sizes_.complaint(); !complaint.empty()) {
+    health.degraded = true;
+    health.reason = std::move(complaint);
   }
   return health;
 }

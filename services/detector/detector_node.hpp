@@ -11,6 +11,7 @@
 #include "services/common/process/subscriber.hpp"
 #include "services/detector/detector.hpp"
 #include "services/detector/detector_config.hpp"
+#include "services/detector/size_watch.hpp"
 
 namespace luminav {
 
@@ -35,6 +36,7 @@ class DetectorNode {
   int calibrated_height_;  // [px]
   bool refusing_ = false;
   std::string camera_health_;
+  SizeWatch sizes_;
   Subscriber subscriber_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 
 #include "services/common/geometry/pose2.hpp"
 
@@ -20,12 +21,13 @@ struct Detection {
                                                              // pixel noise and bloom only, no mounting errors
   double length = 0.0;                                       // [m] long side as seen; when cut, its visible part
   double width = 0.0;                                        // [m] short side as seen
-  bool clipped = false;                                      // the image border cuts it
-  bool near_end_visible = true;                              // end of the long side towards -x of the fixture
-  bool far_end_visible = true;                               // end towards +x
-  double fit = 0.0;                                          // 0..1 share of the outline that shows an edge
-  std::array<Eigen::Vector2d, 4> corners_px{};               // of what is seen, going round
-  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();       // of robot_from_fixture
+  std::optional<double> scale;   // seen length / the kind's, bloom taken off; of a bar that is whole in view
+  bool clipped = false;          // the image border cuts it
+  bool near_end_visible = true;  // end of the long side towards -x of the fixture
+  bool far_end_visible = true;   // end towards +x
+  double fit = 0.0;              // 0..1 share of the outline that shows an edge
+  std::array<Eigen::Vector2d, 4> corners_px{};          // of what is seen, going round
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  // of robot_from_fixture
 };
 
 }  // namespace luminav

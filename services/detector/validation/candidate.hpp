@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <optional>
 
+#include "services/common/geometry/camera_model.hpp"
 #include "services/common/image/grey_image.hpp"
 #include "services/detector/hypotheses/outline_proposer.hpp"
 #include "services/detector/outline/outline_fit.hpp"
@@ -43,5 +45,15 @@ struct Candidate {
     return !by_edges || (bar ? fit.ends_visible() == 2 : hypothesis.is_whole);
   }
 };
+
+/// Grey level, or depth, at a place of the outline; nothing out of view.
+inline std::optional<int> level_at(const CeilingFrame& frame, const CeilingCamera& camera, const Candidate& candidate,
+                                   const PointTransform& pose, const Eigen::Vector2d& place) {
+  const auto pixel = camera.pixel_of_ceiling_point(pose * place, candidate.hypothesis.outline.height);
+  if (!pixel || !camera.is_in_image(*pixel)) {
+    return std::nullopt;
+  }
+  return cell_at(candidate.bright ? frame.reduced : frame.dark, *pixel, frame.factor);
+}
 
 }  // namespace luminav

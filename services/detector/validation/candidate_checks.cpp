@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
-
-#include "services/detector/sampling/mean_profile.hpp"
 
 namespace luminav {
 namespace {
@@ -24,7 +21,6 @@ constexpr double kAlikeSides = 0.5;     // least step of a lamp's side, of the o
 constexpr double kAlikeEdges = 0.45;    // least step of any edge of an unlit piece, of its clearest
 constexpr double kEndsBrighter = 0.45;  // beyond the end of an unlit one, of its edges' step
 constexpr double kEndsLessDeep = 0.30;
-constexpr double kOtherWidth = 0.03;  // [m] by which widths of kinds differ
 // Each amiss by 1:
 constexpr double kMaxBesides = 0.30;  // share of the ring that is as bright: panes of a skylight lie in rows
 constexpr double kFull = 0.80;  // of its rectangle, what a region fills; round ends and slanting cells leave a rest
@@ -82,7 +78,7 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
       fit.covariance(1, 1) > kMaxAcross * kMaxAcross) {
     return Verdict::kTooUncertain;
   }
-  if (may_be_another(frame, candidate)) {
+  if (other_kinds_.may_be(frame, candidate)) {
     return Verdict::kMayBeAnother;
   }
   return candidate.bright ? contrast(frame, candidate) : Verdict::kAccepted;
@@ -222,110 +218,6 @@ Verdict CandidateChecks::piece(const Candidate& candidate) const {
   return fit.covariance(2, 2) > kMaxHeading * kMaxHeading ? Verdict::kTooUncertain : Verdict::kAccepted;
 }
 
-bool CandidateChecks::may_be_another(const CeilingFrame& frame, const Candidate& candidate) const {
-  const OutlineFit& fit = candidate.fit;
-  const Outline& outline = candidate.hypothesis.outline;
-  if (candidate.hypothesis.is_element || outline.shape == FixtureShape::kRound) {
-    return false;
-  }
-  const std::optional<Side> only = fit.only_side();
-  if (fit.ends_visible() == 2 && !only) {
-    return false;
-  }
-  const double seen = fit.visible_to - fit.visible_from;
-  const auto may_be = [&](double length, double width) {
-    const bool long_enough =
-        fit.ends_visible() == 2 ? std::abs(length - outline.length) < 2.0 * kOtherWidth : length > seen - kOtherWidth;
-    if (!only) {
-      return long_enough && std::abs(width - outline.width) < kOtherWidth + 0.1 * outline.width;
-    }
-    return long_enough && (width > outline.width - kOtherWidth || !reaches_beyond(frame, candidate, *only, width));
-  };
-  for (const CeilingKind& element : catalogue_.elements) {
-    if ((element.luminous || !candidate.bright) &&
-        (may_be(element.length, element.width) || may_be(element.width, element.length)) &&
-        !(element.slatted && !is_striped(frame, candidate))) {
-      return true;
-    }
-  }
-  for (const CeilingKind& kind : catalogue_.fixtures) {
-    const bool other = kind.shape != FixtureShape::kRound && (std::abs(kind.width - outline.width) > kOtherWidth);
-    if (only && other && may_be(kind.length, kind.width)) {
-      return true;
-    }
-    if (only && candidate.bright && kind.lamps >= 2 && kind.shape == FixtureShape::kRectangle &&
-        may_be(kind.length, 0.5 * kind.width)) {
-      return true;
-    }
-  }
-  return false;
-}
-
-/// Slats of a vent show along or across: a mean profile that is rougher than noise makes it.
-bool CandidateChecks::is_striped(const CeilingFrame& frame, const Candidate& candidate) const {
-  constexpr double kRim = 0.045;   // [m] beside an edge: blur, and a vent's plain frame
-  constexpr double kRough = 0.16;  // of the step at the edges; slats reach 0.3
-  constexpr std::size_t kHalfWindow = 8;
-  constexpr int kLines = 16;
-  const OutlineFit& fit = candidate.fit;
-  const Outline& outline = candidate.hypothesis.outline;
-  const double along = fit.visible_to - fit.visible_from - 2.0 * kRim;
-  const double across = outline.width - 2.0 * kRim;
-  const Pose2 middle = fit.placement.pose * Pose2{0.5 * (fit.visible_from + fit.visible_to), 0.0, 0.0};
-  const auto roughness = [&](const Vector2d& out, double extent, double breadth) {
-    const auto steps = static_cast<std::size_t>(std::clamp(extent / SideProfile::kStep, 0.0, 40.0));
-    const SideProfile profile = mean_profile(frame.image, camera_, {middle, outline.height, {out.y(), out.x()}, out},
-                                             {.first = -0.5 * SideProfile::kStep * static_cast<double>(steps),
-                                              .steps = steps,
-                                              .from = -0.5 * breadth,
-                                              .apart = breadth / (kLines - 1),
-                                              .count = kLines});
-    double squares = 0.0;
-    int count = 0;
-    for (std::size_t k = kHalfWindow / 2; profile.lines > kLines / 2 && k + kHalfWindow / 2 < profile.steps; ++k) {
-      const auto first = profile.grey.begin() + static_cast<std::ptrdiff_t>(k - kHalfWindow / 2);
-      const double mean = std::accumulate(first, first + kHalfWindow + 1, 0.0) / (kHalfWindow + 1);
-      squares += std::pow(profile.grey[k] - mean, 2);
-      ++count;
-    }
-    return count == 0 ? 1e9 : std::sqrt(squares / count);
-  };
-  const double noise = frame.pixel_noise / std::sqrt(1.0 * kLines);
-  return std::max(roughness(Vector2d::UnitX(), along, across), roughness(Vector2d::UnitY(), across, along)) >
-         std::hypot(kRough * fit.step(), noise);
-}
-
-/// True when it is as bright, or dark, farther from the side in view than a narrower thing and its blur would reach.
-bool CandidateChecks::reaches_beyond(const CeilingFrame& frame, const Candidate& candidate, Side side,
-                                     double width) const {
-  constexpr int kPlaces = 32;
-  const Outline& outline = candidate.hypothesis.outline;
-  const PointTransform pose(candidate.fit.placement.pose);
-  const double outwards = side == kLeftSide ? 1.0 : -1.0;
-  const double blur = candidate.bright ? 6.0 * candidate.fit.metres_per_px : 0.03;
-  int alike = 0;
-  int looked = 0;
-  for (int i = 0; i < kPlaces; ++i) {
-    const double along = 0.92 * outline.length * ((i + 0.5) / kPlaces - 0.5);
-    const auto inside = level_at(frame, candidate, pose, {along, outwards * (0.5 * outline.width - 0.5 * width)});
-    const auto beyond = level_at(frame, candidate, pose, {along, outwards * (0.5 * outline.width - width - blur)});
-    if (inside && beyond) {
-      ++looked;
-      alike += *beyond > (candidate.bright ? 0.88 : 0.5) * *inside ? 1 : 0;
-    }
-  }
-  return looked >= 6 && 10 * alike >= 9 * looked;
-}
-
-std::optional<int> CandidateChecks::level_at(const CeilingFrame& frame, const Candidate& candidate,
-                                             const PointTransform& pose, const Vector2d& place) const {
-  const auto pixel = camera_.pixel_of_ceiling_point(pose * place, candidate.hypothesis.outline.height);
-  if (!pixel || !camera_.is_in_image(*pixel)) {
-    return std::nullopt;
-  }
-  return cell_at(candidate.bright ? frame.reduced : frame.dark, *pixel, frame.factor);
-}
-
 bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const {
   if (!candidate.fit.end_visible(end)) {
     return true;
@@ -372,7 +264,7 @@ bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& cand
   for (int i = 0; i < 15; ++i) {
     for (int j = -1; j <= 1; ++j) {
       const Vector2d place(0.9 * outline.length * ((i + 0.5) / 15.0 - 0.5), 0.3 * j * outline.width);
-      if (const auto there = level_at(frame, candidate, pose, place)) {
+      if (const auto there = level_at(frame, camera_, candidate, pose, place)) {
         ++looked;
         filled += *there > level ? 1 : 0;
       }
@@ -396,7 +288,7 @@ CandidateChecks::Surroundings CandidateChecks::surroundings(const CeilingFrame& 
   int looked = 0;
   int bright = 0;
   const auto look_outside = [&](const Vector2d& place) {
-    if (const auto grey = level_at(frame, candidate, pose, place)) {
+    if (const auto grey = level_at(frame, camera_, candidate, pose, place)) {
       result.ring += *grey;
       bright += *grey > candidate.level ? 1 : 0;
       ++result.in_view;
@@ -405,7 +297,7 @@ CandidateChecks::Surroundings CandidateChecks::surroundings(const CeilingFrame& 
   const bool round = outline.shape == FixtureShape::kRound;
   for (int i = 0; i < kPlaces; ++i) {
     const double t = (i + 0.5) / kPlaces - 0.5;
-    if (const auto grey = level_at(frame, candidate, pose, {(round ? 0.7 : 0.9) * outline.length * t, 0.0})) {
+    if (const auto grey = level_at(frame, camera_, candidate, pose, {(round ? 0.7 : 0.9) * outline.length * t, 0.0})) {
       inside += *grey;
       ++looked;
     }

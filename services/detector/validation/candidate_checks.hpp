@@ -1,11 +1,10 @@
 #pragma once
 
-#include <optional>
-
 #include "services/common/geometry/camera_model.hpp"
 #include "services/detector/model/detector_params.hpp"
 #include "services/detector/outline/ceiling_catalogue.hpp"
 #include "services/detector/validation/candidate.hpp"
+#include "services/detector/validation/other_kinds.hpp"
 #include "services/detector/validation/verdict.hpp"
 
 namespace luminav {
@@ -16,7 +15,7 @@ namespace luminav {
 class CandidateChecks {
  public:
   CandidateChecks(const ModernDetectorParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue)
-      : params_(params), camera_(camera), catalogue_(catalogue) {}
+      : params_(params), camera_(camera), other_kinds_(camera, catalogue) {}
 
   /// True when at least that share of the outline, where it is placed, is as bright, or dark, as its region.
   [[nodiscard]] bool is_filled(const CeilingFrame& frame, const Candidate& candidate, double least) const;
@@ -39,21 +38,13 @@ class CandidateChecks {
   [[nodiscard]] bool has_alike_edges(const Candidate& candidate) const;
   [[nodiscard]] bool has_right_size(const Candidate& candidate) const;
   [[nodiscard]] Verdict contrast(const CeilingFrame& frame, const Candidate& candidate) const;
-  /// True when another listed kind, of which more is hidden, may look like this piece.
-  [[nodiscard]] bool may_be_another(const CeilingFrame& frame, const Candidate& candidate) const;
-  [[nodiscard]] bool is_striped(const CeilingFrame& frame, const Candidate& candidate) const;
-  [[nodiscard]] bool reaches_beyond(const CeilingFrame& frame, const Candidate& candidate, Side side,
-                                    double width) const;
   /// An unlit one is dark just inside of an end in view and no longer just outside.
   [[nodiscard]] bool ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const;
   [[nodiscard]] Surroundings surroundings(const CeilingFrame& frame, const Candidate& candidate) const;
-  /// Grey level, or depth, at a place of the outline; nothing out of view.
-  [[nodiscard]] std::optional<int> level_at(const CeilingFrame& frame, const Candidate& candidate,
-                                            const PointTransform& pose, const Eigen::Vector2d& place) const;
 
   ModernDetectorParams params_;
   CeilingCamera camera_;
-  CeilingCatalogue catalogue_;
+  OtherKinds other_kinds_;
 };
 
 }  // namespace luminav

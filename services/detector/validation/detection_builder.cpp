@@ -181,6 +181,13 @@ Detection DetectionBuilder::detection_of(const Candidate& candidate, DetectionSt
   detection.length = extent.to - extent.from;
   detection.width = outline.width + 2.0 * fit.placement.side_outset;
   draw_corners(candidate, extent, detection);
+  if (bar && outline.length > 1.5 * outline.width && candidate.is_whole() && !candidate.hypothesis.is_element) {
+    // Bloom moves sides and ends alike; another scale moves the ends farther.
+    const OutlinePlacement& seen = fit.placement;
+    detection.scale =
+        1.0 + 2.0 * (candidate.bright ? (seen.end_outset - seen.side_outset) / (outline.length - outline.width)
+                                      : seen.end_outset / outline.length);
+  }
   return detection;
 }
 

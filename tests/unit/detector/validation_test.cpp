@@ -7,6 +7,7 @@
 #include "services/detector/validation/detection_builder.hpp"
 #include "services/detector/validation/half_lit_by_brightness.hpp"
 #include "services/detector/validation/half_lit_by_grid_lines.hpp"
+#include "services/detector/validation/other_kinds.hpp"
 #include "services/detector/validation/verdict.hpp"
 #include "tests/unit/detector/ceiling_picture.hpp"
 #include "tests/unit/detector/drawn_detections.hpp"

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "services/common/geometry/camera_model.hpp"
+#include "services/detector/outline/ceiling_catalogue.hpp"
+#include "services/detector/validation/candidate.hpp"
+
+namespace luminav {
+
+/// What else that is listed may look like a piece of a fixture.
+class OtherKinds {
+ public:
+  OtherKinds(const CeilingCamera& camera, const CeilingCatalogue& catalogue) : camera_(camera), catalogue_(catalogue) {}
+
+  /// True when another listed kind, of which more is hidden, may look like this piece.
+  [[nodiscard]] bool may_be(const CeilingFrame& frame, const Candidate& candidate) const;
+
+ private:
+  /// True when a kind that hangs higher or lower has the width that this piece shows, rather than its own kind.
+  [[nodiscard]] bool is_of_other_height(const Candidate& candidate) const;
+  [[nodiscard]] bool is_striped(const CeilingFrame& frame, const Candidate& candidate) const;
+  [[nodiscard]] bool reaches_beyond(const CeilingFrame& frame, const Candidate& candidate, Side side,
+                                    double width) const;
+
+  CeilingCamera camera_;
+  CeilingCatalogue catalogue_;
+};
+
+}  // namespace luminav
