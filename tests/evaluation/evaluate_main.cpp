@@ -147,7 +147,10 @@ int evaluate(const Request& request) {
   const int threads = static_cast<int>(request.threads);
   std::vector<DetectorCondition> detector;
   if (request.scenarios.empty() && has_detector_part(request.suite)) {
-    detector = request.suite == "tolerance" ? measure_tolerance(threads) : measure_detector(request.jobs.mode, threads);
+    const std::string& mode = request.jobs.mode;
+    detector = request.suite == "tolerance"    ? measure_tolerance(threads)
+               : request.suite == "luminaires" ? measure_luminaires(mode, threads)
+                                               : measure_detector(mode, threads);
   }
   const std::vector<RunReport> reports = run_jobs(jobs, threads);
   std::size_t passed = 0;
@@ -178,8 +181,10 @@ int evaluate(const Request& request) {
   }
   for (const DetectorCondition& c : detector) {
     fmt::print(
-        "detector, {:<24} {:>4} frames, precision {:.4f}, recall {:.4f}, centre {:.3f} px, direction {:.4f} deg RMS\n",
-        c.name, c.frames, c.precision, c.recall, c.centre_rms_px, c.orientation_rms_deg);
+        "detector, {:<27} {:>4} frames, precision {:.4f}, recall {:.4f}, {:.1f} wrong per 100 frames, centre {:.3f} "
+        "px, "
+        "direction {:.4f} deg RMS\n",
+        c.name, c.frames, c.precision, c.recall, c.false_per_100_frames, c.centre_rms_px, c.orientation_rms_deg);
   }
   fmt::print("\n{}{}{}", scenario_table_text(reports), summary_text(all), remarks);
   fmt::print("{}{:.0f} s\n", reports.empty() ? "" : fmt::format("{} of {} runs passed, ", passed, reports.size()),

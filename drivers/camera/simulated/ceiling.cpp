@@ -18,6 +18,7 @@ simulated::CeilingModel model_of(const WorldTruth& truth, std::uint64_t seed) {
   model.mounting = truth.robot.camera.mounting;
   model.grey_noise = truth.grey_noise;
   model.unlit_darker = truth.unlit_darker;
+  model.luminaires = truth.luminaires;
   model.seed = seed;
   return model;
 }

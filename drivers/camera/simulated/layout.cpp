@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "drivers/camera/simulated/catalogue/luminaires.hpp"
 #include "drivers/camera/simulated/random.hpp"
 #include "drivers/camera/simulated/response.hpp"
 
@@ -28,12 +29,26 @@ double widened(double width, double travel) {
   return std::sqrt(width * width + 20.0 / 12.0 * travel * travel);
 }
 
-std::vector<Pose2> poses_of(const std::vector<Fixture>& fixtures) {
+/// Which of two tubes burns in a half lit fixture is drawn: half a turn changes nothing else.
+std::vector<Pose2> poses_of(const CeilingModel& model) {
   std::vector<Pose2> poses;
-  for (const Fixture& fixture : fixtures) {
-    poses.push_back(fixture.world_from_fixture);
+  for (const Fixture& fixture : model.building.fixtures) {
+    RandomStream random = random_stream(model.seed, kHalfPurpose, poses.size());
+    const double turn = random.uniform() < 0.5 ? 0.0 : kPi;
+    Pose2 pose = fixture.world_from_fixture;
+    pose.theta = wrap_angle(pose.theta + turn);
+    poses.push_back(pose);
   }
   return poses;
+}
+
+std::vector<ClutterItem> clutter_in(const CeilingModel& model) {
+  std::vector<ClutterItem> items;
+  for (const CeilingElement& element : model.building.elements) {
+    items.push_back(clutter_of(element, model.building.ceiling_height));
+  }
+  items.insert(items.end(), model.clutter.begin(), model.clutter.end());
+  return items;
 }
 
 std::vector<Vector2d> positions(const std::vector<Pose2>& poses) {
@@ -44,10 +59,10 @@ std::vector<Vector2d> positions(const std::vector<Pose2>& poses) {
   return points;
 }
 
-std::vector<Vector2d> positions(const std::vector<CeilingElement>& elements) {
+std::vector<Vector2d> positions(const std::vector<ClutterItem>& items) {
   std::vector<Vector2d> points;
-  for (const CeilingElement& element : elements) {
-    points.push_back(element.world_from_element.position());
+  for (const ClutterItem& item : items) {
+    points.push_back(item.world_from_item.position());
   }
   return points;
 }
@@ -87,20 +102,62 @@ ColumnSpan columns_of(const Outline& polygon, int row, int width) {
           static_cast<int>(std::clamp(std::ceil(right) + 3.0, 0.0, 1.0 * width))};
 }
 
-Look look_of(const Fixture& fixture, LampState state) {
-  if (fixture.shape == FixtureShape::kRound) {
-    return state == LampState::kOff ? Look::kUnlitRound : Look::kLitRound;
+/// Half the size of all parts together, from the thing's middle, and how far light and blur reach around them.
+Vector2d reach_of(const std::vector<Shape>& shapes) {
+  Vector2d reach = Vector2d::Zero();
+  for (const Shape& shape : shapes) {
+    const double glow = shape.glow > 0.0F ? shape.halo_reach : 0.0;
+    const double along = std::abs(shape.x) + shape.half_length + std::max(glow, 1.0 * shape.edge_along);
+    const double across = std::abs(shape.y) + shape.half_width + std::max(glow, 1.0 * shape.edge_across);
+    reach = reach.cwiseMax(Vector2d(along, across));
   }
-  switch (state) {
-    case LampState::kOff:
-      return Look::kUnlitPanel;
-    case LampState::kHalf:
-      return Look::kHalfPanel;
-    case LampState::kOn:
-    case LampState::kFlicker:
-      break;
+  return reach;
+}
+
+/// What a smooth edge of that width leaves of the contrast of ribs.
+double shown_ribs(double pitch, double edge) {
+  const double sigma = edge / std::sqrt(20.0);
+  return std::exp(-2.0 * kPi * kPi * sigma * sigma / (pitch * pitch));
+}
+
+/// Widths [m] of edges in the picture where a thing is, and of its glow.
+struct Sharpness {
+  double along;
+  double across;
+  double bloom;
+  double halo;
+};
+
+Shape shape_of(const Part& part, const Sharpness& sharpness, double daylight, bool is_lamp) {
+  Shape shape;
+  shape.round = part.round;
+  shape.ribs_follow_x = part.ribs_follow_x;
+  shape.x = static_cast<float>(part.x);
+  shape.y = static_cast<float>(part.y);
+  shape.half_length = static_cast<float>(part.half_length);
+  shape.half_width = static_cast<float>(part.half_width);
+  shape.edge_along = static_cast<float>(std::hypot(sharpness.along, part.softness));
+  shape.edge_across = static_cast<float>(std::hypot(sharpness.across, part.softness));
+  shape.reflectance = static_cast<float>(part.reflectance);
+  shape.emission = static_cast<float>(part.emission + daylight * part.sky);
+  shape.glow = static_cast<float>(part.glow * (is_lamp ? 1.0 : daylight));
+  shape.bloom_reach = static_cast<float>(sharpness.bloom);
+  shape.halo_reach = static_cast<float>(sharpness.halo);
+  if (part.rib_pitch > 0.0) {
+    const double shown = shown_ribs(part.rib_pitch, part.ribs_follow_x ? sharpness.along : sharpness.across);
+    shape.rib_pitch = shown > 0.05 ? static_cast<float>(part.rib_pitch) : 0.0F;
+    shape.rib_depth = static_cast<float>(shown * part.rib_depth);
+    shape.rib_mean = static_cast<float>(1.0 - 0.5 * part.rib_depth);
+    if (shape.rib_pitch == 0.0F) {  // too fine to be seen: only darker
+      shape.reflectance *= shape.rib_mean;
+      shape.emission *= shape.rib_mean;
+    }
   }
-  return Look::kLitPanel;
+  return shape;
+}
+
+std::size_t look_of(LampState state) {
+  return state == LampState::kOff ? 0 : state == LampState::kHalf ? 2 : 1;
 }
 
 }  // namespace
@@ -108,16 +165,30 @@ Look look_of(const Fixture& fixture, LampState state) {
 CeilingLayout::CeilingLayout(const CeilingModel& model)
     : model_(model),
       camera_(model.intrinsics, model.mounting),
-      fixture_index_(positions(poses_of(model.building.fixtures))),
-      element_index_(positions(model.building.elements)),
-      world_from_fixture_(poses_of(model.building.fixtures)) {}
+      clutter_(clutter_in(model)),
+      fixture_index_(positions(poses_of(model))),
+      clutter_index_(positions(clutter_)),
+      world_from_fixture_(poses_of(model)) {
+  for (const ClutterItem& item : clutter_) {
+    clutter_parts_.push_back(parts_of(item.kind, item.length, item.width));
+    largest_clutter_ = std::max(largest_clutter_, 0.5 * std::hypot(item.length, item.width));
+  }
+  for (std::size_t i = 0; i < model.building.fixtures.size(); ++i) {
+    const LuminaireKind kind = i < model.luminaires.size() ? model.luminaires[i] : LuminaireKind::kPanel;
+    const double darker = i < model.unlit_darker.size() ? model.unlit_darker[i] / SensorResponse::kNominalGrey : 0.2;
+    auto& looks = fixture_parts_.emplace_back();
+    for (const LampState state : {LampState::kOff, LampState::kOn, LampState::kHalf}) {
+      looks[look_of(state)] = parts_of(kind, model.building.fixtures[i], state, darker);
+    }
+  }
+}
 
 void CeilingLayout::set_moved(const std::vector<MovedLamp>& moved) {
   if (moved == moved_) {
     return;
   }
   moved_ = moved;
-  world_from_fixture_ = poses_of(model_.building.fixtures);
+  world_from_fixture_ = poses_of(model_);
   farthest_moved_ = 0.0;
   for (const MovedLamp& lamp : moved_) {
     if (lamp.index >= 0 && static_cast<std::size_t>(lamp.index) < world_from_fixture_.size()) {
@@ -128,62 +199,78 @@ void CeilingLayout::set_moved(const std::vector<MovedLamp>& moved) {
   }
 }
 
-void CeilingLayout::find(const FrameGeometry& frame, const CeilingLight& light, double utime) {
+void CeilingLayout::find(const FrameGeometry& frame, const CeilingLight& light) {
   size_ = 0;
   const double radius = frame.reach * frame.rise + kLargestThing;
-  element_index_.near(frame.origin, radius, found_);
-  for (const int index : found_) {
-    add_element(model_.building.elements[static_cast<std::size_t>(index)], frame);
-  }
+  add_clutter(frame, light, false);
   fixture_index_.near(frame.origin, radius + farthest_moved_, found_);
   for (const bool lit : {false, true}) {  // lit ones last: their halo lies over all the rest
     for (const int index : found_) {
       const Vector2d offset = world_from_fixture_[static_cast<std::size_t>(index)].position() - frame.origin;
       if ((light.lamp(index) != LampState::kOff) == lit && offset.norm() < radius) {
-        add_fixture(index, frame, light, utime);
+        add_fixture(index, frame, light);
       }
+    }
+  }
+  add_clutter(frame, light, true);
+}
+
+void CeilingLayout::add_clutter(const FrameGeometry& frame, const CeilingLight& light, bool low) {
+  constexpr double kLow = 0.05;  // [m]
+  clutter_index_.near(frame.origin, frame.reach * frame.rise + largest_clutter_ + kLargestThing, found_);
+  for (const int index : found_) {
+    const ClutterItem& item = clutter_[static_cast<std::size_t>(index)];
+    if ((item.height < model_.building.ceiling_height - kLow) == low) {
+      add(item.world_from_item, item.height, -1, clutter_parts_[static_cast<std::size_t>(index)], light.daylight(),
+          frame);
     }
   }
 }
 
-VisibleShape& CeilingLayout::next() {
+void CeilingLayout::add_fixture(int index, const FrameGeometry& frame, const CeilingLight& light) {
+  const auto i = static_cast<std::size_t>(index);
+  add(world_from_fixture_[i], model_.building.fixtures[i].height, index, fixture_parts_[i][look_of(light.lamp(index))],
+      light.daylight(), frame);
+}
+
+void CeilingLayout::add(const Pose2& world_from_thing, double height, int fixture, const std::vector<Part>& parts,
+                        double daylight, const FrameGeometry& frame) {
   if (size_ == visible_.size()) {
     visible_.emplace_back();
   }
-  visible_[size_].shape = Shape{};
-  return visible_[size_];
-}
-
-void CeilingLayout::set_outline(const Pose2& world_from_shape, double length, double width, const FrameGeometry& frame,
-                                VisibleShape& visible) const {
-  const Vector2d offset = world_from_shape.position() - frame.origin;
-  const Vector2d axis(std::cos(world_from_shape.theta), std::sin(world_from_shape.theta));
-  Shape& shape = visible.shape;
-  shape.x = static_cast<float>(offset.x());
-  shape.y = static_cast<float>(offset.y());
-  shape.cosine = static_cast<float>(axis.x());
-  shape.sine = static_cast<float>(axis.y());
-  shape.half_length = static_cast<float>(0.5 * length);
-  shape.half_width = static_cast<float>(0.5 * width);
-  const double pixel = metres_per_pixel(model_, frame, world_from_shape.position(), visible.height);
+  VisibleThing& visible = visible_[size_];
+  const Vector2d offset = world_from_thing.position() - frame.origin;
+  const Vector2d axis(std::cos(world_from_thing.theta), std::sin(world_from_thing.theta));
+  visible.fixture = fixture;
+  visible.height = height;
+  visible.x = static_cast<float>(offset.x());
+  visible.y = static_cast<float>(offset.y());
+  visible.cosine = static_cast<float>(axis.x());
+  visible.sine = static_cast<float>(axis.y());
+  const double pixel = metres_per_pixel(model_, frame, world_from_thing.position(), height);
   const Vector2d travel = frame.motion + frame.turn * Vector2d(-offset.y(), offset.x());
-  shape.edge_along = static_cast<float>(widened(kEdgePixels * pixel, travel.dot(axis)));
-  shape.edge_across = static_cast<float>(widened(kEdgePixels * pixel, axis.x() * travel.y() - axis.y() * travel.x()));
-  shape.bloom_reach = static_cast<float>(kBloomPixels * pixel);
-  shape.halo_reach = static_cast<float>(kHaloPixels * pixel);
+  const Sharpness sharpness{widened(kEdgePixels * pixel, travel.dot(axis)),
+                            widened(kEdgePixels * pixel, axis.x() * travel.y() - axis.y() * travel.x()),
+                            kBloomPixels * pixel, kHaloPixels * pixel};
+  visible.shapes.clear();
+  for (const Part& part : parts) {
+    visible.shapes.push_back(shape_of(part, sharpness, daylight, fixture >= 0));
+  }
+  const Vector2d slack = Vector2d::Constant(frame.slack);
+  size_ += find_spans(world_from_thing, reach_of(visible.shapes) + slack, frame, visible) ? 1 : 0;
 }
 
-void CeilingLayout::keep_if_visible(const Pose2& world_from_shape, double margin, const FrameGeometry& frame) {
-  VisibleShape& visible = visible_[size_];
+bool CeilingLayout::find_spans(const Pose2& world_from_thing, const Vector2d& half, const FrameGeometry& frame,
+                               VisibleThing& visible) const {
   const Matrix3d camera_from_world = (frame.view.world_from_robot * camera_.rotation()).transpose();
-  Outline polygon = rectangle(visible.shape.half_length + margin, visible.shape.half_width + margin);
+  Outline polygon = rectangle(half.x(), half.y());
   const int width = model_.intrinsics.width;
   const int height = model_.intrinsics.height;
   double top = height;
   double bottom = -1.0;
   bool beyond_lens = false;  // part of it is where the lens shows nothing: then its place in the picture is not sought
   for (Vector2d& point : polygon) {
-    const Vector2d in_world = world_from_shape * point;
+    const Vector2d in_world = world_from_thing * point;
     const Vector3d offset(in_world.x() - frame.view.lens.x(), in_world.y() - frame.view.lens.y(),
                           visible.height - frame.view.lens.z());
     const auto pixel = camera_.pixel_of(camera_from_world * offset);
@@ -200,40 +287,7 @@ void CeilingLayout::keep_if_visible(const Pose2& world_from_shape, double margin
     visible.spans.push_back(beyond_lens ? ColumnSpan{0, width} : columns_of(polygon, row, width));
     any = any || visible.spans.back().begin < visible.spans.back().end;
   }
-  size_ += any ? 1 : 0;
-}
-
-void CeilingLayout::add_fixture(int index, const FrameGeometry& frame, const CeilingLight& light, double utime) {
-  const auto i = static_cast<std::size_t>(index);
-  const Fixture& fixture = model_.building.fixtures[i];
-  VisibleShape& visible = next();
-  visible.fixture = index;
-  visible.height = fixture.height;
-  set_outline(world_from_fixture_[i], fixture.length, fixture.width, frame, visible);
-  Shape& shape = visible.shape;
-  shape.look = look_of(fixture, light.lamp(index));
-  const int lamps = std::max(1, fixture.lamps);
-  shape.tube_pitch = static_cast<float>(fixture.width / lamps);
-  shape.tube_phase = lamps % 2 == 0 ? 0.0F : 0.5F;
-  shape.emission = static_cast<float>(light.emission(index, utime));
-  shape.darker = static_cast<float>(model_.unlit_darker[i] / SensorResponse::kNominalGrey);
-  RandomStream random = random_stream(model_.seed, kHalfPurpose, static_cast<std::uint64_t>(index));
-  shape.half_side = random.uniform() < 0.5 ? -1.0F : 1.0F;
-  const double fading =
-      light.lamp(index) == LampState::kOff ? std::max(shape.edge_along, shape.edge_across) : shape.halo_reach;
-  keep_if_visible(world_from_fixture_[i], fading + frame.slack, frame);
-}
-
-void CeilingLayout::add_element(const CeilingElement& element, const FrameGeometry& frame) {
-  VisibleShape& visible = next();
-  visible.fixture = -1;
-  visible.height = model_.building.ceiling_height;
-  const bool is_disc = element.kind == ElementKind::kDetector || element.kind == ElementKind::kSpeaker;
-  set_outline(element.world_from_element, element.length, is_disc ? element.length : element.width, frame, visible);
-  Shape& shape = visible.shape;
-  shape.look = is_disc ? Look::kDisc : element.kind == ElementKind::kVent ? Look::kVent : Look::kSign;
-  shape.darker = element.kind == ElementKind::kDetector ? 0.35F : 0.02F;  // the middle of a disc
-  keep_if_visible(element.world_from_element, std::max(shape.edge_along, shape.edge_across) + frame.slack, frame);
+  return any;
 }
 
 }  // namespace luminav::simulated

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "drivers/camera/simulated/catalogue/clutter.hpp"
+#include "drivers/camera/simulated/catalogue/part.hpp"
 #include "drivers/camera/simulated/index.hpp"
 #include "drivers/camera/simulated/lighting.hpp"
 #include "drivers/camera/simulated/shapes.hpp"
@@ -16,10 +19,14 @@ struct ColumnSpan {
 };
 
 /// A thing on the ceiling and the pixels that it may cover.
-struct VisibleShape {
-  Shape shape;
+struct VisibleThing {
   int fixture = -1;     // its index; -1 = no fixture
   double height = 0.0;  // [m] above the floor
+  float x = 0.0F;       // [m] middle, from the frame's origin
+  float y = 0.0F;
+  float cosine = 1.0F;  // of the direction of its long side
+  float sine = 0.0F;
+  std::vector<Shape> shapes;  // in the order of painting
   int first_row = 0;
   std::vector<ColumnSpan> spans;  // from the first row on
 };
@@ -33,28 +40,35 @@ class CeilingLayout {
   /// Fixtures that stand beside their drawn place.
   void set_moved(const std::vector<MovedLamp>& moved);
 
-  /// Finds what the frame may show, in the order of drawing: elements, unlit fixtures, lit ones.
-  void find(const FrameGeometry& frame, const CeilingLight& light, double utime);
+  /// Finds what the frame may show, in the order of drawing: what is no fixture, unlit fixtures, lit ones, and what
+  /// hangs lower than the ceiling and is no fixture.
+  void find(const FrameGeometry& frame, const CeilingLight& light);
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] VisibleShape& operator[](std::size_t index) { return visible_[index]; }
+  [[nodiscard]] VisibleThing& operator[](std::size_t index) { return visible_[index]; }
 
  private:
-  void add_fixture(int index, const FrameGeometry& frame, const CeilingLight& light, double utime);
-  void add_element(const CeilingElement& element, const FrameGeometry& frame);
-  VisibleShape& next();
-  /// Pixels of a rectangle around the shape, `margin` [m] larger on each side; keeps the shape if there are any.
-  void keep_if_visible(const Pose2& world_from_shape, double margin, const FrameGeometry& frame);
-  void set_outline(const Pose2& world_from_shape, double length, double width, const FrameGeometry& frame,
-                   VisibleShape& visible) const;
+  static constexpr std::size_t kLooks = 3;  // off, on, half
+  void add_clutter(const FrameGeometry& frame, const CeilingLight& light, bool low);
+  void add_fixture(int index, const FrameGeometry& frame, const CeilingLight& light);
+  /// Adds a thing made of these parts, if any pixel may show it; `steady` scales the glow of what no lamp lights.
+  void add(const Pose2& world_from_thing, double height, int fixture, const std::vector<Part>& parts, double daylight,
+           const FrameGeometry& frame);
+  /// Pixels of a rectangle around the thing, [m] from its middle; false when there are none.
+  [[nodiscard]] bool find_spans(const Pose2& world_from_thing, const Eigen::Vector2d& half, const FrameGeometry& frame,
+                                VisibleThing& visible) const;
 
   const CeilingModel& model_;
   CeilingCamera camera_;
+  std::vector<ClutterItem> clutter_;  // the building's elements and the model's own
+  std::vector<std::vector<Part>> clutter_parts_;
+  std::vector<std::array<std::vector<Part>, kLooks>> fixture_parts_;
   PointIndex fixture_index_;
-  PointIndex element_index_;
+  PointIndex clutter_index_;
   std::vector<MovedLamp> moved_;
-  std::vector<Pose2> world_from_fixture_;  // displaced ones where they stand now
+  std::vector<Pose2> world_from_fixture_;  // displaced ones where they stand now, turned as their burning side is drawn
   double farthest_moved_ = 0.0;            // [m]
-  std::vector<VisibleShape> visible_;      // the first size_ count; the others keep their memory
+  double largest_clutter_ = 0.0;           // [m] half the longest
+  std::vector<VisibleThing> visible_;      // the first size_ count; the others keep their memory
   std::size_t size_ = 0;
   std::vector<int> found_;
 };

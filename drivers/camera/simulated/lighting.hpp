@@ -18,6 +18,7 @@ class CeilingLight {
 
   /// Takes over what burns and how bright the day is; `lamps` in the order of the building's fixtures (else ignored).
   void set(double daylight, const std::vector<LampState>& lamps);
+  [[nodiscard]] double daylight() const { return daylight_; }
   [[nodiscard]] LampState lamp(int fixture) const { return lamps_[static_cast<std::size_t>(fixture)]; }
   /// Share of its full light that a fixture gives at a time [us]: flickering ones go on and off several times a second.
   [[nodiscard]] double emission(int fixture, double utime) const;

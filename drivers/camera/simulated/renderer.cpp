@@ -36,6 +36,37 @@ double blur_of_texture(const CeilingModel& model) {
   return kTextureSigma * rise / model.intrinsics.fx;
 }
 
+/// [begin, end) of a row.
+struct Interval {
+  int begin = 0;
+  int end = 0;
+};
+
+Interval overlap(const Interval& a, const Interval& b) {
+  const int begin = std::max(a.begin, b.begin);
+  return {begin, std::max(begin, std::min(a.end, b.end))};
+}
+
+/// Where values that run nearly straight, bent by a lens, are within `reach` of `middle`, and some around.
+Interval nearly_linear(const float* values, int count, float middle, float reach) {
+  const float first = values[0];
+  const float last = values[count - 1];
+  const float bend =
+      std::abs(values[count / 2] - first -
+               (last - first) * static_cast<float>(count / 2) / static_cast<float>(std::max(1, count - 1)));
+  const float slope = (last - first) / static_cast<float>(std::max(1, count - 1));
+  const float wide = reach + 1.5F * bend + 2.0F * std::abs(slope);
+  if (std::abs(slope) < 1e-6F) {
+    return std::abs(first - middle) <= wide ? Interval{0, count} : Interval{};
+  }
+  const float one = (middle - wide - first) / slope;
+  const float other = (middle + wide - first) / slope;
+  const auto bound = [count](float column) {
+    return static_cast<int>(std::clamp(column, 0.0F, static_cast<float>(count)));
+  };
+  return {bound(std::min(one, other)), bound(std::max(one, other) + 1.0F)};
+}
+
 double positive_modulo(double value, double period) {
   return value - period * std::floor(value / period);
 }
@@ -57,7 +88,7 @@ CeilingRenderer::CeilingRenderer(const CeilingModel& model)
   nodes_.resize(static_cast<std::size_t>(node_columns_) * static_cast<std::size_t>(node_rows_));
   const auto width = static_cast<std::size_t>(rays_.width());
   texel_.resize(width);
-  for (auto* row : {&x_, &y_, &plane_x_, &plane_y_, &brightness_}) {
+  for (auto* row : {&x_, &y_, &along_, &across_, &brightness_}) {
     row->resize(width);
   }
   light_row_.resize(static_cast<std::size_t>(node_columns_) * kNodePitch);
@@ -172,36 +203,67 @@ LUMINAV_WIDE_VECTORS void CeilingRenderer::texture_row(const TextureMap& map) {
   }
 }
 
-void CeilingRenderer::draw_shapes(int row, const Exposure& exposure, const View& view, const FrameGeometry& frame) {
-  const double ceiling = model_.building.ceiling_height;
+LUMINAV_WIDE_VECTORS void CeilingRenderer::place_in(const VisibleThing& thing, const ColumnSpan& span, const View& view,
+                                                    const FrameGeometry& frame) {
+  // What hangs lower is met earlier by the same rays.
+  const double rise = model_.building.ceiling_height - view.lens.z();
+  const auto share = static_cast<float>((thing.height - view.lens.z()) / rise);
+  const float shift_x = (1.0F - share) * static_cast<float>(view.lens.x() - frame.origin.x()) - thing.x;
+  const float shift_y = (1.0F - share) * static_cast<float>(view.lens.y() - frame.origin.y()) - thing.y;
+  const float cosine = thing.cosine;
+  const float sine = thing.sine;
+  const float* __restrict x = x_.data() + span.begin;
+  const float* __restrict y = y_.data() + span.begin;
+  float* __restrict along = along_.data();
+  float* __restrict across = across_.data();
+  const int count = span.end - span.begin;
+  for (int i = 0; i < count; ++i) {
+    const float dx = share * x[i] + shift_x;
+    const float dy = share * y[i] + shift_y;
+    along[i] = cosine * dx + sine * dy;
+    across[i] = cosine * dy - sine * dx;
+  }
+}
+
+void CeilingRenderer::draw_shapes(const VisibleThing& thing, const ColumnSpan& span, float burning) {
+  const int count = span.end - span.begin;
+  for (Shape shape : thing.shapes) {
+    const auto part_of_row = [&](float margin_along, float margin_across) {
+      const Interval part = overlap(nearly_linear(along_.data(), count, shape.x, shape.half_length + margin_along),
+                                    nearly_linear(across_.data(), count, shape.y, shape.half_width + margin_across));
+      return RowSpan{along_.data() + part.begin, across_.data() + part.begin,
+                     light_row_.data() + span.begin + part.begin, brightness_.data() + span.begin + part.begin,
+                     part.end - part.begin};
+    };
+    if (thing.fixture >= 0) {
+      shape.emission *= burning;
+      shape.glow *= burning;
+    }
+    if (shape.glow > 0.0F) {
+      add_glow(shape, part_of_row(shape.halo_reach, shape.halo_reach));
+    }
+    paint(shape, part_of_row(0.5F * shape.edge_along, 0.5F * shape.edge_across));
+  }
+}
+
+void CeilingRenderer::draw_things(int row, const Exposure& exposure, const View& view, const FrameGeometry& frame) {
   for (std::size_t k = 0; k < layout_.size(); ++k) {
-    VisibleShape& visible = layout_[k];
-    const int line = row - visible.first_row;
-    if (line < 0 || line >= static_cast<int>(visible.spans.size())) {
+    const VisibleThing& thing = layout_[k];
+    const int line = row - thing.first_row;
+    if (line < 0 || line >= static_cast<int>(thing.spans.size())) {
       continue;
     }
-    const ColumnSpan span = visible.spans[static_cast<std::size_t>(line)];
+    const ColumnSpan span = thing.spans[static_cast<std::size_t>(line)];
     if (span.begin >= span.end) {
       continue;
     }
-    RowSpan part{x_.data() + span.begin, y_.data() + span.begin, light_row_.data() + span.begin,
-                 brightness_.data() + span.begin, span.end - span.begin};
-    if (std::abs(visible.height - ceiling) > 1e-4) {  // it hangs lower: the same rays meet its plane earlier
-      const auto share = static_cast<float>((visible.height - view.lens.z()) / (ceiling - view.lens.z()));
-      const auto lens_x = static_cast<float>(view.lens.x() - frame.origin.x());
-      const auto lens_y = static_cast<float>(view.lens.y() - frame.origin.y());
-      for (int i = 0; i < part.count; ++i) {
-        plane_x_[static_cast<std::size_t>(i)] = lens_x + share * (part.x[i] - lens_x);
-        plane_y_[static_cast<std::size_t>(i)] = lens_y + share * (part.y[i] - lens_y);
-      }
-      part.x = plane_x_.data();
-      part.y = plane_y_.data();
-    }
-    if (visible.fixture >= 0 && light_.lamp(visible.fixture) == LampState::kFlicker) {
+    double burning = 1.0;
+    if (thing.fixture >= 0 && light_.lamp(thing.fixture) == LampState::kFlicker) {
       const double row_utime = exposure.utime + (row - 0.5 * (rays_.height() - 1)) * exposure.row_time_us;
-      visible.shape.emission = static_cast<float>(light_.emission(visible.fixture, row_utime));
+      burning = light_.emission(thing.fixture, row_utime);
     }
-    draw(visible.shape, part);
+    place_in(thing, span, view, frame);
+    draw_shapes(thing, span, static_cast<float>(burning));
   }
 }
 
@@ -221,7 +283,7 @@ void CeilingRenderer::render(const Exposure& exposure, std::span<const TruePose>
   const FrameGeometry frame = geometry_of(model_, exposure, rows[rows.size() / 2], rays_.reach());
   light_.gather(frame.origin, frame.reach * frame.rise, exposure.utime);
   light_nodes(frame);
-  layout_.find(frame, light_, exposure.utime);
+  layout_.find(frame, light_);
   const TextureMap map = texture_map(frame);
   response_.begin_frame(exposure.number, exposure.exposure_us, exposure.gain);
   const bool rolling = rows.size() == static_cast<std::size_t>(height);
@@ -230,7 +292,7 @@ void CeilingRenderer::render(const Exposure& exposure, std::span<const TruePose>
     find_points(row, view, frame);
     light_row(row);
     texture_row(map);
-    draw_shapes(row, exposure, view, frame);
+    draw_things(row, exposure, view, frame);
     darken_walls(row);
     response_.develop(row, brightness_.data(), image.pixels.data() + static_cast<std::ptrdiff_t>(row) * width);
   }

@@ -48,7 +48,11 @@ class CeilingRenderer {
   void find_points(int row, const View& view, const FrameGeometry& frame);
   void light_row(int row);
   void texture_row(const TextureMap& map);
-  void draw_shapes(int row, const Exposure& exposure, const View& view, const FrameGeometry& frame);
+  void draw_things(int row, const Exposure& exposure, const View& view, const FrameGeometry& frame);
+  /// Where in the thing's frame the pixels of a span look.
+  void place_in(const VisibleThing& thing, const ColumnSpan& span, const View& view, const FrameGeometry& frame);
+  /// Draws what is in `along_` and `across_`; `burning` 0..1 scales the light of lamps.
+  void draw_shapes(const VisibleThing& thing, const ColumnSpan& span, float burning);
   void darken_walls(int row);
 
   CeilingModel model_;
@@ -63,12 +67,12 @@ class CeilingRenderer {
   std::vector<float> nodes_;  // light on a coarse grid of pixels
   int node_columns_;
   int node_rows_;
-  // Of the row being rendered: points of the ceiling, from the frame's origin [m]; the same on a lower plane; light
+  // Of the row being rendered: points of the ceiling, from the frame's origin [m]; the same in a thing's frame; light
   // that falls there; brightness seen.
   std::vector<float> x_;
   std::vector<float> y_;
-  std::vector<float> plane_x_;
-  std::vector<float> plane_y_;
+  std::vector<float> along_;
+  std::vector<float> across_;
   std::vector<float> light_row_;
   std::vector<float> brightness_;
   std::vector<int> texel_;

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "drivers/camera/simulated/catalogue/clutter.hpp"
 #include "drivers/camera/simulated/truth.hpp"
+#include "drivers/simulator/world/luminaire_kind.hpp"
 #include "services/common/building/building.hpp"
 #include "services/common/geometry/camera_model.hpp"
 
@@ -15,8 +17,10 @@ struct CeilingModel {
   Building building;
   CameraIntrinsics intrinsics;
   CameraMounting mounting;
-  double grey_noise = 4.0;           // [grey levels] 1-sigma at gain 1
-  std::vector<double> unlit_darker;  // [grey levels] per fixture, against a tile at level 100
+  double grey_noise = 4.0;                // [grey levels] 1-sigma at gain 1
+  std::vector<double> unlit_darker;       // [grey levels] per fixture, against a tile at level 100
+  std::vector<LuminaireKind> luminaires;  // per fixture; where none is given, a panel
+  std::vector<ClutterItem> clutter;       // besides the building's elements
   std::uint64_t seed = 1;
 };
 

@@ -78,6 +78,13 @@ WorldSpread read_spread(const TomlTable& table) {
   read("min_unlit_darker", spread.min_unlit_darker, 255.0);
   read("max_unlit_darker", spread.max_unlit_darker, 255.0);
   read("grey_noise", spread.grey_noise, 100.0);
+  for (const std::string& name : table.texts("luminaires")) {
+    const auto kind = luminaire_named(name);
+    if (!kind) {
+      table.fail("luminaires", fmt::format("names \"{}\", must be of {}", name, fmt::join(luminaire_names(), ", ")));
+    }
+    spread.luminaires.push_back(*kind);
+  }
   if (spread.max_unlit_darker < spread.min_unlit_darker) {
     table.fail("max_unlit_darker", "must not be below min_unlit_darker");
   }

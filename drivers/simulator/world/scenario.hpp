@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/simulator/world/luminaire_kind.hpp"
 #include "services/common/geometry/pose2.hpp"
 
 namespace luminav {
@@ -109,6 +110,7 @@ struct WorldSpread {
   double min_unlit_darker = 10.0;         // [grey levels] an unlit fixture is darker than its tile
   double max_unlit_darker = 40.0;         // [grey levels]
   double grey_noise = 4.0;                // [grey levels]
+  std::vector<LuminaireKind> luminaires;  // what the fixtures are built as is drawn from these; empty: panels
 };
 
 /// One run: what the simulator, the simulated frame source, the demo and the evaluation do.

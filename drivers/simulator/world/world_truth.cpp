@@ -131,6 +131,7 @@ void draw_ceiling(const Scenario& scenario, const WorldSpread& spread, WorldTrut
     CeilingElement& element = truth.building.elements[i];
     element.world_from_element = draw_displaced(element.world_from_element, spread, own);
   }
+  truth.luminaires = draw_luminaires(spread.luminaires, truth.building, scenario.seed);
   const auto count = static_cast<double>(std::max<std::size_t>(1, truth.building.fixtures.size()));
   truth.floor_tilt = spread.floor_tilt;
   truth.grey_noise = spread.grey_noise;
@@ -142,6 +143,10 @@ void draw_ceiling(const Scenario& scenario, const WorldSpread& spread, WorldTrut
   table.add("min_unlit_darker", "grey levels", spread.min_unlit_darker);
   table.add("max_unlit_darker", "grey levels", spread.max_unlit_darker);
   table.add("grey_noise", "grey levels", spread.grey_noise);
+  for (const LuminaireKind kind : spread.luminaires) {
+    table.add("luminaires: " + luminaire_names()[static_cast<std::size_t>(kind)], "fixtures",
+              static_cast<double>(std::count(truth.luminaires.begin(), truth.luminaires.end(), kind)));
+  }
 }
 
 std::size_t index_of_fixture(const Scenario& scenario, const Building& building, int id) {

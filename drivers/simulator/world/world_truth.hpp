@@ -20,19 +20,20 @@ struct WorldTruth {
   double believed_wheel_base = 0.33;  // [m] what the microcontroller turns turn rates into wheel speeds with
   double wheel_scale_left = 1.0;      // ground covered per metre that the encoders report
   double wheel_scale_right = 1.0;
-  double odometry_position = 0.0;        // [m per sqrt m] white
-  double odometry_heading = 0.0;         // [rad per sqrt m] white
-  double floor_tilt = 0.0;               // [rad] 1-sigma per axis, changing every metre
-  double grey_noise = 4.0;               // [grey levels]
-  std::vector<double> unlit_darker;      // [grey levels] per fixture
-  std::vector<std::int8_t> lamp_states;  // per fixture when the run begins: lamp_state.hpp, as in SIM_TRUTH
-  double daylight = 0.5;                 // 0..1 when the run begins
-  Pose2 start;                           // true world_from_robot
-  std::vector<Obstacle> obstacles;       // all with a pose
-  std::vector<WalkingPerson> people;     // all with waypoints
-  std::vector<ScenarioEvent> events;     // all with a place
-  std::string table;                     // the spread and what was drawn, for the report
-  std::string hash;                      // of that table
+  double odometry_position = 0.0;         // [m per sqrt m] white
+  double odometry_heading = 0.0;          // [rad per sqrt m] white
+  double floor_tilt = 0.0;                // [rad] 1-sigma per axis, changing every metre
+  double grey_noise = 4.0;                // [grey levels]
+  std::vector<double> unlit_darker;       // [grey levels] per fixture
+  std::vector<LuminaireKind> luminaires;  // per fixture
+  std::vector<std::int8_t> lamp_states;   // per fixture when the run begins: lamp_state.hpp, as in SIM_TRUTH
+  double daylight = 0.5;                  // 0..1 when the run begins
+  Pose2 start;                            // true world_from_robot
+  std::vector<Obstacle> obstacles;        // all with a pose
+  std::vector<WalkingPerson> people;      // all with waypoints
+  std::vector<ScenarioEvent> events;      // all with a place
+  std::string table;                      // the spread and what was drawn, for the report
+  std::string hash;                       // of that table
 };
 
 /// Draws the truth. Throws ConfigurationError when the scenario is impossible: a start in a wall, an unknown fixture

@@ -10,6 +10,7 @@
 #include "services/detector/tool/contact_sheet.hpp"
 #include "services/detector/tool/debug_picture.hpp"
 #include "tests/evaluation/detector_score/detector_score.hpp"
+#include "tests/evaluation/detector_score/luminaire_scenes.hpp"
 
 namespace luminav::score {
 namespace {
@@ -61,6 +62,41 @@ int draw_conditions(const DetectorScoreOptions& options, const std::string& shee
   return 0;
 }
 
+std::string title_of(const LuminaireScene& scene) {
+  return scene.name + ", " + scene.state;
+}
+
+/// One picture of each kind of luminaire in each state and of each thing that is none.
+int draw_scenes(const DetectorScoreOptions& options, const std::string& sheet_file) {
+  ContactSheet sheet;
+  DetectorScoreOptions one = options;
+  one.worlds = 1;
+  one.frames = 1;
+  for (const LuminaireScene& scene : luminaire_scenes()) {
+    score_scene(one, scene, [&](const ScoredFrame& frame) {
+      sheet.add(draw_debug_picture(frame.image->view(), {}, frame.detections), title_of(scene));
+    });
+  }
+  if (!cv::imwrite(sheet_file, sheet.draw())) {
+    throw std::runtime_error(sheet_file + ": cannot be written");
+  }
+  return 0;
+}
+
+int run_scenes(const DetectorScoreOptions& options, const std::string& only, const std::string& folder) {
+  for (const LuminaireScene& scene : luminaire_scenes()) {
+    if (only.empty() || title_of(scene).starts_with(only)) {
+      const DetectorScore score = score_scene(options, scene, folder.empty() ? FrameListener{} : dump_to(folder));
+      std::printf(
+          "%-32s %4d frames, precision %.3f, recall %.3f, whole %.3f, false per 100 frames %.1f, wrong state %d\n",
+          title_of(scene).c_str(), score.frames, score.precision(), score.recall(), score.whole_recall(),
+          100.0 * score.wrong / std::max(1, score.frames), score.wrong_state);
+      std::fflush(stdout);
+    }
+  }
+  return 0;
+}
+
 int run(const DetectorScoreOptions& options, const std::string& only, const std::string& folder) {
   std::printf("%s\n", score_table_header().c_str());
   DetectorScore all;
@@ -97,6 +133,7 @@ int main(int argc, char** argv) {
     std::string folder;
     std::string sheet;
     bool raw = false;
+    bool luminaires = false;
     luminav::CommandLine command_line("detector_score", "Measures the detector on rendered frames against the truth.");
     command_line.text("--scenario", scenario, "whose building and robot are taken")
         .text("--mode", mode, "paper or modern")
@@ -106,6 +143,7 @@ int main(int argc, char** argv) {
         .text("--only", only, "one condition of the matrix")
         .text("--dump", folder, "folder for the frames that something is to be said against")
         .text("--sheet", sheet, "write a picture of one frame per condition there, and measure nothing")
+        .flag("--luminaires", luminaires, "each kind of luminaire and clutter instead of the matrix")
         .flag("--raw", raw, "without JPEG")
         .flag("--believed", options.believed_camera, "with the mounting and ceiling of the files, not the true ones");
     if (const auto status = command_line.parse(argc, argv)) {
@@ -117,6 +155,10 @@ int main(int argc, char** argv) {
     options.worlds = static_cast<int>(worlds);
     options.frames = static_cast<int>(frames);
     options.jpeg = !raw;
+    if (luminaires) {
+      return sheet.empty() ? luminav::score::run_scenes(options, only, folder)
+                           : luminav::score::draw_scenes(options, sheet);
+    }
     return sheet.empty() ? luminav::score::run(options, only, folder) : luminav::score::draw_conditions(options, sheet);
   });
 }

@@ -6,10 +6,13 @@
 #include <atomic>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <thread>
 #include <utility>
 
 #include "tests/evaluation/detector_score/detector_score.hpp"
+#include "tests/evaluation/detector_score/luminaire_scenes.hpp"
 #include "tests/evaluation/detector_score/tolerance_suite.hpp"
 
 namespace luminav {
@@ -23,36 +26,20 @@ DetectorCondition condition_of(const std::string& name, const score::DetectorSco
           score.frames,
           score.precision(),
           score.recall(),
+          score.frames == 0 ? 0.0 : 100.0 * score.wrong / score.frames,
           score.centre_rms_px(),
           score.heading_rms_deg(),
           score.milliseconds()};
 }
 
-}  // namespace
-
-std::vector<DetectorCondition> measure_detector(const std::string& mode, int threads) {
-  score::DetectorScoreOptions options;
-  options.mode = mode == "paper" ? DetectorMode::kPaper : DetectorMode::kModern;
-  options.first_seed = 1000;
-  // Some fixtures in a hundred hold half of the error squared, those whose ends lie in dark joints of the ceiling:
-  // their places are drawn once per world.
-  options.worlds = 5;
-  options.frames = 24;
-  const auto scenarios = std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch/scenarios";
-  const std::vector<score::Condition>& matrix = score::lighting_matrix();
-  std::vector<score::DetectorScore> scores(matrix.size());
+/// Calls `measure` with 0 .. count - 1, on several threads.
+void measure_each(std::size_t count, int threads, const std::function<void(std::size_t)>& measure) {
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
-    for (std::size_t i = next++; i < matrix.size(); i = next++) {
-      for (const char* building : kBuildings) {
-        score::DetectorScoreOptions there = options;
-        there.scenario = scenarios / fmt::format("{}.toml", building);
-        scores[i].add(score::score_detector(there, matrix[i]));
-      }
-      fmt::print(stderr, "detector: {}\n", score::score_table_row(matrix[i].name, scores[i]));
+    for (std::size_t i = next++; i < count; i = next++) {
+      measure(i);
     }
   };
-  fmt::print(stderr, "detector: {}\n", score::score_table_header());
   std::vector<std::thread> workers;
   for (int i = 1; i < threads; ++i) {
     workers.emplace_back(work);
@@ -61,6 +48,38 @@ std::vector<DetectorCondition> measure_detector(const std::string& mode, int thr
   for (std::thread& worker : workers) {
     worker.join();
   }
+}
+
+score::DetectorScoreOptions options_for(const std::string& mode, int worlds, int frames) {
+  score::DetectorScoreOptions options;
+  options.mode = mode == "paper" ? DetectorMode::kPaper : DetectorMode::kModern;
+  options.first_seed = 1000;
+  options.worlds = worlds;
+  options.frames = frames;
+  return options;
+}
+
+std::filesystem::path scenario_of(const char* building) {
+  return std::filesystem::path(LUMINAV_SOURCE_DIR) / fmt::format("launch/scenarios/{}.toml", building);
+}
+
+}  // namespace
+
+std::vector<DetectorCondition> measure_detector(const std::string& mode, int threads) {
+  // Some fixtures in a hundred hold half of the error squared, those whose ends lie in dark joints of the ceiling:
+  // their places are drawn once per world.
+  const score::DetectorScoreOptions options = options_for(mode, 5, 24);
+  const std::vector<score::Condition>& matrix = score::lighting_matrix();
+  std::vector<score::DetectorScore> scores(matrix.size());
+  fmt::print(stderr, "detector: {}\n", score::score_table_header());
+  measure_each(matrix.size(), threads, [&](std::size_t i) {
+    for (const char* building : kBuildings) {
+      score::DetectorScoreOptions there = options;
+      there.scenario = scenario_of(building);
+      scores[i].add(score::score_detector(there, matrix[i]));
+    }
+    fmt::print(stderr, "detector: {}\n", score::score_table_row(matrix[i].name, scores[i]));
+  });
   std::vector<DetectorCondition> conditions;
   score::DetectorScore lit;
   score::DetectorScore all;
@@ -75,6 +94,32 @@ std::vector<DetectorCondition> measure_detector(const std::string& mode, int thr
     fmt::print(stderr, "detector: {}\n", score::score_table_row(name, score));
     conditions.push_back(condition_of(name, score));
   }
+  return conditions;
+}
+
+std::vector<DetectorCondition> measure_luminaires(const std::string& mode, int threads) {
+  score::DetectorScoreOptions options = options_for(mode, 4, 15);
+  options.scenario = scenario_of("laboratory");
+  const std::vector<score::LuminaireScene>& scenes = score::luminaire_scenes();
+  std::vector<score::DetectorScore> scores(scenes.size());
+  measure_each(scenes.size(), threads, [&](std::size_t i) {
+    scores[i] = score::score_scene(options, scenes[i]);
+    fmt::print(stderr, "luminaires: [{}/{}] {}, {}\n", i + 1, scenes.size(), scenes[i].name, scenes[i].state);
+  });
+  std::vector<DetectorCondition> conditions;
+  score::DetectorScore all;
+  std::map<std::string, score::DetectorScore> by_state;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    conditions.push_back(condition_of(scenes[i].name + ", " + scenes[i].state, scores[i]));
+    by_state[scenes[i].state].add(scores[i]);
+    if (!scenes[i].is_clutter) {
+      all.add(scores[i]);
+    }
+  }
+  for (const auto& [state, score] : by_state) {
+    conditions.push_back(condition_of("all, " + state, score));
+  }
+  conditions.push_back(condition_of("all luminaires", all));
   return conditions;
 }
 

@@ -5,12 +5,13 @@
 
 namespace luminav {
 
-/// The detector under one kind of light, on rendered pictures.
+/// The detector under one kind of light, or below one kind of luminaire, on rendered pictures.
 struct DetectorCondition {
   std::string name;
   int frames = 0;
   double precision = 1.0;
   double recall = 0.0;
+  double false_per_100_frames = 0.0;  // fixtures reported where there is none, or too far off
   double centre_rms_px = 0.0;
   double orientation_rms_deg = 0.0;
   double milliseconds = 0.0;  // per frame
@@ -23,5 +24,9 @@ std::vector<DetectorCondition> measure_detector(const std::string& mode, int thr
 /// Measures what it costs when files or light miss the truth by what an installer may miss; the first entry is without
 /// any mistake. In the modern mode; centres and directions are not measured.
 std::vector<DetectorCondition> measure_tolerance(int threads);
+
+/// Measures each kind of luminaire in each state, and what is none, below ceilings of the renderer's catalogue; the
+/// last entries are over all luminaires lit, half and off, over all that is none, and over all luminaires.
+std::vector<DetectorCondition> measure_luminaires(const std::string& mode, int threads);
 
 }  // namespace luminav

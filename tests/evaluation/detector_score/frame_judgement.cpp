@@ -119,18 +119,18 @@ bool match(const Detection& detection, std::vector<VisibleFixture>& visible, Det
 
 }  // namespace
 
-void count_elements(const WorldTruth& world, const FrameMotion& motion, const CeilingCamera& camera,
+void count_elements(const Building& truth, const FrameMotion& motion, const CeilingCamera& camera,
                     const std::vector<Detection>& detections, DetectorScore& score) {
   std::vector<Vector2d> there;
   std::vector<bool> is_whole;
-  for (const CeilingElement& element : world.building.elements) {
+  for (const CeilingElement& element : truth.elements) {
     const bool round = element.kind == ElementKind::kDetector || element.kind == ElementKind::kSpeaker;
     const Fixture shape{.id = 0,
                         .shape = round ? FixtureShape::kRound : FixtureShape::kRectangle,
                         .world_from_fixture = element.world_from_element,
                         .length = element.length,
                         .width = round ? element.length : element.width,
-                        .height = world.building.ceiling_height,
+                        .height = truth.ceiling_height,
                         .lamps = 0};
     if (const auto imaged = image_of(shape, motion, camera)) {
       there.push_back(imaged->as_imaged.position());

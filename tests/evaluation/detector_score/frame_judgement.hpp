@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "drivers/camera/simulated/renderer.hpp"
-#include "drivers/simulator/world/world_truth.hpp"
 #include "services/detector/model/detection.hpp"
 #include "tests/evaluation/detector_score/detector_score.hpp"
 #include "tests/evaluation/detector_score/imaged_fixture.hpp"
@@ -24,7 +23,7 @@ std::vector<std::string> judge(const std::vector<Detection>& detections, std::ve
                                DetectorScore& score);
 
 /// Counts vents, detectors and the like, which are compared by place alone.
-void count_elements(const WorldTruth& world, const FrameMotion& motion, const CeilingCamera& camera,
+void count_elements(const Building& truth, const FrameMotion& motion, const CeilingCamera& camera,
                     const std::vector<Detection>& detections, DetectorScore& score);
 
 }  // namespace luminav::score

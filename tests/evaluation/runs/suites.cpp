@@ -104,12 +104,12 @@ std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& p
 }
 
 std::string suite_names() {
-  return "quick, laboratory, office, localization, detector, mapping, navigation, endurance, missions, worlds, scale, "
-         "paper, tolerance, all";
+  return "quick, laboratory, office, localization, detector, luminaires, mapping, navigation, endurance, missions, "
+         "worlds, scale, paper, tolerance, all";
 }
 
 bool has_detector_part(const std::string& suite) {
-  return suite == "detector" || suite == "tolerance" || suite == "all";
+  return suite == "detector" || suite == "tolerance" || suite == "luminaires" || suite == "all";
 }
 
 std::vector<SuiteEntry> suite_entries(const std::string& suite, const std::filesystem::path& generated) {

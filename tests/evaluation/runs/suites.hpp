@@ -27,7 +27,8 @@ std::string suite_names();
 /// Buildings and scenarios that a suite makes itself are written below `generated`; what is there already is used.
 /// Throws ConfigurationError for a name that no suite has.
 std::vector<SuiteEntry> suite_entries(const std::string& suite, const std::filesystem::path& generated);
-/// True for the suites that measure the detector alone: over a lighting matrix, or under mistakes of the files.
+/// True for the suites that measure the detector alone: over a lighting matrix, under mistakes of the files, or below
+/// each kind of luminaire.
 bool has_detector_part(const std::string& suite);
 
 }  // namespace luminav

@@ -28,6 +28,11 @@ TEST(Suites, HoldScenariosThatCanBeRead) {
   }
 }
 
+TEST(Suites, LuminairesAreTheDetectorsAlone) {
+  EXPECT_TRUE(has_detector_part("luminaires"));
+  EXPECT_TRUE(suite_entries("luminaires", generated()).empty());
+}
+
 TEST(Suites, MeasureOnSeedsThatNobodyTunesOn) {
   for (const SuiteEntry& entry : suite_entries("worlds", generated())) {
     EXPECT_GE(entry.first_seed, 1000U);

@@ -320,7 +320,8 @@ TEST(CeilingRenderer, AnEmptyBuildingIsABareCeiling) {
 TEST(SimulatedSources, IncludeNothingFromServicesButGeometryBuildingConfigurationAndImages) {
   const std::string include = "#include \"services/";
   int files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(LUMINAV_SOURCE_DIR "/drivers/camera/simulated")) {
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(LUMINAV_SOURCE_DIR "/drivers/camera/simulated")) {
     if (!entry.is_regular_file()) {
       continue;
     }

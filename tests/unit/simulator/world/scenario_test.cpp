@@ -216,9 +216,16 @@ TEST(ScenarioFile, NamesFileLineAndKeyOfWhatIsWrong) {
   EXPECT_THAT(error, HasSubstr("between 0 and 1"));
 }
 
+TEST(ScenarioFile, ChoosesAmongLuminaires) {
+  const Scenario scenario = read("[world]\nluminaires = [\"louvre\", \"opal-framed\"]\n");
+  EXPECT_THAT(scenario.world.luminaires, ElementsAre(LuminaireKind::kLouvre, LuminaireKind::kOpalFramed));
+  EXPECT_TRUE(read("").world.luminaires.empty());
+}
+
 TEST(ScenarioFile, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(error_of("speed = 1.0\n"), HasSubstr("unknown key \"speed\""));
   EXPECT_THAT(error_of("[world]\nwheels = 0.1\n"), HasSubstr("unknown key \"wheels\""));
+  EXPECT_THAT(error_of("[world]\nluminaires = [\"chandelier\"]\n"), HasSubstr("must be of panel, louvre"));
   EXPECT_THAT(error_of("[[goal]]\nplace = \"roof\"\n"), HasSubstr("place"));
   EXPECT_THAT(error_of("[lighting]\noff = [3, 99]\n"), HasSubstr("99"));
   EXPECT_THAT(error_of("[[event]]\nat = 1\nkind = \"quake\"\n"), HasSubstr("carry, slip"));
