@@ -7,8 +7,15 @@
 namespace luminav {
 namespace {
 
-ExposureParams read_exposure(const TomlTable& table) {
+/// The paper's control knows no other aim while lamps burn.
+ExposureParams read_exposure(const TomlTable& table, const std::string& mode) {
   ExposureParams p;
+  if (table.choice("mode", mode, {"paper", "modern"}) == "paper") {
+    p.lit_target = 1.0;
+  }
+  p.lit_target = table.number("lit_target", p.lit_target, {0.01, 1.0});
+  p.lamp_share = table.number("lamp_share", p.lamp_share, {0.0, 0.5});
+  p.lamp_memory = table.count("lamp_memory", p.lamp_memory, {0, 10'000});
   p.min_target = table.number("min_target", p.min_target, {1.0, 254.0});
   p.max_target = table.number("max_target", p.max_target, {1.0, 254.0});
   p.lamp_grey = table.number("lamp_grey", p.lamp_grey, {2.0, 255.0});
@@ -37,7 +44,7 @@ CameraConfig read_camera_config(const std::filesystem::path& robot_file) {
       table.choice("encoding", "jpeg", {"jpeg", "mono8"}) == "jpeg" ? ImageEncoding::kJpeg : ImageEncoding::kMono8;
   config.quality = table.count("quality", config.quality, {1, 100});
   config.max_size = table.count("max_size", config.max_size, {1000, 64000});
-  config.exposure = read_exposure(table);
+  config.exposure = read_exposure(table, robot.mode);
   table.reject_unknown();
   try {
     const ExposureControl check(config.exposure);

@@ -52,6 +52,9 @@ ExposureControl::ExposureControl(const ExposureParams& params)
     throw std::invalid_argument(
         "exposure: must be 0 < min_exposure_us <= max_exposure_us, max_gain >= 1, max_step > 1, patience >= 1");
   }
+  if (!(params.lit_target > 0.0 && params.lit_target <= 1.0 && params.lamp_memory >= 0)) {
+    throw std::invalid_argument("exposure: must be 0 < lit_target <= 1, lamp_memory >= 0");
+  }
   // A step that jumps across the dead band would swing for ever.
   if (params.max_step > 20.0) {
     throw std::invalid_argument("exposure: max_step must be at most 20");
@@ -64,9 +67,18 @@ ExposureSetting ExposureControl::split(double product) const {
   return {exposure, std::clamp(product / exposure, 1.0, params_.max_gain)};
 }
 
+double ExposureControl::aim() {
+  const bool burns = brightness_.lamp_share > params_.lamp_share && brightness_.lamp_share <= kWhiteShare;
+  lamp_seen_ = burns ? params_.lamp_memory : std::max(0, lamp_seen_ - 1);
+  return lamp_seen_ > 0 ? params_.lit_target : 1.0;
+}
+
 ExposureSetting ExposureControl::update(const GreyView& image, double exposure_us, double gain, double angular) {
   brightness_ = measure_brightness(image, params_.lamp_grey);
   const double mean = brightness_.mean;
+  const double aimed = aim();
+  const double min_target = aimed * params_.min_target;
+  const double max_target = aimed * params_.max_target;
   const double product = exposure_us * gain;
   const double asked = setting_.exposure_us * setting_.gain;
   if (!settled_) {  // frames on their way were still taken with the setting before
@@ -75,13 +87,13 @@ ExposureSetting ExposureControl::update(const GreyView& image, double exposure_u
       return setting_;
     }
   }
-  if (mean >= params_.min_target && mean <= params_.max_target) {
+  if (mean >= min_target && mean <= max_target) {
     out_of_range_ = 0;
     at_limit_ = 0;
     complaint_.clear();
     return setting_;
   }
-  const bool blind = mean < params_.min_target / kBlindFactor || mean > 0.5 * (params_.max_target + 255.0);
+  const bool blind = mean < min_target / kBlindFactor || mean > 0.5 * (params_.max_target + 255.0);
   if (std::abs(angular) > params_.turning_rate && !blind) {
     out_of_range_ = 0;
     return setting_;
@@ -90,14 +102,14 @@ ExposureSetting ExposureControl::update(const GreyView& image, double exposure_u
     return setting_;
   }
   out_of_range_ = 0;
-  const double middle = 0.5 * (params_.min_target + params_.max_target);
+  const double middle = 0.5 * (min_target + max_target);
   const double factor = std::clamp(middle / std::max(mean, 1.0), 1.0 / params_.max_step, params_.max_step);
   const ExposureSetting wanted = split((product > 0.0 ? product : asked) * factor);
   const double change = wanted.exposure_us * wanted.gain / asked;
   if (std::abs(change - 1.0) < 1e-3) {
     at_limit_ += params_.patience;
     if (at_limit_ >= kFramesToComplain) {
-      complain(mean);
+      complain(mean, aimed);
     }
     return setting_;
   }
@@ -107,13 +119,14 @@ ExposureSetting ExposureControl::update(const GreyView& image, double exposure_u
   return setting_;
 }
 
-void ExposureControl::complain(double mean) {
+void ExposureControl::complain(double mean, double aim) {
   char text[160];
-  const bool dark = mean < params_.min_target;
+  const bool dark = mean < aim * params_.min_target;
   std::snprintf(
       text, sizeof text,
       "too %s: ceiling at grey level %.0f, wanted %.0f to %.0f, with exposure %.0f us and gain %.1f at their limit",
-      dark ? "dark" : "bright", mean, params_.min_target, params_.max_target, setting_.exposure_us, setting_.gain);
+      dark ? "dark" : "bright", mean, aim * params_.min_target, aim * params_.max_target, setting_.exposure_us,
+      setting_.gain);
   complaint_ = text;
 }
 

@@ -11,6 +11,9 @@ struct ExposureParams {
   double min_target = 80.0;             // [grey levels] mean of the pixels that are not lamps; within the range nothing
   double max_target = 120.0;            // changes (dead band)
   double lamp_grey = 225.0;             // [grey levels] pixels at or above are lamps
+  double lit_target = 1.0;              // share of the range that is aimed at while lamps burn; 1 = the same
+  double lamp_share = 0.003;            // 0..1 of the pixels at least that are lamps where one burns
+  int lamp_memory = 60;                 // [frames] a lamp counts as burning after it was seen
   double min_exposure_us = 300.0;       // [us]
   double max_exposure_us = 20000.0;     // [us] longer ones blur: 10 mm at 0.5 m/s
   double max_gain = 8.0;                // 1 = none
@@ -37,9 +40,12 @@ struct CeilingBrightness {
 /// 60 % is overexposed, not full of lamps.
 CeilingBrightness measure_brightness(const GreyView& image, double lamp_grey);
 
-/// Holds the mean of the pixels that are not lamps in a range by exposure first and gain then. Dead band, patience and
-/// a limited step keep it calm; while the robot turns nothing changes, so that a turn does not look like a change of
-/// light, unless the picture is so dark or bright that nothing can be seen in it.
+/// Holds the mean of the pixels that are not lamps in a range by exposure first and gain then. While lamps burn the
+/// range may be lower (`lit_target`): what shows the ceiling well drowns lamps and what they light in one white region.
+/// Of nine rooms in high dynamic range (89 lamps) the modern detector finds 78 % with precision .79 at a mean of 100
+/// grey levels, 94 % with 1.00 at 40, 96 % with .99 at 25, 99 % with .99 at 15. Dead band, patience
+/// and a limited step keep it calm; while the robot turns nothing changes, so that a turn does not look like a change
+/// of light, unless the picture is so dark or bright that nothing can be seen in it.
 class ExposureControl {
  public:
   /// Throws std::invalid_argument for parameters that contradict each other.
@@ -56,11 +62,14 @@ class ExposureControl {
 
  private:
   [[nodiscard]] ExposureSetting split(double product) const;
-  void complain(double mean);
+  /// What the range is multiplied with now.
+  [[nodiscard]] double aim();
+  void complain(double mean, double aim);
 
   ExposureParams params_;
   ExposureSetting setting_;
   CeilingBrightness brightness_;
+  int lamp_seen_ = 0;     // [frames] for which a lamp still counts as burning
   int out_of_range_ = 0;  // [frames] in a row
   int waiting_ = 0;       // [frames] since the last change of the setting
   bool settled_ = true;   // the last setting was seen in effect, or waited for long enough

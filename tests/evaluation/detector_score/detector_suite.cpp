@@ -25,7 +25,7 @@ DetectorCondition condition_of(const std::string& name, const score::DetectorSco
   return {name,
           score.frames,
           score.precision(),
-          score.recall(),
+          score.visible == 0 ? 1.0 : score.recall(),
           score.frames == 0 ? 0.0 : 100.0 * score.wrong / score.frames,
           score.centre_rms_px(),
           score.heading_rms_deg(),

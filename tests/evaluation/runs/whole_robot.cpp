@@ -114,6 +114,9 @@ struct WholeRobot::Parts {
       }
       camera.reset();
       CameraConfig config = read_camera_config(scenario.robot_file);
+      if (!options.mode.empty()) {
+        config.exposure.lit_target = options.mode == "paper" ? 1.0 : ExposureParams{}.lit_target;
+      }
       config.encoding = options.jpeg ? ImageEncoding::kJpeg : ImageEncoding::kMono8;
       camera = std::make_unique<CameraNode>(lcm, config, clock, *ceiling);
     } else if (process == "detector") {

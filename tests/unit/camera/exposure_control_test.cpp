@@ -111,9 +111,47 @@ TEST(ExposureControl, TakesGainOnlyWhenTheExposureIsAtItsLongest) {
   EXPECT_GT(control.setting().gain, 3.9);  // 80 grey levels at 20 ms need a gain of 4
 }
 
-TEST(ExposureControl, DoesNotReactToALampThatEntersTheView) {
+TEST(ExposureControl, AimsLowerWhileALampIsInViewAndForAWhileAfter) {
   LinearCamera camera(12.5);
-  ExposureControl control({});
+  ExposureParams params;
+  params.lit_target = 0.25;
+  ExposureControl control(params);
+  for (int i = 0; i < 60; ++i) {
+    camera.expose(control, 0.0, 0.02);
+  }
+  EXPECT_GE(camera.grey(), 20.0);
+  EXPECT_LE(camera.grey(), 30.0);
+  const ExposureSetting low = control.setting();
+  for (int i = 0; i < params.lamp_memory - 1; ++i) {
+    camera.expose(control);
+    EXPECT_EQ(control.setting(), low);
+  }
+  for (int i = 0; i < 60; ++i) {
+    camera.expose(control);
+  }
+  EXPECT_GE(camera.grey(), 80.0);
+  EXPECT_LE(camera.grey(), 120.0);
+}
+
+TEST(ExposureControl, APictureThatIsMostlyWhiteIsNoReasonToAimLower) {
+  LinearCamera camera(60.0);
+  ExposureParams params;
+  params.lit_target = 0.25;
+  ExposureControl control(params);
+  for (int i = 0; i < 100; ++i) {
+    camera.expose(control);  // white at first
+  }
+  for (int i = 0; i < params.lamp_memory; ++i) {
+    camera.expose(control);
+  }
+  EXPECT_GE(camera.grey(), 80.0);
+}
+
+TEST(ExposureControl, WithOneAimForAllALampThatEntersTheViewChangesNothing) {
+  LinearCamera camera(12.5);
+  ExposureParams params;
+  params.lit_target = 1.0;
+  ExposureControl control(params);
   for (int i = 0; i < 60; ++i) {
     camera.expose(control, 0.0, i < 20 ? 0.0 : 0.4);
     EXPECT_EQ(control.setting(), (ExposureSetting{8000.0, 1.0}));
