@@ -1,5 +1,7 @@
 #include "services/planner/space/tile_map.hpp"
 
+#include <utility>
+
 #include "services/common/process/lcm_conversions.hpp"
 
 namespace luminav {
@@ -13,6 +15,9 @@ TileMap::Result TileMap::add(const grid_tile_t& tile) {
     // tiles of a session that has ended may still be on their way
     if (tile.map_session < session_ && session_ - tile.map_session < 60'000'000) {
       return Result::kRefused;
+    }
+    if (is_complete()) {
+      before_ = std::move(grid_);
     }
     grid_ = OccupancyGrid(geometry);
     revisions_.assign(static_cast<std::size_t>(grid_.tile_columns()) * static_cast<std::size_t>(grid_.tile_rows()), -1);
@@ -30,6 +35,9 @@ TileMap::Result TileMap::add(const grid_tile_t& tile) {
   }
   received_ += revision < 0 ? 1 : 0;
   revision = tile.revision;
+  if (is_complete()) {
+    before_.reset();
+  }
   return Result::kChanged;
 }
 

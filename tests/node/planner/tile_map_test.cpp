@@ -1,0 +1,48 @@
+#include "services/planner/space/tile_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "services/common/process/lcm_conversions.hpp"
+
+namespace luminav {
+namespace {
+
+const GridGeometry kTwoTiles{0.1, {0.0, 0.0}, 100, 50};
+
+grid_tile_t tile_of(std::int64_t session, int column, Prior all) {
+  OccupancyGrid grid(kTwoTiles);
+  std::fill(grid.prior.begin(), grid.prior.end(), all);
+  grid_tile_t tile = encode_tile(grid, column, 0);
+  tile.map_session = session;
+  tile.revision = 1;
+  return tile;
+}
+
+TEST(TileMap, ShowsTheTilesOfTheFirstSessionAsTheyCome) {
+  TileMap map;
+  EXPECT_EQ(map.add(tile_of(1, 0, Prior::kFree)), TileMap::Result::kChanged);
+  EXPECT_FALSE(map.is_complete());
+  EXPECT_EQ(map.grid().prior.front(), Prior::kFree);
+  EXPECT_EQ(map.grid().prior.back(), Prior::kUnknown);
+}
+
+TEST(TileMap, KeepsTheWholeMapUntilThatOfANewSessionIsWhole) {
+  TileMap map;
+  map.add(tile_of(1, 0, Prior::kFree));
+  map.add(tile_of(1, 1, Prior::kFree));
+  ASSERT_TRUE(map.is_complete());
+  map.add(tile_of(2, 0, Prior::kOccupied));  // the other one is lost on its way
+  EXPECT_FALSE(map.is_complete());
+  EXPECT_EQ(map.grid().prior.front(), Prior::kFree);
+  EXPECT_EQ(map.grid().prior.back(), Prior::kFree) << "a goal there is reachable as before";
+  map.add(tile_of(3, 0, Prior::kOccupied));  // once more a new mapper
+  EXPECT_EQ(map.grid().prior.back(), Prior::kFree);
+  map.add(tile_of(3, 1, Prior::kOccupied));
+  EXPECT_TRUE(map.is_complete());
+  EXPECT_EQ(map.grid().prior.front(), Prior::kOccupied);
+}
+
+}  // namespace
+}  // namespace luminav
