@@ -48,15 +48,15 @@ void ParticleFilter::scatter() {
   for (std::size_t i = 0; i < count_; ++i) {
     draw(i);
   }
-  is_fresh_ = true;
+  fresh_from_ = 0;
 }
 
 void ParticleFilter::redraw_share(const std::vector<FixtureSighting>& sightings) {
   const auto count = static_cast<std::size_t>(params_.facing_share * static_cast<double>(count_));
-  for (std::size_t i = count_ - count; i < count_; ++i) {
+  for (std::size_t i = std::max(fresh_from_, count_ - count); i < count_; ++i) {
     draw_facing(i, sightings);
   }
-  is_fresh_ = false;
+  fresh_from_ = count_;
 }
 
 void ParticleFilter::gather(const PoseBelief& belief, double share) {
@@ -68,6 +68,7 @@ void ParticleFilter::gather(const PoseBelief& belief, double share) {
     y_[i] = static_cast<float>(belief.pose.y + offset.y());
     theta_[i] = static_cast<float>(wrap_angle(belief.pose.theta + offset.z()));
   }
+  fresh_from_ = std::max(fresh_from_, count);
 }
 
 }  // namespace luminav

@@ -261,9 +261,7 @@ void ParticleFilter::update(const std::vector<FixtureSighting>& sightings) {
   if (sightings.empty()) {
     return;
   }
-  if (is_fresh_) {
-    redraw_share(sightings);
-  }
+  redraw_share(sightings);
   scored_.clear();
   for (std::size_t i = 0; i < std::min(kMaxSightings, sightings.size()); ++i) {
     scored_.push_back(prepare(sightings[i]));

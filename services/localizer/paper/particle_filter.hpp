@@ -105,7 +105,7 @@ class ParticleFilter {
   Eigen::Vector2d min_;  // [m] corners of where fixtures are, for buildings without a map
   Eigen::Vector2d max_;
   std::size_t count_ = 0;
-  bool is_fresh_ = true;  // nothing was seen since all were drawn
+  std::size_t fresh_from_ = 0;  // nothing was seen since particles from here on were drawn; count_: none
   std::vector<float> x_, y_, theta_, weight_;
   std::vector<float> spare_x_, spare_y_, spare_theta_;  // systematic resampling writes here
   std::vector<std::uint32_t> order_;                    // churn

@@ -171,7 +171,6 @@ ParticleParams systematic(int count) {
   params.scoring = ParticleScoring::kGaussian;
   params.resampling = ParticleResampling::kSystematic;
   params.random_share = 0.0;
-  params.facing_share = 0.0;
   return params;
 }
 
@@ -186,7 +185,9 @@ TEST_F(ParticleFilterTest, GaussianScoringIsTheProductOverTheSightings) {
 
 TEST_F(ParticleFilterTest, ScoresTheSameOneByOneAndInWideBlocks) {
   // particles all over the floor are compared with the fixtures one by one, those close together with few candidates
-  ParticleFilter wide(map_, walls_, systematic(300), 5);
+  ParticleParams everywhere = systematic(300);
+  everywhere.facing_share = 0.0;
+  ParticleFilter wide(map_, walls_, everywhere, 5);
   const std::vector<FixtureSighting> sightings = {sighting_at(0.4, -0.3, 0.2), sighting_at(-0.9, 0.6, 1.0)};
   double sum = 0.0;
   double mean_x = 0.0;
