@@ -9,66 +9,66 @@ namespace luminav {
 namespace {
 
 void read_wheels(const TomlTable& table, WheelCorrection& wheels) {
-  wheels.scale = table.number("scale", wheels.scale, {-0.2, 0.2});
-  wheels.ratio = table.number("ratio", wheels.ratio, {-0.2, 0.2});
-  wheels.base = table.number("base", wheels.base, {-0.2, 0.2});
+  table.read("scale", wheels.scale, {-0.2, 0.2});
+  table.read("ratio", wheels.ratio, {-0.2, 0.2});
+  table.read("base", wheels.base, {-0.2, 0.2});
   table.reject_unknown();
 }
 
 void read_errors(const TomlTable& table, ErrorParams& errors) {
-  errors.odometry_position = table.number("odometry_position", errors.odometry_position, {1e-4, 1.0});
-  errors.odometry_heading = table.number("odometry_heading", errors.odometry_heading, {1e-5, 1.0});
-  errors.wheel_scale = table.number("wheel_scale", errors.wheel_scale, {1e-6, 0.2});
-  errors.wheel_ratio = table.number("wheel_ratio", errors.wheel_ratio, {1e-6, 0.2});
-  errors.wheel_base = table.number("wheel_base", errors.wheel_base, {1e-6, 0.2});
-  errors.camera_tilt = table.number("camera_tilt", errors.camera_tilt, {1e-6, 0.2});
-  errors.camera_yaw = table.number("camera_yaw", errors.camera_yaw, {1e-6, 0.2});
-  errors.camera_scale = table.number("camera_scale", errors.camera_scale, {1e-6, 0.2});
-  errors.camera_time_offset = table.number("camera_time_offset", errors.camera_time_offset, {1e-6, 0.5});
-  errors.lens_residual = table.number("lens_residual", errors.lens_residual, {0.0, 0.5});
-  errors.fixture_position = table.number("fixture_position", errors.fixture_position, {1e-4, 0.5});
-  errors.fixture_heading = table.number("fixture_heading", errors.fixture_heading, {1e-5, 0.5});
-  errors.floor_tilt = table.number("floor_tilt", errors.floor_tilt, {0.0, 0.1});
-  errors.sighting_position = table.number("sighting_position", errors.sighting_position, {1e-5, 0.5});
-  errors.sighting_heading = table.number("sighting_heading", errors.sighting_heading, {1e-6, 0.5});
+  table.read("odometry_position", errors.odometry_position, {1e-4, 1.0});
+  table.read("odometry_heading", errors.odometry_heading, {1e-5, 1.0});
+  table.read("wheel_scale", errors.wheel_scale, {1e-6, 0.2});
+  table.read("wheel_ratio", errors.wheel_ratio, {1e-6, 0.2});
+  table.read("wheel_base", errors.wheel_base, {1e-6, 0.2});
+  table.read("camera_tilt", errors.camera_tilt, {1e-6, 0.2});
+  table.read("camera_yaw", errors.camera_yaw, {1e-6, 0.2});
+  table.read("camera_scale", errors.camera_scale, {1e-6, 0.2});
+  table.read("camera_time_offset", errors.camera_time_offset, {1e-6, 0.5});
+  table.read("lens_residual", errors.lens_residual, {0.0, 0.5});
+  table.read("fixture_position", errors.fixture_position, {1e-4, 0.5});
+  table.read("fixture_heading", errors.fixture_heading, {1e-5, 0.5});
+  table.read("floor_tilt", errors.floor_tilt, {0.0, 0.1});
+  table.read("sighting_position", errors.sighting_position, {1e-5, 0.5});
+  table.read("sighting_heading", errors.sighting_heading, {1e-6, 0.5});
   table.reject_unknown();
 }
 
 void read_hypotheses(const TomlTable& table, HypothesisParams& params) {
-  params.gate = table.number("gate", params.gate, {1.0, 1000.0});
-  params.misfit = table.number("misfit", params.misfit, {-50.0, -0.1});
-  params.miss_probability = table.number("miss_probability", params.miss_probability, {0.001, 0.999});
-  params.miss_margin = table.number("miss_margin", params.miss_margin, {0.0, 2.0});
-  params.sonar_weight = table.number("sonar_weight", params.sonar_weight, {0.0, 1000.0});
-  params.sonar_surface = table.number("sonar_surface", params.sonar_surface, {0.05, 10.0});
-  params.sonar_looks = table.count("sonar_looks", params.sonar_looks, {1, 1000});
-  params.sonar_cap = table.number("sonar_cap", params.sonar_cap, {0.0, 1000.0});
-  params.prune = table.number("prune", params.prune, {1.0, 1000.0});
-  params.max = table.count("max", params.max, {1, 1e6});
+  table.read("gate", params.gate, {1.0, 1000.0});
+  table.read("misfit", params.misfit, {-50.0, -0.1});
+  table.read("miss_probability", params.miss_probability, {0.001, 0.999});
+  table.read("miss_margin", params.miss_margin, {0.0, 2.0});
+  table.read("sonar_weight", params.sonar_weight, {0.0, 1000.0});
+  table.read("sonar_surface", params.sonar_surface, {0.05, 10.0});
+  table.read("sonar_looks", params.sonar_looks, {1, 1000});
+  table.read("sonar_cap", params.sonar_cap, {0.0, 1000.0});
+  table.read("prune", params.prune, {1.0, 1000.0});
+  table.read("max", params.max, {1, 1e6});
   table.reject_unknown();
 }
 
 void read_rules(const TomlTable& table, TrackingRules& rules) {
-  rules.first_margin = table.number("first_margin", rules.first_margin, {0.0, 100.0});
-  rules.enter_margin = table.number("enter_margin", rules.enter_margin, {0.0, 100.0});
-  rules.min_without_sonar = table.number("min_without_sonar", rules.min_without_sonar, {-100.0, 100.0});
-  rules.leave_margin = table.number("leave_margin", rules.leave_margin, {0.0, 100.0});
-  rules.enter_fixtures = table.count("enter_fixtures", rules.enter_fixtures, {1, 16});
-  rules.enter_position_sigma = table.number("enter_position_sigma", rules.enter_position_sigma, {0.01, 5.0});
-  rules.leave_position_sigma = table.number("leave_position_sigma", rules.leave_position_sigma, {0.01, 5.0});
-  rules.leave_heading_sigma = table.number("leave_heading_sigma", rules.leave_heading_sigma, {0.01, 3.0});
-  rules.misfit_frames = table.count("misfit_frames", rules.misfit_frames, {1, 1000});
-  rules.newcomer_frames = table.count("newcomer_frames", rules.newcomer_frames, {1, 1000});
-  rules.vanish_frames = table.count("vanish_frames", rules.vanish_frames, {1, 1000});
-  rules.still_distance = table.number("still_distance", rules.still_distance, {0.0, 1.0});
-  rules.still_turn = table.number("still_turn", rules.still_turn, {0.0, 1.0});
-  rules.pause_frames = table.count("pause_frames", rules.pause_frames, {1, 1000});
-  rules.displacement_time = table.number("displacement_time", rules.displacement_time, {0.1, 10.0});
-  rules.displacement = table.number("displacement", rules.displacement, {0.0, 10.0});
-  rules.displacement_frames = table.count("displacement_frames", rules.displacement_frames, {1, 1000});
-  rules.miss_frames = table.count("miss_frames", rules.miss_frames, {1, 1000});
-  rules.miss_fixtures = table.count("miss_fixtures", rules.miss_fixtures, {1, 100});
-  rules.miss_distance = table.number("miss_distance", rules.miss_distance, {0.0, 100.0});
+  table.read("first_margin", rules.first_margin, {0.0, 100.0});
+  table.read("enter_margin", rules.enter_margin, {0.0, 100.0});
+  table.read("min_without_sonar", rules.min_without_sonar, {-100.0, 100.0});
+  table.read("leave_margin", rules.leave_margin, {0.0, 100.0});
+  table.read("enter_fixtures", rules.enter_fixtures, {1, 16});
+  table.read("enter_position_sigma", rules.enter_position_sigma, {0.01, 5.0});
+  table.read("leave_position_sigma", rules.leave_position_sigma, {0.01, 5.0});
+  table.read("leave_heading_sigma", rules.leave_heading_sigma, {0.01, 3.0});
+  table.read("misfit_frames", rules.misfit_frames, {1, 1000});
+  table.read("newcomer_frames", rules.newcomer_frames, {1, 1000});
+  table.read("vanish_frames", rules.vanish_frames, {1, 1000});
+  table.read("still_distance", rules.still_distance, {0.0, 1.0});
+  table.read("still_turn", rules.still_turn, {0.0, 1.0});
+  table.read("pause_frames", rules.pause_frames, {1, 1000});
+  table.read("displacement_time", rules.displacement_time, {0.1, 10.0});
+  table.read("displacement", rules.displacement, {0.0, 10.0});
+  table.read("displacement_frames", rules.displacement_frames, {1, 1000});
+  table.read("miss_frames", rules.miss_frames, {1, 1000});
+  table.read("miss_fixtures", rules.miss_fixtures, {1, 100});
+  table.read("miss_distance", rules.miss_distance, {0.0, 100.0});
   table.reject_unknown();
 }
 

@@ -21,37 +21,37 @@ void read_sonar_model(const TomlTable& table, const RobotDescription& robot, Son
   sonar.half_angle = ring.half_angle;
   sonar.minimum_range = ring.minimum_range;
   sonar.maximum_range = ring.maximum_range;
-  sonar.free_log_odds = table.number("free_log_odds", sonar.free_log_odds, {0.0, 3.0});
-  sonar.core_log_odds = table.number("core_log_odds", sonar.core_log_odds, {0.0, 3.0});
-  sonar.core_range = table.number("core_range", sonar.core_range, {0.0, 20.0});
-  sonar.occupied_log_odds = table.number("occupied_log_odds", sonar.occupied_log_odds, {0.05, 5.0});
-  sonar.edge_weight = table.number("edge_weight", sonar.edge_weight, kFraction);
-  sonar.occupied_range = table.number("occupied_range", sonar.occupied_range, {0.1, 20.0});
-  sonar.free_range = table.number("free_range", sonar.free_range, {0.1, 20.0});
-  sonar.no_echo_share = table.number("no_echo_share", sonar.no_echo_share, kFraction);
-  sonar.no_echo_range = table.number("no_echo_range", sonar.no_echo_range, {0.0, 20.0});
-  sonar.free_margin = table.number("free_margin", sonar.free_margin, {0.0, 1.0});
-  sonar.min_log_odds = table.number("min_log_odds", sonar.min_log_odds, {-6.0, -0.1});
-  sonar.max_log_odds = table.number("max_log_odds", sonar.max_log_odds, {0.1, 6.0});
+  table.read("free_log_odds", sonar.free_log_odds, {0.0, 3.0});
+  table.read("core_log_odds", sonar.core_log_odds, {0.0, 3.0});
+  table.read("core_range", sonar.core_range, {0.0, 20.0});
+  table.read("occupied_log_odds", sonar.occupied_log_odds, {0.05, 5.0});
+  table.read("edge_weight", sonar.edge_weight, kFraction);
+  table.read("occupied_range", sonar.occupied_range, {0.1, 20.0});
+  table.read("free_range", sonar.free_range, {0.1, 20.0});
+  table.read("no_echo_share", sonar.no_echo_share, kFraction);
+  table.read("no_echo_range", sonar.no_echo_range, {0.0, 20.0});
+  table.read("free_margin", sonar.free_margin, {0.0, 1.0});
+  table.read("min_log_odds", sonar.min_log_odds, {-6.0, -0.1});
+  table.read("max_log_odds", sonar.max_log_odds, {0.1, 6.0});
 }
 
 void read_grid_mapper(const TomlTable& table, GridMapperParams& grid) {
-  grid.filter.memory = table.number("echo_memory", grid.filter.memory, {0.05, 10.0});
-  grid.filter.distance = table.number("echo_distance", grid.filter.distance, {0.01, 2.0});
-  grid.occupied_log_odds = table.number("occupied_threshold", grid.occupied_log_odds, {0.05, grid.passing_log_odds});
-  grid.prior_tolerance = table.number("prior_tolerance", grid.prior_tolerance, {0.0, 1.0});
-  grid.explained_share = table.number("explained_share", grid.explained_share, kFraction);
-  grid.mirror_range = table.number("mirror_range", grid.mirror_range, {0.0, 20.0});
-  grid.mirror_share = table.number("mirror_share", grid.mirror_share, kFraction);
-  grid.surface_cells = table.number("surface_cells", grid.surface_cells, {0.0, 100.0});
-  grid.arc_sharpness = table.number("arc_sharpness", grid.arc_sharpness, {0.0, 10.0});
-  grid.known_log_odds = table.number("known_log_odds", grid.known_log_odds, {-1.0, 10.0});
-  grid.narrow_range = table.number("narrow_range", grid.narrow_range, {0.0, 20.0});
-  grid.wall_thickness = table.number("wall_thickness", grid.wall_thickness, {0.0, 1.0});
-  grid.view_distance = table.number("view_distance", grid.view_distance, {0.0, 10.0});
-  grid.standing_time = table.number("standing_time", grid.standing_time, {0.0, 60.0});
-  grid.decay_time = table.number("decay_time", grid.decay_time, {0.0, 1e6});
-  grid.dispute_range = table.number("dispute_range", grid.dispute_range, {0.0, 20.0});
+  table.read("echo_memory", grid.filter.memory, {0.05, 10.0});
+  table.read("echo_distance", grid.filter.distance, {0.01, 2.0});
+  table.read("occupied_threshold", grid.occupied_log_odds, {0.05, grid.passing_log_odds});
+  table.read("prior_tolerance", grid.prior_tolerance, {0.0, 1.0});
+  table.read("explained_share", grid.explained_share, kFraction);
+  table.read("mirror_range", grid.mirror_range, {0.0, 20.0});
+  table.read("mirror_share", grid.mirror_share, kFraction);
+  table.read("surface_cells", grid.surface_cells, {0.0, 100.0});
+  table.read("arc_sharpness", grid.arc_sharpness, {0.0, 10.0});
+  table.read("known_log_odds", grid.known_log_odds, {-1.0, 10.0});
+  table.read("narrow_range", grid.narrow_range, {0.0, 20.0});
+  table.read("wall_thickness", grid.wall_thickness, {0.0, 1.0});
+  table.read("view_distance", grid.view_distance, {0.0, 10.0});
+  table.read("standing_time", grid.standing_time, {0.0, 60.0});
+  table.read("decay_time", grid.decay_time, {0.0, 1e6});
+  table.read("dispute_range", grid.dispute_range, {0.0, 20.0});
 }
 
 }  // namespace
@@ -93,13 +93,13 @@ MapperConfig read_mapper_config(const std::filesystem::path& robot_file, const s
   read_sonar_model(table, config.robot, config.grid.sonar);
   read_grid_mapper(table, config.grid);
   config.grid.robot_radius = config.robot.inscribed_radius();
-  config.tiles.changed_period = table.number("changed_period", config.tiles.changed_period, {0.0, 10.0});
-  config.tiles.round_period = table.number("round_period", config.tiles.round_period, {0.5, 10.0});
-  config.resolution = table.number("resolution", config.resolution, {0.02, 1.0});
-  config.position_limit = table.number("position_limit", config.position_limit, kPositive);
-  config.heading_limit = table.number("heading_limit", config.heading_limit, kPositive);
-  config.turn_limit = table.number("turn_limit", config.turn_limit, kPositive);
-  config.keep_period = table.number("keep_period", config.keep_period, {1.0, 1e6});
+  table.read("changed_period", config.tiles.changed_period, {0.0, 10.0});
+  table.read("round_period", config.tiles.round_period, {0.5, 10.0});
+  table.read("resolution", config.resolution, {0.02, 1.0});
+  table.read("position_limit", config.position_limit, kPositive);
+  table.read("heading_limit", config.heading_limit, kPositive);
+  table.read("turn_limit", config.turn_limit, kPositive);
+  table.read("keep_period", config.keep_period, {1.0, 1e6});
   const bool use_map = table.boolean("use_building_map", true);
   table.reject_unknown();
 

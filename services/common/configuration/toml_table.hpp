@@ -53,6 +53,11 @@ class TomlTable {
   /// A path relative to the file's folder, made absolute; "" when absent.
   [[nodiscard]] std::string path(std::string_view key) const;
 
+  /// Reads an optional number, count or switch into a field, which keeps its value when the key is absent.
+  void read(std::string_view key, double& field, Range range = kAnyNumber) const { field = number(key, field, range); }
+  void read(std::string_view key, int& field, Range range) const { field = count(key, field, range); }
+  void read(std::string_view key, bool& field) const { field = boolean(key, field); }
+
   /// The table under a key; an empty one when it is absent.
   [[nodiscard]] TomlTable table(std::string_view key) const;
   /// The array of tables under a key; empty when absent.

@@ -39,6 +39,28 @@ TEST(TomlTable, ReadsWhatIsThereAndFallsBackWhereItIsNot) {
   EXPECT_NO_THROW(table.reject_unknown());
 }
 
+TEST(TomlTable, ReadsIntoAFieldThatKeepsItsValueWhereTheKeyIsAbsent) {
+  const TemporaryFolder folder;
+  const TomlTable table = TomlTable::load(folder.write("r.toml", "speed = 2\ncount = 3\non = true\nfar = 9.0\n"));
+  struct {
+    double speed = 1.0;
+    double other = 7.0;
+    double far = 0.5;
+    int count = 1;
+    bool on = false;
+  } fields;
+  table.read("speed", fields.speed, {0.0, 5.0});
+  table.read("other", fields.other, {0.0, 5.0});
+  table.read("count", fields.count, {1, 10});
+  table.read("on", fields.on);
+  EXPECT_EQ(fields.speed, 2.0);
+  EXPECT_EQ(fields.other, 7.0);
+  EXPECT_EQ(fields.count, 3);
+  EXPECT_TRUE(fields.on);
+  EXPECT_TRUE(has(error_of([&] { table.read("far", fields.far, {0.0, 5.0}); }), "far = 9, must be between 0 and 5"));
+  EXPECT_EQ(fields.far, 0.5);
+}
+
 TEST(TomlTable, NamesFileLineKeyAndWhatIsAllowed) {
   const TemporaryFolder folder;
   const auto file =
