@@ -6,7 +6,7 @@
 
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/planner/goals/goal_cycle.hpp"
+#include "services/planner/execution/goal_executor.hpp"
 #include "services/planner/path/route_planner.hpp"
 
 namespace luminav {
@@ -15,7 +15,7 @@ namespace luminav {
 struct PlannerConfig {
   RobotDescription robot;
   RoutePlannerParams route;
-  GoalCycleParams cycle;
+  GoalParams goals;
   std::vector<Door> doors;             ///< for sentences: a blocked door is called one
   std::string building;                ///< its name; "" = not told, then any place is taken as it comes
   std::vector<Place> places;           ///< of the building: a goal that names another one is for another building

@@ -8,14 +8,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/common/geometry/seconds.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 
 namespace luminav {
 namespace {
 
-constexpr double kPoseAge = 1.0;     // [s] an older pose is none
-constexpr double kControlAge = 2.0;  // [s] a controller silent for longer is none
+constexpr double kPoseAge = 1.0;     // [s] an older pose does not count
+constexpr double kControlAge = 2.0;  // [s] a controller silent for longer does not count
 constexpr std::int64_t kActivePeriod =
     95'000;  // [us] NAVIGATION_STATUS at 10 Hz with a goal; below the 100 ms of ODOMETRY
 constexpr std::int64_t kIdlePeriod = 950'000;       // [us] and at 1 Hz without
@@ -44,7 +45,7 @@ GoalRequest request_from(const goal_t& message) {
 PlannerNode::PlannerNode(lcm::LCM& lcm, const PlannerConfig& config, std::optional<CommandKey> key)
     : lcm_(lcm),
       config_(config),
-      cycle_(config.cycle, config.route, config.doors),
+      executor_(config.goals, config.route, config.doors),
       store_(config.state_folder),
       accepted_{},
       subscriber_(lcm, key) {
@@ -123,7 +124,7 @@ void PlannerNode::on_goal(const goal_t& goal) {
     return;
   }
   act_on(goal, now_);
-  cycle_.update(situation(now_));  // a robot that knows where it is does not search first
+  executor_.update(situation(now_));  // a robot that knows where it is does not search first
   publish_path(now_);
   publish_status(now_);
 }
@@ -138,21 +139,21 @@ void PlannerNode::act_on(const goal_t& goal, std::int64_t now) {
       const std::string objection = objection_to(goal);
       if (!objection.empty()) {
         subscriber_.drop("GOAL: " + objection);
-        cycle_.refuse(goal.id, objection, now);
+        executor_.refuse(goal.id, objection, now);
         break;
       }
       accepted_ = goal;
-      cycle_.start(request_from(goal), now);
+      executor_.start(request_from(goal), now);
       break;
     }
     case goal_t::ACTION_CANCEL:
-      cycle_.cancel(goal.id, now);
+      executor_.cancel(goal.id, now);
       break;
     case goal_t::ACTION_PAUSE:
-      cycle_.pause(goal.id, now);
+      executor_.pause(goal.id, now);
       break;
     case goal_t::ACTION_RESUME:
-      cycle_.resume(goal.id, now);
+      executor_.resume(goal.id, now);
       break;
     default:
       subscriber_.drop(fmt::format("GOAL with unknown action {}", static_cast<int>(goal.action)));
@@ -161,22 +162,22 @@ void PlannerNode::act_on(const goal_t& goal, std::int64_t now) {
 }
 
 void PlannerNode::keep(bool asks) {
-  StoredGoal stored{accepted_, cycle_.stop_index(), asks, {config_.boot, config_.building, now_}};
+  StoredGoal stored{accepted_, executor_.stop_index(), asks, {config_.boot, config_.building, now_}};
   store_.keep(stored);
   kept_ = std::move(stored);
 }
 
 void PlannerNode::keep_goal() {
   try {
-    if (!cycle_.is_active()) {
+    if (!executor_.is_active()) {
       if (kept_) {
         store_.forget();
         kept_.reset();
       }
-    } else if (!kept_ || kept_->goal.id != accepted_.id || kept_->pose_index != cycle_.stop_index() ||
-               kept_->asks != cycle_.is_paused() || now_ - kept_->kept.utime > kKeepPeriod ||
+    } else if (!kept_ || kept_->goal.id != accepted_.id || kept_->pose_index != executor_.stop_index() ||
+               kept_->asks != executor_.is_paused() || now_ - kept_->kept.utime > kKeepPeriod ||
                now_ < kept_->kept.utime) {
-      keep(cycle_.is_paused());
+      keep(executor_.is_paused());
     }
     store_error_.clear();
   } catch (const std::exception& error) {
@@ -186,7 +187,7 @@ void PlannerNode::keep_goal() {
 
 void PlannerNode::end() {
   try {
-    if (cycle_.is_active()) {
+    if (executor_.is_active()) {
       keep(true);
     }
   } catch (const std::exception& error) {
@@ -197,19 +198,19 @@ void PlannerNode::end() {
 void PlannerNode::resume_stored_goal(std::int64_t now) {
   stored_goal_checked_ = true;
   const std::optional<StoredGoal> stored = store_.recall();
-  if (!stored || cycle_.is_active() || !objection_to(stored->goal).empty()) {
+  if (!stored || executor_.is_active() || !objection_to(stored->goal).empty()) {
     return;
   }
   accepted_ = stored->goal;
   done_ids_.push_back(accepted_.id);
   const std::string objection = objection_to_resuming(*stored, {config_.boot, config_.building, now});
   if (objection.empty()) {
-    cycle_.resume_at(request_from(accepted_), stored->pose_index, now);
+    executor_.resume_at(request_from(accepted_), stored->pose_index, now);
   } else if (stored->kept.building != config_.building) {
     kept_ = stored;  // its coordinates mean nothing here
-    cycle_.refuse(accepted_.id, "a kept goal is dropped: " + objection, now);
+    executor_.refuse(accepted_.id, "a kept goal is dropped: " + objection, now);
   } else {
-    cycle_.show_paused(request_from(accepted_), stored->pose_index, objection, now);
+    executor_.show_paused(request_from(accepted_), stored->pose_index, objection, now);
   }
 }
 
@@ -221,7 +222,7 @@ void PlannerNode::on_grid_tile(const grid_tile_t& tile) {
       subscriber_.drop("GRID_TILE that does not fit");
       break;
     case TileMap::Result::kChanged:
-      cycle_.map_changed(map_.grid(), map_.received(), map_.tiles());
+      executor_.map_changed(map_.grid(), map_.received(), map_.tiles());
       break;
     case TileMap::Result::kUnchanged:
       break;
@@ -230,7 +231,7 @@ void PlannerNode::on_grid_tile(const grid_tile_t& tile) {
 
 void PlannerNode::on_pose(const pose_t& pose) {
   if (!is_possible(pose) || pose.utime <= 0) {
-    subscriber_.drop("POSE that is none");
+    subscriber_.drop("POSE: impossible");
     return;
   }
   const StampGuard::Verdict verdict = pose_stamps_.check(pose.utime);
@@ -279,7 +280,7 @@ void PlannerNode::on_control_status(const control_status_t& status) {
 Situation PlannerNode::situation(std::int64_t now) const {
   Situation moment;
   moment.now = now;
-  if (!pose_ || static_cast<double>(now - pose_->utime) * 1e-6 > kPoseAge || pose_->utime - now > 1'000'000) {
+  if (!pose_ || seconds_between(pose_->utime, now) > kPoseAge || pose_->utime - now > 1'000'000) {
     moment.localization = "no pose from the localizer for more than a second";
   } else {
     moment.tracking = pose_->state == pose_t::STATE_TRACKING;
@@ -296,7 +297,7 @@ Situation PlannerNode::situation(std::int64_t now) const {
     moment.cannot_move = why == nullptr ? "" : why;
     moment.is_blocked = is_blocked(*robot_);
   }
-  if (control_ && static_cast<double>(now - control_heard_) * 1e-6 <= kControlAge) {
+  if (control_ && seconds_between(control_heard_, now) <= kControlAge) {
     ControlReport report;
     report.at_goal = control_->state == control_status_t::STATE_AT_GOAL;
     report.yielding = control_->state == control_status_t::STATE_YIELDING;
@@ -330,7 +331,7 @@ void PlannerNode::tick(std::int64_t utime) {
     control_heard_ = utime;
   }
   request_tiles(utime);
-  cycle_.update(situation(utime));
+  executor_.update(situation(utime));
   keep_goal();
   publish_path(utime);
   publish_status(utime);
@@ -350,9 +351,9 @@ void PlannerNode::request_tiles(std::int64_t now) {
 }
 
 void PlannerNode::publish_path(std::int64_t now) {
-  const GoalPath& path = cycle_.path();
+  const GoalPath& path = executor_.path();
   const bool is_new = path.sequence != published_sequence_;
-  const bool is_due = cycle_.is_active() && (now < last_path_ || now - last_path_ >= kPathPeriod);
+  const bool is_due = executor_.is_active() && (now < last_path_ || now - last_path_ >= kPathPeriod);
   if (path.sequence == 0 || (!is_new && !is_due)) {
     return;
   }
@@ -376,9 +377,9 @@ void PlannerNode::publish_path(std::int64_t now) {
 }
 
 void PlannerNode::publish_status(std::int64_t now) {
-  const NavigationReport& report = cycle_.report();
+  const NavigationReport& report = executor_.report();
   const bool is_new = report.state != published_state_ || report.goal_id != published_goal_;
-  const std::int64_t period = cycle_.is_active() ? kActivePeriod : kIdlePeriod;
+  const std::int64_t period = executor_.is_active() ? kActivePeriod : kIdlePeriod;
   if (!is_new && now >= last_status_ && now - last_status_ < period) {
     return;
   }
@@ -400,7 +401,7 @@ void PlannerNode::publish_status(std::int64_t now) {
     message.theta = report.target->pose.theta;
   }
   message.distance_left = report.distance_left;
-  message.path_sequence = cycle_.path().sequence;
+  message.path_sequence = executor_.path().sequence;
   message.replans = report.replans;
   lcm_.publish(channels::kNavigationStatus, &message);
 }

@@ -14,7 +14,7 @@
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/stamp_guard.hpp"
 #include "services/common/process/subscriber.hpp"
-#include "services/planner/goals/goal_cycle.hpp"
+#include "services/planner/execution/goal_executor.hpp"
 #include "services/planner/goals/goal_store.hpp"
 #include "services/planner/planner_config.hpp"
 #include "services/planner/space/tile_map.hpp"
@@ -32,7 +32,6 @@ class PlannerNode {
   [[nodiscard]] Health health() const;
   /// What it listens to.
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
-  [[nodiscard]] const GoalCycle& cycle() const { return cycle_; }
 
  private:
   void on_goal(const goal_t& goal);
@@ -56,7 +55,7 @@ class PlannerNode {
 
   lcm::LCM& lcm_;
   PlannerConfig config_;
-  GoalCycle cycle_;
+  GoalExecutor executor_;
   GoalStore store_;
   TileMap map_;
   StampGuard pose_stamps_;

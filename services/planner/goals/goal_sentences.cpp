@@ -43,4 +43,10 @@ std::string missed_sentence(const Pose2& world_from_robot, const GoalStop& stop,
                      stop.has_theta ? fmt::format(", heading {:.0f} degrees off", turn) : "");
 }
 
+std::string what_controller_says(const Situation& situation) {
+  return !situation.control                  ? "the controller is silent"
+         : situation.control->reason.empty() ? "the controller does not say why"
+                                             : situation.control->reason;
+}
+
 }  // namespace luminav

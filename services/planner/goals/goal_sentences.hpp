@@ -17,4 +17,7 @@ std::string no_path_sentence(const Route& route, const GridGeometry& geometry, c
 /// Where the robot came to a stop instead of in the tolerance [m] of the goal.
 std::string missed_sentence(const Pose2& world_from_robot, const GoalStop& stop, double tolerance);
 
+/// Why the robot makes no progress, in the controller's words.
+std::string what_controller_says(const Situation& situation);
+
 }  // namespace luminav

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "services/common/configuration/whole_file.hpp"
+#include "services/common/geometry/seconds.hpp"
 
 namespace luminav {
 namespace {
@@ -36,7 +37,7 @@ std::string objection_to_resuming(const StoredGoal& stored, const GoalCircumstan
   if (stored.kept.boot.empty() || stored.kept.boot != now.boot) {
     return "the machine was started anew since";
   }
-  const double age = 1e-6 * static_cast<double>(now.utime - stored.kept.utime);
+  const double age = seconds_between(stored.kept.utime, now.utime);
   if (age < 0.0 || age > kFresh) {
     return age < 0.0 ? "the robot's clock went back since" : fmt::format("that was {} ago", say_age(age));
   }

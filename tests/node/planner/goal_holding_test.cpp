@@ -131,8 +131,8 @@ TEST(GoalHolding, SaysWhyItWaitsAgainOnceThePoseIsBack) {
 
 TEST(GoalHolding, StandsByABlockageOnTheLongWayRound) {
   PlannerConfig config;
-  config.cycle.detour_ratio = 1.0;
-  config.cycle.detour_length = 0.0;
+  config.goals.detour_ratio = 1.0;
+  config.goals.detour_length = 0.0;
   PlannerWorld world(config);
   world.go(1, 4.5, 3.0);
   ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));

@@ -74,7 +74,7 @@ TEST(PlannerNode, KeepsTheGoalWhileItIsLostOnTheWay) {
 
 TEST(PlannerNode, GivesUpSearchingAfterALongTimeAndSaysSo) {
   PlannerConfig config;
-  config.cycle.lost_timeout = 30.0;
+  config.goals.lost_timeout = 30.0;
   PlannerWorld world(config);
   world.tracking = false;
   world.go(1, 9.0, 4.0);

@@ -67,8 +67,8 @@ TEST(UnknownMap, LooksAtNoObstacleThatIsOnlySuspected) {
 
 TEST(UnknownMap, GivesUpAGoalThatItsOwnMapLeadsItRoundFor) {
   PlannerConfig config = mapping_config();
-  config.cycle.search_ratio = 1.0;
-  config.cycle.search_length = 8.0;
+  config.goals.search_ratio = 1.0;
+  config.goals.search_length = 8.0;
   PlannerWorld world(config);
   world.go(1, 10.0, 3.2);
   const auto carries_on = [&] {
@@ -83,8 +83,8 @@ TEST(UnknownMap, GivesUpAGoalThatItsOwnMapLeadsItRoundFor) {
 
 TEST(UnknownMap, SearchesAnewWhenItTriesAgain) {
   PlannerConfig config = mapping_config();
-  config.cycle.search_ratio = 1.0;
-  config.cycle.search_length = 8.0;
+  config.goals.search_ratio = 1.0;
+  config.goals.search_length = 8.0;
   PlannerWorld world(config);
   goal_t goal = world.goal(1, {{10.0, 3.2}});
   goal.policy = goal_t::POLICY_RETRY;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "services/common/geometry/seconds.hpp"
+
 namespace luminav {
 namespace {
 
@@ -30,6 +32,13 @@ TEST(StampGuard, IsNotFooledBySingleStrays) {
     EXPECT_EQ(guard.check(100'000'000 + i), Verdict::kNewer);
     EXPECT_EQ(guard.check(5'000'000), Verdict::kOld);
   }
+}
+
+TEST(Seconds, ComeFromStampsAndGoBack) {
+  EXPECT_EQ(seconds_of(1'500'000), 1.5);
+  EXPECT_EQ(seconds_between(2'000'000, 1'000'000), -1.0);
+  EXPECT_EQ(microseconds_of(0.25), 250'000);
+  EXPECT_EQ(microseconds_of(1e-7), 0);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "services/planner/goals/waiting_place.hpp"
+#include "services/planner/holding/waiting_place.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "services/planner/goals/blockage.hpp"
+#include "services/planner/holding/blockage.hpp"
 
 #include <gtest/gtest.h>
 
