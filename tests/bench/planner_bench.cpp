@@ -126,29 +126,6 @@ std::uint32_t octile_cost(const std::vector<std::size_t>& path, int columns) {
   return cost;
 }
 
-/// Configuration space, wave over all that can be reached, path from corner to corner; every cell at one price.
-void plan_octile(benchmark::State& state) {
-  const Office& office = office_of(static_cast<int>(state.range(0)));
-  const OccupancyGrid grid = grid_of(office);
-  const std::size_t start = grid.geometry.index(start_of(office));
-  CostField field;
-  const auto plan = [&] {
-    const ConfigurationSpace space(params_of(0.0), grid, {});
-    grow_cost_field(space.terrain(), {{goal_of(office), 0}}, {}, field);
-    return follow_gradient(space.terrain(), field, start);
-  };
-  const std::vector<std::size_t> path = plan();
-  std::int64_t reached = 0;
-  for (std::size_t i = 0; i < field.stored.size(); ++i) {
-    reached += field.is_reached(i) ? 1 : 0;
-  }
-  require(reached == office.reached, "reached cells");
-  require(octile_cost(path, office.side) == office.octile, "cost of the path");
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(plan());
-  }
-}
-
 /// The same by the wave of tiles, whose ways are a little longer than the shortest.
 void plan(benchmark::State& state) {
   const Office& office = office_of(static_cast<int>(state.range(0)));
@@ -241,7 +218,6 @@ void route(benchmark::State& state) {
 BENCHMARK(cspace)->Arg(200)->Arg(1000)->Arg(4000)->Arg(4001);
 BENCHMARK(cspace_opencv)->Arg(200)->Arg(1000)->Arg(4000)->Arg(4001);
 BENCHMARK(plan)->Arg(200)->Arg(1000)->Arg(4000)->Unit(benchmark::kMicrosecond);
-BENCHMARK(plan_octile)->Arg(200)->Arg(1000)->Arg(4000)->Unit(benchmark::kMicrosecond);
 BENCHMARK(plan_clearance)->Arg(200)->Arg(1000)->Arg(4000)->Unit(benchmark::kMicrosecond);
 BENCHMARK(route)->Arg(200)->Arg(1000)->Arg(4000)->Unit(benchmark::kMicrosecond);
 BENCHMARK(replan)->Arg(200)->Arg(1000)->Arg(4000)->Unit(benchmark::kMicrosecond);

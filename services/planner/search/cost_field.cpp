@@ -47,7 +47,7 @@ std::size_t spread_level(const CostTerrain& terrain, std::uint32_t level, Ring& 
       continue;
     }
     // going towards the seed, the robot enters `cell` from its neighbours
-    const std::uint32_t price = terrain.class_price[terrain.classes[cell]];
+    const std::uint32_t price = terrain.price(cell);
     const std::uint32_t along = level + price * kStraight;
     const std::uint32_t across = level + price * kDiagonal;
     Bucket& next_along = ring[along % kBuckets];
@@ -138,10 +138,6 @@ void grow_cost_field(const CostTerrain& terrain, const std::vector<CostSeed>& se
     }
   }
   std::sort(waiting.begin(), waiting.end());
-  if (terrain.classes == nullptr) {
-    grow_even_cost_field(*terrain.passable, terrain.class_price[0], waiting, stop, field);
-    return;
-  }
   const auto ring = std::make_unique<Ring>();
   expand_cost_field(terrain, waiting, waiting.empty() ? 0 : waiting.front().first, 0, stop, *ring, field);
 }

@@ -109,12 +109,8 @@ inline void keep_pending(const Bucket& bucket, CostField& field) {
 /// A seed on a passable cell, by its stored cost, then its index.
 using WaitingSeed = std::pair<std::uint32_t, std::uint32_t>;
 
-/// `grow_cost_field` over cells of one price, each cell entered by one way only; the field is cleared.
-void grow_even_cost_field(const BitGrid& passable, std::uint32_t price, const std::vector<WaitingSeed>& seeds,
-                          const CostStop& stop, CostField& field);
-
 /// Grows a field of one seed anew beyond a level: what is stored up to `kept_to`, the seed at least, stays and must be
-/// right. The terrain has prices by class.
+/// right.
 void regrow_cost_field(const CostTerrain& terrain, std::uint32_t kept_to, const CostStop& stop, CostField& field);
 
 }  // namespace luminav

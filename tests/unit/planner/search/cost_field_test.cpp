@@ -146,51 +146,6 @@ TEST(CostField, StartsFromSeveralSeedsAtTheirCosts) {
 }
 
 // Where all cells cost the same the wave goes by other rules; the costs must be those of the general one.
-TEST(CostField, OfOnePriceCostsWhatTheGeneralWaveSays) {
-  std::mt19937 rng(5);
-  constexpr int kSide = 50;
-  std::uniform_int_distribution<int> inside(1, kSide - 2);
-  std::uniform_int_distribution<std::uint32_t> extra(0, 300);
-  std::size_t reached = 0;
-  for (int world = 0; world < 60; ++world) {
-    // from an open floor with a few posts to a maze of single cells
-    std::uniform_int_distribution<int> percent(0, 99);
-    const int blocked = world % 12 * 5;
-    Plan plan{kSide, std::vector<std::uint8_t>(kSide * kSide, 0)};
-    for (int row = 1; row + 1 < kSide; ++row) {
-      for (int column = 1; column + 1 < kSide; ++column) {
-        plan.prices[plan.at(column, row)] = percent(rng) < blocked ? 0 : 4;
-      }
-    }
-    std::vector<CostSeed> seeds;
-    for (int i = 0; i <= world % 4; ++i) {
-      seeds.push_back({{inside(rng), inside(rng)}, world % 4 == 0 ? 0 : extra(rng)});
-    }
-    const Terrain terrain(plan);
-    const std::uint8_t one_price[] = {4};
-    CostField even;
-    grow_cost_field({&terrain.passable, nullptr, one_price}, seeds, {}, even);
-    const CostField general = field_from(plan, seeds);
-    ASSERT_EQ(costs_of(even), costs_of(general)) << "world " << world;
-    for (std::size_t cell = 0; cell < even.stored.size(); ++cell) {
-      reached += even.is_reached(cell) ? 1 : 0;
-    }
-    // stopped early it is right as far as it says
-    const Cell stop{inside(rng), inside(rng)};
-    const auto index = static_cast<std::int64_t>(plan.at(stop.column, stop.row));
-    grow_cost_field({&terrain.passable, nullptr, one_price}, seeds, {index, 200}, even);
-    EXPECT_EQ(even.cost(static_cast<std::size_t>(index)), general.cost(static_cast<std::size_t>(index)));
-    for (std::size_t cell = 0; cell < even.stored.size(); ++cell) {
-      if (general.cost(cell) != CostField::kUnreached && general.stored[cell] <= even.settled_to) {
-        ASSERT_EQ(even.cost(cell), general.cost(cell)) << "world " << world;
-      } else {
-        ASSERT_FALSE(even.is_reached(cell)) << "world " << world;
-      }
-    }
-  }
-  EXPECT_GT(reached, 30'000U);
-}
-
 TEST(CostField, LeavesOutBlockedSeeds) {
   const Plan plan = plan_of({"####", "#1##", "####"});
   CostField field = field_from(plan, {{{2, 1}, 0}});
