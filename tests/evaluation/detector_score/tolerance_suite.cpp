@@ -114,6 +114,8 @@ void score_world(const DetectorScoreOptions& options, int world_index, std::vect
                                        .mounting = world.robot.camera.mounting,
                                        .grey_noise = world.grey_noise,
                                        .unlit_darker = world.unlit_darker,
+                                       .luminaires = world.luminaires,
+                                       .clutter = {},
                                        .seed = scenario.seed});
   const CeilingCamera camera(world.robot.camera.intrinsics, world.robot.camera.mounting);
   std::deque<Detector> detectors;
