@@ -104,8 +104,9 @@ std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& p
 }
 
 std::string suite_names() {
-  return "quick, laboratory, office, localization, detector, luminaires, mapping, navigation, endurance, missions, "
-         "worlds, scale, paper, tolerance, all";
+  return "quick, laboratory, office, localization, detector, luminaires, tolerance, mapping, navigation, endurance, "
+         "missions, "
+         "worlds, scale, paper, all";
 }
 
 bool has_detector_part(const std::string& suite) {

@@ -124,7 +124,7 @@ TEST(BuildingCheck, NamesThePlacesThatAKeepOutZoneTakesAway) {
   const std::string places =
       "[[place]]\nname = \"landing\"\nx = 9.0\ny = 3.0\n"
       "[[place]]\nname = \"cellar\"\nx = 11.2\ny = 3.0\n"
-      "[[place]]\nname = \"desk\"\nx = 3.0\ny = 2.0\n";
+      "[[place]]\nname = \"desk\"\nx = 16.0\ny = 2.0\n";
   EXPECT_THAT(findings_of(places), Not(Contains(Field(&BuildingFinding::text, HasSubstr("\"landing\"")))));
   const auto findings =
       findings_of(places + "[[zone]]\nname = \"stairs\"\npolygon = [[8, 0], [10, 0], [10, 10], [8, 10]]\n");
