@@ -53,6 +53,7 @@ std::vector<ClutterItem> clutter_in(const CeilingModel& model) {
 
 std::vector<Vector2d> positions(const std::vector<Pose2>& poses) {
   std::vector<Vector2d> points;
+  points.reserve(poses.size());
   for (const Pose2& pose : poses) {
     points.push_back(pose.position());
   }
@@ -61,6 +62,7 @@ std::vector<Vector2d> positions(const std::vector<Pose2>& poses) {
 
 std::vector<Vector2d> positions(const std::vector<ClutterItem>& items) {
   std::vector<Vector2d> points;
+  points.reserve(items.size());
   for (const ClutterItem& item : items) {
     points.push_back(item.world_from_item.position());
   }

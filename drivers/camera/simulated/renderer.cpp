@@ -51,9 +51,10 @@ Interval overlap(const Interval& a, const Interval& b) {
 Interval nearly_linear(const float* values, int count, float middle, float reach) {
   const float first = values[0];
   const float last = values[count - 1];
+  const int middle_of_values = count / 2;
   const float bend =
-      std::abs(values[count / 2] - first -
-               (last - first) * static_cast<float>(count / 2) / static_cast<float>(std::max(1, count - 1)));
+      std::abs(values[middle_of_values] - first -
+               (last - first) * static_cast<float>(middle_of_values) / static_cast<float>(std::max(1, count - 1)));
   const float slope = (last - first) / static_cast<float>(std::max(1, count - 1));
   const float wide = reach + 1.5F * bend + 2.0F * std::abs(slope);
   if (std::abs(slope) < 1e-6F) {
