@@ -360,9 +360,9 @@ class BuildingInspector {
                         place.name, place.pose.x, place.pose.y, zone->name));
       } else if (part == 0) {
         add(FindingKind::kError, source_.place_lines[i],
-            fmt::format(
-                "place \"{}\" at ({:.2f}, {:.2f}): the robot does not fit there, a wall or a keep-out zone is nearer than {:.2f} m",
-                place.name, place.pose.x, place.pose.y, kRobotRadius));
+            fmt::format("place \"{}\" at ({:.2f}, {:.2f}): the robot does not fit there, a wall or a keep-out zone is "
+                        "nearer than {:.2f} m",
+                        place.name, place.pose.x, place.pose.y, kRobotRadius));
       } else if (part != room.largest()) {
         add(FindingKind::kError, source_.place_lines[i],
             fmt::format("place \"{}\" at ({:.2f}, {:.2f}): no way leads there from most of the building", place.name,

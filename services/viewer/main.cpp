@@ -15,8 +15,8 @@
 #include "services/viewer/http/http_rules.hpp"
 #include "services/viewer/http/http_server.hpp"
 #include "services/viewer/http/metrics.hpp"
-#include "services/viewer/process_desk.hpp"
 #include "services/viewer/http/token_file.hpp"
+#include "services/viewer/process_desk.hpp"
 #include "services/viewer/viewer_node.hpp"
 
 namespace luminav {

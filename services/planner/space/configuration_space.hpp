@@ -14,13 +14,13 @@
 namespace luminav {
 
 struct ConfigurationSpaceParams {
-  double hard_radius = 0.30;       ///< [m] cells whose centre is this close to an occupied one are blocked
-  double clearance_range = 1.2;    ///< [m] nearer than this a cell costs more, so that paths keep to the middle
-  double clearance_weight = 6.0;   ///< times the price of a free cell that the nearest allowed one costs in addition
-  double occupied_log_odds = 0.8;  ///< evidence above makes a cell occupied
-  double free_log_odds = -0.6;     ///< evidence below makes a cell free of which the building's map knows nothing
-  bool unknown_is_free = false;    ///< plan through what nobody has seen
-  bool disputed_is_free = false;   ///< plan through walls that the sonars saw through
+  double hard_radius = 0.30;        ///< [m] cells whose centre is this close to an occupied one are blocked
+  double clearance_range = 1.2;     ///< [m] nearer than this a cell costs more, so that paths keep to the middle
+  double clearance_weight = 6.0;    ///< times the price of a free cell that the nearest allowed one costs in addition
+  double occupied_log_odds = 0.8;   ///< evidence above makes a cell occupied
+  double free_log_odds = -0.6;      ///< evidence below makes a cell free of which the building's map knows nothing
+  bool unknown_is_free = false;     ///< plan through what nobody has seen
+  bool disputed_is_free = false;    ///< plan through walls that the sonars saw through
   std::vector<Polygon> keep_out{};  ///< [m] world; solid to every path but that of a robot which is inside
 };
 
