@@ -112,11 +112,11 @@ std::vector<std::size_t> SonarWatch::discs_above(double evidence) const {
 }
 
 SonarTrust SonarWatch::trust() const {
-  const double half = std::max(ahead_.evidence, back_.evidence);
-  if (half >= params_.dead || static_cast<int>(discs_above(params_.dead).size()) >= params_.dead_discs) {
+  const double halves = ahead_.evidence + back_.evidence;
+  if (halves >= params_.dead || static_cast<int>(discs_above(params_.dead).size()) >= params_.dead_discs) {
     return SonarTrust::kDead;
   }
-  return half >= params_.doubt || !discs_above(params_.doubt).empty() ? SonarTrust::kDoubted : SonarTrust::kTrusted;
+  return halves >= params_.doubt || !discs_above(params_.doubt).empty() ? SonarTrust::kDoubted : SonarTrust::kTrusted;
 }
 
 std::string SonarWatch::reason() const {
@@ -124,7 +124,7 @@ std::string SonarWatch::reason() const {
   if (trust == SonarTrust::kTrusted) {
     return "";
   }
-  const bool is_half = std::max(ahead_.evidence, back_.evidence) >= params_.doubt;
+  const bool is_half = ahead_.evidence + back_.evidence >= params_.doubt;
   const std::vector<std::size_t> discs = discs_above(is_half ? 1.0 : params_.doubt);
   const bool is_stuck = std::all_of(discs.begin(), discs.end(), [&](std::size_t i) { return discs_[i].is_stuck; });
   return (discs.size() == 1 ? "sonar " : "sonars ") + numbers_of(discs) +

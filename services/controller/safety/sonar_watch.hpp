@@ -32,7 +32,8 @@ enum class SonarTrust { kTrusted, kDoubted, kDead };
 /// tells nothing of the world: up by one for a wall that faces it and was not heard, and for a range that stays the
 /// same on the way towards what it measures; down when its range changes, or a wall is heard where it
 /// must be. Readings from one place count once. The
-/// discs of a half, which share a cable and a board, have one such count together, which any of them takes back.
+/// discs of a half, which share a cable and a board, have one such count together, which any of them takes back. The
+/// counts of both halves add up: a ring that is wholly deaf is noticed on half the distance.
 class SonarWatch {
  public:
   SonarWatch(const SonarRing& ring, const SonarWatchParams& params);

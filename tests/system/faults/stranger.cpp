@@ -160,8 +160,9 @@ void Stranger::send_every_type() {
 }
 
 void Stranger::send_rubbish(int datagrams) {
-  std::vector<std::uint8_t> bytes;
+  std::vector<std::vector<std::uint8_t>> rubbish(static_cast<std::size_t>(datagrams));
   for (int i = 0; i < datagrams; ++i) {
+    std::vector<std::uint8_t>& bytes = rubbish[static_cast<std::size_t>(i)];
     bytes.resize(rng_() % 1200);
     std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<std::uint8_t>(rng_()); });
     if (i % 3 == 0) {
@@ -169,7 +170,34 @@ void Stranger::send_rubbish(int datagrams) {
     } else if (i % 3 == 1 && bytes.size() > 20) {
       std::copy_n("LC03", 4, bytes.begin());
     }
-    send(i % 2 == 0 ? kDataPort : kProcmanPort, bytes);
+  }
+  for (const in_addr& target : targets_) {
+    for (const std::uint16_t port : {kDataPort, kProcmanPort}) {
+      send_together(rubbish, {.sin_family = AF_INET, .sin_port = htons(port), .sin_addr = target, .sin_zero = {}});
+    }
+  }
+}
+
+void Stranger::send_together(std::vector<std::vector<std::uint8_t>>& datagrams, sockaddr_in address) {
+  std::vector<iovec> parts(datagrams.size());
+  std::vector<mmsghdr> messages(datagrams.size());
+  for (std::size_t i = 0; i < datagrams.size(); ++i) {
+    parts[i] = {datagrams[i].data(), datagrams[i].size()};
+    messages[i].msg_hdr = {.msg_name = &address,
+                           .msg_namelen = sizeof address,
+                           .msg_iov = &parts[i],
+                           .msg_iovlen = 1,
+                           .msg_control = nullptr,
+                           .msg_controllen = 0,
+                           .msg_flags = 0};
+  }
+  for (std::size_t done = 0; done < messages.size();) {
+    const int count = sendmmsg(socket_, &messages[done], static_cast<unsigned>(messages.size() - done), 0);
+    if (count <= 0) {
+      return;
+    }
+    sent_ += count;
+    done += static_cast<std::size_t>(count);
   }
 }
 

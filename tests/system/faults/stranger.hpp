@@ -27,7 +27,7 @@ class Stranger {
   void engage_stop(std::int64_t utime);
   /// Every type, whole and with hostile counts and stamps.
   void send_every_type();
-  /// Datagrams without any sense, some of them with a good beginning.
+  /// Datagrams without any sense, some of them with a good beginning, to each port of each target, as fast as they go.
   void send_rubbish(int datagrams);
   [[nodiscard]] std::int64_t sent() const { return sent_; }
 
@@ -36,6 +36,7 @@ class Stranger {
   void say(const std::string& channel, const Message& message);
   void say_bytes(const std::string& channel, const std::vector<std::uint8_t>& payload);
   void send(std::uint16_t port, const std::vector<std::uint8_t>& datagram);
+  void send_together(std::vector<std::vector<std::uint8_t>>& datagrams, sockaddr_in address);
 
   int socket_ = -1;
   std::vector<in_addr> targets_;

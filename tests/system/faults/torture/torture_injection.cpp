@@ -223,7 +223,7 @@ void FaultInjection::besiege(FaultResult& result) {
   while (elapsed() < result.fault.duration) {
     constexpr int kAtOnce = 1000;
     const double due = kPacketsPerSecond * (elapsed() - begun) - static_cast<double>(stranger.sent() - said);
-    stranger.send_rubbish(std::clamp(static_cast<int>(0.5 * due), 0, kAtOnce));  // each goes to two addresses
+    stranger.send_rubbish(std::clamp(static_cast<int>(0.25 * due), 0, kAtOnce));  // each to two ports of two addresses
     fleet().pump(1);
   }
   fmt::print("          {} words of a stranger, then {:.0f} packets/s\n", said,

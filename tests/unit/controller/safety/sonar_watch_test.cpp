@@ -76,15 +76,36 @@ TEST(SonarWatch, TrustsALongCorridorWhoseSidesStayAsFarAway) {
   EXPECT_EQ(drive.watch.trust(), SonarTrust::kTrusted);
 }
 
-TEST(SonarWatch, DoubtsADeafRingWithinHalfAMetreBesideWallsAndThenCountsItAsDead) {
+TEST(SonarWatch, DoubtsADeafRingBesideWallsAndCountsItAsDeadWithinHalfAMetre) {
   Drive drive{.hear = corridor, .look = corridor_map};
   drive.go(2.0);
   drive.hear = [](std::size_t, const Pose2&) { return kRing.maximum_range; };
-  drive.go(0.5);
+  drive.go(0.3);
   EXPECT_EQ(drive.watch.trust(), SonarTrust::kDoubted);
   EXPECT_EQ(drive.watch.reason(), "sonars 0, 7, 8 and 15 heard nothing where walls must be: it drives slowly");
-  drive.go(0.6);
+  drive.go(0.2);
   EXPECT_EQ(drive.watch.trust(), SonarTrust::kDead);
+}
+
+TEST(SonarWatch, StandsSoonerWhenBothHalvesAreDeafThanWhenOneIs) {
+  const auto distance_until_dead = [](const std::function<bool(std::size_t)>& is_deaf) {
+    Drive drive;
+    drive.hear = corridor;
+    drive.look = corridor_map;
+    drive.go(15.0);
+    drive.hear = [&](std::size_t disc, const Pose2& robot) {
+      return is_deaf(disc) ? kRing.maximum_range : corridor(disc, robot);
+    };
+    double distance = 0.0;
+    for (; distance < 3.0 && drive.watch.trust() != SonarTrust::kDead; distance += 0.05) {
+      drive.go(0.05, 0.0, 0.15);
+    }
+    return distance;
+  };
+  const double one_half = distance_until_dead([](std::size_t disc) { return kRing.robot_from_sonar[disc].x >= 0.0; });
+  const double ring = distance_until_dead([](std::size_t) { return true; });
+  EXPECT_LT(one_half, 1.0);
+  EXPECT_LT(ring, 0.7 * one_half);
 }
 
 TEST(SonarWatch, DoubtsASingleDeafDiscAndLeavesItToItsNeighbours) {
@@ -100,7 +121,7 @@ TEST(SonarWatch, DoubtsASingleDeafDiscAndLeavesItToItsNeighbours) {
 TEST(SonarWatch, NoticesRangesThatDoNotChangeOverOwnMotionWithoutAMap) {
   Drive drive;
   drive.hear = [](std::size_t, const Pose2&) { return 3.0; };
-  drive.go(0.8);
+  drive.go(0.5);
   EXPECT_EQ(drive.watch.trust(), SonarTrust::kDoubted);
   EXPECT_NE(drive.watch.reason().find("measured the same while the robot moved"), std::string::npos);
   drive.go(0.8);
