@@ -73,8 +73,13 @@ void GoalExecutor::pause(std::int64_t id, std::int64_t now) {
 void GoalExecutor::resume(std::int64_t id, std::int64_t now) {
   now_ = now;
   report_.goal_id = id;
+  if (!is_active()) {
+    return;
+  }
+  // The path carries the id that the status carries, or the controller waits for another one.
+  stops_.rename(id);
+  path_.rename(id);
   if (is_paused()) {
-    stops_.rename(id);  // its paths carry the id that the status carries, or the controller waits for another
     losses_.begin();
     enter(GoalPhase::kLocalizing, NavigationState::kLocalizing, "");
   }

@@ -47,6 +47,11 @@ void IssuedPath::stand_still(const StopList& stops, std::int64_t now) {
   }
 }
 
+void IssuedPath::rename(std::int64_t goal_id) {
+  path_.goal_id = goal_id;
+  ++path_.sequence;
+}
+
 bool IssuedPath::stands_still(const StopList& stops) const {
   return path_.points.empty() && path_.goal_id == stops.goal().id;
 }

@@ -28,6 +28,8 @@ class IssuedPath {
   void issue(const PathOrder& order, const StopList& stops, std::int64_t now);
   /// Issues a path without points, unless it stands still already.
   void stand_still(const StopList& stops, std::int64_t now);
+  /// Issues the same path for a goal of another id.
+  void rename(std::int64_t goal_id);
   /// Looks for the point nearest to the robot [m, world], forwards only.
   void advance(const Eigen::Vector2d& robot);
 

@@ -212,6 +212,19 @@ TEST(PlannerNode, CancelsPausesAndResumes) {
   EXPECT_EQ(world.path.count, 0);
 }
 
+TEST(PlannerNode, DrivesOnWhenARobotIsResumedThatWasNotPaused) {
+  PlannerWorld world;
+  world.go(1, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  world.run(1.0);
+  world.act(2, goal_t::ACTION_RESUME);
+  world.run(0.5);
+  EXPECT_EQ(world.status.state, Status::STATE_FOLLOWING);
+  EXPECT_EQ(world.status.goal_id, 2);
+  EXPECT_EQ(world.path.goal_id, 2) << "the controller would wait for the path of that goal";
+  EXPECT_GT(world.path.count, 0);
+}
+
 TEST(PlannerNode, RefusesWhatCannotBeReachedAndSaysWhyWithNumbers) {
   PlannerWorld world;
   world.wall(61, 28, 63, 37);  // no door any more
