@@ -11,6 +11,15 @@ Eigen::Vector2d to_eigen(const cv::Point2d& point) {
   return {point.x, point.y};
 }
 
+/// True if the point [px] lies in the fixture's rectangle.
+bool covers(const Detection& detection, const Eigen::Vector2d& point) {
+  std::vector<cv::Point2f> corners;
+  for (const Eigen::Vector2d& corner : detection.corners_px) {
+    corners.emplace_back(static_cast<float>(corner.x()), static_cast<float>(corner.y()));
+  }
+  return cv::pointPolygonTest(corners, {static_cast<float>(point.x()), static_cast<float>(point.y())}, false) >= 0.0;
+}
+
 }  // namespace
 
 PaperDetector::PaperDetector(const PaperParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue)
@@ -24,16 +33,24 @@ PaperDetector::PaperDetector(const PaperParams& params, const CeilingCamera& cam
 }
 
 void PaperDetector::segment(const cv::Mat& image, double median) {
-  // Threshold 1 finds lit lamps, threshold 2 unlit fixtures; the masks are combined, but both are kept for the state.
+  // Threshold 1 finds lit lamps, threshold 2 unlit fixtures; the masks are combined, but both are kept: for the state,
+  // and for lamps that drown in the combination, as under a dark roof that is all below threshold 2.
   const double high = std::min(std::max(params_.high_threshold, median + params_.high_above_median), 254.0);
   const double low = std::min(params_.low_threshold, median - params_.low_below_median);
   cv::threshold(image, lit_, high, 255.0, cv::THRESH_BINARY);
   cv::threshold(image, unlit_, low, 255.0, cv::THRESH_BINARY_INV);
-  cv::bitwise_or(lit_, unlit_, mask_);
+}
+
+void PaperDetector::find_contours(const cv::Mat& mask) {
+  mask.copyTo(opened_);
   if (params_.opening_iterations > 0) {
     const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_RECT, {params_.opening_size, params_.opening_size});
-    cv::morphologyEx(mask_, mask_, cv::MORPH_OPEN, kernel, {-1, -1}, params_.opening_iterations);
+    cv::morphologyEx(opened_, opened_, cv::MORPH_OPEN, kernel, {-1, -1}, params_.opening_iterations);
   }
+  if (!params_.direct_contours) {
+    cv::Canny(opened_, edges_, params_.canny_low, params_.canny_high);
+  }
+  cv::findContours(params_.direct_contours ? opened_ : edges_, contours_, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
 }
 
 void PaperDetector::detect(const GreyView& image, double median, std::vector<Detection>& detections,
@@ -45,10 +62,14 @@ void PaperDetector::detect(const GreyView& image, double median, std::vector<Det
   // OpenCV has no constant view; nothing writes to it
   const cv::Mat grey(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
   segment(grey, median);
-  if (!params_.direct_contours) {
-    cv::Canny(mask_, edges_, params_.canny_low, params_.canny_high);
+  cv::bitwise_or(lit_, unlit_, combined_);
+  for (const cv::Mat& mask : {combined_, lit_, unlit_}) {
+    find_contours(mask);
+    add_fixtures(detections, trace);
   }
-  cv::findContours(params_.direct_contours ? mask_ : edges_, contours_, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+}
+
+void PaperDetector::add_fixtures(std::vector<Detection>& detections, DetectorTrace* trace) const {
   for (const std::vector<cv::Point>& contour : contours_) {
     if (contour.size() < 8) {
       continue;
@@ -60,18 +81,21 @@ void PaperDetector::detect(const GreyView& image, double median, std::vector<Det
       }
       trace->contours.push_back(std::move(line));
     }
-    if (const auto detection = fixture_of(contour)) {
-      if (trace != nullptr) {
-        trace->rectangles.push_back(detection->corners_px);
-      }
-      detections.push_back(*detection);
+    const auto detection = fixture_of(contour);
+    const auto is_found = [&](const Detection& other) { return covers(other, detection->centre_px); };
+    if (!detection || std::any_of(detections.begin(), detections.end(), is_found)) {
+      continue;
     }
+    if (trace != nullptr) {
+      trace->rectangles.push_back(detection->corners_px);
+    }
+    detections.push_back(*detection);
   }
 }
 
 bool PaperDetector::is_cut(const std::vector<cv::Point>& contour) const {
   const cv::Rect box = cv::boundingRect(contour);
-  return box.x <= 1 || box.y <= 1 || box.br().x >= mask_.cols - 1 || box.br().y >= mask_.rows - 1;
+  return box.x <= 1 || box.y <= 1 || box.br().x >= lit_.cols - 1 || box.br().y >= lit_.rows - 1;
 }
 
 std::optional<Detection> PaperDetector::fixture_of(const std::vector<cv::Point>& contour) const {
@@ -112,7 +136,7 @@ bool PaperDetector::fits(const Detection& detection) const {
 }
 
 DetectionState PaperDetector::state_of(const std::vector<cv::Point>& contour) const {
-  const cv::Rect box = cv::boundingRect(contour) & cv::Rect(0, 0, mask_.cols, mask_.rows);
+  const cv::Rect box = cv::boundingRect(contour) & cv::Rect(0, 0, lit_.cols, lit_.rows);
   cv::Mat filled = cv::Mat::zeros(box.size(), CV_8UC1);
   cv::drawContours(filled, std::vector<std::vector<cv::Point>>{contour}, 0, 255, cv::FILLED, cv::LINE_8, cv::noArray(),
                    0, -box.tl());

@@ -15,8 +15,8 @@
 namespace luminav {
 
 /// The chain of "Localization and Navigation of a Mobile Robot in an Office-like Environment", step by step: two
-/// thresholds, combined; opening; contours; validation by area, length and width; moments and the minimum-area
-/// rectangle; pose through the calibrated camera. Whole rectangles only, as there.
+/// thresholds, combined and each for itself; opening; contours; validation by area, length and width; moments and the
+/// minimum-area rectangle; pose through the calibrated camera. Whole rectangles only, as there.
 class PaperDetector {
  public:
   PaperDetector(const PaperParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue);
@@ -26,6 +26,9 @@ class PaperDetector {
 
  private:
   void segment(const cv::Mat& image, double median);
+  void find_contours(const cv::Mat& mask);
+  /// Adds what fits a fixture and was not found in a mask before.
+  void add_fixtures(std::vector<Detection>& detections, DetectorTrace* trace) const;
   struct Range {
     double low = 1e9;
     double high = 0.0;
@@ -47,7 +50,8 @@ class PaperDetector {
   Range widths_;   // [m] from one lamp to two
   cv::Mat lit_;
   cv::Mat unlit_;
-  cv::Mat mask_;
+  cv::Mat combined_;
+  cv::Mat opened_;
   cv::Mat edges_;
   std::vector<std::vector<cv::Point>> contours_;
 };

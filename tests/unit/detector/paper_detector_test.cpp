@@ -53,6 +53,19 @@ TEST(PaperDetector, CallsAFixtureHalfLitWhenBothThresholdsFiredInIt) {
   EXPECT_EQ(detections[0].state, DetectionState::kHalf);
 }
 
+TEST(PaperDetector, FindsALampWhoseSurroundingsAreBelowTheSecondThreshold) {
+  DrawnCeiling ceiling;
+  ceiling.noise = 2.0;
+  ceiling.bloom = 0.0;
+  ceiling.grey = 130.0;
+  ceiling.slope_y = -400.0;  // so that a part of the ceiling is as dark as an unlit fixture
+  ceiling.shapes = {{.pose = {0.0, 0.3, 0.0}}};
+  const auto detections = detect(ceiling);
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_EQ(detections[0].state, DetectionState::kLit);
+  EXPECT_NEAR(detections[0].robot_from_fixture.y, 0.3, 0.01);
+}
+
 TEST(PaperDetector, RefusesOtherSizes) {
   for (const auto& [length, width] : {std::pair{0.6, 0.3}, {1.2, 0.6}, {1.8, 0.3}, {0.3, 0.3}}) {
     DrawnCeiling ceiling;
