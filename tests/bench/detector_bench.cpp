@@ -14,10 +14,10 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "services/common/geometry/split_mix.hpp"
 #include "services/common/image/grey_image.hpp"
 #include "services/common/image/jpeg_codec.hpp"
 #include "services/detector/detector.hpp"
-#include "tests/bench/split_mix.hpp"
 
 namespace luminav {
 namespace {

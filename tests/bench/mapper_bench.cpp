@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "services/common/geometry/split_mix.hpp"
 #include "services/mapper/grid_mapper.hpp"
 #include "services/mapper/sonar/sonar_model.hpp"
-#include "tests/bench/split_mix.hpp"
 
 // The sonar workload of the performance page: 400 x 400 cells of 0.1 m, 2000 scans of 16 beams from a circle of 10 m.
 

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/common/geometry/split_mix.hpp"
 #include "services/localizer/modern_localizer.hpp"
-#include "tests/bench/split_mix.hpp"
 
 namespace luminav {
 namespace {

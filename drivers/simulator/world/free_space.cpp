@@ -73,14 +73,14 @@ FreeSpace::FreeSpace(const PriorMap& map) {
   }
 }
 
-Eigen::Vector2d FreeSpace::draw_point(double clearance, std::uint64_t& generator_state) const {
+Eigen::Vector2d FreeSpace::draw_point(double clearance, SplitMix& generator) const {
   const GridGeometry& geometry = distances_.geometry();
   const auto cell_of = [&geometry](std::uint32_t index) {
     return Cell{static_cast<int>(index) % geometry.columns, static_cast<int>(index) / geometry.columns};
   };
   std::vector<std::uint32_t> candidates;
   if (clearance <= kPassage && !region_.empty()) {
-    const double choice = next_uniform(generator_state) * static_cast<double>(region_.size());
+    const double choice = generator.uniform() * static_cast<double>(region_.size());
     return geometry.centre_of(cell_of(region_[static_cast<std::size_t>(choice)]));
   }
   for (const std::uint32_t index : region_) {
@@ -91,7 +91,7 @@ Eigen::Vector2d FreeSpace::draw_point(double clearance, std::uint64_t& generator
   if (candidates.empty()) {
     throw ConfigurationError(fmt::format("the building's map has no free space with {} m of clearance", clearance));
   }
-  const auto choice = static_cast<std::size_t>(next_uniform(generator_state) * static_cast<double>(candidates.size()));
+  const auto choice = static_cast<std::size_t>(generator.uniform() * static_cast<double>(candidates.size()));
   return geometry.centre_of(cell_of(candidates[choice]));
 }
 
@@ -112,8 +112,8 @@ bool FreeSpace::is_free_line(const Eigen::Vector2d& from, const Eigen::Vector2d&
   return true;
 }
 
-Eigen::Vector2d draw_free_point(const PriorMap& map, double clearance, std::uint64_t& generator_state) {
-  return FreeSpace(map).draw_point(clearance, generator_state);
+Eigen::Vector2d draw_free_point(const PriorMap& map, double clearance, SplitMix& generator) {
+  return FreeSpace(map).draw_point(clearance, generator);
 }
 
 }  // namespace luminav

@@ -21,7 +21,7 @@ class FreeSpace {
 
   /// Uniform over the cells of the largest region with at least `clearance` [m] to everything that is not free. Throws
   /// ConfigurationError when no cell has it.
-  [[nodiscard]] Eigen::Vector2d draw_point(double clearance, std::uint64_t& generator_state) const;
+  [[nodiscard]] Eigen::Vector2d draw_point(double clearance, SplitMix& generator) const;
   /// True when the point lies in the largest region with that clearance [m].
   [[nodiscard]] bool contains(const Eigen::Vector2d& point, double clearance) const;
   /// True when a disc of this radius [m] can be moved straight from one point to the other through free space.

@@ -196,7 +196,7 @@ bool ObstaclePlacement::cuts_a_passage(const Polygon& outline) const {
 Pose2 ObstaclePlacement::draw(const Obstacle& obstacle, RandomStream& random) {
   const DistanceField& walls = space_.distances();
   for (int i = 0; i < kTries; ++i) {
-    const Vector2d point = space_.draw_point(kPassage, random.state());
+    const Vector2d point = space_.draw_point(kPassage, random.generator());
     const double theta = random.uniform(-kPi, kPi);
     const bool turned = random.happens(0.5);
     std::optional<Pose2> pose;

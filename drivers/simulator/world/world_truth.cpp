@@ -254,7 +254,7 @@ class Placement {
 
   Pose2 draw_standing_place(std::string_view what, RandomStream& random) {
     for (int i = 0; i < kTries; ++i) {
-      const Vector2d point = space().draw_point(kStartClearance, random.state());
+      const Vector2d point = space().draw_point(kStartClearance, random.generator());
       const double theta = random.uniform(-kPi, kPi);
       const auto is_near = [&](const Polygon& other) { return distance(other, point) < kFromObstacles; };
       if (std::none_of(given_.begin(), given_.end(), is_near)) {
@@ -317,8 +317,8 @@ class Placement {
 
   void draw_path(RandomStream& random, WalkingPerson& person) {
     for (int i = 0; i < kTries; ++i) {
-      const Vector2d from = space().draw_point(kPersonClearance, random.state());
-      const Vector2d to = space().draw_point(kPersonClearance, random.state());
+      const Vector2d from = space().draw_point(kPersonClearance, random.generator());
+      const Vector2d to = space().draw_point(kPersonClearance, random.generator());
       const auto blocks = [&](const Obstacle& obstacle) {
         return distance(rectangle(*obstacle.world_from_obstacle, obstacle.length, obstacle.width), Polygon{from, to}) <
                kPersonClearance;

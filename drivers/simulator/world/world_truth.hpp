@@ -8,6 +8,7 @@
 #include "services/common/building/building.hpp"
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/robot_file.hpp"
+#include "services/common/geometry/split_mix.hpp"
 
 namespace luminav {
 
@@ -42,6 +43,6 @@ WorldTruth draw_world(const Scenario& scenario, const Building& believed, const 
 
 /// Draws a point of the map's free space with at least `clearance` [m] to everything that is not free; the space must
 /// be connected to the largest free region. Same generator state, same point.
-Eigen::Vector2d draw_free_point(const PriorMap& map, double clearance, std::uint64_t& generator_state);
+Eigen::Vector2d draw_free_point(const PriorMap& map, double clearance, SplitMix& generator);
 
 }  // namespace luminav

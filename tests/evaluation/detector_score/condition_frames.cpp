@@ -66,15 +66,14 @@ void expose(simulated::CeilingRenderer& renderer, const Pose2& pose, double fact
   set();
 }
 
-Place draw_place(const Condition& condition, const WorldTruth& world, RandomStream& random,
-                 std::uint64_t& generator_state) {
+Place draw_place(const Condition& condition, const WorldTruth& world, RandomStream& random, SplitMix& generator) {
   Place place;
   Pose2& pose = place.motion.world_from_robot;
   if (condition.at_window && !world.building.windows.empty()) {
     const Window& window = world.building.windows[random.below(world.building.windows.size())];
     pose = window.world_from_window * Pose2{random.uniform(0.6, 2.0), random.uniform(-1.0, 1.0), 0.0};
   } else {
-    const Vector2d point = draw_free_point(world.walls, 0.3, generator_state);
+    const Vector2d point = draw_free_point(world.walls, 0.3, generator);
     pose = {point.x(), point.y(), 0.0};
   }
   pose.theta = random.uniform(-kPi, kPi);

@@ -22,8 +22,7 @@ struct Place {
 /// State of each of `count` fixtures.
 std::vector<simulated::LampState> draw_lamps(const Condition& condition, std::size_t count, RandomStream& random);
 
-Place draw_place(const Condition& condition, const WorldTruth& world, RandomStream& random,
-                 std::uint64_t& generator_state);
+Place draw_place(const Condition& condition, const WorldTruth& world, RandomStream& random, SplitMix& generator);
 
 /// Sets what the exposure control would settle at, then the condition's error of it.
 void expose(simulated::CeilingRenderer& renderer, const Pose2& pose, double factor, simulated::Exposure& exposure);

@@ -44,9 +44,9 @@ void score_world(const DetectorScoreOptions& options, const Condition& condition
                     .seed = scenario.seed},
                    params, options.believed_camera ? robot.camera : world.robot.camera,
                    told_building(options, believed, world), lamps);
-  std::uint64_t generator_state = scenario.seed * 77 + 5;
+  SplitMix generator(scenario.seed * 77 + 5);
   for (int frame = 0; frame < options.frames; ++frame) {
-    const Place place = draw_place(condition, world, random, generator_state);
+    const Place place = draw_place(condition, world, random, generator);
     Exposure exposure;
     exposure.number = static_cast<std::uint64_t>(frame);
     exposure.utime = 1e6 * frame + 1e6 * random.uniform();

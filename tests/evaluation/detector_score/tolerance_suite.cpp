@@ -122,9 +122,9 @@ void score_world(const DetectorScoreOptions& options, int world_index, std::vect
   for (const Mistake& mistake : mistakes()) {
     detectors.push_back(detector_told(mistake, world, believed));
   }
-  std::uint64_t generator_state = scenario.seed * 77 + 5;
+  SplitMix generator(scenario.seed * 77 + 5);
   for (int frame = 0; frame < options.frames; ++frame) {
-    const Place place = draw_place(condition, world, random, generator_state);
+    const Place place = draw_place(condition, world, random, generator);
     renderer.set_world(place.daylight, lamps, {});
     Exposure usual{.number = static_cast<std::uint64_t>(frame), .utime = 1e6 * frame};
     expose(renderer, place.motion.world_from_robot, 1.0, usual);

@@ -90,7 +90,7 @@ std::string mission_text(const Site& site, int index) {
     const Door& door = doors[static_cast<std::size_t>(index) % doors.size()];
     closed = {door.id, rectangle(door.world_from_door, door.width + 0.2, kLeafDepth)};
   }
-  std::uint64_t generator = 0x9e3779b97f4a7c15ULL * static_cast<std::uint64_t>(index + 1);
+  SplitMix generator(0x9e3779b97f4a7c15ULL * static_cast<std::uint64_t>(index + 1));
   const auto draw_place = [&](const std::optional<Eigen::Vector2d>& from) {
     // neither close to where the robot stands nor so close to the closed door that nobody could say on which side
     const auto is_bad = [&](const Eigen::Vector2d& place) {

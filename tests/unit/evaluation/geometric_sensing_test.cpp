@@ -207,16 +207,16 @@ TEST(GeometricSensing, GivesTheSameForTheSameSeed) {
 
 TEST(FitBehaviour, GetsBackWhatTheSurveyedRunsDid) {
   // A fixture that is seen in blocks: the outcome is drawn anew with probability 0.2.
-  std::uint64_t state = 1;
+  SplitMix generator(1);
   SensingSurveyResult run;
   bool seen = true;
   double error = 0.0;
   for (std::int64_t frame = 0; frame < 40'000; ++frame) {
-    if (next_uniform(state) < 0.2) {
-      seen = next_uniform(state) < 0.6;
+    if (generator.uniform() < 0.2) {
+      seen = generator.uniform() < 0.6;
     }
-    if (next_uniform(state) < 0.5) {
-      error = 0.01 * next_uniform(state);
+    if (generator.uniform() < 0.5) {
+      error = 0.01 * generator.uniform();
     }
     SurveyedSighting sighting;
     sighting.sighting = {0, 0, 2, 8, 0};

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/bench/split_mix.hpp"
+#include "services/common/geometry/split_mix.hpp"
 
 namespace luminav {
 namespace {

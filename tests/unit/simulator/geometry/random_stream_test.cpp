@@ -5,15 +5,16 @@
 #include <cmath>
 
 #include "drivers/simulator/world/floor.hpp"
+#include "services/common/geometry/split_mix.hpp"
 
 namespace luminav {
 namespace {
 
-TEST(RandomStream, FollowsThePublishedSequence) {
+TEST(SplitMix, FollowsThePublishedSequence) {
   // splitmix64 from state 0, first two values of Vigna's reference implementation
-  std::uint64_t state = 0;
-  EXPECT_EQ(next_random(state), 0xe220a8397b1dcdafULL);
-  EXPECT_EQ(next_random(state), 0x6e789e6aa1b965f4ULL);
+  SplitMix generator(0);
+  EXPECT_EQ(generator.next(), 0xe220a8397b1dcdafULL);
+  EXPECT_EQ(generator.next(), 0x6e789e6aa1b965f4ULL);
 }
 
 TEST(RandomStream, DrawsAGaussianOfTheWantedWidth) {

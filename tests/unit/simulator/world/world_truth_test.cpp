@@ -329,10 +329,10 @@ TEST(WorldTruth, GivesPeopleAFreeStraightWay) {
 
 TEST(DrawFreePoint, IsTheSameForTheSameState) {
   const PriorMap map = map_from_text(kFloor);
-  std::uint64_t first = 17;
-  std::uint64_t second = 17;
+  SplitMix first(17);
+  SplitMix second(17);
   EXPECT_EQ(draw_free_point(map, 0.5, first), draw_free_point(map, 0.5, second));
-  EXPECT_EQ(first, second);
+  EXPECT_EQ(first.next(), second.next());
   EXPECT_NE(draw_free_point(map, 0.5, first), draw_free_point(map, 0.5, first));
   EXPECT_THROW(draw_free_point(map, 5.0, first), ConfigurationError);
 }

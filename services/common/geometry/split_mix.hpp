@@ -7,10 +7,12 @@
 
 namespace luminav {
 
-/// A small generator whose numbers are the same on every machine. Steele et al. 2014 (splitmix64).
+/// A small random generator, seedable anywhere, whose numbers are the same on every machine: splitmix64 (Steele, Lea
+/// and Flood 2014).
 class SplitMix {
  public:
   explicit SplitMix(std::uint64_t seed) : state_(seed) {}
+
   std::uint64_t next() {
     state_ += 0x9E3779B97F4A7C15ULL;
     std::uint64_t z = state_;
@@ -20,10 +22,12 @@ class SplitMix {
   }
   /// In [0, 1).
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
-  /// Mean 0, deviation 1. Box and Muller 1958.
-  double gauss() {
+  double uniform(double min, double max) { return min + (max - min) * uniform(); }
+  /// Mean 0. Box and Muller 1958; the second value of each pair is dropped, so that every draw costs the stream the
+  /// same.
+  double gauss(double deviation = 1.0) {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-    return radius * std::cos(2.0 * kPi * uniform());
+    return deviation * radius * std::cos(2.0 * kPi * uniform());
   }
 
  private:
