@@ -7,8 +7,7 @@
 
 namespace luminav {
 
-/// Distance from each cell of a map to the nearest cell that is solid, centre to centre less half a cell. Exact
-/// Euclidean transform, Felzenszwalb and Huttenlocher 2012; linear in the number of cells.
+/// Distance from each cell of a map to the nearest cell that is solid, centre to centre less half a cell.
 class DistanceField {
  public:
   /// No map, nothing solid anywhere.

@@ -2,47 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "services/common/building/distance_transform.hpp"
 
 namespace luminav {
-namespace {
-
-/// Squared distances along one line, in cells: lower envelope of parabolas, Felzenszwalb and Huttenlocher 2012.
-void transform_line(const std::vector<float>& source, std::vector<float>& target, std::vector<int>& apex,
-                    std::vector<float>& border) {
-  const int n = static_cast<int>(source.size());
-  int last = 0;
-  apex[0] = 0;
-  border[0] = -std::numeric_limits<float>::infinity();
-  border[1] = std::numeric_limits<float>::infinity();
-  const auto crossing = [&](int q, int p) {
-    return ((source[static_cast<std::size_t>(q)] + static_cast<float>(q) * static_cast<float>(q)) -
-            (source[static_cast<std::size_t>(p)] + static_cast<float>(p) * static_cast<float>(p))) /
-           static_cast<float>(2 * (q - p));
-  };
-  for (int q = 1; q < n; ++q) {
-    float s = crossing(q, apex[static_cast<std::size_t>(last)]);
-    while (last > 0 && s <= border[static_cast<std::size_t>(last)]) {
-      --last;
-      s = crossing(q, apex[static_cast<std::size_t>(last)]);
-    }
-    ++last;
-    apex[static_cast<std::size_t>(last)] = q;
-    border[static_cast<std::size_t>(last)] = s;
-    border[static_cast<std::size_t>(last) + 1] = std::numeric_limits<float>::infinity();
-  }
-  int k = 0;
-  for (int q = 0; q < n; ++q) {
-    while (border[static_cast<std::size_t>(k) + 1] < static_cast<float>(q)) {
-      ++k;
-    }
-    const float offset = static_cast<float>(q - apex[static_cast<std::size_t>(k)]);
-    target[static_cast<std::size_t>(q)] =
-        offset * offset + source[static_cast<std::size_t>(apex[static_cast<std::size_t>(k)])];
-  }
-}
-
-}  // namespace
 
 WallField::WallField(const PriorMap& map) : map_(resample(map, kResolution)) {
   const auto columns = static_cast<std::size_t>(map_.geometry.columns);
@@ -50,32 +13,17 @@ WallField::WallField(const PriorMap& map) : map_(resample(map, kResolution)) {
   if (columns == 0 || rows == 0) {
     return;
   }
-  // along the columns first, [cells]; a wall so far off that a byte does not hold it is none
-  constexpr int kNone = 255;
-  std::vector<std::uint8_t> distance(columns * rows);
-  const auto one_farther = [&](std::size_t i) { return std::min(kNone, distance[i] + 1); };
-  for (std::size_t i = 0; i < distance.size(); ++i) {
-    const int below = i >= columns ? one_farther(i - columns) : kNone;
-    distance[i] = static_cast<std::uint8_t>(map_.cells[i] == Prior::kOccupied ? 0 : below);
-  }
-  for (std::size_t i = distance.size() - columns; i-- > 0;) {
-    distance[i] = static_cast<std::uint8_t>(std::min<int>(distance[i], one_farther(i + columns)));
-  }
-  std::vector<int> apex(columns + 1);
-  std::vector<float> border(columns + 2);
-  std::vector<float> line(columns);
-  std::vector<float> result(columns);
+  std::vector<bool> is_wall(map_.cells.size());
+  std::transform(map_.cells.begin(), map_.cells.end(), is_wall.begin(),
+                 [](Prior cell) { return cell == Prior::kOccupied; });
+  const std::vector<float> squared = squared_distances_to(is_wall, columns);
   tile_columns_ = (columns + kTile - 1) / kTile;
   tiles_.assign(tile_columns_ * ((rows + kTile - 1) / kTile) * kTile * kTile, 0);
   for (std::size_t row = 0; row < rows; ++row) {
-    const auto first = distance.begin() + static_cast<std::ptrdiff_t>(row * columns);
-    std::transform(first, first + static_cast<std::ptrdiff_t>(columns), line.begin(), [](std::uint8_t cells) {
-      return cells == kNone ? 1e8F : static_cast<float>(cells) * static_cast<float>(cells);
-    });
-    transform_line(line, result, apex, border);
     for (std::size_t column = 0; column < columns; ++column) {
-      const double centimetres = 100.0 * map_.geometry.resolution * std::sqrt(static_cast<double>(result[column]));
-      tiles_[tiled(column, row)] = static_cast<std::uint8_t>(std::min(250.0, centimetres));
+      const double centimetres =
+          100.0 * map_.geometry.resolution * std::sqrt(static_cast<double>(squared[row * columns + column]));
+      tiles_[tiled(column, row)] = static_cast<std::uint8_t>(std::min(100.0 * kFarthest, centimetres));
     }
   }
 }
