@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "services/common/geometry/seconds.hpp"
+
 namespace luminav {
 namespace {
 
@@ -28,7 +30,7 @@ void PictureWatch::look_at(const GreyImage& image, std::int64_t utime) {
 }
 
 bool PictureWatch::is_dark() const {
-  return dark_since_ != 0 && 1e-6 * static_cast<double>(utime_ - dark_since_) > params_.dark_for;
+  return dark_since_ != 0 && seconds_between(dark_since_, utime_) > params_.dark_for;
 }
 
 std::string PictureWatch::complaint() const {

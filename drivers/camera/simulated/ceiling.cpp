@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "services/common/geometry/seconds.hpp"
+
 namespace luminav {
 namespace {
 
@@ -47,7 +49,7 @@ SimulatedCeiling::SimulatedCeiling(const WorldTruth& truth, std::uint64_t seed, 
 }
 
 bool SimulatedCeiling::is_under_way(EventKind kind) const {
-  const double time = 1e-6 * static_cast<double>(truth_.newest().utime - truth_.newest().session);
+  const double time = seconds_between(truth_.newest().session, truth_.newest().utime);
   return std::any_of(events_.begin(), events_.end(), [&](const ScenarioEvent& event) {
     return event.kind == kind && time >= event.at && time < event.at + event.duration;
   });

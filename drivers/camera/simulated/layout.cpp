@@ -33,7 +33,7 @@ double widened(double width, double travel) {
 std::vector<Pose2> poses_of(const CeilingModel& model) {
   std::vector<Pose2> poses;
   for (const Fixture& fixture : model.building.fixtures) {
-    RandomStream random = random_stream(model.seed, kHalfPurpose, poses.size());
+    SplitMix random = random_stream(model.seed, kHalfPurpose, poses.size());
     const double turn = random.uniform() < 0.5 ? 0.0 : kPi;
     Pose2 pose = fixture.world_from_fixture;
     pose.theta = wrap_angle(pose.theta + turn);
@@ -49,24 +49,6 @@ std::vector<ClutterItem> clutter_in(const CeilingModel& model) {
   }
   items.insert(items.end(), model.clutter.begin(), model.clutter.end());
   return items;
-}
-
-std::vector<Vector2d> positions(const std::vector<Pose2>& poses) {
-  std::vector<Vector2d> points;
-  points.reserve(poses.size());
-  for (const Pose2& pose : poses) {
-    points.push_back(pose.position());
-  }
-  return points;
-}
-
-std::vector<Vector2d> positions(const std::vector<ClutterItem>& items) {
-  std::vector<Vector2d> points;
-  points.reserve(items.size());
-  for (const ClutterItem& item : items) {
-    points.push_back(item.world_from_item.position());
-  }
-  return points;
 }
 
 Outline rectangle(double half_length, double half_width) {
@@ -168,12 +150,9 @@ CeilingLayout::CeilingLayout(const CeilingModel& model)
     : model_(model),
       camera_(model.intrinsics, model.mounting),
       clutter_(clutter_in(model)),
-      fixture_index_(positions(poses_of(model))),
-      clutter_index_(positions(clutter_)),
       world_from_fixture_(poses_of(model)) {
   for (const ClutterItem& item : clutter_) {
     clutter_parts_.push_back(parts_of(item.kind, item.length, item.width));
-    largest_clutter_ = std::max(largest_clutter_, 0.5 * std::hypot(item.length, item.width));
   }
   for (std::size_t i = 0; i < model.building.fixtures.size(); ++i) {
     const LuminaireKind kind = i < model.luminaires.size() ? model.luminaires[i] : LuminaireKind::kPanel;
@@ -191,12 +170,10 @@ void CeilingLayout::set_moved(const std::vector<MovedLamp>& moved) {
   }
   moved_ = moved;
   world_from_fixture_ = poses_of(model_);
-  farthest_moved_ = 0.0;
   for (const MovedLamp& lamp : moved_) {
     if (lamp.index >= 0 && static_cast<std::size_t>(lamp.index) < world_from_fixture_.size()) {
       Pose2& pose = world_from_fixture_[static_cast<std::size_t>(lamp.index)];
       pose = {pose.x + lamp.dx, pose.y + lamp.dy, wrap_angle(pose.theta + lamp.theta)};
-      farthest_moved_ = std::max(farthest_moved_, std::hypot(lamp.dx, lamp.dy));
     }
   }
 }
@@ -205,10 +182,10 @@ void CeilingLayout::find(const FrameGeometry& frame, const CeilingLight& light) 
   size_ = 0;
   const double radius = frame.reach * frame.rise + kLargestThing;
   add_clutter(frame, light, false);
-  fixture_index_.near(frame.origin, radius + farthest_moved_, found_);
   for (const bool lit : {false, true}) {  // lit ones last: their halo lies over all the rest
-    for (const int index : found_) {
-      const Vector2d offset = world_from_fixture_[static_cast<std::size_t>(index)].position() - frame.origin;
+    for (std::size_t i = 0; i < world_from_fixture_.size(); ++i) {
+      const int index = static_cast<int>(i);
+      const Vector2d offset = world_from_fixture_[i].position() - frame.origin;
       if ((light.lamp(index) != LampState::kOff) == lit && offset.norm() < radius) {
         add_fixture(index, frame, light);
       }
@@ -219,12 +196,12 @@ void CeilingLayout::find(const FrameGeometry& frame, const CeilingLight& light) 
 
 void CeilingLayout::add_clutter(const FrameGeometry& frame, const CeilingLight& light, bool low) {
   constexpr double kLow = 0.05;  // [m]
-  clutter_index_.near(frame.origin, frame.reach * frame.rise + largest_clutter_ + kLargestThing, found_);
-  for (const int index : found_) {
-    const ClutterItem& item = clutter_[static_cast<std::size_t>(index)];
-    if ((item.height < model_.building.ceiling_height - kLow) == low) {
-      add(item.world_from_item, item.height, -1, clutter_parts_[static_cast<std::size_t>(index)], light.daylight(),
-          frame);
+  for (std::size_t i = 0; i < clutter_.size(); ++i) {
+    const ClutterItem& item = clutter_[i];
+    const double reach = frame.reach * frame.rise + 0.5 * std::hypot(item.length, item.width) + kLargestThing;
+    const Vector2d offset = item.world_from_item.position() - frame.origin;
+    if ((item.height < model_.building.ceiling_height - kLow) == low && offset.norm() < reach) {
+      add(item.world_from_item, item.height, -1, clutter_parts_[i], light.daylight(), frame);
     }
   }
 }

@@ -5,7 +5,6 @@
 
 #include "drivers/camera/simulated/catalogue/clutter.hpp"
 #include "drivers/camera/simulated/catalogue/part.hpp"
-#include "drivers/camera/simulated/index.hpp"
 #include "drivers/camera/simulated/lighting.hpp"
 #include "drivers/camera/simulated/shapes.hpp"
 #include "drivers/camera/simulated/view.hpp"
@@ -31,7 +30,7 @@ struct VisibleThing {
   std::vector<ColumnSpan> spans;  // from the first row on
 };
 
-/// What of the building a frame may show. A spatial index makes the search independent of the building's size.
+/// What of the building a frame may show.
 class CeilingLayout {
  public:
   /// Keeps a reference to the model.
@@ -62,15 +61,10 @@ class CeilingLayout {
   std::vector<ClutterItem> clutter_;  // the building's elements and the model's own
   std::vector<std::vector<Part>> clutter_parts_;
   std::vector<std::array<std::vector<Part>, kLooks>> fixture_parts_;
-  PointIndex fixture_index_;
-  PointIndex clutter_index_;
   std::vector<MovedLamp> moved_;
   std::vector<Pose2> world_from_fixture_;  // displaced ones where they stand now, turned as their burning side is drawn
-  double farthest_moved_ = 0.0;            // [m]
-  double largest_clutter_ = 0.0;           // [m] half the longest
   std::vector<VisibleThing> visible_;      // the first size_ count; the others keep their memory
   std::size_t size_ = 0;
-  std::vector<int> found_;
 };
 
 }  // namespace luminav::simulated

@@ -27,30 +27,10 @@ constexpr double kLampStrength = 0.69;
 constexpr double kLampReach = 9.0;       // [m] beyond it a lamp adds less than 0.2 %
 constexpr double kLampArea = 1.2 * 0.3;  // [m^2]
 
-std::vector<Eigen::Vector2d> positions(const std::vector<Fixture>& fixtures) {
-  std::vector<Eigen::Vector2d> points;
-  for (const Fixture& fixture : fixtures) {
-    points.push_back(fixture.world_from_fixture.position());
-  }
-  return points;
-}
-
-std::vector<Eigen::Vector2d> positions(const std::vector<Window>& windows) {
-  std::vector<Eigen::Vector2d> points;
-  for (const Window& window : windows) {
-    points.push_back(window.world_from_window.position());
-  }
-  return points;
-}
-
 }  // namespace
 
 CeilingLight::CeilingLight(const Building& building, std::uint64_t seed)
-    : building_(building),
-      seed_(seed),
-      fixture_index_(positions(building.fixtures)),
-      window_index_(positions(building.windows)),
-      lamps_(building.fixtures.size(), LampState::kOn) {}
+    : building_(building), seed_(seed), lamps_(building.fixtures.size(), LampState::kOn) {}
 
 void CeilingLight::set(double daylight, const std::vector<LampState>& lamps) {
   daylight_ = std::clamp(daylight, 0.0, 1.0);
@@ -70,7 +50,7 @@ double CeilingLight::emission(int fixture, double utime) const {
     case LampState::kFlicker:
       break;
   }
-  RandomStream random = random_stream(seed_, kFlickerPurpose, static_cast<std::uint64_t>(fixture));
+  SplitMix random = random_stream(seed_, kFlickerPurpose, static_cast<std::uint64_t>(fixture));
   const double frequency = random.uniform(4.0, 9.0);  // [Hz] of a tube that does not start
   const double phase = random.uniform();
   const double cycle = utime * 1e-6 * frequency + phase;
@@ -79,21 +59,23 @@ double CeilingLight::emission(int fixture, double utime) const {
 
 void CeilingLight::gather(const Eigen::Vector2d& centre, double reach, double utime) {
   near_lamps_.clear();
-  fixture_index_.near(centre, reach + kLampReach, found_);
-  for (const int index : found_) {
-    const Fixture& fixture = building_.fixtures[static_cast<std::size_t>(index)];
-    const double strength =
-        emission(index, utime) * kLampStrength * std::clamp(fixture.length * fixture.width / kLampArea, 0.25, 3.0);
+  for (std::size_t i = 0; i < building_.fixtures.size(); ++i) {
+    const Fixture& fixture = building_.fixtures[i];
+    if ((fixture.world_from_fixture.position() - centre).norm() > reach + kLampReach) {
+      continue;
+    }
+    const double strength = emission(static_cast<int>(i), utime) * kLampStrength *
+                            std::clamp(fixture.length * fixture.width / kLampArea, 0.25, 3.0);
     if (strength > 0.0) {
       near_lamps_.push_back({fixture.world_from_fixture.x, fixture.world_from_fixture.y, strength});
     }
   }
   near_windows_.clear();
-  window_index_.near(centre, reach + kWindowReach, found_);
-  for (const int index : found_) {
-    const Window& window = building_.windows[static_cast<std::size_t>(index)];
+  for (const Window& window : building_.windows) {
     const Pose2& pose = window.world_from_window;
-    near_windows_.push_back({pose.x, pose.y, std::cos(pose.theta), std::sin(pose.theta), window.width});
+    if ((pose.position() - centre).norm() <= reach + kWindowReach) {
+      near_windows_.push_back({pose.x, pose.y, std::cos(pose.theta), std::sin(pose.theta), window.width});
+    }
   }
 }
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "drivers/camera/simulated/index.hpp"
 #include "drivers/camera/simulated/truth.hpp"
 #include "services/common/building/building.hpp"
 
@@ -45,13 +44,10 @@ class CeilingLight {
 
   const Building& building_;
   std::uint64_t seed_;
-  PointIndex fixture_index_;
-  PointIndex window_index_;
   double daylight_ = 0.0;
   std::vector<LampState> lamps_;
   std::vector<Lamp> near_lamps_;
   std::vector<Daylight> near_windows_;
-  std::vector<int> found_;
 };
 
 }  // namespace luminav::simulated

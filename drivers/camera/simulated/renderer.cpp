@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/camera/simulated/vectors.hpp"
+#include "services/common/geometry/vector_clones.hpp"
 
 namespace luminav::simulated {
 namespace {
@@ -132,7 +132,7 @@ CeilingRenderer::TextureMap CeilingRenderer::texture_map(const FrameGeometry& fr
   return map;
 }
 
-LUMINAV_WIDE_VECTORS void CeilingRenderer::find_points(int row, const View& view, const FrameGeometry& frame) {
+LUMINAV_VECTOR_CLONES void CeilingRenderer::find_points(int row, const View& view, const FrameGeometry& frame) {
   const Matrix3d& r = view.world_from_robot;
   const auto rise = static_cast<float>(std::max(0.1, model_.building.ceiling_height - view.lens.z()));
   const float r00 = static_cast<float>(r(0, 0)), r01 = static_cast<float>(r(0, 1)), r02 = static_cast<float>(r(0, 2));
@@ -152,7 +152,7 @@ LUMINAV_WIDE_VECTORS void CeilingRenderer::find_points(int row, const View& view
   }
 }
 
-LUMINAV_WIDE_VECTORS void CeilingRenderer::light_row(int row) {
+LUMINAV_VECTOR_CLONES void CeilingRenderer::light_row(int row) {
   const int above = row / kNodePitch;
   const float share = static_cast<float>(row - above * kNodePitch) / kNodePitch;
   const float* upper = nodes_.data() + static_cast<std::ptrdiff_t>(above) * node_columns_;
@@ -168,7 +168,7 @@ LUMINAV_WIDE_VECTORS void CeilingRenderer::light_row(int row) {
   }
 }
 
-LUMINAV_WIDE_VECTORS void CeilingRenderer::texture_row(const TextureMap& map) {
+LUMINAV_VECTOR_CLONES void CeilingRenderer::texture_row(const TextureMap& map) {
   constexpr float kTexelsPerMetre = static_cast<float>(TileTexture::kSide / TileTexture::kPeriod);
   constexpr int kMask = TileTexture::kSide - 1;
   const int width = rays_.width();
@@ -204,8 +204,8 @@ LUMINAV_WIDE_VECTORS void CeilingRenderer::texture_row(const TextureMap& map) {
   }
 }
 
-LUMINAV_WIDE_VECTORS void CeilingRenderer::place_in(const VisibleThing& thing, const ColumnSpan& span, const View& view,
-                                                    const FrameGeometry& frame) {
+LUMINAV_VECTOR_CLONES void CeilingRenderer::place_in(const VisibleThing& thing, const ColumnSpan& span,
+                                                     const View& view, const FrameGeometry& frame) {
   // What hangs lower is met earlier by the same rays.
   const double rise = model_.building.ceiling_height - view.lens.z();
   const auto share = static_cast<float>((thing.height - view.lens.z()) / rise);

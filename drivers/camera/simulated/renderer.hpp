@@ -16,7 +16,7 @@
 namespace luminav::simulated {
 
 /// Pictures of the ceiling from true poses: each pixel's ray meets the ceiling plane, where a repeated tile texture
-/// and the analytic outlines of whatever is near are evaluated. The cost does not grow with the building.
+/// and the analytic outlines of whatever is near are evaluated.
 class CeilingRenderer {
  public:
   explicit CeilingRenderer(const CeilingModel& model);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "drivers/camera/simulated/random.hpp"
-#include "drivers/camera/simulated/vectors.hpp"
+#include "services/common/geometry/vector_clones.hpp"
 
 namespace luminav::simulated {
 namespace {
@@ -19,7 +19,7 @@ constexpr double kVignetteLoss = 0.30;  // in the corners; cheap webcams lose 20
 SensorResponse::SensorResponse(int width, int height, double grey_noise, std::uint64_t seed)
     : width_(width), height_(height), grey_noise_(grey_noise), seed_(seed) {
   // A tile, because drawing 307,200 deviates for each frame would cost more than all the rest.
-  RandomStream random = random_stream(seed, kTilePurpose, 0);
+  SplitMix random = random_stream(seed, kTilePurpose, 0);
   const std::size_t length = kNoiseTile + static_cast<std::size_t>(width);
   noise_.reserve(length);
   for (std::size_t i = 0; i < length; ++i) {
@@ -39,8 +39,8 @@ void SensorResponse::begin_frame(std::uint64_t frame, double exposure_us, double
   sigma_ = static_cast<float>(grey_noise_ * std::sqrt(gain));
 }
 
-LUMINAV_WIDE_VECTORS void SensorResponse::develop(int row, const float* brightness, std::uint8_t* grey) const {
-  RandomStream random = random_stream(seed_, kRowPurpose, frame_ * 8192 + static_cast<std::uint64_t>(row));
+LUMINAV_VECTOR_CLONES void SensorResponse::develop(int row, const float* brightness, std::uint8_t* grey) const {
+  SplitMix random = random_stream(seed_, kRowPurpose, frame_ * 8192 + static_cast<std::uint64_t>(row));
   const float* __restrict noise = noise_.data() + random.next() % kNoiseTile;
   const float* __restrict loss = vignette_.data();
   const float* __restrict in = brightness;

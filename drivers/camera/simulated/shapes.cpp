@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "drivers/camera/simulated/vectors.hpp"
+#include "services/common/geometry/vector_clones.hpp"
 
 namespace luminav::simulated {
 namespace {
@@ -89,7 +89,7 @@ void paint_capsule(const Shape shape, const RowSpan& row) {
 
 }  // namespace
 
-LUMINAV_WIDE_VECTORS void paint(const Shape& shape, const RowSpan& row) {
+[[gnu::flatten]] LUMINAV_VECTOR_CLONES void paint(const Shape& shape, const RowSpan& row) {
   if (shape.round) {
     shape.rib_pitch > 0.0F ? paint_capsule<true>(shape, row) : paint_capsule<false>(shape, row);
   } else {
@@ -97,7 +97,7 @@ LUMINAV_WIDE_VECTORS void paint(const Shape& shape, const RowSpan& row) {
   }
 }
 
-LUMINAV_WIDE_VECTORS void add_glow(const Shape& shape, const RowSpan& row) {
+LUMINAV_VECTOR_CLONES void add_glow(const Shape& shape, const RowSpan& row) {
   const float corner = shape.round ? shape.half_width : 0.0F;
   const float half_length = shape.half_length - corner;
   const float half_width = shape.half_width - corner;

@@ -63,7 +63,7 @@ double distance_to_line(int texel) {
 }  // namespace
 
 TileTexture::TileTexture(std::uint64_t seed, double blur) {
-  RandomStream random = random_stream(seed, kPurpose, 0);
+  SplitMix random = random_stream(seed, kPurpose, 0);
   std::array<double, 4> tile{};
   for (double& reflectance : tile) {
     reflectance = 1.0 + kTileSpread * random.gauss();

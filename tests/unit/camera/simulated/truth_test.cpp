@@ -2,10 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
-#include "drivers/camera/simulated/index.hpp"
-
 namespace luminav::simulated {
 namespace {
 
@@ -68,28 +64,6 @@ TEST(TruthBuffer, AJumpIsNoFlight) {
   ASSERT_TRUE(buffer.add(sample(100, {5.0, 0.0, 0.0})));
   EXPECT_EQ(buffer.at(40.0)->world_from_robot.x, 0.0);
   EXPECT_EQ(buffer.at(60.0)->world_from_robot.x, 5.0);
-}
-
-TEST(PointIndex, FindsAllThatIsNear) {
-  std::mt19937 generator(42);
-  std::uniform_real_distribution<double> place(-30.0, 30.0);
-  std::vector<Eigen::Vector2d> points;
-  for (int i = 0; i < 500; ++i) {
-    points.emplace_back(place(generator), place(generator));
-  }
-  const PointIndex index(points);
-  std::vector<int> found;
-  for (int trial = 0; trial < 50; ++trial) {
-    const Eigen::Vector2d centre(place(generator), place(generator));
-    index.near(centre, 5.0, found);
-    EXPECT_LT(found.size(), 200U) << "the whole building was searched";
-    EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if ((points[i] - centre).norm() <= 5.0) {
-        EXPECT_TRUE(std::binary_search(found.begin(), found.end(), static_cast<int>(i)));
-      }
-    }
-  }
 }
 
 }  // namespace
