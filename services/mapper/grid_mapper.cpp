@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "services/common/geometry/seconds.hpp"
 #include "services/mapper/sonar/surface_patch.hpp"
 
 namespace luminav {
@@ -173,15 +174,15 @@ void GridMapper::look_beside(const DiscReading& reading) {
 
 void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& visible) {
   const BeamReading beam{reading.world_from_sonar, reading.range, true};
-  cells_of_echo(params_.sonar, grid_.geometry, beam, params_.prior_widening, arc_);
+  std::vector<ArcCell> arc = cells_of_echo(params_.sonar, grid_.geometry, beam, params_.prior_widening);
   // what lies behind something opaque cannot have answered
-  std::erase_if(arc_, [&](const ArcCell& candidate) {
+  std::erase_if(arc, [&](const ArcCell& candidate) {
     return visible[static_cast<std::size_t>(candidate.slice)] < reading.range - params_.sonar.free_margin;
   });
   bool wall_explains = false;
   bool known_explains = false;
   double uncharted = 0.0;  // odds of all cells of which the building's map knows nothing
-  for (const ArcCell& candidate : arc_) {
+  for (const ArcCell& candidate : arc) {
     const std::size_t i = grid_.geometry.index(candidate.cell);
     wall_explains = wall_explains || near_wall_[i] != 0;
     known_explains = known_explains || is_occupied(candidate.cell);
@@ -191,7 +192,7 @@ void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& vi
   }
   const bool is_new = is_new_view(reading);
   const double far_share = reading.range > params_.mirror_range ? params_.mirror_share : 1.0;
-  for (const ArcCell& candidate : arc_) {
+  for (const ArcCell& candidate : arc) {
     const std::size_t i = grid_.geometry.index(candidate.cell);
     if (wall_explains) {
       if (grid_.prior[i] == Prior::kOccupied || grid_.prior[i] == Prior::kDisputed) {
@@ -306,7 +307,7 @@ void GridMapper::decay(std::int64_t utime) {
     return;
   }
   const int levels = std::max(1, to_evidence(params_.sonar.max_log_odds) - to_evidence(params_.occupied_log_odds));
-  const auto step = static_cast<std::int64_t>(params_.decay_time * 1e6 / levels);
+  const auto step = microseconds_of(params_.decay_time) / levels;
   if (decayed_until_ == 0 || utime < decayed_until_ || utime - decayed_until_ > 10 * step) {
     decayed_until_ = utime;  // a new session, or a long silence in which nothing could be seen
     return;

@@ -117,9 +117,8 @@ class GridMapper {
   std::vector<std::uint8_t> touched_;                  // per tile, since take_touched_tiles
   std::vector<std::uint8_t> has_evidence_;             // per tile
   std::unordered_map<std::size_t, Dispute> disputes_;  // by cell; never iterated
-  std::vector<ArcCell> arc_;
-  std::vector<View> views_;         // per disc, the last that voted
-  std::int64_t decayed_until_ = 0;  // [us]
+  std::vector<View> views_;                            // per disc, the last that voted
+  std::int64_t decayed_until_ = 0;                     // [us]
 };
 
 }  // namespace luminav

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "services/common/building/map_file.hpp"
+#include "services/common/geometry/seconds.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 #include "services/mapper/evidence_file.hpp"
@@ -277,7 +278,7 @@ void MapperNode::keep_evidence(std::int64_t utime) {
   if (kept_at_ == 0 || utime < kept_at_) {
     kept_at_ = utime;
   }
-  if (utime - kept_at_ < static_cast<std::int64_t>(config_.keep_period * 1e6)) {
+  if (utime - kept_at_ < microseconds_of(config_.keep_period)) {
     return;
   }
   kept_at_ = utime;

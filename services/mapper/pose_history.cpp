@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/common/geometry/seconds.hpp"
+
 namespace luminav {
 namespace {
 
@@ -38,7 +40,7 @@ std::optional<Pose2> PoseHistory::trusted_at(std::int64_t utime) const {
   const Entry& from = *std::prev(after);
   const Entry& to = *after;
   const std::int64_t gap = to.utime - from.utime;
-  const double reachable = kJump + std::max(from.speed, to.speed) * static_cast<double>(gap) * 1e-6;
+  const double reachable = kJump + std::max(from.speed, to.speed) * seconds_of(gap);
   if (!from.trusted || !to.trusted || gap > kLongestGap ||
       distance(from.world_from_robot, to.world_from_robot) > reachable ||
       std::abs(wrap_angle(to.world_from_robot.theta - from.world_from_robot.theta)) > kTurnJump) {

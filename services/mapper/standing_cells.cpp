@@ -1,9 +1,11 @@
 #include "services/mapper/standing_cells.hpp"
 
+#include "services/common/geometry/seconds.hpp"
+
 namespace luminav {
 
 StandingCells::StandingCells(double duration, double gap)
-    : duration_(static_cast<std::int64_t>(duration * 1e6)), gap_(static_cast<std::int64_t>(gap * 1e6)) {}
+    : duration_(microseconds_of(duration)), gap_(microseconds_of(gap)) {}
 
 bool StandingCells::hear(std::size_t cell, std::int64_t utime, bool is_new) {
   const auto [entry, inserted] = runs_.try_emplace(cell, Run{utime, utime});

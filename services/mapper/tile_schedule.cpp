@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "services/common/geometry/seconds.hpp"
+
 namespace luminav {
 
 TileSchedule::TileSchedule(const TileScheduleParams& params, int tiles) : params_(params) {
@@ -49,14 +51,14 @@ std::vector<int> TileSchedule::due(std::int64_t utime) {
     requested_[static_cast<std::size_t>(tile)] = 0;
     send(tile, utime, tiles);
   }
-  const auto period = static_cast<std::int64_t>(params_.changed_period * 1e6);
+  const auto period = microseconds_of(params_.changed_period);
   for (std::size_t i = 0; i < changed_.size() && tiles.size() < 2 * burst; ++i) {
     if (changed_[i] != 0 && (sent_[i] == 0 || utime - sent_[i] >= period)) {
       send(static_cast<int>(i), utime, tiles);
     }
   }
   // a long silence is not made up for: one round is enough
-  const double elapsed = last_ == 0 ? params_.round_period : static_cast<double>(utime - last_) * 1e-6;
+  const double elapsed = last_ == 0 ? params_.round_period : seconds_between(last_, utime);
   const auto all = static_cast<double>(sent_.size());
   // a tenth faster than promised, so that the last of a round is not late by one tick
   round_share_ = std::min(round_share_ + 1.1 * all * elapsed / params_.round_period, all);

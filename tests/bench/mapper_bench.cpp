@@ -71,15 +71,13 @@ void sonar(benchmark::State& state, SonarModelKind kind, double min_cells, doubl
   OccupancyGrid grid(empty_map().geometry);
   SliceRanges open;
   open.fill(kMaximumRange);
-  std::vector<ArcCell> arc;
   const std::int8_t vote = to_evidence(params.occupied_log_odds);
   const auto scan = [&](std::size_t first) {
     for (std::size_t i = first; i < first + kBeams; ++i) {
       const BeamReading& beam = readings[i];
       model.apply(beam, open, grid);
       if (beam.has_echo) {
-        cells_of_echo(params, grid.geometry, beam, 0.0, arc);
-        for (const ArcCell& cell : arc) {
+        for (const ArcCell& cell : cells_of_echo(params, grid.geometry, beam, 0.0)) {
           std::int8_t& evidence = grid.evidence[grid.geometry.index(cell.cell)];
           evidence = static_cast<std::int8_t>(std::min(50, evidence + vote));
         }

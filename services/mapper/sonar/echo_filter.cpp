@@ -4,6 +4,8 @@
 #include <cassert>
 #include <stdexcept>
 
+#include "services/common/geometry/seconds.hpp"
+
 namespace luminav {
 
 EchoFilter::EchoFilter(const EchoFilterParams& params, int discs) : params_(params), discs_(discs) {
@@ -20,7 +22,7 @@ void EchoFilter::clear() {
 
 bool EchoFilter::confirm(int disc, std::int64_t utime, const Eigen::Vector2d& point, double range) {
   assert(disc >= 0 && disc < discs_);
-  const auto oldest = utime - static_cast<std::int64_t>(params_.memory * 1e6);
+  const auto oldest = utime - microseconds_of(params_.memory);
   bool confirmed = false;
   for (int offset = -params_.neighbours; offset <= params_.neighbours && !confirmed; ++offset) {
     // the ring closes behind the robot

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/geometry/pose2.hpp"
-#include "services/mapper/sonar/cone_sector.hpp"
 
 namespace luminav {
 
@@ -44,29 +45,53 @@ inline constexpr int kSlices = 15;
 /// How far each slice of the cone can be seen into [m], from the right border to the left one.
 using SliceRanges = std::array<double, kSlices>;
 
+/// A piece of a circle between two angles less than half a turn apart.
+struct Sector {
+  Eigen::Vector2d apex = Eigen::Vector2d::Zero();  // [m] world
+  double from_angle = 0.0;                         // [rad] world
+  double to_angle = 0.0;                           // [rad] world
+  double radius = 0.0;                             // [m]
+};
+
+/// Columns [first, last] of one row; empty where last < first.
+struct ColumnRange {
+  int first = 0;
+  int last = -1;
+};
+
+/// Rows of a convex region, from the lowest on.
+struct SectorRows {
+  int first_row = 0;
+  std::vector<ColumnRange> columns;
+};
+
+/// Cells whose centre lies in a sector, clipped to the grid. Sectors that touch share no cell but those exactly on the
+/// line between them.
+SectorRows rows_of_sector(const GridGeometry& geometry, const Sector& sector);
+
+/// What is taken from the evidence of a cell.
+struct EvidenceVote {
+  std::int8_t change = 0;  ///< not above 0
+  std::int8_t min = 0;     ///< lower evidence stays as it is
+
+  [[nodiscard]] std::int8_t of(std::int8_t evidence) const {
+    return static_cast<std::int8_t>(std::max<int>(evidence + change, std::min(evidence, min)));
+  }
+};
+
 /// Votes of free space. They need no second look: an echo that came too early leaves only too little of it.
 class FreeSpaceModel {
  public:
   explicit FreeSpaceModel(const SonarModelParams& params);
   /// Takes evidence from the cells that the reading saw empty, in each slice out to its limit [m] at most.
-  void apply(const BeamReading& reading, const SliceRanges& limits, OccupancyGrid& grid);
+  void apply(const BeamReading& reading, const SliceRanges& limits, OccupancyGrid& grid) const;
 
  private:
-  struct Votes {
-    EvidenceVote cone;
-    EvidenceVote core;  // beside that
-    /// What both make of each evidence: a table, since no processor guesses which cells have come to the least.
-    std::array<std::int8_t, 256> of_line{};
-  };
-  [[nodiscard]] Votes votes_of(double share, std::int8_t min) const;
-  void sector(const GridGeometry& geometry, const Pose2& apex, double half_angle, const SliceRanges& ranges, double max,
-              const EvidenceVote& vote, std::vector<std::int8_t>& evidence);
-  void line(const GridGeometry& geometry, const Pose2& apex, double length, const std::array<std::int8_t, 256>& table,
-            std::vector<std::int8_t>& evidence);
+  void lower_cone(const Pose2& apex, double half_angle, const SliceRanges& limits, double max, EvidenceVote vote,
+                  OccupancyGrid& grid) const;
+  static void lower_line(const Pose2& apex, double length, const EvidenceVote& vote, OccupancyGrid& grid);
+
   SonarModelParams params_;
-  CellSpans spans_;
-  Votes echo_;
-  Votes silence_;
 };
 
 /// A cell that an echo may come from.
@@ -78,8 +103,8 @@ struct ArcCell {
 
 /// Cells on the arc of an echo, from one border of the cone to the other, each once; of the line model only the one on
 /// the axis. `widening` [rad] is added at both borders, with the border's weight.
-void cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry, const BeamReading& reading,
-                   double widening, std::vector<ArcCell>& cells);
+std::vector<ArcCell> cells_of_echo(const SonarModelParams& params, const GridGeometry& geometry,
+                                   const BeamReading& reading, double widening);
 
 /// Log-odds as the grid stores them.
 std::int8_t to_evidence(double log_odds);

@@ -19,7 +19,7 @@ SliceRanges unlimited() {
   return ranges;
 }
 
-TEST(FillSector, TakesTheCellsWhoseCentreLiesInside) {
+TEST(RowsOfSector, TakesTheCellsWhoseCentreLiesInside) {
   std::mt19937 rng(3);
   std::uniform_real_distribution<double> place(-6.0, 6.0);
   std::uniform_real_distribution<double> heading(-kPi, kPi);
@@ -30,16 +30,15 @@ TEST(FillSector, TakesTheCellsWhoseCentreLiesInside) {
     const double theta = heading(rng);
     const double reach = radius(rng);
     const double half = radians(15.0);
-    CellSpans spans;
-    fill_sector(geometry, apex, theta - half, theta + half, reach, spans);
+    const SectorRows rows = rows_of_sector(geometry, {apex, theta - half, theta + half, reach});
     for (int row = 0; row < geometry.rows; ++row) {
-      const int k = row - spans.first_row;
-      const bool has_row = k >= 0 && k < static_cast<int>(spans.first.size());
+      const int k = row - rows.first_row;
+      const bool has_row = k >= 0 && k < static_cast<int>(rows.columns.size());
+      const ColumnRange columns = has_row ? rows.columns[static_cast<std::size_t>(k)] : ColumnRange{};
       for (int column = 0; column < geometry.columns; ++column) {
         const Eigen::Vector2d offset = geometry.centre_of({column, row}) - apex;
         const double off_axis = std::abs(wrap_angle(std::atan2(offset.y(), offset.x()) - theta));
-        const bool inside = has_row && column >= spans.first[static_cast<std::size_t>(k)] &&
-                            column <= spans.last[static_cast<std::size_t>(k)];
+        const bool inside = column >= columns.first && column <= columns.last;
         if (offset.norm() < 0.995 * reach && off_axis < half - 1e-6) {
           EXPECT_TRUE(inside);
         } else if (offset.norm() > reach || off_axis > half + 1e-6) {
@@ -134,9 +133,8 @@ TEST(FreeSpaceModel, DrawsThePapersLineOneCellWide) {
 }
 
 TEST(CellsOfEcho, LieOnTheArcAndWeighMostOnTheAxis) {
-  std::vector<ArcCell> cells;
   const GridGeometry geometry = hundred();
-  cells_of_echo({}, geometry, {{0.0, 0.0, 0.3}, 2.0, true}, 0.0, cells);
+  const std::vector<ArcCell> cells = cells_of_echo({}, geometry, {{0.0, 0.0, 0.3}, 2.0, true}, 0.0);
   ASSERT_GT(cells.size(), 8U);
   double heaviest = 0.0;
   Cell on_axis;
@@ -153,14 +151,12 @@ TEST(CellsOfEcho, LieOnTheArcAndWeighMostOnTheAxis) {
 TEST(CellsOfEcho, AreOneCellOfTheLine) {
   SonarModelParams params;
   params.kind = SonarModelKind::kLine;
-  std::vector<ArcCell> cells;
-  cells_of_echo(params, hundred(), {{0.0, 0.0, 0.3}, 2.0, true}, radians(2.0), cells);
+  const std::vector<ArcCell> cells = cells_of_echo(params, hundred(), {{0.0, 0.0, 0.3}, 2.0, true}, radians(2.0));
   EXPECT_EQ(cells.size(), 1U);
 }
 
 TEST(CellsOfEcho, EndAtTheGridsBorder) {
-  std::vector<ArcCell> cells;
-  cells_of_echo({}, hundred(), {{4.5, 0.0, 0.0}, 2.0, true}, 0.0, cells);
+  const std::vector<ArcCell> cells = cells_of_echo({}, hundred(), {{4.5, 0.0, 0.0}, 2.0, true}, 0.0);
   EXPECT_TRUE(cells.empty());
 }
 
