@@ -4,14 +4,10 @@
 #include <cmath>
 #include <span>
 
-#include "services/controller/safety/seconds_between.hpp"
+#include "services/common/geometry/seconds.hpp"
 
 namespace luminav {
 namespace {
-
-std::int64_t microseconds(double seconds) {
-  return static_cast<std::int64_t>(1e6 * seconds);
-}
 
 /// Where the robot is when it comes to getting on: by the ceiling where that is known, since wheels that spin get
 /// nowhere.
@@ -60,22 +56,21 @@ void Controller::enter(ControlTask task, const ControlInput& input) {
 
 // While it searches, a zone of any pose that is possible is one.
 void Controller::look_around(const ControlInput& input) {
-  walls_.clear();
+  std::vector<Eigen::Vector2d> walls;  // [m] robot frame
   if (input.world_from_robot && input.grid != nullptr) {
-    find_known_walls(*input.grid, *input.world_from_robot, config_.local_map, walls_);
+    walls = known_walls(*input.grid, *input.world_from_robot, config_.local_map.radius);
   }
   std::size_t zones = 0;
   if (input.world_from_robot) {
-    zones = zones_.add_edges(*input.world_from_robot, config_.local_map.radius, walls_);
+    zones = zones_.add_edges(*input.world_from_robot, config_.local_map.radius, walls);
   } else {
     constexpr double kPossible = 0.01;  // of all probability: what is less would shut every way
     for (const PoseAlternative& alternative : input.alternatives) {
       const Pose2 world_from_robot = alternative.world_from_odom * input.odom_from_robot;
-      zones +=
-          alternative.weight < kPossible ? 0 : zones_.add_edges(world_from_robot, config_.local_map.radius, walls_);
+      zones += alternative.weight < kPossible ? 0 : zones_.add_edges(world_from_robot, config_.local_map.radius, walls);
     }
   }
-  obstacles_.set(input.echoes, walls_, zones);
+  obstacles_.set(input.echoes, walls, zones);
 }
 
 DriveTwist Controller::slowed(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const {
@@ -163,15 +158,13 @@ DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const
   const double news = task_ == ControlTask::kWander ? obstacles_.min_news_distance(10.0) : nearest;
   const double turn_share = std::clamp(news / config_.care_within, config_.min_care, 1.0);
   double linear = share * config_.robot.limits.linear;
-  const std::span<const ObstaclePoint> measured = obstacles_.measured();
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    const ObstaclePoint& obstacle = measured[i];
+  for (const ObstaclePoint& obstacle : obstacles_.measured()) {
     if (obstacle.is_known || obstacle.has_stood || obstacle.age > config_.news_age) {
       continue;
     }
     const double come_nearer = obstacle.age * config_.robot.limits.linear;
     const double ahead = wanted.linear < 0.0 ? -obstacle.position.x() : obstacle.position.x();
-    if (obstacles_.is_surely_beyond(i, config_.news_free + come_nearer) || ahead < 0.5 * obstacle.position.norm()) {
+    if (ahead < 0.5 * obstacle.position.norm()) {
       continue;
     }
     const double gap = stop_logic_.footprint().distance(obstacle.position) - come_nearer;
@@ -207,7 +200,7 @@ void Controller::hold_still(std::int64_t now, const Pose2& place, const DriveTwi
       standing_since_ = 0;
     }
     hold_since_ = 0;
-    next_hold_ = now + microseconds(config_.hold_pause);
+    next_hold_ = now + microseconds_of(config_.hold_pause);
     return;
   }
   verdict.twist = {};
@@ -341,7 +334,7 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, Contro
     escape_place_ = place_of(input);
     escape_since_ = input.now;
   }
-  next_escape_ = input.now + microseconds(config_.escape_pause);
+  next_escape_ = input.now + microseconds_of(config_.escape_pause);
 }
 
 double Controller::judge_progress(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output) {
@@ -363,7 +356,7 @@ void Controller::end_escape(std::int64_t now, const StopVerdict& verdict) {
   if (escape_ && (verdict.blocked || !escape_twist(now))) {
     escape_.reset();
     standing_since_ = 0;
-    next_escape_ = now + microseconds(config_.escape_pause);
+    next_escape_ = now + microseconds_of(config_.escape_pause);
   }
 }
 

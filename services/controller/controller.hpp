@@ -107,8 +107,7 @@ class Controller {
   TurnSearch turn_search_;
   ProgressMonitor progress_;
   Zones zones_;
-  PlanePoints walls_;    // of this step: known ones, robot frame
-  Obstacles obstacles_;  // of this step: echoes and these walls
+  Obstacles obstacles_;  // of this step: echoes and known walls
   CommandRamp ramp_;
   ControlTask task_ = ControlTask::kNone;
   std::optional<Escape> escape_;

@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <luminav/velocity_command_t.hpp>
 
+#include "services/common/geometry/seconds.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 #include "services/controller/controller_messages.hpp"
 #include "services/controller/safety/facing_wall.hpp"
-#include "services/controller/safety/seconds_between.hpp"
 
 namespace luminav {
 namespace {
@@ -240,7 +240,7 @@ void ControllerNode::on_teleop_command(const teleop_command_t& message) {
   }
   teleop_ = message;
   if (std::abs(seconds_between(message.utime, newest_tick_)) <= config_.teleop_silent_after) {
-    teleop_until_ = message.utime + static_cast<std::int64_t>(1e6 * config_.teleop_silent_after);
+    teleop_until_ = message.utime + microseconds_of(config_.teleop_silent_after);
   }
 }
 
@@ -302,7 +302,7 @@ std::optional<std::string> ControllerNode::reason_to_halt(std::int64_t utime) co
 
 void ControllerNode::choose_task(std::int64_t utime, ControlInput& input) const {
   input.halt = reason_to_halt(utime);
-  const auto pause = static_cast<std::int64_t>(1e6 * config_.teleop_pause);
+  const auto pause = microseconds_of(config_.teleop_pause);
   if (utime <= teleop_until_ + pause) {
     input.task = ControlTask::kTeleop;
     if (teleop_ && utime <= teleop_until_) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "services/common/geometry/seconds.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 #include "services/controller/safety/footprint.hpp"
 
@@ -32,7 +33,7 @@ std::optional<Pose2> RecentOdometry::odom_from_robot_at(std::int64_t utime) cons
   }
   const odometry_t& newest = messages_.back();
   if (utime >= newest.utime) {
-    const double ahead = 1e-6 * static_cast<double>(std::min(utime, newest.utime + kTooFarAhead) - newest.utime);
+    const double ahead = seconds_between(newest.utime, std::min(utime, newest.utime + kTooFarAhead));
     return odom_from_robot(newest) * drive_arc({newest.linear, newest.angular}, ahead);
   }
   const auto after =

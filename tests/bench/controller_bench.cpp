@@ -28,31 +28,22 @@ OccupancyGrid corridor() {
   return grid;
 }
 
-/// Walls of the window, as the controller takes them from the grid; radius 3 m = 61 x 61 cells.
-/// `radius` in cells of 0.1 m.
+/// Walls of the window, as the controller takes them from the grid; `radius` in cells of 0.1 m, 30 = 61 x 61 cells.
 void walls_around(benchmark::State& state, int radius) {
   const OccupancyGrid grid = corridor();
-  LocalMapParams params;
-  params.radius = 0.1 * radius;
+  const double reach = 0.1 * radius;
   const Pose2 robot{10.05, 9.95, 0.1};
-  PlanePoints walls;
-  find_known_walls(grid, robot, params, walls);
-  if (walls.empty()) {
+  if (known_walls(grid, robot, reach).empty()) {
     throw std::runtime_error("not the agreed workload: no walls");
   }
   for (auto _ : state) {
-    walls.clear();
-    find_known_walls(grid, robot, params, walls);
-    benchmark::DoNotOptimize(walls.x());
+    benchmark::DoNotOptimize(known_walls(grid, robot, reach));
   }
 }
 
 void forces(benchmark::State& state) {
   const OccupancyGrid grid = corridor();
-  LocalMapParams params;
-  params.radius = 3.0;
-  PlanePoints walls;
-  find_known_walls(grid, {10.05, 9.95, 0.1}, params, walls);
+  const std::vector<Eigen::Vector2d> walls = known_walls(grid, {10.05, 9.95, 0.1}, 3.0);
   Obstacles obstacles{Footprint(testing::test_robot().footprint)};
   for (auto _ : state) {
     obstacles.set({}, walls);

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/geometry/pose2.hpp"
-#include "services/controller/safety/plane_points.hpp"
 
 namespace luminav {
 
@@ -14,18 +14,12 @@ struct LocalMapParams {
   double half_width = 0.22;  // [m] of the strip that must be free for a line of sight
 };
 
-/// Is the cell a wall of the building's map? Disputed cells are not.
-bool is_prior_wall(const OccupancyGrid& grid, const Cell& cell);
-/// Is it a wall, or do the sonars say that something stands there?
-bool is_occupied(const OccupancyGrid& grid, const Cell& cell, const LocalMapParams& params);
-
 /// Is there a wall of the building's map within a distance [m] of a world point?
 bool has_wall_near(const OccupancyGrid& grid, const Eigen::Vector2d& point_in_world, double distance);
 
-/// Adds the walls of the building's map around the robot, in its frame: of each cell the point nearest to the wheel
-/// axis.
-void find_known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, const LocalMapParams& params,
-                      PlanePoints& walls);
+/// Walls of the building's map within a radius [m] of the robot, in its frame: of each cell the point nearest to the
+/// wheel axis.
+std::vector<Eigen::Vector2d> known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, double radius);
 
 /// Is a strip of the robot's width free between two world points? Outside the grid it is.
 bool is_line_free(const OccupancyGrid& grid, const Eigen::Vector2d& from_in_world, const Eigen::Vector2d& to_in_world,

@@ -16,17 +16,7 @@ struct LookAheadParams {
 struct LookAhead {
   Eigen::Vector2d point = Eigen::Vector2d::Zero();  // [m] world
   double travelled = 0.0;                           // [m] of the path lie behind
-  double distance_left = 0.0;                       // [m] along the path, the way back to it included
-  double off_path = 0.0;                            // [m] from the robot to the nearest point of the path
-};
-
-/// A path whose lengths are asked for again and again.
-struct MeasuredPath {
-  MeasuredPath() = default;
-  MeasuredPath(const std::vector<Eigen::Vector2d>& path);
-  std::vector<Eigen::Vector2d> points;  // [m] world
-  std::vector<double> segments;         // [m] from each point to the next
-  double length = 0.0;                  // [m]
+  double distance_left = 0.0;                       // [m] along the path, from the robot to its end
 };
 
 /// True where a robot can drive straight from one world point to another.
@@ -35,7 +25,7 @@ using LineTest = std::function<bool(const Eigen::Vector2d&, const Eigen::Vector2
 /// Finds the temporary goal: the nearest path point at or after `travelled` plus the look-ahead distance, shortened
 /// until it is in line of sight. Searching forward only keeps a path that crosses itself in order. The path must not be
 /// empty.
-LookAhead find_look_ahead(const MeasuredPath& path, double travelled, const Eigen::Vector2d& position,
+LookAhead find_look_ahead(const std::vector<Eigen::Vector2d>& path, double travelled, const Eigen::Vector2d& position,
                           const LookAheadParams& params, const LineTest& is_line_free);
 
 }  // namespace luminav

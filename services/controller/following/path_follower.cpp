@@ -11,7 +11,6 @@ void PathFollower::set_path(const FollowedPath& path) {
                         (path.points.back() - path_.points.back()).norm() < 0.05 && path.has_theta == path_.has_theta &&
                         std::abs(wrap_angle(path.theta - path_.theta)) < radians(2.0);
   path_ = path;
-  measured_ = path.points;
   travelled_ = 0.0;
   if (!same_end) {
     is_placed_ = is_aligned_ = is_turning_ = is_backing_ = false;
@@ -54,7 +53,7 @@ FollowStep PathFollower::step(const FollowSituation& situation) {
   }
   const Pose2& robot = situation.world_from_robot;
   step.look_ahead =
-      find_look_ahead(measured_, travelled_, robot.position(), params_.look_ahead, situation.is_line_free);
+      find_look_ahead(path_.points, travelled_, robot.position(), params_.look_ahead, situation.is_line_free);
   travelled_ = step.look_ahead->travelled;
   const double distance = (path_.points.back() - robot.position()).norm();
   if (is_placed_ && distance > std::max(params_.stay_radius, params_.arrival_radius)) {

@@ -89,7 +89,6 @@ class PathFollower {
   PathFollowerParams params_;
   const StopLogic& stop_logic_;
   FollowedPath path_;
-  MeasuredPath measured_;   // its points
   double travelled_ = 0.0;  // [m] of the path
   bool is_placed_ = false;  // the last point was reached
   bool is_aligned_ = false;

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "services/common/geometry/pose2.hpp"
+#include "services/common/geometry/seconds.hpp"
 
 namespace luminav {
 
@@ -38,7 +39,7 @@ class ProgressMonitor {
         since_ = now;
       }
     }
-    return 1e-6 * static_cast<double>(now - since_);
+    return seconds_between(since_, now);
   }
 
  private:

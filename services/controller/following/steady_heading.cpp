@@ -7,7 +7,8 @@
 
 namespace luminav {
 
-double SteadyHeading::choose(double wish, double needed, double theta, double duration, const PlanePoints& obstacles) {
+double SteadyHeading::choose(double wish, double needed, double theta, double duration,
+                             std::span<const ObstaclePoint> obstacles) {
   const std::optional<double> last = last_ ? std::optional(wrap_angle(*last_ - theta)) : std::nullopt;
   const double chosen = choose_free_heading(wish, needed, last, obstacles, params_.free_heading);
   last_ = wrap_angle(theta + chosen);

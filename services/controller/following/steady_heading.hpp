@@ -21,7 +21,7 @@ class SteadyHeading {
 
   /// Heading to steer [rad, robot frame]. `theta` is the robot's heading [rad] in any frame that does not turn with it,
   /// the same from step to step; `duration` [s] since the last step.
-  double choose(double wish, double needed, double theta, double duration, const PlanePoints& obstacles);
+  double choose(double wish, double needed, double theta, double duration, std::span<const ObstaclePoint> obstacles);
   void reset();
 
  private:

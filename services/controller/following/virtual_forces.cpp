@@ -21,7 +21,7 @@ VirtualForce virtual_force(const Eigen::Vector2d& goal_in_robot, const Obstacles
   const Footprint& footprint = obstacles.footprint();
   const double reach = footprint.swept_radius() + params.influence;
   obstacles.visit_within(params.influence, [&](std::size_t i) {
-    const Eigen::Vector2d position = obstacles.position(i);
+    const Eigen::Vector2d position = obstacles.points()[i].position;
     const double distance = position.norm();
     if (distance > reach || distance < 1e-6) {
       return;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "services/controller/safety/seconds_between.hpp"
+#include "services/common/geometry/seconds.hpp"
 
 namespace luminav {
 namespace {

@@ -15,7 +15,7 @@ constexpr double kTurnRate = 0.7;  // [rad/s]
 // Openness of a side [m]; the wish decides between equals.
 double openness(double sign, double wish, const Obstacles& obstacles) {
   const FreeHeadingParams strip;
-  const PlanePoints& points = obstacles.points();
+  const std::vector<ObstaclePoint>& points = obstacles.points();
   const double beside = free_distance(sign * radians(60.0), 2.0, points, strip) +
                         free_distance(sign * radians(110.0), 2.0, points, strip);
   return beside + (sign * wish > 0.0 ? 0.3 : 0.0);

@@ -5,49 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "services/common/geometry/vector_clones.hpp"
-
 namespace luminav {
-namespace {
-
-/// Squares of how far points lie outside a box, whole lanes of them, and the least of each block.
-LUMINAV_VECTOR_CLONES
-void square_beside(const PlanePoints& points, const Eigen::Vector2d& low, const Eigen::Vector2d& high, double* squared,
-                   double* min_of_block) {
-  // by value: for all the compiler knows, a square that is written may be part of what is referred to
-  const Doubles low_x = Doubles{} + low.x();
-  const Doubles low_y = Doubles{} + low.y();
-  const Doubles high_x = Doubles{} + high.x();
-  const Doubles high_y = Doubles{} + high.y();
-  const double* const all_x = points.x();
-  const double* const all_y = points.y();
-  const std::size_t size = points.size();
-  for (std::size_t first = 0; first < size; first += Footprint::kBlock) {
-    Doubles min = Doubles{} + std::numeric_limits<double>::infinity();
-    const std::size_t end = std::min(first + Footprint::kBlock, size);
-    for (std::size_t i = first; i < end; i += kLanes) {
-      Doubles x;
-      Doubles y;
-      load(all_x + i, x);
-      load(all_y + i, y);
-      const Doubles left = low_x - x;
-      const Doubles right = x - high_x;
-      const Doubles below = low_y - y;
-      const Doubles above = y - high_y;
-      const Doubles nearer_x = left > right ? left : right;
-      const Doubles nearer_y = below > above ? below : above;
-      const Doubles beside_x = nearer_x > 0.0 ? nearer_x : Doubles{};
-      const Doubles beside_y = nearer_y > 0.0 ? nearer_y : Doubles{};
-      const Doubles sum = beside_x * beside_x + beside_y * beside_y;
-      std::memcpy(squared + i, &sum, sizeof(sum));
-      min = sum < min ? sum : min;
-    }
-    *min_of_block++ = std::min(std::min(min[0], min[1]), std::min(min[2], min[3]));
-  }
-}
-
-}  // namespace
-
 Pose2 drive_arc(const DriveTwist& twist, double duration) {
   const double angle = twist.angular * duration;
   const double length = twist.linear * duration;
@@ -79,15 +37,6 @@ Footprint::Footprint(const std::vector<Eigen::Vector2d>& corners) {
       throw std::invalid_argument("footprint: must be convex, its corners counter-clockwise");
     }
   }
-  for (const double x : {box_low_.x(), box_high_.x()}) {
-    for (const double y : {box_low_.y(), box_high_.y()}) {
-      max_inside_box_ = std::max(max_inside_box_, distance({x, y}));
-    }
-  }
-}
-
-void Footprint::measure_from_box(const PlanePoints& points, double* squared, double* min_of_block) const {
-  square_beside(points, box_low_, box_high_, squared, min_of_block);
 }
 
 double Footprint::distance(const Eigen::Vector2d& point) const {

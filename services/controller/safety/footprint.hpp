@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "services/common/geometry/pose2.hpp"
-#include "services/controller/safety/plane_points.hpp"
 
 namespace luminav {
 
@@ -25,22 +24,12 @@ class Footprint {
 
   /// Distance [m] from the outline to a point in the robot frame; negative inside.
   [[nodiscard]] double distance(const Eigen::Vector2d& point) const;
-  /// True only of points at least `distance` [m] away, though not of all of them: cheap.
-  [[nodiscard]] bool is_surely_beyond(const Eigen::Vector2d& point, double distance) const {
-    const double reach = distance + kRounding;
-    return reach > 0.0 && squared_from_box(point) > reach * reach;
+  /// Distance [m] from the upright box around the outline: no point is nearer to the outline than to that. Cheap.
+  [[nodiscard]] double distance_from_box(const Eigen::Vector2d& point) const {
+    return (box_low_ - point).cwiseMax(point - box_high_).cwiseMax(0.0).norm();
   }
-  /// Squared distance [m^2] of each point from the upright box around the outline: no point is nearer to the outline
-  /// than to that; and the least of each `kBlock` of them. The last lanes of the points must be filled, and the squares
-  /// have room for them.
-  void measure_from_box(const PlanePoints& points, double* squared, double* min_of_block) const;
-  static constexpr std::size_t kBlock = 64;
-  /// How much farther [m] a point may be from the outline than from the box.
-  [[nodiscard]] double max_inside_box() const { return max_inside_box_; }
   /// Farthest corner from the wheel axis [m]: what a turn on the spot sweeps.
   [[nodiscard]] double swept_radius() const { return swept_radius_; }
-
-  static constexpr double kRounding = 1e-9;  // [m] far more than what a distance may be wrong by
 
  private:
   struct Edge {
@@ -49,15 +38,8 @@ class Footprint {
     Eigen::Vector2d normal;  // unit, outward
     double length = 0.0;     // [m]
   };
-  /// From the upright box around the outline [m^2].
-  [[nodiscard]] double squared_from_box(const Eigen::Vector2d& point) const {
-    const Eigen::Vector2d beside = (box_low_ - point).cwiseMax(point - box_high_).cwiseMax(0.0);
-    return beside.squaredNorm();
-  }
-
   std::vector<Edge> edges_;
   double swept_radius_ = 0.0;                           // [m]
-  double max_inside_box_ = 0.0;                         // [m]
   Eigen::Vector2d box_low_ = Eigen::Vector2d::Zero();   // [m] corners of the upright box around the outline
   Eigen::Vector2d box_high_ = Eigen::Vector2d::Zero();  // [m]
 };

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
-#include "services/controller/safety/plane_points.hpp"
+#include "services/controller/safety/obstacles.hpp"
 
 namespace luminav {
 
@@ -12,16 +13,17 @@ struct FreeHeadingParams {
   double widest = 1.2;       // [rad] off the wish
   double step = 0.1;         // [rad] between the headings tried
   double steadiness = 0.25;  // [rad] a new heading must be better than the last one by this
-  double price = 2.0;        // [rad] a metre of missing free way counts as much as so much of a detour
+  double price = 2.0;        // [rad] a metre of missing free distance counts as much as so much of a detour
 };
 
-/// Way [m] that the robot's strip is free in a direction [rad, robot frame], at most `max`.
-double free_distance(double direction, double max, const PlanePoints& obstacles, const FreeHeadingParams& params);
+/// Distance [m] over which the robot's strip is free in a direction [rad, robot frame], at most `max`.
+double free_distance(double direction, double max, std::span<const ObstaclePoint> obstacles,
+                     const FreeHeadingParams& params);
 
 /// The heading [rad, robot frame] nearest to the wish along which the strip is free for `needed` metres; where no
 /// heading is, the best compromise. `last` is the heading chosen before, in today's robot frame: keeping to it avoids
 /// dithering between two ways round.
-double choose_free_heading(double wish, double needed, std::optional<double> last, const PlanePoints& obstacles,
-                           const FreeHeadingParams& params);
+double choose_free_heading(double wish, double needed, std::optional<double> last,
+                           std::span<const ObstaclePoint> obstacles, const FreeHeadingParams& params);
 
 }  // namespace luminav

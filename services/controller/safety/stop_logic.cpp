@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "services/common/geometry/seconds.hpp"
+
 namespace luminav {
 namespace {
 
@@ -34,7 +36,7 @@ void judge_disc_ages(const EchoMemory& echoes, std::int64_t now, SenseAges& ages
   double rear = -1.0;
   for (std::size_t i = 0; i < echoes.newest().size(); ++i) {
     const SonarFiring& firing = echoes.newest()[i];
-    const double age = firing.utime == 0 ? 1e9 : std::max(0.0, 1e-6 * static_cast<double>(now - firing.utime));
+    const double age = firing.utime == 0 ? 1e9 : std::max(0.0, seconds_between(firing.utime, now));
     const double axis = std::abs(echoes.ring().robot_from_sonar[i].theta);
     ages.sonar = std::min(ages.sonar, age);
     if (axis < radians(45.0)) {
@@ -78,10 +80,10 @@ std::optional<std::size_t> StopLogic::first_obstruction(const DriveTwist& twist,
   const double sweep = corner_speed * duration;
   const double widest_margin = std::max(params_.margin, params_.known_margin);
   obstacles.visit_within(sweep + widest_margin + longest_own_distance, [&](std::size_t index) {
-    const ObstaclePoint obstacle = obstacles[index];
+    const ObstaclePoint& obstacle = obstacles.points()[index];
     const double own_distance = obstacle.approach * (obstacle.age + until_still);
     const double whole_margin = obstacle.is_known ? params_.known_margin : params_.margin;
-    if (obstacles.is_surely_beyond(index, sweep + whole_margin + own_distance)) {
+    if (footprint_.distance_from_box(obstacle.position) > sweep + whole_margin + own_distance) {
       return;
     }
     if (!room) {
@@ -95,7 +97,7 @@ std::optional<std::size_t> StopLogic::first_obstruction(const DriveTwist& twist,
       const Eigen::Vector2d position = end_from_start[static_cast<std::size_t>(i)] * obstacle.position;
       const double time = duration * (i + 1) / steps;
       const double nearer = obstacle.approach * (obstacle.age + std::min(time, until_still));
-      if (footprint_.is_surely_beyond(position, margin + nearer)) {
+      if (footprint_.distance_from_box(position) > margin + nearer) {
         continue;
       }
       const double later = footprint_.distance(position);
@@ -149,8 +151,8 @@ StopVerdict StopLogic::judge(const DriveTwist& wanted, const Obstacles& obstacle
     return verdict;
   }
   verdict.limited = true;
-  verdict.by_unknown = !obstacles[*obstruction].is_known;
-  verdict.reason = describe(obstacles[*obstruction]);
+  verdict.by_unknown = !obstacles.points()[*obstruction].is_known;
+  verdict.reason = describe(obstacles.points()[*obstruction]);
   for (const double share : kShares) {
     const DriveTwist slower{share * possible.linear, share * possible.angular};
     if (share < 1.0 && is_free(slower, duration, obstacles)) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/common/geometry/seconds.hpp"
+
 namespace luminav {
 namespace {
 
@@ -37,7 +39,7 @@ void TouchMemory::add(std::int64_t now, const Pose2& odom_from_robot, const Driv
 void TouchMemory::append(std::int64_t now, const Pose2& odom_from_robot, std::vector<ObstaclePoint>& obstacles) const {
   const Pose2 robot_from_odom = odom_from_robot.inverse();
   for (const Touch& touch : touches_) {
-    if (1e-6 * static_cast<double>(now - touch.utime) > params_.keep || now < touch.utime) {
+    if (seconds_between(touch.utime, now) > params_.keep || now < touch.utime) {
       continue;
     }
     for (const Eigen::Vector2d& point : touch.points_in_odom) {

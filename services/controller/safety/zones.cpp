@@ -20,7 +20,7 @@ Zones::Zones(const std::vector<Zone>& zones) {
   }
 }
 
-std::size_t Zones::add_edges(const Pose2& world_from_robot, double radius, PlanePoints& points) const {
+std::size_t Zones::add_edges(const Pose2& world_from_robot, double radius, std::vector<Eigen::Vector2d>& points) const {
   const Eigen::Vector2d robot = world_from_robot.position();
   const Pose2 robot_from_world = world_from_robot.inverse();
   const std::size_t before = points.size();
@@ -28,10 +28,9 @@ std::size_t Zones::add_edges(const Pose2& world_from_robot, double radius, Plane
     if (contains(area.zone.polygon, robot)) {
       continue;
     }
-    points.reserve(points.size() + area.edge.size());
     for (const Eigen::Vector2d& point : area.edge) {
       if ((point - robot).squaredNorm() <= radius * radius) {
-        points.add(robot_from_world * point);
+        points.push_back(robot_from_world * point);
       }
     }
   }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
-#include "services/controller/safety/plane_points.hpp"
+#include "services/common/geometry/pose2.hpp"
 
 namespace luminav {
 
@@ -16,7 +16,7 @@ class Zones {
 
   /// Adds the edges of all keep-out zones within `radius` [m] of the robot, in its frame, and returns how many points
   /// these are. Who is inside a zone may leave it: that one has no edge.
-  std::size_t add_edges(const Pose2& world_from_robot, double radius, PlanePoints& points) const;
+  std::size_t add_edges(const Pose2& world_from_robot, double radius, std::vector<Eigen::Vector2d>& points) const;
   /// Name of the keep-out zone in which the robot is; "" = none.
   [[nodiscard]] std::string keep_out_at(const Pose2& world_from_robot) const;
   /// The slow zone with the least speed at the robot or up to `ahead` [m] before it (behind it, where negative), or

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "services/controller/safety/seconds_between.hpp"
+#include "services/common/geometry/seconds.hpp"
 
 namespace luminav {
 void Wander::clear() {
@@ -31,7 +31,7 @@ Wander::Square Wander::square_at(const Eigen::Vector2d& place) const {
 
 // Free way counts by how little it was visited: a square never seen 1, one where it spent 4 s a half.
 double Wander::worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
-                     const PlanePoints& obstacles) const {
+                     std::span<const ObstaclePoint> obstacles) const {
   const double distance = free_distance(direction, params_.reach, obstacles, params_.heading.free_heading);
   if (distance < params_.blocked_below) {
     return -10.0 + distance;

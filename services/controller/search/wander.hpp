@@ -86,7 +86,7 @@ class Wander {
   using Square = std::pair<int, int>;
   [[nodiscard]] Square square_at(const Eigen::Vector2d& place) const;
   [[nodiscard]] double worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
-                             const PlanePoints& obstacles) const;
+                             std::span<const ObstaclePoint> obstacles) const;
   void plan(const WanderInput& input);
   [[nodiscard]] DriveTwist follow_path(double duration, const WanderInput& input);
   [[nodiscard]] DriveTwist explore(double duration, const WanderInput& input);

@@ -16,29 +16,23 @@ OccupancyGrid small_grid() {
   return grid;
 }
 
-PlanePoints known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot) {
-  PlanePoints walls;
-  find_known_walls(grid, world_from_robot, {}, walls);
-  return walls;
-}
-
 TEST(LocalMap, GivesTheFaceOfAWallTowardsTheRobot) {
-  const auto walls = known_walls(small_grid(), {1.5, 1.05, 0.0});
+  const auto walls = known_walls(small_grid(), {1.5, 1.05, 0.0}, 1.5);
   ASSERT_EQ(walls.size(), 1U);
   EXPECT_NEAR(walls[0].x(), 0.5, 1e-9);
   EXPECT_NEAR(walls[0].y(), 0.0, 1e-9);
-  EXPECT_TRUE(known_walls(small_grid(), {0.2, 1.05, 0.0}).empty());
+  EXPECT_TRUE(known_walls(small_grid(), {0.2, 1.05, 0.0}, 1.5).empty());
 }
 
 TEST(LocalMap, TurnsWallsIntoTheRobotsFrame) {
-  const auto walls = known_walls(small_grid(), {1.5, 1.05, kPi / 2.0});
+  const auto walls = known_walls(small_grid(), {1.5, 1.05, kPi / 2.0}, 1.5);
   ASSERT_EQ(walls.size(), 1U);
   EXPECT_NEAR(walls[0].x(), 0.0, 1e-9);
   EXPECT_NEAR(walls[0].y(), -0.5, 1e-9);
 }
 
 TEST(LocalMap, BearsARobotOutsideTheGrid) {
-  EXPECT_TRUE(known_walls(small_grid(), {-50.0, 90.0, 0.0}).empty());
+  EXPECT_TRUE(known_walls(small_grid(), {-50.0, 90.0, 0.0}, 1.5).empty());
 }
 
 TEST(LocalMap, MeasuresToTheCellNotToItsCentre) {

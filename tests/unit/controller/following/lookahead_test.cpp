@@ -18,7 +18,6 @@ TEST(LookAhead, IsAMetreFurtherAlongThePath) {
   EXPECT_NEAR(result.point.y(), 0.0, 1e-12);
   EXPECT_NEAR(result.travelled, 0.5, 1e-12);
   EXPECT_NEAR(result.distance_left, std::hypot(2.5, 0.1), 1e-12);
-  EXPECT_NEAR(result.off_path, 0.1, 1e-12);
 }
 
 TEST(LookAhead, EndsAtTheEndOfThePath) {

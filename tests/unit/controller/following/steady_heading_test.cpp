@@ -8,11 +8,8 @@ namespace {
 /// Nothing stands anywhere: what is chosen follows from the wish and from what was chosen before.
 class SteadyHeadingTest : public ::testing::Test {
  protected:
-  double choose(double wish, double theta, double duration) {
-    return heading_.choose(wish, 0.9, theta, duration, nothing_);
-  }
+  double choose(double wish, double theta, double duration) { return heading_.choose(wish, 0.9, theta, duration, {}); }
 
-  PlanePoints nothing_;
   SteadyHeading heading_{{.free_heading = {}, .smoothing = 0.2, .jump = radians(20.0)}};
 };
 

@@ -11,11 +11,11 @@ using testing::around;
 using testing::obstacle_at;
 
 TEST(FreeDistance, EndsBeforeWhatStandsInTheStrip) {
-  const PlanePoints post = around({obstacle_at(1.0, 0.1)}).points();
+  const std::vector<ObstaclePoint> post = around({obstacle_at(1.0, 0.1)}).points();
   EXPECT_NEAR(free_distance(0.0, 3.0, post, {}), 1.0 - 0.21, 1e-12);
   EXPECT_DOUBLE_EQ(free_distance(0.0, 0.5, post, {}), 0.5);
   EXPECT_DOUBLE_EQ(free_distance(kPi, 3.0, post, {}), 3.0);
-  const PlanePoints beside = around({obstacle_at(1.0, 0.3)}).points();
+  const std::vector<ObstaclePoint> beside = around({obstacle_at(1.0, 0.3)}).points();
   EXPECT_DOUBLE_EQ(free_distance(0.0, 3.0, beside, {}), 3.0);
 }
 
@@ -25,14 +25,14 @@ TEST(FreeHeading, IsTheWishWhereItIsFree) {
 
 TEST(FreeHeading, GoesRoundABoxOnTheShorterSide) {
   // reaches farther to the left than to the right
-  const PlanePoints box = around(testing::wall({0.9, -0.05}, {0.9, 0.4})).points();
+  const std::vector<ObstaclePoint> box = around(testing::wall({0.9, -0.05}, {0.9, 0.4})).points();
   const double heading = choose_free_heading(0.0, 1.0, std::nullopt, box, {});
   EXPECT_LT(heading, -0.15);
   EXPECT_GT(free_distance(heading, 1.0, box, {}), 0.9);
 }
 
 TEST(FreeHeading, KeepsToTheSideItChose) {
-  const PlanePoints box = around(testing::wall({0.9, -0.2}, {0.9, 0.2})).points();
+  const std::vector<ObstaclePoint> box = around(testing::wall({0.9, -0.2}, {0.9, 0.2})).points();
   EXPECT_GT(choose_free_heading(0.02, 1.0, 0.5, box, {}), 0.0);
   EXPECT_GT(choose_free_heading(-0.02, 1.0, 0.5, box, {}), 0.0);
   EXPECT_LT(choose_free_heading(0.02, 1.0, -0.5, box, {}), 0.0);

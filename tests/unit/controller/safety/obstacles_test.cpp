@@ -16,7 +16,7 @@ const Footprint kOctagon(
 
 struct Scene {
   std::vector<ObstaclePoint> measured;
-  PlanePoints walls;
+  std::vector<Eigen::Vector2d> walls;
 };
 
 Scene random_scene(std::mt19937& random, std::size_t measured, std::size_t walls) {
@@ -25,9 +25,8 @@ Scene random_scene(std::mt19937& random, std::size_t measured, std::size_t walls
   for (std::size_t i = 0; i < measured; ++i) {
     scene.measured.push_back({{place(random), place(random)}, 0.0, 0.1, i % 3 == 0});
   }
-  scene.walls.reserve(walls);
   for (std::size_t i = 0; i < walls; ++i) {
-    scene.walls.add(Eigen::Vector2d(place(random), place(random)));
+    scene.walls.emplace_back(place(random), place(random));
   }
   return scene;
 }
@@ -35,24 +34,22 @@ Scene random_scene(std::mt19937& random, std::size_t measured, std::size_t walls
 template <typename Counts>
 double min_one_by_one(const Obstacles& obstacles, double max, const Counts& counts) {
   double min = max;
-  for (std::size_t i = 0; i < obstacles.size(); ++i) {
-    min = counts(obstacles[i]) ? std::min(min, obstacles.footprint().distance(obstacles.position(i))) : min;
+  for (const ObstaclePoint& obstacle : obstacles.points()) {
+    min = counts(obstacle) ? std::min(min, obstacles.footprint().distance(obstacle.position)) : min;
   }
   return min;
 }
 
 TEST(Obstacles, AreTheMeasuredOnesThenTheWalls) {
-  PlanePoints walls;
-  walls.reserve(1);
-  walls.add(Eigen::Vector2d(2.0, 3.0));
+  const std::vector<Eigen::Vector2d> walls{{2.0, 3.0}};
   Obstacles obstacles(kOctagon);
   obstacles.set(std::vector<ObstaclePoint>{{{1.0, 0.5}, 0.7, 0.2, false, true}}, walls);
-  ASSERT_EQ(obstacles.size(), 2U);
-  EXPECT_DOUBLE_EQ(obstacles[0].approach, 0.7);
-  EXPECT_FALSE(obstacles[0].is_known);
-  EXPECT_EQ(obstacles[1].position, Eigen::Vector2d(2.0, 3.0));
-  EXPECT_TRUE(obstacles[1].is_known);
-  EXPECT_DOUBLE_EQ(obstacles[1].approach, 0.0);
+  ASSERT_EQ(obstacles.points().size(), 2U);
+  EXPECT_DOUBLE_EQ(obstacles.points()[0].approach, 0.7);
+  EXPECT_FALSE(obstacles.points()[0].is_known);
+  EXPECT_EQ(obstacles.points()[1].position, Eigen::Vector2d(2.0, 3.0));
+  EXPECT_TRUE(obstacles.points()[1].is_known);
+  EXPECT_DOUBLE_EQ(obstacles.points()[1].approach, 0.0);
 }
 
 TEST(Obstacles, TellHowFarNewsAreFromTheOutline) {
@@ -73,8 +70,6 @@ TEST(Obstacles, ForgetWhatStoodNearerBefore) {
   Obstacles obstacles(kOctagon, near);
   obstacles.set(std::vector<ObstaclePoint>{{{1.2, 0.0}, 0.0, 0.1, false, false}}, {});
   EXPECT_DOUBLE_EQ(obstacles.min_distance(10.0), 1.0);
-  EXPECT_TRUE(obstacles.is_surely_beyond(0, 0.99));
-  EXPECT_FALSE(obstacles.is_surely_beyond(0, 1.0));
 }
 
 TEST(Obstacles, MeasureAsIfOneByOne) {
@@ -99,9 +94,9 @@ TEST(Obstacles, AreVisitedInOrderWhereTheyAreNear) {
   std::vector<std::size_t> visited;
   obstacles.visit_within(0.4, [&](std::size_t i) { visited.push_back(i); });
   EXPECT_TRUE(std::is_sorted(visited.begin(), visited.end()));
-  EXPECT_LT(visited.size(), obstacles.size() / 2);
-  for (std::size_t i = 0; i < obstacles.size(); ++i) {
-    if (kOctagon.distance(obstacles.position(i)) <= 0.4) {
+  EXPECT_LT(visited.size(), obstacles.points().size() / 2);
+  for (std::size_t i = 0; i < obstacles.points().size(); ++i) {
+    if (kOctagon.distance(obstacles.points()[i].position) <= 0.4) {
       EXPECT_TRUE(std::binary_search(visited.begin(), visited.end(), i));
     }
   }
@@ -111,9 +106,9 @@ TEST(Obstacles, AreSeenFromAnotherPlace) {
   const Pose2 here_from_there{0.3, -0.2, 0.7};
   const Obstacles here(kOctagon, std::vector<ObstaclePoint>{{{1.0, 0.5}, 0.0, 0.0, false}});
   const Obstacles there = here.seen_from(here_from_there.inverse());
-  EXPECT_NEAR((here_from_there * there.position(0) - here.position(0)).norm(), 0.0, 1e-12);
-  EXPECT_EQ(there[0].position, there.position(0));
-  EXPECT_NEAR(there.min_distance(10.0), kOctagon.distance(there.position(0)), 1e-12);
+  const Eigen::Vector2d seen = there.points()[0].position;
+  EXPECT_NEAR((here_from_there * seen - here.points()[0].position).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(there.min_distance(10.0), kOctagon.distance(seen), 1e-12);
 }
 
 }  // namespace
