@@ -90,12 +90,14 @@ struct Relaxation {
 Eigen::Vector2d push_of(const ConfigurationSpace& space, double max, const Eigen::Vector2d& p) {
   const double range = 1.2;  // [m] obstacles farther away do not push
   const double h = space.geometry().resolution;
-  const auto [here, right, left, above, below] = space.clearances_around(p, h);
-  const double depth = std::max(0.0, 1.0 - here / range);
+  const double depth = std::max(0.0, 1.0 - space.clearance_at(p) / range);
   if (depth <= 0.0) {
     return Eigen::Vector2d::Zero();
   }
-  const Eigen::Vector2d difference(right - left, above - below);
+  const Eigen::Vector2d x(h, 0.0);
+  const Eigen::Vector2d y(0.0, h);
+  const Eigen::Vector2d difference(space.clearance_at(p + x) - space.clearance_at(p - x),
+                                   space.clearance_at(p + y) - space.clearance_at(p - y));
   const Eigen::Vector2d gradient =
       difference / (2.0 * h);  // of length 1 where one obstacle is nearest, 0 in the middle between two
   return max * depth * gradient;

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <new>
-#include <utility>
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
@@ -24,39 +21,17 @@ struct CellWindow {
   [[nodiscard]] CellWindow grown(int cells, int columns, int rows) const;
 };
 
-/// Leaves new elements of a vector as they are, to be written before they are read.
-template <typename T>
-struct UnfilledAllocator : std::allocator<T> {
-  template <typename U>
-  struct rebind {
-    using other = UnfilledAllocator<U>;
-  };
-  template <typename U>
-  void construct(U* place) noexcept {
-    ::new (static_cast<void*>(place)) U;
-  }
-  template <typename U, typename... Values>
-  void construct(U* place, Values&&... values) {
-    ::new (static_cast<void*>(place)) U(std::forward<Values>(values)...);
-  }
-};
-
 /// One bit per cell, row-major, each row in words of its own with the lowest column in the lowest bit: an eighth of the
 /// memory of bytes, and 64 cells an operation. Bits beyond the last column are always 0, and so is one more word behind
 /// each row, so that what shifts bits over many rows at once takes none from one row into the next.
 class BitGrid {
  public:
   BitGrid() = default;
-  BitGrid(int columns, int rows) : BitGrid(unfilled(columns, rows)) { std::fill(words_.begin(), words_.end(), 0U); }
-  /// One whose rows are all to be written, `stride()` words each, before they are read.
-  static BitGrid unfilled(int columns, int rows) {
-    BitGrid grid;
-    grid.columns_ = columns;
-    grid.rows_ = rows;
-    grid.words_per_row_ = static_cast<std::size_t>(columns + 63) / 64;
-    grid.words_.resize(grid.stride() * static_cast<std::size_t>(rows));
-    return grid;
-  }
+  BitGrid(int columns, int rows)
+      : columns_(columns),
+        rows_(rows),
+        words_per_row_(static_cast<std::size_t>(columns + 63) / 64),
+        words_(stride() * static_cast<std::size_t>(rows), 0) {}
 
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
@@ -93,7 +68,7 @@ class BitGrid {
   int columns_ = 0;
   int rows_ = 0;
   std::size_t words_per_row_ = 0;
-  std::vector<std::uint64_t, UnfilledAllocator<std::uint64_t>> words_;
+  std::vector<std::uint64_t> words_;
 };
 
 /// The smallest window with all bits in which two grids of one size differ; empty when they are the same.

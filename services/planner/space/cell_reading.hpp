@@ -18,8 +18,5 @@ struct CellReading {
 /// which all are written.
 void read_cells(const CellReading& reading, const Prior* prior, const std::int8_t* evidence, int columns,
                 std::uint64_t* solid, std::uint64_t* unknown);
-/// The same on machines without wide vectors.
-void read_cells_plain(const CellReading& reading, const Prior* prior, const std::int8_t* evidence, int columns,
-                      std::uint64_t* solid, std::uint64_t* unknown);
 
 }  // namespace luminav

@@ -15,24 +15,6 @@ constexpr int kHighestPrice = 36;  // a diagonal step of 7 * 36 still fits the b
 
 constexpr int kBlock = 64;  // [cells] side of what is measured at once
 
-/// Places along one axis: the cells whose centres lie before them, and the parts of a cell to there.
-template <std::size_t kCount>
-struct AxisPlaces {
-  std::array<int, kCount> cell;
-  std::array<double, kCount> part;
-};
-
-template <std::size_t kCount>
-AxisPlaces<kCount> locate(const std::array<double, kCount>& in_world, double origin, double resolution) {
-  AxisPlaces<kCount> places;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const double at = (in_world[i] - origin) / resolution - 0.5;
-    places.cell[i] = floor_to_int(at);
-    places.part[i] = at - places.cell[i];
-  }
-  return places;
-}
-
 CellWindow united(const CellWindow& a, const CellWindow& b) {
   return {std::min(a.first_column, b.first_column), std::max(a.last_column, b.last_column),
           std::min(a.first_row, b.first_row), std::max(a.last_row, b.last_row)};
@@ -77,9 +59,9 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, c
       use_evidence_(use_evidence),
       is_graded_(is_weighed && params.clearance_weight > 0.0),
       geometry_(grid.geometry),
-      solid_(BitGrid::unfilled(geometry_.columns, geometry_.rows)),
-      unknown_(BitGrid::unfilled(geometry_.columns, geometry_.rows)),
-      passable_(BitGrid::unfilled(geometry_.columns, geometry_.rows)) {
+      solid_(geometry_.columns, geometry_.rows),
+      unknown_(geometry_.columns, geometry_.rows),
+      passable_(geometry_.columns, geometry_.rows) {
   check(params, geometry_.resolution);
   price_ = price_table(params, geometry_.resolution);
   for (int square = 0; square < 256; ++square) {
@@ -122,7 +104,6 @@ void ConfigurationSpace::read(const OccupancyGrid& grid, const std::vector<Suspe
     const std::size_t first = geometry_.index({0, row});
     read_cells(reading, grid.prior.data() + first, grid.evidence.data() + first, geometry_.columns, solid.row(row),
                unknown.row(row));
-    solid.row(row)[solid.words_per_row()] = unknown.row(row)[unknown.words_per_row()] = 0;
   }
   for (const SuspectedObstacle& disc : suspected) {
     const Cell centre = geometry_.cell_at(disc.centre);
@@ -233,8 +214,8 @@ ConfigurationSpace::Update ConfigurationSpace::update(const OccupancyGrid& grid,
     *this = ConfigurationSpace(params_, grid, suspected, use_evidence_, is_graded_);
     return {};
   }
-  BitGrid solid = BitGrid::unfilled(geometry_.columns, geometry_.rows);
-  BitGrid unknown = BitGrid::unfilled(geometry_.columns, geometry_.rows);
+  BitGrid solid(geometry_.columns, geometry_.rows);
+  BitGrid unknown(geometry_.columns, geometry_.rows);
   read(grid, suspected, 0, geometry_.rows, solid, unknown);
   add_zones(0, geometry_.rows, solid, unknown);
   const CellWindow in_solid = difference(solid, solid_);
@@ -290,58 +271,14 @@ double ConfigurationSpace::clearance(const Cell& cell) const {
   return geometry_.contains(cell) ? static_cast<double>(metres_[squared_distance(cell)]) : 0.0;
 }
 
-inline double ConfigurationSpace::between_cells(const Cell& cell, double u, double v) const {
-  const std::uint8_t* lower = squared_distance_.get() + geometry_.index(cell);
-  const std::uint8_t* upper = lower + geometry_.columns;
-  return (1.0 - v) * ((1.0 - u) * static_cast<double>(metres_[lower[0]]) + u * static_cast<double>(metres_[lower[1]])) +
-         v * ((1.0 - u) * static_cast<double>(metres_[upper[0]]) + u * static_cast<double>(metres_[upper[1]]));
-}
-
 double ConfigurationSpace::clearance_at(const Eigen::Vector2d& point_in_world) const {
   const Eigen::Vector2d p = (point_in_world - geometry_.origin) / geometry_.resolution - Eigen::Vector2d(0.5, 0.5);
   const int column = floor_to_int(p.x());
   const int row = floor_to_int(p.y());
   const double u = p.x() - column;
   const double v = p.y() - row;
-  // most often all four lie in one block that has been measured
-  const bool is_inside = column >= 0 && row >= 0 && column + 1 < geometry_.columns && row + 1 < geometry_.rows;
-  if (is_inside && (is_graded_ || ((column + 1) % kBlock != 0 && (row + 1) % kBlock != 0))) {
-    if (!is_graded_) {
-      measure_around({column, row});
-    }
-    return between_cells({column, row}, u, v);
-  }
   return (1.0 - v) * ((1.0 - u) * clearance({column, row}) + u * clearance({column + 1, row})) +
          v * ((1.0 - u) * clearance({column, row + 1}) + u * clearance({column + 1, row + 1}));
-}
-
-std::array<double, 5> ConfigurationSpace::clearances_around(const Eigen::Vector2d& point_in_world, double step) const {
-  // the point itself, then the one beyond it on the axis, and the one before
-  const double x = point_in_world.x();
-  const double y = point_in_world.y();
-  const AxisPlaces<3> columns = locate<3>({x, x + step, x - step}, geometry_.origin.x(), geometry_.resolution);
-  const AxisPlaces<3> rows = locate<3>({y, y + step, y - step}, geometry_.origin.y(), geometry_.resolution);
-  const int left = columns.cell[2];
-  const int right = columns.cell[1];
-  const int below = rows.cell[2];
-  const int above = rows.cell[1];
-  const bool is_inside = left >= 0 && below >= 0 && right + 1 < geometry_.columns && above + 1 < geometry_.rows;
-  const bool is_of_one_block = left / kBlock == (right + 1) / kBlock && below / kBlock == (above + 1) / kBlock;
-  if (!is_inside || (!is_graded_ && !is_of_one_block)) {
-    return {clearance_at(point_in_world), clearance_at({x + step, y}), clearance_at({x - step, y}),
-            clearance_at({x, y + step}), clearance_at({x, y - step})};
-  }
-  if (!is_graded_) {
-    measure_around({left, below});
-  }
-  constexpr std::array<std::size_t, 5> kColumn = {0, 1, 2, 0, 0};
-  constexpr std::array<std::size_t, 5> kRow = {0, 0, 0, 1, 2};
-  std::array<double, 5> result;
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] =
-        between_cells({columns.cell[kColumn[i]], rows.cell[kRow[i]]}, columns.part[kColumn[i]], rows.part[kRow[i]]);
-  }
-  return result;
 }
 
 double ConfigurationSpace::price_at(const Eigen::Vector2d& point_in_world) const {

@@ -70,10 +70,8 @@ class ConfigurationSpace {
   }
   /// Distance [m] from a cell's centre to the nearest occupied cell's; 1.6 m (at 0.1 m a cell) where nothing is near.
   [[nodiscard]] double clearance(const Cell& cell) const;
-  /// The same between cells, bilinear [m].
+  /// Clearance [m] at any point, bilinear between cells.
   [[nodiscard]] double clearance_at(const Eigen::Vector2d& point_in_world) const;
-  /// The same at a point, then to its right and left, above and below it, `step` [m] away.
-  [[nodiscard]] std::array<double, 5> clearances_around(const Eigen::Vector2d& point_in_world, double step) const;
   /// Price per metre, 1 = free, at a point; that of a blocked cell is `kBlockedPrice`.
   [[nodiscard]] double price_at(const Eigen::Vector2d& point_in_world) const;
   static constexpr double kBlockedPrice = 60.0;
@@ -85,9 +83,6 @@ class ConfigurationSpace {
   /// Takes the zones' cells into `solid`, and keeps those in which nothing else is.
   void add_zones(int first_row, int last_row, BitGrid& solid, const BitGrid& unknown);
   void widen(int first_row, int last_row);
-  /// Clearance [m] between a cell's centre and those to its right and above, by parts of a cell; all have been
-  /// measured.
-  [[nodiscard]] double between_cells(const Cell& cell, double u, double v) const;
   void measure(const CellWindow& window) const;
   void forget_distances(const CellWindow& window);
   /// Measures the block of a cell unless it has been.
