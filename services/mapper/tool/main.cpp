@@ -102,6 +102,52 @@ void draw(const std::string& file, const GridMapper& mapper, const std::vector<P
   write_picture(file, picture);
 }
 
+/// Poses of the first rows [m, rad]; throws where a row does not fit that of the ranges beside it.
+std::vector<Pose2> read_poses(const std::vector<Row>& pose_rows, const std::vector<Row>& ranges, std::size_t discs,
+                              std::size_t count, const Units& units) {
+  std::vector<Pose2> poses;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Row& row = pose_rows[i];
+    if (ranges[i].size() != discs + 1 || row.size() != 4 || ranges[i][0] != row[0]) {
+      throw std::runtime_error(
+          fmt::format("row {}: needs a time and {} ranges, a time and a pose, the times equal", i + 1, discs));
+    }
+    poses.push_back({row[1] * units.range, row[2] * units.range, wrap_angle(row[3] * units.angle)});
+  }
+  return poses;
+}
+
+GridMapper make_mapper(const RobotDescription& robot, SonarModelKind kind, const GridGeometry& geometry) {
+  GridMapperParams params;
+  params.sonar.kind = kind;
+  params.sonar.half_angle = robot.sonar.half_angle;
+  params.sonar.minimum_range = robot.sonar.minimum_range;
+  params.sonar.maximum_range = robot.sonar.maximum_range;
+  params.robot_radius = robot.inscribed_radius();
+  const PriorMap prior{geometry, std::vector<Prior>(geometry.size(), Prior::kUnknown)};
+  return {params, prior, static_cast<int>(robot.sonar.robot_from_sonar.size())};
+}
+
+void integrate(const std::vector<Row>& ranges, const std::vector<Pose2>& poses, const SonarRing& ring,
+               const Units& units, GridMapper& mapper) {
+  const std::size_t discs = ring.robot_from_sonar.size();
+  std::vector<double> last(discs, -1.0);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto utime = static_cast<std::int64_t>(ranges[i][0] * units.time * 1e6) + 1;
+    for (std::size_t disc = 0; disc < discs; ++disc) {
+      const double range = ranges[i][disc + 1] * units.range;
+      // rings that fire one disc after the other repeat the others' readings: each counts once
+      const bool is_repeated = range == last[disc] && i > 0 && distance(poses[i], poses[i - 1]) < 1e-9;
+      last[disc] = range;
+      if (!is_repeated) {
+        mapper.integrate({static_cast<int>(disc), utime, poses[i], poses[i] * ring.robot_from_sonar[disc], range,
+                          range < ring.maximum_range});
+      }
+    }
+    mapper.mark_robot(poses[i]);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -144,40 +190,10 @@ int main(int argc, char** argv) {
     }
     const std::size_t count =
         max_rows > 0 ? std::min(ranges.size(), static_cast<std::size_t>(max_rows)) : ranges.size();
-    std::vector<Pose2> poses;
-    for (std::size_t i = 0; i < count; ++i) {
-      if (ranges[i].size() != discs + 1 || pose_rows[i].size() != 4 || ranges[i][0] != pose_rows[i][0]) {
-        throw std::runtime_error(
-            fmt::format("row {}: needs a time and {} ranges, a time and a pose, the times equal", i + 1, discs));
-      }
-      poses.push_back(
-          {pose_rows[i][1] * units.range, pose_rows[i][2] * units.range, wrap_angle(pose_rows[i][3] * units.angle)});
-    }
-    GridMapperParams params;
-    params.sonar.kind = mode == "paper" ? SonarModelKind::kLine : SonarModelKind::kCone;
-    params.sonar.half_angle = robot.sonar.half_angle;
-    params.sonar.minimum_range = robot.sonar.minimum_range;
-    params.sonar.maximum_range = robot.sonar.maximum_range;
-    params.robot_radius = robot.inscribed_radius();
-    PriorMap prior;
-    prior.geometry = geometry_for(poses, 1.0 + robot.sonar.maximum_range, resolution);
-    prior.cells.assign(prior.geometry.size(), Prior::kUnknown);
-    GridMapper mapper(params, prior, static_cast<int>(discs));
-    std::vector<double> last(discs, -1.0);
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto utime = static_cast<std::int64_t>(ranges[i][0] * units.time * 1e6) + 1;
-      for (std::size_t disc = 0; disc < discs; ++disc) {
-        const double range = ranges[i][disc + 1] * units.range;
-        // rings that fire one disc after the other repeat the others' readings: each counts once
-        const bool is_repeated = range == last[disc] && i > 0 && distance(poses[i], poses[i - 1]) < 1e-9;
-        last[disc] = range;
-        if (!is_repeated) {
-          mapper.integrate({static_cast<int>(disc), utime, poses[i], poses[i] * robot.sonar.robot_from_sonar[disc],
-                            range, range < robot.sonar.maximum_range});
-        }
-      }
-      mapper.mark_robot(poses[i]);
-    }
+    const std::vector<Pose2> poses = read_poses(pose_rows, ranges, discs, count, units);
+    GridMapper mapper = make_mapper(robot, mode == "paper" ? SonarModelKind::kLine : SonarModelKind::kCone,
+                                    geometry_for(poses, 1.0 + robot.sonar.maximum_range, resolution));
+    integrate(ranges, poses, robot.sonar, units, mapper);
     const PriorMap map = mapper.combined();
     fmt::print("{{\"rows\":{},\"columns\":{},\"cells_high\":{},\"occupied\":{},\"free\":{}}}\n", count,
                map.geometry.columns, map.geometry.rows,

@@ -64,6 +64,43 @@ const char* name_of(RouteOutcome outcome) {
   return "";
 }
 
+/// Start and goal [m] of the words MAP.yaml X Y X Y.
+RouteRequest read_request(const std::vector<std::string>& words, double tolerance) {
+  if (words.size() != 5) {
+    throw ConfigurationError("needs MAP.yaml X Y X Y; see --help");
+  }
+  double numbers[4];
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::optional<double> number = read_number(words[i + 1]);
+    if (!number) {
+      throw ConfigurationError(fmt::format("found {}, expected a number [m]", words[i + 1]));
+    }
+    numbers[i] = *number;
+  }
+  return {{numbers[0], numbers[1]}, {numbers[2], numbers[3]}, tolerance};
+}
+
+nlohmann::json report_of(const Route& route, const ConfigurationSpace& space, double milliseconds) {
+  nlohmann::json report = {{"outcome", name_of(route.outcome)},
+                           {"found", route.outcome == RouteOutcome::kFound},
+                           {"milliseconds", milliseconds},
+                           {"columns", space.geometry().columns},
+                           {"rows", space.geometry().rows}};
+  if (route.outcome == RouteOutcome::kFound) {
+    double min = 1e9;
+    for (const Eigen::Vector2d& point : route.points) {
+      min = std::min(min, space.clearance_at(point));
+      report["points"].push_back({point.x(), point.y()});
+    }
+    report["length_m"] = polyline_length(route.points);
+    report["least_clearance_m"] = min;
+    report["goal_gap_m"] = route.goal_gap;
+  } else if (route.nearest_reachable) {
+    report["nearest_reachable"] = {route.nearest_reachable->x(), route.nearest_reachable->y()};
+  }
+  return report;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -84,17 +121,7 @@ int main(int argc, char** argv) {
     if (const auto status = options.parse(argc, argv)) {
       return *status;
     }
-    if (arguments.size() != 5) {
-      throw ConfigurationError("needs MAP.yaml X Y X Y; see --help");
-    }
-    double numbers[4];
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::optional<double> number = read_number(arguments[i + 1]);
-      if (!number) {
-        throw ConfigurationError(fmt::format("found {}, expected a number [m]", arguments[i + 1]));
-      }
-      numbers[i] = *number;
-    }
+    const RouteRequest request = read_request(arguments, tolerance);
     check_option("--mode", mode, {"paper", "modern"});
     check_option("--resolution", resolution, {0.01, 1.0});
     check_option("--tolerance", tolerance, {0.0, 100.0});
@@ -107,31 +134,12 @@ int main(int argc, char** argv) {
     params.space.hard_radius = radius;
     params.space.unknown_is_free = unknown_free;
     RoutePlanner planner(params);
-    const RouteRequest request{{numbers[0], numbers[1]}, {numbers[2], numbers[3]}, tolerance};
     const auto begin = std::chrono::steady_clock::now();
     planner.set_grid(grid, {});
     const Route route = planner.plan(request);
     const double milliseconds =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-    double min = 1e9;
-    for (const Eigen::Vector2d& point : route.points) {
-      min = std::min(min, planner.space().clearance_at(point));
-    }
-    nlohmann::json report = {{"outcome", name_of(route.outcome)},
-                             {"found", route.outcome == RouteOutcome::kFound},
-                             {"milliseconds", milliseconds},
-                             {"columns", map.geometry.columns},
-                             {"rows", map.geometry.rows}};
-    if (route.outcome == RouteOutcome::kFound) {
-      report["length_m"] = polyline_length(route.points);
-      report["least_clearance_m"] = min;
-      report["goal_gap_m"] = route.goal_gap;
-      for (const Eigen::Vector2d& point : route.points) {
-        report["points"].push_back({point.x(), point.y()});
-      }
-    } else if (route.nearest_reachable) {
-      report["nearest_reachable"] = {route.nearest_reachable->x(), route.nearest_reachable->y()};
-    }
+    nlohmann::json report = report_of(route, planner.space(), milliseconds);
     if (!json_file.empty()) {
       write_whole_file(json_file, report.dump(1) + "\n");
     }
