@@ -50,7 +50,7 @@ class CameraNode {
   FrameSource& source_;
   SimulatedCeiling* ceiling_ = nullptr;
   ExposureControl exposure_;
-  PictureWatch pictures_{{}};
+  PictureWatch pictures_;
   StampGuard odometry_stamps_;
   double angular_ = 0.0;  // [rad/s] newest known
   JpegEncoder encoder_;

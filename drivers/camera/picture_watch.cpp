@@ -8,6 +8,13 @@
 namespace luminav {
 namespace {
 
+constexpr int kEqualPictures = 5;      // in a row: the sensor's noise never draws the same picture twice
+constexpr double kDarkGrey = 8.0;      // [grey levels] mean of a picture that shows nothing,
+constexpr int kStructureGrey = 40;     // and in which next to no pixel is as bright
+constexpr double kStructure = 0.0005;  // share of the pixels that are
+constexpr double kWhiteGrey = 250.0;   // [grey levels] mean of one that is all white: it may come twice
+constexpr double kDarkFor = 1.5;       // [s] longer than the exposure takes after somebody switched the light off
+
 double mean_of(const GreyImage& image) {
   const auto sum = std::accumulate(image.pixels.begin(), image.pixels.end(), std::int64_t{0});
   return image.pixels.empty() ? 0.0 : static_cast<double>(sum) / static_cast<double>(image.pixels.size());
@@ -19,18 +26,22 @@ void PictureWatch::look_at(const GreyImage& image, std::int64_t utime) {
   utime_ = utime;
   const double mean = mean_of(image);
   const auto bright = std::count_if(image.pixels.begin(), image.pixels.end(),
-                                    [this](std::uint8_t pixel) { return pixel >= params_.structure_grey; });
-  const bool shows_nothing = mean < params_.dark_grey &&
-                             static_cast<double>(bright) < params_.structure * static_cast<double>(image.pixels.size());
+                                    [](std::uint8_t pixel) { return pixel >= kStructureGrey; });
+  const bool shows_nothing =
+      mean < kDarkGrey && static_cast<double>(bright) < kStructure * static_cast<double>(image.pixels.size());
   dark_since_ = !shows_nothing ? 0 : dark_since_ == 0 ? utime : dark_since_;
   // all black or all white is no sign: noise cannot be seen there
-  const bool is_equal = !shows_nothing && mean < params_.white_grey && image.pixels == last_.pixels;
+  const bool is_equal = !shows_nothing && mean < kWhiteGrey && image.pixels == last_.pixels;
   equal_ = is_equal ? equal_ + 1 : 1;
   last_ = image;
 }
 
+bool PictureWatch::is_frozen() const {
+  return equal_ >= kEqualPictures;
+}
+
 bool PictureWatch::is_dark() const {
-  return dark_since_ != 0 && seconds_between(dark_since_, utime_) > params_.dark_for;
+  return dark_since_ != 0 && seconds_between(dark_since_, utime_) > kDarkFor;
 }
 
 std::string PictureWatch::complaint() const {

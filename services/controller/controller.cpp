@@ -9,6 +9,25 @@
 namespace luminav {
 namespace {
 
+constexpr double kPatienceSearching = 3.0;   // [s] it waits for people while it can as well look elsewhere
+constexpr double kPatienceWithThings = 1.5;  // [s] it waits for what never moved
+constexpr double kPeopleWithin = 2.0;        // [m] something that comes nearer within it is a person
+constexpr double kPeopleRemembered = 8.0;    // [s] since it saw somebody
+constexpr double kSettleAfter = 1.5;         // [s] blocked within the tolerance counts as arrived
+constexpr double kStuckAfterPeople = 30.0;   // [s] without progress while people come towards it
+constexpr double kEscapePause = 3.0;         // [s] between two escapes
+constexpr double kEscapedAfter = 1.0;        // [m] from the place of the first escape
+constexpr int kMaxEscapes = 3;               // at one place; more is going in circles
+constexpr double kCareWithin = 0.5;          // [m] of something that no map has
+constexpr double kMinCare = 0.4;             // share of the robot's limits left when it is that near
+constexpr double kNewsSlow = 0.45;           // [m] from something new ahead it drives at `kNewsSpeed`
+constexpr double kNewsFree = 0.95;           // [m] and at full speed
+constexpr double kNewsSpeed = 0.20;          // [m/s] stops within the tenth of a metre that people keep
+constexpr double kNewsAge = 0.5;             // [s] since it was heard; a newer firing has the say then
+constexpr double kHoldWithin = 0.35;         // [m] of something that no map has and that stops it: stands quite still
+constexpr double kHoldPause = 1.0;           // [s] after that it tries by itself
+constexpr double kWallClearance = 0.28;      // [m] from the building's walls to where the robot's middle may be
+
 /// Where the robot is when it comes to getting on: by the ceiling where that is known, since wheels that spin get
 /// nowhere.
 const Pose2& place_of(const ControlInput& input) {
@@ -27,8 +46,7 @@ Controller::Controller(const ControllerConfig& config)
       stop_logic_(config.robot, config.stop_logic),
       follower_(config.follower, stop_logic_),
       wander_(config.wander, config.robot.sonar, stop_logic_,
-              CeilingForecast(config.building, config.walls, config.view_radius(), config.wall_clearance)),
-      progress_(config.progress),
+              CeilingForecast(config.building, config.walls, config.view_radius(), kWallClearance)),
       zones_(config.building.zones),
       obstacles_(stop_logic_.footprint()),
       ramp_(config.robot.limits, config.jerk) {}
@@ -139,27 +157,27 @@ ControlOutput Controller::step(const ControlInput& input) {
 // What the building's map knows neither walks nor is news.
 void Controller::look_for_people(std::int64_t now) {
   for (const ObstaclePoint& obstacle : obstacles_.measured()) {
-    if (obstacle.approach > 0.0 && obstacle.position.norm() < config_.people_within) {
+    if (obstacle.approach > 0.0 && obstacle.position.norm() < kPeopleWithin) {
       people_seen_ = now;
     }
   }
 }
 
 bool Controller::has_met_people(std::int64_t now) const {
-  return people_seen_ != 0 && seconds_between(people_seen_, now) < config_.people_remembered;
+  return people_seen_ != 0 && seconds_between(people_seen_, now) < kPeopleRemembered;
 }
 
 // Something near that is on no map may be somebody about to move: slower, so that the next echo comes in time. What
 // appears ahead where nothing was may be somebody who walks towards it, and his next echo comes a third of a second and
 // half a metre later.
 DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const {
-  const double share = std::clamp(nearest / config_.care_within, config_.min_care, 1.0);
+  const double share = std::clamp(nearest / kCareWithin, kMinCare, 1.0);
   // without a map all walls are unknown, but people do not stand still for long: it turns beside what stands
   const double news = task_ == ControlTask::kWander ? obstacles_.min_news_distance(10.0) : nearest;
-  const double turn_share = std::clamp(news / config_.care_within, config_.min_care, 1.0);
+  const double turn_share = std::clamp(news / kCareWithin, kMinCare, 1.0);
   double linear = share * config_.robot.limits.linear;
   for (const ObstaclePoint& obstacle : obstacles_.measured()) {
-    if (obstacle.is_known || obstacle.has_stood || obstacle.age > config_.news_age) {
+    if (obstacle.is_known || obstacle.has_stood || obstacle.age > kNewsAge) {
       continue;
     }
     const double come_nearer = obstacle.age * config_.robot.limits.linear;
@@ -168,9 +186,9 @@ DriveTwist Controller::with_care(const DriveTwist& wanted, double nearest) const
       continue;
     }
     const double gap = stop_logic_.footprint().distance(obstacle.position) - come_nearer;
-    const double fraction = std::clamp((gap - config_.news_slow) / (config_.news_free - config_.news_slow), 0.0, 1.0);
+    const double fraction = std::clamp((gap - kNewsSlow) / (kNewsFree - kNewsSlow), 0.0, 1.0);
     const double max = config_.robot.limits.linear;
-    linear = std::min(linear, max - (1.0 - fraction) * std::max(0.0, max - config_.news_speed));
+    linear = std::min(linear, max - (1.0 - fraction) * std::max(0.0, max - kNewsSpeed));
   }
   const double angular = turn_share * config_.robot.limits.angular;
   return {std::clamp(wanted.linear, -linear, linear), std::clamp(wanted.angular, -angular, angular)};
@@ -185,13 +203,13 @@ void Controller::hold_still(std::int64_t now, const Pose2& place, const DriveTwi
   const bool is_inching = std::abs(verdict.twist.linear) < 0.04 && std::abs(verdict.twist.angular) < 0.25;
   const bool is_stopped =
       verdict.limited && verdict.by_unknown && has_met_people(now) && !is_still(wanted) && is_inching;
-  if (hold_since_ == 0 && drives_itself && is_stopped && nearest < config_.hold_within && now >= next_hold_) {
+  if (hold_since_ == 0 && drives_itself && is_stopped && nearest < kHoldWithin && now >= next_hold_) {
     hold_since_ = now;
   }
   if (hold_since_ == 0) {
     return;
   }
-  const bool is_gone = nearest > config_.hold_within;
+  const bool is_gone = nearest > kHoldWithin;
   if (!drives_itself || is_gone || seconds_between(hold_since_, now) > config_.patience) {
     if (is_gone) {
       // the way is free again: what happened before counts no more
@@ -200,7 +218,7 @@ void Controller::hold_still(std::int64_t now, const Pose2& place, const DriveTwi
       standing_since_ = 0;
     }
     hold_since_ = 0;
-    next_hold_ = now + microseconds_of(config_.hold_pause);
+    next_hold_ = now + microseconds_of(kHoldPause);
     return;
   }
   verdict.twist = {};
@@ -321,7 +339,7 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, Contro
   }
   const auto move = choose_escape(situation, obstacles_, stop_logic_);
   // a way is not wrong because there is no room to turn to it
-  const bool keeps_to_its_path = move && move->frees_a_turn && escapes_ < config_.max_escapes;
+  const bool keeps_to_its_path = move && move->frees_a_turn && escapes_ < kMaxEscapes;
   if (input.task == ControlTask::kWander && !keeps_to_its_path) {
     wander_.give_up(input.now, input.odom_from_robot);
   }
@@ -334,15 +352,15 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, Contro
     escape_place_ = place_of(input);
     escape_since_ = input.now;
   }
-  next_escape_ = input.now + microseconds_of(config_.escape_pause);
+  next_escape_ = input.now + microseconds_of(kEscapePause);
 }
 
 double Controller::judge_progress(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output) {
-  if (escapes_ > 0 && distance(escape_place_, place_of(input)) > config_.escaped_after) {
+  if (escapes_ > 0 && distance(escape_place_, place_of(input)) > kEscapedAfter) {
     escapes_ = 0;
   }
   // to and fro between escape and obstacle is no progress
-  const bool goes_in_circles = escapes_ >= config_.max_escapes;
+  const bool goes_in_circles = escapes_ >= kMaxEscapes;
   const double without_progress = progress_.update(input.now, place_of(input));
   output.seconds_without_progress = without_progress;
   // who drives freely again after the last escape is let drive: the next escape would only turn it back
@@ -356,7 +374,7 @@ void Controller::end_escape(std::int64_t now, const StopVerdict& verdict) {
   if (escape_ && (verdict.blocked || !escape_twist(now))) {
     escape_.reset();
     standing_since_ = 0;
-    next_escape_ = now + microseconds_of(config_.escape_pause);
+    next_escape_ = now + microseconds_of(kEscapePause);
   }
 }
 
@@ -370,7 +388,7 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
     return;
   }
   const double without_progress = judge_progress(input, verdict, output);
-  const bool goes_in_circles = escapes_ >= config_.max_escapes;
+  const bool goes_in_circles = escapes_ >= kMaxEscapes;
   end_escape(input.now, verdict);
   if (escape_) {
     return;
@@ -385,12 +403,12 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
   if (verdict.blocked && waits_for_people && input.task == ControlTask::kFollow) {
     output.state = ControlState::kYielding;
   }
-  if (standing > config_.settle_after && input.task == ControlTask::kFollow && input.world_from_robot &&
+  if (standing > kSettleAfter && input.task == ControlTask::kFollow && input.world_from_robot &&
       follower_.is_within_tolerance(*input.world_from_robot)) {
     follower_.settle();
   }
-  const double with_people = input.task == ControlTask::kWander ? config_.patience_searching : config_.patience;
-  const double patience = waits_for_people ? with_people : config_.patience_with_things;
+  const double with_people = input.task == ControlTask::kWander ? kPatienceSearching : config_.patience;
+  const double patience = waits_for_people ? with_people : kPatienceWithThings;
   const bool is_stuck = output.seconds_without_progress > config_.stuck_after;
   const bool is_waiting = standing > 0.0 && standing < patience;
   // who is only to turn where it stands does not leave its place for that
@@ -400,7 +418,7 @@ void Controller::wait_or_escape(const ControlInput& input, const StopVerdict& ve
     begin_escape(input, verdict.by_unknown, output);
   }
   // somebody who stands about is no reason to give up a goal, for a while
-  const bool is_patient = has_met_people(input.now) && output.seconds_without_progress < config_.stuck_after_people;
+  const bool is_patient = has_met_people(input.now) && output.seconds_without_progress < kStuckAfterPeople;
   if (!escape_ && is_stuck && is_patient && input.task == ControlTask::kFollow && is_still(output.twist)) {
     output.state = ControlState::kYielding;
   } else if (!escape_ && is_stuck && !is_waiting) {

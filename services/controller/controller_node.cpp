@@ -15,6 +15,11 @@
 namespace luminav {
 namespace {
 
+constexpr double kPoseStaleAfter = 0.25;     // [s] against the newest odometry: two poses missing of ten a second
+constexpr double kPlannerSilentAfter = 3.0;  // [s] without NAVIGATION_STATUS
+constexpr double kTeleopSilentAfter = 0.3;   // [s] dead man
+constexpr double kTeleopPause = 1.0;         // [s] after a person let go, before it drives by itself again
+
 constexpr std::int64_t kStatusPeriod = 100'000;   // [us] of CONTROL_STATUS
 constexpr std::int64_t kStatusMissing = 150'000;  // [us] without ROBOT_STATUS: ODOMETRY becomes the tick
 
@@ -34,7 +39,7 @@ ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config, st
       controller_(config),
       echoes_(config.robot.sonar, config.echo_memory),
       sonar_watch_(config.robot.sonar, config.sonar_watch),
-      touches_(config.robot, config.touch_memory) {
+      touches_(config.robot) {
   subscriber_.on(channels::kPath, &ControllerNode::on_path, this);
   subscriber_.on(channels::kNavigationStatus, &ControllerNode::on_navigation_status, this);
   subscriber_.on(channels::kGridTile, &ControllerNode::on_grid_tile, this);
@@ -239,8 +244,8 @@ void ControllerNode::on_teleop_command(const teleop_command_t& message) {
     return;
   }
   teleop_ = message;
-  if (std::abs(seconds_between(message.utime, newest_tick_)) <= config_.teleop_silent_after) {
-    teleop_until_ = message.utime + microseconds_of(config_.teleop_silent_after);
+  if (std::abs(seconds_between(message.utime, newest_tick_)) <= kTeleopSilentAfter) {
+    teleop_until_ = message.utime + microseconds_of(kTeleopSilentAfter);
   }
 }
 
@@ -255,7 +260,7 @@ std::optional<std::string> ControllerNode::reason_not_to_trust_pose() const {
     return "the pose is ahead of the odometry";
   }
   const double age = seconds_between(pose_->utime, odometry_.newest().utime);
-  if (age > config_.pose_stale_after) {
+  if (age > kPoseStaleAfter) {
     return say_age("the pose", age);
   }
   return std::nullopt;
@@ -302,7 +307,7 @@ std::optional<std::string> ControllerNode::reason_to_halt(std::int64_t utime) co
 
 void ControllerNode::choose_task(std::int64_t utime, ControlInput& input) const {
   input.halt = reason_to_halt(utime);
-  const auto pause = microseconds_of(config_.teleop_pause);
+  const auto pause = microseconds_of(kTeleopPause);
   if (utime <= teleop_until_ + pause) {
     input.task = ControlTask::kTeleop;
     if (teleop_ && utime <= teleop_until_) {
@@ -316,7 +321,7 @@ void ControllerNode::choose_task(std::int64_t utime, ControlInput& input) const 
     input.task_reason = "no goal yet";
     return;
   }
-  if (seconds_between(navigation_heard_, utime) > config_.planner_silent_after) {
+  if (seconds_between(navigation_heard_, utime) > kPlannerSilentAfter) {
     input.task_reason = "the planner is silent";
     return;
   }

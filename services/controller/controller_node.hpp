@@ -23,6 +23,7 @@
 #include "services/controller/controller_config.hpp"
 #include "services/controller/recent_odometry.hpp"
 #include "services/controller/safety/sonar_watch.hpp"
+#include "services/controller/safety/touch_memory.hpp"
 
 namespace luminav {
 

@@ -10,9 +10,21 @@
 namespace luminav {
 namespace {
 
-constexpr double kBesideDisc = 0.1;    // [m] nearer to a disc nothing can hide anything
-constexpr double kSelfEcho = 0.3;      // [m] around the reading that may belong to the wall itself
-constexpr double kRobotLogOdds = 1.0;  // the robot's own place is certain
+constexpr double kPriorWidening = radians(2.0);  // [rad] added to a cone for the error of the believed heading
+// [rad] a wall seen more obliquely throws the sound away: silence says nothing about it
+constexpr double kSpecularIncidence = radians(20.0);
+constexpr double kStandingGap = 1.5;  // [s] of silence: what is heard then is another thing
+// Within this range of a disc anything is heard up to this angle, off its axis too: the cones of two discs leave a gap
+// between them so near.
+constexpr double kLobeRange = 0.45;           // [m]
+constexpr double kLobeAngle = radians(40.0);  // [rad]
+constexpr double kLobeLogOdds = 0.10;         // taken there
+constexpr std::size_t kDisputePoses = 3;      // from which a wall must be seen through
+constexpr double kDisputeSpacing = 0.5;       // [m] between them
+constexpr double kViewAngle = radians(3.0);   // [rad] that a disc turns before it votes in the same place again
+constexpr double kBesideDisc = 0.1;           // [m] nearer to a disc nothing can hide anything
+constexpr double kSelfEcho = 0.3;             // [m] around the reading that may belong to the wall itself
+constexpr double kRobotLogOdds = 1.0;         // the robot's own place is certain
 
 std::vector<std::uint8_t> cells_near_walls(const OccupancyGrid& grid, double distance) {
   const int reach = static_cast<int>(std::floor(distance / grid.geometry.resolution + 1e-9));
@@ -42,12 +54,9 @@ GridMapper::GridMapper(const GridMapperParams& params, const PriorMap& prior, in
       grid_(prior.geometry),
       free_space_(params.sonar),
       filter_(params.filter, discs),
-      standing_(params.standing_time, params.standing_gap) {
+      standing_(params.standing_time, kStandingGap) {
   if (prior.cells.size() != prior.geometry.size() || prior.geometry.size() == 0) {
     throw std::invalid_argument("grid mapper: the prior map is empty");
-  }
-  if (params.dispute_poses < 1 || params.dispute_poses > 3) {
-    throw std::invalid_argument("grid mapper: dispute_poses must be 1, 2 or 3");
   }
   grid_.prior = prior.cells;
   views_.resize(static_cast<std::size_t>(discs));
@@ -112,7 +121,7 @@ SliceRanges GridMapper::visible_ranges(const BeamReading& beam) const {
       if (!is_wall) {
         const std::optional<double> incidence = incidence_at(cell, direction);
         const bool may_be_mirror = says_little && grid_.prior[geometry.index(cell)] == Prior::kUnknown;
-        if (incidence ? *incidence <= params_.specular_incidence : !may_be_mirror) {
+        if (incidence ? *incidence <= kSpecularIncidence : !may_be_mirror) {
           continue;  // it would have answered: it may have gone
         }
       }
@@ -149,7 +158,7 @@ std::optional<double> GridMapper::incidence_at(const Cell& cell, const Eigen::Ve
 }
 
 void GridMapper::look_beside(const DiscReading& reading) {
-  const double reach = std::min(params_.lobe_range, reading.range - params_.sonar.free_margin);
+  const double reach = std::min(kLobeRange, reading.range - params_.sonar.free_margin);
   if (reach <= 0.0) {
     return;
   }
@@ -164,9 +173,8 @@ void GridMapper::look_beside(const DiscReading& reading) {
       }
       const Eigen::Vector2d offset = grid_.geometry.centre_of({column, row}) - disc;
       const double off_axis = wrap_angle(std::atan2(offset.y(), offset.x()) - reading.world_from_sonar.theta);
-      if (offset.norm() <= reach && std::abs(off_axis) <= params_.lobe_angle) {
-        grid_.evidence[i] =
-            static_cast<std::int8_t>(std::max(0, grid_.evidence[i] - to_evidence(params_.lobe_log_odds)));
+      if (offset.norm() <= reach && std::abs(off_axis) <= kLobeAngle) {
+        grid_.evidence[i] = static_cast<std::int8_t>(std::max(0, grid_.evidence[i] - to_evidence(kLobeLogOdds)));
       }
     }
   }
@@ -174,7 +182,7 @@ void GridMapper::look_beside(const DiscReading& reading) {
 
 void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& visible) {
   const BeamReading beam{reading.world_from_sonar, reading.range, true};
-  std::vector<ArcCell> arc = cells_of_echo(params_.sonar, grid_.geometry, beam, params_.prior_widening);
+  std::vector<ArcCell> arc = cells_of_echo(params_.sonar, grid_.geometry, beam, kPriorWidening);
   // what lies behind something opaque cannot have answered
   std::erase_if(arc, [&](const ArcCell& candidate) {
     return visible[static_cast<std::size_t>(candidate.slice)] < reading.range - params_.sonar.free_margin;
@@ -244,7 +252,7 @@ bool GridMapper::is_new_view(const DiscReading& reading) {
   View& last = views_[static_cast<std::size_t>(reading.disc)];
   const bool is_new =
       (last.world_from_sonar.position() - reading.world_from_sonar.position()).norm() >= params_.view_distance ||
-      std::abs(wrap_angle(last.world_from_sonar.theta - reading.world_from_sonar.theta)) >= params_.view_angle ||
+      std::abs(wrap_angle(last.world_from_sonar.theta - reading.world_from_sonar.theta)) >= kViewAngle ||
       std::abs(last.range - reading.range) >= params_.view_distance;
   if (is_new) {
     last = {reading.world_from_sonar, reading.range};
@@ -266,23 +274,19 @@ void GridMapper::dispute_walls(const DiscReading& reading) {
     }
     const double theta = reading.world_from_sonar.theta;
     const std::optional<double> incidence = incidence_at(cell, {std::cos(theta), std::sin(theta)});
-    if (incidence && *incidence > params_.specular_incidence) {
+    if (incidence && *incidence > kSpecularIncidence) {
       return;  // a mirror: what seems to lie behind it lies elsewhere
     }
-    Dispute& dispute = disputes_[i];
+    std::vector<Eigen::Vector2d>& positions = disputes_[i];
     const Eigen::Vector2d position = reading.world_from_robot.position();
-    bool is_new = true;
-    for (int k = 0; k < dispute.poses; ++k) {
-      is_new = is_new && (dispute.position[k] - position).norm() >= params_.dispute_spacing;
-    }
-    if (!is_new) {
+    if (std::any_of(positions.begin(), positions.end(),
+                    [&](const Eigen::Vector2d& other) { return (other - position).norm() < kDisputeSpacing; })) {
       continue;
     }
-    if (dispute.poses + 1 >= params_.dispute_poses) {
+    positions.push_back(position);
+    if (positions.size() >= kDisputePoses) {
       grid_.prior[i] = Prior::kDisputed;
       disputes_.erase(i);
-    } else {
-      dispute.position[dispute.poses++] = position;
     }
   }
 }
@@ -420,12 +424,12 @@ void GridMapper::add_echo(const Cell& cell, double log_odds, std::int64_t utime)
   const bool stands = grid_.prior[i] != Prior::kFree || standing_.hear(i, utime, before <= 0);
   add(cell, log_odds);
   if (!stands) {
-    grid_.evidence[i] = std::min(grid_.evidence[i], std::max(before, to_evidence(params_.passing_log_odds)));
+    grid_.evidence[i] = std::min(grid_.evidence[i], std::max(before, to_evidence(kPassingLogOdds)));
   }
 }
 
 bool GridMapper::has_stood(std::size_t cell) const {
-  return grid_.prior[cell] != Prior::kFree || grid_.evidence[cell] > to_evidence(params_.passing_log_odds);
+  return grid_.prior[cell] != Prior::kFree || grid_.evidence[cell] > to_evidence(kPassingLogOdds);
 }
 
 }  // namespace luminav

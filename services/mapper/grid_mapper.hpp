@@ -17,30 +17,19 @@ struct GridMapperParams {
   EchoFilterParams filter;
   double occupied_log_odds = 0.8;  ///< a cell above is occupied
   double prior_tolerance = 0.20;   ///< [m] an echo this close to a wall of the building's map comes from that wall
-  double prior_widening = radians(2.0);  ///< [rad] added to the cone for that: error of the believed heading
-  double explained_share = 0.25;         ///< vote of a cell where another on the same arc is already occupied
-  double specular_incidence =
-      radians(20.0);  ///< [rad] a wall seen more obliquely throws the sound away: silence says nothing about it
-  double standing_time = 2.0;         ///< [s] that something must go on answering before it counts as standing there
-  double standing_gap = 1.5;          ///< [s] of silence that ends this
-  double passing_log_odds = 1.2;      ///< clamp of occupied evidence before that, where the building's map says free
-  double lobe_range = 0.45;           ///< [m] from a disc, within which anything is heard, also well off its axis:
-  double lobe_angle = radians(40.0);  ///< [rad] up to here; so near, the cones of two discs leave a gap between them
-  double lobe_log_odds = 0.10;        ///< taken there
-  double decay_time = 90.0;      ///< [s] until occupied evidence that contradicts the building's map fades; 0 = never
-  double dispute_range = 2.0;    ///< [m] walls seen through from farther away are not disputed
-  double dispute_spacing = 0.5;  ///< [m] between poses that dispute a wall
-  int dispute_poses = 3;
-  double mirror_range = 3.0;         ///< [m] echoes from farther away were often thrown there by a mirror:
-  double mirror_share = 0.5;         ///< vote of those, up to occupied_range, where the building's map is silent
-  double surface_cells = 5.0;        ///< cells of a surface that one echo may draw where the building's map is silent
-  double arc_sharpness = 2.0;        ///< power to which their odds decide which cells of an arc these are
-  double known_log_odds = 0.8;       ///< no cell counts as likelier than that, so that a wall may go on beside itself,
-  double narrow_range = 3.0;         ///< [m] up to here; the arcs of farther echoes are wider than a door
-  double wall_thickness = 0.2;       ///< [m] behind a cell that answers, where nothing can be known from this side
-  double view_distance = 0.05;       ///< [m] that a disc moves, or its reading changes, before it votes there again
-  double view_angle = radians(3.0);  ///< [rad] or that it turns
-  double robot_radius = 0.20;        ///< [m] around the robot nothing can stand
+  double explained_share = 0.25;   ///< vote of a cell where another on the same arc is already occupied
+  double standing_time = 2.0;      ///< [s] that something must go on answering before it counts as standing there
+  double decay_time = 90.0;        ///< [s] until occupied evidence that contradicts the building's map fades; 0 = never
+  double dispute_range = 2.0;      ///< [m] walls seen through from farther away are not disputed
+  double mirror_range = 3.0;       ///< [m] echoes from farther away were often thrown there by a mirror:
+  double mirror_share = 0.5;       ///< vote of those, up to occupied_range, where the building's map is silent
+  double surface_cells = 5.0;      ///< cells of a surface that one echo may draw where the building's map is silent
+  double arc_sharpness = 2.0;      ///< power to which their odds decide which cells of an arc these are
+  double known_log_odds = 0.8;     ///< no cell counts as likelier than that, so that a wall may go on beside itself,
+  double narrow_range = 3.0;       ///< [m] up to here; the arcs of farther echoes are wider than a door
+  double wall_thickness = 0.2;     ///< [m] behind a cell that answers, where nothing can be known from this side
+  double view_distance = 0.05;     ///< [m] that a disc moves, or its reading changes, before it votes there again
+  double robot_radius = 0.20;      ///< [m] around the robot nothing can stand
 };
 
 /// A reading of one disc of the ring.
@@ -58,6 +47,9 @@ struct DiscReading {
 /// sharp and doors open. Assumes that the poses are right: the caller decides when to trust them.
 class GridMapper {
  public:
+  /// Clamp of occupied evidence where the building's map says free, until something has stood there for a while.
+  static constexpr double kPassingLogOdds = 1.2;
+
   /// The prior is taken at its own resolution; its geometry is the grid's.
   GridMapper(const GridMapperParams& params, const PriorMap& prior, int discs);
 
@@ -78,10 +70,6 @@ class GridMapper {
   [[nodiscard]] bool restore_evidence(const OccupancyGrid& kept);
 
  private:
-  struct Dispute {
-    int poses = 0;
-    Eigen::Vector2d position[2];
-  };
   struct View {
     Pose2 world_from_sonar;
     double range = 0.0;  // [m]
@@ -113,12 +101,13 @@ class GridMapper {
   FreeSpaceModel free_space_;
   EchoFilter filter_;
   StandingCells standing_;
-  std::vector<std::uint8_t> near_wall_;                // within prior_tolerance of an occupied prior cell
-  std::vector<std::uint8_t> touched_;                  // per tile, since take_touched_tiles
-  std::vector<std::uint8_t> has_evidence_;             // per tile
-  std::unordered_map<std::size_t, Dispute> disputes_;  // by cell; never iterated
-  std::vector<View> views_;                            // per disc, the last that voted
-  std::int64_t decayed_until_ = 0;                     // [us]
+  std::vector<std::uint8_t> near_wall_;     // within prior_tolerance of an occupied prior cell
+  std::vector<std::uint8_t> touched_;       // per tile, since take_touched_tiles
+  std::vector<std::uint8_t> has_evidence_;  // per tile
+  std::unordered_map<std::size_t, std::vector<Eigen::Vector2d>>
+      disputes_;                    // [m] robot's places, by cell; never iterated
+  std::vector<View> views_;         // per disc, the last that voted
+  std::int64_t decayed_until_ = 0;  // [us]
 };
 
 }  // namespace luminav

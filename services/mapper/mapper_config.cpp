@@ -38,7 +38,7 @@ void read_sonar_model(const TomlTable& table, const RobotDescription& robot, Son
 void read_grid_mapper(const TomlTable& table, GridMapperParams& grid) {
   table.read("echo_memory", grid.filter.memory, {0.05, 10.0});
   table.read("echo_distance", grid.filter.distance, {0.01, 2.0});
-  table.read("occupied_threshold", grid.occupied_log_odds, {0.05, grid.passing_log_odds});
+  table.read("occupied_threshold", grid.occupied_log_odds, {0.05, GridMapper::kPassingLogOdds});
   table.read("prior_tolerance", grid.prior_tolerance, {0.0, 1.0});
   table.read("explained_share", grid.explained_share, kFraction);
   table.read("mirror_range", grid.mirror_range, {0.0, 20.0});

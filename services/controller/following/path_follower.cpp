@@ -4,6 +4,18 @@
 #include <cmath>
 
 namespace luminav {
+namespace {
+
+constexpr double kForceSmoothing = 0.3;        // [s] time constant of the repulsion
+constexpr double kStayRadius = 0.12;           // [m] once there it stays until it is farther off
+constexpr double kStayHeading = radians(6.0);  // [rad]
+constexpr double kApproachRadius = 0.35;       // [m] within it, it aims at the last point itself
+constexpr double kSteerUntil = 0.25;           // [m] nearer to the last point it steers less and less
+constexpr double kTurnFrom = radians(55.0);    // [rad] heading error that starts a turn on the spot
+constexpr double kTurnUntil = radians(15.0);   // [rad] and that ends it
+constexpr double kSlowestTurn = 0.07;          // [rad/s] below this wheels stick
+
+}  // namespace
 
 void PathFollower::set_path(const FollowedPath& path) {
   const bool same_end = !path.points.empty() && !path_.points.empty() && path.goal_id == path_.goal_id &&
@@ -34,7 +46,7 @@ double PathFollower::turn_on_the_spot(double error, const FollowSituation& situa
     return stop_logic_.is_free({0.0, std::copysign(rate, angle)}, std::abs(angle) / rate, situation.obstacles);
   };
   const double other_turn = error - std::copysign(2.0 * kPi, error);
-  if (long_turn_ == 0 && std::abs(error) > params_.turn_until && !is_turn_free(error) && is_turn_free(other_turn)) {
+  if (long_turn_ == 0 && std::abs(error) > kTurnUntil && !is_turn_free(error) && is_turn_free(other_turn)) {
     long_turn_ = other_turn > 0.0 ? 1 : -1;
   }
   // the long way has become the short one when it has the same sign
@@ -43,7 +55,7 @@ double PathFollower::turn_on_the_spot(double error, const FollowSituation& situa
   }
   const double turn = long_turn_ == 0 ? error : other_turn;
   const double wanted = std::clamp(params_.speed.turn_gain * turn, -rate, rate);
-  return std::copysign(std::max(std::abs(wanted), params_.slowest_turn), turn);
+  return std::copysign(std::max(std::abs(wanted), kSlowestTurn), turn);
 }
 
 FollowStep PathFollower::step(const FollowSituation& situation) {
@@ -56,14 +68,13 @@ FollowStep PathFollower::step(const FollowSituation& situation) {
       find_look_ahead(path_.points, travelled_, robot.position(), params_.look_ahead, situation.is_line_free);
   travelled_ = step.look_ahead->travelled;
   const double distance = (path_.points.back() - robot.position()).norm();
-  if (is_placed_ && distance > std::max(params_.stay_radius, params_.arrival_radius)) {
+  if (is_placed_ && distance > std::max(kStayRadius, params_.arrival_radius)) {
     is_placed_ = is_aligned_ = false;
     nearest_ = 1e9;
   }
   const double arrival =
       path_.tolerance > 0.0 ? std::min(params_.arrival_radius, path_.tolerance) : params_.arrival_radius;
-  const bool is_near_end =
-      distance < params_.approach_radius && step.look_ahead->distance_left < 2.0 * params_.approach_radius;
+  const bool is_near_end = distance < kApproachRadius && step.look_ahead->distance_left < 2.0 * kApproachRadius;
   if (is_near_end) {
     nearest_ = std::min(nearest_, distance);
     // it passed the point as near as it could: turning round for a centimetre or two is what people call oscillation
@@ -89,7 +100,7 @@ void PathFollower::take_final_heading(const FollowSituation& situation, FollowSt
   step.heading_error = error;
   const double wanted = path_.heading_tolerance > 0.0 ? std::min(params_.arrival_heading, path_.heading_tolerance)
                                                       : params_.arrival_heading;
-  if (is_aligned_ && std::abs(error) > std::max(params_.stay_heading, wanted)) {
+  if (is_aligned_ && std::abs(error) > std::max(kStayHeading, wanted)) {
     is_aligned_ = false;
   }
   if (!is_aligned_ && std::abs(error) <= wanted) {
@@ -116,9 +127,9 @@ void PathFollower::approach(const FollowSituation& situation, FollowStep& step) 
   }
   const double course_error = is_backing_ ? wrap_angle(error + kPi) : error;
   step.heading_error = course_error;
-  if (std::abs(course_error) > params_.turn_from) {
+  if (std::abs(course_error) > kTurnFrom) {
     is_turning_ = true;
-  } else if (std::abs(course_error) < params_.turn_until) {
+  } else if (std::abs(course_error) < kTurnUntil) {
     is_turning_ = false;
   }
   if (is_turning_) {
@@ -129,7 +140,7 @@ void PathFollower::approach(const FollowSituation& situation, FollowStep& step) 
   // clearance does not count here: the planner found room for the goal
   step.wanted = speed_law(course_error, 1.0, distance, params_.speed);
   // so near the direction to the point is mostly the pose's noise
-  step.wanted.angular *= std::min(1.0, distance / params_.steer_until);
+  step.wanted.angular *= std::min(1.0, distance / kSteerUntil);
   if (is_backing_) {
     step.wanted.linear = -std::min(step.wanted.linear, 0.15);
   }
@@ -141,7 +152,7 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
   const Pose2& robot = situation.world_from_robot;
   const Eigen::Vector2d goal = PointTransform::inverse_of(robot) * step.look_ahead->point;
   step.force = virtual_force(goal, situation.obstacles, params_.forces);
-  const double blend = std::min(1.0, situation.duration / params_.force_smoothing);
+  const double blend = std::min(1.0, situation.duration / kForceSmoothing);
   repulsive_ += blend * (step.force.repulsive - repulsive_);
   step.force.repulsive = repulsive_;
   const Eigen::Vector2d resultant = step.force.resultant();
@@ -149,9 +160,9 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
   const double needed = std::min(1.0, goal.norm());
   const double heading = heading_.choose(wish, needed, robot.theta, situation.duration, situation.obstacles.points());
   step.heading_error = heading;
-  if (std::abs(heading) > params_.turn_from) {
+  if (std::abs(heading) > kTurnFrom) {
     is_turning_ = true;
-  } else if (std::abs(heading) < params_.turn_until) {
+  } else if (std::abs(heading) < kTurnUntil) {
     is_turning_ = false;
     long_turn_ = 0;
   }

@@ -30,16 +30,8 @@ struct PathFollowerParams {
   VirtualForceParams forces;
   SteadyHeadingParams heading;
   SpeedLawParams speed;
-  double force_smoothing = 0.3;           // [s] time constant of the repulsion
   double arrival_radius = 0.04;           // [m] from the last point
   double arrival_heading = radians(1.5);  // [rad] from the final heading
-  double stay_radius = 0.12;              // [m] once there it stays until it is farther off
-  double stay_heading = radians(6.0);     // [rad]
-  double approach_radius = 0.35;          // [m] within it, it aims at the last point itself
-  double steer_until = 0.25;              // [m] nearer to the last point it steers less and less
-  double turn_from = radians(55.0);       // [rad] heading error that starts a turn on the spot
-  double turn_until = radians(15.0);      // [rad] and that ends it
-  double slowest_turn = 0.07;             // [rad/s] below this wheels stick
 };
 
 /// What the follower sees.

@@ -7,17 +7,9 @@
 
 namespace luminav {
 
-struct ProgressParams {
-  double distance = 0.2;               // [m] that count as progress
-  double turn = radians(45.0);         // [rad] that count as progress
-  double max_turns = 2.0 * 2.0 * kPi;  // [rad] of turning without getting anywhere; more is spinning
-};
-
 /// Tells for how long a robot that wants to move has got nowhere.
 class ProgressMonitor {
  public:
-  explicit ProgressMonitor(const ProgressParams& params) : params_(params) {}
-
   void restart(std::int64_t now, const Pose2& place) {
     since_ = now;
     place_ = heading_ = place;
@@ -28,14 +20,14 @@ class ProgressMonitor {
     if (since_ == 0 || now < since_) {
       restart(now, place);
     }
-    if (distance(place_, place) > params_.distance) {
+    if (distance(place_, place) > kDistance) {
       restart(now, place);
     }
     const double turn = std::abs(wrap_angle(place.theta - heading_.theta));
-    if (turn > params_.turn) {
+    if (turn > kTurn) {
       heading_ = place;
       turned_ += turn;
-      if (turned_ < params_.max_turns) {
+      if (turned_ < kMaxTurns) {
         since_ = now;
       }
     }
@@ -43,9 +35,11 @@ class ProgressMonitor {
   }
 
  private:
-  ProgressParams params_;
-  std::int64_t since_ = 0;  // [us]
-  Pose2 place_;             // frame of the caller
+  static constexpr double kDistance = 0.2;              // [m] that count as progress
+  static constexpr double kTurn = radians(45.0);        // [rad] that count as progress
+  static constexpr double kMaxTurns = 2.0 * 2.0 * kPi;  // [rad] of turning without getting anywhere; more is spinning
+  std::int64_t since_ = 0;                              // [us]
+  Pose2 place_;                                         // frame of the caller
   Pose2 heading_;
   double turned_ = 0.0;  // [rad] since the place changed
 };

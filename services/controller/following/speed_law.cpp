@@ -4,13 +4,23 @@
 #include <cmath>
 
 namespace luminav {
+namespace {
+
+constexpr double kFullError = radians(12.0);  // [rad] heading error that does not slow it down
+constexpr double kStopError = radians(60.0);  // [rad] heading error at which it only turns
+constexpr double kNarrow = 0.06;              // [m] clearance at which it creeps
+constexpr double kCreep = 0.35;               // share of the speed left where it is narrow
+constexpr double kApproachGain = 0.8;         // [1/s] speed per distance left to the goal
+constexpr double kSlowest = 0.03;             // [m/s] towards the goal
+
+}  // namespace
 
 DriveTwist speed_law(double heading_error, double clearance, double distance_left, const SpeedLawParams& params) {
   const double error = std::abs(heading_error);
-  const double by_error = std::clamp((params.stop_error - error) / (params.stop_error - params.full_error), 0.0, 1.0);
-  const double openness = std::clamp((clearance - params.narrow) / (params.wide - params.narrow), 0.0, 1.0);
-  const double by_clearance = params.creep + (1.0 - params.creep) * openness;
-  const double by_distance = std::max(params.slowest, params.approach_gain * distance_left);
+  const double by_error = std::clamp((kStopError - error) / (kStopError - kFullError), 0.0, 1.0);
+  const double openness = std::clamp((clearance - kNarrow) / (params.wide - kNarrow), 0.0, 1.0);
+  const double by_clearance = kCreep + (1.0 - kCreep) * openness;
+  const double by_distance = std::max(kSlowest, kApproachGain * distance_left);
   DriveTwist twist;
   twist.linear = std::min(params.linear * by_clearance, by_distance) * by_error;
   twist.angular = std::clamp(params.turn_gain * heading_error, -params.angular, params.angular);

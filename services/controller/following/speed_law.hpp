@@ -6,16 +6,10 @@
 namespace luminav {
 
 struct SpeedLawParams {
-  double linear = 0.5;                // [m/s] on a free stretch
-  double angular = radians(60.0);     // [rad/s]
-  double turn_gain = 1.6;             // [1/s] turning speed per heading error
-  double full_error = radians(12.0);  // [rad] heading error that does not slow it down
-  double stop_error = radians(60.0);  // [rad] heading error at which it only turns
-  double narrow = 0.06;               // [m] clearance at which it creeps
-  double wide = 0.20;                 // [m] clearance that does not slow it down
-  double creep = 0.35;                // share of the speed left where it is narrow
-  double approach_gain = 0.8;         // [1/s] speed per distance left to the goal
-  double slowest = 0.03;              // [m/s] towards the goal
+  double linear = 0.5;             // [m/s] on a free stretch
+  double angular = radians(60.0);  // [rad/s]
+  double turn_gain = 1.6;          // [1/s] turning speed per heading error
+  double wide = 0.20;              // [m] clearance that does not slow it down
 };
 
 /// Twist towards a heading: turning speed in proportion to the error, speed falling with error, with little clearance

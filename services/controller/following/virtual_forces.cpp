@@ -7,6 +7,8 @@
 namespace luminav {
 namespace {
 
+constexpr double kBlindBehind = 2.0;  // [rad] obstacles farther off the course do not push
+
 constexpr int kDirections = 24;
 
 }  // namespace
@@ -27,7 +29,7 @@ VirtualForce virtual_force(const Eigen::Vector2d& goal_in_robot, const Obstacles
       return;
     }
     const double direction = std::atan2(position.y(), position.x());
-    if (std::abs(direction) > params.blind_behind) {
+    if (std::abs(direction) > kBlindBehind) {
       return;
     }
     const auto index = static_cast<std::size_t>((direction + kPi) / (2.0 * kPi) * kDirections) % kDirections;

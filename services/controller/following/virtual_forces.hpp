@@ -8,10 +8,9 @@
 namespace luminav {
 
 struct VirtualForceParams {
-  double influence = 0.45;    // [m] from the outline; farther obstacles do not push
-  double strength = 1.4;      // push of one direction at contact, in pulls of the goal
-  double max = 0.75;          // of the sum, in pulls of the goal: below 1 the goal always wins
-  double blind_behind = 2.0;  // [rad] obstacles farther off the course do not push
+  double influence = 0.45;  // [m] from the outline; farther obstacles do not push
+  double strength = 1.4;    // push of one direction at contact, in pulls of the goal
+  double max = 0.75;        // of the sum, in pulls of the goal: below 1 the goal always wins
 };
 
 /// Attraction and repulsion, robot frame, unit 1 = the pull of the temporary goal.

@@ -8,6 +8,22 @@
 namespace luminav {
 namespace {
 
+constexpr double kKeepNear = 2.5;               // [s] an echo within `kNear`, where sonar may be blind to it
+constexpr double kNear = 0.45;                  // [m] from the disc
+constexpr double kRemember = 8.0;               // [s] for choosing a direction; what stands near, for stopping too
+constexpr double kSpacing = 0.06;               // [m] between the points that stand for an arc
+constexpr double kRefuteMargin = 0.12;          // [m] an echo this much farther clears what was nearer in its cone
+constexpr double kWallTolerance = 0.15;         // [m] an arc with a mapped wall this near is that wall
+constexpr double kRefuteAngle = radians(25.0);  // [rad] between the axes of two firings: farther echoes clear no more
+constexpr double kSamePlace = 0.08;             // [m] between two firings of a disc that see the same
+constexpr double kSameHeading = radians(6.0);   // [rad]
+constexpr double kMinApproach = 0.25;           // [m/s] slower than this is noise
+constexpr double kMaxApproach = 1.4;            // [m/s] a brisk walk
+constexpr double kStandsAfter = 0.5;            // [s] what was heard there this long ago stands
+constexpr double kStandsWithin = 0.12;          // [m]
+constexpr double kApproachAtOnce =
+    1.1;  // [m] nearer than this one sign of approach is enough, farther off it takes two
+
 /// Is a point of one list nearer than a distance [m] to a point of the other?
 bool are_within(const std::vector<Eigen::Vector2d>& some, const std::vector<Eigen::Vector2d>& others, double distance) {
   return std::any_of(some.begin(), some.end(), [&](const Eigen::Vector2d& one) {
@@ -55,14 +71,14 @@ double EchoMemory::approach_speed(const SonarFiring& firing) const {
   const double nearer = last.range - firing.range - std::max(0.0, own);
   const double speed = nearer / passed;
   // faster than people walk is another thing that came into the cone
-  return speed < params_.min_approach || speed > params_.max_approach ? 0.0 : speed;
+  return speed < kMinApproach || speed > kMaxApproach ? 0.0 : speed;
 }
 
 // Is one of its points where another echo came from a while ago? Somebody who walks has gone on since.
 bool EchoMemory::was_heard_before(const Echo& echo) const {
   return std::any_of(echoes_.begin(), echoes_.end(), [&](const Echo& older) {
-    return seconds_between(older.utime, echo.utime) >= params_.stands_after &&
-           are_within(older.points_in_odom, echo.points_in_odom, params_.stands_within);
+    return seconds_between(older.utime, echo.utime) >= kStandsAfter &&
+           are_within(older.points_in_odom, echo.points_in_odom, kStandsWithin);
   });
 }
 
@@ -75,9 +91,9 @@ void EchoMemory::refute(const SonarFiring& firing) {
   std::vector<Eigen::Vector2d> gone;
   for (Echo& echo : echoes_) {
     const bool is_same_view =
-        echo.disc == firing.disc && distance(echo.odom_from_robot, firing.odom_from_robot) < params_.same_place &&
-        std::abs(wrap_angle(echo.odom_from_robot.theta - firing.odom_from_robot.theta)) < params_.same_heading;
-    if (is_same_view && firing.range > echo.range + params_.refute_margin) {
+        echo.disc == firing.disc && distance(echo.odom_from_robot, firing.odom_from_robot) < kSamePlace &&
+        std::abs(wrap_angle(echo.odom_from_robot.theta - firing.odom_from_robot.theta)) < kSameHeading;
+    if (is_same_view && firing.range > echo.range + kRefuteMargin) {
       gone.insert(gone.end(), echo.points_in_odom.begin(), echo.points_in_odom.end());
       echo.points_in_odom.clear();
       continue;
@@ -86,13 +102,13 @@ void EchoMemory::refute(const SonarFiring& firing) {
       continue;
     }
     // from another side a smooth wall may be silent while what stands behind it, or in its mirror, is heard
-    if (std::abs(wrap_angle(odom_from_sonar.theta - echo.axis_in_odom)) > params_.refute_angle) {
+    if (std::abs(wrap_angle(odom_from_sonar.theta - echo.axis_in_odom)) > kRefuteAngle) {
       continue;
     }
     std::erase_if(echo.points_in_odom, [&](const Eigen::Vector2d& point) {
       const Eigen::Vector2d seen = sonar_from_odom * point;
       const double range = seen.norm();
-      return range > ring_.minimum_range && range < firing.range - params_.refute_margin &&
+      return range > ring_.minimum_range && range < firing.range - kRefuteMargin &&
              std::abs(std::atan2(seen.y(), seen.x())) < cone;
     });
   }
@@ -103,7 +119,7 @@ void EchoMemory::refute(const SonarFiring& firing) {
 
 void EchoMemory::remember_less_beside(const std::vector<Eigen::Vector2d>& gone) {
   for (Echo& echo : echoes_) {
-    echo.may_be_gone = echo.may_be_gone || are_within(echo.points_in_odom, gone, params_.stands_within);
+    echo.may_be_gone = echo.may_be_gone || are_within(echo.points_in_odom, gone, kStandsWithin);
   }
 }
 
@@ -111,7 +127,7 @@ void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
   if (firing.disc >= newest_.size() || firing.utime <= newest_[firing.disc].utime) {
     return;
   }
-  const double oldest = std::max({params_.keep, params_.keep_near, params_.remember});
+  const double oldest = std::max({params_.keep, kKeepNear, kRemember});
   std::erase_if(echoes_, [&](const Echo& echo) {
     return echo.points_in_odom.empty() || seconds_between(echo.utime, firing.utime) > oldest;
   });
@@ -125,9 +141,9 @@ void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
     echo.utime = firing.utime;
     const double speed = last_had_echo ? approach_speed(firing) : 0.0;
     // seen twice running it is believed; seen once only where waiting for the second time would be too long
-    echo.approach = approaching_[firing.disc] || firing.range < params_.approach_at_once ? speed : 0.0;
+    echo.approach = approaching_[firing.disc] || firing.range < kApproachAtOnce ? speed : 0.0;
     approaching_[firing.disc] = speed > 0.0;
-    echo.keep = firing.range < params_.near ? params_.keep_near : params_.keep;
+    echo.keep = firing.range < kNear ? kKeepNear : params_.keep;
     const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
     echo.axis_in_odom = odom_from_sonar.theta;
     const double range = std::max(firing.range, 0.02);
@@ -135,12 +151,12 @@ void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
     const auto point_at = [&](double angle) {
       return Eigen::Vector2d(to_odom * Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle)));
     };
-    const int steps = std::clamp(static_cast<int>(std::ceil(2.0 * ring_.half_angle * range / params_.spacing)), 2, 12);
+    const int steps = std::clamp(static_cast<int>(std::ceil(2.0 * ring_.half_angle * range / kSpacing)), 2, 12);
     if (is_wall) {
       // The whole cone counts here: a door post at its edge explains the echo and leaves the doorway open.
       for (int i = 0; i <= steps; ++i) {
         const Eigen::Vector2d point = point_at(ring_.half_angle * (2.0 * i / steps - 1.0));
-        if (is_wall(point, params_.wall_tolerance)) {
+        if (is_wall(point, kWallTolerance)) {
           echo.points_in_odom.push_back(point);
         }
       }
@@ -172,9 +188,9 @@ std::vector<ObstaclePoint> EchoMemory::points_of(std::int64_t now, const Pose2& 
   result.reserve(count);
   for (const Echo& echo : echoes_) {
     const double age = std::max(0.0, seconds_between(echo.utime, now));
-    const bool is_near = echo.range < params_.near;
+    const bool is_near = echo.range < kNear;
     // a rear corner swings where no disc looks, and at a slant a thing is silent: it stands there all the same
-    const double standing = is_near && echo.has_stood && !echo.is_known ? params_.remember : 0.0;
+    const double standing = is_near && echo.has_stood && !echo.is_known ? kRemember : 0.0;
     const double longer = std::max(standing, is_near ? longest_near : longest);
     if (age > std::max(echo.keep, echo.may_be_gone ? 0.0 : longer)) {
       continue;
@@ -193,11 +209,11 @@ std::vector<ObstaclePoint> EchoMemory::obstacles(std::int64_t now, const Pose2& 
 }
 
 std::vector<ObstaclePoint> EchoMemory::obstacles_without_map(std::int64_t now, const Pose2& odom_from_robot) const {
-  return points_of(now, odom_from_robot, 0.0, params_.remember);
+  return points_of(now, odom_from_robot, 0.0, kRemember);
 }
 
 std::vector<ObstaclePoint> EchoMemory::remembered(std::int64_t now, const Pose2& odom_from_robot) const {
-  return points_of(now, odom_from_robot, params_.remember, params_.remember);
+  return points_of(now, odom_from_robot, kRemember, kRemember);
 }
 
 }  // namespace luminav

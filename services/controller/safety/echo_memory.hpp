@@ -21,21 +21,7 @@ struct SonarFiring {
 };
 
 struct EchoMemoryParams {
-  double keep = 1.2;                    // [s] an echo that nothing refutes
-  double keep_near = 2.5;               // [s] the same within `near`, where sonar may be blind to it
-  double near = 0.45;                   // [m] from the disc
-  double remember = 8.0;                // [s] for choosing a direction; what stands near, for stopping too
-  double spacing = 0.06;                // [m] between the points that stand for an arc
-  double refute_margin = 0.12;          // [m] an echo this much farther clears what was nearer in its cone
-  double wall_tolerance = 0.15;         // [m] an arc with a mapped wall this near is that wall
-  double refute_angle = radians(25.0);  // [rad] between the axes of the two, no more
-  double same_place = 0.08;             // [m] between two firings of a disc that see the same
-  double same_heading = radians(6.0);   // [rad]
-  double min_approach = 0.25;           // [m/s] slower than this is noise
-  double max_approach = 1.4;            // [m/s] a brisk walk
-  double stands_after = 0.5;            // [s] what was heard there this long ago stands
-  double stands_within = 0.12;          // [m]
-  double approach_at_once = 1.1;        // [m] nearer than this one sign of approach is enough, farther off it takes two
+  double keep = 1.2;  // [s] an echo that nothing refutes
 };
 
 /// Is there a mapped wall within a distance [m] of a point? Arguments: point in odom, distance.

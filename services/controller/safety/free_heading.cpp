@@ -6,6 +6,14 @@
 #include "services/common/geometry/angle.hpp"
 
 namespace luminav {
+namespace {
+
+constexpr double kWidest = 1.2;       // [rad] off the wish
+constexpr double kStep = 0.1;         // [rad] between the headings tried
+constexpr double kSteadiness = 0.25;  // [rad] a new heading must be better than the last one by this
+constexpr double kPrice = 2.0;        // [rad] a metre of missing free distance counts as much as so much of a detour
+
+}  // namespace
 
 double free_distance(double direction, double max, std::span<const ObstaclePoint> obstacles,
                      const FreeHeadingParams& params) {
@@ -24,12 +32,12 @@ double free_distance(double direction, double max, std::span<const ObstaclePoint
 double choose_free_heading(double wish, double needed, std::optional<double> last,
                            std::span<const ObstaclePoint> obstacles, const FreeHeadingParams& params) {
   const auto cost_of = [&](int i) {
-    const double direction = wish + i * params.step;
+    const double direction = wish + i * kStep;
     const double missing = needed - free_distance(direction, needed, obstacles, params);
-    const bool is_another = last && std::abs(wrap_angle(direction - *last)) > params.steadiness;
-    return std::abs(i * params.step) + params.price * missing + (is_another ? params.steadiness : 0.0);
+    const bool is_another = last && std::abs(wrap_angle(direction - *last)) > kSteadiness;
+    return std::abs(i * kStep) + kPrice * missing + (is_another ? kSteadiness : 0.0);
   };
-  const int steps = static_cast<int>(params.widest / params.step);
+  const int steps = static_cast<int>(kWidest / kStep);
   int best = 0;
   double best_cost = 1e9;
   for (int i = -steps; i <= steps; ++i) {
@@ -39,7 +47,7 @@ double choose_free_heading(double wish, double needed, std::optional<double> las
       best = i;
     }
   }
-  return wrap_angle(wish + best * params.step);
+  return wrap_angle(wish + best * kStep);
 }
 
 }  // namespace luminav

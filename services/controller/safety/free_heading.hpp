@@ -10,10 +10,6 @@ namespace luminav {
 struct FreeHeadingParams {
   double half_width = 0.27;  // [m] of the strip that must be free: outline and margin
   double nose = 0.21;        // [m] from the wheel axis to the front
-  double widest = 1.2;       // [rad] off the wish
-  double step = 0.1;         // [rad] between the headings tried
-  double steadiness = 0.25;  // [rad] a new heading must be better than the last one by this
-  double price = 2.0;        // [rad] a metre of missing free distance counts as much as so much of a detour
 };
 
 /// Distance [m] over which the robot's strip is free in a direction [rad, robot frame], at most `max`.

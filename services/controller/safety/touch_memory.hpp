@@ -9,18 +9,13 @@
 
 namespace luminav {
 
-struct TouchMemoryParams {
-  double keep = 60.0;     ///< [s] a touch is remembered
-  double gap = 0.03;      ///< [m] from the outline to what it touched: wheels stall, they do not measure
-  double spacing = 0.06;  ///< [m] between the points that stand for it
-  std::size_t max = 20;   ///< touches remembered
-};
-
 /// What blocked the wheels or pressed a bumper though no sonar heard it, a table's edge or a glass door: it stands
 /// before the side that drove against it. Kept in the odometry frame.
 class TouchMemory {
  public:
-  TouchMemory(const RobotDescription& robot, const TouchMemoryParams& params);
+  static constexpr std::size_t kMax = 20;  ///< touches remembered
+
+  explicit TouchMemory(const RobotDescription& robot);
 
   /// The robot was blocked while it drove with `twist`. A turn on the spot leaves nothing: any corner may have touched.
   void add(std::int64_t now, const Pose2& odom_from_robot, const DriveTwist& twist);
@@ -34,7 +29,6 @@ class TouchMemory {
     std::int64_t utime = 0;
     std::vector<Eigen::Vector2d> points_in_odom;
   };
-  TouchMemoryParams params_;
   double front_ = 0.0;       // [m] of the outline
   double rear_ = 0.0;        // [m], negative
   double half_width_ = 0.0;  // [m]

@@ -7,11 +7,28 @@
 #include "services/controller/search/path_lattice.hpp"
 
 namespace luminav {
+namespace {
+
+constexpr double kReach = 10.0;        // [m] around the robot places are looked at
+constexpr double kStep = 0.2;          // [m] between them
+constexpr int kMax = 48;               // alternatives looked at
+constexpr double kFlattening = 0.5;    // power of the weights: all rivals have to go, the unlikely ones too
+constexpr double kSeenAndNot = 0.55;   // what it tells when a fixture is seen that the rival has not, 1 = everything
+constexpr double kMissed = 0.25;       // likewise one that the rival has and that is not there
+constexpr double kWall = 1.0;          // likewise to drive where the rival has a wall
+constexpr double kAnyFixture = 0.05;   // worth of a fixture that all have and none saw yet
+constexpr double kMinWorth = 0.02;     // less is not worth a way
+constexpr double kHeadStart = 1.5;     // [m] added to each way, so that a little worth close by does not win
+constexpr double kFaithfulness = 2.0;  // what another place must be better than where it is heading
+constexpr double kRoomAtStart = 0.4;   // [m] around it there is room, whatever the sonars heard
+
+}  // namespace
+
 // Every n-th by weight, so that many alike weights are represented as fairly as few heavy ones.
 std::vector<PossiblePose> Disambiguation::chosen(std::span<const PoseAlternative> alternatives) const {
   double sum = 0.0;
   for (const PoseAlternative& alternative : alternatives) {
-    sum += std::pow(alternative.weight, params_.flattening);
+    sum += std::pow(alternative.weight, kFlattening);
   }
   std::vector<PossiblePose> result;
   // one chosen for many stands for their chance too
@@ -22,13 +39,13 @@ std::vector<PossiblePose> Disambiguation::chosen(std::span<const PoseAlternative
   double passed = 0.0;
   double next = 0.5;  // in shares of 1 / most
   for (const PoseAlternative& alternative : alternatives) {
-    const double share = sum > 0.0 ? std::pow(alternative.weight, params_.flattening) / sum : 0.0;
-    passed += share * params_.max;
-    if (static_cast<int>(alternatives.size()) <= params_.max) {
+    const double share = sum > 0.0 ? std::pow(alternative.weight, kFlattening) / sum : 0.0;
+    passed += share * kMax;
+    if (static_cast<int>(alternatives.size()) <= kMax) {
       look_at(alternative, share, 1.0);
     } else if (passed > next) {
       const double count = std::ceil(passed - next);
-      look_at(alternative, count / params_.max, count / (params_.max * share));
+      look_at(alternative, count / kMax, count / (kMax * share));
       next += count;
     }
   }
@@ -43,7 +60,7 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const Possi
   const bool is_known_floor = map.ground_at(place) == Ground::kFree;
   double with_new_fixture = 0.0;
   for (const PossiblePose& pose : poses) {
-    const std::optional<PredictedView> predicted = predict(forecast_, pose, place, is_known_floor, params_.views);
+    const std::optional<PredictedView> predicted = predict(forecast_, pose, place, is_known_floor);
     if (!predicted) {
       continue;
     }
@@ -51,21 +68,21 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const Possi
       // one that it passed by confirms nothing anew: a pose that is left alone waits for the next one
       with_new_fixture += map.is_near_trail(predicted->odom_from_fixture.position()) ? 0.0 : pose.weight;
     }
-    auto same = std::find_if(views.begin(), views.end(),
-                             [&](const View& v) { return look_alike(v.predicted, *predicted, params_.views); });
+    auto same =
+        std::find_if(views.begin(), views.end(), [&](const View& v) { return look_alike(v.predicted, *predicted); });
     if (same == views.end()) {
       same = views.insert(views.end(), {*predicted, 0.0, 0.0});
     }
     same->weight += pose.weight;
     same->chance += pose.chance * pose.urgency;
   }
-  double worth = params_.any_fixture * with_new_fixture;
+  double worth = kAnyFixture * with_new_fixture;
   for (const View& truth : views) {
     for (const View& rival : views) {
       if (&truth != &rival && !truth.predicted.is_wall) {
-        const double telling = rival.predicted.is_wall              ? params_.wall
-                               : truth.predicted.fixture != nullptr ? params_.seen_and_not
-                                                                    : params_.missed;
+        const double telling = rival.predicted.is_wall              ? kWall
+                               : truth.predicted.fixture != nullptr ? kSeenAndNot
+                                                                    : kMissed;
         worth += truth.chance * rival.weight * telling;
       }
     }
@@ -75,9 +92,7 @@ double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const Possi
 
 double Disambiguation::price(const Eigen::Vector2d& place, const Eigen::Vector2d& started_at,
                              std::span<const PossiblePose> poses, const SearchMap& map) const {
-  return (place - started_at).norm() < params_.room_at_start
-             ? 1.0
-             : search_price(place, poses, forecast_, map, params_.price);
+  return (place - started_at).norm() < kRoomAtStart ? 1.0 : search_price(place, poses, forecast_, map);
 }
 
 // Dijkstra over a lattice around the robot; it ends when no farther place can be better than the best so far.
@@ -88,25 +103,23 @@ std::optional<std::vector<Eigen::Vector2d>> Disambiguation::path(const SearchPla
     return std::nullopt;
   }
   std::vector<PossiblePose> poses = chosen(alternatives);
-  set_urgency(
-      poses, places.began_at, forecast_, map, params_.views,
-      [&](const Eigen::Vector2d& place) { return price(place, places.began_at, poses, map); }, params_.urgency);
-  const double max_worth = std::max({params_.seen_and_not, params_.missed, params_.wall}) + params_.any_fixture;
-  PathLattice lattice(places.robot, params_.reach, params_.step);
+  set_urgency(poses, places.began_at, forecast_, map,
+              [&](const Eigen::Vector2d& place) { return price(place, places.began_at, poses, map); });
+  const double max_worth = std::max({kSeenAndNot, kMissed, kWall}) + kAnyFixture;
+  PathLattice lattice(places.robot, kReach, kStep);
   double best_score = 0.0;
   int best = -1;
   std::vector<View> views;
   while (const auto visit = lattice.next()) {
-    if (max_worth * params_.faithfulness / (visit->distance + params_.head_start) < best_score) {
+    if (max_worth * kFaithfulness / (visit->distance + kHeadStart) < best_score) {
       break;
     }
     const Eigen::Vector2d here = lattice.place_of(visit->node);
     if (!map.is_near_trail(here)) {
       const double value = worth(here, poses, map, views);
-      const bool is_where_it_heads = places.heading_for && (here - *places.heading_for).norm() < 2.0 * params_.step;
-      const double score =
-          value * (is_where_it_heads ? params_.faithfulness : 1.0) / (visit->distance + params_.head_start);
-      if (value > params_.min_worth && score > best_score) {
+      const bool is_where_it_heads = places.heading_for && (here - *places.heading_for).norm() < 2.0 * kStep;
+      const double score = value * (is_where_it_heads ? kFaithfulness : 1.0) / (visit->distance + kHeadStart);
+      if (value > kMinWorth && score > best_score) {
         best_score = score;
         best = visit->node;
       }

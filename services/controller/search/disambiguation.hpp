@@ -22,24 +22,6 @@ struct PoseAlternative {
   double weight = 0.0;
 };
 
-struct DisambiguationParams {
-  double reach = 10.0;         // [m] around the robot places are looked at
-  double step = 0.2;           // [m] between them
-  int max = 48;                // alternatives looked at
-  double flattening = 0.5;     // power of the weights: all rivals have to go, the unlikely ones too
-  double seen_and_not = 0.55;  // what it tells when a fixture is seen that the rival has not, 1 = everything
-  double missed = 0.25;        // likewise one that the rival has and that is not there
-  double wall = 1.0;           // likewise to drive where the rival has a wall
-  double any_fixture = 0.05;   // worth of a fixture that all have and none saw yet
-  double min_worth = 0.02;     // less is not worth a way
-  double head_start = 1.5;     // [m] added to each way, so that a little worth close by does not win
-  double faithfulness = 2.0;   // what another place must be better than where it is heading
-  double room_at_start = 0.4;  // [m] around it there is room, whatever the sonars heard
-  ViewRules views;
-  SearchPriceParams price;
-  SearchUrgencyParams urgency;
-};
-
 /// Where a search stands [m, odom].
 struct SearchPlaces {
   Eigen::Vector2d robot;
@@ -51,8 +33,7 @@ struct SearchPlaces {
 /// shortest path.
 class Disambiguation {
  public:
-  Disambiguation(CeilingForecast forecast, const DisambiguationParams& params)
-      : forecast_(std::move(forecast)), params_(params) {}
+  explicit Disambiguation(CeilingForecast forecast) : forecast_(std::move(forecast)) {}
 
   /// Returns the path [m, odom] from the robot to the place that tells most; nothing if none within reach does.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path(const SearchPlaces& places,
@@ -73,7 +54,6 @@ class Disambiguation {
                              std::vector<View>& views) const;
 
   CeilingForecast forecast_;
-  DisambiguationParams params_;
 };
 
 }  // namespace luminav

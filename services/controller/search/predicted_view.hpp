@@ -24,19 +24,12 @@ struct PredictedView {
   bool is_wall = false;  // nobody can be there
 };
 
-struct ViewRules {
-  double sure_within = 0.65;  // of the view's radius: a fixture farther off may be seen or not
-  double same_place = 0.6;    // [m] fixtures as near as that are seen as one
-  double same_axis = 0.4;     // [rad] and no more turned than that
-};
-
 /// What a pose predicts of a place [m, odom]; where sonar knows that the floor is free it is no wall for any. Nothing
 /// where a fixture would be at the border of the image, which may be seen or not.
 [[nodiscard]] std::optional<PredictedView> predict(const CeilingForecast& forecast, const PossiblePose& pose,
-                                                   const Eigen::Vector2d& place, bool is_known_floor,
-                                                   const ViewRules& rules);
+                                                   const Eigen::Vector2d& place, bool is_known_floor);
 
 /// True if a robot at that place could not tell which of the two was predicted.
-[[nodiscard]] bool look_alike(const PredictedView& a, const PredictedView& b, const ViewRules& rules);
+[[nodiscard]] bool look_alike(const PredictedView& a, const PredictedView& b);
 
 }  // namespace luminav

@@ -1,12 +1,25 @@
 #include "services/controller/search/search_map.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <utility>
 
 namespace luminav {
 namespace {
+
+constexpr double kSide = 40.0;        // [m] of the square it covers, which goes along with the robot
+constexpr double kLeeway = 6.0;       // [m] off the middle of the square it goes along
+constexpr double kCell = 0.1;         // [m]
+constexpr double kMaxFree = 2.5;      // [m] farther a ray says nothing
+constexpr double kMaxSilent = 0.8;    // [m] likewise of one without an echo: smooth walls are silent too
+constexpr double kEchoMargin = 0.12;  // [m] before an echo the ray is not free
+// [m] between the robot's middle and what stands: the first that leads anywhere; arcs make doorways look narrow.
+constexpr std::array kClearances{0.4, 0.3, 0.2};
+constexpr double kSeenAround = 1.3;     // [m] around its trail it knows the ceiling
+constexpr double kBlockedAround = 0.5;  // [m] around a place that it could not reach
+constexpr double kShutAround = 0.3;     // [m] around a place that it could not drive through
 
 constexpr std::int8_t kStands = 2;      // evidence from which a cell counts as occupied
 constexpr std::int8_t kFreeLimit = -4;  // evidence is bounded, so that people who went away are forgotten
@@ -23,11 +36,8 @@ std::int8_t in_256ths(double theta) {
 
 }  // namespace
 
-SearchMap::SearchMap(const SonarRing& ring, const SearchMapParams& params)
-    : ring_(ring),
-      params_(params),
-      columns_(static_cast<int>(std::ceil(params.side / params.cell))),
-      taken_up_(ring.robot_from_sonar.size(), 0) {}
+SearchMap::SearchMap(const SonarRing& ring)
+    : ring_(ring), columns_(static_cast<int>(std::ceil(kSide / kCell))), taken_up_(ring.robot_from_sonar.size(), 0) {}
 
 void SearchMap::clear() {
   origin_.reset();
@@ -36,7 +46,7 @@ void SearchMap::clear() {
 }
 
 int SearchMap::index_of(const Eigen::Vector2d& place) const {
-  const Eigen::Vector2d inside = (place - *origin_) / params_.cell;
+  const Eigen::Vector2d inside = (place - *origin_) / kCell;
   const int column = static_cast<int>(std::floor(inside.x()));
   const int row = static_cast<int>(std::floor(inside.y()));
   // near the border nothing is entered, so that neighbours need no check
@@ -45,15 +55,15 @@ int SearchMap::index_of(const Eigen::Vector2d& place) const {
 }
 
 Eigen::Vector2d SearchMap::centre_of(int index) const {
-  return *origin_ + params_.cell * Eigen::Vector2d(index % columns_ + 0.5, index / columns_ + 0.5);
+  return *origin_ + kCell * Eigen::Vector2d(index % columns_ + 0.5, index / columns_ + 0.5);
 }
 
 std::vector<int> SearchMap::disc_offsets(double radius) const {
-  const int reach = static_cast<int>(radius / params_.cell);
+  const int reach = static_cast<int>(radius / kCell);
   std::vector<int> offsets;
   for (int row = -reach; row <= reach; ++row) {
     for (int column = -reach; column <= reach; ++column) {
-      if (std::hypot(row, column) * params_.cell <= radius) {
+      if (std::hypot(row, column) * kCell <= radius) {
         offsets.push_back(row * columns_ + column);
       }
     }
@@ -64,17 +74,17 @@ std::vector<int> SearchMap::disc_offsets(double radius) const {
 // By whole cells, so that they keep what they hold. The border stays empty: a search that came into it would leave the
 // square, and what lies there could not be blocked.
 void SearchMap::go_along(const Eigen::Vector2d& place) {
-  const Eigen::Vector2d corner = place - Eigen::Vector2d::Constant(0.5 * params_.side);
+  const Eigen::Vector2d corner = place - Eigen::Vector2d::Constant(0.5 * kSide);
   const auto count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_);
   if (!origin_) {
     origin_ = corner;
     cells_.assign(count, {});
     return;
   }
-  if ((corner - *origin_).lpNorm<Eigen::Infinity>() < params_.leeway && index_of(place) >= 0) {
+  if ((corner - *origin_).lpNorm<Eigen::Infinity>() < kLeeway && index_of(place) >= 0) {
     return;
   }
-  const Eigen::Vector2i shift = ((corner - *origin_) / params_.cell).array().round().cast<int>();
+  const Eigen::Vector2i shift = ((corner - *origin_) / kCell).array().round().cast<int>();
   std::vector<Cell> moved(count);
   const auto first_of = [](int shifted) { return std::max(kBorder, -shifted); };
   const auto end_of = [this](int shifted) { return std::min(columns_ - kBorder, columns_ - shifted); };
@@ -85,12 +95,12 @@ void SearchMap::go_along(const Eigen::Vector2d& place) {
     std::copy(from + (first + shift.x()), from + (last + shift.x()), moved.begin() + row * columns_ + first);
   }
   cells_ = std::move(moved);
-  *origin_ += params_.cell * shift.cast<double>();
+  *origin_ += kCell * shift.cast<double>();
 }
 
 void SearchMap::visit(const Eigen::Vector2d& place) {
   go_along(place);
-  mark_seen(place, params_.seen_around);
+  mark_seen(place, kSeenAround);
   for (const int offset : disc_offsets(0.2)) {
     Cell& cell = cells_[static_cast<std::size_t>(index_of(place) + offset)];
     cell.occupied = kFreeLimit;
@@ -107,7 +117,7 @@ void SearchMap::fade() {
 
 void SearchMap::block(const Eigen::Vector2d& place) {
   if (origin_) {
-    mark_seen(place, params_.blocked_around);
+    mark_seen(place, kBlockedAround);
   }
 }
 
@@ -116,8 +126,8 @@ void SearchMap::shut(const Eigen::Vector2d& place) {
   if (centre < 0) {
     return;
   }
-  for (const int offset : disc_offsets(params_.shut_around)) {
-    cells_[static_cast<std::size_t>(centre + offset)].shut = static_cast<std::int8_t>(params_.shut_for);
+  for (const int offset : disc_offsets(kShutAround)) {
+    cells_[static_cast<std::size_t>(centre + offset)].shut = static_cast<std::int8_t>(kShutFor);
   }
 }
 
@@ -151,7 +161,7 @@ std::vector<int> SearchMap::free_cells(const Pose2& odom_from_sonar, double free
     const double angle = kConeHalf * (2.0 * i / (kRays - 1) - 1.0);
     const std::int8_t direction = in_256ths(odom_from_sonar.theta + angle);
     const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
-    for (double distance = 0.0; distance < free; distance += params_.cell) {
+    for (double distance = 0.0; distance < free; distance += kCell) {
       const int index = index_of(odom_from_sonar * Eigen::Vector2d(distance * along));
       if (index < 0) {
         break;
@@ -171,15 +181,15 @@ std::vector<int> SearchMap::free_cells(const Pose2& odom_from_sonar, double free
 
 void SearchMap::add(const SonarFiring& firing) {
   const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
-  const double range = firing.has_echo ? firing.range : params_.max_silent + params_.echo_margin;
-  for (const int index : free_cells(odom_from_sonar, std::min(params_.max_free, range - params_.echo_margin))) {
+  const double range = firing.has_echo ? firing.range : kMaxSilent + kEchoMargin;
+  for (const int index : free_cells(odom_from_sonar, std::min(kMaxFree, range - kEchoMargin))) {
     std::int8_t& value = cells_[static_cast<std::size_t>(index)].occupied;
     value = std::max<std::int8_t>(kFreeLimit, static_cast<std::int8_t>(value - 1));
   }
-  if (!firing.has_echo || range > params_.max_free) {
+  if (!firing.has_echo || range > kMaxFree) {
     return;
   }
-  const int steps = std::max(2, static_cast<int>(std::ceil(2.0 * kConeHalf * range / (0.7 * params_.cell))));
+  const int steps = std::max(2, static_cast<int>(std::ceil(2.0 * kConeHalf * range / (0.7 * kCell))));
   int last = -1;
   for (int i = 0; i <= steps; ++i) {
     const double angle = kConeHalf * (2.0 * i / steps - 1.0);
@@ -219,8 +229,8 @@ bool SearchMap::stands_within(const Eigen::Vector2d& place, double radius) const
   if (centre < 0) {
     return false;
   }
-  const int reach = static_cast<int>(radius / params_.cell);
-  const int max = static_cast<int>(radius * radius / (params_.cell * params_.cell) + 1e-6);  // [cells squared]
+  const int reach = static_cast<int>(radius / kCell);
+  const int max = static_cast<int>(radius * radius / (kCell * kCell) + 1e-6);  // [cells squared]
   for (int row = -reach; row <= reach; ++row) {
     for (int column = -reach; column <= reach; ++column) {
       if (row * row + column * column <= max &&
@@ -236,7 +246,7 @@ std::optional<std::vector<Eigen::Vector2d>> SearchMap::path_to_new_ground(const 
   if (!origin_) {
     return std::nullopt;
   }
-  for (const double clearance : params_.clearances) {
+  for (const double clearance : kClearances) {
     if (auto path = search(place, clearance)) {
       return path;
     }

@@ -11,21 +11,6 @@
 
 namespace luminav {
 
-struct SearchMapParams {
-  double side = 40.0;         // [m] of the square it covers, which goes along with the robot
-  double leeway = 6.0;        // [m] off the middle of the square it goes along
-  double cell = 0.1;          // [m]
-  double max_free = 2.5;      // [m] farther a ray says nothing
-  double max_silent = 0.8;    // [m] likewise of one without an echo: smooth walls are silent too
-  double echo_margin = 0.12;  // [m] before an echo the ray is not free
-  /// [m] between the robot's middle and what stands: the first that leads anywhere; arcs make doorways look narrow.
-  std::vector<double> clearances{0.4, 0.3, 0.2};
-  double seen_around = 1.3;     // [m] around its trail it knows the ceiling
-  double blocked_around = 0.5;  // [m] around a place that it could not reach
-  double shut_around = 0.3;     // [m] around a place that it could not drive through
-  int shut_for = 6;             // fadings after which it may be tried again
-};
-
 /// What the sonars say of a place.
 enum class Ground { kUnknown, kFree, kStands };
 
@@ -33,7 +18,9 @@ enum class Ground { kUnknown, kFree, kStands };
 /// to the nearest free ground that it has not been near. That leads through a room, out by its door and on.
 class SearchMap {
  public:
-  SearchMap(const SonarRing& ring, const SearchMapParams& params);
+  static constexpr std::int8_t kShutFor = 6;  ///< fadings after which what was shut may be tried again
+
+  explicit SearchMap(const SonarRing& ring);
 
   void clear();
   /// Takes up what was not taken up before of each disc's newest firing.
@@ -77,7 +64,6 @@ class SearchMap {
                                                                    double clearance) const;
 
   SonarRing ring_;
-  SearchMapParams params_;
   int columns_ = 0;
   std::optional<Eigen::Vector2d> origin_;  // [m] odom, lower left corner
   std::vector<Cell> cells_;

@@ -5,6 +5,14 @@
 namespace luminav {
 namespace {
 
+constexpr double kComfortable = 0.4;        // [m] less room costs more
+constexpr double kNarrow = 1.5;             // metres that a metre with less room counts for
+constexpr double kDoubt = 1.0;              // more metres where no alternative has room
+constexpr double kMinFree = 0.3;            // share of the alternatives that must have room where no sonar looked yet
+constexpr double kMinFreeIfHeard = 0.1;     // likewise where sonar found it free
+constexpr double kMinFreeInNarrows = 0.35;  // likewise where sonar leaves less room than `kSearchClearance`
+constexpr double kMinBesideWall = 0.35;     // share that must have room beside a wall where sonar heard something stand
+
 /// Chance that the truth is a pose of which something is true.
 template <typename Predicate>
 double chance_that(std::span<const PossiblePose> poses, const Predicate& is_true) {
@@ -20,7 +28,7 @@ double chance_that(std::span<const PossiblePose> poses, const Predicate& is_true
 }  // namespace
 
 double search_price(const Eigen::Vector2d& place, std::span<const PossiblePose> poses, const CeilingForecast& forecast,
-                    const SearchMap& map, const SearchPriceParams& params) {
+                    const SearchMap& map) {
   constexpr double kBlocked = std::numeric_limits<double>::infinity();
   const Ground ground = map.ground_at(place);
   if (map.is_shut(place)) {
@@ -30,19 +38,19 @@ double search_price(const Eigen::Vector2d& place, std::span<const PossiblePose> 
   // is open until they have not.
   if (ground == Ground::kStands && chance_that(poses, [&](const PossiblePose& pose) {
                                      return forecast.is_beside_wall(pose.world_from_odom * place);
-                                   }) < params.min_beside_wall) {
+                                   }) < kMinBesideWall) {
     return kBlocked;
   }
   const double share =
       chance_that(poses, [&](const PossiblePose& pose) { return forecast.has_room(pose.world_from_odom * place); });
-  const bool is_narrow = map.stands_within(place, params.clearance);
+  const bool is_narrow = map.stands_within(place, kSearchClearance);
   const bool is_heard_free = ground == Ground::kFree && !is_narrow;
   // Sonar hears free floor also behind walls that it meets at a slant.
-  if (share < (is_heard_free ? params.min_free_if_heard : is_narrow ? params.min_free_in_narrows : params.min_free)) {
+  if (share < (is_heard_free ? kMinFreeIfHeard : is_narrow ? kMinFreeInNarrows : kMinFree)) {
     return kBlocked;
   }
   const double doubt = is_heard_free ? 0.0 : 1.0 - share;
-  return (1.0 + params.doubt * doubt) * (map.stands_within(place, params.comfortable) ? params.narrow : 1.0);
+  return (1.0 + kDoubt * doubt) * (map.stands_within(place, kComfortable) ? kNarrow : 1.0);
 }
 
 }  // namespace luminav

@@ -10,28 +10,32 @@
 namespace luminav {
 namespace {
 
+constexpr double kReach = 8.0;  // [m] from where the search began ways are looked at
+constexpr double kStep = 0.4;   // [m] between places
+constexpr double kShare = 0.8;  // of its rivals' weight that a pose must be told from
+constexpr double kMin = 1.0;    // [m] added to each way
+constexpr double kPower = 2.0;  // with which the urgency falls with the way
+
 /// Ways [m] after which each pose is told from each other one as the truth, row by row.
 std::vector<double> telling_distances(const std::vector<PossiblePose>& poses, const Eigen::Vector2d& began_at,
-                                      const CeilingForecast& forecast, const SearchMap& map, const ViewRules& rules,
-                                      const std::function<double(const Eigen::Vector2d&)>& price,
-                                      const SearchUrgencyParams& params) {
+                                      const CeilingForecast& forecast, const SearchMap& map,
+                                      const std::function<double(const Eigen::Vector2d&)>& price) {
   const std::size_t count = poses.size();
-  std::vector<double> distances(count * count, params.reach);
+  std::vector<double> distances(count * count, kReach);
   std::vector<std::optional<PredictedView>> views(count);
-  PathLattice lattice(began_at, params.reach, params.step);
-  for (auto visit = lattice.next(); visit && visit->distance < params.reach; visit = lattice.next()) {
+  PathLattice lattice(began_at, kReach, kStep);
+  for (auto visit = lattice.next(); visit && visit->distance < kReach; visit = lattice.next()) {
     const Eigen::Vector2d place = lattice.place_of(visit->node);
     const bool is_known_floor = map.ground_at(place) == Ground::kFree;
     std::transform(poses.begin(), poses.end(), views.begin(),
-                   [&](const PossiblePose& pose) { return predict(forecast, pose, place, is_known_floor, rules); });
+                   [&](const PossiblePose& pose) { return predict(forecast, pose, place, is_known_floor); });
     for (std::size_t truth = 0; truth < count; ++truth) {
       if (!views[truth] || views[truth]->is_wall) {
         continue;
       }
       for (std::size_t rival = 0; rival < count; ++rival) {
         double& distance = distances[truth * count + rival];
-        if (rival != truth && distance > visit->distance && views[rival] &&
-            !look_alike(*views[truth], *views[rival], rules)) {
+        if (rival != truth && distance > visit->distance && views[rival] && !look_alike(*views[truth], *views[rival])) {
           distance = visit->distance;
         }
       }
@@ -44,12 +48,11 @@ std::vector<double> telling_distances(const std::vector<PossiblePose>& poses, co
 }  // namespace
 
 void set_urgency(std::vector<PossiblePose>& poses, const Eigen::Vector2d& began_at, const CeilingForecast& forecast,
-                 const SearchMap& map, const ViewRules& rules,
-                 const std::function<double(const Eigen::Vector2d&)>& price, const SearchUrgencyParams& params) {
+                 const SearchMap& map, const std::function<double(const Eigen::Vector2d&)>& price) {
   if (poses.size() < 2) {
     return;
   }
-  const std::vector<double> distances = telling_distances(poses, began_at, forecast, map, rules, price, params);
+  const std::vector<double> distances = telling_distances(poses, began_at, forecast, map, price);
   std::vector<std::pair<double, double>> distance_and_weight;  // of its rivals, the nearest first
   double mean = 0.0;
   double chance = 0.0;
@@ -59,11 +62,11 @@ void set_urgency(std::vector<PossiblePose>& poses, const Eigen::Vector2d& began_
     for (std::size_t rival = 0; rival < poses.size(); ++rival) {
       if (rival != truth) {
         distance_and_weight.emplace_back(distances[truth * poses.size() + rival], poses[rival].weight);
-        wanted += params.share * poses[rival].weight;
+        wanted += kShare * poses[rival].weight;
       }
     }
     std::sort(distance_and_weight.begin(), distance_and_weight.end());
-    double distance = params.reach;
+    double distance = kReach;
     for (const auto& [each, weight] : distance_and_weight) {
       wanted -= weight;
       if (wanted <= 0.0) {
@@ -72,7 +75,7 @@ void set_urgency(std::vector<PossiblePose>& poses, const Eigen::Vector2d& began_
       }
     }
     PossiblePose& pose = poses[truth];
-    pose.urgency = std::pow(params.min + distance, -params.power);
+    pose.urgency = std::pow(kMin + distance, -kPower);
     mean += pose.urgency * pose.chance;
     chance += pose.chance;
   }

@@ -10,20 +10,11 @@
 
 namespace luminav {
 
-struct SearchUrgencyParams {
-  double reach = 8.0;  // [m] from where the search began ways are looked at
-  double step = 0.4;   // [m] between places
-  double share = 0.8;  // of its rivals' weight that a pose must be told from
-  double min = 1.0;    // [m] added to each way
-  double power = 2.0;  // with which the urgency falls with the way
-};
-
 /// Sets each pose's urgency by how short its way from where the search began [m, odom] is to where it is told from its
 /// rivals. A search that goes on along a corridor finds many poses quickly and lets the few wait that a look the other
 /// way would have found at once: no way shall be many times longer than it need be. On average it is 1, weighted by
 /// chance. `price`: metres that a metre at a place counts for.
 void set_urgency(std::vector<PossiblePose>& poses, const Eigen::Vector2d& began_at, const CeilingForecast& forecast,
-                 const SearchMap& map, const ViewRules& rules,
-                 const std::function<double(const Eigen::Vector2d&)>& price, const SearchUrgencyParams& params);
+                 const SearchMap& map, const std::function<double(const Eigen::Vector2d&)>& price);
 
 }  // namespace luminav

@@ -6,6 +6,27 @@
 #include "services/common/geometry/seconds.hpp"
 
 namespace luminav {
+namespace {
+
+constexpr double kPlaceSide = 0.5;            // [m] of the squares in which it counts where it has been
+constexpr double kReach = 3.0;                // [m] a direction is worth at most so much free way
+constexpr double kBlockedBelow = 0.40;        // [m] free way ahead that makes it look for another direction
+constexpr double kDecideEvery = 1.2;          // [m] driven on a free way before it looks for a better direction
+constexpr double kBetterBy = 1.5;             // squares' worth that another direction must offer to leave a free way
+constexpr double kFailureMemory = 30.0;       // [s] a direction that ended at an obstacle is avoided near that place
+constexpr double kFailureRadius = 1.0;        // [m]
+constexpr double kFadeEvery = 5.0;            // [m] beyond `look_around` after which old echoes count less
+constexpr double kLookAhead = 0.6;            // [m] along the way to new ground
+constexpr double kApproachWithin = 12.0;      // [s] it must have come nearer to where it goes, else it goes elsewhere
+constexpr double kStayWithin = 0.7;           // [m] it has moved so little ...
+constexpr double kMaxStay = 15.0;             // [s] for so long, on a way: that leads nowhere
+constexpr double kDeadEndFrom = 0.35;         // [m] along the way: so near to where it stayed
+constexpr double kDeadEndUntil = 1.2;         // [m] to so far
+constexpr double kTurnFrom = radians(50.0);   // [rad] off its way that starts a turn on the spot
+constexpr double kTurnUntil = radians(20.0);  // [rad] and that ends it
+
+}  // namespace
+
 void Wander::clear() {
   visits_.clear();
   failures_.clear();
@@ -25,28 +46,27 @@ void Wander::clear() {
 }
 
 Wander::Square Wander::square_at(const Eigen::Vector2d& place) const {
-  return {static_cast<int>(std::floor(place.x() / params_.place_side)),
-          static_cast<int>(std::floor(place.y() / params_.place_side))};
+  return {static_cast<int>(std::floor(place.x() / kPlaceSide)), static_cast<int>(std::floor(place.y() / kPlaceSide))};
 }
 
 // Free way counts by how little it was visited: a square never seen 1, one where it spent 4 s a half.
 double Wander::worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
                      std::span<const ObstaclePoint> obstacles) const {
-  const double distance = free_distance(direction, params_.reach, obstacles, params_.heading.free_heading);
-  if (distance < params_.blocked_below) {
+  const double distance = free_distance(direction, kReach, obstacles, params_.heading.free_heading);
+  if (distance < kBlockedBelow) {
     return -10.0 + distance;
   }
   double sum = 0.0;
-  for (double ahead = params_.place_side; ahead <= distance + 0.1; ahead += params_.place_side) {
+  for (double ahead = kPlaceSide; ahead <= distance + 0.1; ahead += kPlaceSide) {
     const Eigen::Vector2d place =
         odom_from_robot * Eigen::Vector2d(ahead * std::cos(direction), ahead * std::sin(direction));
     const auto visit = visits_.find(square_at(place));
     sum += visit == visits_.end() ? 1.0 : 1.0 / (1.0 + 0.25 * visit->second);
   }
   for (const Failure& failure : failures_) {
-    const bool is_here = (failure.place - odom_from_robot.position()).norm() < params_.failure_radius;
+    const bool is_here = (failure.place - odom_from_robot.position()).norm() < kFailureRadius;
     const double apart = std::abs(wrap_angle(odom_from_robot.theta + direction - failure.heading));
-    if (is_here && apart < radians(35.0) && seconds_between(failure.utime, now) < params_.failure_memory) {
+    if (is_here && apart < radians(35.0) && seconds_between(failure.utime, now) < kFailureMemory) {
       sum -= 2.0;
     }
   }
@@ -85,7 +105,7 @@ void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_ro
   const Obstacles obstacles(stop_logic_.footprint(), remembered);
   decided_at_ = odom_from_robot.position();
   double best = 0.0;
-  double best_worth = is_blocked ? -100.0 : worth(0.0, now, odom_from_robot, obstacles.points()) + params_.better_by;
+  double best_worth = is_blocked ? -100.0 : worth(0.0, now, odom_from_robot, obstacles.points()) + kBetterBy;
   for (int i = -17; i <= 18; ++i) {
     const double direction = radians(10.0 * i);
     const double value = worth(direction, now, odom_from_robot, obstacles.points());
@@ -126,17 +146,17 @@ void Wander::plan(const WanderInput& input) {
     path_left_ = left;
   }
   path_ = std::move(*path);
-  if (seconds_between(approached_, now) > params_.approach_within || stays(now, place)) {
+  if (seconds_between(approached_, now) > kApproachWithin || stays(now, place)) {
     end_path(place);
   }
 }
 
 bool Wander::stays(std::int64_t now, const Eigen::Vector2d& place) {
-  if (!stayed_at_ || (place - *stayed_at_).norm() > params_.stay_within) {
+  if (!stayed_at_ || (place - *stayed_at_).norm() > kStayWithin) {
     stayed_at_ = place;
     stayed_since_ = now;
   }
-  if (seconds_between(stayed_since_, now) <= params_.max_stay) {
+  if (seconds_between(stayed_since_, now) <= kMaxStay) {
     return false;
   }
   stayed_at_.reset();
@@ -148,8 +168,8 @@ bool Wander::stays(std::int64_t now, const Eigen::Vector2d& place) {
 void Wander::end_path(const Eigen::Vector2d& place) {
   for (const Eigen::Vector2d& point : path_) {
     const double ahead = (point - place).norm();
-    if (ahead > params_.dead_end_from && ahead < params_.dead_end_until &&
-        (map_.ground_at(point) != Ground::kFree || map_.stands_within(point, params_.disambiguation.price.clearance))) {
+    if (ahead > kDeadEndFrom && ahead < kDeadEndUntil &&
+        (map_.ground_at(point) != Ground::kFree || map_.stands_within(point, kSearchClearance))) {
       map_.shut(point);
     }
   }
@@ -168,7 +188,7 @@ DriveTwist Wander::step(const WanderInput& input) {
   visits_[square_at(place)] += duration;
   map_.visit(place);
   map_.add(input.firings);
-  if (driven_ - std::max(faded_at_, params_.look_around) > params_.fade_every) {
+  if (driven_ - std::max(faded_at_, params_.look_around) > kFadeEvery) {
     faded_at_ = driven_;
     map_.fade();
   }
@@ -186,17 +206,17 @@ DriveTwist Wander::follow_path(double duration, const WanderInput& input) {
     nearest = (path_[i] - place).norm() < (path_[nearest] - place).norm() ? i : nearest;
   }
   std::size_t ahead = nearest;
-  while (ahead + 1 < path_.size() && (path_[ahead] - place).norm() < params_.look_ahead) {
+  while (ahead + 1 < path_.size() && (path_[ahead] - place).norm() < kLookAhead) {
     ++ahead;
   }
   const Eigen::Vector2d target = input.odom_from_robot.inverse() * path_[ahead];
   const double direction = std::atan2(target.y(), target.x());
-  if (!is_turning_to_path_ && std::abs(direction) > params_.turn_from) {
+  if (!is_turning_to_path_ && std::abs(direction) > kTurnFrom) {
     is_turning_to_path_ = true;
     turn_sign_ = turn_side(direction, input.obstacles);
     takes_long_turn_ = turn_sign_ * direction < 0.0;
   }
-  is_turning_to_path_ = is_turning_to_path_ && std::abs(direction) > params_.turn_until;
+  is_turning_to_path_ = is_turning_to_path_ && std::abs(direction) > kTurnUntil;
   if (is_turning_to_path_) {
     heading_.reset();
     // what lies behind changes sides with every step: once begun, the turn goes on the same way round
@@ -223,12 +243,12 @@ DriveTwist Wander::explore(double duration, const WanderInput& input) {
       return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_sign_ * params_.angular};
     }
   }
-  const double ahead = free_distance(0.0, params_.reach, input.obstacles.points(), params_.heading.free_heading);
-  const bool is_blocked = ahead < params_.blocked_below;
+  const double ahead = free_distance(0.0, kReach, input.obstacles.points(), params_.heading.free_heading);
+  const bool is_blocked = ahead < kBlockedBelow;
   if (is_blocked) {
     note_failure(input.now, odom_from_robot, odom_from_robot.theta);
   }
-  const bool has_gone_far = !decided_at_ || (*decided_at_ - odom_from_robot.position()).norm() > params_.decide_every;
+  const bool has_gone_far = !decided_at_ || (*decided_at_ - odom_from_robot.position()).norm() > kDecideEvery;
   if (is_blocked || has_gone_far) {
     decide(is_blocked, input.now, odom_from_robot, input.remembered);
     if (is_turning_) {
@@ -241,7 +261,7 @@ DriveTwist Wander::explore(double duration, const WanderInput& input) {
 // Towards a direction [rad, robot frame], pushed off by what is near.
 DriveTwist Wander::steer(double direction, double duration, const WanderInput& input) {
   const Eigen::Vector2d attractive(std::cos(direction), std::sin(direction));
-  const VirtualForce force = virtual_force(attractive, input.obstacles, params_.forces);
+  const VirtualForce force = virtual_force(attractive, input.obstacles, {});
   repulsive_ += std::min(1.0, duration / 0.3) * (force.repulsive - repulsive_);
   const Eigen::Vector2d sum = attractive + repulsive_;
   const double wish = std::atan2(sum.y(), sum.x());

@@ -18,30 +18,11 @@
 namespace luminav {
 
 struct WanderParams {
-  double speed = 0.4;                 // [m/s]
-  double angular = radians(45.0);     // [rad/s]
-  double place_side = 0.5;            // [m] of the squares in which it counts where it has been
-  double reach = 3.0;                 // [m] a direction is worth at most so much free way
-  double blocked_below = 0.40;        // [m] free way ahead that makes it look for another direction
-  double decide_every = 1.2;          // [m] driven on a free way before it looks for a better direction
-  double better_by = 1.5;             // squares' worth that another direction must offer to leave a free way
-  double failure_memory = 30.0;       // [s] a direction that ended at an obstacle is avoided near that place
-  double failure_radius = 1.0;        // [m]
-  double look_around = 10.0;          // [m] it first drives by free way alone, then leaves for new ground
-  double plan_every = 1.0;            // [s]
-  double fade_every = 5.0;            // [m] beyond `look_around` after which old echoes count less
-  double look_ahead = 0.6;            // [m] along the way to new ground
-  double approach_within = 12.0;      // [s] it must have come nearer to where it goes, else it goes elsewhere
-  double stay_within = 0.7;           // [m] it has moved so little ...
-  double max_stay = 15.0;             // [s] for so long, on a way: that leads nowhere
-  double dead_end_from = 0.35;        // [m] along the way: so near to where it stayed
-  double dead_end_until = 1.2;        // [m] to so far
-  double turn_from = radians(50.0);   // [rad] off its way that starts a turn on the spot
-  double turn_until = radians(20.0);  // [rad] and that ends it
+  double speed = 0.4;              // [m/s]
+  double angular = radians(45.0);  // [rad/s]
+  double look_around = 10.0;       // [m] it first drives by free way alone, then leaves for new ground
+  double plan_every = 1.0;         // [s]
   SteadyHeadingParams heading{.free_heading = {.half_width = 0.28}};
-  VirtualForceParams forces;
-  SearchMapParams map;
-  DisambiguationParams disambiguation;
 };
 
 /// What wandering goes by.
@@ -64,9 +45,9 @@ class Wander {
   Wander(const WanderParams& params, const SonarRing& ring, const StopLogic& stop_logic, CeilingForecast forecast)
       : params_(params),
         stop_logic_(stop_logic),
-        map_(ring, params.map),
+        map_(ring),
         heading_(params.heading),
-        disambiguation_(std::move(forecast), params.disambiguation) {}
+        disambiguation_(std::move(forecast)) {}
 
   /// Only a wish; the stop logic has the last word.
   DriveTwist step(const WanderInput& input);

@@ -7,6 +7,12 @@
 #include "services/common/geometry/seconds.hpp"
 
 namespace luminav {
+namespace {
+
+constexpr double kDistanceShare = 0.1;  // of the range, added: a cone is wider farther away
+constexpr int kNeighbours = 1;          // discs to either side that may confirm
+
+}  // namespace
 
 EchoFilter::EchoFilter(const EchoFilterParams& params, int discs) : params_(params), discs_(discs) {
   if (discs < 1 || !(params.memory > 0.0) || !(params.distance > 0.0)) {
@@ -24,12 +30,12 @@ bool EchoFilter::confirm(int disc, std::int64_t utime, const Eigen::Vector2d& po
   assert(disc >= 0 && disc < discs_);
   const auto oldest = utime - microseconds_of(params_.memory);
   bool confirmed = false;
-  for (int offset = -params_.neighbours; offset <= params_.neighbours && !confirmed; ++offset) {
+  for (int offset = -kNeighbours; offset <= kNeighbours && !confirmed; ++offset) {
     // the ring closes behind the robot
     const int other = ((disc + offset) % discs_ + discs_) % discs_;
     for (std::size_t i = 0; i < kRemembered; ++i) {
       const Echo& echo = echoes_[static_cast<std::size_t>(other) * kRemembered + i];
-      const double limit = params_.distance + params_.distance_share * std::min(range, echo.range);
+      const double limit = params_.distance + kDistanceShare * std::min(range, echo.range);
       if (echo.utime >= oldest && echo.utime != 0 && (echo.point - point).squaredNorm() <= limit * limit) {
         confirmed = true;
         break;

@@ -7,10 +7,8 @@
 namespace luminav {
 
 struct EchoFilterParams {
-  double memory = 1.5;          ///< [s] a second echo must come within
-  double distance = 0.20;       ///< [m] and lie this close to the first
-  double distance_share = 0.1;  ///< of the range, added: a cone is wider farther away
-  int neighbours = 1;           ///< discs to either side that may confirm
+  double memory = 1.5;     ///< [s] a second echo must come within
+  double distance = 0.20;  ///< [m] and lie this close to the first
 };
 
 /// Lets an echo through when another one confirms it: from the same disc or a neighbour, a moment ago, at the same

@@ -26,7 +26,7 @@ class PictureWatchTest : public ::testing::Test {
   }
   static GreyImage even(std::uint8_t grey) { return {64, 48, std::vector<std::uint8_t>(64 * 48, grey)}; }
 
-  PictureWatch watch_{{}};
+  PictureWatch watch_;
   std::mt19937 random_{7};
   std::int64_t utime_ = 1'000'000;
 };

@@ -6,19 +6,19 @@ namespace luminav {
 namespace {
 
 TEST(ProgressMonitor, CountsWhileNothingMoves) {
-  ProgressMonitor monitor({});
+  ProgressMonitor monitor;
   monitor.restart(1'000'000, {});
   EXPECT_DOUBLE_EQ(monitor.update(4'000'000, {0.1, 0.0, 0.1}), 3.0);
 }
 
 TEST(ProgressMonitor, StartsAnewAfterTwentyCentimetres) {
-  ProgressMonitor monitor({});
+  ProgressMonitor monitor;
   monitor.restart(1'000'000, {});
   EXPECT_DOUBLE_EQ(monitor.update(4'000'000, {0.21, 0.0, 0.0}), 0.0);
 }
 
 TEST(ProgressMonitor, TurningIsProgressUntilItIsSpinning) {
-  ProgressMonitor monitor({});
+  ProgressMonitor monitor;
   monitor.restart(1'000'000, {});
   std::int64_t now = 1'000'000;
   double heading = 0.0;
@@ -37,7 +37,7 @@ TEST(ProgressMonitor, TurningIsProgressUntilItIsSpinning) {
 }
 
 TEST(ProgressMonitor, BearsAClockThatGoesBack) {
-  ProgressMonitor monitor({});
+  ProgressMonitor monitor;
   monitor.restart(9'000'000, {});
   EXPECT_DOUBLE_EQ(monitor.update(1'000'000, {}), 0.0);
 }

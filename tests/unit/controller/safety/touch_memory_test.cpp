@@ -24,7 +24,7 @@ SenseAges fresh() {
 }
 
 TEST(TouchMemory, KnowsAThingBeforeTheSideThatDroveAgainstIt) {
-  TouchMemory touches(testing::test_robot(), {});
+  TouchMemory touches(testing::test_robot());
   touches.add(10 * kSecond, kPlace, {0.3, 0.1});
   const auto ahead = felt(touches, 11 * kSecond, kPlace);
   ASSERT_GE(ahead.size(), 5U);
@@ -33,13 +33,13 @@ TEST(TouchMemory, KnowsAThingBeforeTheSideThatDroveAgainstIt) {
     EXPECT_LE(std::abs(obstacle.position.y()), 0.2125 + 1e-9);
     EXPECT_FALSE(obstacle.is_known);
   }
-  TouchMemory behind(testing::test_robot(), {});
+  TouchMemory behind(testing::test_robot());
   behind.add(10 * kSecond, kPlace, {-0.15, 0.0});
   EXPECT_NEAR(felt(behind, 11 * kSecond, kPlace).front().position.x(), -0.331, 1e-9);
 }
 
 TEST(TouchMemory, LetsTheRobotLeaveButNotComeBack) {
-  TouchMemory touches(testing::test_robot(), {});
+  TouchMemory touches(testing::test_robot());
   touches.add(10 * kSecond, kPlace, {0.3, 0.0});
   const StopLogic stop_logic(testing::test_robot(), StopLogicParams{});
   const auto here = felt(touches, 11 * kSecond, kPlace);
@@ -52,13 +52,13 @@ TEST(TouchMemory, LetsTheRobotLeaveButNotComeBack) {
 }
 
 TEST(TouchMemory, LearnsNothingFromATurnOnTheSpot) {
-  TouchMemory touches(testing::test_robot(), {});
+  TouchMemory touches(testing::test_robot());
   touches.add(10 * kSecond, kPlace, {0.0, 0.5});
   EXPECT_TRUE(felt(touches, 11 * kSecond, kPlace).empty());
 }
 
 TEST(TouchMemory, ForgetsAfterAWhileAndWhenOdometryJumps) {
-  TouchMemory touches(testing::test_robot(), {});
+  TouchMemory touches(testing::test_robot());
   touches.add(10 * kSecond, kPlace, {0.3, 0.0});
   EXPECT_FALSE(felt(touches, 69 * kSecond, kPlace).empty());
   EXPECT_TRUE(felt(touches, 71 * kSecond, kPlace).empty());
@@ -68,15 +68,13 @@ TEST(TouchMemory, ForgetsAfterAWhileAndWhenOdometryJumps) {
 }
 
 TEST(TouchMemory, KeepsTheLatestOfMany) {
-  TouchMemoryParams params;
-  params.max = 3;
-  TouchMemory touches(testing::test_robot(), params);
-  for (int i = 0; i < 10; ++i) {
+  TouchMemory touches(testing::test_robot());
+  for (int i = 0; i < 27; ++i) {
     touches.add((10 + i) * kSecond, {static_cast<double>(i), 0.0, 0.0}, {0.3, 0.0});
   }
-  const auto all = felt(touches, 21 * kSecond, {});
+  const auto all = felt(touches, 37 * kSecond, {});
   EXPECT_NEAR(all.front().position.x(), 7.24, 1e-9);
-  EXPECT_NEAR(all.back().position.x(), 9.24, 1e-9);
+  EXPECT_NEAR(all.back().position.x(), 26.24, 1e-9);
 }
 
 }  // namespace

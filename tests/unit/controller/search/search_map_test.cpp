@@ -81,7 +81,7 @@ class SearchMapTest : public ::testing::Test {
   }
 
   RobotDescription robot_ = test_robot();
-  SearchMap map_{robot_.sonar, SearchMapParams{}};
+  SearchMap map_{robot_.sonar};
   std::int64_t utime_ = 0;
 };
 
@@ -136,7 +136,7 @@ TEST_F(SearchMapTest, FindsNoWayThroughWhatWasShutUntilThatFades) {
   map_.shut({2.0, 0.0});
   EXPECT_FALSE(map_.path_to_new_ground({1.0, 2.0}));
   EXPECT_EQ(map_.ground_at({1.8, 0.0}), Ground::kStands) << "though the sonars hear nothing there";
-  for (int i = 0; i < SearchMapParams{}.shut_for; ++i) {
+  for (int i = 0; i < SearchMap::kShutFor; ++i) {
     EXPECT_FALSE(map_.path_to_new_ground({1.0, 2.0}));
     map_.fade();
   }
