@@ -82,7 +82,7 @@ void Controller::look_around(const ControlInput& input) {
   if (input.world_from_robot) {
     zones = zones_.add_edges(*input.world_from_robot, config_.local_map.radius, walls);
   } else {
-    constexpr double kPossible = 0.01;  // of all probability: what is less would shut every way
+    constexpr double kPossible = 0.01;  // of all probability: less likely ones would close every path
     for (const PoseAlternative& alternative : input.alternatives) {
       const Pose2 world_from_robot = alternative.world_from_odom * input.odom_from_robot;
       zones += alternative.weight < kPossible ? 0 : zones_.add_edges(world_from_robot, config_.local_map.radius, walls);
@@ -212,7 +212,7 @@ void Controller::hold_still(std::int64_t now, const Pose2& place, const DriveTwi
   const bool is_gone = nearest > kHoldWithin;
   if (!drives_itself || is_gone || seconds_between(hold_since_, now) > config_.patience) {
     if (is_gone) {
-      // the way is free again: what happened before counts no more
+      // the path is free again: what happened before no longer counts
       progress_.restart(now, place);
       escapes_ = 0;
       standing_since_ = 0;
@@ -338,7 +338,7 @@ void Controller::begin_escape(const ControlInput& input, bool by_unknown, Contro
     situation.turn = output.follow.heading_error;
   }
   const auto move = choose_escape(situation, obstacles_, stop_logic_);
-  // a way is not wrong because there is no room to turn to it
+  // a path is not wrong because there is no room to turn towards it
   const bool keeps_to_its_path = move && move->frees_a_turn && escapes_ < kMaxEscapes;
   if (input.task == ControlTask::kWander && !keeps_to_its_path) {
     wander_.give_up(input.now, input.odom_from_robot);

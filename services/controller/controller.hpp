@@ -44,7 +44,7 @@ struct ControlInput {
   const OccupancyGrid* grid = nullptr;    // nothing received yet: nullptr
   DriveTwist teleoperation;
   std::vector<ObstaclePoint> echoes;          // robot frame
-  std::vector<ObstaclePoint> remembered;      // echoes with a longer memory, for choosing a way while wandering
+  std::vector<ObstaclePoint> remembered;      // echoes with a longer memory, for choosing a direction while wandering
   std::vector<SonarFiring> firings;           // newest of each disc, while wandering
   std::vector<PoseAlternative> alternatives;  // poses that are possible, while wandering
   SenseAges ages;

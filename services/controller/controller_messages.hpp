@@ -11,7 +11,7 @@
 
 namespace luminav {
 
-/// The way that PATH tells; nothing, and why in one sentence, when its numbers are impossible.
+/// The path in PATH; nothing, and why in one sentence, when its numbers are impossible.
 std::optional<FollowedPath> path_of(const path_t& message, std::string& why);
 
 /// The poses that HYPOTHESES lists, told of a robot at `odom_from_robot`; nothing, and why, when its numbers are

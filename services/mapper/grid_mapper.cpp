@@ -94,8 +94,8 @@ SliceRanges GridMapper::visible_ranges(const BeamReading& beam) const {
   const GridGeometry& geometry = grid_.geometry;
   const double max = beam.has_echo ? beam.range : params_.sonar.no_echo_range;
   const double step = 0.7 * geometry.resolution;
-  // What is heard from so far away was often thrown there by a mirror: in an office 2 to 3 of 100 cells on the way of
-  // such an echo are walls, ten times as many as on the way of one from 1.5 m. It takes away no more than silence.
+  // What is heard from so far away was often thrown there by a mirror: in an office 2 to 3 of 100 cells in front of
+  // such an echo are walls, ten times as many as in front of one from 1.5 m. It takes away no more than silence.
   const bool says_little = !beam.has_echo || beam.range > params_.mirror_range;
   SliceRanges ranges;
   for (int slice = 0; slice < kSlices; ++slice) {
@@ -228,8 +228,8 @@ void GridMapper::vote_occupied(const DiscReading& reading, const SliceRanges& vi
   }
 }
 
-// Oblique walls are mirrors: before a wall was drawn, echoes of what they show were placed behind it, and the way there
-// was called free. What is true of it will be seen again from the other side.
+// Oblique walls are mirrors: before a wall was drawn, echoes of what they show were placed behind it, and the cells
+// there were called free. What is true of it will be seen again from the other side.
 void GridMapper::forget_behind(const Eigen::Vector2d& disc, const Cell& wall) {
   const Eigen::Vector2d centre = grid_.geometry.centre_of(wall);
   const Eigen::Vector2d step = grid_.geometry.resolution * (centre - disc).normalized();

@@ -68,8 +68,7 @@ class PointTransform {
   double s_;
 };
 
-/// The pose a fraction of the way from one pose to another (fractions outside 0..1 extrapolate); the heading takes the
-/// shorter way round.
+/// The pose at a fraction between two poses (fractions outside 0..1 extrapolate); the heading takes the shorter turn.
 inline Pose2 interpolate(const Pose2& from, const Pose2& to, double fraction) {
   return {from.x + fraction * (to.x - from.x), from.y + fraction * (to.y - from.y),
           wrap_angle(from.theta + fraction * wrap_angle(to.theta - from.theta))};

@@ -49,7 +49,7 @@ double PathFollower::turn_on_the_spot(double error, const FollowSituation& situa
   if (long_turn_ == 0 && std::abs(error) > kTurnUntil && !is_turn_free(error) && is_turn_free(other_turn)) {
     long_turn_ = other_turn > 0.0 ? 1 : -1;
   }
-  // the long way has become the short one when it has the same sign
+  // the long turn has become the short one when it has the same sign
   if (long_turn_ != 0 && (error > 0.0 ? 1 : -1) == long_turn_) {
     long_turn_ = 0;
   }

@@ -13,7 +13,7 @@
 
 namespace luminav {
 
-/// A way to a goal, in the world frame.
+/// A path to a goal, in the world frame.
 struct FollowedPath {
   std::int64_t goal_id = 0;
   int pose_index = 0;
@@ -86,7 +86,7 @@ class PathFollower {
   bool is_aligned_ = false;
   bool is_turning_ = false;
   bool is_backing_ = false;
-  int long_turn_ = 0;                                    // 0 = the short way, else the sign of the turn
+  int long_turn_ = 0;                                    // 0 = the short turn, else the sign of the long one
   double nearest_ = 1e9;                                 // [m] that it came to the last point
   SteadyHeading heading_;                                // in the world
   Eigen::Vector2d repulsive_ = Eigen::Vector2d::Zero();  // smoothed, robot frame

@@ -13,7 +13,7 @@ struct SpeedLawParams {
 };
 
 /// Twist towards a heading: turning speed in proportion to the error, speed falling with error, with little clearance
-/// and towards the end of the way. `heading_error` [rad], `clearance` [m] from the outline, `distance_left` [m].
+/// and towards the end of the path. `heading_error` [rad], `clearance` [m] from the outline, `distance_left` [m].
 DriveTwist speed_law(double heading_error, double clearance, double distance_left, const SpeedLawParams& params);
 
 /// Slews a command towards a wish within the robot's accelerations; slowing down uses the deceleration and is never

@@ -41,7 +41,7 @@ class EchoMemory {
   /// The same for a robot that doesn't know where it is: no map tells of the door jamb beside its rear corner, where no
   /// disc looks, so what was near is remembered longer.
   [[nodiscard]] std::vector<ObstaclePoint> obstacles_without_map(std::int64_t now, const Pose2& odom_from_robot) const;
-  /// The same with a longer memory, for whoever looks for a way: standing things stay where they are.
+  /// The same with a longer memory, for the search for a direction: standing things stay where they are.
   [[nodiscard]] std::vector<ObstaclePoint> remembered(std::int64_t now, const Pose2& odom_from_robot) const;
   /// Newest firing of each disc; utime 0 = never.
   [[nodiscard]] const std::vector<SonarFiring>& newest() const { return newest_; }

@@ -65,7 +65,7 @@ std::optional<std::size_t> StopLogic::first_obstruction(const DriveTwist& twist,
   }
   const int steps = std::max(1, static_cast<int>(std::ceil(corner_speed * duration / kStep)));
   std::vector<PointTransform> end_from_start;  // as many as were needed so far: mostly nothing is near
-  // somebody who comes stops before a robot that stands, so his own way counts until it does
+  // somebody who comes stops before a robot that stands, so his own distance counts until it does
   const double until_still =
       std::min(duration, params_.reaction_time + std::abs(twist.linear) / limits_.linear_deceleration);
   double longest_own_distance = 0.0;

@@ -19,7 +19,7 @@ struct StopLogicParams {
   double doubtful_linear = 0.15;   // [m/s] while some sonars seem to be dead
 };
 
-/// How old the senses are, and which way they look.
+/// How old the readings are, by direction.
 struct SenseAges {
   double odometry = 1e9;      // [s]
   double sonar = 1e9;         // [s] newest firing of any disc
@@ -57,7 +57,7 @@ class StopLogic {
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
 
  private:
-  /// The first obstacle in the way of an arc, or nothing.
+  /// The first obstacle on an arc, or nothing.
   [[nodiscard]] std::optional<std::size_t> first_obstruction(const DriveTwist& twist, double duration,
                                                              const Obstacles& obstacles) const;
   [[nodiscard]] double look_ahead_time(const DriveTwist& twist) const;

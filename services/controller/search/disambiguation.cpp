@@ -17,8 +17,8 @@ constexpr double kSeenAndNot = 0.55;   // what it tells when a fixture is seen t
 constexpr double kMissed = 0.25;       // likewise one that the rival has and that is not there
 constexpr double kWall = 1.0;          // likewise to drive where the rival has a wall
 constexpr double kAnyFixture = 0.05;   // worth of a fixture that all have and none saw yet
-constexpr double kMinWorth = 0.02;     // less is not worth a way
-constexpr double kHeadStart = 1.5;     // [m] added to each way, so that a little worth close by does not win
+constexpr double kMinWorth = 0.02;     // less is not worth the drive
+constexpr double kHeadStart = 1.5;     // [m] added to each distance, so that a little worth close by does not win
 constexpr double kFaithfulness = 2.0;  // what another place must be better than where it is heading
 constexpr double kRoomAtStart = 0.4;   // [m] around it there is room, whatever the sonars heard
 
@@ -53,7 +53,7 @@ std::vector<PossiblePose> Disambiguation::chosen(std::span<const PoseAlternative
 }
 
 // Chance that the truth, drawn by its chance, and a rival are told apart there. Once one of them is likely it is its
-// own way that counts, not how its rivals might be told from each other.
+// own path that counts, not how its rivals might be told from each other.
 double Disambiguation::worth(const Eigen::Vector2d& place, std::span<const PossiblePose> poses, const SearchMap& map,
                              std::vector<View>& views) const {
   views.clear();

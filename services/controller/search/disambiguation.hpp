@@ -26,7 +26,7 @@ struct PoseAlternative {
 struct SearchPlaces {
   Eigen::Vector2d robot;
   Eigen::Vector2d began_at;
-  std::optional<Eigen::Vector2d> heading_for;  // where the last way led to
+  std::optional<Eigen::Vector2d> heading_for;  // where the last path led to
 };
 
 /// Finds the place to drive to when several poses are possible: where their predictions differ most for the

@@ -14,8 +14,8 @@ namespace luminav {
 /// What the sonars say of a place.
 enum class Ground { kUnknown, kFree, kStands };
 
-/// What the sonars tell of the surroundings in the odometry frame, coarsely, and where the robot has been: says the way
-/// to the nearest free ground that it has not been near. That leads through a room, out by its door and on.
+/// A coarse map of the surroundings by sonar, in the odometry frame, and of where the robot has been. It gives the path
+/// to the nearest free ground that the robot has not been near: through a room, out by its door and on.
 class SearchMap {
  public:
   static constexpr std::int8_t kShutFor = 6;  ///< fadings after which what was shut may be tried again
@@ -32,14 +32,14 @@ class SearchMap {
   void fade();
   /// A place could not be reached: it is new ground no more.
   void block(const Eigen::Vector2d& place);
-  /// No way led through a place, whatever the sonars say of it: for a while it counts as something that stands.
+  /// No path led through a place, whatever the sonars say of it: for a while it counts as occupied.
   void shut(const Eigen::Vector2d& place);
-  /// Way to the nearest new ground [m, odom], from the robot on; nothing if all that can be reached is known.
+  /// Path to the nearest new ground [m, odom], from the robot on; nothing if all that can be reached is known.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_to_new_ground(const Eigen::Vector2d& place) const;
 
   /// It has been near [m, odom], or knows that it cannot go there.
   [[nodiscard]] bool is_near_trail(const Eigen::Vector2d& place) const;
-  /// No way led through, see `shut`.
+  /// True where no path led through, see `shut`.
   [[nodiscard]] bool is_shut(const Eigen::Vector2d& place) const;
   [[nodiscard]] Ground ground_at(const Eigen::Vector2d& place) const;
   /// Something stands within `radius` [m] of a place; outside of the map nothing does.
@@ -49,7 +49,7 @@ class SearchMap {
   struct Cell {
     std::int8_t occupied = 0;  // > 0: something stands there; < 0: free
     std::int8_t heard = 0;     // direction [1/256 turn] of the last ray that ended there
-    std::int8_t shut = 0;      // fadings for which no way leads through
+    std::int8_t shut = 0;      // fadings for which no path leads through
     bool is_seen = false;
   };
   [[nodiscard]] int index_of(const Eigen::Vector2d& place) const;

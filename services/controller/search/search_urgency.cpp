@@ -10,13 +10,13 @@
 namespace luminav {
 namespace {
 
-constexpr double kReach = 8.0;  // [m] from where the search began ways are looked at
+constexpr double kReach = 8.0;  // [m] from where the search began, paths are looked at
 constexpr double kStep = 0.4;   // [m] between places
 constexpr double kShare = 0.8;  // of its rivals' weight that a pose must be told from
-constexpr double kMin = 1.0;    // [m] added to each way
-constexpr double kPower = 2.0;  // with which the urgency falls with the way
+constexpr double kMin = 1.0;    // [m] added to each distance
+constexpr double kPower = 2.0;  // with which the urgency falls with the distance
 
-/// Ways [m] after which each pose is told from each other one as the truth, row by row.
+/// Distances [m] after which each pose is told from each other one as the truth, row by row.
 std::vector<double> telling_distances(const std::vector<PossiblePose>& poses, const Eigen::Vector2d& began_at,
                                       const CeilingForecast& forecast, const SearchMap& map,
                                       const std::function<double(const Eigen::Vector2d&)>& price) {

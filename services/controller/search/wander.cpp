@@ -9,20 +9,20 @@ namespace luminav {
 namespace {
 
 constexpr double kPlaceSide = 0.5;            // [m] of the squares in which it counts where it has been
-constexpr double kReach = 3.0;                // [m] a direction is worth at most so much free way
-constexpr double kBlockedBelow = 0.40;        // [m] free way ahead that makes it look for another direction
-constexpr double kDecideEvery = 1.2;          // [m] driven on a free way before it looks for a better direction
-constexpr double kBetterBy = 1.5;             // squares' worth that another direction must offer to leave a free way
+constexpr double kReach = 3.0;                // [m] a direction is worth at most so much free distance
+constexpr double kBlockedBelow = 0.40;        // [m] less free distance ahead makes it look for another direction
+constexpr double kDecideEvery = 1.2;          // [m] driven straight on before it looks for a better direction
+constexpr double kBetterBy = 1.5;             // squares' worth that another direction must offer to leave a free one
 constexpr double kFailureMemory = 30.0;       // [s] a direction that ended at an obstacle is avoided near that place
 constexpr double kFailureRadius = 1.0;        // [m]
 constexpr double kFadeEvery = 5.0;            // [m] beyond `look_around` after which old echoes count less
-constexpr double kLookAhead = 0.6;            // [m] along the way to new ground
+constexpr double kLookAhead = 0.6;            // [m] along the path to new ground
 constexpr double kApproachWithin = 12.0;      // [s] it must have come nearer to where it goes, else it goes elsewhere
 constexpr double kStayWithin = 0.7;           // [m] it has moved so little ...
-constexpr double kMaxStay = 15.0;             // [s] for so long, on a way: that leads nowhere
-constexpr double kDeadEndFrom = 0.35;         // [m] along the way: so near to where it stayed
+constexpr double kMaxStay = 15.0;             // [s] for so long: the path leads nowhere
+constexpr double kDeadEndFrom = 0.35;         // [m] along the path: so near to where it stayed
 constexpr double kDeadEndUntil = 1.2;         // [m] to so far
-constexpr double kTurnFrom = radians(50.0);   // [rad] off its way that starts a turn on the spot
+constexpr double kTurnFrom = radians(50.0);   // [rad] off its path that starts a turn on the spot
 constexpr double kTurnUntil = radians(20.0);  // [rad] and that ends it
 
 }  // namespace
@@ -49,7 +49,7 @@ Wander::Square Wander::square_at(const Eigen::Vector2d& place) const {
   return {static_cast<int>(std::floor(place.x() / kPlaceSide)), static_cast<int>(std::floor(place.y() / kPlaceSide))};
 }
 
-// Free way counts by how little it was visited: a square never seen 1, one where it spent 4 s a half.
+// Free distance counts by how little it was visited: a square never seen 1, one where it spent 4 s a half.
 double Wander::worth(double direction, std::int64_t now, const Pose2& odom_from_robot,
                      std::span<const ObstaclePoint> obstacles) const {
   const double distance = free_distance(direction, kReach, obstacles, params_.heading.free_heading);
@@ -163,8 +163,8 @@ bool Wander::stays(std::int64_t now, const Eigen::Vector2d& place) {
   return true;
 }
 
-// The way leads nowhere. Some pose that is possible may have a door where a wall stands, and many places behind it:
-// what is narrow or unknown before the robot is no way for any of them.
+// The path leads nowhere. Some pose that is possible may have a door where a wall stands, and many places behind it:
+// what is narrow or unknown in front of the robot is no path for any of them.
 void Wander::end_path(const Eigen::Vector2d& place) {
   for (const Eigen::Vector2d& point : path_) {
     const double ahead = (point - place).norm();
@@ -219,7 +219,7 @@ DriveTwist Wander::follow_path(double duration, const WanderInput& input) {
   is_turning_to_path_ = is_turning_to_path_ && std::abs(direction) > kTurnUntil;
   if (is_turning_to_path_) {
     heading_.reset();
-    // what lies behind changes sides with every step: once begun, the turn goes on the same way round
+    // what lies behind changes sides with every step: once begun, the turn goes on in the same direction
     const double sign = std::abs(direction) < 0.5 * kPi && !takes_long_turn_ ? direction : turn_sign_;
     turn_left_ = direction;
     return {0.0, std::copysign(params_.angular, sign)};
@@ -239,7 +239,7 @@ DriveTwist Wander::explore(double duration, const WanderInput& input) {
     } else {
       turn_left_ = error;
       const double rate = std::clamp(1.6 * std::abs(error), 0.15, params_.angular);
-      // near the end the sign is the error's own, before it the way round that was chosen
+      // near the end the sign is the error's own, before that the chosen one
       return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_sign_ * params_.angular};
     }
   }

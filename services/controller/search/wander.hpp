@@ -20,7 +20,7 @@ namespace luminav {
 struct WanderParams {
   double speed = 0.4;              // [m/s]
   double angular = radians(45.0);  // [rad/s]
-  double look_around = 10.0;       // [m] it first drives by free way alone, then leaves for new ground
+  double look_around = 10.0;       // [m] it first drives by free distance alone, then leaves for new ground
   double plan_every = 1.0;         // [s]
   SteadyHeadingParams heading{.free_heading = {.half_width = 0.28}};
 };
@@ -38,7 +38,7 @@ struct WanderInput {
 /// Covers ground until the localizer knows where it is: drives to where the possible poses predict different things,
 /// and where nothing tells them apart by sonar alone to the nearest free ground that it has
 /// not been near, out by the door once a room is known. Where there is none it drives towards the direction with the
-/// most unvisited free way, remembers in the odometry frame where it has been and which directions led nowhere.
+/// most unvisited free distance, remembers in the odometry frame where it has been and which directions led nowhere.
 /// Deterministic.
 class Wander {
  public:
@@ -93,7 +93,7 @@ class Wander {
   std::optional<Eigen::Vector2d> began_at_;    // [m] odom, where it began to look
   std::vector<Eigen::Vector2d> path_;          // [m] odom, to new ground; empty: none that it knows
   std::int64_t planned_ = 0;                   // [us]
-  std::int64_t approached_ = 0;                // [us] when it last came nearer to the end of its way
+  std::int64_t approached_ = 0;                // [us] when it last came nearer to the end of its path
   double path_left_ = 0.0;                     // [m] least until then
   std::optional<Eigen::Vector2d> stayed_at_;   // [m] odom: near there it has been since
   std::int64_t stayed_since_ = 0;              // [us]

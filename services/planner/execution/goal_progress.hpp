@@ -29,7 +29,7 @@ class GoalProgress {
   [[nodiscard]] int attempts() const { return attempts_; }
   /// It has tried for a minute.
   [[nodiscard]] bool has_tried_long(std::int64_t now) const;
-  /// Planned so often and for so long that it is stuck. `by_people`: who stands in the way is no proof of that yet.
+  /// Planned so often and for so long that it is stuck. `by_people`: people in the way are no proof of that yet.
   [[nodiscard]] bool is_stuck(bool by_people, std::int64_t now) const;
 
  private:

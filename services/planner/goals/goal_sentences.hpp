@@ -10,7 +10,7 @@ namespace luminav {
 /// "kitchen (4.2, 3.1)", or the numbers alone.
 std::string place_of(const GoalStop& stop);
 
-/// Why no way leads to a stop, with the nearest point that can be reached; `tolerance` [m] is what the plan was
+/// Why no path leads to a stop, with the nearest point that can be reached; `tolerance` [m] is what the plan was
 /// allowed.
 std::string no_path_sentence(const Route& route, const GridGeometry& geometry, const GoalStop& stop, double tolerance);
 

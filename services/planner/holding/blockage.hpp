@@ -14,7 +14,7 @@ namespace luminav {
 struct Blockage {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();  // [m] world
   bool is_door = false;
-  double free_width = 0.0;  // [m] the widest gap across the way
+  double free_width = 0.0;  // [m] the widest gap across the path
   double need = 0.6;        // [m] that the robot needs
 
   /// "door at (4.2, 3.1) is blocked, 0.4 m free, need 0.6 m"

@@ -6,10 +6,11 @@
 namespace luminav {
 namespace {
 
-constexpr double kInTheWay = 0.7;  // [m] from the middle of the way: a person's radius, a tenth, half the robot's width
-constexpr double kBefore = 1.5;    // [m] from the opening: farther away there is room to pass each other
-constexpr double kOpening = 0.3;   // [m] before and behind the opening: nearer than to a shut leaf
-constexpr double kMinAside = 0.9;  // [m] from the middle of the way: a tenth more on either side,
+constexpr double kInTheWay =
+    0.7;                          // [m] from the middle of the path: a person's radius, a tenth, half the robot's width
+constexpr double kBefore = 1.5;   // [m] from the opening: farther away there is room to pass each other
+constexpr double kOpening = 0.3;  // [m] before and behind the opening: nearer than to a shut leaf
+constexpr double kMinAside = 0.9;  // [m] from the middle of the path: a tenth more on either side,
 constexpr double kMaxAside = 1.5;  // [m] where the door still is in sight
 constexpr double kMinDepth = 0.5;  // [m] before the opening, so that the robot sees into it
 constexpr double kMaxDepth = 1.2;  // [m]

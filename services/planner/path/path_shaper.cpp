@@ -35,7 +35,7 @@ void PathShaper::append(const ConfigurationSpace& space, const Polyline& section
   const auto about = static_cast<std::size_t>(kAboutJoint / params_.spacing);
   const auto before = static_cast<std::ptrdiff_t>(std::min(about, path.size() - 1));
   const auto behind = static_cast<std::ptrdiff_t>(std::min(about, section.size() - 1));
-  // the last point of the way is the first one of the section
+  // the last point of the path is the first one of the section
   Polyline joint(path.end() - before - 1, path.end());
   joint.insert(joint.end(), section.begin() + 1, section.begin() + behind + 1);
   const Polyline shaped = shape_piece(space, std::move(joint));

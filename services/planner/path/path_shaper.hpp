@@ -10,7 +10,7 @@ namespace luminav {
 
 /// Shapes one chain of cells after another, and keeps what it can use again. A long chain is cut into sections, counted
 /// from its end, each shaped by itself and then once more where two meet. So far from a change, and from the robot, the
-/// points of a way stay as they were to the last bit, and cost nothing.
+/// points of a path stay as they were to the last bit, and cost nothing.
 class PathShaper {
  public:
   static constexpr double kSection = 40.0;               // [m] along the chain, were all its steps straight ones
@@ -32,7 +32,7 @@ class PathShaper {
   struct Kept {
     Polyline chain;
     Polyline shaped;
-    bool is_used = false;  // of the way that is being shaped
+    bool is_used = false;  // of the path that is being shaped
   };
   [[nodiscard]] Polyline shape_piece(const ConfigurationSpace& space, Polyline chain);
   /// Goes on with the next section, and shapes what lies about the point where it begins.

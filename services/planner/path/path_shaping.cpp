@@ -66,7 +66,7 @@ bool is_clear_from(const ConfigurationSpace& space, const Eigen::Vector2d& from,
   return true;
 }
 
-/// The same way in pieces of at most `max` [m]: unlike `resampled` it keeps every corner.
+/// The same path in pieces of at most `max` [m]: unlike `resampled` it keeps every corner.
 Polyline divided(const Polyline& points, double max) {
   Polyline result = {points.front()};
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -82,7 +82,7 @@ Polyline divided(const Polyline& points, double max) {
 /// What a band feels in one round, and how often.
 struct Relaxation {
   int rounds = 0;
-  double tension = 0.0;  // share of the way to the middle of the neighbours
+  double tension = 0.0;  // share of the distance to the middle of the neighbours
   double push = 0.0;     // [m] where an obstacle is nearest
 };
 
@@ -105,7 +105,7 @@ Eigen::Vector2d push_of(const ConfigurationSpace& space, double max, const Eigen
 
 void relax(const ConfigurationSpace& space, const Relaxation& relaxation, Polyline& band) {
   constexpr double kStill =
-      5e-4;  // [m] a point that moved less stays, until a neighbour moves: most of a way is straight
+      5e-4;  // [m] a point that moved less stays, until a neighbour moves: most of a path is straight
   std::vector<std::uint8_t> moves(band.size(), 1);
   std::vector<std::uint8_t> moved_last(band.size(), 1);
   std::vector<Cell> cells;  // of the points

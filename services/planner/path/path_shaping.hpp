@@ -19,7 +19,7 @@ struct PathShapingParams {
   double spacing = 0.20;         ///< [m] between points of the result
 };
 
-/// Cost of a polyline [m of free way]: length times price, sampled at half a cell.
+/// Cost of a polyline [m of free floor]: length times price, sampled at half a cell.
 double cost_of(const ConfigurationSpace& space, const Polyline& points);
 double cost_of(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to);
 /// Whether a straight piece touches no blocked cell, sampled at half a cell.
@@ -32,8 +32,8 @@ double polyline_length(const Polyline& points);
 /// Points at most `spacing` [m] apart, first and last kept exactly. At least two points, even of one place.
 Polyline resampled(const Polyline& points, double spacing);
 
-/// Makes a chain of cells a way that a person would walk: straight pieces where they cost no more, then an elastic band
-/// (Quinlan and Khatib 1993) that rounds corners and keeps to the middle. First and last point stay. Never leads
+/// Makes a chain of cells a path that a person would walk: straight pieces where they cost no more, then an elastic
+/// band (Quinlan and Khatib 1993) that rounds corners and keeps to the middle. First and last point stay. Never leads
 /// through a blocked cell that the chain did not touch.
 Polyline shape_path(const ConfigurationSpace& space, const PathShapingParams& params, const Polyline& chain);
 

@@ -8,9 +8,9 @@ namespace luminav {
 namespace {
 
 constexpr std::uint32_t kSeedCostPerCell =
-    400;  // twenty cells of free way: a goal in an obstacle is missed by as little as possible
+    400;  // twenty free cells: a goal in an obstacle is missed by as little as possible
 constexpr std::uint32_t kFieldMargin =
-    10 * 5 * ConfigurationSpace::kFreePrice;       // ten cells of free way beyond the robot, which seldom goes back
+    10 * 5 * ConfigurationSpace::kFreePrice;       // ten free cells beyond the robot, which seldom goes back
 constexpr std::size_t kFewestCellsPerChange = 20;  // where more has changed it is planned anew
 constexpr double kBlockedMargin = 0.05;            // [m] less than the hard radius before a path counts as blocked
 

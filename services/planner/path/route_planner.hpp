@@ -18,8 +18,8 @@ struct RoutePlannerParams {
   PlannerMode mode = PlannerMode::kModern;
   ConfigurationSpaceParams space;
   PathShapingParams shaping;
-  /// Cells of the largest map on which the clearance of the way is weighed cell by cell, exactly; on larger ones the
-  /// wave of tiles gives a short way, and only its shaping keeps it from the walls. 2 million take about 0.1 s.
+  /// Cells of the largest map on which clearance is weighed cell by cell, exactly. On larger ones the tile field gives
+  /// a short path, and only its shaping keeps it from the walls. 2 million take about 0.1 s.
   std::size_t largest_weighed = 2'000'000;
   double escape_radius = 1.0;  ///< [m] how far a start beside an obstacle may lead through blocked cells
   double body_radius = 0.22;   ///< [m] what seems to stand this close to the robot's middle cannot be there
@@ -36,14 +36,15 @@ struct RouteRequest {
 struct Route {
   RouteOutcome outcome = RouteOutcome::kUnreachable;
   Polyline points;        // from the start to the goal; empty unless kFound
-  double cost = 0.0;      // [m of free way], comparable with cost_of
+  double cost = 0.0;      // [m of free floor], comparable with cost_of
   double goal_gap = 0.0;  // [m] from the last point to the goal that was asked for
   /// Without a route: the reachable point nearest to the goal.
   std::optional<Eigen::Vector2d> nearest_reachable;
 };
 
-/// Plans ways over an occupancy grid: configuration space, a wave from the goal, and a path shaped from it. The wave is
-/// kept: as long as the goal stays, a change of the grid costs what it changes, and a new start next to nothing.
+/// Plans routes over an occupancy grid: configuration space, a cost field from the goal, and a path shaped from it. The
+/// field is kept: as long as the goal stays, a change of the grid costs what it changes, and a new start next to
+/// nothing.
 class RoutePlanner {
  public:
   explicit RoutePlanner(const RoutePlannerParams& params);
@@ -69,9 +70,9 @@ class RoutePlanner {
 
   RoutePlannerParams params_;
   ConfigurationSpace space_;
-  /// From the start to the goal, both free, by the wave of tiles; empty when no way leads.
+  /// Cells from the start to the goal, both free, by the tile field; empty when no path leads there.
   [[nodiscard]] std::vector<std::size_t> cells_by_tiles(const Cell& start, const std::vector<CostSeed>& seeds);
-  /// The same to a goal that is free itself; the wave is kept, and as far as nothing has changed used again.
+  /// Cells to a goal that is free itself; the field is kept and used again as far as nothing has changed.
   [[nodiscard]] std::vector<std::size_t> cells_by_kept_tiles(const Cell& start, const Cell& goal);
   /// What was kept is to be made anew.
   void forget_fields();
@@ -83,7 +84,7 @@ class RoutePlanner {
   TileCostField tiles_;
   CostField field_;
   std::optional<Cell> field_goal_;    // of the one seed that the field was grown from; nothing: it is not to be kept
-  std::optional<Cell> tiles_goal_;    // of the wave of tiles, where that is to be kept
+  std::optional<Cell> tiles_goal_;    // of the tile field, where that is to be kept
   std::vector<PriceChange> changes_;  // since the field or the tiles were made
 };
 

@@ -34,7 +34,7 @@ std::uint32_t* offer(std::uint32_t* stored, std::uint32_t cell, std::ptrdiff_t o
 }
 
 /// Spreads from all cells of one level; returns how many cells were queued. A cell whose cost is another now was found
-/// on a cheaper way after it was queued.
+/// on a cheaper path after it was queued.
 std::size_t spread_level(const CostTerrain& terrain, std::uint32_t level, Ring& ring, std::uint32_t* stored) {
   const Bucket& bucket = ring[level % kBuckets];
   const std::uint32_t* cells = bucket.cells();
@@ -128,7 +128,7 @@ void grow_cost_field(const CostTerrain& terrain, const std::vector<CostSeed>& se
   field.pending_needed = 0;
   clear(*terrain.passable, field.stored);
   std::uint32_t* stored = field.stored.data();
-  // seeds may cost more than one turn of the ring: they enter when the wave comes by
+  // seeds may cost more than one turn of the ring: they enter when the front comes by
   std::vector<WaitingSeed> waiting;
   for (const CostSeed& seed : seeds) {
     const auto cell = static_cast<std::uint32_t>(seed.cell.row) * static_cast<std::uint32_t>(field.columns) +

@@ -10,7 +10,7 @@
 
 namespace luminav {
 
-/// A cell from which a wave starts, and what it costs to end there.
+/// A cell from which a cost field grows, and what it costs to end there.
 struct CostSeed {
   Cell cell;
   std::uint32_t cost = 0;
@@ -22,33 +22,33 @@ struct CostField {
   static constexpr std::uint32_t kBlocked = 0;
   int columns = 0;
   std::vector<std::uint32_t> stored;      // row-major: cost + 1, kBlocked, or kUnreached
-  std::uint32_t settled_to = kUnreached;  // stored values above are not final: the wave was stopped there
+  std::uint32_t settled_to = kUnreached;  // stored values above are not final: growing was stopped there
   std::vector<std::uint64_t> pending;     // what would have come next: a heap, for repair_cost_field
   std::size_t pending_needed = 0;         // of these, when they were counted last
 
   [[nodiscard]] bool is_reached(std::size_t cell) const {
     return stored[cell] != kBlocked && stored[cell] != kUnreached && stored[cell] <= settled_to;
   }
-  /// kUnreached where no way leads, or the wave did not come.
+  /// kUnreached where no path leads, or growing stopped before.
   [[nodiscard]] std::uint32_t cost(std::size_t cell) const { return is_reached(cell) ? stored[cell] - 1 : kUnreached; }
 };
 
-/// Where a wave may end: `margin` beyond the cost of a cell.
+/// Where growing may end: `margin` beyond the cost of a cell.
 struct CostStop {
   std::int64_t cell = -1;    // index; -1 = nowhere
-  std::uint32_t margin = 0;  // in costs; what may be needed when the way gets longer
+  std::uint32_t margin = 0;  // in costs; what may be needed when the path gets longer
 };
 
-/// Grows a wave from the seeds over all passable cells: a straight step costs 5 times the price of the cell entered on
-/// the way to the seed, a diagonal one 7 times. Exact: Dijkstra 1959 with a ring of buckets (Dial 1969). Seeds on
+/// Grows the field from the seeds over all passable cells: a straight step costs 5 times the price of the cell entered
+/// towards the seed, a diagonal one 7 times. Exact: Dijkstra 1959 with a ring of buckets (Dial 1969). Seeds on
 /// blocked cells are left out.
 void grow_cost_field(const CostTerrain& terrain, const std::vector<CostSeed>& seeds, const CostStop& stop,
                      CostField& field);
 
-/// Makes a field of one seed right again after cells changed, as far as the way from `stop.cell` needs it: the same
-/// field as a new wave up to `settled_to`. What lies beyond stays pending until a way needs it. First at the cost of
+/// Makes a field of one seed right again after cells changed, as far as the path from `stop.cell` needs it: the same
+/// field as a new one up to `settled_to`. What lies beyond stays pending until a path needs it. First at the cost of
 /// the cells there whose cost changes (Koenig and Likhachev 2002, LPA*, with the raised cells first); where that is too
-/// many the wave grows anew from the last level before the changes. False when neither is possible: then the field is
+/// many the field grows anew from the last level before the changes. False when neither is possible: then the field is
 /// good for nothing else.
 [[nodiscard]] bool repair_cost_field(const CostTerrain& terrain, const std::vector<PriceChange>& changes,
                                      const CostStop& stop, CostField& field);

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kUnreached = CostField::kUnreached;
 constexpr std::uint32_t kBlocked = CostField::kBlocked;
 
-// a step costs some times what a cell costs a wave
+// a step of repair costs some times what a cell costs a new field
 constexpr std::size_t kMaxShare = 8;
 constexpr std::size_t kFewestSteps = 16384;
 constexpr std::size_t kRegrownShare = 5;
@@ -101,7 +101,7 @@ class Repair {
     const auto columns = static_cast<std::size_t>(field_.columns);
     return terrain_.passable->test({static_cast<int>(cell % columns), static_cast<int>(cell / columns)});
   }
-  /// Cells whose way led into this one when it cost `price`.
+  /// Cells whose path led into this one when it cost `price`.
   void raise_children(std::size_t cell, std::uint32_t cost, std::uint32_t price) {
     if (cost == kUnreached) {
       return;
@@ -124,7 +124,7 @@ class Repair {
     }
     return best;
   }
-  /// Queues a cell that nothing holds any more. It stays unreached until then: two cells without a way to the seed
+  /// Queues a cell that nothing holds any more. It stays unreached until then: two cells without a path to the seed
   /// would else hold each other up, ever higher.
   void find_support(std::size_t cell) {
     const std::uint32_t cost = best_offer(cell);
@@ -137,7 +137,7 @@ class Repair {
       return;
     }
     if (best_offer(cell) != level) {
-      find_support(cell);  // who made the offer has lost its own way since
+      find_support(cell);  // the neighbour that made the offer has lost its own path since
       return;
     }
     lower(cell, level);

@@ -52,7 +52,7 @@ bool EscapeFromInflation::may_enter(const Cell& cell) const {
          (geometry.centre_of(cell) - robot_).norm() <= params_.body_radius;
 }
 
-// The nearer to an obstacle the dearer, so that the way out leads straight away from it.
+// The nearer to an obstacle the dearer, so that the escape leads straight away from it.
 std::uint32_t EscapeFromInflation::price(const Cell& cell) const {
   const double tightness = std::max(0.0, 1.0 - space_.clearance(cell) / params_.hard_radius);
   return kPrice + static_cast<std::uint32_t>(4.0 * kPrice * tightness);
@@ -87,7 +87,7 @@ std::vector<std::size_t> EscapeFromInflation::find(const CostField& field) const
         min = spent + field.cost(index);
         end = index;
       }
-      continue;  // from here on the wave knows the way
+      continue;  // from here on the field gives the path
     }
     for (int row = -1; row <= 1; ++row) {
       for (int column = -1; column <= 1; ++column) {

@@ -17,16 +17,16 @@ struct EscapeFromInflationParams {
   double zone_reach = 15.0;   // [m] from a robot inside a keep-out zone
 };
 
-/// The way out for a robot beside an obstacle, through cells that are blocked, never through solid ones; and for one
-/// inside a keep-out zone, through that zone.
+/// Finds the escape of a robot beside an obstacle, through cells that are blocked, never through solid ones; and for
+/// one inside a keep-out zone, through that zone.
 class EscapeFromInflation {
  public:
   /// `robot` [m, world] is in a cell inside the space, which must outlive this.
   EscapeFromInflation(const ConfigurationSpace& space, const EscapeFromInflationParams& params,
                       const Eigen::Vector2d& robot);
 
-  /// Cells from the robot's to one that a wave reached, both included: the way there and what it costs from there on
-  /// are the least together. Empty when there is none.
+  /// Cells from the robot's to one that the field reached, both included, so that the cost there and from there on is
+  /// least. Empty when there is none.
   [[nodiscard]] std::vector<std::size_t> find(const CostField& field) const;
   /// Whether no free cell can be reached, wherever the goal is.
   [[nodiscard]] bool is_enclosed() const;

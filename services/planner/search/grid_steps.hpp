@@ -36,7 +36,7 @@ inline std::size_t moved(std::size_t cell, std::ptrdiff_t offset) {
   return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(cell) + offset);
 }
 
-/// Cells of one cost. Room is made before, so that the wave writes without asking.
+/// Cells of one cost. Room is made before, so that cells are written without asking.
 class Bucket {
  public:
   [[nodiscard]] const std::uint32_t* cells() const { return cells_.get(); }
@@ -70,7 +70,7 @@ class Bucket {
   std::size_t capacity_ = 0;
 };
 
-/// What is still to be done with a cell when the wave has come to a level, in the order in which it is done.
+/// What is still to be done with a cell when the front has come to a level, in the order in which it is done.
 enum class PendingTask : std::uint32_t {
   kRaise = 0,   // it may have lost the neighbour that its cost came from
   kSettle = 1,  // it is unreached and may get this cost
@@ -96,11 +96,11 @@ inline Pending pending_of(std::uint64_t entry) {
           low & ((1U << kPendingCellBits) - 1)};
 }
 
-/// Keeps the cells of a bucket as the beginning of what is beyond where a wave was stopped.
+/// Keeps the cells of a bucket as the beginning of what is beyond where growing was stopped.
 inline void keep_pending(const Bucket& bucket, CostField& field) {
   for (std::size_t i = 0; i < bucket.size(); ++i) {
     const std::uint32_t cell = bucket.cells()[i];
-    if (field.stored[cell] > field.settled_to) {  // else a cheaper way was found after it was queued
+    if (field.stored[cell] > field.settled_to) {  // else a cheaper path was found after it was queued
       field.pending.push_back(pending_entry(field.stored[cell], PendingTask::kSpread, cell));
     }
   }

@@ -10,10 +10,10 @@
 
 namespace luminav {
 
-/// A wave over all passable cells at one price, 64 cells an operation: the grid is cut into tiles of 8 x 8 cells, a
-/// word each, and the front of each tile moves by shifts. Steps go to four neighbours and to eight in turn, so that the
-/// front is an octagon (Rosenfeld and Pfaltz 1968). A way down its field is the shortest of steps 5 and 7 on office
-/// floors, and 1 to 2 % longer among scattered single cells. Three times as fast as the exact wave of
+/// A field over all passable cells at one price, grown 64 cells an operation: the grid is cut into tiles of 8 x 8
+/// cells, a word each, and the front of each tile moves by shifts. Steps go to four neighbours and to eight in turn, so
+/// that the front is an octagon (Rosenfeld and Pfaltz 1968). A path down it is the shortest of steps 5 and 7 on office
+/// floors, and 1 to 2 % longer among scattered single cells. Three times as fast as the exact
 /// `grow_cost_field`.
 class TileCostField {
  public:
@@ -21,12 +21,12 @@ class TileCostField {
 
   /// Grows from the goals that are passable until everything is reached. The outermost ring must not be passable.
   void grow(const BitGrid& passable, std::span<const Cell> goals);
-  /// Begins a wave, for `grow_to`.
+  /// Begins a field, for `grow_to`.
   void begin(const BitGrid& passable, std::span<const Cell> goals);
   /// Goes on until a passable cell is reached, or nothing more can be; false if the cell was not. The same ticks as of
-  /// a whole wave, as far as it went.
+  /// a whole field, as far as it went.
   bool grow_to(const Cell& cell);
-  /// Takes the wave back to before the first of these cells mattered that became passable or blocked, the goal not
+  /// Takes the field back to before the first of these cells mattered that became passable or blocked, the goal not
   /// among them. All others must be as they were.
   void take_back(const BitGrid& passable, std::span<const Cell> changed);
 
@@ -36,13 +36,13 @@ class TileCostField {
   [[nodiscard]] bool is_reached(const Cell& cell) const {
     return (open_[tile_of(cell)] >> (8 * (cell.row % 8) + cell.column % 8) & 1U) == 0;
   }
-  /// 1 at a goal, one more with each step of the wave; kUnreached where it did not come.
+  /// 1 at a goal, one more with each step of the front; kUnreached where it did not come.
   [[nodiscard]] std::uint32_t tick(const Cell& cell) const;
   /// Cells from start to goal, both included; empty when the start was not reached.
   [[nodiscard]] std::vector<Cell> follow_gradient(const Cell& start) const;
 
  private:
-  /// Cells of one tile that the wave entered with one step. The entries of a tile are a chain, newest first.
+  /// Cells of one tile that the front entered with one step. The entries of a tile are a chain, newest first.
   struct Entry {
     std::uint64_t cells = 0;
     std::uint32_t tick = 0;
