@@ -89,7 +89,7 @@ class Controller {
   DriveTwist wish(const ControlInput& input, ControlOutput& output);
   /// Searches for the pose as the building's file allows.
   DriveTwist search(const ControlInput& input, ControlOutput& output);
-  /// May it leave its place?
+  /// True if the task may move the robot from its place.
   [[nodiscard]] bool may_travel(ControlTask task) const;
   void follow(const ControlInput& input, ControlOutput& output);
   [[nodiscard]] std::optional<DriveTwist> escape_twist(std::int64_t now) const;

@@ -74,21 +74,21 @@ class GridMapper {
     Pose2 world_from_sonar;
     double range = 0.0;  // [m]
   };
-  /// How far each slice of the cone reaches before something hides what is behind it.
+  /// Range [m] of each slice of the cone up to what hides the rest.
   [[nodiscard]] SliceRanges visible_ranges(const BeamReading& beam) const;
   /// Angle [rad] between a beam and the normal of the surface that the occupied cells round a cell form, or those of
   /// them that hang together with it: a wall has two faces. Nothing where they form none.
   [[nodiscard]] std::optional<double> incidence_at(const Cell& cell, const Eigen::Vector2d& direction) const;
-  /// Whether an occupied cell goes on answering. What only walked past hides nothing and throws no sound away.
+  /// True if an occupied cell goes on answering. What only walked past hides nothing and throws no sound away.
   [[nodiscard]] bool has_stood(std::size_t cell) const;
   /// Takes evidence from what ought to have answered so near to a disc.
   void look_beside(const DiscReading& reading);
   void vote_occupied(const DiscReading& reading, const SliceRanges& visible);
   /// Makes the cells behind one that answered, as deep as a wall, unknown where they were called free.
   void forget_behind(const Eigen::Vector2d& disc, const Cell& wall);
-  /// How likely an echo from so far away [m] came from a cell with that evidence, beside others on its arc.
+  /// Odds that an echo from a range [m] came from a cell with that evidence, beside others on its arc.
   [[nodiscard]] double odds_of(std::int8_t evidence, double range) const;
-  /// Whether a reading says more than the last vote of its disc: seen again from the same place it is the same.
+  /// True if a reading says more than the last vote of its disc: from the same place it says the same.
   [[nodiscard]] bool is_new_view(const DiscReading& reading);
   void dispute_walls(const DiscReading& reading);
   void touch(const Eigen::Vector2d& centre, double radius);

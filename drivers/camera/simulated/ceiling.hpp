@@ -49,7 +49,7 @@ class SimulatedCeiling final : public FrameSource {
   [[nodiscard]] double next_middle() const;
   void start_frames_at(double middle);
   void apply_settings();
-  /// Is an event of that kind under way?
+  /// True while an event of that kind lasts.
   [[nodiscard]] bool is_under_way(EventKind kind) const;
   [[nodiscard]] bool render_next(Frame& frame);
 

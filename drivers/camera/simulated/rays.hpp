@@ -15,7 +15,7 @@ class RayTable {
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  /// Of one row of pixels.
+  /// Rays of one row of pixels.
   [[nodiscard]] std::span<const float> x(int row) const { return row_of(x_, row); }
   [[nodiscard]] std::span<const float> y(int row) const { return row_of(y_, row); }
   /// 0 where a pixel sees the ceiling, 1 where it looks too far down for that; empty when all see it.

@@ -57,7 +57,7 @@ struct PriorMap {
   }
 };
 
-/// The same map at another resolution [m]: a cell is occupied if anything in it is, free if it is all free, else
+/// Brings a map to another resolution [m]: a cell is occupied if anything in it is, free if it is all free, else
 /// unknown. Walls never get lost.
 PriorMap resample(const PriorMap& map, double resolution);
 

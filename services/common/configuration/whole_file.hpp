@@ -9,7 +9,7 @@ namespace luminav {
 /// Throws std::runtime_error when it cannot be read.
 std::string read_whole_file(const std::filesystem::path& file);
 
-/// Whether the bytes are on the disk when a file counts as written.
+/// Says whether the bytes are on the disk when a file counts as written.
 enum class Durability {
   kSynced,   // what a person asked for
   kRenamed,  // what a process remembers: whole after its end, and no disk holds up a drive

@@ -54,8 +54,8 @@ class CeilingCamera {
   /// Pixel that sees a point of the robot frame, `height` [m] above the floor; it may lie outside the image.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of_ceiling_point(const Eigen::Vector2d& point_in_robot,
                                                                       double height) const;
-  /// The same for many points, one after the other in `points`, with the same results to the last bit; not a number
-  /// where there is no pixel.
+  /// Pixels of many points, one after the other, with the same results to the last bit; not a number where there is no
+  /// pixel.
   void pixels_of_ceiling_points(std::span<const Eigen::Vector2d> points, double height,
                                 std::span<Eigen::Vector2d> pixels) const;
   /// True for pixels inside the image with at least `margin` [px] to its border.

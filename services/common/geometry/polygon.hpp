@@ -12,7 +12,7 @@ namespace luminav {
 /// Corners [m] of an area, in order, either way round; the last is joined to the first.
 using Polygon = std::vector<Eigen::Vector2d>;
 
-/// Is the point inside? By the number of edges that a ray towards +x crosses.
+/// True if the point is inside, by the number of edges that a ray towards +x crosses.
 inline bool contains(const Polygon& polygon, const Eigen::Vector2d& point) {
   bool inside = false;
   for (std::size_t i = 0, before = polygon.size() - 1; i < polygon.size(); before = i++) {
@@ -38,7 +38,7 @@ inline double distance_to_edge(const Polygon& polygon, const Eigen::Vector2d& po
   return least;
 }
 
-/// Does no edge cross or touch another one but its neighbours at their common corner?
+/// True if no edge crosses or touches another one but its neighbours at their common corner.
 inline bool is_simple(const Polygon& polygon) {
   const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
   const auto side = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {

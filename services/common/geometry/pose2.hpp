@@ -43,7 +43,7 @@ class PointTransform {
  public:
   explicit PointTransform(const Pose2& a_from_b)
       : x_(a_from_b.x), y_(a_from_b.y), c_(std::cos(a_from_b.theta)), s_(std::sin(a_from_b.theta)) {}
-  /// The same as of `b_from_a.inverse()`, whose sine and cosine are these.
+  /// Equals the transform of `b_from_a.inverse()`, whose sine and cosine are these.
   static PointTransform inverse_of(const Pose2& b_from_a) {
     PointTransform transform(b_from_a);
     transform.s_ = -transform.s_;
@@ -56,7 +56,7 @@ class PointTransform {
   [[nodiscard]] Eigen::Vector2d operator*(const Eigen::Vector2d& p_in_b) const {
     return {x_ + c_ * p_in_b.x() - s_ * p_in_b.y(), y_ + s_ * p_in_b.x() + c_ * p_in_b.y()};
   }
-  /// The same of a direction.
+  /// Maps a direction: turns it only.
   [[nodiscard]] Eigen::Vector2d turned(const Eigen::Vector2d& in_b) const {
     return {c_ * in_b.x() - s_ * in_b.y(), s_ * in_b.x() + c_ * in_b.y()};
   }

@@ -22,7 +22,7 @@ struct CommandKey {
 /// Reads a key: 64 hexadecimal digits in a file that only its owner may read. Throws ConfigurationError.
 CommandKey read_command_key(const std::filesystem::path& file);
 
-/// Whether a message moves or changes something: only then it needs a seal. Engaging a STOP never does.
+/// True if a message moves or changes something: only then it needs a seal. Engaging a STOP never does.
 [[nodiscard]] bool needs_seal(const std::string& channel, std::span<const std::uint8_t> message);
 
 /// Publishes commands. With a key each gets a seal behind LCM's encoding: who sends it, a counter that grows (the wall

@@ -18,7 +18,7 @@ class RoleWatch {
   /// "two controllers on this network: desk, robot"; "" when each role is played once. Holds for three seconds after
   /// the two were last heard in turn.
   [[nodiscard]] std::string conflict(std::int64_t now) const;
-  /// The same of one role, by the name of its process.
+  /// Says it of one role, by the name of its process.
   [[nodiscard]] std::string conflict_of(const std::string& process, std::int64_t now) const;
 
  private:

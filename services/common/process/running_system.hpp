@@ -19,7 +19,8 @@ struct SystemFiles {
   std::int64_t robot_hash = 0;  // of the robot's file
 };
 
-/// Of files as they are now; "" = none. Throws ConfigurationError or std::runtime_error as reading them does.
+/// Names and sums of files as they are now; "" = none. Throws ConfigurationError or std::runtime_error as reading them
+/// does.
 SystemFiles identify(const std::filesystem::path& robot_file, const std::filesystem::path& building_file);
 
 /// What a process says of itself.
@@ -36,9 +37,9 @@ class RunningSystem {
  public:
   void hear(const node_status_t& status, std::int64_t now);
 
-  /// How they differ from `ours`: as long as the other one is heard, and a few seconds longer.
+  /// Says how they differ from `ours`: as long as the other one is heard, and a few seconds longer.
   [[nodiscard]] std::string objection(const SystemFiles& ours, std::int64_t now) const;
-  /// How they differ among each other; "" = not.
+  /// Says how they differ among each other; "" = they don't.
   [[nodiscard]] std::string disagreement(std::int64_t now) const;
   /// Those of the planner, who takes goals, else of another process that has a building; nothing if there is none.
   [[nodiscard]] std::optional<SystemFiles> files() const;

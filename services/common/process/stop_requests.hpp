@@ -43,7 +43,7 @@ class StopRequests {
   [[nodiscard]] bool engaged() const { return engaged_; }
   /// Id of the last request obeyed, a repeated stop too; 0 = none.
   [[nodiscard]] std::int64_t id() const { return id_; }
-  /// Of that request, shortened to 64 letters.
+  /// Sender of that request, shortened to 64 letters.
   [[nodiscard]] const std::string& sender() const { return sender_; }
 
  private:

@@ -14,14 +14,14 @@ struct LocalMapParams {
   double half_width = 0.22;  // [m] of the strip that must be free for a line of sight
 };
 
-/// Is there a wall of the building's map within a distance [m] of a world point?
+/// True if a wall of the building's map is within a distance [m] of a world point.
 bool has_wall_near(const OccupancyGrid& grid, const Eigen::Vector2d& point_in_world, double distance);
 
 /// Walls of the building's map within a radius [m] of the robot, in its frame: of each cell the point nearest to the
 /// wheel axis.
 std::vector<Eigen::Vector2d> known_walls(const OccupancyGrid& grid, const Pose2& world_from_robot, double radius);
 
-/// Is a strip of the robot's width free between two world points? Outside the grid it is.
+/// True if a strip of the robot's width is free between two world points. Outside the grid it is.
 bool is_line_free(const OccupancyGrid& grid, const Eigen::Vector2d& from_in_world, const Eigen::Vector2d& to_in_world,
                   const LocalMapParams& params);
 

@@ -24,7 +24,7 @@ struct EchoMemoryParams {
   double keep = 1.2;  // [s] an echo that nothing refutes
 };
 
-/// Is there a mapped wall within a distance [m] of a point? Arguments: point in odom, distance.
+/// Tells whether a mapped wall is within a distance [m] of a point. Arguments: point in odom, distance.
 using WallTest = std::function<bool(const Eigen::Vector2d&, double)>;
 
 /// What the sonars heard lately, in the odometry frame. A disc fires every 0.32 s only, so a reading has to live on
@@ -38,10 +38,10 @@ class EchoMemory {
   void add(const SonarFiring& firing, const WallTest& is_wall);
   /// Obstacles as they are seen from the robot now.
   [[nodiscard]] std::vector<ObstaclePoint> obstacles(std::int64_t now, const Pose2& odom_from_robot) const;
-  /// The same for a robot that doesn't know where it is: no map tells of the door jamb beside its rear corner, where no
+  /// Obstacles of a robot that doesn't know where it is: no map tells of the door jamb beside its rear corner, where no
   /// disc looks, so what was near is remembered longer.
   [[nodiscard]] std::vector<ObstaclePoint> obstacles_without_map(std::int64_t now, const Pose2& odom_from_robot) const;
-  /// The same with a longer memory, for the search for a direction: standing things stay where they are.
+  /// Obstacles with a longer memory, for choosing a direction: standing things stay where they are.
   [[nodiscard]] std::vector<ObstaclePoint> remembered(std::int64_t now, const Pose2& odom_from_robot) const;
   /// Newest firing of each disc; utime 0 = never.
   [[nodiscard]] const std::vector<SonarFiring>& newest() const { return newest_; }
@@ -72,8 +72,8 @@ class EchoMemory {
   [[nodiscard]] bool was_heard_before(const Echo& echo) const;
   [[nodiscard]] double approach_speed(const SonarFiring& firing) const;
   void refute(const SonarFiring& firing);
-  /// Of what has gone from these places [m, odom] other echoes tell too, from other headings and by other discs: they
-  /// are remembered no longer than what never stood.
+  /// Forgets sooner what other echoes, from other headings and by other discs, say of places [m, odom] where something
+  /// has gone: as soon as what never stood.
   void remember_less_beside(const std::vector<Eigen::Vector2d>& gone);
 
   SonarRing ring_;

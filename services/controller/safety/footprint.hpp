@@ -13,7 +13,7 @@ struct DriveTwist {
   double angular = 0.0;  // [rad/s] counter-clockwise
 };
 
-/// Where the robot is after driving a twist for a while [s]: start_from_end, an exact arc.
+/// Pose of the robot after driving a twist for a while [s]: start_from_end, an exact arc.
 Pose2 drive_arc(const DriveTwist& twist, double duration);
 
 /// Outline of the robot, a convex polygon in its own frame.

@@ -32,7 +32,7 @@ class Obstacles {
   /// Replaces all before. Walls are points [m] in the robot frame; the last `zones` of them are edges of keep-out
   /// zones.
   void set(std::span<const ObstaclePoint> measured, std::span<const Eigen::Vector2d> walls, std::size_t zones = 0);
-  /// The same obstacles from another place.
+  /// Obstacles as they are seen from another place.
   [[nodiscard]] Obstacles seen_from(const Pose2& there_from_here) const;
 
   [[nodiscard]] const std::vector<ObstaclePoint>& points() const { return points_; }

@@ -19,7 +19,7 @@ struct StopLogicParams {
   double doubtful_linear = 0.15;   // [m/s] while some sonars seem to be dead
 };
 
-/// How old the readings are, by direction.
+/// Ages of the readings by direction, and what the bumpers feel.
 struct SenseAges {
   double odometry = 1e9;      // [s]
   double sonar = 1e9;         // [s] newest firing of any disc
@@ -49,7 +49,7 @@ class StopLogic {
   StopLogic(const RobotDescription& robot, const StopLogicParams& params);
 
   [[nodiscard]] StopVerdict judge(const DriveTwist& wanted, const Obstacles& obstacles, const SenseAges& ages) const;
-  /// Does the arc of a twist, driven for a time [s], keep the margins?
+  /// True if the arc of a twist, driven for a time [s], keeps the margins.
   [[nodiscard]] bool is_free(const DriveTwist& twist, double duration, const Obstacles& obstacles) const;
   /// Distance [m] from the outline to the nearest obstacle; 10 = none.
   [[nodiscard]] double clearance(const Obstacles& obstacles) const;

@@ -15,7 +15,7 @@ class Zones {
   explicit Zones(const std::vector<Zone>& zones);
 
   /// Adds the edges of all keep-out zones within `radius` [m] of the robot, in its frame, and returns how many points
-  /// these are. Who is inside a zone may leave it: that one has no edge.
+  /// these are. A zone that the robot is inside has no edge: it may leave it.
   std::size_t add_edges(const Pose2& world_from_robot, double radius, std::vector<Eigen::Vector2d>& points) const;
   /// Name of the keep-out zone in which the robot is; "" = none.
   [[nodiscard]] std::string keep_out_at(const Pose2& world_from_robot) const;

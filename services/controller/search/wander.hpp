@@ -49,13 +49,13 @@ class Wander {
         heading_(params.heading),
         disambiguation_(std::move(forecast)) {}
 
-  /// Only a wish; the stop logic has the last word.
+  /// Returns a wish only; the stop logic has the last word.
   DriveTwist step(const WanderInput& input);
   /// The odometry jumped, or wandering is over.
   void clear();
   /// The current direction did not work: the stop logic refused it.
   void give_up(std::int64_t now, const Pose2& odom_from_robot);
-  /// What is left of the turn on the spot that it wishes for [rad]; 0: it wishes for none.
+  /// Rest of the turn on the spot that it wishes for [rad]; 0 = none.
   [[nodiscard]] double turn_left() const { return turn_left_; }
 
  private:

@@ -17,7 +17,7 @@ class EchoFilter {
  public:
   EchoFilter(const EchoFilterParams& params, int discs);
 
-  /// Whether the echo at `point` [m, world], seen by a disc at a time [us] from `range` [m] away, was confirmed. It is
+  /// True if the echo at `point` [m, world], seen by a disc at a time [us] from `range` [m] away, was confirmed. It is
   /// remembered in any case.
   [[nodiscard]] bool confirm(int disc, std::int64_t utime, const Eigen::Vector2d& point, double range);
   void clear();

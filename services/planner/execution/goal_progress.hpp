@@ -6,7 +6,7 @@
 
 namespace luminav {
 
-/// Whether the robot gets nearer to its stop, and how often it was planned anew because it did not.
+/// Watches whether the robot gets nearer to its stop, and counts the new plans made because it did not.
 class GoalProgress {
  public:
   explicit GoalProgress(const GoalParams& params) : params_(params) {}

@@ -6,7 +6,7 @@
 
 namespace luminav {
 
-/// How long the pose has been lost, and how often without progress.
+/// Measures how long the pose has been lost, and counts how often without progress.
 class PoseLosses {
  public:
   explicit PoseLosses(const GoalParams& params) : params_(params) {}

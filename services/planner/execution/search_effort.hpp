@@ -7,8 +7,8 @@
 
 namespace luminav {
 
-/// How far the robot has driven for a stop where no building's map says whether a path leads there at all: there is
-/// always one more to try.
+/// Measures how far the robot has driven for a stop where no building's map says whether a path leads there at all:
+/// there is always one more to try.
 class SearchEffort {
  public:
   explicit SearchEffort(const GoalParams& params) : ratio_(params.search_ratio), length_(params.search_length) {}

@@ -51,7 +51,7 @@ class RouteMap {
   [[nodiscard]] const RoutePlannerParams& params() const { return params_; }
   [[nodiscard]] const ConfigurationSpace& space() const { return planner_.space(); }
   [[nodiscard]] const OccupancyGrid& grid() const { return *grid_; }
-  /// Only this robot's sonars tell where walls are: no building's map does.
+  /// True if only this robot's sonars tell where walls are: no building's map does.
   [[nodiscard]] bool is_drawn_by_robot() const { return params_.space.unknown_is_free; }
   /// Length [m] of a path, more of it where nobody has seen what is there.
   [[nodiscard]] double length_with_unknown(const Polyline& points) const;

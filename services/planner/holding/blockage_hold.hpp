@@ -46,7 +46,7 @@ class BlockageHold {
   /// Makes way for somebody who comes out of the door before which the robot waits.
   [[nodiscard]] std::optional<PathOrder> make_way(RouteMap& map, const Pose2& world_from_robot, std::int64_t now);
   /// Turns the robot, where it stands and waits, towards what blocks its path: between two cones nothing is heard, and
-  /// evidence there would outlive whoever stood in the way.
+  /// evidence there would outlive what stood in the way.
   [[nodiscard]] std::optional<PathOrder> face_blockage(const RouteMap& map, const Pose2& world_from_robot,
                                                        std::int64_t now);
 

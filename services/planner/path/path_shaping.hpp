@@ -22,10 +22,10 @@ struct PathShapingParams {
 /// Cost of a polyline [m of free floor]: length times price, sampled at half a cell.
 double cost_of(const ConfigurationSpace& space, const Polyline& points);
 double cost_of(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to);
-/// Whether a straight piece touches no blocked cell, sampled at half a cell.
+/// True if a straight piece touches no blocked cell, sampled at half a cell.
 bool is_clear(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to);
 
-/// The same of all pieces of a polyline.
+/// True if no piece of a polyline touches a blocked cell.
 bool is_clear(const ConfigurationSpace& space, const Polyline& points);
 
 double polyline_length(const Polyline& points);

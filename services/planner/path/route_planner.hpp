@@ -62,7 +62,7 @@ class RoutePlanner {
 
  private:
   [[nodiscard]] std::vector<CostSeed> seeds_for(const RouteRequest& request) const;
-  /// Of a robot whose own cell is blocked.
+  /// Escape of a robot whose own cell is blocked.
   [[nodiscard]] EscapeFromInflation escape_from_inflation(const Eigen::Vector2d& robot) const;
   [[nodiscard]] std::optional<Eigen::Vector2d> nearest_reachable(const RouteRequest& request);
   [[nodiscard]] Polyline chain_of(const std::vector<std::size_t>& cells, const RouteRequest& request) const;
@@ -74,7 +74,7 @@ class RoutePlanner {
   [[nodiscard]] std::vector<std::size_t> cells_by_tiles(const Cell& start, const std::vector<CostSeed>& seeds);
   /// Cells to a goal that is free itself; the field is kept and used again as far as nothing has changed.
   [[nodiscard]] std::vector<std::size_t> cells_by_kept_tiles(const Cell& start, const Cell& goal);
-  /// What was kept is to be made anew.
+  /// Drops what was kept: it is to be grown again.
   void forget_fields();
   /// Brings the kept field up to date, or grows a new one.
   void refresh_field(const RouteRequest& request, const std::vector<CostSeed>& seeds);

@@ -28,16 +28,16 @@ class EscapeFromInflation {
   /// Cells from the robot's to one that the field reached, both included, so that the cost there and from there on is
   /// least. Empty when there is none.
   [[nodiscard]] std::vector<std::size_t> find(const CostField& field) const;
-  /// Whether no free cell can be reached, wherever the goal is.
+  /// True if no free cell can be reached, wherever the goal is.
   [[nodiscard]] bool is_enclosed() const;
 
  private:
   /// Within reach, and nothing solid, as far as the robot doesn't stand there itself.
   [[nodiscard]] bool may_enter(const Cell& cell) const;
-  /// Of a cell that may be entered.
+  /// Price of a cell that may be entered.
   [[nodiscard]] std::uint32_t price(const Cell& cell) const;
   [[nodiscard]] std::size_t cells_in_reach() const;
-  /// Of a cell within reach, row by row.
+  /// Index of a cell within reach, row by row.
   [[nodiscard]] std::size_t local(const Cell& cell) const;
   [[nodiscard]] Cell cell_of(std::size_t index) const;
 

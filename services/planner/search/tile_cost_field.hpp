@@ -32,7 +32,7 @@ class TileCostField {
 
   /// Cells, counted one entry after the other.
   [[nodiscard]] std::int64_t reached() const;
-  /// Of a cell that is passable.
+  /// True if the front reached a cell that is passable.
   [[nodiscard]] bool is_reached(const Cell& cell) const {
     return (open_[tile_of(cell)] >> (8 * (cell.row % 8) + cell.column % 8) & 1U) == 0;
   }

@@ -49,7 +49,7 @@ class BitGrid {
   void set(const Cell& cell) {
     row(cell.row)[static_cast<std::size_t>(cell.column) / 64] |= std::uint64_t{1} << (cell.column % 64);
   }
-  /// Are all cells of a window set that is at most 64 columns wide and lies inside?
+  /// True if all cells are set of a window that is at most 64 columns wide and lies inside.
   [[nodiscard]] bool has_all(const CellWindow& window) const {
     const std::size_t word = static_cast<std::size_t>(window.first_column) / 64;
     const int shift = window.first_column % 64;

@@ -31,7 +31,7 @@ struct SuspectedObstacle {
 };
 
 /// Where the middle of the robot may be, and what it costs to be there. Distances are measured between centres of
-/// cells. What blocks is kept and widened as bits; distances are filled in where somebody asks for them, unless prices
+/// cells. What blocks is kept and widened as bits; distances are filled in where they are asked for, unless prices
 /// depend on them.
 class ConfigurationSpace {
  public:

@@ -16,8 +16,8 @@ inline constexpr std::uint8_t kNothingNear = 255;
 /// in `solid`; kNothingNear beyond kDistanceReach. Two passes over the grid with bounded reach, about 2 ns a cell.
 std::vector<std::uint8_t> squared_distances(const BitGrid& solid);
 
-/// The same for a window of the grid only; `result` has a value for every cell of the grid, row-major. Right when
-/// `solid` changed nowhere farther than kDistanceReach inside the window's border.
+/// Writes the squared distances of a window of the grid only; `result` has a value for every cell of the grid,
+/// row-major. Right when `solid` changed nowhere farther than kDistanceReach inside the window's border.
 void update_squared_distances(const BitGrid& solid, const CellWindow& window, std::uint8_t* result);
 
 }  // namespace luminav
