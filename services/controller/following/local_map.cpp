@@ -58,9 +58,10 @@ std::vector<Eigen::Vector2d> known_walls(const OccupancyGrid& grid, const Pose2&
   const Cell high = grid.geometry.cell_at(robot + Eigen::Vector2d(radius, radius));
   std::vector<Eigen::Vector2d> walls;
   for (int row = std::max(0, low.row); row <= std::min(grid.geometry.rows - 1, high.row); ++row) {
+    const Prior* cells = grid.prior.data() + grid.geometry.index({0, row});
     for (int column = std::max(0, low.column); column <= std::min(grid.geometry.columns - 1, high.column); ++column) {
       const Cell cell{column, row};
-      if (!is_prior_wall(grid, cell) || is_inside_wall(grid, cell)) {
+      if (cells[column] != Prior::kOccupied || is_inside_wall(grid, cell)) {
         continue;
       }
       // the wall's face may be anywhere in the cell: the side turned to the robot counts

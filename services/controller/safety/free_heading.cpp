@@ -37,6 +37,9 @@ double choose_free_heading(double wish, double needed, std::optional<double> las
     const bool is_another = last && std::abs(wrap_angle(direction - *last)) > kSteadiness;
     return std::abs(i * kStep) + kPrice * missing + (is_another ? kSteadiness : 0.0);
   };
+  if (cost_of(0) < kStep) {
+    return wrap_angle(wish);  // any other heading is dearer
+  }
   const int steps = static_cast<int>(kWidest / kStep);
   int best = 0;
   double best_cost = 1e9;
