@@ -58,9 +58,13 @@ std::size_t spread_level(const CostTerrain& terrain, std::uint32_t level, Ring& 
   return queued;
 }
 
-/// Goes on with what is queued, `queued` cells from `level` on, and with seeds that wait.
-void expand_cost_field(const CostTerrain& terrain, const std::vector<WaitingSeed>& waiting, std::uint32_t level,
-                       std::size_t queued, const CostStop& stop, Ring& ring, CostField& field) {
+/// Spreads from the seeds, the cheapest first.
+void expand_cost_field(const CostTerrain& terrain, const std::vector<WaitingSeed>& waiting, const CostStop& stop,
+                       CostField& field) {
+  const auto buckets = std::make_unique<Ring>();
+  Ring& ring = *buckets;
+  std::uint32_t level = waiting.empty() ? 0 : waiting.front().first;
+  std::size_t queued = 0;
   std::uint32_t* stored = field.stored.data();
   std::size_t next_seed = 0;
   while ((queued > 0 || next_seed < waiting.size()) && level <= field.settled_to) {
@@ -138,39 +142,7 @@ void grow_cost_field(const CostTerrain& terrain, const std::vector<CostSeed>& se
     }
   }
   std::sort(waiting.begin(), waiting.end());
-  const auto ring = std::make_unique<Ring>();
-  expand_cost_field(terrain, waiting, waiting.empty() ? 0 : waiting.front().first, 0, stop, *ring, field);
-}
-
-void regrow_cost_field(const CostTerrain& terrain, std::uint32_t kept_to, const CostStop& stop, CostField& field) {
-  std::uint32_t* stored = field.stored.data();
-  // whose neighbours may have been reached beyond
-  const std::uint32_t first = kept_to + 1 < kBuckets ? 1 : kept_to + 1 - kBuckets + 1;
-  const auto ring = std::make_unique<Ring>();
-  std::size_t queued = 0;
-  const std::size_t cells = field.stored.size();
-  constexpr std::size_t kAtOnce = 16;
-  for (std::size_t from = 0; from < cells; from += kAtOnce) {
-    const std::size_t to = std::min(from + kAtOnce, cells);
-    std::uint32_t is_front = 0;
-    for (std::size_t i = from; i < to; ++i) {
-      is_front |= stored[i] - first <= kept_to - first ? 1U : 0U;
-      stored[i] = stored[i] > kept_to ? kUnreached : stored[i];
-    }
-    for (std::size_t i = from; is_front != 0 && i < to; ++i) {
-      if (stored[i] - first <= kept_to - first) {
-        (*ring)[stored[i] % kBuckets].add(static_cast<std::uint32_t>(i));
-        ++queued;
-      }
-    }
-  }
-  field.settled_to = kUnreached;
-  field.pending.clear();
-  field.pending_needed = 0;
-  if (stop.cell >= 0 && stored[stop.cell] != kUnreached) {
-    field.settled_to = std::max(kept_to, stored[stop.cell] + stop.margin);
-  }
-  expand_cost_field(terrain, {}, first, queued, stop, *ring, field);
+  expand_cost_field(terrain, waiting, stop, field);
 }
 
 }  // namespace luminav

@@ -46,10 +46,9 @@ void grow_cost_field(const CostTerrain& terrain, const std::vector<CostSeed>& se
                      CostField& field);
 
 /// Makes a field of one seed right again after cells changed, as far as the path from `stop.cell` needs it: the same
-/// field as a new one up to `settled_to`. What lies beyond stays pending until a path needs it. First at the cost of
-/// the cells there whose cost changes (Koenig and Likhachev 2002, LPA*, with the raised cells first); where that is too
-/// many the field grows anew from the last level before the changes. False when neither is possible: then the field is
-/// good for nothing else.
+/// field as a new one up to `settled_to`. What lies beyond stays pending until a path needs it. The work grows with the
+/// cells whose cost changes (Koenig and Likhachev 2002, LPA*, with the raised cells first). False where that is too
+/// many: then the field is good for nothing, and a new one is no slower.
 [[nodiscard]] bool repair_cost_field(const CostTerrain& terrain, const std::vector<PriceChange>& changes,
                                      const CostStop& stop, CostField& field);
 

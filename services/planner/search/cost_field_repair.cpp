@@ -13,11 +13,8 @@ constexpr std::uint32_t kUnreached = CostField::kUnreached;
 constexpr std::uint32_t kBlocked = CostField::kBlocked;
 
 // a step of repair costs some times what a cell costs a new field
-constexpr std::size_t kMaxShare = 8;
+constexpr std::size_t kMaxShare = 16;
 constexpr std::size_t kFewestSteps = 16384;
-constexpr std::size_t kRegrownShare = 5;
-constexpr std::size_t kRegrownAnyway = 8192;  // cells: too few to be worth more than a try
-constexpr std::size_t kFewestStepsBeforeRegrowing = 256;
 
 /// The work of repair_cost_field: one queue by cost; of one cost, cells that may have lost their support come first.
 class Repair {
@@ -175,51 +172,13 @@ class Repair {
   std::array<GridStep, 8> steps_;
 };
 
-/// The highest level that no change can touch: the changed cells and all around them were reached later.
-std::uint32_t untouched_level(const std::vector<PriceChange>& changes, const CostField& field) {
-  std::uint32_t lowest = field.settled_to == kUnreached ? kUnreached : field.settled_to + 1;
-  const std::array<GridStep, 8> steps = grid_steps(field.columns);
-  const auto count = [&](std::uint32_t stored) { lowest = stored == kBlocked ? lowest : std::min(lowest, stored); };
-  for (const PriceChange& change : changes) {
-    count(field.stored[change.cell]);
-    for (const GridStep& step : steps) {
-      count(field.stored[moved(change.cell, step.offset)]);
-    }
-  }
-  return lowest - 1;
-}
-
-/// Cells whose level is above one and at most another.
-std::size_t count_between(const CostField& field, std::uint32_t above, std::uint32_t max) {
-  std::uint32_t cells = 0;
-  for (const std::uint32_t stored : field.stored) {
-    cells += stored - above - 1 < max - above ? 1 : 0;
-  }
-  return cells;
-}
-
 }  // namespace
 
 bool repair_cost_field(const CostTerrain& terrain, const std::vector<PriceChange>& changes, const CostStop& stop,
                        CostField& field) {
-  const std::uint32_t untouched = untouched_level(changes, field);
-  const bool is_regrowable = terrain.classes != nullptr && untouched > 0 && untouched < kUnreached - 1;
-  const std::uint32_t wanted = field.stored[static_cast<std::size_t>(stop.cell)];
-  std::size_t max = std::max(kFewestSteps, field.stored.size() / kMaxShare);
-  if (is_regrowable && wanted != kUnreached && wanted > untouched) {
-    const std::size_t cells = count_between(field, untouched, wanted + stop.margin);
-    const std::size_t worth = cells < kRegrownAnyway ? 0 : cells / kRegrownShare;
-    max = std::min(max, std::max(kFewestStepsBeforeRegrowing, worth));
-  }
   Repair repair(terrain, field);
   repair.note(changes);
-  if (repair.run(stop, max)) {
-    return true;
-  }
-  if (is_regrowable) {
-    regrow_cost_field(terrain, untouched, stop, field);
-  }
-  return is_regrowable;
+  return repair.run(stop, std::max(kFewestSteps, field.stored.size() / kMaxShare));
 }
 
 }  // namespace luminav

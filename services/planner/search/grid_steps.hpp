@@ -59,10 +59,6 @@ class Bucket {
     size_ = size;
     return more;
   }
-  void add(std::uint32_t cell) {
-    *room_for(1) = cell;
-    ++size_;
-  }
 
  private:
   std::unique_ptr<std::uint32_t[]> cells_;
@@ -108,9 +104,5 @@ inline void keep_pending(const Bucket& bucket, CostField& field) {
 
 /// A seed on a passable cell, by its stored cost, then its index.
 using WaitingSeed = std::pair<std::uint32_t, std::uint32_t>;
-
-/// Grows a field of one seed anew beyond a level: what is stored up to `kept_to`, the seed at least, stays and must be
-/// right.
-void regrow_cost_field(const CostTerrain& terrain, std::uint32_t kept_to, const CostStop& stop, CostField& field);
 
 }  // namespace luminav
