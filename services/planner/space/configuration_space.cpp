@@ -13,8 +13,6 @@ namespace {
 
 constexpr int kHighestPrice = 36;  // a diagonal step of 7 * 36 still fits the bucket queue's 256
 
-constexpr int kBlock = 64;  // [cells] side of what is measured at once
-
 CellWindow united(const CellWindow& a, const CellWindow& b) {
   return {std::min(a.first_column, b.first_column), std::max(a.last_column, b.last_column),
           std::min(a.first_row, b.first_row), std::max(a.last_row, b.last_row)};
@@ -69,9 +67,6 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, c
     metres_[static_cast<std::size_t>(square)] = static_cast<float>(cells * geometry_.resolution);
   }
   draw_zones();
-  squared_distance_ = std::make_unique_for_overwrite<std::uint8_t[]>(geometry_.size());
-  const auto blocks = [](int cells) { return static_cast<std::size_t>((cells + kBlock - 1) / kBlock); };
-  is_measured_.assign(blocks(geometry_.columns) * blocks(geometry_.rows), 0);
   // some rows at a time: what has just been read is still in the cache when it is widened
   constexpr int kRowsAtOnce = 64;
   for (int first = 0, read_to = 0; first < geometry_.rows; first += kRowsAtOnce) {
@@ -83,7 +78,7 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, c
     widen(first, last);
   }
   if (is_graded_) {
-    measure({0, geometry_.columns, 0, geometry_.rows});
+    squared_distance_ = squared_distances(solid_);
   }
 }
 
@@ -180,24 +175,15 @@ void ConfigurationSpace::widen(int first_row, int last_row) {
   }
 }
 
-void ConfigurationSpace::measure(const CellWindow& window) const {
-  update_squared_distances(solid_, window, squared_distance_.get());
-}
-
-void ConfigurationSpace::measure_around(const Cell& cell) const {
-  const int block_columns = (geometry_.columns + kBlock - 1) / kBlock;
-  std::uint8_t& is_measured =
-      is_measured_[static_cast<std::size_t>(cell.row / kBlock * block_columns + cell.column / kBlock)];
-  if (is_measured == 0) {
-    const int column = cell.column / kBlock * kBlock;
-    const int row = cell.row / kBlock * kBlock;
-    measure({column, std::min(column + kBlock, geometry_.columns), row, std::min(row + kBlock, geometry_.rows)});
-    is_measured = 1;
+std::uint8_t ConfigurationSpace::squared_distance(const Cell& cell) const {
+  if (squared_distance_.empty()) {
+    squared_distance_ = squared_distances(solid_);
   }
+  return squared_distance_[geometry_.index(cell)];
 }
 
 CostTerrain ConfigurationSpace::terrain() const {
-  return {&passable_, is_graded_ ? squared_distance_.get() : nullptr,
+  return {&passable_, is_graded_ ? squared_distance_.data() : nullptr,
           is_graded_ ? price_.data() : price_.data() + kNothingNear};
 }
 
@@ -241,10 +227,8 @@ ConfigurationSpace::Update ConfigurationSpace::update(const OccupancyGrid& grid,
   solid_ = std::move(solid);
   unknown_ = std::move(unknown);
   widen(window.first_row, window.last_row);
-  if (is_graded_) {
-    measure(window);
-  } else {
-    forget_distances(window);
+  if (!squared_distance_.empty()) {
+    update_squared_distances(solid_, window, squared_distance_.data());
   }
   Update update{.is_local = true, .changes = {}, .window = window};
   std::size_t i = 0;
@@ -256,15 +240,6 @@ ConfigurationSpace::Update ConfigurationSpace::update(const OccupancyGrid& grid,
     }
   }
   return update;
-}
-
-void ConfigurationSpace::forget_distances(const CellWindow& window) {
-  const int block_columns = (geometry_.columns + kBlock - 1) / kBlock;
-  for (int row = window.first_row / kBlock; row <= (window.last_row - 1) / kBlock; ++row) {
-    for (int column = window.first_column / kBlock; column <= (window.last_column - 1) / kBlock; ++column) {
-      is_measured_[static_cast<std::size_t>(row * block_columns + column)] = 0;
-    }
-  }
 }
 
 double ConfigurationSpace::clearance(const Cell& cell) const {

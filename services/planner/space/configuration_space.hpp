@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
@@ -31,7 +30,7 @@ struct SuspectedObstacle {
 };
 
 /// Where the middle of the robot may be, and what it costs to be there. Distances are measured between centres of
-/// cells. What blocks is kept and widened as bits; distances are filled in where they are asked for, unless prices
+/// cells. What blocks is kept and widened as bits; distances are measured when they are first asked for, unless prices
 /// depend on them.
 class ConfigurationSpace {
  public:
@@ -83,16 +82,7 @@ class ConfigurationSpace {
   /// Takes the zones' cells into `solid`, and keeps those in which nothing else is.
   void add_zones(int first_row, int last_row, BitGrid& solid, const BitGrid& unknown);
   void widen(int first_row, int last_row);
-  void measure(const CellWindow& window) const;
-  void forget_distances(const CellWindow& window);
-  /// Measures the block of a cell unless it has been.
-  void measure_around(const Cell& cell) const;
-  [[nodiscard]] std::uint8_t squared_distance(const Cell& cell) const {
-    if (!is_graded_) {
-      measure_around(cell);
-    }
-    return squared_distance_[geometry_.index(cell)];
-  }
+  [[nodiscard]] std::uint8_t squared_distance(const Cell& cell) const;
 
   ConfigurationSpaceParams params_;
   bool use_evidence_ = true;
@@ -103,11 +93,9 @@ class ConfigurationSpace {
   BitGrid passable_;
   BitGrid zones_;     // all cells that a keep-out zone touches; no rows: there is no zone
   BitGrid keep_out_;  // those of them that are free otherwise
-  // of square blocks of 64 cells, measured when first asked for; memory is touched only then
-  mutable std::vector<std::uint8_t> is_measured_;
-  mutable std::unique_ptr<std::uint8_t[]> squared_distance_;
-  std::array<std::uint8_t, 256> price_{};  // of each squared distance
-  std::array<float, 256> metres_{};        // of each squared distance
+  mutable std::vector<std::uint8_t> squared_distance_;  // [cells^2]; empty until it is needed
+  std::array<std::uint8_t, 256> price_{};               // of each squared distance
+  std::array<float, 256> metres_{};                     // of each squared distance
 };
 
 }  // namespace luminav
