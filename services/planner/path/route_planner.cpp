@@ -1,8 +1,11 @@
 #include "services/planner/path/route_planner.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
+
+#include "services/planner/search/tile_cost_field.hpp"
 
 namespace luminav {
 namespace {
@@ -28,7 +31,7 @@ void RoutePlanner::set_grid(const OccupancyGrid& grid, const std::vector<Suspect
     const bool is_weighed = params_.mode == PlannerMode::kModern && grid.geometry.size() <= params_.largest_weighed;
     space_ = ConfigurationSpace(params_.space, grid, suspected, use_evidence, is_weighed);
     uses_evidence_ = use_evidence;
-    forget_fields();
+    forget_field();
     shaper_.forget();
     return;
   }
@@ -36,13 +39,12 @@ void RoutePlanner::set_grid(const OccupancyGrid& grid, const std::vector<Suspect
   changes_.insert(changes_.end(), update.changes.begin(), update.changes.end());
   update.is_local ? shaper_.forget(grid.geometry, update.window) : shaper_.forget();
   if (!update.is_local || changes_.size() > grid.geometry.size() / kFewestCellsPerChange) {
-    forget_fields();
+    forget_field();
   }
 }
 
-void RoutePlanner::forget_fields() {
+void RoutePlanner::forget_field() {
   field_goal_.reset();
-  tiles_goal_.reset();
   changes_.clear();
 }
 
@@ -70,7 +72,7 @@ EscapeFromInflation RoutePlanner::escape_from_inflation(const Eigen::Vector2d& r
   return {space_, {params_.escape_radius, params_.body_radius, params_.space.hard_radius}, robot};
 }
 
-std::optional<Eigen::Vector2d> RoutePlanner::nearest_reachable(const RouteRequest& request) {
+std::optional<Eigen::Vector2d> RoutePlanner::nearest_reachable(const RouteRequest& request) const {
   const GridGeometry& geometry = space_.geometry();
   const Cell start = geometry.cell_at(request.start);
   std::vector<Cell> near;
@@ -85,14 +87,14 @@ std::optional<Eigen::Vector2d> RoutePlanner::nearest_reachable(const RouteReques
       }
     }
   }
-  tiles_goal_.reset();
-  tiles_.grow(space_.passable(), near);
+  TileCostField tiles;
+  tiles.grow(space_.passable(), near);
   std::optional<Eigen::Vector2d> best;
   for (int row = 0; row < geometry.rows; ++row) {
     for (int column = 0; column < geometry.columns; ++column) {
       const Cell cell{column, row};
       const Eigen::Vector2d point = geometry.centre_of(cell);
-      if (space_.passable().test(cell) && tiles_.is_reached(cell) &&
+      if (space_.passable().test(cell) && tiles.is_reached(cell) &&
           (!best || (point - request.goal).squaredNorm() < (*best - request.goal).squaredNorm())) {
         best = point;
       }
@@ -101,51 +103,24 @@ std::optional<Eigen::Vector2d> RoutePlanner::nearest_reachable(const RouteReques
   return best;
 }
 
-std::vector<std::size_t> RoutePlanner::cells_by_tiles(const Cell& start, const std::vector<CostSeed>& seeds) {
-  if (seeds.size() == 1) {
-    return cells_by_kept_tiles(start, seeds.front().cell);
-  }
-  // a goal in an obstacle: the free cell nearest to it that can be reached at all
-  const Cell from[] = {start};
-  tiles_goal_.reset();
-  tiles_.grow(space_.passable(), from);
-  const CostSeed* best = nullptr;
-  for (const CostSeed& seed : seeds) {
-    if (tiles_.is_reached(seed.cell) && (best == nullptr || seed.cost < best->cost)) {
-      best = &seed;
-    }
-  }
+std::vector<std::size_t> RoutePlanner::cells_by_tiles(const Cell& start, std::vector<CostSeed> seeds) const {
+  TileCostField tiles;
   std::vector<std::size_t> cells;
-  if (best == nullptr) {
-    return cells;
-  }
-  for (const Cell& cell : tiles_.follow_gradient(best->cell)) {
-    cells.push_back(space_.geometry().index(cell));
-  }
-  std::reverse(cells.begin(), cells.end());
-  return cells;
-}
-
-std::vector<std::size_t> RoutePlanner::cells_by_kept_tiles(const Cell& start, const Cell& goal) {
-  const GridGeometry& geometry = space_.geometry();
-  if (tiles_goal_ == goal) {
-    std::vector<Cell> changed;
-    for (const PriceChange& change : changes_) {
-      changed.push_back({static_cast<int>(change.cell % static_cast<std::size_t>(geometry.columns)),
-                         static_cast<int>(change.cell / static_cast<std::size_t>(geometry.columns))});
+  if (seeds.size() > 1) {
+    // a goal in an obstacle: the free cell nearest to it that can be reached at all
+    tiles.begin(space_.passable(), std::array{start});
+    std::stable_sort(seeds.begin(), seeds.end(), [](const CostSeed& a, const CostSeed& b) { return a.cost < b.cost; });
+    const auto reached =
+        std::find_if(seeds.begin(), seeds.end(), [&](const CostSeed& s) { return tiles.grow_to(s.cell); });
+    if (reached == seeds.end()) {
+      return cells;
     }
-    tiles_.take_back(space_.passable(), changed);
-  } else {
-    const Cell goals[] = {goal};
-    tiles_.begin(space_.passable(), goals);
+    seeds = {*reached};
   }
-  field_goal_.reset();  // what has changed is forgotten here
-  changes_.clear();
-  tiles_goal_ = goal;
-  std::vector<std::size_t> cells;
-  if (tiles_.grow_to(start)) {
-    for (const Cell& cell : tiles_.follow_gradient(start)) {
-      cells.push_back(geometry.index(cell));
+  tiles.begin(space_.passable(), std::array{seeds.front().cell});
+  if (tiles.grow_to(start)) {
+    for (const Cell& cell : tiles.follow_gradient(start)) {
+      cells.push_back(space_.geometry().index(cell));
     }
   }
   return cells;
@@ -163,7 +138,7 @@ void RoutePlanner::refresh_field(const RouteRequest& request, const std::vector<
   if (!is_kept || !repair_cost_field(space_.terrain(), changes_, stop, field_)) {
     grow_cost_field(space_.terrain(), seeds, stop, field_);
   }
-  forget_fields();
+  forget_field();
   if (is_repairable) {
     field_goal_ = seeds.front().cell;
   }
@@ -231,6 +206,7 @@ Route RoutePlanner::plan(const RouteRequest& request) {
     const bool by_tiles = start_is_free && geometry.size() > params_.largest_weighed;
     std::vector<std::size_t> cells;
     if (by_tiles) {
+      forget_field();
       cells = cells_by_tiles(start, seeds);
     } else {
       refresh_field(request, seeds);

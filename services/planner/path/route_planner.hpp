@@ -7,7 +7,6 @@
 #include "services/planner/path/path_shaper.hpp"
 #include "services/planner/search/cost_field.hpp"
 #include "services/planner/search/escape_from_inflation.hpp"
-#include "services/planner/search/tile_cost_field.hpp"
 #include "services/planner/space/configuration_space.hpp"
 
 namespace luminav {
@@ -64,28 +63,24 @@ class RoutePlanner {
   [[nodiscard]] std::vector<CostSeed> seeds_for(const RouteRequest& request) const;
   /// Escape of a robot whose own cell is blocked.
   [[nodiscard]] EscapeFromInflation escape_from_inflation(const Eigen::Vector2d& robot) const;
-  [[nodiscard]] std::optional<Eigen::Vector2d> nearest_reachable(const RouteRequest& request);
+  [[nodiscard]] std::optional<Eigen::Vector2d> nearest_reachable(const RouteRequest& request) const;
   [[nodiscard]] Polyline chain_of(const std::vector<std::size_t>& cells, const RouteRequest& request) const;
   [[nodiscard]] Route plan_paper(const RouteRequest& request, const std::vector<CostSeed>& seeds);
 
   RoutePlannerParams params_;
   ConfigurationSpace space_;
-  /// Cells from the start to the goal, both free, by the tile field; empty when no path leads there.
-  [[nodiscard]] std::vector<std::size_t> cells_by_tiles(const Cell& start, const std::vector<CostSeed>& seeds);
-  /// Cells to a goal that is free itself; the field is kept and used again as far as nothing has changed.
-  [[nodiscard]] std::vector<std::size_t> cells_by_kept_tiles(const Cell& start, const Cell& goal);
-  /// Drops what was kept: it is to be grown again.
-  void forget_fields();
+  /// Cells from the start to a seed, both free, by the tile field; empty when no path leads there.
+  [[nodiscard]] std::vector<std::size_t> cells_by_tiles(const Cell& start, std::vector<CostSeed> seeds) const;
+  /// Drops the kept field: it is to be grown again.
+  void forget_field();
   /// Brings the kept field up to date, or grows a new one.
   void refresh_field(const RouteRequest& request, const std::vector<CostSeed>& seeds);
 
   bool uses_evidence_ = true;
   PathShaper shaper_;
-  TileCostField tiles_;
   CostField field_;
   std::optional<Cell> field_goal_;    // of the one seed that the field was grown from; nothing: it is not to be kept
-  std::optional<Cell> tiles_goal_;    // of the tile field, where that is to be kept
-  std::vector<PriceChange> changes_;  // since the field or the tiles were made
+  std::vector<PriceChange> changes_;  // since the field was made
 };
 
 }  // namespace luminav

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstdlib>
 #include <numeric>
 
 namespace luminav {
@@ -20,53 +19,6 @@ std::uint64_t beside(std::uint64_t cells) {
 std::uint64_t above_and_below(std::uint64_t cells) {
   return cells << 8 | cells >> 8;
 }
-
-/// Ticks of the cells up to two steps away from one.
-class TicksAround {
- public:
-  TicksAround(const TileCostField& tiles, const Cell& middle) : tiles_(tiles), middle_(middle) {
-    for (int row = -kReach; row <= kReach; ++row) {
-      for (int column = -kReach; column <= kReach; ++column) {
-        look(column, row);
-      }
-    }
-  }
-  [[nodiscard]] std::uint32_t at(int column, int row) const {
-    return ticks_[static_cast<std::size_t>(kSide * (row + kReach) + column + kReach)];
-  }
-  /// By one step; most of the ticks were around the cell before, too.
-  void move(int column_step, int row_step) {
-    const std::array<std::uint32_t, kSide* kSide> before = ticks_;
-    middle_ = {middle_.column + column_step, middle_.row + row_step};
-    for (int row = -kReach; row <= kReach; ++row) {
-      for (int column = -kReach; column <= kReach; ++column) {
-        const int old_row = row + row_step;
-        const int old_column = column + column_step;
-        if (std::abs(old_row) <= kReach && std::abs(old_column) <= kReach) {
-          place(column, row) = before[static_cast<std::size_t>(kSide * (old_row + kReach) + old_column + kReach)];
-        } else {
-          look(column, row);
-        }
-      }
-    }
-  }
-
- private:
-  static constexpr int kReach = 2;
-  static constexpr int kSide = 2 * kReach + 1;
-  [[nodiscard]] std::uint32_t& place(int column, int row) {
-    return ticks_[static_cast<std::size_t>(kSide * (row + kReach) + column + kReach)];
-  }
-  void look(int column, int row) {
-    const Cell cell{middle_.column + column, middle_.row + row};
-    // a ring of blocked tiles lies around the grid
-    place(column, row) = cell.column >= 0 && cell.row >= 0 ? tiles_.tick(cell) : TileCostField::kUnreached;
-  }
-
-  const TileCostField& tiles_;
-  Cell middle_;
-  std::array<std::uint32_t, kSide * kSide> ticks_;
-};
 
 }  // namespace
 
@@ -196,37 +148,6 @@ bool TileCostField::grow_to(const Cell& cell) {
   return true;
 }
 
-void TileCostField::take_back(const BitGrid& passable, std::span<const Cell> changed) {
-  // the first tick at which one of them was entered, or could have been
-  std::uint32_t first = last_tick_ + 1;
-  for (const Cell& cell : changed) {
-    for (int row = cell.row - 1; row <= cell.row + 1; ++row) {
-      for (int column = cell.column - 1; column <= cell.column + 1; ++column) {
-        const std::uint32_t there = is_on_tiles({column, row}) ? tick({column, row}) : kUnreached;
-        if (there != kUnreached) {
-          first = std::min(first, Cell{column, row} == cell ? there : there + 1);
-        }
-      }
-    }
-  }
-  first = std::max(first, 2U);  // the goal stays
-  for (; entries_.back().tick >= first; entries_.pop_back()) {
-    const Entry& entry = entries_.back();
-    open_[entry.tile] |= entry.cells;
-    last_entry_[entry.tile] = entry.before;
-  }
-  for (const Cell& cell : changed) {
-    std::uint64_t& open = open_[tile_of(cell)];
-    open = passable.test(cell) && tick(cell) == kUnreached ? open | bit_of(cell) : open & ~bit_of(cell);
-  }
-  last_tick_ = first - 1;
-  active_.clear();
-  for (std::size_t i = entries_.size() - 1; entries_[i].tick == last_tick_ && i > 0; --i) {
-    active_.push_back(entries_[i].tile);
-    front_[entries_[i].tile] = entries_[i].cells;
-  }
-}
-
 std::int64_t TileCostField::reached() const {
   return std::accumulate(entries_.begin(), entries_.end(), std::int64_t{0},
                          [](std::int64_t cells, const Entry& entry) { return cells + std::popcount(entry.cells); });
@@ -260,7 +181,8 @@ std::vector<Cell> TileCostField::follow_gradient(const Cell& start) const {
   }
   cells.push_back(cell);
   Cell last{0, 0};
-  TicksAround around(*this, cell);
+  // a ring of blocked tiles lies around the grid
+  const auto tick_at = [&](const Cell& at) { return at.column >= 0 && at.row >= 0 ? tick(at) : kUnreached; };
   while (here > 1) {
     Cell best = cell;
     std::uint32_t best_fall = 0;
@@ -277,7 +199,7 @@ std::vector<Cell> TileCostField::follow_gradient(const Cell& start) const {
     };
     for (const Step& step : kSteps) {
       const Cell first{cell.column + step.column, cell.row + step.row};
-      const std::uint32_t there = around.at(step.column, step.row);
+      const std::uint32_t there = tick_at(first);
       if (there == kUnreached || there >= here) {
         continue;
       }
@@ -285,7 +207,7 @@ std::vector<Cell> TileCostField::follow_gradient(const Cell& start) const {
         consider(first, there, here - there, step.length);
       }
       for (const Step& second : kSteps) {
-        const std::uint32_t beyond = around.at(step.column + second.column, step.row + second.row);
+        const std::uint32_t beyond = tick_at({first.column + second.column, first.row + second.row});
         if (beyond != kUnreached && beyond < there) {
           consider(first, there, here - beyond, step.length + second.length);
         }
@@ -295,7 +217,6 @@ std::vector<Cell> TileCostField::follow_gradient(const Cell& start) const {
     cell = best;
     here = best_tick;
     cells.push_back(cell);
-    around.move(last.column, last.row);
   }
   return cells;
 }

@@ -26,9 +26,6 @@ class TileCostField {
   /// Goes on until a passable cell is reached, or nothing more can be; false if the cell was not. The same ticks as of
   /// a whole field, as far as it went.
   bool grow_to(const Cell& cell);
-  /// Takes the field back to before the first of these cells mattered that became passable or blocked, the goal not
-  /// among them. All others must be as they were.
-  void take_back(const BitGrid& passable, std::span<const Cell> changed);
 
   /// Cells, counted one entry after the other.
   [[nodiscard]] std::int64_t reached() const;
@@ -49,8 +46,6 @@ class TileCostField {
     std::uint32_t before = 0;  // index of the tile's entry before; 0 = none
     std::uint32_t tile = 0;
   };
-  /// Or on the ring of blocked tiles around them.
-  [[nodiscard]] bool is_on_tiles(const Cell& cell) const { return cell.column >= 0 && cell.row >= 0; }
   void cut(const BitGrid& passable);
   void enter(std::uint32_t tile, std::uint64_t cells);
   void spread(std::uint32_t tile, bool to_eight);

@@ -103,53 +103,6 @@ TEST(TileCostField, DescendsByNeighboursOnPassableCellsAlmostTheShortestWay) {
   EXPECT_LE(length, shortest * 102 / 100);
 }
 
-TEST(TileCostField, TakenBackAndGrownOnIsAWaveOfItsOwn) {
-  std::mt19937 rng(8);
-  constexpr int kColumns = 90;
-  constexpr int kRows = 70;
-  std::uniform_int_distribution<int> column(1, kColumns - 2);
-  std::uniform_int_distribution<int> row(1, kRows - 2);
-  BitGrid passable = random_floor(rng, kColumns, kRows, 0.25);
-  const Cell goal{40, 30};
-  passable.set(goal);
-  TileCostField kept;
-  kept.begin(passable, std::array{goal});
-  int reached = 0;
-  for (int round = 0; round < 60; ++round) {
-    std::vector<Cell> changed;
-    BitGrid other(kColumns, kRows);
-    for (int i = 0; i < 20; ++i) {
-      const Cell cell{column(rng), row(rng)};
-      if (!(cell == goal) && !other.test(cell)) {
-        other.set(cell);
-        changed.push_back(cell);
-      }
-    }
-    for (int r = 0; r < kRows; ++r) {
-      for (std::size_t i = 0; i < passable.words_per_row(); ++i) {
-        passable.row(r)[i] ^= other.row(r)[i];
-      }
-    }
-    kept.take_back(passable, changed);
-    const Cell start{column(rng), row(rng)};
-    if (!passable.test(start)) {
-      continue;
-    }
-    TileCostField anew;
-    anew.grow(passable, std::array{goal});
-    ASSERT_EQ(kept.grow_to(start), anew.is_reached(start)) << round;
-    ASSERT_EQ(kept.follow_gradient(start), anew.follow_gradient(start)) << round;
-    reached += anew.is_reached(start) ? 1 : 0;
-    for (int r = 0; r < kRows; ++r) {
-      for (int c = 0; c < kColumns; ++c) {
-        const std::uint32_t tick = kept.tick({c, r});
-        ASSERT_TRUE(tick == TileCostField::kUnreached || tick == anew.tick({c, r})) << round;
-      }
-    }
-  }
-  EXPECT_GT(reached, 20);
-}
-
 TEST(TileCostField, ReachesNothingFromABlockedGoalOrIntoAClosedRoom) {
   BitGrid passable(20, 20);
   passable.set({5, 5});
