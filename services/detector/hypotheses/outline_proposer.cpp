@@ -13,6 +13,7 @@ using Extents = RegionShape::Extents;
 constexpr double kMinDepth = 0.3;       // of its width, of a fixture of which one long side is out of view
 constexpr double kMinStretch = 0.4;     // of its length
 constexpr double kMinWidth = 0.55;      // of a lamp: its light may fade towards its sides
+constexpr double kTube = 0.026;         // [m] T8
 constexpr double kMaxWidth = 1.9;       // of a narrow one: blur and bloom
 constexpr double kMinPart = 0.5;        // of a fixture, of its largest part where noise breaks it
 constexpr double kMinFillOfPart = 0.5;  // of a piece's rectangle: the border cuts off a corner, noise frays it
@@ -25,14 +26,14 @@ struct Range {
   [[nodiscard]] bool holds(double value) const { return value >= min && value <= max; }
 };
 
-/// How wide a thing of that width may look.
-Range widths_of(double width, double cell, const SizeTolerance& tolerance) {
+/// How wide a thing of that width may look. Of a lamp of several tubes the outermost may be all that shines.
+Range widths_of(double width, int tubes, double cell, const SizeTolerance& tolerance) {
   const double slack = tolerance.share * width + std::max(tolerance.ragged, 1.5 * cell);
   if (tolerance.bloom <= 0.0) {
     return {width - slack, width + slack};
   }
-  return {std::min(kMinWidth * width, width - slack),
-          std::max(kMaxWidth * width, width + slack + 2.0 * tolerance.bloom)};
+  const double least = std::max(kMinWidth * width, (1.0 - 1.0 / std::max(tubes, 1)) * width + kTube);
+  return {std::min(least, width - slack), std::max(kMaxWidth * width, width + slack + 2.0 * tolerance.bloom)};
 }
 
 }  // namespace
@@ -60,11 +61,13 @@ void OutlineProposer::propose_whole(const Target& target, const RegionShape& sha
   const double bloom = std::max(0.0, seen_width - target.width());  // it makes things as much longer as wider
   const double longer = tolerance.bloom > 0.0 ? seen_length - kind.length - bloom : seen_length - kind.length;
   const double slack = tolerance.share * kind.length + std::max(tolerance.ragged, 1.5 * cell);
-  if (std::abs(longer) > slack || !widths_of(target.width(), cell, tolerance).holds(seen_width)) {
+  if (std::abs(longer) > slack || !widths_of(target.width(), target.tubes(), cell, tolerance).holds(seen_width)) {
     return;
   }
-  const double of_rectangle = kind.shape == FixtureShape::kRound ? 0.25 * kPi : 1.0;
-  const double fill = target.scale * target.scale * shape.area() / (seen_length * seen_width * of_rectangle);
+  const bool round = kind.shape == FixtureShape::kRound;
+  const double area = round && tolerance.bloom <= 0.0 ? shape.hull_area() : shape.area();  // unlit, a lamp in a ring
+  const double of_rectangle = round ? 0.25 * kPi : 1.0;
+  const double fill = target.scale * target.scale * area / (seen_length * seen_width * of_rectangle);
   if (fill < kMinFill) {
     return;
   }
@@ -86,7 +89,7 @@ void OutlineProposer::propose_cut(const Target& target, const RegionShape& shape
   const double least = shape.touches_border() ? tolerance.min_visible : kMinPart;
   const double slack = tolerance.share * kind.length + tolerance.ragged + 2.0 * tolerance.bloom;
   if (seen_length < least * kind.length || seen_length > kind.length + slack ||
-      !widths_of(target.width(), cell, tolerance).holds(seen_width) ||
+      !widths_of(target.width(), target.tubes(), cell, tolerance).holds(seen_width) ||
       shape.area() < kMinFillOfPart * e.length() * e.width()) {
     return;
   }

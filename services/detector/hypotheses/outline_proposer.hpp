@@ -46,6 +46,7 @@ class OutlineProposer {
     double scale;  // from the reference ceiling to the kind's height
 
     [[nodiscard]] double width() const { return half_width ? 0.5 * kind->width : kind->width; }
+    [[nodiscard]] int tubes() const { return half_width ? 1 : kind->lamps; }
   };
   void propose_kind(const Target& target, const RegionShape& shape, const SizeTolerance& tolerance, bool is_bright_bar);
   void propose_whole(const Target& target, const RegionShape& shape, const RegionShape::Orientation& orientation,

@@ -74,6 +74,18 @@ bool RegionShape::take(const Region& region, int shrunk, const CellPlane& plane)
   return area_ > 0.0;  // false of no number
 }
 
+double RegionShape::hull_area() const {
+  double twice = 0.0;
+  double around = 0.0;
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    const Vector2d& a = corners_[i].place;
+    const Vector2d& b = corners_[(i + 1) % corners_.size()].place;
+    twice += a.x() * b.y() - b.x() * a.y();
+    around += (b - a).norm();
+  }
+  return 0.5 * std::abs(twice) + grow_ * around;
+}
+
 RegionShape::Extents RegionShape::extents(const Vector2d& along) const {
   const Vector2d across(-along.y(), along.x());
   Extents e{1e9, -1e9, 1e9, -1e9};

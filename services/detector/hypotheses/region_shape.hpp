@@ -39,6 +39,7 @@ class RegionShape {
   /// True when the border cuts off what reaches farthest in a direction, all of it.
   [[nodiscard]] bool is_cut_off(const Eigen::Vector2d& direction) const;
   [[nodiscard]] double area() const { return area_; }            // [m^2]
+  [[nodiscard]] double hull_area() const;                        // [m^2] with what is hollow
   [[nodiscard]] double cell_size() const { return cell_size_; }  // [m]
   [[nodiscard]] const std::vector<Eigen::Vector2i>& hull_cells() const { return hull_; }
 

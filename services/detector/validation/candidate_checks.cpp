@@ -13,14 +13,14 @@ constexpr double kBlurredEdge = 2.5;          // [px] by which an outline may al
 constexpr double kElementFrame = 0.045;       // [m] a vent's frame is as bright as the ceiling: its slats end inside
 constexpr double kMaxAcross = 0.030;          // [m] 1 sigma of its place across
 constexpr double kMaxHeading = radians(1.5);  // 1 sigma, of a piece
-constexpr double kMinDisc = 16.0;             // [px] across: any dark speck looks like a smaller one
-constexpr double kSpeckSupport = 0.92;        // share of the rim of a smaller lamp that must show its edge
-constexpr double kOfMinVisible = 0.75;        // edges are looked for no closer to the border than this leaves
-constexpr double kMinStretch = 0.4;           // of a long side, where the other one or both ends are out of view
+constexpr double kMinAcross = 16.0;  // [px] any dark speck looks like a smaller disc, any groove like a narrower piece
+constexpr double kSpeckSupport = 0.92;  // share of the rim of a smaller lamp that must show its edge
+constexpr double kOfMinVisible = 0.75;  // edges are looked for no closer to the border than this leaves
+constexpr double kMinStretch = 0.4;     // of a long side, where the other one or both ends are out of view
 constexpr double kAlikeSides = 0.5;     // least step of a lamp's side, of the other's: a burning half has a faint one
 constexpr double kAlikeEdges = 0.45;    // least step of any edge of an unlit piece, of its clearest
-constexpr double kEndsBrighter = 0.45;  // beyond the end of an unlit one, of its edges' step
-constexpr double kEndsLessDeep = 0.30;
+constexpr double kEndsBrighter = 0.6;   // beyond the end of an unlit one, of its edges' step
+constexpr double kEndsLessDeep = 0.45;
 // Each amiss by 1:
 constexpr double kMaxBesides = 0.30;  // share of the ring that is as bright: panes of a skylight lie in rows
 constexpr double kFull = 0.80;  // of its rectangle, what a region fills; round ends and slanting cells leave a rest
@@ -46,7 +46,14 @@ bool is_bar(const Candidate& candidate) {
 /// A disc of a few pixels: any crumb looks like it.
 bool is_speck(const Candidate& candidate) {
   const Outline& outline = candidate.hypothesis.outline;
-  return outline.shape == FixtureShape::kRound && outline.length < kMinDisc * candidate.fit.metres_per_px;
+  return outline.shape == FixtureShape::kRound && outline.length < kMinAcross * candidate.fit.metres_per_px;
+}
+
+/// Wide enough to tell tubes from what lies between them.
+bool shows_strips(const CeilingFrame& frame, const Candidate& candidate) {
+  constexpr double kCells = 7.0;
+  return candidate.bright && is_bar(candidate) &&
+         candidate.hypothesis.outline.width > kCells * frame.factor * candidate.fit.metres_per_px;
 }
 
 }  // namespace
@@ -131,7 +138,7 @@ bool CandidateChecks::has_right_size(const Candidate& candidate) const {
 Verdict CandidateChecks::disc(const Candidate& candidate) const {
   const OutlineFit& fit = candidate.fit;
   const SideEdges& rim = fit.sides[kLeftSide];
-  if (!candidate.bright && candidate.hypothesis.outline.length / fit.metres_per_px < kMinDisc) {
+  if (!candidate.bright && candidate.hypothesis.outline.length / fit.metres_per_px < kMinAcross) {
     return Verdict::kTooUncertain;
   }
   const bool sound = rim.in_view >= 12 && 2 * rim.in_view >= rim.expected && rim.share() >= params_.min_side_support;
@@ -222,37 +229,65 @@ bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candid
   if (!candidate.fit.end_visible(end)) {
     return true;
   }
-  // Beyond blur and grid lines, nearer than anything else.
+  // Beyond blur and grid lines; the next of a row may begin soon after.
   constexpr std::array<double, 3> kDistances{0.030, 0.050, 0.075};  // [m]
   const Outline& outline = candidate.hypothesis.outline;
   const PointTransform pose(candidate.fit.placement.pose);
   const double half_length = 0.5 * outline.length + candidate.fit.placement.end_outset;
-  std::array<double, 2> grey{};   // inside, outside
-  std::array<double, 2> depth{};  // the same
-  std::array<int, 2> count{};
-  for (const double distance : kDistances) {
+  // mean grey level and depth at a distance from the end, positive ones outwards; nothing out of view
+  const auto look = [&](double distance) -> std::optional<std::array<double, 2>> {
+    std::array<double, 2> sum{};
+    int count = 0;
     for (const double across : {-0.3, -0.1, 0.1, 0.3}) {
-      for (const std::size_t outside : {std::size_t{0}, std::size_t{1}}) {
-        const double along = (end == kFarEnd ? 1.0 : -1.0) * (half_length + (outside == 1 ? distance : -distance));
-        const auto pixel =
-            camera_.pixel_of_ceiling_point(pose * Vector2d(along, across * outline.width), outline.height);
-        if (pixel && camera_.is_in_image(*pixel)) {
-          grey[outside] += cell_at(frame.reduced, *pixel, frame.factor);
-          depth[outside] += cell_at(frame.dark, *pixel, frame.factor);
-          ++count[outside];
-        }
+      const double along = (end == kFarEnd ? 1.0 : -1.0) * (half_length + distance);
+      const auto pixel = camera_.pixel_of_ceiling_point(pose * Vector2d(along, across * outline.width), outline.height);
+      if (pixel && camera_.is_in_image(*pixel)) {
+        sum[0] += cell_at(frame.reduced, *pixel, frame.factor);
+        sum[1] += cell_at(frame.dark, *pixel, frame.factor);
+        ++count;
       }
     }
+    return count < 2 ? std::nullopt : std::optional(std::array{sum[0] / count, sum[1] / count});
+  };
+  std::array<double, 2> inside{};
+  std::array<double, 2> outside{0.0, 255.0};
+  int looked = 0;
+  for (const double distance : kDistances) {
+    const auto in = look(-distance);
+    const auto out = look(distance);
+    if (in && out) {
+      inside = {inside[0] + (*in)[0], inside[1] + (*in)[1]};
+      outside = {std::max(outside[0], (*out)[0]), std::min(outside[1], (*out)[1])};
+      ++looked;
+    }
   }
-  if (count[0] < 3 || count[1] < 3) {
-    return true;  // out of view: nothing to say against it
+  if (looked == 0) {
+    return true;  // nothing to say against it
   }
   // Both: beside glare the surroundings are guessed too bright, and on a slope of light what is outside is brighter.
-  const double brighter = grey[1] / count[1] - grey[0] / count[0];
-  const double less_deep = depth[0] / count[0] - depth[1] / count[1];
+  const double brighter = outside[0] - inside[0] / looked;
+  const double less_deep = inside[1] / looked - outside[1];
   const double step = candidate.fit.step();
   return brighter > kEndsBrighter * std::min(candidate.fit.sides[static_cast<std::size_t>(end)].step, step) &&
-         less_deep > kEndsLessDeep * std::max(depth[0] / count[0], step);
+         less_deep > kEndsLessDeep * std::max(inside[1] / looked, step);
+}
+
+/// Tubes have bars and reflectors between them: either half of a lamp is as bright as its brightest strip there, and
+/// the lamp as its dimmer half; of a narrow one, as its middle.
+std::optional<int> CandidateChecks::level_across(const CeilingFrame& frame, const Candidate& candidate,
+                                                 const PointTransform& pose, double along) const {
+  constexpr std::array kPlaces{0.125, 0.25, 0.375};  // of the width
+  if (!shows_strips(frame, candidate)) {
+    return level_at(frame, camera_, candidate, pose, {along, 0.0});
+  }
+  std::array<std::optional<int>, 2> brightest;
+  for (const double place : kPlaces) {
+    for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) {
+      const double across = (half == 0 ? place : -place) * candidate.hypothesis.outline.width;
+      brightest[half] = std::max(brightest[half], level_at(frame, camera_, candidate, pose, {along, across}));
+    }
+  }
+  return brightest[0] && brightest[1] ? std::min(brightest[0], brightest[1]) : std::max(brightest[0], brightest[1]);
 }
 
 bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& candidate, double least) const {
@@ -261,13 +296,18 @@ bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& cand
   const double level = candidate.bright ? candidate.level : 0.5 * params_.unlit_contrast;
   int looked = 0;
   int filled = 0;
+  const auto look = [&](const std::optional<int>& there) {
+    looked += there ? 1 : 0;
+    filled += there && *there > level ? 1 : 0;
+  };
   for (int i = 0; i < 15; ++i) {
+    const double along = 0.9 * outline.length * ((i + 0.5) / 15.0 - 0.5);
+    if (shows_strips(frame, candidate)) {
+      look(level_across(frame, candidate, pose, along));
+      continue;
+    }
     for (int j = -1; j <= 1; ++j) {
-      const Vector2d place(0.9 * outline.length * ((i + 0.5) / 15.0 - 0.5), 0.3 * j * outline.width);
-      if (const auto there = level_at(frame, camera_, candidate, pose, place)) {
-        ++looked;
-        filled += *there > level ? 1 : 0;
-      }
+      look(level_at(frame, camera_, candidate, pose, {along, 0.3 * j * outline.width}));
     }
   }
   return looked >= 5 && filled >= least * looked;
@@ -297,10 +337,10 @@ CandidateChecks::Surroundings CandidateChecks::surroundings(const CeilingFrame& 
   const bool round = outline.shape == FixtureShape::kRound;
   for (int i = 0; i < kPlaces; ++i) {
     const double t = (i + 0.5) / kPlaces - 0.5;
-    if (const auto grey = level_at(frame, camera_, candidate, pose, {(round ? 0.7 : 0.9) * outline.length * t, 0.0})) {
-      inside += *grey;
-      ++looked;
-    }
+    const std::optional<int> grey = round ? level_at(frame, camera_, candidate, pose, {0.7 * outline.length * t, 0.0})
+                                          : level_across(frame, candidate, pose, 0.9 * outline.length * t);
+    inside += grey.value_or(0);
+    looked += grey ? 1 : 0;
     for (const double out : {apart, 2.0 * apart}) {
       if (round) {
         const double radius = half_width + out;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "services/common/geometry/camera_model.hpp"
 #include "services/detector/model/detector_params.hpp"
 #include "services/detector/outline/ceiling_catalogue.hpp"
@@ -40,6 +42,8 @@ class CandidateChecks {
   [[nodiscard]] Verdict contrast(const CeilingFrame& frame, const Candidate& candidate) const;
   /// An unlit one is dark just inside of an end in view and no longer just outside.
   [[nodiscard]] bool ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const;
+  [[nodiscard]] std::optional<int> level_across(const CeilingFrame& frame, const Candidate& candidate,
+                                                const PointTransform& pose, double along) const;
   [[nodiscard]] Surroundings surroundings(const CeilingFrame& frame, const Candidate& candidate) const;
 
   ModernDetectorParams params_;

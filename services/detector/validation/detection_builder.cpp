@@ -21,6 +21,7 @@ constexpr double kSoftMiddle = 0.007;  // [m] 1 sigma of where the burning half 
 // 1 sigma, of the distance between the centres of a single lamp and of a half-lit fixture, when it may be either.
 constexpr double kOpenReading = 0.5;
 constexpr double kOpenPlace = 0.1;    // variance along of a piece without ends, of the length out of view squared
+constexpr double kOfOutset = 1.0;     // an end may bloom less than a side, or twice as much
 constexpr double kSameLength = 0.05;  // [m]
 constexpr double kSameWidth = 0.03;   // [m]
 
@@ -34,26 +35,24 @@ Matrix3d turned(const Matrix3d& covariance, double theta) {
 /// or something else.
 enum class StripReading { kWhole, kDarkOnLeft, kDarkOnRight, kWholeOrHalf, kUnclear };
 
-/// Grid lines decide where there are any: a dark half may be as bright as the ceiling, but it covers them.
+/// A dark half that is as bright as the ceiling covers the ceiling's grid; one that is not shows by itself, and its
+/// louvre looks like a grid.
 StripReading read_strip(const CeilingFrame& frame, const CeilingCamera& camera, const Candidate& strip) {
   const Outline& outline = strip.hypothesis.outline;
   const auto [left, right] = look_for_grid_lines(frame.image, camera, outline, strip.fit.placement, frame.pixel_noise);
   if (left == Beside::kCeiling && right == Beside::kCeiling) {
     return StripReading::kWhole;
   }
+  const StripSurroundings around =
+      compare_strip_sides(frame.image, camera, outline, strip.fit.placement, frame.pixel_noise);
+  if (around.valid && around.asymmetry > kClearlyHalf && around.side != 0) {
+    return around.side > 0 ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
+  }
   if ((left == Beside::kCovered) != (right == Beside::kCovered)) {
     return left == Beside::kCovered ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
   }
-  const StripSurroundings around =
-      compare_strip_sides(frame.image, camera, outline, strip.fit.placement, frame.pixel_noise);
   if (!around.valid) {
     return StripReading::kWholeOrHalf;
-  }
-  if (around.asymmetry > kClearlyHalf && around.side != 0) {
-    if ((around.side > 0 ? left : right) == Beside::kCeiling) {
-      return StripReading::kUnclear;
-    }
-    return around.side > 0 ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
   }
   if (around.asymmetry <= kSignOfHalf) {
     return StripReading::kWhole;
@@ -121,7 +120,7 @@ void DetectionBuilder::place_stretch(const Candidate& candidate, Extent& extent,
 /// From one end on: its bloom does not cancel, and other kinds of this width may be longer or shorter.
 void DetectionBuilder::place_by_one_end(const Candidate& candidate, Extent& extent, Detection& detection) const {
   const double outset = candidate.fit.placement.side_outset;
-  detection.covariance(0, 0) += std::pow(0.3 * outset, 2);
+  detection.covariance(0, 0) += std::pow(kOfOutset * outset, 2);
   const Extent lengths = lengths_of(candidate, extent.to - extent.from);
   const double inward = detection.far_end_visible ? -1.0 : 1.0;
   const double shift = 0.5 * inward * (0.5 * (lengths.from + lengths.to) - candidate.hypothesis.outline.length);
