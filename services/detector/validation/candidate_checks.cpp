@@ -215,6 +215,9 @@ Verdict CandidateChecks::piece(const Candidate& candidate) const {
   if (edges < (candidate.bright ? 2 : 3)) {
     return Verdict::kTooFewEdges;
   }
+  if (!candidate.bright && outline.width < kMinAcross * fit.metres_per_px) {
+    return Verdict::kTooUncertain;
+  }
   if (!candidate.bright && !has_alike_edges(candidate)) {
     return Verdict::kUnequalSides;
   }
