@@ -6,6 +6,7 @@
 
 #include "drivers/simulator/world/scenario.hpp"
 #include "services/common/configuration/toml_table.hpp"
+#include "tests/evaluation/runs/drawn_buildings.hpp"
 #include "tests/evaluation/runs/generated_worlds.hpp"
 #include "tests/evaluation/runs/mission_scenarios.hpp"
 
@@ -41,7 +42,8 @@ constexpr NamedEntry kEntries[] = {
 };
 /// What "all" is made of, apart from the detector's part: all seeds, but for the worlds, which would take half of its
 /// time.
-constexpr const char* kAll[] = {"localization", "mapping", "navigation", "endurance", "missions", "worlds", "scale"};
+constexpr const char* kAll[] = {"localization", "mapping", "navigation", "endurance", "missions",
+                                "worlds",       "scale",   "drawn",      "mishaps"};
 constexpr std::uint64_t kWorldSeedsInAll = 4;
 
 std::vector<SuiteEntry> named_entries(const std::string& suite) {
@@ -62,6 +64,10 @@ std::vector<SuiteEntry> made_entries(const std::string& suite, const std::filesy
   if (suite == "worlds") {
     for (const auto& file : make_worlds(generated)) {
       entries.push_back({file, 1000, 1019, "rendered", false, suite, ""});
+    }
+  } else if (suite == "drawn" || suite == "mishaps") {
+    for (const auto& file : suite == "drawn" ? make_drawn_buildings(generated) : make_mishaps(generated)) {
+      entries.push_back({file, 1000, 1009, "geometric", false, suite, ""});
     }
   } else if (suite == "paper") {
     const std::filesystem::path folder = std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch/scenarios";
@@ -105,8 +111,7 @@ std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& p
 
 std::string suite_names() {
   return "quick, laboratory, office, localization, detector, luminaires, tolerance, mapping, navigation, endurance, "
-         "missions, "
-         "worlds, scale, paper, all";
+         "missions, worlds, scale, drawn, mishaps, paper, all";
 }
 
 bool has_detector_part(const std::string& suite) {

@@ -17,8 +17,8 @@ std::filesystem::path generated() {
 }
 
 TEST(Suites, HoldScenariosThatCanBeRead) {
-  for (const char* suite :
-       {"quick", "laboratory", "office", "localization", "mapping", "navigation", "endurance", "worlds"}) {
+  for (const char* suite : {"quick", "laboratory", "office", "localization", "mapping", "navigation", "endurance",
+                            "worlds", "drawn", "mishaps"}) {
     const auto entries = suite_entries(suite, generated());
     EXPECT_FALSE(entries.empty()) << suite;
     for (const SuiteEntry& entry : entries) {
