@@ -4,6 +4,11 @@
 #include <algorithm>
 
 namespace luminav {
+namespace {
+
+constexpr double kStranger = -2.0;  // log-likelihood of what is known to be seen about there, and in no file
+
+}  // namespace
 
 FrameComparer::FrameComparer(const SightingFrame& frame, double linear, double angular, const FixtureMap& map,
                              const CeilingView& view, double ceiling_height, const ErrorParams& errors,
@@ -49,6 +54,12 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
     result.innovations[pair.sighting] = pair.innovation;
     taken.push_back(pair.fixture);
   }
+  for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
+    if (result.fixture_of_sighting[i] < 0 &&
+        map_.is_stranger(belief.pose * frame_.sightings[i].robot_from_fixture.position())) {
+      result.log_likelihood[i] = kStranger;
+    }
+  }
   expect(belief, near, result);
   return result;
 }
@@ -83,7 +94,7 @@ void FrameComparer::expect(const PoseBelief& belief, const std::vector<int>& nea
     const Eigen::Vector2d centre = to_robot * fixture.world_from_fixture.position();
     const Pose2 robot_from_fixture{centre.x(), centre.y(),
                                    wrap_angle(robot_from_world.theta + fixture.world_from_fixture.theta)};
-    if (!view_.is_wholly_visible(robot_from_fixture, fixture, margin)) {
+    if (map_.is_doubted(index) || !view_.is_wholly_visible(robot_from_fixture, fixture, margin)) {
       continue;
     }
     result.expected.push_back(index);

@@ -7,8 +7,23 @@
 namespace luminav {
 namespace {
 
-int symmetric_turns(FixtureShape shape) {
-  return symmetry_period(shape) == 0.0 ? 0 : static_cast<int>(std::lround(2.0 * kPi / symmetry_period(shape)));
+constexpr int kRingTurns = 24;        // that a round fixture's ring of poses is cut into
+constexpr double kRingOverlap = 0.3;  // 1-sigma of a turn of it, as a share: uniform, and a little over its ends
+
+/// Turns under which a sighting may be a fixture, and the heading's variance [rad^2] that each leaves open.
+struct Turns {
+  int count = 0;
+  double step = 0.0;  // [rad]
+  double variance = 0.0;
+};
+
+Turns turns_of(const FixtureSighting& sighting, FixtureShape shape) {
+  if (shape == FixtureShape::kRound) {
+    constexpr double kStep = 2.0 * kPi / kRingTurns;
+    return {kRingTurns, kStep, kRingOverlap * kStep * kRingOverlap * kStep};
+  }
+  const double period = symmetry_period(shape);
+  return {sighting.has_theta ? static_cast<int>(std::lround(2.0 * kPi / period)) : 0, period, 0.0};
 }
 
 }  // namespace
@@ -104,18 +119,18 @@ void HypothesisSeeding::begin_seed_object(const std::vector<Hypothesis>& known, 
 
 void HypothesisSeeding::spawn(const Fixture& fixture, const std::vector<Hypothesis>& known,
                               std::vector<Hypothesis>& spawned) const {
-  const int turns = sighting_.has_theta ? symmetric_turns(fixture.shape) : 0;
-  if (turns == 0 || !fits_kind_and_size(sighting_, fixture, KindGate{})) {
+  const Turns turns = turns_of(sighting_, fixture.shape);
+  if (turns.count == 0 || !fits_kind_and_size(sighting_, fixture, KindGate{})) {
     return;
   }
   const double height_above_camera = std::max(0.2, view_.height_above_camera(ceiling_height_));
-  for (int turn = 0; turn < turns; ++turn) {
+  Eigen::Matrix3d noise = white_sighting_covariance(sighting_, fixture, errors_) +
+                          systematic_sighting_covariance(sighting_, height_above_camera, 0.3, 0.3, errors_);
+  noise(2, 2) += turns.variance;
+  for (int turn = 0; turn < turns.count; ++turn) {
     Hypothesis hypothesis;
-    hypothesis.belief.pose = fixture.world_from_fixture *
-                             Pose2{0.0, 0.0, wrap_angle(turn * symmetry_period(fixture.shape))} *
+    hypothesis.belief.pose = fixture.world_from_fixture * Pose2{0.0, 0.0, wrap_angle(turn * turns.step)} *
                              sighting_.robot_from_fixture.inverse();
-    const Eigen::Matrix3d noise = white_sighting_covariance(sighting_, fixture, errors_) +
-                                  systematic_sighting_covariance(sighting_, height_above_camera, 0.3, 0.3, errors_);
     const Eigen::Matrix3d inverse =
         expect_sighting(hypothesis.belief.pose, fixture.world_from_fixture).jacobian.inverse();
     hypothesis.belief.covariance = inverse * noise * inverse.transpose();

@@ -16,8 +16,8 @@
 namespace luminav {
 
 /// Makes the hypotheses that objects of the scene allow: each object may be any fixture of its kind and size, turned as
-/// its symmetry allows. As many fixtures a step as the budget allows; poses near one that is held already and explains
-/// the object are left out.
+/// its symmetry allows; a round one leaves a ring of poses, cut into turns. As many fixtures a step as the budget
+/// allows; poses near one that is held already and explains the object are left out.
 class HypothesisSeeding {
  public:
   /// Everything given must outlive this.

@@ -10,14 +10,13 @@
 namespace luminav {
 namespace {
 
-constexpr double kMore = 0.05;          // by which a share is greater, less than one of its sixteen samples
-constexpr double kSameThing = 0.6;      // [m] a thing seen again within it is the same
-constexpr std::size_t kMaxThings = 64;  // remembered that are no fixtures
+constexpr double kMore = 0.05;           // by which a share is greater, less than one of its sixteen samples
+constexpr int kStrangeImages = 10;       // of an object, beside fixtures that support the pose of a driving robot
+constexpr std::size_t kMaxObjects = 64;  // followed so at a time
 
 }  // namespace
 
-MatchMonitor::MatchMonitor(const FixtureMap& map, const CeilingView& view, double ceiling_height,
-                           const TrackingRules& rules)
+MatchMonitor::MatchMonitor(FixtureMap& map, const CeilingView& view, double ceiling_height, const TrackingRules& rules)
     : map_(map), view_(view), ceiling_height_(ceiling_height), rules_(rules), newcomers_(rules) {}
 
 std::optional<Contradiction> MatchMonitor::look(const SightingFrame& frame, const std::vector<int>& objects,
@@ -27,9 +26,10 @@ std::optional<Contradiction> MatchMonitor::look(const SightingFrame& frame, cons
   note_pause(odom_from_robot);
   const std::optional<Eigen::Vector2d> newcomer = newcomers_.look(frame, matches, odom_from_robot);
   if (!matches.empty()) {
+    note_strangers(frame, objects, tracks, matches, belief);
     note_match(matches, belief, odom_from_robot);
     match_utime_ = frame.utime;
-    if (newcomer && !is_suspected && !is_no_fixture(belief.pose * *newcomer)) {
+    if (newcomer && !is_suspected && !map_.is_stranger(belief.pose * *newcomer)) {
       misfit_ = belief.pose * *newcomer;
       return Contradiction{fmt::format("something came into view at ({:.1f}, {:.1f}) though the robot stands still",
                                        misfit_->x(), misfit_->y()),
@@ -60,6 +60,7 @@ std::optional<Contradiction> MatchMonitor::look(const SightingFrame& frame, cons
 }
 
 void MatchMonitor::reset() {
+  strange_images_.clear();
   forget_run();
   seen_lately_.clear();
   newcomers_.clear();
@@ -70,13 +71,10 @@ void MatchMonitor::confirm(bool was_suspected) {
     predicted_.clear();
   }
   if (was_suspected && missed_fixture_ >= 0) {
-    unreliable_.insert(missed_fixture_);
+    map_.doubt(missed_fixture_);
   }
   if (was_suspected && misfit_) {
-    no_fixtures_.push_back(*misfit_);
-    if (no_fixtures_.size() > kMaxThings) {
-      no_fixtures_.pop_front();
-    }
+    map_.add_stranger(*misfit_);
   }
   missed_fixture_ = -1;
   misfit_.reset();
@@ -120,6 +118,26 @@ void MatchMonitor::note_match(const std::vector<FixtureMatch>& matches, const Po
   }
 }
 
+void MatchMonitor::note_strangers(const SightingFrame& frame, const std::vector<int>& objects,
+                                  const ObjectTracks& tracks, const std::vector<FixtureMatch>& matches,
+                                  const PoseBelief& belief) {
+  if (still_frames_ > 0) {
+    return;
+  }
+  if (strange_images_.size() > kMaxObjects) {
+    strange_images_.clear();
+  }
+  for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
+    const bool is_matched =
+        std::any_of(matches.begin(), matches.end(), [&](const FixtureMatch& match) { return match.sighting == i; });
+    int& images = strange_images_[tracks.objects()[static_cast<std::size_t>(objects[i])].id];
+    images = is_matched ? -kStrangeImages : images + 1;  // a fixture that is hard to see is no stranger
+    if (images == kStrangeImages) {
+      map_.add_stranger(belief.pose * frame.sightings[i].robot_from_fixture.position());
+    }
+  }
+}
+
 std::optional<Eigen::Vector2d> MatchMonitor::find_unexplained(const SightingFrame& frame,
                                                               const std::vector<int>& objects,
                                                               const ObjectTracks& tracks,
@@ -127,16 +145,11 @@ std::optional<Eigen::Vector2d> MatchMonitor::find_unexplained(const SightingFram
   std::optional<Eigen::Vector2d> unexplained;
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const Eigen::Vector2d place = belief.pose * frame.sightings[i].robot_from_fixture.position();
-    if (!is_no_fixture(place) && tracks.objects()[static_cast<std::size_t>(objects[i])].frames >= 2) {
+    if (!map_.is_stranger(place) && tracks.objects()[static_cast<std::size_t>(objects[i])].frames >= 2) {
       unexplained = place;
     }
   }
   return unexplained;
-}
-
-bool MatchMonitor::is_no_fixture(const Eigen::Vector2d& place_in_world) const {
-  return std::any_of(no_fixtures_.begin(), no_fixtures_.end(),
-                     [&](const Eigen::Vector2d& known) { return (known - place_in_world).norm() < kSameThing; });
 }
 
 bool MatchMonitor::count_missing(const SightingFrame& frame, const PoseBelief& belief, const Pose2& odom_from_robot) {
@@ -168,8 +181,7 @@ bool MatchMonitor::count_missing(const SightingFrame& frame, const PoseBelief& b
     const double moved =
         std::hypot(since_match.x, since_match.y) + std::abs(since_match.theta) * robot_from_fixture.position().norm();
     const double min_inside = vanished ? std::min(margin, moved) : margin;
-    if (is_there || unreliable_.count(index) > 0 ||
-        view_.visible_share(robot_from_fixture, map_[index], min_inside) < min) {
+    if (is_there || map_.is_doubted(index) || view_.visible_share(robot_from_fixture, map_[index], min_inside) < min) {
       continue;
     }
     any = true;

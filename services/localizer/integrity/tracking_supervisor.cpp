@@ -28,6 +28,12 @@ TrackingSupervisor::TrackingSupervisor(const FixtureMap& map, ObjectTracks& trac
 bool TrackingSupervisor::decide(const SightingFrame& frame, double distance_since_fixture) {
   if (bank_.hypotheses().empty()) {
     drop_leader(LocalizerState::kLost);
+    unexplained_run_ += frame.sightings.empty() ? 0 : 1;
+    if (unexplained_run_ >= rules_.restart_frames) {
+      unexplained_run_ = 0;
+      tracks_.clear();  // some of it was false, or the map is wrong there: what is seen next may fit
+      bank_.clear();
+    }
     reason_ = map_.size() == 0            ? kNoFixtures
               : tracks_.objects().empty() ? "no fixture seen yet"
                                           : "what is seen fits nowhere in the building";
@@ -112,6 +118,9 @@ void TrackingSupervisor::judge_tracked_pose(double distance_since_fixture) {
   } else {
     reason_ = fmt::format("one pose explains all that was seen; known to {:.0f} mm and {:.1f} degrees", 1e3 * sigma,
                           degrees(heading_sigma));
+    if (map_.doubts() > 0) {
+      reason_ += fmt::format("; the building's file is doubted at {} places", map_.doubts());
+    }
   }
 }
 

@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace luminav {
+namespace {
+
+constexpr double kSameThing = 0.6;         // [m] a thing seen again within it is the same
+constexpr std::size_t kMaxStrangers = 64;  // remembered
+
+}  // namespace
 
 FixtureMap::FixtureMap(std::vector<Fixture> fixtures, double cell) : fixtures_(std::move(fixtures)), cell_(cell) {
   if (fixtures_.empty()) {
@@ -76,6 +82,21 @@ void FixtureMap::find_near(const Eigen::Vector2d& point_in_world, double radius,
       }
     }
   }
+}
+
+void FixtureMap::add_stranger(const Eigen::Vector2d& place) {
+  if (is_stranger(place)) {
+    return;
+  }
+  strangers_.push_back(place);
+  if (strangers_.size() > kMaxStrangers) {
+    strangers_.pop_front();
+  }
+}
+
+bool FixtureMap::is_stranger(const Eigen::Vector2d& place) const {
+  return std::any_of(strangers_.begin(), strangers_.end(),
+                     [&](const Eigen::Vector2d& known) { return (known - place).norm() < kSameThing; });
 }
 
 bool fits_kind_and_size(const FixtureSighting& sighting, const Fixture& fixture, const KindGate& gate) {

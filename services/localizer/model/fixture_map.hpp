@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <deque>
+#include <set>
 #include <vector>
 
 #include "services/common/building/building.hpp"
@@ -16,7 +18,8 @@ struct KindGate {
   double bloom = 0.06;             // [m] that a burning lamp may look wider beyond, most in dark rooms: long exposure
 };
 
-/// The building's fixtures with an index by place: asking costs what lies near, not what the building has.
+/// The building's fixtures with an index by place: asking costs what lies near, not what the building has. And what a
+/// known pose taught about their file, by which all poses are judged: a doubt of a fixture is none of the pose.
 class FixtureMap {
  public:
   explicit FixtureMap(std::vector<Fixture> fixtures, double cell = 3.0);
@@ -29,6 +32,16 @@ class FixtureMap {
   /// The smallest distance [m] between two fixtures' centres; 1e9 with fewer than two.
   [[nodiscard]] double smallest_spacing() const { return smallest_spacing_; }
 
+  /// It was missed though the pose was right (moved, dead or gone): that it is not seen says nothing any more.
+  void doubt(int index) { doubted_.insert(index); }
+  [[nodiscard]] bool is_doubted(int index) const { return doubted_.count(index) > 0; }
+  /// Something is seen there [world] that no fixture explains, and the pose is right.
+  void add_stranger(const Eigen::Vector2d& place);
+  /// What is seen there is known to be no fixture, or one that hangs elsewhere than the file says.
+  [[nodiscard]] bool is_stranger(const Eigen::Vector2d& place) const;
+  /// Of both kinds.
+  [[nodiscard]] std::size_t doubts() const { return doubted_.size() + strangers_.size(); }
+
  private:
   [[nodiscard]] std::size_t cell_index(int column, int row) const;
 
@@ -40,6 +53,8 @@ class FixtureMap {
   std::vector<int> cell_start_;  // CSR: fixtures of cell i are members_[cell_start_[i] .. cell_start_[i + 1])
   std::vector<int> members_;
   double smallest_spacing_ = 1e9;
+  std::set<int> doubted_;
+  std::deque<Eigen::Vector2d> strangers_;  // [world] oldest first
 };
 
 /// False when a sighting cannot be that fixture for its shape or size.

@@ -200,6 +200,17 @@ TEST(Suspicion, DoesNotComeBackAtAThingThatWasFoundOutToBeNoFixture) {
   EXPECT_TRUE(drive.drive_to(11.0).empty());
 }
 
+TEST(Suspicion, IsOfTheMapWhereAnotherFixtureSupportsThePoseMeanwhile) {
+  for (const double off : {1.7, 0.8}) {
+    CorridorDrive drive;
+    drive.see_as_far_as(0.9);
+    drive.drive_to(6.0);
+    ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+    drive.hang_false_fixture(7.5 + off);  // with 1.7 m it is seen alone first
+    EXPECT_EQ(drive.drive_to(10.0).empty(), off < 1.0) << off;
+  }
+}
+
 TEST(Suspicion, ComesWithinASecondOfImagesAfterTheRobotWasPutBetweenFixtures) {
   CorridorDrive drive;
   drive.drive_to(8.9);  // nothing ought to be in view here
