@@ -58,12 +58,17 @@ ModernDetectorParams read_modern(const TomlTable& table) {
 
 DetectorConfig read_detector_config(const std::filesystem::path& robot_file,
                                     const std::filesystem::path& building_file) {
+  return read_detector_config(robot_file, read_building(building_file), building_file);
+}
+
+DetectorConfig read_detector_config(const std::filesystem::path& robot_file, const Building& building,
+                                    const std::filesystem::path& building_file) {
   const TomlTable root = TomlTable::load(robot_file);
   const RobotDescription robot = read_robot(root);
   DetectorConfig config;
   config.robot = robot.name;
   config.camera = robot.camera;
-  config.catalogue = catalogue_of(read_building(building_file));
+  config.catalogue = catalogue_of(building);
 
   const TomlTable table = root.table("detector");
   const bool paper = table.choice("mode", robot.mode, {"paper", "modern"}) == "paper";

@@ -5,6 +5,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "services/common/configuration/fixture_table.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/configuration/whole_file.hpp"
 
@@ -20,29 +21,9 @@ Pose2 read_pose(const TomlTable& table) {
 }
 
 Fixture read_fixture(const TomlTable& table, double ceiling_height) {
-  Fixture fixture;
+  Fixture fixture = read_fixture_kind(table, ceiling_height);
   fixture.id = static_cast<int>(table.integer("id", {0, 1e9}));
-  const std::string shape = table.choice("shape", "rectangle", {"rectangle", "square", "round"});
   fixture.world_from_fixture = read_pose(table);
-  if (shape == "round") {
-    fixture.shape = FixtureShape::kRound;
-    fixture.length = fixture.width = table.number("diameter", {0.05, 5.0});
-  } else if (shape == "square") {
-    fixture.shape = FixtureShape::kSquare;
-    fixture.length = table.number("length", {0.05, 5.0});
-    fixture.width = table.number("width", fixture.length, {0.05, 5.0});
-    if (std::abs(fixture.width - fixture.length) > 0.005) {
-      table.fail("width", "must equal length in a square fixture");
-    }
-  } else {
-    fixture.length = table.number("length", {0.05, 10.0});
-    fixture.width = table.number("width", {0.02, 5.0});
-    if (fixture.width > fixture.length) {
-      table.fail("width", "must not exceed length: theta is the direction of the long side");
-    }
-  }
-  fixture.height = table.number("height", ceiling_height, {1.0, 30.0});
-  fixture.lamps = table.count("lamps", 2, {1, 16});
   table.reject_unknown();
   return fixture;
 }
@@ -114,6 +95,31 @@ std::string fixture_table(const Fixture& fixture, double ceiling_height) {
 }
 
 }  // namespace
+
+Fixture read_fixture_kind(const TomlTable& table, double ceiling_height) {
+  Fixture fixture;
+  const std::string shape = table.choice("shape", "rectangle", {"rectangle", "square", "round"});
+  if (shape == "round") {
+    fixture.shape = FixtureShape::kRound;
+    fixture.length = fixture.width = table.number("diameter", {0.05, 5.0});
+  } else if (shape == "square") {
+    fixture.shape = FixtureShape::kSquare;
+    fixture.length = table.number("length", {0.05, 5.0});
+    fixture.width = table.number("width", fixture.length, {0.05, 5.0});
+    if (std::abs(fixture.width - fixture.length) > 0.005) {
+      table.fail("width", "must equal length in a square fixture");
+    }
+  } else {
+    fixture.length = table.number("length", {0.05, 10.0});
+    fixture.width = table.number("width", {0.02, 5.0});
+    if (fixture.width > fixture.length) {
+      table.fail("width", "must not exceed length: theta is the direction of the long side");
+    }
+  }
+  fixture.height = table.number("height", ceiling_height, {1.0, 30.0});
+  fixture.lamps = table.count("lamps", 2, {1, 16});
+  return fixture;
+}
 
 Building read_building(const std::filesystem::path& file) {
   return read_building_source(file).building;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "services/common/configuration/configuration_error.hpp"
+#include "services/common/configuration/fixture_table.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace luminav {
@@ -50,6 +51,28 @@ TEST(BuildingFile, RefusesZonesThatAreNoAreas) {
   EXPECT_THAT(refusal_of("name = \"a\"\nkind = \"lava\"\n" + square), HasSubstr("kind"));
   EXPECT_THAT(refusal_of("name = \"a\"\nkind = \"slow\"\nspeed = 0\n" + square), HasSubstr("speed"));
   EXPECT_THAT(refusal_of("name = \"a\"\nspeed = 0.2\n" + square), HasSubstr("speed")) << "only slow ones have one";
+}
+
+Fixture read_kind(const std::string& text) {
+  const TemporaryFolder folder;
+  return read_fixture_kind(TomlTable::load(folder.write("fixture.toml", text)), 2.7);
+}
+
+TEST(FixtureTable, SaysShapeSizeHeightAndLamps) {
+  const Fixture bar = read_kind("length = 1.5\nwidth = 0.3\nlamps = 1\nheight = 2.4\n");
+  EXPECT_EQ(bar.shape, FixtureShape::kRectangle);
+  EXPECT_DOUBLE_EQ(bar.length, 1.5);
+  EXPECT_DOUBLE_EQ(bar.height, 2.4);
+  EXPECT_EQ(bar.lamps, 1);
+  const Fixture round = read_kind("shape = \"round\"\ndiameter = 0.3\n");
+  EXPECT_DOUBLE_EQ(round.width, 0.3);
+  EXPECT_DOUBLE_EQ(round.height, 2.7);
+}
+
+TEST(FixtureTable, RefusesWhatCannotBe) {
+  EXPECT_THROW((void)read_kind("length = 0.3\nwidth = 1.5\n"), ConfigurationError);
+  EXPECT_THROW((void)read_kind("shape = \"square\"\nlength = 0.6\nwidth = 0.5\n"), ConfigurationError);
+  EXPECT_THROW((void)read_kind("width = 0.3\n"), ConfigurationError);
 }
 
 }  // namespace
