@@ -1,0 +1,216 @@
+#include "services/surveyor/drive/survey_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace luminav {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kUnsure = 0.15;       // [m] 1-sigma of a fixture's place from which another drive is worth it
+constexpr double kWrongLength = 0.05;  // fraction by which a kind may look longer or shorter than the file says
+constexpr double kLongGap = 2.0;       // [s] without odometry
+constexpr double kLongBlindWay = 5.0;  // [m] without an image
+constexpr double kLoopWay = 30.0;      // [m] from which a drive can be expected to close a loop
+
+bool has_closure(const Survey& survey) {
+  return std::any_of(survey.estimate.fixtures.begin(), survey.estimate.fixtures.end(),
+                     [](const SurveyedFixture& fixture) { return fixture.passes.size() > 1; });
+}
+
+std::string place(const Pose2& pose) {
+  return fmt::format("({:.1f}, {:.1f})", pose.x, pose.y);
+}
+
+void add_log_remarks(const Survey& survey, const SurveyLog& log, std::vector<std::string>& remarks) {
+  if (log.is_cut) {
+    remarks.push_back("the log is cut off; what was whole before was used");
+  }
+  if (log.longest_gap > kLongGap) {
+    remarks.push_back(fmt::format("the log has a gap of {:.1f} s without ODOMETRY; the map is less sure from there on",
+                                  log.longest_gap));
+  }
+  if (log.blind_way > kLongBlindWay) {
+    remarks.push_back(
+        fmt::format("the robot drove {:.0f} m without an image; fixtures there are missing", log.blind_way));
+  }
+  if (log.looked_at == 0) {
+    remarks.push_back(
+        "the log's images were not looked at: of how large the map is only wheels and ceiling height tell");
+  }
+  if (log.drive.echoes.empty()) {
+    remarks.push_back("the log has no SONAR: the map shows only where the robot drove");
+  }
+  if (survey.left_out > 0.0) {
+    remarks.push_back(fmt::format(
+        "odometry began anew, or the robot was carried: of the drive's parts only the longest, {:.0f} m, is "
+        "on the map, {:.0f} m are left out; drive there once more from a place that is on it",
+        survey.distance, survey.left_out));
+  }
+}
+
+void add_kind_remarks(const Survey& survey, const CeilingKinds& kinds, std::vector<std::string>& remarks) {
+  for (std::size_t k = 0; k < kinds.kinds.size(); ++k) {
+    const double excess = survey.excess_length[k];
+    const bool is_used =
+        std::any_of(survey.estimate.fixtures.begin(), survey.estimate.fixtures.end(),
+                    [&](const SurveyedFixture& fixture) { return fixture.kind == static_cast<int>(k); });
+    if (std::abs(excess) > kWrongLength) {
+      remarks.push_back(fmt::format(
+          "fixtures of kind {} look {:.0f} % {} than the file of kinds says: measure their length ({:.2f} m "
+          "there) and the ceiling's height ({:.2f} m) again",
+          k + 1, 100.0 * std::abs(excess), excess > 0.0 ? "longer" : "shorter", kinds.kinds[k].length,
+          kinds.ceiling_height));
+    }
+    if (!is_used) {
+      remarks.push_back(fmt::format("no fixture of kind {} was found", k + 1));
+    }
+  }
+}
+
+void add_closure_remarks(const Survey& survey, std::vector<std::string>& remarks) {
+  if (!has_closure(survey) && survey.distance > kLoopWay) {
+    remarks.push_back(
+        "the drive passed no fixture twice: nothing checks the map, which bends by as much as the "
+        "uncertainties say; drive back to where you began");
+  }
+  for (const ClosureDoubt& doubt : survey.doubts) {
+    const auto& fixtures = survey.estimate.fixtures;
+    remarks.push_back(fmt::format(
+        "not closed between {} and {}: fixture {} may be fixture {} (+- {:.2f} m); drive once more from the one to the "
+        "other",
+        place(fixtures[static_cast<std::size_t>(doubt.fixture)].world_from_fixture),
+        place(fixtures[static_cast<std::size_t>(doubt.candidates.front())].world_from_fixture), doubt.fixture + 1,
+        doubt.candidates.front() + 1, doubt.sigma));
+  }
+  int unsure = 0;
+  for (const JudgedFixture& fixture : survey.fixtures) {
+    unsure += fixture.sigma_along > kUnsure ? 1 : 0;
+  }
+  if (unsure > 0) {
+    remarks.push_back(
+        fmt::format("{} of {} fixtures are known to no better than {:.2f} m; they are red in the plan: "
+                    "drive there once more",
+                    unsure, survey.fixtures.size(), kUnsure));
+  }
+}
+
+const char* name_of(Judgement judgement) {
+  switch (judgement) {
+    case Judgement::kFixture:
+      return "fixture";
+    case Judgement::kSeldomSeen:
+      return "seen too seldom";
+    case Judgement::kOverlaps:
+      return "overlaps another one";
+  }
+  return "fixture";
+}
+
+json to_json(const SurveyedFixture& fixture, const JudgedFixture& judged) {
+  const Pose2& pose = fixture.world_from_fixture;
+  return {{"kind", fixture.kind + 1},
+          {"x", pose.x},
+          {"y", pose.y},
+          {"theta", pose.theta},
+          {"passes", fixture.passes.size()},
+          {"seen", judged.seen},
+          {"expected", judged.expected}};
+}
+
+}  // namespace
+
+Building building_of(const Survey& survey, const CeilingKinds& kinds, const std::string& name) {
+  Building building;
+  building.name = name;
+  building.ceiling_height = kinds.ceiling_height;
+  building.map_file = "map.yaml";
+  for (const SurveyedFixture& surveyed : survey.estimate.fixtures) {
+    Fixture fixture = kinds.kinds[static_cast<std::size_t>(surveyed.kind)];
+    fixture.id = static_cast<int>(building.fixtures.size()) + 1;
+    fixture.world_from_fixture = surveyed.world_from_fixture;
+    fixture.world_from_fixture.theta = wrap_modulo(surveyed.world_from_fixture.theta, symmetry_period(fixture.shape));
+    building.fixtures.push_back(fixture);
+  }
+  building.places.push_back({"start", survey.estimate.poses.front(), true});
+  return building;
+}
+
+std::vector<std::string> remarks_on(const Survey& survey, const SurveyLog& log, const CeilingKinds& kinds) {
+  std::vector<std::string> remarks;
+  add_log_remarks(survey, log, remarks);
+  add_kind_remarks(survey, kinds, remarks);
+  if (!survey.estimate.has_converged) {
+    remarks.push_back("the estimate did not settle: do not drive by this map");
+  }
+  add_closure_remarks(survey, remarks);
+  return remarks;
+}
+
+std::string survey_json(const Survey& survey, const CeilingKinds& kinds, const std::vector<std::string>& remarks) {
+  json fixtures = json::array();
+  for (std::size_t f = 0; f < survey.fixtures.size(); ++f) {
+    json entry = to_json(survey.estimate.fixtures[f], survey.fixtures[f]);
+    entry["id"] = f + 1;
+    const Eigen::Matrix3d& covariance = survey.fixtures[f].covariance;
+    entry["covariance"] = std::vector<double>(covariance.data(), covariance.data() + covariance.size());
+    entry["sigma_m"] = survey.fixtures[f].sigma_along;
+    entry["sigma_deg"] = degrees(survey.fixtures[f].sigma_heading);
+    fixtures.push_back(std::move(entry));
+  }
+  json dropped = json::array();
+  for (const DroppedFixture& drop : survey.dropped) {
+    json entry = to_json(drop.fixture, drop.judged);
+    entry["why"] = name_of(drop.judged.judgement);
+    dropped.push_back(std::move(entry));
+  }
+  json doubts = json::array();
+  for (const ClosureDoubt& doubt : survey.doubts) {
+    std::vector<int> ids;
+    for (const int candidate : doubt.candidates) {
+      ids.push_back(candidate + 1);
+    }
+    doubts.push_back({{"fixture", doubt.fixture + 1}, {"may_be", ids}, {"sigma_m", doubt.sigma}});
+  }
+  const SurveyEstimate& estimate = survey.estimate;
+  return json{{"distance_m", survey.distance},
+              {"left_out_m", survey.left_out},
+              {"images", survey.frames.size()},
+              {"kinds", kinds.kinds.size()},
+              {"excess_length", survey.excess_length},
+              {"regularity", survey.regularity},
+              {"has_converged", estimate.has_converged},
+              {"wheels", {{"scale", estimate.wheels[0]}, {"ratio", estimate.wheels[1]}, {"base", estimate.wheels[2]}}},
+              {"camera",
+               {{"tilt_x", estimate.camera[0]},
+                {"tilt_y", estimate.camera[1]},
+                {"yaw", estimate.camera[2]},
+                {"scale", estimate.camera[3]},
+                {"time_offset", estimate.camera[4]},
+                {"lens", estimate.camera[5]}}},
+              {"fixtures", fixtures},
+              {"dropped", dropped},
+              {"not_closed", doubts},
+              {"remarks", remarks}}
+             .dump(1) +
+         "\n";
+}
+
+std::vector<int> unsure_fixtures(const Survey& survey) {
+  std::vector<int> ids;
+  for (std::size_t f = 0; f < survey.fixtures.size(); ++f) {
+    if (survey.fixtures[f].sigma_along > kUnsure) {
+      ids.push_back(static_cast<int>(f) + 1);
+    }
+  }
+  for (const ClosureDoubt& doubt : survey.doubts) {
+    ids.push_back(doubt.fixture + 1);
+  }
+  return ids;
+}
+
+}  // namespace luminav

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "services/surveyor/survey/fixture_passes.hpp"
+#include "services/surveyor/survey/survey_graph.hpp"
+
+namespace luminav {
+
+/// Key frames before which somebody carried the robot: a fixture vanished from the middle of the view while another one
+/// appeared in it, and the wheels know nothing of it. Where nothing hung before or after, nobody can tell.
+std::vector<int> find_carries(const std::vector<KeyFrame>& frames, const std::vector<FixturePass>& passes,
+                              const SurveyModel& model);
+
+/// Begins a new part of the drive at each of these key frames.
+void split_at(std::vector<KeyFrame>& frames, const std::vector<int>& carries);
+
+}  // namespace luminav

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "services/surveyor/survey/survey_graph.hpp"
+
+namespace luminav {
+
+struct JudgementParams {
+  double margin = 0.10;          // [m] to the border of the view, within which a fixture ought to be seen
+  double min_seen_share = 0.25;  // of the images that ought to have shown it
+  int min_seen = 4;              // images
+  double overlap = 0.5;          // share of the shorter side by which two fixtures may not overlap
+};
+
+enum class Judgement {
+  kFixture,     // hangs there
+  kSeldomSeen,  // seen too seldom for how often it ought to have been
+  kOverlaps     // there hangs another one, seen more often
+};
+
+/// A fixture of an estimate, and how sure it is.
+struct JudgedFixture {
+  Judgement judgement = Judgement::kFixture;
+  int seen = 0;      // key frames
+  int expected = 0;  // key frames that had all of it in view
+  // 1-sigma beside the place of the whole map, which nobody knows
+  double sigma_along = 0.0;                              // [m] largest
+  double sigma_across = 0.0;                             // [m] smallest
+  double sigma_heading = 0.0;                            // [rad]
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of (x, y, theta), likewise
+};
+
+/// Judges each fixture by how often it was seen beside how often it was in view, and by those that it overlaps.
+std::vector<JudgedFixture> judge_fixtures(const SurveyEstimate& estimate, const std::vector<KeyFrame>& frames,
+                                          const std::vector<FixturePass>& passes, const SurveyModel& model,
+                                          const JudgementParams& params);
+
+/// Fills in the uncertainties, from the joint covariance of all fixtures relative to the first pose: what a rigid
+/// motion of the whole map explains is taken out.
+void add_uncertainty(std::vector<JudgedFixture>& judged, const SurveyEstimate& estimate,
+                     const Eigen::MatrixXd& covariance);
+
+}  // namespace luminav

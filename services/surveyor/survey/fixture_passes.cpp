@@ -1,0 +1,185 @@
+#include "services/surveyor/survey/fixture_passes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace luminav {
+namespace {
+
+bool shows_all(const FixtureSighting& sighting) {
+  return !sighting.clipped && sighting.state != SightingState::kHalf;
+}
+
+bool shows_an_end(const FixtureSighting& sighting) {
+  return !sighting.clipped || sighting.near_end_visible || sighting.far_end_visible;
+}
+
+/// How badly a sighting's size fits a kind; more than 1 = not at all.
+double misfit(const FixtureSighting& sighting, const Fixture& kind, const FixturePassParams& params) {
+  if (sighting.shape != kind.shape) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const auto side = [&](double seen, double true_length) {
+    return std::abs(seen - true_length) / (params.size_tolerance * true_length + params.size_margin);
+  };
+  // of one with half its lamps on, the width is that of the lamps
+  const double across = sighting.state == SightingState::kHalf ? 0.0 : side(sighting.width, kind.width);
+  const double along = sighting.clipped ? 0.0 : side(sighting.length, kind.length);
+  return std::max(across, along);
+}
+
+/// A pass that may still go on.
+struct OpenPass {
+  FixturePass pass;
+  Pose2 odom_from_fixture;
+  double travelled = 0.0;  // [m] when it was seen last
+  double heading = 0.0;    // [rad] of odometry, then
+  bool has_theta = false;
+  FixtureShape shape = FixtureShape::kRectangle;
+};
+
+class PassCollector {
+ public:
+  PassCollector(const CeilingKinds& kinds, const FixturePassParams& params) : kinds_(kinds), params_(params) {}
+
+  void add(const KeyFrame& frame, int index) {
+    close_those_gone(frame);
+    std::vector<bool> taken(open_.size(), false);
+    for (const FixtureSighting& sighting : frame.sightings) {
+      if (!shows_an_end(sighting) || nearest_kind(sighting) < 0) {
+        continue;
+      }
+      const Pose2 seen = frame.odom_from_robot * sighting.robot_from_fixture;
+      const int found = match(sighting, seen, taken);
+      if (found < 0) {
+        open_.push_back({});
+        taken.push_back(true);
+      }
+      const std::size_t at = found < 0 ? open_.size() - 1 : static_cast<std::size_t>(found);
+      taken[at] = true;
+      OpenPass& open = open_[at];
+      open.pass.sightings.push_back({index, sighting});
+      open.odom_from_fixture = seen;
+      open.travelled = frame.travelled;
+      open.heading = frame.odom_from_robot.theta;
+      open.has_theta = sighting.has_theta;
+      open.shape = sighting.shape;
+    }
+  }
+
+  void close_all() {
+    for (OpenPass& open : open_) {
+      close(open);
+    }
+    open_.clear();
+  }
+
+  [[nodiscard]] std::vector<FixturePass> take() {
+    std::sort(passes_.begin(), passes_.end(), [](const FixturePass& a, const FixturePass& b) {
+      return a.sightings.front().frame < b.sightings.front().frame;
+    });
+    return std::move(passes_);
+  }
+
+ private:
+  [[nodiscard]] int nearest_kind(const FixtureSighting& sighting) const {
+    int best = -1;
+    double least = 1.0;
+    for (std::size_t k = 0; k < kinds_.kinds.size(); ++k) {
+      const double value = misfit(sighting, kinds_.kinds[k], params_);
+      if (value < least) {
+        least = value;
+        best = static_cast<int>(k);
+      }
+    }
+    return best;
+  }
+
+  [[nodiscard]] int match(const FixtureSighting& sighting, const Pose2& seen, const std::vector<bool>& taken) const {
+    int best = -1;
+    double least = params_.gate;
+    for (std::size_t i = 0; i < open_.size(); ++i) {
+      const OpenPass& open = open_[i];
+      const double apart = distance(open.odom_from_fixture, seen);
+      const double turned =
+          std::abs(wrap_modulo(open.odom_from_fixture.theta - seen.theta, symmetry_period(sighting.shape)));
+      const bool is_turned = open.has_theta && sighting.has_theta && turned > params_.gate_heading;
+      if (!taken[i] && open.shape == sighting.shape && apart < least && !is_turned) {
+        least = apart;
+        best = static_cast<int>(i);
+      }
+    }
+    return best;
+  }
+
+  void close_those_gone(const KeyFrame& frame) {
+    const auto has_gone = [&](OpenPass& open) {
+      const bool gone = frame.travelled - open.travelled > params_.memory ||
+                        std::abs(wrap_angle(frame.odom_from_robot.theta - open.heading)) > params_.memory_turn;
+      if (gone) {
+        close(open);
+      }
+      return gone;
+    };
+    open_.erase(std::remove_if(open_.begin(), open_.end(), has_gone), open_.end());
+  }
+
+  void close(OpenPass& open) {
+    FixturePass& pass = open.pass;
+    if (static_cast<int>(pass.sightings.size()) < params_.min_sightings) {
+      return;
+    }
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < kinds_.kinds.size(); ++k) {
+      double sum = 0.0;
+      for (const PassSighting& seen : pass.sightings) {
+        sum += std::min(3.0, misfit(seen.sighting, kinds_.kinds[k], params_));  // one bad outline outvotes nothing
+      }
+      if (sum < least) {
+        least = sum;
+        pass.kind = static_cast<int>(k);
+      }
+    }
+    passes_.push_back(std::move(pass));
+  }
+
+  const CeilingKinds& kinds_;
+  FixturePassParams params_;
+  std::vector<OpenPass> open_;
+  std::vector<FixturePass> passes_;
+};
+
+}  // namespace
+
+std::vector<FixturePass> find_passes(const std::vector<KeyFrame>& frames, const CeilingKinds& kinds,
+                                     const FixturePassParams& params) {
+  PassCollector collector(kinds, params);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i > 0 && frames[i].part != frames[i - 1].part) {
+      collector.close_all();
+    }
+    collector.add(frames[i], static_cast<int>(i));
+  }
+  collector.close_all();
+  return collector.take();
+}
+
+double excess_length(const std::vector<FixturePass>& passes, const CeilingKinds& kinds, int kind) {
+  std::vector<double> excess;
+  for (const FixturePass& pass : passes) {
+    for (const PassSighting& seen : pass.sightings) {
+      if (pass.kind == kind && shows_all(seen.sighting)) {
+        excess.push_back(seen.sighting.length / kinds.kinds[static_cast<std::size_t>(kind)].length - 1.0);
+      }
+    }
+  }
+  if (excess.empty()) {
+    return 0.0;
+  }
+  const auto middle = excess.begin() + static_cast<std::ptrdiff_t>(excess.size() / 2);
+  std::nth_element(excess.begin(), middle, excess.end());
+  return *middle;
+}
+
+}  // namespace luminav

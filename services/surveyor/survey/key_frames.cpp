@@ -1,0 +1,107 @@
+#include "services/surveyor/survey/key_frames.hpp"
+
+#include <cmath>
+
+#include "services/localizer/model/ceiling_view.hpp"
+
+namespace luminav {
+namespace {
+
+/// Collects the motion since the key frame before, and says when the next one is due.
+class Approach {
+ public:
+  explicit Approach(const KeyFrameParams& params) : params_(params) {}
+
+  void add(const Pose2& step) {
+    steps_.push_back(step);
+    travelled_ += std::hypot(step.x, step.y);
+  }
+  void begin_part() {
+    steps_.clear();
+    is_first_ = true;
+    ++part_;
+  }
+  [[nodiscard]] bool is_due(const Pose2& odom_from_robot) const {
+    const Pose2 since = last_.inverse() * odom_from_robot;
+    return is_first_ || std::hypot(since.x, since.y) >= params_.spacing || std::abs(since.theta) >= params_.turn;
+  }
+  KeyFrame take(const OdometryReading& at) {
+    KeyFrame frame;
+    frame.utime = at.utime;
+    frame.part = part_;
+    frame.travelled = travelled_;
+    frame.odom_from_robot = at.odom_from_robot;
+    frame.linear = at.linear;
+    frame.angular = at.angular;
+    if (!is_first_) {
+      frame.steps = steps_;
+    }
+    steps_.clear();
+    last_ = at.odom_from_robot;
+    is_first_ = false;
+    return frame;
+  }
+
+ private:
+  KeyFrameParams params_;
+  std::vector<Pose2> steps_;
+  Pose2 last_;
+  double travelled_ = 0.0;  // [m]
+  int part_ = 0;
+  bool is_first_ = true;
+};
+
+OdometryReading between(const OdometryReading& before, const OdometryReading& now, std::int64_t utime) {
+  const double share = static_cast<double>(utime - before.utime) / static_cast<double>(now.utime - before.utime);
+  OdometryReading at = now;
+  at.utime = utime;
+  at.odom_from_robot = interpolate(before.odom_from_robot, now.odom_from_robot, share);
+  at.linear = before.linear + share * (now.linear - before.linear);
+  at.angular = before.angular + share * (now.angular - before.angular);
+  return at;
+}
+
+}  // namespace
+
+double signed_length(const Pose2& step) {
+  return (step.x >= 0.0 ? 1.0 : -1.0) * std::hypot(step.x, step.y);
+}
+
+std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDescription& camera,
+                                        double ceiling_height, const KeyFrameParams& params) {
+  const CeilingView view(camera);
+  const auto offset = static_cast<std::int64_t>(std::lround(1e6 * camera.time_offset));
+  std::vector<KeyFrame> frames;
+  Approach approach(params);
+  std::size_t next = 0;
+  for (std::size_t i = 1; i < drive.odometry.size(); ++i) {
+    OdometryReading before = drive.odometry[i - 1];
+    const OdometryReading& now = drive.odometry[i];
+    if (now.session != before.session) {
+      approach.begin_part();
+      continue;
+    }
+    for (; next < drive.frames.size() && drive.frames[next].utime + offset <= now.utime; ++next) {
+      const std::int64_t utime = drive.frames[next].utime + offset;
+      if (utime <= before.utime) {
+        continue;
+      }
+      const OdometryReading at = between(before, now, utime);
+      if (!approach.is_due(at.odom_from_robot)) {
+        continue;
+      }
+      approach.add(before.odom_from_robot.inverse() * at.odom_from_robot);
+      KeyFrame frame = approach.take(at);
+      frame.has_lengths = drive.has_lengths;
+      for (const FixtureSighting& sighting : drive.frames[next].sightings) {
+        frame.sightings.push_back(view.without_rolling_shutter(sighting, ceiling_height, at.linear, at.angular));
+      }
+      frames.push_back(std::move(frame));
+      before = at;
+    }
+    approach.add(before.odom_from_robot.inverse() * now.odom_from_robot);
+  }
+  return frames;
+}
+
+}  // namespace luminav

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "services/common/configuration/robot_file.hpp"
+#include "services/localizer/model/fixture_sighting.hpp"
+
+namespace luminav {
+
+/// What a survey drive left behind, in the order of time: odometry as the wheels told it, images with their own stamp,
+/// no time offset added.
+struct SurveyDrive {
+  std::vector<OdometryReading> odometry;
+  std::vector<SightingFrame> frames;
+  std::vector<SonarEcho> echoes;
+  bool has_lengths = false;  // the length of a bar that is whole in view is measured, and not its kind's
+};
+
+/// An image of the drive and how the robot got there.
+struct KeyFrame {
+  std::int64_t utime = 0;                  // [us] time offset added
+  int part = 0;                            // of the drive: between two parts nobody measured the motion
+  double travelled = 0.0;                  // [m] since the drive began
+  Pose2 odom_from_robot;                   // as the wheels told it
+  double linear = 0.0;                     // [m/s]
+  double angular = 0.0;                    // [rad/s]
+  std::vector<Pose2> steps;                // odometry since the key frame before; none: the first of its part
+  bool has_lengths = false;                // as the drive
+  std::vector<FixtureSighting> sightings;  // as a camera without rolling shutter had seen them
+};
+
+struct KeyFrameParams {
+  double spacing = 0.10;       // [m] between two key frames,
+  double turn = radians(4.0);  // [rad] or that
+};
+
+/// Images of the drive at least so far apart, with or without anything in them. `ceiling_height` [m].
+std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDescription& camera,
+                                        double ceiling_height, const KeyFrameParams& params);
+
+/// Length [m] of a step of odometry, negative backwards.
+double signed_length(const Pose2& step);
+
+}  // namespace luminav

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "services/surveyor/survey/fixture_judgement.hpp"
+#include "services/surveyor/survey/loop_closing.hpp"
+#include "services/surveyor/survey/survey_graph.hpp"
+
+namespace luminav {
+
+struct SurveyParams {
+  KeyFrameParams key_frames;
+  FixturePassParams passes;
+  LoopClosingParams closing;
+  JudgementParams judgement;
+  double min_regularity = 0.7;        // 0..1 of the fixtures' headings, from which right angles are believed
+  double right_angle = radians(0.7);  // [rad] 1-sigma by which fixtures hang askew, where they are
+  double max_disagreement = 0.15;     // [m] by which a pass may differ from its fixture
+  double max_turn = radians(5.0);     // [rad] likewise
+  int max_rounds = 12;                // of closing loops
+};
+
+/// Something that was seen and is not believed to be a fixture.
+struct DroppedFixture {
+  SurveyedFixture fixture;
+  JudgedFixture judged;
+};
+
+/// What a drive told of the ceiling.
+struct Survey {
+  std::vector<KeyFrame> frames;  // of the part that was surveyed
+  std::vector<FixturePass> passes;
+  SurveyEstimate estimate;              // straight: fixtures along the axes, the longer side of the building along x
+  std::vector<JudgedFixture> fixtures;  // in the estimate's order
+  std::vector<DroppedFixture> dropped;
+  std::vector<ClosureDoubt> doubts;
+  double regularity = 0.0;            // 0..1 how far the fixtures hang at right angles
+  double distance = 0.0;              // [m] driven in this part
+  double left_out = 0.0;              // [m] driven in other parts
+  std::vector<double> excess_length;  // fraction by which each kind looks longer than the file says
+};
+
+/// Makes a map of fixtures from a drive. Throws std::runtime_error, with one plain sentence, for a drive that says
+/// nothing: no odometry, no images, no fixture of any kind. Cost: seconds for a drive of 600 m.
+Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model, const SurveyParams& params);
+
+/// How far headings agree modulo a quarter turn: 1 = all, 0 = they point anywhere.
+double regularity_of(const SurveyEstimate& estimate, const CeilingKinds& kinds);
+
+}  // namespace luminav

@@ -1,0 +1,217 @@
+#include "services/surveyor/survey/survey_graph.hpp"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+
+#include "services/localizer/calibration/drive_residuals.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr double kLengthSigma = 0.010;    // [m] of a fixture's length in one image
+constexpr double kLengthBias = 0.004;     // [m] by which all images of a drive err alike
+constexpr double kOutlier = 3.0;          // deviations beyond which a residual counts less (Huber)
+constexpr double kRegularization = 1e-6;  // [1/rad^2] of the heading that a round fixture has not
+constexpr int kMaxIterations = 50;
+
+using Triple = std::array<double, 3>;
+
+Triple to_triple(const Pose2& pose) {
+  return {pose.x, pose.y, pose.theta};
+}
+
+Pose2 to_pose(const Triple& triple) {
+  return {triple[0], triple[1], wrap_angle(triple[2])};
+}
+
+/// Whether both ends of a bar are in view. Of what is nearly square, bloom cannot be told from size.
+bool shows_length(const FixtureSighting& sighting, const Fixture& kind) {
+  return !sighting.clipped && sighting.state != SightingState::kHalf && kind.shape == FixtureShape::kRectangle &&
+         kind.length > 1.5 * kind.width;
+}
+
+/// A fixture's heading against the building's.
+struct RightAngleResidual {
+  double sigma;  // [rad]
+
+  template <typename T>
+  bool operator()(const T* fixture, const T* direction, T* residual) const {
+    residual[0] = wrapped_residual(T(fixture[2] - direction[0]), 0.5 * kPi) / sigma;
+    return true;
+  }
+};
+
+}  // namespace
+
+struct SurveyGraph::Problem {
+  std::vector<Triple> poses;
+  std::vector<Triple> fixtures;
+  Triple wheels{};
+  std::array<double, 6> camera{};
+  double direction = 0.0;
+  ceres::Problem ceres;
+};
+
+SurveyGraph::SurveyGraph(const SurveyModel& model, const std::vector<KeyFrame>& frames,
+                         const std::vector<FixturePass>& passes)
+    : model_(model), frames_(frames), passes_(passes) {}
+
+void SurveyGraph::add_sightings(Problem& problem, const SurveyEstimate& estimate) const {
+  std::size_t whole = 0;
+  for (const FixturePass& pass : passes_) {
+    whole += pass.sightings.size();
+  }
+  // what all images share does not average away: each gets its part of the variance of the mean
+  const double length_sigma = std::hypot(kLengthSigma, kLengthBias * std::sqrt(static_cast<double>(whole)));
+  const CameraMounting& mounting = model_.robot.camera.mounting;
+  for (std::size_t f = 0; f < estimate.fixtures.size(); ++f) {
+    const Fixture& kind = model_.kinds.kinds[static_cast<std::size_t>(estimate.fixtures[f].kind)];
+    const double height = std::max(0.2, kind.height - mounting.z);
+    for (const int pass : estimate.fixtures[f].passes) {
+      for (const PassSighting& seen : passes_[static_cast<std::size_t>(pass)].sightings) {
+        const FixtureSighting& sighting = seen.sighting;
+        const KeyFrame& frame = frames_[static_cast<std::size_t>(seen.frame)];
+        const Pose2& at = sighting.robot_from_fixture;
+        auto* residual =
+            new SightingResidual{{at.x, at.y, at.theta},
+                                 Pose2{},
+                                 whitening(noise_of_sighting(sighting, kind, height, model_.errors)),
+                                 {mounting.x, mounting.y},
+                                 height,
+                                 frame.linear,
+                                 frame.angular,
+                                 sighting.has_theta ? symmetry_period(kind.shape) : 0.0,
+                                 kind.length,
+                                 sighting.length,
+                                 frame.has_lengths && shows_length(sighting, kind) ? 1.0 / length_sigma : 0.0};
+        problem.ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<SightingResidual, 4, 3, 3, 6>(residual),
+                                       new ceres::HuberLoss(kOutlier),
+                                       problem.poses[static_cast<std::size_t>(seen.frame)].data(),
+                                       problem.fixtures[f].data(), problem.camera.data());
+      }
+    }
+  }
+}
+
+void SurveyGraph::add_odometry(Problem& problem) const {
+  const double wheel_base = model_.robot.wheel_base;
+  for (std::size_t i = 1; i < frames_.size(); ++i) {
+    if (frames_[i].steps.empty()) {
+      continue;
+    }
+    auto* residual = new OdometryResidual{frames_[i].steps, wheel_base,
+                                          whitening(noise_of_steps(frames_[i].steps, wheel_base, model_.errors))};
+    problem.ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<OdometryResidual, 3, 3, 3, 3>(residual),
+                                   new ceres::HuberLoss(kOutlier), problem.poses[i - 1].data(), problem.poses[i].data(),
+                                   problem.wheels.data());
+  }
+}
+
+void SurveyGraph::add_priors(Problem& problem, const SurveyEstimate& estimate, const RightAngles& right_angles) const {
+  const ErrorParams& errors = model_.errors;
+  const WheelCorrection& wheels = model_.wheels;
+  problem.ceres.AddResidualBlock(
+      new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>{
+          {errors.wheel_scale, errors.wheel_ratio, errors.wheel_base}, {wheels.scale, wheels.ratio, wheels.base}}),
+      nullptr, problem.wheels.data());
+  problem.ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual<6>, 6, 6>(new PriorResidual<6>{
+                                     {errors.camera_tilt, errors.camera_tilt, errors.camera_yaw, errors.camera_scale,
+                                      errors.camera_time_offset, std::max(1e-4, errors.lens_residual)}}),
+                                 nullptr, problem.camera.data());
+  for (std::size_t f = 0; f < estimate.fixtures.size() && right_angles.sigma > 0.0; ++f) {
+    const Fixture& kind = model_.kinds.kinds[static_cast<std::size_t>(estimate.fixtures[f].kind)];
+    if (kind.shape != FixtureShape::kRound) {
+      problem.ceres.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<RightAngleResidual, 1, 3, 1>(new RightAngleResidual{right_angles.sigma}),
+          new ceres::CauchyLoss(1.0), problem.fixtures[f].data(), &problem.direction);
+    }
+  }
+}
+
+std::unique_ptr<SurveyGraph::Problem> SurveyGraph::build(const SurveyEstimate& estimate,
+                                                         const RightAngles& right_angles) const {
+  auto problem = std::make_unique<Problem>();
+  for (const Pose2& pose : estimate.poses) {
+    problem->poses.push_back(to_triple(pose));
+  }
+  for (const SurveyedFixture& fixture : estimate.fixtures) {
+    problem->fixtures.push_back(to_triple(fixture.world_from_fixture));
+  }
+  problem->wheels = estimate.wheels;
+  problem->camera = estimate.camera;
+  problem->direction = estimate.direction;
+  add_sightings(*problem, estimate);
+  add_odometry(*problem);
+  add_priors(*problem, estimate, right_angles);
+  problem->ceres.AddParameterBlock(problem->poses.front().data(), 3);
+  problem->ceres.SetParameterBlockConstant(problem->poses.front().data());
+  return problem;
+}
+
+SurveyEstimate SurveyGraph::optimise(SurveyEstimate estimate, const RightAngles& right_angles) const {
+  if (estimate.poses.empty()) {
+    return estimate;
+  }
+  const std::unique_ptr<Problem> problem = build(estimate, right_angles);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.num_threads = 1;
+  options.max_num_iterations = kMaxIterations;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem->ceres, &summary);
+  for (std::size_t i = 0; i < estimate.poses.size(); ++i) {
+    estimate.poses[i] = to_pose(problem->poses[i]);
+  }
+  for (std::size_t f = 0; f < estimate.fixtures.size(); ++f) {
+    estimate.fixtures[f].world_from_fixture = to_pose(problem->fixtures[f]);
+  }
+  estimate.wheels = problem->wheels;
+  estimate.camera = problem->camera;
+  estimate.direction = problem->direction;
+  estimate.has_converged = summary.IsSolutionUsable();
+  return estimate;
+}
+
+Eigen::MatrixXd SurveyGraph::fixture_covariance(const SurveyEstimate& estimate, const RightAngles& right_angles) const {
+  const std::unique_ptr<Problem> problem = build(estimate, right_angles);
+  ceres::Problem::EvaluateOptions options;
+  for (Triple& fixture : problem->fixtures) {
+    options.parameter_blocks.push_back(fixture.data());
+  }
+  for (std::size_t i = 1; i < problem->poses.size(); ++i) {
+    if (problem->ceres.HasParameterBlock(problem->poses[i].data())) {
+      options.parameter_blocks.push_back(problem->poses[i].data());
+    }
+  }
+  options.parameter_blocks.push_back(problem->wheels.data());
+  options.parameter_blocks.push_back(problem->camera.data());
+  if (problem->ceres.HasParameterBlock(&problem->direction)) {
+    options.parameter_blocks.push_back(&problem->direction);
+  }
+  ceres::CRSMatrix rows;
+  problem->ceres.Evaluate(options, nullptr, nullptr, nullptr, &rows);
+  const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> jacobian(
+      rows.num_rows, rows.num_cols, static_cast<Eigen::Index>(rows.values.size()), rows.rows.data(), rows.cols.data(),
+      rows.values.data());
+  Eigen::SparseMatrix<double> information = jacobian.transpose() * jacobian;
+  for (Eigen::Index i = 0; i < information.rows(); ++i) {
+    information.coeffRef(i, i) += kRegularization;
+  }
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(information);
+  const auto size = static_cast<Eigen::Index>(3 * estimate.fixtures.size());
+  Eigen::MatrixXd covariance(size, size);
+  Eigen::VectorXd unit = Eigen::VectorXd::Zero(information.rows());
+  for (Eigen::Index column = 0; column < size; ++column) {
+    unit(column) = 1.0;
+    const Eigen::VectorXd solved = factor.solve(unit);
+    covariance.col(column) = solved.head(size);
+    unit(column) = 0.0;
+  }
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+}  // namespace luminav

@@ -1,0 +1,62 @@
+#include "services/surveyor/drive/sonar_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/surveyor/survey/synthetic_drive.hpp"
+
+namespace luminav {
+namespace {
+
+TEST(SurveyedPath, SharesOutWhatOdometryMissed) {
+  const std::vector<OdometryReading> odometry = {{0, 1, {0.0, 0.0, 0.0}, 0.0, 0.0},
+                                                 {500'000, 1, {0.5, 0.0, 0.0}, 1.0, 0.0},
+                                                 {1'000'000, 1, {1.0, 0.0, 0.0}, 1.0, 0.0}};
+  std::vector<KeyFrame> frames(2);
+  frames[1].utime = 1'000'000;
+  frames[1].odom_from_robot = {1.0, 0.0, 0.0};
+  const std::vector<Pose2> poses = {{0.0, 0.0, 0.0}, {1.1, 0.2, 0.0}};
+  const SurveyedPath path(odometry, frames, poses);
+  ASSERT_EQ(path.stops().size(), 2u);
+  EXPECT_NEAR(path.stops()[1].world_from_robot.x, 0.55, 1e-9);
+  EXPECT_NEAR(path.stops()[1].world_from_robot.y, 0.1, 1e-9);
+}
+
+/// A robot that drives 6 m between two walls at 1 m on both sides.
+TEST(SonarMap, DrawsWallsBesideThePathAndTheFloorBetweenThem) {
+  const SurveyModel model = synthetic_model();
+  const SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {6.0, 0.0}}, {}, model, {});
+  const std::vector<KeyFrame> frames = choose_key_frames(synthetic.drive, model.robot.camera, 2.8, {});
+  std::vector<Pose2> poses;
+  for (const KeyFrame& frame : frames) {
+    poses.push_back(frame.odom_from_robot);
+  }
+  std::vector<SonarEcho> echoes;
+  for (const OdometryReading& reading : synthetic.drive.odometry) {
+    for (int disc = 0; disc < 16; ++disc) {
+      const Pose2& mounted = model.robot.sonar.robot_from_sonar[static_cast<std::size_t>(disc)];
+      const bool is_sideways = std::abs(std::sin(mounted.theta)) > 0.99;
+      if (is_sideways) {
+        echoes.push_back({disc, 1.0 - std::abs(mounted.y), true, reading.utime + 1000});
+      }
+    }
+  }
+  const SurveyedPath path(synthetic.drive.odometry, frames, poses);
+  const PriorMap map = draw_sonar_map(echoes, path, model.robot);
+  int walls = 0;
+  for (double x = 1.0; x < 5.0; x += 0.5) {
+    EXPECT_EQ(map.at({x, 0.05}), Prior::kFree);
+    for (const double y : {0.95, 1.05}) {
+      walls += map.at({x, y}) == Prior::kOccupied ? 1 : 0;
+    }
+  }
+  EXPECT_GE(walls, 6);
+  EXPECT_EQ(map.at({3.0, 2.0}), Prior::kUnknown);
+}
+
+TEST(SonarMap, RefusesADriveThatGoesNowhere) {
+  const SurveyModel model = synthetic_model();
+  EXPECT_THROW((void)draw_sonar_map({}, SurveyedPath({}, {}, {}), model.robot), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace luminav

@@ -1,0 +1,103 @@
+#include "services/surveyor/drive/survey_report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/unit/surveyor/survey/synthetic_drive.hpp"
+
+namespace luminav {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A survey of two fixtures, of which the second is not sure.
+Survey small_survey() {
+  Survey survey;
+  survey.distance = 50.0;
+  survey.estimate.has_converged = true;
+  survey.estimate.poses = {{1.0, 2.0, 0.5}};
+  survey.estimate.fixtures = {{0, {0, 2}, {1.0, 2.0, 2.0}}, {0, {1}, {4.0, 2.0, 0.0}}};
+  survey.fixtures.resize(2);
+  survey.excess_length = {0.0};
+  return survey;
+}
+
+SurveyLog good_log() {
+  SurveyLog log;
+  log.drive.echoes.emplace_back();
+  log.looked_at = 100;
+  return log;
+}
+
+TEST(SurveyReport, MakesABuildingOfWhatIsBelieved) {
+  const Building building = building_of(small_survey(), synthetic_model().kinds, "school");
+  EXPECT_EQ(building.name, "school");
+  ASSERT_EQ(building.fixtures.size(), 2u);
+  EXPECT_EQ(building.fixtures[1].id, 2);
+  EXPECT_NEAR(building.fixtures[0].world_from_fixture.theta, 2.0 - kPi, 1e-12);
+  EXPECT_EQ(building.fixtures[0].lamps, 2);
+  ASSERT_EQ(building.places.size(), 1u);
+  EXPECT_EQ(building.places[0].name, "start");
+}
+
+TEST(SurveyReport, SaysNothingOfAGoodDrive) {
+  EXPECT_THAT(remarks_on(small_survey(), good_log(), synthetic_model().kinds), IsEmpty());
+  EXPECT_THAT(unsure_fixtures(small_survey()), IsEmpty());
+}
+
+TEST(SurveyReport, SaysWhatIsWrongWithTheLog) {
+  SurveyLog log;
+  log.is_cut = true;
+  log.longest_gap = 4.0;
+  log.blind_way = 20.0;
+  Survey survey = small_survey();
+  survey.left_out = 30.0;
+  const std::vector<std::string> remarks = remarks_on(survey, log, synthetic_model().kinds);
+  EXPECT_THAT(remarks, Contains(HasSubstr("cut off")));
+  EXPECT_THAT(remarks, Contains(HasSubstr("4.0 s without ODOMETRY")));
+  EXPECT_THAT(remarks, Contains(HasSubstr("20 m without an image")));
+  EXPECT_THAT(remarks, Contains(HasSubstr("no SONAR")));
+  EXPECT_THAT(remarks, Contains(HasSubstr("images were not looked at")));
+  EXPECT_THAT(remarks, Contains(HasSubstr("30 m are left out")));
+}
+
+TEST(SurveyReport, SaysThatAKindWasMeasuredWrong) {
+  Survey survey = small_survey();
+  survey.excess_length = {0.1};
+  EXPECT_THAT(remarks_on(survey, good_log(), synthetic_model().kinds), Contains(HasSubstr("look 10 % longer")));
+}
+
+TEST(SurveyReport, SaysWhereToDriveOnceMore) {
+  Survey survey = small_survey();
+  survey.doubts = {{1, {0}, 0.7}};
+  survey.fixtures[1].sigma_along = 0.4;
+  const std::vector<std::string> remarks = remarks_on(survey, good_log(), synthetic_model().kinds);
+  EXPECT_THAT(remarks, Contains(HasSubstr("not closed between (4.0, 2.0) and (1.0, 2.0)")));
+  EXPECT_THAT(remarks, Contains(HasSubstr("1 of 2 fixtures")));
+  EXPECT_THAT(unsure_fixtures(survey), Contains(2));
+}
+
+TEST(SurveyReport, SaysThatNothingChecksADriveWithoutALoop) {
+  Survey survey = small_survey();
+  survey.estimate.fixtures[0].passes = {0};
+  EXPECT_THAT(remarks_on(survey, good_log(), synthetic_model().kinds), Contains(HasSubstr("passed no fixture twice")));
+}
+
+TEST(SurveyReport, WritesFiguresThatOthersRead) {
+  Survey survey = small_survey();
+  survey.dropped.push_back({{0, {3}, {9.0, 9.0, 0.0}}, {}});
+  survey.dropped[0].judged.judgement = Judgement::kSeldomSeen;
+  const auto json = nlohmann::json::parse(survey_json(survey, synthetic_model().kinds, {"a remark"}));
+  EXPECT_EQ(json["fixtures"].size(), 2u);
+  EXPECT_EQ(json["fixtures"][0]["passes"], 2);
+  EXPECT_EQ(json["fixtures"][0]["covariance"].size(), 9u);
+  EXPECT_EQ(json["dropped"][0]["why"], "seen too seldom");
+  EXPECT_EQ(json["remarks"][0], "a remark");
+}
+
+}  // namespace
+}  // namespace luminav

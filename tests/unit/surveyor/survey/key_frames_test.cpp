@@ -1,0 +1,62 @@
+#include "services/surveyor/survey/key_frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/surveyor/survey/synthetic_drive.hpp"
+
+namespace luminav {
+namespace {
+
+std::vector<KeyFrame> frames_of(const SurveyDrive& drive) {
+  return choose_key_frames(drive, synthetic_model().robot.camera, 2.8, {});
+}
+
+TEST(KeyFrames, LieApartByTheirSpacingOrATurn) {
+  const SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {3.0, 0.0}, {3.0, 2.0}}, {}, synthetic_model(), {});
+  const std::vector<KeyFrame> frames = frames_of(synthetic.drive);
+  ASSERT_GT(frames.size(), 30u);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const Pose2 step = frames[i - 1].odom_from_robot.inverse() * frames[i].odom_from_robot;
+    EXPECT_TRUE(std::hypot(step.x, step.y) >= KeyFrameParams{}.spacing ||
+                std::abs(step.theta) >= KeyFrameParams{}.turn);
+  }
+}
+
+TEST(KeyFrames, CarryAllTheMotionBetweenThem) {
+  const SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {3.0, 0.0}, {3.0, 2.0}}, {}, synthetic_model(), {});
+  const std::vector<KeyFrame> frames = frames_of(synthetic.drive);
+  Pose2 pose = frames.front().odom_from_robot;
+  for (const KeyFrame& frame : frames) {
+    for (const Pose2& step : frame.steps) {
+      pose = pose * step;
+    }
+  }
+  EXPECT_NEAR(distance(pose, frames.back().odom_from_robot), 0.0, 1e-9);
+  EXPECT_NEAR(frames.back().travelled, 5.0, 0.2);
+}
+
+TEST(KeyFrames, BeginANewPartWhereOdometryBeginsAnew) {
+  SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {4.0, 0.0}}, {}, synthetic_model(), {});
+  for (std::size_t i = synthetic.drive.odometry.size() / 2; i < synthetic.drive.odometry.size(); ++i) {
+    synthetic.drive.odometry[i].session = 2;
+  }
+  const std::vector<KeyFrame> frames = frames_of(synthetic.drive);
+  EXPECT_EQ(frames.front().part, 0);
+  EXPECT_EQ(frames.back().part, 1);
+  int first_ones = 0;
+  for (const KeyFrame& frame : frames) {
+    first_ones += frame.steps.empty() ? 1 : 0;
+  }
+  EXPECT_EQ(first_ones, 2);
+}
+
+TEST(KeyFrames, AreNoneWhereTheRobotStands) {
+  SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {1.0, 0.0}}, {}, synthetic_model(), {});
+  for (OdometryReading& reading : synthetic.drive.odometry) {
+    reading.odom_from_robot = {};
+  }
+  EXPECT_EQ(frames_of(synthetic.drive).size(), 1u);
+}
+
+}  // namespace
+}  // namespace luminav
