@@ -14,8 +14,8 @@
 #include <luminav/sonar_t.hpp>
 #include <procman/procman_deputy_info_t.hpp>
 
+#include "services/common/log/log_file.hpp"
 #include "tests/replay/comparison/divergence.hpp"
-#include "tests/replay/log_reading/log_file.hpp"
 #include "tests/replay/log_reading/log_survey.hpp"
 #include "tests/replay/log_reading/message_schema.hpp"
 

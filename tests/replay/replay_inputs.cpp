@@ -7,8 +7,8 @@
 #include <luminav/robot_status_t.hpp>
 #include <stdexcept>
 
+#include "services/common/log/log_message.hpp"
 #include "services/common/process/channels.hpp"
-#include "tests/replay/log_reading/log_message.hpp"
 #include "tests/replay/log_reading/message_schema.hpp"
 #include "tests/replay/replay_nodes.hpp"
 

@@ -3,7 +3,7 @@
 #include <set>
 #include <string>
 
-#include "tests/replay/log_reading/log_file.hpp"
+#include "services/common/log/log_file.hpp"
 #include "tests/replay/replay_run.hpp"
 
 namespace luminav {

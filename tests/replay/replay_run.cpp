@@ -7,9 +7,9 @@
 #include <luminav/odometry_t.hpp>
 #include <map>
 
+#include "services/common/log/log_message.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
-#include "tests/replay/log_reading/log_message.hpp"
 #include "tests/replay/log_reading/message_schema.hpp"
 #include "tests/replay/replay_inputs.hpp"
 #include "tests/replay/replay_nodes.hpp"

@@ -1,8 +1,8 @@
 #include "tests/replay/replay_tracks.hpp"
 
+#include "services/common/log/log_message.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
-#include "tests/replay/log_reading/log_message.hpp"
 #include "tests/replay/replay_verdict.hpp"
 
 namespace luminav {

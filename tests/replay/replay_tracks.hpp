@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/replay/log_reading/log_file.hpp"
+#include "services/common/log/log_file.hpp"
 #include "tests/replay/replay_run.hpp"
 
 namespace luminav {

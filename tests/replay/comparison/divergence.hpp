@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/replay/log_reading/log_file.hpp"
+#include "services/common/log/log_file.hpp"
 
 namespace luminav {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/replay/log_reading/log_file.hpp"
+#include "services/common/log/log_file.hpp"
 #include "tests/replay/log_reading/message_schema.hpp"
 
 namespace luminav {

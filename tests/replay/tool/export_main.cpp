@@ -9,8 +9,8 @@
 
 #include "services/common/configuration/shipped_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/log/log_file.hpp"
 #include "services/common/process/command_line.hpp"
-#include "tests/replay/log_reading/log_file.hpp"
 #include "tests/replay/log_reading/message_schema.hpp"
 #include "tests/replay/tool/mcap/foxglove_export.hpp"
 

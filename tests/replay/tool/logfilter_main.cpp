@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "services/common/configuration/toml_table.hpp"
+#include "services/common/log/log_file.hpp"
 #include "services/common/process/command_line.hpp"
-#include "tests/replay/log_reading/log_file.hpp"
 
 namespace luminav {
 namespace {

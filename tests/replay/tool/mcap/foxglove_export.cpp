@@ -18,9 +18,9 @@
 #include <luminav/sonar_t.hpp>
 #include <nlohmann/json.hpp>
 
+#include "services/common/log/log_message.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
-#include "tests/replay/log_reading/log_message.hpp"
 #include "tests/replay/tool/mcap/foxglove_schemas.hpp"
 #include "tests/replay/tool/mcap/json_messages.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "tests/replay/log_reading/log_file.hpp"
+#include "services/common/log/log_file.hpp"
 #include "tests/replay/tool/mcap/mcap_writer.hpp"
 
 namespace luminav {

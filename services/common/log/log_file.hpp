@@ -35,6 +35,9 @@ class LogReader {
 
   /// From now on events of other channels come without their data: pictures that nobody looks at cost nothing.
   void load_only(std::set<std::string> channels) { wanted_ = std::move(channels); }
+  void load_all() { wanted_.reset(); }
+  /// Goes on reading there; `position` is one that position() gave.
+  void go_to(std::uint64_t position);
 
   /// Size of the file [bytes] and how much of it has been read.
   [[nodiscard]] std::uint64_t size() const { return size_; }

@@ -1,4 +1,4 @@
-#include "tests/replay/log_reading/log_file.hpp"
+#include "services/common/log/log_file.hpp"
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
@@ -122,6 +122,13 @@ bool LogReader::next(LogEvent& event) {
     return true;
   }
   return unfinished_ ? end_cut() : false;
+}
+
+void LogReader::go_to(std::uint64_t position) {
+  stream_.clear();  // it may have been at the end
+  stream_.seekg(static_cast<std::streamoff>(position));
+  position_ = position;
+  unfinished_.reset();
 }
 
 bool LogReader::end_cut() {
