@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
@@ -16,6 +17,7 @@
 #include "services/viewer/http/http_server.hpp"
 #include "services/viewer/http/metrics.hpp"
 #include "services/viewer/http/token_file.hpp"
+#include "services/viewer/playback/log_view.hpp"
 #include "services/viewer/process_desk.hpp"
 #include "services/viewer/viewer_node.hpp"
 
@@ -74,55 +76,49 @@ std::string token_of(const std::filesystem::path& file) {
   }
 }
 
-int view(int argc, char** argv) {
-  std::string robot_file, building_file, url, state, token_file;
+struct ViewerOptions {
+  std::string robot_file;
+  std::string building_file;
+  std::string url;
   std::string procman_url = launcher::default_procman_url();
+  std::string log;              // shown instead of a running robot; "" = none
+  std::filesystem::path state;  // recordings lie there, maps in the robot's folder in it
+  std::filesystem::path token_file;
   HttpOptions http;
-  std::int64_t port = http.port;
-  std::int64_t command_port = -1;
-  CommandLine line("viewer", "Shows in any browser what the robot believes, and takes goals and stops.");
-  line.robot_file(robot_file).building_file(building_file).lcm_url(url);
-  line.text("--listen", http.listen,
-            "address to serve on; others than 127.0.0.1 reach beyond this machine and demand a token")
-      .integer("--port", port, "of the page, 0 = any free one")
-      .integer("--command-port", command_port, "of the commands alone (default: the next one)")
-      .text("--procman-url", procman_url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL")
-      .state_folder(state)
-      .text("--token-file", token_file, "file of this user that holds the token (default: STATE/ROBOT/viewer_token)")
-      .text("--web", http.web_folder, "folder to read the page from instead of the built-in one");
-  if (const auto status = line.parse(argc, argv)) {
-    return *status;
-  }
-  command_port = command_port >= 0 ? command_port : (port == 0 ? 0 : port + 1);
-  if (port < 0 || port > 65535 || command_port > 65535) {
-    throw ConfigurationError("--port and --command-port must be 0 to 65535");
-  }
-  http.port = static_cast<int>(port);
-  http.command_port = static_cast<int>(command_port);
-  http.host_name = host_name();
+  ViewerConfig config;
 
-  const ViewerConfig config = read_viewer_config(robot_file, building_file);
-  const std::filesystem::path kept_token = token_file.empty()
-                                               ? std::filesystem::path(state) / config.robot.name / "viewer_token"
-                                               : std::filesystem::path(token_file);
-  http.token = is_loopback(http.listen) ? "" : token_of(kept_token);
-  const HostClock clock;
-  const NetworkAccess access = read_network_access(robot_file);
-  const LcmNetwork network = access.on(url);
-  const auto lcm = open_lcm(network);
+  [[nodiscard]] KeptFiles files() const { return {state, state / config.robot.name}; }
+};
+
+/// What both kinds of view have; the pages get it from the board.
+struct Shown {
   SnapshotBoard board;
   PictureStore pictures;
-  const auto procman = open_lcm(access.on(procman_url));
-  RequestDesk desk(*lcm, fmt::format("viewer@{}:{}-{}", http.host_name, getpid(), random_hex(4)), access.key);
+};
+
+void show_processes(Shown& shown, const ProcessDesk& processes) {
+  shown.board.put(SnapshotBoard::Lane::kLive, "processes", server_sent_event("processes", processes.json()));
+}
+
+int view_robot(const ViewerOptions& options) {
+  const HostClock clock;
+  const ViewerConfig& config = options.config;
+  const NetworkAccess access = read_network_access(options.robot_file);
+  const LcmNetwork network = access.on(options.url);
+  const auto lcm = open_lcm(network);
+  const auto procman = open_lcm(access.on(options.procman_url));
+  Shown shown;
+  RequestDesk desk(*lcm, fmt::format("viewer@{}:{}-{}", options.http.host_name, getpid(), random_hex(4)), access.key);
   Helm helm(*lcm, config.robot.limits, access.key);
   ProcessDesk processes(*procman, *lcm, access.key);
-  ViewerNode node(*lcm, config, clock, board, pictures, desk, helm);
+  ViewerNode node(*lcm, config, clock, shown.board, shown.pictures, desk, helm);
   Metrics metrics(*lcm);
-  const HttpServer server(http, {board, pictures, desk, helm, processes, clock, config.building, config.robot});
-  say_address(http, server, kept_token);
+  const HttpServer server(options.http, {shown.board, shown.pictures, desk, helm, processes, clock, config.building,
+                                         config.robot, nullptr, options.files()});
+  say_address(options.http, server, options.token_file);
 
   EventLoop loop(*lcm, "viewer", config.robot.name, network);
-  loop.belong_to(identify(robot_file, building_file));
+  loop.belong_to(identify(options.robot_file, options.building_file));
   loop.report_health([&] { return node.health(); });
   loop.every(100'000, [&] { node.show(); });
   loop.every(200'000, [&] {
@@ -137,10 +133,73 @@ int view(int argc, char** argv) {
   loop.every(50'000, [&] { processes.tick(launcher::Instant::read()); });
   loop.every(1'000'000, [&] {
     node.show_processes();
-    board.put(SnapshotBoard::Lane::kLive, "processes", server_sent_event("processes", processes.json()));
-    board.put(SnapshotBoard::Lane::kAsked, "metrics", metrics.text(clock.utime()));
+    show_processes(shown, processes);
+    shown.board.put(SnapshotBoard::Lane::kAsked, "metrics", metrics.text(clock.utime()));
   });
   return loop.run();
+}
+
+// Joins no network at all.
+int view_log(const ViewerOptions& options) {
+  constexpr std::int64_t kLongestStep = 500'000;  // [us] a program that was stopped does not skip what it missed
+  Shown shown;
+  LogView view(options.log, options.config, shown.board, shown.pictures);
+  lcm::LCM nobody("memq://");
+  ProcessDesk processes(nobody, nobody);
+  const HttpServer server(options.http,
+                          {shown.board, shown.pictures, view.desk(), view.helm(), processes, view.clock(),
+                           options.config.building, options.config.robot, &view.player(), options.files()});
+  say_address(options.http, server, options.token_file);
+
+  EventLoop loop(nobody, "viewer", options.config.robot.name);
+  loop.report_health([&] { return view.health(); });
+  const HostClock clock;
+  std::int64_t last = clock.utime();
+  loop.every(100'000, [&] {
+    const std::int64_t now = clock.utime();
+    view.advance(std::min(now - last, kLongestStep));
+    last = now;
+  });
+  loop.every(1'000'000, [&] {
+    view.show_processes();
+    show_processes(shown, processes);
+  });
+  return loop.run();
+}
+
+int view(int argc, char** argv) {
+  ViewerOptions options;
+  HttpOptions& http = options.http;
+  std::string state, token_file;
+  std::int64_t port = http.port;
+  std::int64_t command_port = -1;
+  CommandLine line("viewer", "Shows in any browser what the robot believes, and takes goals and stops.");
+  line.robot_file(options.robot_file).building_file(options.building_file).lcm_url(options.url);
+  line.text("--listen", http.listen,
+            "address to serve on; others than 127.0.0.1 reach beyond this machine and demand a token")
+      .integer("--port", port, "of the page, 0 = any free one")
+      .integer("--command-port", command_port, "of the commands alone (default: the next one)")
+      .text("--log", options.log, "recorded log to show instead of a running robot; joins no network")
+      .text("--procman-url", options.procman_url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL")
+      .state_folder(state)
+      .text("--token-file", token_file, "file of this user that holds the token (default: STATE/ROBOT/viewer_token)")
+      .text("--web", http.web_folder, "folder to read the page from instead of the built-in one");
+  if (const auto status = line.parse(argc, argv)) {
+    return *status;
+  }
+  command_port = command_port >= 0 ? command_port : (port == 0 ? 0 : port + 1);
+  if (port < 0 || port > 65535 || command_port > 65535) {
+    throw ConfigurationError("--port and --command-port must be 0 to 65535");
+  }
+  http.port = static_cast<int>(port);
+  http.command_port = static_cast<int>(command_port);
+  http.host_name = host_name();
+  options.config = read_viewer_config(options.robot_file, options.building_file);
+  options.state = state;
+  options.token_file = token_file.empty() ? options.state / options.config.robot.name / "viewer_token"
+                                          : std::filesystem::path(token_file);
+  http.token = is_loopback(http.listen) ? "" : token_of(options.token_file);
+  return options.log.empty() ? view_robot(options) : view_log(options);
 }
 
 }  // namespace

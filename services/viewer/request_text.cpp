@@ -224,6 +224,36 @@ ProcessOrder read_process_order(const std::string& body) {
   throw RequestError("action: must be start, stop or restart");
 }
 
+FileOrder read_file_order(const std::string& body) {
+  const Json object = read_object(body, {"action", "kind", "name"});
+  if (text(object, "action") != "delete") {
+    throw RequestError("action: must be delete");
+  }
+  const std::string kind = text(object, "kind");
+  if (kind != "recording" && kind != "map") {
+    throw RequestError("kind: must be recording or map");
+  }
+  return {kind == "map" ? FileOrder::Kind::kMap : FileOrder::Kind::kRecording, text(object, "name")};
+}
+
+PlaybackOrder read_playback_order(const std::string& body) {
+  const Json object = read_object(body, {"playing", "speed", "position"});
+  if (object.empty()) {
+    throw RequestError("give playing, speed or position");
+  }
+  PlaybackOrder order;
+  if (object.contains("playing")) {
+    order.playing = boolean(object, "playing");
+  }
+  if (object.contains("speed")) {
+    order.speed = number(object, "speed", 0.5, 16.0);
+  }
+  if (object.contains("position")) {
+    order.position = number(object, "position", 0.0, 1e9);
+  }
+  return order;
+}
+
 std::string_view name_of(ProcessOrder::Action action) {
   switch (action) {
     case ProcessOrder::Action::kStart:

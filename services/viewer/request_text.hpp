@@ -5,6 +5,7 @@
 #include <luminav/map_command_t.hpp>
 #include <luminav/motors_command_t.hpp>
 #include <luminav/stop_t.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -36,6 +37,20 @@ struct ProcessOrder {
 };
 std::string_view name_of(ProcessOrder::Action action);
 
+/// A recording or a saved map that is to be deleted.
+struct FileOrder {
+  enum class Kind { kRecording, kMap };
+  Kind kind = Kind::kRecording;
+  std::string name;
+};
+
+/// What a person wants of a log that is shown; what is not given stays.
+struct PlaybackOrder {
+  std::optional<bool> playing = {};
+  std::optional<double> speed = {};     // times real time
+  std::optional<double> position = {};  // [s] since the log's beginning, to jump to
+};
+
 // Each reads the JSON body of a request strictly: unknown keys, wrong types, numbers that are not finite or farther
 // than 10 km are a RequestError. Stamps, ids and the sender's name are left to the desk.
 
@@ -54,5 +69,9 @@ map_command_t read_map_request(const std::string& body);
 Steering read_steering(const std::string& body);
 /// {"name", "action": "start" | "stop" | "restart"}.
 ProcessOrder read_process_order(const std::string& body);
+/// {"playing"?: true | false, "speed"?: 0.5 to 16, "position"?: [s]}, at least one of them.
+PlaybackOrder read_playback_order(const std::string& body);
+/// {"action": "delete", "kind": "recording" | "map", "name"}.
+FileOrder read_file_order(const std::string& body);
 
 }  // namespace luminav

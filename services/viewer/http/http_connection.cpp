@@ -16,7 +16,8 @@ constexpr std::int64_t kAnswerTime = 20'000'000;  // [us] for a whole answer: a 
 constexpr std::int64_t kNewsTime = 3'000'000;     // [us] for a piece of an answer without an end
 constexpr std::int64_t kFarewell = 1'000'000;     // [us] in which a client may hear why it was refused
 constexpr std::size_t kLargestRest = 64 * 1024;   // [bytes] of what a client sends unasked
-constexpr std::int64_t kSignOfLife = 1'000'000;   // [us]
+constexpr int kPiecesAtOnce = 8;
+constexpr std::int64_t kSignOfLife = 1'000'000;  // [us]
 
 std::string json_error(const std::string& why) {
   std::string quoted;  // of our own words only
@@ -70,6 +71,7 @@ void HttpConnection::close() {
     socket_ = -1;
   }
   more_ = nullptr;
+  left_ = 0;
 }
 
 bool HttpConnection::wants_to_receive() const {
@@ -146,7 +148,9 @@ void HttpConnection::put_head(const HttpResponse& response, const Headers& heade
   if (response.body || response.more) {
     add("Content-Type", response.type);
   }
-  if (!response.more && response.status != 204) {
+  if (response.more && response.size > 0) {
+    add("Content-Length", std::to_string(response.size));
+  } else if (!response.more && response.status != 204) {
     add("Content-Length", std::to_string(response.body ? response.body->size() : 0));
   }
   add("Connection", closes_when_sent_ || response.more ? "close" : "keep-alive");
@@ -162,6 +166,7 @@ void HttpConnection::answer(const HttpRequest& request, HttpResponse response, c
   } else if (response.more) {
     closes_when_sent_ = false;  // what has no end is never all sent, also for who wants no second answer
     more_ = std::move(response.more);
+    left_ = response.size;
     sign_of_life_ = std::move(response.sign_of_life);
     last_more_ = now;
     input_.clear();
@@ -189,6 +194,10 @@ void HttpConnection::go_on(std::int64_t now) {
   if (!more_ || !output_.empty() || socket_ < 0) {
     return;
   }
+  if (left_ > 0) {
+    send_pieces(now);
+    return;
+  }
   std::string text = more_();
   if (text.empty() && now - last_more_ > kSignOfLife) {
     text = sign_of_life_;
@@ -196,6 +205,24 @@ void HttpConnection::go_on(std::int64_t now) {
   if (!text.empty()) {
     last_more_ = now;
     put(std::make_shared<const std::string>(std::move(text)), now);
+    send();
+  }
+}
+
+// A few at a time: others wait too.
+void HttpConnection::send_pieces(std::int64_t now) {
+  for (int i = 0; i < kPiecesAtOnce && left_ > 0 && output_.empty(); ++i) {
+    std::string piece = more_();
+    if (piece.empty() || piece.size() > left_) {  // the client sees that something is missing
+      close();
+      return;
+    }
+    left_ -= piece.size();
+    if (left_ == 0) {
+      more_ = nullptr;
+      closes_when_sent_ = true;
+    }
+    put(std::make_shared<const std::string>(std::move(piece)), now);
     send();
   }
 }

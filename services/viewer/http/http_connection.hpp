@@ -34,7 +34,7 @@ class HttpConnection {
   void answer(const HttpRequest& request, HttpResponse response, const Headers& headers, std::int64_t now);
   /// The last answer: what the client sends from now on is thrown away.
   void refuse(const HttpError& error, const Headers& headers, std::int64_t now);
-  /// Asks an answer without an end for more, if the client has taken all there was.
+  /// Asks an answer that comes in pieces for more, if the client has taken all there was.
   void go_on(std::int64_t now);
   /// Gives the client what it takes.
   void send();
@@ -45,7 +45,9 @@ class HttpConnection {
   [[nodiscard]] int socket() const { return socket_; }  // -1 = closed
   [[nodiscard]] const std::string& address() const { return address_; }
   [[nodiscard]] bool is_endless() const { return static_cast<bool>(more_); }
-  [[nodiscard]] bool wants_to_send() const { return !output_.empty(); }
+  /// Its answer comes in pieces, as fast as the client takes them.
+  [[nodiscard]] bool has_end() const { return left_ > 0; }
+  [[nodiscard]] bool wants_to_send() const { return !output_.empty() || left_ > 0; }
   [[nodiscard]] bool wants_to_receive() const;
   /// Since when it keeps others waiting: since it came, or since its last answer.
   [[nodiscard]] std::int64_t since() const { return since_; }
@@ -54,6 +56,7 @@ class HttpConnection {
   using Text = std::shared_ptr<const std::string>;
   void put_head(const HttpResponse& response, const Headers& headers, std::int64_t now);
   void put(Text text, std::int64_t now);
+  void send_pieces(std::int64_t now);
 
   int socket_;
   std::string address_;
@@ -68,6 +71,7 @@ class HttpConnection {
   bool is_over_ = false;         // nothing more is read, but thrown away
   std::size_t thrown_away_ = 0;  // [bytes]
   std::function<std::string()> more_;
+  std::uint64_t left_ = 0;  // [bytes] to come of an answer in pieces that has an end
   std::string sign_of_life_;
   std::int64_t last_more_ = 0;
 };

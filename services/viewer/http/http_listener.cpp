@@ -169,6 +169,9 @@ void HttpListener::wait() {
     const short happened = descriptors[i++].revents;
     if ((happened & POLLOUT) != 0) {
       connection.send();
+      if (connection.has_end()) {
+        connection.go_on(now);
+      }
     }
     if (connection.socket() >= 0 && (happened & (POLLIN | POLLERR | POLLHUP)) != 0) {
       connection.receive(now);

@@ -31,6 +31,8 @@ namespace {
 
 constexpr std::size_t kTilesPerTick = 18 * 1024;  // [bytes] of map per client and tenth of a second
 constexpr std::string_view kCommandPrefix = "/api/";
+constexpr std::string_view kOnlyLog = "this page shows a recorded log: no robot hears it";
+constexpr std::string_view kNoLog = "this page shows a running robot, not a log";
 constexpr std::string_view kDescription = "openapi.json";  // of the interface: a file of the page, under another path
 
 std::string read_file(const std::string& path) {
@@ -107,8 +109,15 @@ struct HttpServer::Servers {
       readings[path] = [response](const HttpRequest&) { return response; };
     };
     always("/building.json", text_answer(to_json(context.building, context.robot)));
-    always("/settings.json", text_answer(fmt::format(R"({{"command_port":{},"needs_token":{}}})", commands.port(),
-                                                     !options.token.empty())));
+    always("/settings.json", text_answer(fmt::format(R"({{"command_port":{},"needs_token":{},"shows_log":{}}})",
+                                                     commands.port(), !options.token.empty(), context.log != nullptr)));
+    readings["/api/files"] = [this](const HttpRequest&) { return text_answer(context.files.json()); };
+    readings["/api/file"] = [this](const HttpRequest& request) {
+      return context.files.fetch(request.query).value_or(refusal(404, "there is no such file"));
+    };
+    readings["/api/playback"] = [this](const HttpRequest&) {
+      return context.log != nullptr ? text_answer(context.log->json()) : refusal(404, kNoLog);
+    };
     readings["/api/openapi.json"] = [this](const HttpRequest&) { return file(fmt::format("/{}", kDescription)); };
   }
 
@@ -192,6 +201,14 @@ struct HttpServer::Servers {
     actions["process"].act = [this, now](const std::string& body) {
       return context.processes.order(read_process_order(body), now());
     };
+    actions["files"].act = [this](const std::string& body) {
+      context.files.remove(read_file_order(body));
+      return std::int64_t{0};
+    };
+    actions["playback"].act = [this](const std::string& body) {
+      context.log->order(read_playback_order(body));
+      return std::int64_t{0};
+    };
     actions["steering"].act = [this, now](const std::string& body) {
       const Steering steering = read_steering(body);
       context.helm.steer(steering, now());
@@ -204,6 +221,9 @@ struct HttpServer::Servers {
       return preflight();
     }
     const std::string name = request.path.substr(kCommandPrefix.size());
+    if (context.log != nullptr && name != "playback") {
+      return refusal(403, kOnlyLog);
+    }
     if (name == "watch" && request.method == "POST") {
       return watch(request);
     }
@@ -225,6 +245,9 @@ struct HttpServer::Servers {
     }
     if (command.only_json && !request.header("content-type").starts_with("application/json")) {
       return refusal(415, "the request must be application/json");
+    }
+    if (context.log == nullptr && name == "playback") {
+      return refusal(404, kNoLog);
     }
     try {
       return text_answer(fmt::format(R"({{"id":{}}})", command.act(request.body)));

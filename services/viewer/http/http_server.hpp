@@ -8,7 +8,9 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/process/clock.hpp"
 #include "services/viewer/helm.hpp"
+#include "services/viewer/http/kept_files.hpp"
 #include "services/viewer/picture_store.hpp"
+#include "services/viewer/playback/log_player.hpp"
 #include "services/viewer/process_desk.hpp"
 #include "services/viewer/request_desk.hpp"
 #include "services/viewer/snapshot_board.hpp"
@@ -35,6 +37,9 @@ struct HttpOptions {
 ///                             JSON, see request_text.hpp; answers {"id": N}, or {"error": why} with 400 for what is
 ///                             none, 403 for who may not, 503 when the network takes nothing. A STOP needs no token,
 ///                             its release does.
+///   GET  /api/file?kind=recording|map&name=NAME  one of the files that GET /api/files lists; POST there deletes one
+///   GET, POST /api/playback   the log that is shown, and how; 404 when it is a running robot. A log takes no other
+///                             command: 403.
 ///   POST /api/watch           a person has the page in view; answers {"may_command": the token is right}
 ///
 /// web/openapi.json describes all of it but the page; a test compares it with `routes`.
@@ -50,6 +55,8 @@ class HttpServer {
     const Clock& clock;
     const Building& building;
     const RobotDescription& robot;
+    LogPlayer* log = nullptr;  // which is shown instead of a running robot
+    KeptFiles files = {};
   };
 
   /// Binds both ports and starts to serve; throws std::runtime_error when one of them is taken.

@@ -11,7 +11,10 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <luminav/supervision_t.hpp>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -100,6 +103,61 @@ TEST_F(HttpServerTest, GivesThePictureThatIsMeantOrNone) {
   for (const char* missing : {"6", "10", "-1", "", "8x", "99999999999999"}) {
     EXPECT_EQ(page().Get(std::string("/camera.jpg?sequence=") + missing)->status, 404) << missing;
   }
+}
+
+TEST_F(HttpServerTest, ALogTakesNoCommandButItsOwn) {
+  EXPECT_EQ(page().Get("/api/playback")->status, 404);
+  LogPlayer log(LUMINAV_SOURCE_DIR "/tests/replay/logs/global.lcm");
+  HttpServer::Context shown = context();
+  shown.log = &log;
+  HttpOptions options;
+  options.port = options.command_port = 0;
+  server_ = std::make_unique<HttpServer>(options, shown);
+  for (const char* path : {"/api/goal", "/api/stop", "/api/steering", "/api/process", "/api/watch"}) {
+    const auto answer = page().Post(path, kGo, kJson);
+    EXPECT_EQ(answer->status, 403) << path;
+    EXPECT_THAT(answer->body, HasSubstr("no robot hears it"));
+  }
+  deliver();
+  EXPECT_TRUE(goals_.empty());
+  EXPECT_EQ(commands().Post("/api/playback", R"({"playing":true,"speed":2})", kJson)->status, 200);
+  const Json state = Json::parse(page().Get("/api/playback")->body)["state"];
+  EXPECT_EQ(state["file"], "global.lcm");
+  EXPECT_EQ(state["playing"], true);
+  EXPECT_EQ(state["speed"], 2);
+  for (const char* wrong : {"{}", R"({"speed":17})", R"({"speed":0.1})", R"({"position":-1})", R"({"playing":1})"}) {
+    EXPECT_EQ(page().Post("/api/playback", wrong, kJson)->status, 400) << wrong;
+  }
+}
+
+TEST_F(HttpServerTest, SendsALargeRecordingWholeAndDeletesItForWhoMay) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "http_server_recordings";
+  std::filesystem::create_directories(folder);
+  std::string content(5'000'000, '\0');
+  for (std::size_t i = 0; i < content.size(); ++i) {
+    content[i] = static_cast<char>(i * 7 + i / 251);
+  }
+  std::ofstream(folder / "drive-1.lcm") << content;
+  std::filesystem::last_write_time(folder / "drive-1.lcm",
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
+  HttpServer::Context shown = context();
+  shown.files = KeptFiles(folder, folder / "p3dx");
+  HttpOptions options;
+  options.port = options.command_port = 0;
+  options.token = "secret";
+  server_ = std::make_unique<HttpServer>(options, shown);
+  const auto answer = page().Get("/api/file?kind=recording&name=drive-1.lcm");
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->get_header_value("Content-Length"), "5000000");
+  EXPECT_THAT(answer->get_header_value("Content-Disposition"), HasSubstr("drive-1.lcm"));
+  EXPECT_TRUE(answer->body == content);
+  EXPECT_EQ(page().Get("/api/file?kind=recording&name=../drive-1.lcm")->status, 404);
+  const std::string order = R"({"action":"delete","kind":"recording","name":"drive-1.lcm"})";
+  EXPECT_EQ(page().Post("/api/files", order, kJson)->status, 403);
+  EXPECT_TRUE(std::filesystem::exists(folder / "drive-1.lcm"));
+  EXPECT_EQ(page().Post("/api/files", {{"X-Luminav-Token", "secret"}}, order, kJson)->status, 200);
+  EXPECT_EQ(Json::parse(page().Get("/api/files")->body)["recordings"].size(), 0U);
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(HttpServerTest, NoPathLeadsOutOfThePage) {
