@@ -158,6 +158,44 @@ const steps = {
     await page.waitForSelector('#help', {state: 'hidden'});
   },
 
+  async 'recordings and maps are listed, fetched, and deleted when asked twice'(name, theme) {
+    const recording = {name: 'drive-2026-01-31.lcm.00', files: ['drive-2026-01-31.lcm.00'], bytes: 1_520_000, modified: 1769850000, growing: false};
+    viewer.files = {recordings: [{...recording, name: 'drive-2026-02-01.lcm.00', growing: true}, recording],
+      maps: [{name: 'map', files: ['map.yaml', 'map.pgm'], bytes: 900, modified: 1769850000, growing: false}]};
+    await press('#kept summary');
+    await says('#kept', /drive-2026-01-31.lcm.00\s+1.5 MB.*2026/);
+    await says('#kept', /map map\s+0.9 kB/);
+    assert.deepEqual(await page.$$eval('#kept a', (links) => links.map((link) => link.getAttribute('href')).slice(1)),
+      ['recording&name=drive-2026-01-31.lcm.00', 'map&name=map.yaml', 'map&name=map.pgm'].map((what) => `api/file?kind=${what}`));
+    await page.locator('#kept').scrollIntoViewIfNeeded();
+    await look('kept', name, theme);
+    const since = viewer.heard.length;
+    assert(await page.isDisabled('#kept li:nth-child(1) button'), 'one that is being written can be deleted');
+    await press('#kept li:nth-child(2) button');
+    await says('#kept li:nth-child(2)', /Really/);
+    assert(!viewer.heard.slice(since).some((request) => request.includes('delete')));
+    viewer.files.recordings.pop();
+    await press('#kept li:nth-child(2) button');
+    await hears('/api/files {"action":"delete","kind":"recording","name":"drive-2026-01-31.lcm.00"}', since);
+    await page.waitForFunction(() => document.querySelectorAll('#kept li').length === 2);
+    await press('#kept summary');
+  },
+
+  async 'it speaks German where that is wished'(name, theme) {
+    await press('#language-button');
+    await says('#goal-actions', /Ziel abbrechen/);
+    await says('#doing', /^Steht still und wartet auf ein Ziel/);
+    await says('#facts', /Batterie/);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    await look('german', name, theme);
+    await press('#help-button');
+    await says('#help', /Leuchten.*Leuchten an der Decke/);
+    await look('german-help', name, theme);
+    await press('#help-button');
+    await press('#language-button');
+    await says('#goal-actions', /Cancel goal/);
+  },
+
   async 'forgetting asks first'() {
     const since = viewer.heard.length;
     await press('#clear-map');

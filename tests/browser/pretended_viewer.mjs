@@ -20,7 +20,7 @@ export const standing = () => ({
 export class PretendedViewer {
   constructor(source, building = hut) {
     Object.assign(this, {web: `${source}/services/viewer/web`, building, state: standing(), answers: true, mayCommand: true, heard: [],
-      picture: null, streams: new Set()});
+      picture: null, files: {recordings: [], maps: []}, streams: new Set()});
   }
 
   async listen() {
@@ -59,6 +59,7 @@ export class PretendedViewer {
     request.on('data', (piece) => { body += piece; });
     request.on('end', () => {
       this.heard.push(`${path} ${body}`);
+      if (path === '/api/files' && request.method === 'GET') { response.end(JSON.stringify(this.files)); return; }
       response.end(path === '/api/watch' ? JSON.stringify({may_command: this.mayCommand}) : '{"id":7}');
     });
   }

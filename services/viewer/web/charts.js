@@ -1,6 +1,9 @@
 // The last minute of a few numbers, as lines.
 const SECONDS = 60;
 
+// [s]; a log that is shown has its own time.
+export const time = {now: () => performance.now() / 1000};
+
 export class Chart {
   constructor(parent, title, unit, digits, floor) {
     this.unit = unit;
@@ -20,7 +23,8 @@ export class Chart {
   hide() { this.figure.hidden = true; }  // until there is something to show
 
   add(value) {
-    const now = performance.now() / 1000;
+    const now = time.now();
+    this.samples = this.samples.filter(([at]) => at <= now);  // all but after a jump back
     this.figure.hidden = false;
     this.samples.push([now, Number.isFinite(value) ? value : null]);
     while (this.samples.length && this.samples[0][0] < now - SECONDS) this.samples.shift();
@@ -38,7 +42,7 @@ export class Chart {
     const known = this.samples.map(([, value]) => value).filter((value) => value !== null);
     const top = Math.max(this.floor, ...known) * 1.1;
     const bottom = Math.min(0, ...known);
-    const now = performance.now() / 1000;
+    const now = time.now();
     const y = (value) => height - 1 - (height - 2) * (value - bottom) / (top - bottom);
     context.strokeStyle = faint;
     context.beginPath();

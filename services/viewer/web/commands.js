@@ -1,3 +1,5 @@
+import {t} from './texts.js';
+
 // What moves the robot. Commands have a port of their own, where nobody waits in line behind a slow page; the page's port
 // takes them too, for instance through a tunnel that forwards only that one.
 const token = (() => {
@@ -11,19 +13,20 @@ const token = (() => {
 
 let commandBase = '';     // '' = the page's port
 let hasAnswered = false;  // the port of its own: then one slow answer is no reason to leave it
-fetch('settings.json').then((answer) => answer.json()).then((settings) => {
-  commandBase = `${location.protocol}//${location.hostname}:${settings.command_port}`;
-}).catch(() => {});
+export const settings = fetch('settings.json').then((answer) => answer.json()).then((said) => {
+  commandBase = `${location.protocol}//${location.hostname}:${said.command_port}`;
+  return said;
+}).catch(() => ({}));
 
 async function post(base, name, body, {type = 'application/json', patience = 3000, withToken = true} = {}) {
   const headers = {'Content-Type': type};
   if (token && withToken) headers['X-Luminav-Token'] = token;
   const answer = await fetch(`${base}/api/${name}`,
     {method: 'POST', headers, body: JSON.stringify(body), signal: AbortSignal.timeout(patience)}).catch((error) => {
-    throw new Error(error.name === 'TimeoutError' ? 'the viewer does not answer' : 'no connection to the viewer');
+    throw new Error(error.name === 'TimeoutError' ? t`the viewer does not answer` : t`no connection to the viewer`);
   });
   const said = await answer.json().catch(() => ({}));
-  if (!answer.ok) throw Object.assign(new Error(said.error ?? `the viewer answers ${answer.status}`), {refused: true});
+  if (!answer.ok) throw Object.assign(new Error(said.error ?? t`the viewer answers ${answer.status}`), {refused: true});
   return said;
 }
 const send = async (...what) => (await post(...what)).id;
@@ -58,6 +61,8 @@ export const goal = (action) => command('goal', {action});
 export const motorsOn = () => command('motors', {enable: true});
 export const initialPose = (x, y, theta) => command('initial_pose', {x, y, theta});
 export const map = (action) => command('map', {action});
+export const remove = (kind, name) => command('files', {action: 'delete', kind, name});
+export const playback = (order) => command('playback', order);
 export const process = (name, action) => command('process', {name, action});
 // Not a second time, and not for long: what comes late is worth nothing.
 export const steer = (steering) => sendOnce('steering', steering, 500);

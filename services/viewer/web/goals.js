@@ -1,5 +1,6 @@
 // Where to go: a place by its name, a tap on the map, or a route of several stops.
 import * as commands from './commands.js';
+import {t} from './texts.js';
 
 const $ = (id) => document.getElementById(id);
 const PLACE_PX = 16;         // a tap as near as that to a place means the place,
@@ -15,7 +16,7 @@ export class Goals {
   // `ask(subject, send, what)` sends a request and reports; `note(subject, text, tone)` says something; `isTight(x, y)`: a
   // wall is nearer than half the robot's width.
   constructor({view, ask, note, redraw, isTight}) {
-    Object.assign(this, {view, ask, note, redraw, isTight, places: [], draft: null, route: []});
+    Object.assign(this, {view, ask, note, redraw, isTight, places: [], draft: null, route: [], isOff: false});
     view.addEventListener('tap', ({detail: [x, y]}) => this.tap(x, y));
     view.addEventListener('handle', ({detail: [x, y]}) => {
       if (this.draft) this.turnTo(Math.atan2(y - this.draft.y, x - this.draft.x));
@@ -36,15 +37,18 @@ export class Goals {
     $('place-search').addEventListener('input', () => this.search($('place-search').value));
   }
 
+  // There is no robot to be sent anywhere.
+  turnOff() { this.isOff = true; }
+
   setPlaces(places) {
     this.places = places;
     $('places').replaceChildren(...places.map((place) => {
       const chip = Object.assign(document.createElement('button'), {textContent: place.name});
-      chip.addEventListener('click', () => this.ask('go', () => commands.go([{place: place.name}]), `to ${place.name}`));
+      chip.addEventListener('click', () => this.ask('go', () => commands.go([{place: place.name}]), t`to ${place.name}`));
       return chip;
     }));
     $('place-search').hidden = places.length <= MANY_PLACES;
-    $('place-search').placeholder = `Search ${places.length} places`;
+    $('place-search').placeholder = t`Search ${places.length} places`;
   }
 
   search(words) {
@@ -54,6 +58,7 @@ export class Goals {
 
   // Somebody chose a point of the map, or a place on it.
   tap(x, y) {
+    if (this.isOff) return;
     const [px, py] = this.view.toScreen(x, y);
     const place = this.places.find((known) => {
       const [qx, qy] = this.view.toScreen(known.x, known.y);
@@ -92,13 +97,13 @@ export class Goals {
   goThere() {
     const {draft} = this;
     this.setDraft(null);
-    this.ask('go', () => commands.go([asPose(draft)]), `to ${nameOf(draft)}`);
+    this.ask('go', () => commands.go([asPose(draft)]), t`to ${nameOf(draft)}`);
   }
 
   addStop() {
     const stop = this.draft;
     if (this.isTight(stop.x, stop.y)) {
-      this.note('route', `Stop ${this.route.length + 1} lies too near a wall: the robot may not get there.`, 'warn');
+      this.note('route', t`Stop ${this.route.length + 1} lies too near a wall: the robot may not get there.`, 'warn');
     }
     this.setRoute([...this.route, stop]);
     this.setDraft(null);
@@ -107,11 +112,11 @@ export class Goals {
   tellPose() {
     const {x, y, theta} = this.draft;
     if (theta === undefined) {
-      this.note('pose', 'Turn it to where the robot looks first: drag the knob.', 'warn');
+      this.note('pose', t`Turn it to where the robot looks first: drag the knob.`, 'warn');
       return;
     }
     this.setDraft(null);
-    this.ask('pose', () => commands.initialPose(x, y, theta), 'told to the localizer');
+    this.ask('pose', () => commands.initialPose(x, y, theta), t`told to the localizer`);
   }
 
   setRoute(next) {
@@ -120,7 +125,7 @@ export class Goals {
     $('route-stops').replaceChildren(...next.map((stop) => {
       const isTight = this.isTight(stop.x, stop.y);
       return Object.assign(document.createElement('li'),
-        {textContent: nameOf(stop) + (isTight ? ' (too near a wall?)' : ''), className: isTight ? 'warn' : ''});
+        {textContent: nameOf(stop) + (isTight ? t` (too near a wall?)` : ''), className: isTight ? 'warn' : ''});
     }));
     this.redraw();
   }

@@ -1,3 +1,5 @@
+import {t} from './texts.js';
+
 // One value that makes no sense must not keep the rest of the page from being renewed.
 const broken = new Map();  // subject -> since when [ms]
 
@@ -15,5 +17,5 @@ export function guarded(subject, action) {
 
 // A sentence while something cannot be shown, else ''.
 export function whatIsBroken() {
-  return broken.size ? `This page cannot show ${[...broken.keys()].join(', ')}: what stands there is old.` : '';
+  return broken.size ? t`This page cannot show ${[...broken.keys()].join(', ')}: what stands there is old.` : '';
 }

@@ -1,6 +1,7 @@
 // What happened, in the order of time, kept over a reload of the page: goals, stops, losses, faults.
 import {download} from './map_picture.js';
 import {NAVIGATION, POSE, nameOf, spot} from './names.js';
+import {t, translated} from './texts.js';
 
 const KEPT = 300;
 const SHOWN = 60;
@@ -18,36 +19,43 @@ export function changes(before, now, building) {
   const {robot, pose, navigation, ages} = now;
   if (pose && isFresh(ages.POSE) && before.pose && before.pose.state !== pose.state) {
     const word = nameOf(POSE, pose.state);
-    if (word === 'TRACKING') said.push([`knows where it is: ${spot([pose.x, pose.y], building)}`, '']);
-    else if (nameOf(POSE, before.pose.state) === 'TRACKING') said.push([`does not know where it is any more: ${pose.reason}`, 'bad']);
+    if (word === 'TRACKING') said.push([t`knows where it is: ${spot([pose.x, pose.y], building)}`, '']);
+    else if (nameOf(POSE, before.pose.state) === 'TRACKING') said.push([t`does not know where it is any more: ${pose.reason}`, 'bad']);
   }
   if (navigation && before.navigation && before.navigation.state !== navigation.state) {
     const [was, is] = [before, now].map((state) => nameOf(NAVIGATION, state.navigation.state));
-    const where = navigation.target ? ` ${spot(navigation.target, building)}` : '';
-    if (is in ENDS) said.push([is === 'arrived' ? `arrived${where && ` at${where}`}` : `${is}${navigation.cause ? `: ${navigation.cause}` : ''}`, ENDS[is]]);
-    else if (BEGINS.includes(is) && !BEGINS.includes(was)) said.push([`sets out${where && ` to${where}`}`, '']);
+    const where = navigation.target ? spot(navigation.target, building) : '';
+    if (is in ENDS) said.push([is === 'arrived' ? where ? t`arrived at ${where}` : t`arrived` : `${translated(is)}${navigation.cause ? `: ${navigation.cause}` : ''}`, ENDS[is]]);
+    else if (BEGINS.includes(is) && !BEGINS.includes(was)) said.push([where ? t`sets out to ${where}` : t`sets out`, '']);
   }
   if (robot && isFresh(ages.ROBOT_STATUS) && before.robot) {
     const turned = (key) => Boolean(robot[key]) !== Boolean(before.robot[key]);
-    if (turned('connected')) said.push(robot.connected ? ['the robot is connected', ''] : ['the robot is not connected any more', 'bad']);
-    if (turned('stop_engaged')) said.push([robot.stop_engaged ? `STOP${robot.reason ? `: ${robot.reason}` : ''}` : 'STOP is released', robot.stop_engaged ? 'warn' : '']);
-    if (turned('stop_button')) said.push([robot.stop_button ? 'the button on the robot is pressed' : 'the button on the robot is let go', 'warn']);
-    if (turned('motors_enabled')) said.push([`motors ${robot.motors_enabled ? 'on' : 'off'}`, '']);
-    if (turned('stall') && robot.stall) said.push(['a wheel is blocked', 'bad']);
+    if (turned('connected')) said.push(robot.connected ? [t`the robot is connected`, ''] : [t`the robot is not connected any more`, 'bad']);
+    if (turned('stop_engaged')) said.push([robot.stop_engaged ? `STOP${robot.reason ? `: ${robot.reason}` : ''}` : t`STOP is released`, robot.stop_engaged ? 'warn' : '']);
+    if (turned('stop_button')) said.push([robot.stop_button ? t`the button on the robot is pressed` : t`the button on the robot is let go`, 'warn']);
+    if (turned('motors_enabled')) said.push([robot.motors_enabled ? t`motors on` : t`motors off`, '']);
+    if (turned('stall') && robot.stall) said.push([t`a wheel is blocked`, 'bad']);
   }
   return said;
 }
 
 export class Happenings {
   constructor({list, save, clear}, storage = localStorage) {
-    Object.assign(this, {list, storage, before: null, restarts: new Map()});
+    Object.assign(this, {list, storage, before: null, restarts: new Map(), isOff: false});
     try { this.entries = JSON.parse(storage.getItem('happenings')) ?? []; } catch { this.entries = []; }
     save.addEventListener('click', () => this.download());
     clear.addEventListener('click', () => { this.entries = []; this.keep(); });
     this.show();
   }
 
+  // A log that is shown fills the list itself.
+  turnOff() {
+    this.isOff = true;
+    this.list.replaceChildren();
+  }
+
   watch(state, building) {
+    if (this.isOff) return;
     if (this.before) for (const [text, tone] of changes(this.before, state, building)) this.add(text, tone);
     this.before = state;
   }
@@ -55,12 +63,13 @@ export class Happenings {
   // A process that was started anew.
   watchProcesses({commands}) {
     for (const {name, restarts} of commands ?? []) {
-      if (this.restarts.has(name) && restarts > this.restarts.get(name)) this.add(`${name} was started anew`, 'warn');
+      if (this.restarts.has(name) && restarts > this.restarts.get(name)) this.add(t`${name} was started anew`, 'warn');
       this.restarts.set(name, restarts);
     }
   }
 
   add(text, tone = '') {
+    if (this.isOff) return;
     this.entries.push({at: Date.now(), text, tone});
     this.entries = this.entries.slice(-KEPT);
     this.keep();

@@ -5,6 +5,7 @@ const CLICK_MS = 500;  // a click comes that soon after its pointer, and a label
 const PAN_PX = 60;
 const PANS = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]};
 
+// `press(code)`: with that key.
 export function listenForStop(press) {
   const isStop = (event) => {
     const {target} = event;
@@ -14,7 +15,7 @@ export function listenForStop(press) {
   addEventListener('keydown', (event) => {
     if (!isStop(event)) return;
     event.preventDefault();
-    if (!event.repeat) press();
+    if (!event.repeat) press(event.code);
   }, true);
   addEventListener('keyup', (event) => { if (event.code === 'Space' && isStop(event)) event.preventDefault(); }, true);  // presses no button
   // What was clicked gives the focus back: the next space is a STOP, not the same box once more.

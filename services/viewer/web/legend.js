@@ -1,3 +1,5 @@
+import {translated} from './texts.js';
+
 // What the marks on the map mean, with the colours of the theme that is on.
 const rgb = ([red, green, blue]) => `rgb(${red}, ${green}, ${blue})`;
 
@@ -49,7 +51,7 @@ export function mark(key, colours) {
 export function explain(list, layers, colours) {
   list.replaceChildren(...layers.map(([key, label]) => {
     const line = document.createElement('li');
-    line.append(mark(key, colours), Object.assign(document.createElement('b'), {textContent: label}), ` ${MEANINGS[key][2]}`);
+    line.append(mark(key, colours), Object.assign(document.createElement('b'), {textContent: translated(label)}), ` ${translated(MEANINGS[key][2])}`);
     return line;
   }));
 }

@@ -1,3 +1,4 @@
+import {time} from './charts.js';
 import * as commands from './commands.js';
 import {Connection} from './connection.js';
 import {Theme} from './colours.js';
@@ -5,6 +6,7 @@ import {Ground} from './ground.js';
 import {guarded, whatIsBroken} from './guard.js';
 import {Goals} from './goals.js';
 import {Happenings} from './happenings.js';
+import {Kept} from './kept.js';
 import {drawCrosshair, listenForStop, listenOnMap} from './keyboard.js';
 import * as draw from './layers.js';
 import {MEANINGS, explain, mark} from './legend.js';
@@ -13,13 +15,16 @@ import {MapView} from './map_view.js';
 import {NAVIGATION, nameOf} from './names.js';
 import {Panels, note} from './panels.js';
 import {Particles} from './particles.js';
+import {Playback} from './playback.js';
 import {Picture} from './picture.js';
 import {Processes} from './processes.js';
 import {Steering} from './steering.js';
 import {Stop} from './stop.js';
+import {speak, t, translated} from './texts.js';
 import {Tiles} from './tiles.js';
 import {Trails} from './trails.js';
 
+speak(document.getElementById('language-button'));
 const $ = (id) => document.getElementById(id);
 const STALE_S = 1.0;   // [s] then what is drawn is not what is
 const TILES_MS = 150;
@@ -37,6 +42,8 @@ const processes = new Processes(ask, (subject, text, tone, seconds) => {
 });
 const steering = new Steering({stick: $('stick'), knob: $('knob'), keysButton: $('keys'), word: $('hand-word')}, connection);
 
+new Kept({details: $('kept'), list: $('kept').querySelector('ul')}, ask);
+$('kept').querySelector('ul').dataset.empty = t`nothing yet`;
 const stop = new Stop(ask, (number) => nameOf(NAVIGATION, number));
 
 let building = null;
@@ -88,27 +95,28 @@ connection.addEventListener('state', ({detail}) => {
   state = detail;
   const {pose, ages} = state;
   stop.show(state);
-  guarded('what happened', () => happenings.watch(state, building));
+  guarded(t`what happened`, () => happenings.watch(state, building));
   picture.watch(ages);
-  guarded('the trail', () => trails.extend(state, STALE_S));
+  guarded(t`the trail`, () => trails.extend(state, STALE_S));
   if (isFollowing && Number.isFinite(pose?.x) && Number.isFinite(pose?.y) && ages.POSE < STALE_S) view.centre = [pose.x, pose.y];
   panels.show(state, building);
-  guarded('what became of requests', () => showRequests(state.requests));
+  guarded(t`what became of requests`, () => showRequests(state.requests));
   redraw();
 });
 connection.addEventListener('nodes', ({detail}) => {
-  guarded('the processes', () => processes.showNodes(detail));
-  guarded('the delays', () => panels.showDelays(detail));
-  guarded('the charts', () => panels.drawCharts(theme.colours));
+  guarded(t`the processes`, () => processes.showNodes(detail));
+  guarded(t`the delays`, () => panels.showDelays(detail));
+  guarded(t`the charts`, () => panels.drawCharts(theme.colours));
+  tiles.dropOld();
 });
-connection.addEventListener('processes', ({detail}) => guarded('the processes', () => {
+connection.addEventListener('processes', ({detail}) => guarded(t`the processes`, () => {
   processes.showCommands(detail);
   happenings.watchProcesses(detail);
 }));
 connection.addEventListener('path', ({detail}) => { path = detail; redraw(); });
-connection.addEventListener('tile', ({detail}) => guarded('the map', () => tiles.take(detail)));
-connection.addEventListener('picture', ({detail}) => guarded('the camera', () => picture.show(detail)));
-connection.addEventListener('hypotheses', ({detail}) => guarded('the particles', () => takeHypotheses(detail)));
+connection.addEventListener('tile', ({detail}) => guarded(t`the map`, () => tiles.take(detail)));
+connection.addEventListener('picture', ({detail}) => guarded(t`the camera`, () => picture.show(detail)));
+connection.addEventListener('hypotheses', ({detail}) => guarded(t`the particles`, () => takeHypotheses(detail)));
 function takeHypotheses(detail) {
   hypotheses = detail.hypotheses;
   const bytes = new DataView(Uint8Array.from(atob(detail.particles), (letter) => letter.charCodeAt(0)).buffer);
@@ -130,14 +138,16 @@ connection.addEventListener('watch', () => {
   let text = '';
   if (connection.isSilent()) {
     text = Number.isFinite(connection.silence())
-      ? `No word from the viewer for ${Math.round(connection.silence())} s: this picture is old. Trying to reach it …`
-      : 'Reaching for the viewer …';
+      ? t`No word from the viewer for ${Math.round(connection.silence())} s: this picture is old. Trying to reach it …`
+      : t`Reaching for the viewer …`;
+  } else if (playback.isOn) {
+    text = whatIsBroken();
   } else if (state && Object.keys(state.ages).every((channel) => channel === 'NODE_STATUS')) {  // that is the viewer's own
-    text = 'The viewer runs, but hears nothing of a robot: is the system started?';
+    text = t`The viewer runs, but hears nothing of a robot: is the system started?`;
   } else if (state?.robot && state.ages.ROBOT_STATUS > STALE_S) {
-    text = `The robot's driver has been silent for ${Math.round(state.ages.ROBOT_STATUS)} s: this picture is old.`;
+    text = t`The robot's driver has been silent for ${Math.round(state.ages.ROBOT_STATUS)} s: this picture is old.`;
   } else if (state?.pose && state.ages.POSE > STALE_S) {
-    text = `The localizer has been silent for ${Math.round(state.ages.POSE)} s: the robot may be elsewhere.`;
+    text = t`The localizer has been silent for ${Math.round(state.ages.POSE)} s: the robot may be elsewhere.`;
   } else {
     text = whatIsBroken();
   }
@@ -146,30 +156,46 @@ connection.addEventListener('watch', () => {
   document.body.classList.toggle('stale', Boolean(text) && text !== whatIsBroken());
 });
 
+// ---- a log in place of a robot
+
+const playback = new Playback(ask, connection);
+playback.addEventListener('begin', () => {
+  for (const part of [stop, goals, happenings]) part.turnOff();
+  time.now = () => playback.state?.position ?? 0;
+});
+playback.addEventListener('jump', () => {
+  [state, path, cloud, hypotheses] = [null, null, null, []];
+  for (const part of [trails, panels]) part.clear();
+  tiles.outdate();
+  redrawAll();
+});
+
 // ---- what goes out
 
-const OWNERS = {goal: 'the planner', stop: 'driver and controller', motors: 'the driver', initial_pose: 'the localizer',
-  map: 'the mapper'};
+const OWNERS = {goal: t`the planner`, stop: t`driver and controller`, motors: t`the driver`, initial_pose: t`the localizer`,
+  map: t`the mapper`};
 const reported = new Map();
 
 function showRequests(requests) {
   for (const {kind, fate, id, objection, age} of requests) {
-    if (fate === 'waiting' && age > 0.6 && kind !== 'stop') note(kind, `${kind.replace('_', ' ')}: waiting for ${OWNERS[kind]} …`, 'warn', 2);
+    const subject = translated(kind.replace('_', ' '));
+    if (fate === 'waiting' && age > 0.6 && kind !== 'stop') note(kind, t`${subject}: waiting for ${OWNERS[kind]} …`, 'warn', 2);
     if (reported.get(kind) === id || fate === 'waiting') continue;
     reported.set(kind, id);
-    if (fate === 'unanswered' && age < 20) note(kind, `${kind.replace('_', ' ')}: ${objection || `${OWNERS[kind]} did not answer`}`, 'bad');
-    if (fate === 'answered' && objection && age < 20) note(kind, `${kind}: ${objection}`, 'bad');
-    if (fate === 'answered' && kind === 'map' && !objection && age < 20) note(kind, "map: done; saved maps are map.yaml and map.pgm in the mapper's state folder", '', 6);
+    if (fate === 'unanswered' && age < 20) note(kind, `${subject}: ${objection || t`no answer from ${OWNERS[kind]}`}`, 'bad');
+    if (fate === 'answered' && objection && age < 20) note(kind, `${subject}: ${objection}`, 'bad');
+    if (fate === 'answered' && kind === 'map' && !objection && age < 20) note(kind, t`map: done; saved maps are map.yaml and map.pgm in the mapper's state folder`, '', 6);
   }
 }
 
 async function ask(subject, send, what) {
   try {
     await send();
-    note(subject, `Asked: ${subject} ${what}`.trim(), '', 2.5);
+    note(subject, t`Asked: ${translated(subject)} ${what}`.trim(), '', 2.5);
   } catch (error) {
-    note(subject, `${subject} failed: ${error.message}`, 'bad');
-    happenings.add(`${subject} failed: ${error.message}`, 'bad');
+    const text = t`${translated(subject)} failed: ${error.message}`;
+    note(subject, text, 'bad');
+    happenings.add(text, 'bad');
   }
 }
 
@@ -177,10 +203,10 @@ async function ask(subject, send, what) {
 let lastStop = 0;
 $('stop').addEventListener('pointerdown', () => { lastStop = performance.now(); stop.press(); });
 $('stop').addEventListener('click', () => { if (performance.now() - lastStop > 1000) stop.press(); });  // by key or reader
-listenForStop(() => stop.press());
+listenForStop((key) => { if (!playback.isOn) stop.press(); else if (key === 'Space') playback.toggle(); });
 
-$('motors').addEventListener('click', () => ask('motors', commands.motorsOn, 'on'));
-$('cancel').addEventListener('click', () => ask('cancel', () => commands.goal('cancel'), 'the goal'));
+$('motors').addEventListener('click', () => ask('motors', commands.motorsOn, t`on`));
+$('cancel').addEventListener('click', () => ask('cancel', () => commands.goal('cancel'), ''));
 $('pause').addEventListener('click', () => {
   const action = state?.navigation?.state === 11 ? 'resume' : 'pause';
   ask(action, () => commands.goal(action), '');
@@ -215,10 +241,11 @@ view.addEventListener('resize', () => {
   if (isRough && !isFollowing) fit();
 });
 theme.addEventListener('change', () => { tiles.setColours(theme.colours.tiles); colourLegend(); redrawAll(); });
-listenOnMap(view, {choose: (x, y) => { goals.tap(x, y); $('ask-go').focus(); }, fit: () => $('fit').click(),
+listenOnMap(view, {choose: (x, y) => { goals.tap(x, y); if (goals.draft) $('ask-go').focus(); }, fit: () => $('fit').click(),
   isSteering: () => $('keys').getAttribute('aria-pressed') === 'true'});
 tiles.setColours(theme.colours.tiles);
 
+$('happened').dataset.empty = t`nothing yet`;
 const swatches = [];
 for (const [key, label] of draw.LAYERS) {
   const box = Object.assign(document.createElement('input'), {type: 'checkbox', checked: layers[key]});
@@ -226,8 +253,8 @@ for (const [key, label] of draw.LAYERS) {
   const line = document.createElement('label');
   const swatch = document.createElement('span');
   swatches.push([swatch, key]);
-  line.append(box, swatch, label);
-  line.title = MEANINGS[key][2];
+  line.append(box, swatch, translated(label));
+  line.title = translated(MEANINGS[key][2]);
   $('layers').append(line);
 }
 function colourLegend() {
@@ -244,11 +271,11 @@ $('layers-button').addEventListener('click', () => {
 });
 
 $('map-picture').addEventListener('click', () => {
-  if (!tiles.geometry) { note('map', 'There is no map yet.', 'warn'); return; }
+  if (!tiles.geometry) { note('map', t`There is no map yet.`, 'warn'); return; }
   mapPicture(tiles, building, theme.colours).toBlob((blob) => {
     const name = `${building?.name ?? 'map'}.png`;
     download(blob, name);
-    note('map', `The map is in ${name} (${(blob.size / 1e3).toFixed(0)} kB), where your browser puts what it downloads.`);
+    note('map', t`The map is in ${name} (${(blob.size / 1e3).toFixed(0)} kB), where your browser puts what it downloads.`);
   });
 });
 
@@ -317,5 +344,5 @@ function paint() {
 
 (function frame() {
   requestAnimationFrame(frame);
-  if (isDirty) { isDirty = false; guarded('the map', paint); }
+  if (isDirty) { isDirty = false; guarded(t`the map`, paint); }
 })();

@@ -1,3 +1,5 @@
+import {t} from './texts.js';
+
 // The camera's picture with what was found in it: rectangle green, pose blue, as in the paper.
 const GREEN = '#22c55e';
 const BLUE = '#3b82f6';
@@ -21,7 +23,7 @@ export class Picture {
     const age = ages.CAMERA_IMAGE;
     this.isOld = age > OLD_S;
     this.canvas.classList.toggle('old', this.isOld);
-    if (this.isOld && !this.canvas.hidden) this.caption.textContent = `picture is ${Math.round(age)} s old`;
+    if (this.isOld && !this.canvas.hidden) this.caption.textContent = t`picture is ${Math.round(age)} s old`;
   }
 
   async show(about) {
@@ -41,7 +43,7 @@ export class Picture {
     const answer = await fetch('camera.jpg');
     if (!answer.ok) return;
     this.paint(await createImageBitmap(await answer.blob()));
-    this.caption.textContent = 'the link is slow: what was found is not shown';
+    this.caption.textContent = t`the link is slow: what was found is not shown`;
   }
 
   paint(bitmap) {
@@ -58,8 +60,8 @@ export class Picture {
     for (const found of seen) if (found.shape !== 3) this.outline(found);
     const lights = seen.filter((found) => found.shape !== 3);
     const lit = lights.filter((found) => found.state === 1).length;
-    const count = `${lights.length} fixture${lights.length === 1 ? '' : 's'}`;
-    this.caption.textContent = `${about.seen ? `${count}, ${lit} lit` : 'no detector'} · ` +
+    const count = lights.length === 1 ? t`1 fixture` : t`${lights.length} fixtures`;
+    this.caption.textContent = `${about.seen ? t`${count}, ${lit} lit` : t`no detector`} · ` +
       `${(about.exposure_us / 1000).toFixed(1)} ms${about.health ? ` · ${about.health}` : ''}`;
   }
 

@@ -1,6 +1,7 @@
 // What runs where: by the processes' own word, and by the sheriff's protocol if the system was started with it.
 import * as commands from './commands.js';
-import {NODE, nameOf} from './names.js';
+import {NODE, nameOf, said} from './names.js';
+import {t, translated} from './texts.js';
 
 const $ = (id) => document.getElementById(id);
 const GONE_S = 3;
@@ -15,9 +16,9 @@ export class Processes {
     Object.assign(this, {ask, note, nodes: [], commands: [], recorder: null, reported: undefined, rows: new Map(), recordingSince: 0});
     $('record').addEventListener('click', () => {
       const action = this.recorder?.running ? 'stop' : 'start';
-      this.ask('record', () => commands.process(this.recorder.name, action), action === 'start' ? 'a log' : 'no more');
+      this.ask('record', () => commands.process(this.recorder.name, action), action === 'start' ? t`a log` : t`no more`);
     });
-    $('save-map').addEventListener('click', () => this.ask('map', () => commands.map('save'), 'to be saved'));
+    $('save-map').addEventListener('click', () => this.ask('map', () => commands.map('save'), t`to be saved`));
     $('clear-map').addEventListener('click', () => this.forget());
   }
 
@@ -26,12 +27,12 @@ export class Processes {
     const button = $('clear-map');
     const isSure = button.classList.contains('urgent');
     clearTimeout(this.doubt);
-    const reset = () => { button.textContent = 'Forget sonar marks'; button.classList.remove('urgent'); };
+    const reset = () => { button.textContent = t`Forget sonar marks`; button.classList.remove('urgent'); };
     if (isSure) {
       reset();
-      this.ask('map', () => commands.map('clear_evidence'), 'without sonar marks');
+      this.ask('map', () => commands.map('clear_evidence'), t`without sonar marks`);
     } else {
-      button.textContent = 'Really forget them all?';
+      button.textContent = t`Really forget them all?`;
       button.classList.add('urgent');
       this.doubt = setTimeout(reset, 5000);
     }
@@ -53,22 +54,22 @@ export class Processes {
     this.commands = list.filter((command) => !isRecorder(command));
     $('record').hidden = !this.recorder;
     $('record').setAttribute('aria-pressed', String(Boolean(this.recorder?.running)));
-    $('record').lastChild.textContent = this.recorder?.running ? 'Stop recording' : 'Record a log';
-    const said = order && `${order.id} ${order.fate}`;
-    if (this.reported !== undefined && said !== this.reported && order) {
+    $('record').lastChild.textContent = this.recorder?.running ? t`Stop recording` : t`Record a log`;
+    const outcome = order && `${order.id} ${order.fate}`;
+    if (this.reported !== undefined && outcome !== this.reported && order) {
       if (order.fate === 'done') this.note('process', this.done(order), '', 6);
-      if (order.fate === 'failed') this.note('process', `${order.name}: ${order.action} failed: ${order.said}`, 'bad');
+      if (order.fate === 'failed') this.note('process', t`${order.name}: ${translated(order.action)} failed: ${order.said}`, 'bad');
     }
-    this.reported = said;
+    this.reported = outcome;
     this.show();
   }
 
   done({name, action}) {
-    if (!isRecorder({name, group: ''})) return `${name}: ${action} done`;
+    if (!isRecorder({name, group: ''})) return t`${name}: ${translated(action)} done`;
     const took = Math.round((performance.now() - this.recordingSince) / 1000);
     if (action === 'start') this.recordingSince = performance.now();
-    return action === 'start' ? "records all that is said, into drive-DATE.lcm in the robot's state folder"
-      : `recorded ${this.recordingSince ? `${Math.floor(took / 60)} min ${took % 60} s` : 'a log'} into drive-DATE.lcm in the robot's state folder`;
+    return action === 'start' ? t`records all that is said, into drive-DATE.lcm in the robot's state folder`
+      : t`recorded ${this.recordingSince ? `${Math.floor(took / 60)} min ${took % 60} s` : t`a log`} into drive-DATE.lcm in the robot's state folder`;
   }
 
   show() {
@@ -85,8 +86,8 @@ export class Processes {
     const row = this.rows.get(name) ?? this.newRow(name);
     const isGone = !node || node.age > GONE_S;
     const {status} = node ?? {};
-    let word = isGone ? (node ? `silent for ${Math.round(node.age)} s` : 'silent') : nameOf(NODE, status.state);
-    if (isGone && command && !command.running) word = command.condition;
+    let word = isGone ? (node ? t`silent for ${Math.round(node.age)} s` : t`silent`) : said(NODE, status.state);
+    if (isGone && command && !command.running) word = translated(command.condition);
     const isElsewhere = command && !command.running && !isGone;  // somebody started it without the deputy
     const isStopped = isGone && command && !command.running && command.condition === 'stopped';
     row.dataset.state = isStopped ? 'stopped' : isGone ? 'gone' : nameOf(NODE, status.state);
@@ -99,8 +100,8 @@ export class Processes {
     setText(row.cells[4], isLive ? String(status.dropped_inputs) : '');
     setText(row.querySelector('small'), isReady ? '' : isGone ? [word, detail].filter(Boolean).join(': ') : status.reason || word);
     // what a ready process once refused is no warning any more
-    row.title = [word, isReady ? '' : status?.reason, status && `on ${status.host}, longest step ${(status.worst_step_us / 1000).toFixed(1)} ms`,
-      isReady && status.dropped_inputs ? `refused ${status.dropped_inputs} messages, the last: ${status.reason}` : '', detail].filter(Boolean).join(' · ');
+    row.title = [word, isReady ? '' : status?.reason, status && t`on ${status.host}, longest step ${(status.worst_step_us / 1000).toFixed(1)} ms`,
+      isReady && status.dropped_inputs ? t`refused ${status.dropped_inputs} messages, the last: ${status.reason}` : '', detail].filter(Boolean).join(' · ');
     this.showButton(row.cells[5].firstChild, isElsewhere ? null : command);
     return row;
   }
@@ -113,7 +114,7 @@ export class Processes {
     const button = Object.assign(document.createElement('button'), {className: 'small'});
     button.dataset.process = name;
     button.addEventListener('click', () => this.ask('process', () => commands.process(name, button.dataset.action),
-      `${name} to ${button.dataset.action}`));
+      `${name}: ${translated(button.dataset.action)}`));
     row.cells[5].append(button);
     this.rows.set(name, row);
     return row;
@@ -124,7 +125,7 @@ export class Processes {
     if (!command) return;
     button.dataset.action = command.running ? 'restart' : 'start';
     setText(button, command.running ? '↻' : '▶');
-    button.title = `${button.dataset.action} ${command.name}`;
+    button.title = `${translated(button.dataset.action)}: ${command.name}`;
     button.setAttribute('aria-label', button.title);
   }
 }

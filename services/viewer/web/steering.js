@@ -1,6 +1,7 @@
 // A person's hand on the robot: a stick for fingers and mice, and keys. Dead-man: commands go out ten times a second for
 // as long as somebody holds; with none for 0.3 s the robot stops by itself.
 import * as commands from './commands.js';
+import {t} from './texts.js';
 
 const PERIOD_MS = 100;
 const SILENT_S = 0.7;   // the page that hears nothing knows nothing: then it doesn't steer either
@@ -77,14 +78,14 @@ export class Steering {
 
   async send([forward, turn]) {
     if (!this.limits || this.underway > 2) return;  // a line that is full carries nothing fresh
-    if (this.connection.silence() > SILENT_S) { this.word.textContent = 'no connection'; return; }
+    if (this.connection.silence() > SILENT_S) { this.word.textContent = t`no connection`; return; }
     ++this.underway;
     try {
       await commands.steer({session: this.session, sequence: ++this.sequence, linear: forward * this.limits.linear,
         angular: turn * this.limits.angular, seen: this.connection.serverTime()});
-      this.word.textContent = this.held ? 'steering' : '';
+      this.word.textContent = this.held ? t`steering` : '';
     } catch (error) {
-      this.word.textContent = error.refused ? error.message : 'no connection';
+      this.word.textContent = error.refused ? error.message : t`no connection`;
     } finally {
       --this.underway;
     }

@@ -1,5 +1,6 @@
 // STOP, from the finger to the robot's own word that it stands; and whether it would get there, before it is needed.
 import * as commands from './commands.js';
+import {t} from './texts.js';
 
 const $ = (id) => document.getElementById(id);
 const BEAT_MS = 1000;
@@ -15,7 +16,7 @@ export class Stop {
   // `ask(subject, send, what)` sends a request and reports; `navigationName(state)` names one.
   constructor(ask, navigationName) {
     Object.assign(this, {ask, navigationName, state: null, pressed: 0, sending: 0, reached: performance.now(), mayCommand: true,
-      why: '', said: null});
+      why: '', said: null, isOff: false});
     $('release').addEventListener('click', () => this.release(false));
     $('release-go').addEventListener('click', () => this.release(true));
     document.addEventListener('visibilitychange', () => { if (!document.hidden) { this.reached = performance.now(); this.beat(); } });
@@ -26,25 +27,32 @@ export class Stop {
 
   // A page in view asks once a second, the way that a STOP would go.
   async beat() {
-    if (document.hidden) return;
+    if (document.hidden || this.isOff) return;
     try {
       this.mayCommand = await commands.watch();
       this.reached = performance.now();
       this.why = '';
     } catch (error) {
-      this.why = error.refused ? error.message : 'the viewer does not answer';
+      this.why = error.refused ? error.message : t`the viewer does not answer`;
     }
     this.render();
   }
 
-  isOutOfReach() { return performance.now() - this.reached > UNREACHED_MS; }
+  // There is no robot to be stopped.
+  turnOff() {
+    this.isOff = true;
+    this.render();
+  }
+
+  isOutOfReach() { return !this.isOff && performance.now() - this.reached > UNREACHED_MS; }
 
   // Goes on until it got through, and says so all the while.
   async press() {
+    if (this.isOff) return;
     this.pressed = performance.now();
     $('stop').classList.add('pressed');
     setTimeout(() => $('stop').classList.remove('pressed'), 300);
-    this.say('Sending STOP …', '');
+    this.say(t`Sending STOP …`, '');
     const mine = ++this.sending;
     const since = this.pressed;
     while (mine === this.sending) {
@@ -52,11 +60,11 @@ export class Stop {
         await commands.stop();
         const took = seconds(since);
         if (mine === this.sending) this.sending = 0;
-        this.say(took > 1 ? `STOP got through after ${took} s.` : '', 'warn', 6000);
+        this.say(took > 1 ? t`STOP got through after ${took} s.` : '', 'warn', 6000);
         break;
       } catch (error) {
         if (mine !== this.sending) break;
-        this.say(`STOP has not got through for ${Math.max(1, seconds(since))} s: ${error.message}. Use the button on the robot! Trying on …`, 'bad');
+        this.say(t`STOP has not got through for ${Math.max(1, seconds(since))} s: ${error.message}. Use the button on the robot! Trying on …`, 'bad');
         await new Promise((later) => { setTimeout(later, RETRY_MS); });
       }
     }
@@ -74,10 +82,10 @@ export class Stop {
       if (isUnderway && !goesOn) {
         await commands.goal('pause');
         await this.until(() => this.navigationName(this.state?.navigation?.state) === 'paused',
-          'the planner does not pause, so the stop is kept');
+          t`the planner does not pause, so the stop is kept`);
       }
       await commands.release();
-    }, goesOn ? 'of the stop, and on' : 'of the stop');
+    }, goesOn ? t`of the stop, and on` : t`of the stop`);
   }
 
   async until(holds, otherwise) {
@@ -112,26 +120,27 @@ export class Stop {
   }
 
   render() {
+    if (this.isOff) { $('stop-banner').hidden = $('no-token').hidden = true; return; }
     const {isEngaged, stands, isPending, pendingFor} = this.facts();
-    const word = this.sending ? 'Sending STOP …' : stands ? 'The robot stands' : isEngaged ? 'Stopping …'
-      : isPending ? 'STOP is sent, not obeyed yet' : this.isOutOfReach() ? 'No way to the robot' : '';
+    const word = this.sending ? t`Sending STOP …` : stands ? t`The robot stands` : isEngaged ? t`Stopping …`
+      : isPending ? t`STOP is sent, not obeyed yet` : this.isOutOfReach() ? t`No way to the robot` : '';
     if ($('stop-state').textContent !== word) $('stop-state').textContent = word;
     $('stop').classList.toggle('engaged', isEngaged);
     $('stop').classList.toggle('unreached', this.isOutOfReach());
     $('releases').hidden = !(isEngaged || isPending);
     document.body.classList.toggle('stopped', isEngaged || isPending);
-    const stopTitle = stands ? 'STOPPED' : 'STOP';
+    const stopTitle = stands ? t`STOPPED` : 'STOP';
     if ($('stop-title').textContent !== stopTitle) $('stop-title').textContent = stopTitle;
     const underway = this.isUnderway();
     $('release-go').hidden = !underway;
-    const title = underway ? 'Release, stay here' : 'Release stop';
+    const title = underway ? t`Release, stay here` : t`Release stop`;
     if ($('release').textContent !== title) $('release').textContent = title;
 
     if (this.said && performance.now() > this.said.until) this.said = null;
     const pending = isPending && !this.sending && pendingFor > 0.6
-      ? `STOP was sent ${Math.round(pendingFor)} s ago, but driver and controller have not both obeyed yet: it is repeated until they do.` : '';
+      ? t`STOP was sent ${Math.round(pendingFor)} s ago, but driver and controller have not both obeyed yet: it is repeated until they do.` : '';
     const unreached = this.isOutOfReach()
-      ? `You cannot stop the robot from here: ${this.why || 'the viewer does not answer'}. Use the button on the robot.` : '';
+      ? t`You cannot stop the robot from here: ${this.why || t`the viewer does not answer`}. Use the button on the robot.` : '';
     const text = this.said?.text || unreached || pending;
     const banner = $('stop-banner');
     if (banner.textContent !== text) banner.textContent = text;

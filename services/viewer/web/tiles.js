@@ -7,6 +7,8 @@ const SMALLEST = 4;  // level; 2^4 = 16 times smaller than the sheet
 
 const PRIOR = new ImageData(SIDE, SIDE);  // one tile at a time
 const EVIDENCE = new ImageData(SIDE, SIDE);
+const BLANK = new ImageData(SIDE, SIDE);
+const SETTLED_MS = 1500;  // tiles follow each other ten times a second
 
 const canvasOf = (side) => Object.assign(document.createElement('canvas'), {width: side, height: side});
 
@@ -43,12 +45,31 @@ async function inflate(base64) {
 export class Tiles {
   constructor(onChange) {
     this.onChange = onChange;
+    this.renewed = 0;  // [ms]
     this.geometry = null;
     this.cells = new Map();   // "column,row" -> {column, row, revision, bytes}
     this.shown = new Set();   // keys of those that can be seen
     this.sheets = new Map();  // "column,row" of the sheet -> {prior, evidence}
     this.priorInk = null;     // colour by value of the cell
     this.evidenceInk = null;
+  }
+
+  // What is shown is of another time: it stays until its like comes, or until nothing more comes.
+  outdate() {
+    for (const cell of this.cells.values()) cell.isOld = true;
+    this.renewed = performance.now();
+  }
+
+  // To be called now and then.
+  dropOld() {
+    if (performance.now() - this.renewed < SETTLED_MS) return;
+    for (const [key, cell] of this.cells) {
+      if (!cell.isOld) continue;
+      this.cells.delete(key);
+      this.shown.delete(key);
+      this.put(cell, BLANK, BLANK);
+      this.onChange(false);
+    }
   }
 
   async take(tile) {
@@ -65,6 +86,7 @@ export class Tiles {
     const cell = {column: tile.tile_column, row: tile.tile_row, revision: tile.revision, bytes: this.cells.get(key)?.bytes ?? null};
     const session = tile.session;
     this.cells.set(key, cell);
+    this.renewed = performance.now();
     const bytes = await inflate(tile.data).catch(() => null);
     if (bytes?.length !== 2 * SIDE * SIDE || this.geometry.session !== session || this.cells.get(key) !== cell) return;
     cell.bytes = bytes;
@@ -107,11 +129,15 @@ export class Tiles {
         evidence[to + column] = this.evidenceInk[cell.bytes[SIDE * SIDE + from]];
       }
     }
+    this.put(cell, PRIOR, EVIDENCE);
+  }
+
+  put(cell, prior, evidence) {
     const sheet = this.sheetOf(cell);
     const x = (cell.column % PER_SHEET) * SIDE;
     const y = SHEET - SIDE - (cell.row % PER_SHEET) * SIDE;
-    sheet.prior.put(PRIOR, x, y);
-    sheet.evidence.put(EVIDENCE, x, y);
+    sheet.prior.put(prior, x, y);
+    sheet.evidence.put(evidence, x, y);
   }
 
   draw(context, view, layers) {

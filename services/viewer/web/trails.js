@@ -12,7 +12,9 @@ function extend(points, x, y, isKnown) {
 }
 
 export class Trails {
-  constructor() {
+  constructor() { this.clear(); }
+
+  clear() {
     this.pose = [];
     this.truth = [];
     this.odometry = [];
