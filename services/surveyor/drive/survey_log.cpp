@@ -21,6 +21,8 @@
 namespace luminav {
 namespace {
 
+constexpr std::int64_t kLookPeriod = 500'000;  // [us] between looks of a robot that stands: it may be lifted
+
 SightingFrame to_frame(const fixture_detections_t& message) {
   SightingFrame frame;
   frame.utime = message.utime;
@@ -78,7 +80,7 @@ class ImageReader {
   void read(const camera_image_t& message, const Pose2& odom_from_robot, SurveyDrive& drive) {
     const Pose2 since = last_.inverse() * odom_from_robot;
     const bool is_due = is_first_ || std::hypot(since.x, since.y) >= KeyFrameParams{}.spacing ||
-                        std::abs(since.theta) >= KeyFrameParams{}.turn;
+                        std::abs(since.theta) >= KeyFrameParams{}.turn || message.utime - last_utime_ >= kLookPeriod;
     GreyView view{message.width, message.height, message.data};
     if (!is_due || (message.format == camera_image_t::FORMAT_JPEG && !decode(message, view)) ||
         !detector_.accepts(view)) {
@@ -86,6 +88,7 @@ class ImageReader {
     }
     is_first_ = false;
     last_ = odom_from_robot;
+    last_utime_ = message.utime;
     SightingFrame frame;
     frame.utime = message.utime;
     for (const Detection& detection : detector_.detect(view)) {
@@ -107,6 +110,7 @@ class ImageReader {
   JpegDecoder decoder_;
   GreyImage decoded_;
   Pose2 last_;  // of odometry, at the last image looked at
+  std::int64_t last_utime_ = 0;
   bool is_first_ = true;
 };
 

@@ -1,5 +1,8 @@
 #include "services/surveyor/survey/carry_search.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <set>
 
 #include "services/localizer/model/ceiling_view.hpp"
@@ -7,8 +10,56 @@
 namespace luminav {
 namespace {
 
-constexpr double kMiddle = 0.25;  // [m] to the border of the view: there nothing comes or goes by itself
-constexpr int kLooks = 3;         // key frames that have to agree
+constexpr double kMiddle = 0.25;             // [m] to the border of the view: there nothing comes or goes by itself
+constexpr double kStill = 0.02;              // [m] that wheels at rest may tell,
+constexpr double kStillTurn = radians(1.0);  // [rad] likewise
+constexpr double kElsewhere = 0.3;           // [m] beyond which a fixture is another one, or was moved past,
+constexpr double kElsewhereTurn = radians(20.0);  // [rad] likewise
+constexpr int kLooks = 3;                         // key frames that have to agree
+
+/// What a robot whose wheels stand sees first and last.
+class Standstill {
+ public:
+  void begin(const Pose2& odom_from_robot) {
+    odom_from_robot_ = odom_from_robot;
+    first_.clear();
+    last_.clear();
+  }
+  [[nodiscard]] bool has_ended(const Pose2& odom_from_robot) const {
+    const Pose2 since = odom_from_robot_.inverse() * odom_from_robot;
+    return std::hypot(since.x, since.y) > kStill || std::abs(since.theta) > kStillTurn;
+  }
+  void add(const SightingFrame& frame) {
+    std::vector<FixtureSighting> whole;
+    std::copy_if(frame.sightings.begin(), frame.sightings.end(), std::back_inserter(whole),
+                 [](const FixtureSighting& sighting) { return !sighting.clipped; });
+    if (!whole.empty()) {
+      last_utime_ = frame.utime;
+      first_ = first_.empty() ? whole : first_;
+      last_ = std::move(whole);
+    }
+  }
+  [[nodiscard]] bool was_lifted() const {
+    return !first_.empty() && std::none_of(first_.begin(), first_.end(), [&](const FixtureSighting& before) {
+      return std::any_of(last_.begin(), last_.end(),
+                         [&](const FixtureSighting& after) { return is_the_same(before, after); });
+    });
+  }
+  [[nodiscard]] std::int64_t last_utime() const { return last_utime_; }
+
+ private:
+  static bool is_the_same(const FixtureSighting& a, const FixtureSighting& b) {
+    const double turned =
+        std::abs(wrap_modulo(a.robot_from_fixture.theta - b.robot_from_fixture.theta, symmetry_period(a.shape)));
+    return a.shape == b.shape && distance(a.robot_from_fixture, b.robot_from_fixture) < kElsewhere &&
+           (!a.has_theta || !b.has_theta || turned < kElsewhereTurn);
+  }
+
+  Pose2 odom_from_robot_;
+  std::vector<FixtureSighting> first_;
+  std::vector<FixtureSighting> last_;
+  std::int64_t last_utime_ = 0;
+};
 
 class CarrySearch {
  public:
@@ -65,6 +116,28 @@ class CarrySearch {
 };
 
 }  // namespace
+
+std::vector<std::int64_t> find_lifts(const SurveyDrive& drive) {
+  std::vector<std::int64_t> lifts;
+  if (drive.odometry.empty()) {
+    return lifts;
+  }
+  Standstill standstill;
+  standstill.begin(drive.odometry.front().odom_from_robot);
+  std::size_t next = 0;
+  for (const OdometryReading& reading : drive.odometry) {
+    if (standstill.has_ended(reading.odom_from_robot)) {
+      if (standstill.was_lifted()) {
+        lifts.push_back(standstill.last_utime());
+      }
+      standstill.begin(reading.odom_from_robot);
+    }
+    for (; next < drive.frames.size() && drive.frames[next].utime <= reading.utime; ++next) {
+      standstill.add(drive.frames[next]);
+    }
+  }
+  return lifts;
+}
 
 std::vector<int> find_carries(const std::vector<KeyFrame>& frames, const std::vector<FixturePass>& passes,
                               const SurveyModel& model) {

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "services/surveyor/survey/fixture_passes.hpp"
 #include "services/surveyor/survey/survey_graph.hpp"
 
 namespace luminav {
+
+/// Times [us] at which the robot was lifted: the wheels stood, and what is in view at the end of that is not what was
+/// at the beginning.
+std::vector<std::int64_t> find_lifts(const SurveyDrive& drive);
 
 /// Key frames before which somebody carried the robot: a fixture vanished from the middle of the view while another one
 /// appeared in it, and the wheels know nothing of it. Where nothing hung before or after, nobody can tell.

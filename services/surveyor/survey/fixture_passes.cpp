@@ -51,7 +51,7 @@ class PassCollector {
         continue;
       }
       const Pose2 seen = frame.odom_from_robot * sighting.robot_from_fixture;
-      const int found = match(sighting, seen, taken);
+      const int found = match(sighting, seen, frame.travelled, taken);
       if (found < 0) {
         open_.push_back({});
         taken.push_back(true);
@@ -96,16 +96,18 @@ class PassCollector {
     return best;
   }
 
-  [[nodiscard]] int match(const FixtureSighting& sighting, const Pose2& seen, const std::vector<bool>& taken) const {
+  [[nodiscard]] int match(const FixtureSighting& sighting, const Pose2& seen, double travelled,
+                          const std::vector<bool>& taken) const {
     int best = -1;
-    double least = params_.gate;
+    double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < open_.size(); ++i) {
       const OpenPass& open = open_[i];
       const double apart = distance(open.odom_from_fixture, seen);
       const double turned =
           std::abs(wrap_modulo(open.odom_from_fixture.theta - seen.theta, symmetry_period(sighting.shape)));
       const bool is_turned = open.has_theta && sighting.has_theta && turned > params_.gate_heading;
-      if (!taken[i] && open.shape == sighting.shape && apart < least && !is_turned) {
+      const double gate = params_.gate + params_.gate_growth * (travelled - open.travelled);
+      if (!taken[i] && open.shape == sighting.shape && apart < std::min(least, gate) && !is_turned) {
         least = apart;
         best = static_cast<int>(i);
       }

@@ -20,7 +20,8 @@ struct FixturePass {
 };
 
 struct FixturePassParams {
-  double gate = 0.35;                   // [m] between a sighting and where odometry puts the one before
+  double gate = 0.10;                   // [m] between a sighting and where odometry puts the one before,
+  double gate_growth = 0.10;            // [m per m] and more the longer that is ago
   double gate_heading = radians(20.0);  // [rad] likewise
   double memory = 1.5;                  // [m] driven, after which a fixture out of view has gone,
   double memory_turn = 0.75 * kPi;      // [rad] or turned

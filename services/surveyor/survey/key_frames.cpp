@@ -68,17 +68,21 @@ double signed_length(const Pose2& step) {
 }
 
 std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDescription& camera,
-                                        double ceiling_height, const KeyFrameParams& params) {
+                                        double ceiling_height, const KeyFrameParams& params,
+                                        const std::vector<std::int64_t>& breaks) {
   const CeilingView view(camera);
   const auto offset = static_cast<std::int64_t>(std::lround(1e6 * camera.time_offset));
   std::vector<KeyFrame> frames;
   Approach approach(params);
   std::size_t next = 0;
+  std::size_t next_break = 0;
   for (std::size_t i = 1; i < drive.odometry.size(); ++i) {
     OdometryReading before = drive.odometry[i - 1];
     const OdometryReading& now = drive.odometry[i];
-    if (now.session != before.session) {
+    const bool is_break = next_break < breaks.size() && breaks[next_break] <= now.utime;
+    if (now.session != before.session || is_break) {
       approach.begin_part();
+      next_break += is_break ? 1 : 0;
       continue;
     }
     for (; next < drive.frames.size() && drive.frames[next].utime + offset <= now.utime; ++next) {

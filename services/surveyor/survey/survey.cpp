@@ -62,22 +62,39 @@ SurveyEstimate first_estimate(const Survey& survey, const SurveyModel& model) {
 
 /// Joins what is one, a round of sure closures after the other: each makes the next ones surer.
 void close_loops(Survey& survey, const SurveyModel& model, const SurveyParams& params, const SurveyGraph& graph,
-                 const RightAngles& right_angles) {
+                 const BuildingPrior& prior) {
   std::vector<PassPair> banned;
   for (int round = 0; round < params.max_rounds; ++round) {
-    const Eigen::MatrixXd covariance = graph.fixture_covariance(survey.estimate, right_angles);
+    const Eigen::MatrixXd covariance = graph.fixture_covariance(survey.estimate, prior);
     const LoopClosures found =
         find_closures(survey.estimate, covariance, survey.frames, survey.passes, model.kinds, banned, params.closing);
     survey.doubts = found.doubts;
     if (found.sure.empty()) {
       return;
     }
-    survey.estimate = graph.optimise(merge(survey.estimate, found.sure), right_angles);
+    survey.estimate = graph.optimise(merge(survey.estimate, found.sure), prior);
     const std::vector<PassPair> wrong =
         split_what_disagrees(survey.estimate, survey.passes, model.kinds, params.max_disagreement, params.max_turn);
     if (!wrong.empty()) {
       banned.insert(banned.end(), wrong.begin(), wrong.end());
-      survey.estimate = graph.optimise(survey.estimate, right_angles);
+      survey.estimate = graph.optimise(survey.estimate, prior);
+    }
+  }
+}
+
+/// Leaves out sightings that fit nothing: at the border of the view a wrong one always pulls the same way. A pass that
+/// fits badly as a whole is kept: that is for others to judge.
+void drop_outliers(Survey& survey, const SurveyGraph& graph, const SurveyParams& params) {
+  const std::vector<std::vector<double>> misfits = graph.misfits(survey.estimate);
+  for (std::size_t p = 0; p < survey.passes.size(); ++p) {
+    std::vector<PassSighting> kept;
+    for (std::size_t i = 0; i < misfits[p].size(); ++i) {
+      if (misfits[p][i] <= params.max_misfit) {
+        kept.push_back(survey.passes[p].sightings[i]);
+      }
+    }
+    if (2 * kept.size() > survey.passes[p].sightings.size()) {
+      survey.passes[p].sightings = std::move(kept);
     }
   }
 }
@@ -138,7 +155,8 @@ double regularity_of(const SurveyEstimate& estimate, const CeilingKinds& kinds) 
 Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model, const SurveyParams& params) {
   check(drive);
   Survey survey;
-  survey.frames = choose_key_frames(drive, model.robot.camera, model.kinds.ceiling_height, params.key_frames);
+  survey.frames =
+      choose_key_frames(drive, model.robot.camera, model.kinds.ceiling_height, params.key_frames, find_lifts(drive));
   if (survey.frames.empty()) {
     throw std::runtime_error("no image of the log falls between two ODOMETRY messages: were their clocks the same?");
   }
@@ -157,19 +175,21 @@ Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model, const Su
   const SurveyGraph graph(model, survey.frames, survey.passes);
   survey.estimate = graph.optimise(first_estimate(survey, model), {});
   survey.regularity = regularity_of(survey.estimate, model.kinds);
-  RightAngles right_angles;
+  BuildingPrior prior;
   if (survey.regularity >= params.min_regularity) {
     survey.estimate.direction = dominant_direction(survey.estimate, model.kinds);
     survey.estimate = graph.optimise(survey.estimate, {kCoarseRightAngle});
-    right_angles.sigma = params.right_angle;
-    survey.estimate = graph.optimise(survey.estimate, right_angles);
+    prior.right_angle = params.right_angle;
+    survey.estimate = graph.optimise(survey.estimate, prior);
   }
-  close_loops(survey, model, params, graph, right_angles);
+  close_loops(survey, model, params, graph, prior);
+  drop_outliers(survey, graph, params);
   drop_what_is_none(survey, model, params);
-  survey.estimate = graph.optimise(survey.estimate, right_angles);
+  prior.row = params.row;  // not before: passes not yet joined are no row
+  survey.estimate = graph.optimise(survey.estimate, prior);
   straighten(survey.estimate,
-             right_angles.sigma > 0.0 ? survey.estimate.direction : dominant_direction(survey.estimate, model.kinds));
-  add_uncertainty(survey.fixtures, survey.estimate, graph.fixture_covariance(survey.estimate, right_angles));
+             prior.right_angle > 0.0 ? survey.estimate.direction : dominant_direction(survey.estimate, model.kinds));
+  add_uncertainty(survey.fixtures, survey.estimate, graph.fixture_covariance(survey.estimate, prior));
   return survey;
 }
 

@@ -16,6 +16,8 @@ struct SurveyParams {
   JudgementParams judgement;
   double min_regularity = 0.7;        // 0..1 of the fixtures' headings, from which right angles are believed
   double right_angle = radians(0.7);  // [rad] 1-sigma by which fixtures hang askew, where they are
+  double row = 0.02;                  // [m] 1-sigma of neighbours in a row
+  double max_misfit = 4.5;            // deviations of a sighting that counts
   double max_disagreement = 0.15;     // [m] by which a pass may differ from its fixture
   double max_turn = radians(5.0);     // [rad] likewise
   int max_rounds = 12;                // of closing loops

@@ -7,12 +7,13 @@
 #include <algorithm>
 
 #include "services/localizer/calibration/drive_residuals.hpp"
+#include "services/surveyor/survey/fixture_rows.hpp"
 
 namespace luminav {
 namespace {
 
 constexpr double kLengthSigma = 0.010;    // [m] of a fixture's length in one image
-constexpr double kLengthBias = 0.004;     // [m] by which all images of a drive err alike
+constexpr double kLengthBias = 0.004;     // [m] by which all err alike: a tape, and the detector
 constexpr double kOutlier = 3.0;          // deviations beyond which a residual counts less (Huber)
 constexpr double kRegularization = 1e-6;  // [1/rad^2] of the heading that a round fixture has not
 constexpr int kMaxIterations = 50;
@@ -44,6 +45,66 @@ struct RightAngleResidual {
   }
 };
 
+/// Two fixtures of a row, across it.
+struct InLineResidual {
+  double turn;   // [rad] of the row from the building's direction
+  double sigma;  // [m]
+
+  template <typename T>
+  bool operator()(const T* first, const T* second, const T* direction, T* residual) const {
+    using std::cos;
+    using std::sin;
+    const T theta = direction[0] + turn;
+    residual[0] = (cos(theta) * (second[1] - first[1]) - sin(theta) * (second[0] - first[0])) / sigma;
+    return true;
+  }
+};
+
+/// A fixture in the middle between its neighbours of a row, along it.
+struct EvenlySpacedResidual {
+  double turn;   // [rad] of the row from the building's direction
+  double sigma;  // [m]
+
+  template <typename T>
+  bool operator()(const T* before, const T* middle, const T* behind, const T* direction, T* residual) const {
+    using std::cos;
+    using std::sin;
+    const T theta = direction[0] + turn;
+    const T x = middle[0] - 0.5 * (before[0] + behind[0]);
+    const T y = middle[1] - 0.5 * (before[1] + behind[1]);
+    residual[0] = (cos(theta) * x + sin(theta) * y) / sigma;
+    return true;
+  }
+};
+
+/// [m] of a fixture's length in one image: what all images share does not average away, so each gets its part of the
+/// variance of the mean.
+double length_sigma_of(const std::vector<FixturePass>& passes) {
+  double count = 0.0;
+  for (const FixturePass& pass : passes) {
+    count += static_cast<double>(pass.sightings.size());
+  }
+  return std::hypot(kLengthSigma, kLengthBias * std::sqrt(count));
+}
+
+SightingResidual residual_of(const FixtureSighting& sighting, const KeyFrame& frame, const Fixture& kind,
+                             const SurveyModel& model, double length_sigma) {
+  const CameraMounting& mounting = model.robot.camera.mounting;
+  const double height = std::max(0.2, kind.height - mounting.z);
+  const Pose2& at = sighting.robot_from_fixture;
+  return {{at.x, at.y, at.theta},
+          Pose2{},
+          whitening(noise_of_sighting(sighting, kind, height, model.errors)),
+          {mounting.x, mounting.y},
+          height,
+          frame.linear,
+          frame.angular,
+          sighting.has_theta ? symmetry_period(kind.shape) : 0.0,
+          kind.length,
+          sighting.length,
+          frame.has_lengths && shows_length(sighting, kind) ? 1.0 / length_sigma : 0.0};
+}
+
 }  // namespace
 
 struct SurveyGraph::Problem {
@@ -60,36 +121,15 @@ SurveyGraph::SurveyGraph(const SurveyModel& model, const std::vector<KeyFrame>& 
     : model_(model), frames_(frames), passes_(passes) {}
 
 void SurveyGraph::add_sightings(Problem& problem, const SurveyEstimate& estimate) const {
-  std::size_t whole = 0;
-  for (const FixturePass& pass : passes_) {
-    whole += pass.sightings.size();
-  }
-  // what all images share does not average away: each gets its part of the variance of the mean
-  const double length_sigma = std::hypot(kLengthSigma, kLengthBias * std::sqrt(static_cast<double>(whole)));
-  const CameraMounting& mounting = model_.robot.camera.mounting;
+  const double length_sigma = length_sigma_of(passes_);
   for (std::size_t f = 0; f < estimate.fixtures.size(); ++f) {
     const Fixture& kind = model_.kinds.kinds[static_cast<std::size_t>(estimate.fixtures[f].kind)];
-    const double height = std::max(0.2, kind.height - mounting.z);
     for (const int pass : estimate.fixtures[f].passes) {
       for (const PassSighting& seen : passes_[static_cast<std::size_t>(pass)].sightings) {
-        const FixtureSighting& sighting = seen.sighting;
-        const KeyFrame& frame = frames_[static_cast<std::size_t>(seen.frame)];
-        const Pose2& at = sighting.robot_from_fixture;
-        auto* residual =
-            new SightingResidual{{at.x, at.y, at.theta},
-                                 Pose2{},
-                                 whitening(noise_of_sighting(sighting, kind, height, model_.errors)),
-                                 {mounting.x, mounting.y},
-                                 height,
-                                 frame.linear,
-                                 frame.angular,
-                                 sighting.has_theta ? symmetry_period(kind.shape) : 0.0,
-                                 kind.length,
-                                 sighting.length,
-                                 frame.has_lengths && shows_length(sighting, kind) ? 1.0 / length_sigma : 0.0};
+        const auto frame = static_cast<std::size_t>(seen.frame);
+        auto* residual = new SightingResidual(residual_of(seen.sighting, frames_[frame], kind, model_, length_sigma));
         problem.ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<SightingResidual, 4, 3, 3, 6>(residual),
-                                       new ceres::HuberLoss(kOutlier),
-                                       problem.poses[static_cast<std::size_t>(seen.frame)].data(),
+                                       new ceres::HuberLoss(kOutlier), problem.poses[frame].data(),
                                        problem.fixtures[f].data(), problem.camera.data());
       }
     }
@@ -110,7 +150,7 @@ void SurveyGraph::add_odometry(Problem& problem) const {
   }
 }
 
-void SurveyGraph::add_priors(Problem& problem, const SurveyEstimate& estimate, const RightAngles& right_angles) const {
+void SurveyGraph::add_priors(Problem& problem) const {
   const ErrorParams& errors = model_.errors;
   const WheelCorrection& wheels = model_.wheels;
   problem.ceres.AddResidualBlock(
@@ -121,18 +161,38 @@ void SurveyGraph::add_priors(Problem& problem, const SurveyEstimate& estimate, c
                                      {errors.camera_tilt, errors.camera_tilt, errors.camera_yaw, errors.camera_scale,
                                       errors.camera_time_offset, std::max(1e-4, errors.lens_residual)}}),
                                  nullptr, problem.camera.data());
-  for (std::size_t f = 0; f < estimate.fixtures.size() && right_angles.sigma > 0.0; ++f) {
+}
+
+void SurveyGraph::add_building(Problem& problem, const SurveyEstimate& estimate, const BuildingPrior& prior) const {
+  for (std::size_t f = 0; f < estimate.fixtures.size() && prior.right_angle > 0.0; ++f) {
     const Fixture& kind = model_.kinds.kinds[static_cast<std::size_t>(estimate.fixtures[f].kind)];
     if (kind.shape != FixtureShape::kRound) {
       problem.ceres.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<RightAngleResidual, 1, 3, 1>(new RightAngleResidual{right_angles.sigma}),
+          new ceres::AutoDiffCostFunction<RightAngleResidual, 1, 3, 1>(new RightAngleResidual{prior.right_angle}),
           new ceres::CauchyLoss(1.0), problem.fixtures[f].data(), &problem.direction);
     }
+  }
+  if (prior.right_angle <= 0.0 || prior.row <= 0.0) {
+    return;
+  }
+  const FixtureRows rows = find_rows(estimate, {});
+  const auto fixture = [&](int index) { return problem.fixtures[static_cast<std::size_t>(index)].data(); };
+  for (const RowPair& pair : rows.pairs) {
+    problem.ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<InLineResidual, 1, 3, 3, 1>(
+                                       new InLineResidual{0.5 * kPi * pair.quarter_turns, prior.row}),
+                                   new ceres::CauchyLoss(1.0), fixture(pair.first), fixture(pair.second),
+                                   &problem.direction);
+  }
+  for (const RowTriple& triple : rows.triples) {
+    problem.ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<EvenlySpacedResidual, 1, 3, 3, 3, 1>(
+                                       new EvenlySpacedResidual{0.5 * kPi * triple.quarter_turns, prior.row}),
+                                   new ceres::CauchyLoss(1.0), fixture(triple.before), fixture(triple.middle),
+                                   fixture(triple.behind), &problem.direction);
   }
 }
 
 std::unique_ptr<SurveyGraph::Problem> SurveyGraph::build(const SurveyEstimate& estimate,
-                                                         const RightAngles& right_angles) const {
+                                                         const BuildingPrior& prior) const {
   auto problem = std::make_unique<Problem>();
   for (const Pose2& pose : estimate.poses) {
     problem->poses.push_back(to_triple(pose));
@@ -145,17 +205,18 @@ std::unique_ptr<SurveyGraph::Problem> SurveyGraph::build(const SurveyEstimate& e
   problem->direction = estimate.direction;
   add_sightings(*problem, estimate);
   add_odometry(*problem);
-  add_priors(*problem, estimate, right_angles);
+  add_priors(*problem);
+  add_building(*problem, estimate, prior);
   problem->ceres.AddParameterBlock(problem->poses.front().data(), 3);
   problem->ceres.SetParameterBlockConstant(problem->poses.front().data());
   return problem;
 }
 
-SurveyEstimate SurveyGraph::optimise(SurveyEstimate estimate, const RightAngles& right_angles) const {
+SurveyEstimate SurveyGraph::optimise(SurveyEstimate estimate, const BuildingPrior& prior) const {
   if (estimate.poses.empty()) {
     return estimate;
   }
-  const std::unique_ptr<Problem> problem = build(estimate, right_angles);
+  const std::unique_ptr<Problem> problem = build(estimate, prior);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.num_threads = 1;
@@ -176,8 +237,27 @@ SurveyEstimate SurveyGraph::optimise(SurveyEstimate estimate, const RightAngles&
   return estimate;
 }
 
-Eigen::MatrixXd SurveyGraph::fixture_covariance(const SurveyEstimate& estimate, const RightAngles& right_angles) const {
-  const std::unique_ptr<Problem> problem = build(estimate, right_angles);
+std::vector<std::vector<double>> SurveyGraph::misfits(const SurveyEstimate& estimate) const {
+  std::vector<std::vector<double>> result(passes_.size());
+  const double length_sigma = length_sigma_of(passes_);
+  for (const SurveyedFixture& fixture : estimate.fixtures) {
+    const Triple place = to_triple(fixture.world_from_fixture);
+    for (const int pass : fixture.passes) {
+      for (const PassSighting& seen : passes_[static_cast<std::size_t>(pass)].sightings) {
+        const auto frame = static_cast<std::size_t>(seen.frame);
+        const Triple pose = to_triple(estimate.poses[frame]);
+        std::array<double, 4> residual{};
+        residual_of(seen.sighting, frames_[frame], model_.kinds.kinds[static_cast<std::size_t>(fixture.kind)], model_,
+                    length_sigma)(pose.data(), place.data(), estimate.camera.data(), residual.data());
+        result[static_cast<std::size_t>(pass)].push_back(std::hypot(residual[0], residual[1], residual[2]));
+      }
+    }
+  }
+  return result;
+}
+
+Eigen::MatrixXd SurveyGraph::fixture_covariance(const SurveyEstimate& estimate, const BuildingPrior& prior) const {
+  const std::unique_ptr<Problem> problem = build(estimate, prior);
   ceres::Problem::EvaluateOptions options;
   for (Triple& fixture : problem->fixtures) {
     options.parameter_blocks.push_back(fixture.data());

@@ -46,6 +46,27 @@ TEST(CarrySearch, FindsWhereAFixtureVanishesAndAnotherAppears) {
   EXPECT_EQ(frames.back().part, 1);
 }
 
+/// A robot that stands for five looks and sees a fixture at one place, then at another.
+SurveyDrive standing(const Pose2& first, const Pose2& last) {
+  SurveyDrive drive;
+  for (int i = 0; i < 12; ++i) {
+    drive.odometry.push_back({1'000'000 + 100'000 * i, 1, {i < 10 ? 0.0 : 0.1, 0.0, 0.0}, 0.0, 0.0});
+  }
+  for (int i = 0; i < 5; ++i) {
+    FixtureSighting sighting;
+    sighting.robot_from_fixture = i < 3 ? first : last;
+    drive.frames.push_back({1'010'000 + 100'000 * i, {sighting}});
+  }
+  return drive;
+}
+
+TEST(CarrySearch, FindsThatItWasLiftedWhereItStood) {
+  EXPECT_THAT(find_lifts(standing({0.2, 0.0, 0.0}, {0.21, 0.0, 0.01})), testing::IsEmpty());
+  EXPECT_THAT(find_lifts(standing({0.2, 0.0, 0.0}, {0.2, 0.0, kPi})), testing::IsEmpty());  // half a turn is none
+  EXPECT_EQ(find_lifts(standing({0.2, 0.0, 0.0}, {-0.3, 0.2, 0.0})).size(), 1u);
+  EXPECT_EQ(find_lifts(standing({0.2, 0.0, 0.0}, {0.2, 0.0, 1.0})).size(), 1u);
+}
+
 TEST(CarrySearch, IsNotMisledByALampThatGoesOut) {
   std::vector<KeyFrame> frames = frames_of(0.0, 10.0);
   for (KeyFrame& frame : frames) {

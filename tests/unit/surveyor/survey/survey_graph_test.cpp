@@ -75,10 +75,10 @@ TEST_F(SurveyGraphTest, IsLessSureFartherOn) {
 TEST_F(SurveyGraphTest, KnowsHeadingsBetterWhereFixturesHangAtRightAngles) {
   drive({});
   const SurveyGraph graph(model_, frames_, passes_);
-  const RightAngles right_angles{radians(0.7)};
-  const SurveyEstimate found = graph.optimise(estimate_, right_angles);
+  const BuildingPrior prior{radians(0.7), 0.0};
+  const SurveyEstimate found = graph.optimise(estimate_, prior);
   EXPECT_NEAR(wrap_modulo(found.direction, 0.5 * kPi), 0.0, radians(0.1));
-  EXPECT_LT(graph.fixture_covariance(found, right_angles)(17, 17), graph.fixture_covariance(found, {})(17, 17));
+  EXPECT_LT(graph.fixture_covariance(found, prior)(17, 17), graph.fixture_covariance(found, {})(17, 17));
 }
 
 }  // namespace

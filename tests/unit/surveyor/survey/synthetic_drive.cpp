@@ -134,6 +134,7 @@ SyntheticDrive drive_along(const std::vector<Eigen::Vector2d>& corners, const st
 SurveyModel synthetic_model() {
   SurveyModel model;
   model.robot = read_robot(LUMINAV_SOURCE_DIR "/launch/robots/p3dx.toml");
+  model.robot.camera.row_time = 0.0;
   model.kinds.ceiling_height = 2.8;
   model.kinds.kinds.push_back(fixture_at(1, 0.0, 0.0, 0.0));
   return model;

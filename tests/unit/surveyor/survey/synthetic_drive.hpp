@@ -30,7 +30,8 @@ struct SyntheticDrive {
 SyntheticDrive drive_along(const std::vector<Eigen::Vector2d>& corners, const std::vector<Fixture>& fixtures,
                            const SurveyModel& model, const SyntheticErrors& errors);
 
-/// The shipped robot below a ceiling of 2.8 m with fixtures of 1.2 m x 0.3 m.
+/// The shipped robot, with a camera that reads all rows at once, below a ceiling of 2.8 m with fixtures of 1.2 m x 0.3
+/// m.
 SurveyModel synthetic_model();
 
 /// A fixture of that kind.
