@@ -36,7 +36,7 @@ SimulatedCeiling open_simulated(const Arguments& arguments, const CameraConfig& 
   if (arguments.seed >= 0) {
     scenario.seed = static_cast<std::uint64_t>(arguments.seed);
   }
-  const Building building = read_building(scenario.building_file);
+  const Building building = read_building(scenario.true_building_file);
   const WorldTruth truth = draw_world(scenario, building, read_robot(arguments.robot_file));
   SimulatedCeilingParams params;
   params.rate = config.rate;

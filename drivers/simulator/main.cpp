@@ -44,7 +44,7 @@ int run(const Options& options) {
     throw ConfigurationError(fmt::format("--port {}: must be between 0 and 65535", options.port));
   }
   const RobotDescription robot = read_robot(scenario.robot_file);
-  const WorldTruth truth = draw_world(scenario, read_building(scenario.building_file), robot);
+  const WorldTruth truth = draw_world(scenario, read_building(scenario.true_building_file), robot);
 
   ArcosConfig config;
   config.wheel_base = robot.wheel_base;

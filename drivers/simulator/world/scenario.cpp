@@ -276,6 +276,15 @@ std::filesystem::path read_file_name(const TomlTable& root, std::string_view key
   return root.path(key);
 }
 
+std::filesystem::path read_true_building(const TomlTable& table, const std::filesystem::path& believed) {
+  const std::filesystem::path file = table.path("building");
+  if (!file.empty() && !std::filesystem::is_regular_file(file)) {
+    table.fail("building", fmt::format("= \"{}\": no such file", file.string()));
+  }
+  table.reject_unknown();
+  return file.empty() ? believed : file;
+}
+
 }  // namespace
 
 Scenario read_scenario(const std::filesystem::path& file) {
@@ -292,9 +301,11 @@ Scenario read_scenario(const std::filesystem::path& file) {
       root.fail(key, fmt::format("= \"{}\": no such file", root.path(key)));
     }
   }
+  scenario.true_building_file = read_true_building(root.table("truth"), scenario.building_file);
   const Building building = read_building(scenario.building_file);
+  const Building true_building = read_building(scenario.true_building_file);
   read_start(root.table("start"), scenario);
-  scenario.lighting = read_lighting(root.table("lighting"), building);
+  scenario.lighting = read_lighting(root.table("lighting"), true_building);
   scenario.world = read_spread(root.table("world"));
   for (const TomlTable& table : root.tables("obstacle")) {
     scenario.obstacles.push_back(read_obstacle(table));
@@ -309,7 +320,7 @@ Scenario read_scenario(const std::filesystem::path& file) {
     scenario.drives.push_back(read_drive(table));
   }
   for (const TomlTable& table : root.tables("event")) {
-    scenario.events.push_back(read_event(table, building));
+    scenario.events.push_back(read_event(table, true_building));
   }
   root.reject_unknown();
   return scenario;

@@ -116,7 +116,8 @@ struct WorldSpread {
 /// One run: what the simulator, the simulated frame source, the demo and the evaluation do.
 struct Scenario {
   std::filesystem::path file;
-  std::filesystem::path building_file;
+  std::filesystem::path building_file;       // what the robot is told
+  std::filesystem::path true_building_file;  // what the world is drawn around; [truth], else the same
   std::filesystem::path robot_file;
   std::string name;  // the file's stem
   std::uint64_t seed = 1;

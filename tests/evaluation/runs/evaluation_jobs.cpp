@@ -137,7 +137,7 @@ std::vector<EvaluationJob> jobs_of(const std::vector<SuiteEntry>& entries, const
     Scenario drawn = scenario;
     drawn.seed = first;
     // said now rather than after hours: an impossible start, an unknown fixture
-    (void)draw_world(drawn, read_building(scenario.building_file), read_robot(scenario.robot_file));
+    (void)draw_world(drawn, read_building(scenario.true_building_file), read_robot(scenario.robot_file));
     for (std::uint64_t seed = first; seed <= last; ++seed) {
       EvaluationJob job{scenario, {}, reproduce_command(entry, seed, options), entry.suite, entry.group};
       job.scenario.seed = seed;

@@ -73,15 +73,16 @@ struct WholeRobot::Parts {
       : scenario(s),
         options(o),
         believed(read_building(s.building_file)),
+        hung(read_building(s.true_building_file)),
         robot(read_robot(s.robot_file)),
-        world(draw_world(s, believed, robot)),
+        world(draw_world(s, hung, robot)),
         controller_board(board_config()),
         serial(controller_board),
         simulator(lcm, scenario.seed, world, controller_board),
         subscriber(lcm) {
     subscriber.on(channels::kSimTruth, &Parts::on_truth, this);
     if (options.geometric != nullptr) {
-      sensing = std::make_unique<GeometricSensing>(lcm, world, believed, robot.camera, *options.geometric, s.seed);
+      sensing = std::make_unique<GeometricSensing>(lcm, world, hung, robot.camera, *options.geometric, s.seed);
     } else {
       ceiling = std::make_unique<SimulatedCeiling>(world, scenario.seed);
     }
@@ -164,6 +165,7 @@ struct WholeRobot::Parts {
   Scenario scenario;
   WholeRobotOptions options;
   Building believed;
+  Building hung;  // what the world is drawn around
   RobotDescription robot;
   WorldTruth world;
   ArcosController controller_board;

@@ -63,6 +63,19 @@ TEST(ScenarioFile, HasDefaultsForAllButBuildingAndRobot) {
   EXPECT_TRUE(scenario.goals.empty());
 }
 
+TEST(ScenarioFile, DrawsTheWorldRoundAnotherBuildingWhereAsked) {
+  EXPECT_EQ(read("").true_building_file, folder() / "building.toml");
+  write_text(folder() / "true.toml",
+             "name = \"true\"\nceiling_height = 2.5\n"
+             "[[fixture]]\nid = 9\nx = 1.0\ny = 1.0\ntheta = 0.0\nlength = 1.2\nwidth = 0.3\n");
+  const Scenario scenario =
+      read("[truth]\nbuilding = \"true.toml\"\n[lighting]\noff = [9]\n[[goal]]\nplace = \"desk\"\n");
+  EXPECT_EQ(scenario.true_building_file, folder() / "true.toml");
+  EXPECT_EQ(scenario.building_file, folder() / "building.toml");
+  EXPECT_THAT(error_of("[truth]\nbuilding = \"nowhere.toml\"\n"), HasSubstr("no such file"));
+  EXPECT_THAT(error_of("[truth]\nbuildings = \"true.toml\"\n"), HasSubstr("buildings"));
+}
+
 TEST(ScenarioFile, IsReadWhole) {
   const Scenario scenario = read(R"(
 seed = 12
