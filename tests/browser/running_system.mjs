@@ -88,13 +88,15 @@ export class RunningSystem {
   }
 }
 
-// Waits until something holds; says what did not, and what was seen last.
+const PATIENCE = 4;  // a busy machine takes that much longer than a quiet one
+
+// Waits until something holds; says what did not, and what was seen last. `seconds`: ample on a quiet machine.
 export async function until(what, seconds, holds, seen = () => '') {
-  const end = performance.now() + 1000 * seconds;
+  const end = performance.now() + 1000 * PATIENCE * seconds;
   for (;;) {
     const value = await holds();
     if (value) return value;
-    if (performance.now() > end) throw new Error(`${what}: not within ${seconds} s. ${seen()}`);
+    if (performance.now() > end) throw new Error(`${what}: not within ${PATIENCE * seconds} s. ${seen()}`);
     await sleep(50);
   }
 }

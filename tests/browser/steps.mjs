@@ -39,9 +39,9 @@ export const localizing = {
 
   async 'a tap on the map makes it look for where it is'({system, desk, phone}) {
     assert.notEqual(system.state.pose.state, TRACKING);
+    await phone.says('#pose-state', /LOST|AMBIGUOUS/);
     await desk.goTo(8.6, 6.4);
     await desk.says('#doing', /Looks for where it is/);
-    await phone.says('#pose-state', /LOST|AMBIGUOUS/);
     await sleep(1000);
     await everyLook(desk, 'localizing');
     await everyLook(phone, 'localizing');
