@@ -1,12 +1,12 @@
 // commands_test SOURCE FOLDER: where only the page's port can be reached, all commands go there, steering too.
 import assert from 'node:assert';
 import {once} from 'node:events';
-import {copyFileSync, mkdirSync} from 'node:fs';
 import {createServer} from 'node:http';
 
+import {copyModules} from './page_modules.mjs';
+
 const [source, folder] = process.argv.slice(2);
-mkdirSync(folder, {recursive: true});
-copyFileSync(`${source}/services/viewer/web/commands.js`, `${folder}/commands.mjs`);
+const modules = copyModules(source, folder);
 
 const serve = async (answer, port = 0) => {
   const server = createServer(async (request, response) => {
@@ -35,8 +35,8 @@ globalThis.fetch = (url, options) => plainFetch(new URL(url, address), options);
 const open = async (name) => {
   heard.page = [];
   heard.own = [];
-  const commands = await import(`${folder}/commands.mjs?${name}`);
-  await new Promise((later) => setTimeout(later, 200));  // the settings
+  const commands = await import(`${modules}/commands.js?${name}`);
+  await commands.settings;
   return commands;
 };
 const steer = (commands, sequence) => commands.steer({sequence}).catch(() => 'lost');

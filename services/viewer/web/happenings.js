@@ -25,7 +25,8 @@ export function changes(before, now, building) {
   if (navigation && before.navigation && before.navigation.state !== navigation.state) {
     const [was, is] = [before, now].map((state) => nameOf(NAVIGATION, state.navigation.state));
     const where = navigation.target ? spot(navigation.target, building) : '';
-    if (is in ENDS) said.push([is === 'arrived' ? where ? t`arrived at ${where}` : t`arrived` : `${translated(is)}${navigation.cause ? `: ${navigation.cause}` : ''}`, ENDS[is]]);
+    const end = where && is === 'arrived' ? t`arrived at ${where}` : translated(is);
+    if (is in ENDS) said.push([is === 'arrived' || !navigation.cause ? end : `${end}: ${navigation.cause}`, ENDS[is]]);
     else if (BEGINS.includes(is) && !BEGINS.includes(was)) said.push([where ? t`sets out to ${where}` : t`sets out`, '']);
   }
   if (robot && isFresh(ages.ROBOT_STATUS) && before.robot) {

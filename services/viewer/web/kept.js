@@ -10,6 +10,8 @@ export function sizeOf(bytes) {
   return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${unit}`;
 }
 
+const dateOf = (seconds) => new Date(seconds * 1000).toLocaleString(undefined, {dateStyle: 'medium', timeStyle: 'short'});
+
 export class Kept {
   // `details` is opened to see the list; `ask(subject, send, what)` sends a request and reports.
   constructor({details, list}, ask) {
@@ -34,7 +36,7 @@ export class Kept {
     const line = document.createElement('li');
     const about = document.createElement('span');
     about.append(Object.assign(document.createElement('b'), {textContent: kind === 'map' ? t`map ${item.name}` : item.name}),
-      Object.assign(document.createElement('small'), {textContent: [sizeOf(item.bytes), new Date(item.modified * 1000).toLocaleString(),
+      Object.assign(document.createElement('small'), {textContent: [sizeOf(item.bytes), dateOf(item.modified),
         item.growing ? t`is being written` : ''].filter(Boolean).join(' · ')}));
     line.append(about, ...item.files.map((file) => this.link(kind, file)), this.deleter(kind, item));
     return line;

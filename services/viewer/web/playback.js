@@ -42,15 +42,16 @@ export class Playback extends EventTarget {
     document.body.classList.add('playback');
     $('playback').hidden = false;
     this.dispatchEvent(new Event('begin'));
-    fetch('api/playback').then((answer) => answer.json()).then(({marks}) => this.showMarks(marks));
+    fetch('api/playback').then((answer) => answer.json()).then(({marks}) => this.showMarks(marks)).catch(() => {});
   }
 
   order(what) { return commands.playback(what).catch((error) => this.ask('log', () => { throw error; }, '')); }
   toggle() { this.order({playing: !this.state?.playing}); }
-  jump(position) { this.order({position: Math.min(Math.max(position, 0), this.state.duration)}); }
+  jump(position) { if (this.state) this.order({position: Math.min(Math.max(position, 0), this.state.duration)}); }
 
   // The last place counts, and those on the way only now and then.
   scrub(position) {
+    if (!this.state) return;
     this.held = performance.now();
     this.label(position);
     if (this.wanted === null) {
@@ -84,7 +85,8 @@ export class Playback extends EventTarget {
   label(position) {
     $('time').textContent = `${minutes(position)} / ${minutes(this.state.duration)}`;
     $('position').setAttribute('aria-valuetext', t`${minutes(position)} of ${minutes(this.state.duration)}`);
-    $('log-time').textContent = new Date(this.state.begin / 1000 + position * 1000).toLocaleString();
+    $('log-time').textContent = new Date(this.state.begin / 1000 + position * 1000)
+      .toLocaleString(undefined, {dateStyle: 'medium', timeStyle: 'medium'});
   }
 
   showMarks(marks) {
