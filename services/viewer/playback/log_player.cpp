@@ -52,12 +52,12 @@ void LogPlayer::advance(std::int64_t elapsed, const Stage& stage) {
 }
 
 void LogPlayer::jump(std::int64_t target, const Stage& stage) {
+  position_ = target;
   stage.start_anew();
   for (const LogIndex::Entry& entry : index_.needed_at(target)) {
     feed(entry, stage);
   }
   next_ = index_.count_until(target);
-  position_ = target;
 }
 
 void LogPlayer::feed(const LogIndex::Entry& entry, const Stage& stage) {

@@ -18,6 +18,8 @@ void LogView::start_anew() {
   metrics_.emplace(lcm_);
   board_.clear(SnapshotBoard::Lane::kLive);
   board_.clear(SnapshotBoard::Lane::kBulk);
+  // A subject of its own, which is not renewed: readers hear of the jump before what comes after it.
+  board_.put(SnapshotBoard::Lane::kLive, "jump", server_sent_event("playback", player_.state_json()));
 }
 
 void LogView::feed(const LogEvent& event, std::int64_t at) {

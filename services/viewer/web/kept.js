@@ -1,6 +1,6 @@
 // Recordings and saved maps of the machine on which the viewer runs: how large, how old; to be fetched and deleted.
 import * as commands from './commands.js';
-import {t} from './texts.js';
+import {locale, t} from './texts.js';
 
 const RENEWED_MS = 5000;
 const DOUBT_MS = 5000;
@@ -10,7 +10,7 @@ export function sizeOf(bytes) {
   return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${unit}`;
 }
 
-const dateOf = (seconds) => new Date(seconds * 1000).toLocaleString(undefined, {dateStyle: 'medium', timeStyle: 'short'});
+const dateOf = (seconds) => new Date(seconds * 1000).toLocaleString(locale, {dateStyle: 'medium', timeStyle: 'short'});
 
 export class Kept {
   // `details` is opened to see the list; `ask(subject, send, what)` sends a request and reports.

@@ -1,7 +1,7 @@
 // A recorded log in place of a running robot: its timeline, with marks where the pose was lost, a goal was given or a stop was
 // engaged. Nothing is sent to any robot.
 import * as commands from './commands.js';
-import {t} from './texts.js';
+import {locale, t} from './texts.js';
 
 const $ = (id) => document.getElementById(id);
 const STEP_S = 5;       // of the arrow keys
@@ -86,7 +86,7 @@ export class Playback extends EventTarget {
     $('time').textContent = `${minutes(position)} / ${minutes(this.state.duration)}`;
     $('position').setAttribute('aria-valuetext', t`${minutes(position)} of ${minutes(this.state.duration)}`);
     $('log-time').textContent = new Date(this.state.begin / 1000 + position * 1000)
-      .toLocaleString(undefined, {dateStyle: 'medium', timeStyle: 'medium'});
+      .toLocaleString(locale, {dateStyle: 'medium', timeStyle: 'medium'});
   }
 
   showMarks(marks) {

@@ -13,6 +13,8 @@ function chosen() {
 }
 export const language = chosen();
 const table = LANGUAGES[language];
+// For dates: the reader's own where it is of that language.
+export const locale = globalThis.navigator?.language?.startsWith(language) ? undefined : language;
 
 // t`Drives to ${place}`: in the table stands "Drives to {}"; there {0}, {1} name the values where their order differs.
 export function t(parts, ...values) {

@@ -206,6 +206,8 @@ TEST_F(LogPlayerTest, TheViewShowsTheLogsTimeAndForgetsWhatAJumpBackUndoes) {
   view.advance(0);
   EXPECT_DOUBLE_EQ(state()["pose"]["x"], 0.0);
   EXPECT_THAT(*board.newest(SnapshotBoard::Lane::kBulk, "tile 1 0"), HasSubstr(R"("revision":1)"));
+  SnapshotBoard::Cursor cursor;
+  EXPECT_THAT(*board.read(cursor, 1'000'000).front(), HasSubstr("event: playback")) << "the jump comes first";
   view.show_processes();
   EXPECT_NE(board.newest(SnapshotBoard::Lane::kAsked, "metrics"), nullptr);
 }
