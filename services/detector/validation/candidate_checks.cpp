@@ -299,13 +299,14 @@ bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& cand
   const double level = candidate.bright ? candidate.level : 0.5 * params_.unlit_contrast;
   int looked = 0;
   int filled = 0;
+  const int places = shows_strips(frame, candidate) ? 3 : 1;  // that a look stands for
   const auto look = [&](const std::optional<int>& there) {
-    looked += there ? 1 : 0;
-    filled += there && *there > level ? 1 : 0;
+    looked += there ? places : 0;
+    filled += there && *there > level ? places : 0;
   };
   for (int i = 0; i < 15; ++i) {
     const double along = 0.9 * outline.length * ((i + 0.5) / 15.0 - 0.5);
-    if (shows_strips(frame, candidate)) {
+    if (places > 1) {
       look(level_across(frame, candidate, pose, along));
       continue;
     }
