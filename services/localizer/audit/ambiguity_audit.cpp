@@ -15,6 +15,12 @@ namespace {
 constexpr int kElementLamps = 1000;         // lamps of a fixture that stands for an element: its kind is added
 constexpr std::size_t kMaxCandidates = 40;  // fixtures whose change is tried: those that the motions mix up most
 constexpr std::size_t kMaxForChanges = 40;  // motions that a change is tried on: those that cost most
+constexpr std::size_t kMinRivals = 64;      // kept at a place: those that are refuted last ...
+constexpr std::size_t kMaxRivalsOfAll = 60'000'000;  // ... and more while all of them fit into a gigabyte
+
+bool is_farther(const RivalAtPlace& a, const RivalAtPlace& b) {
+  return a.distance > b.distance || (a.distance == b.distance && a.rival < b.rival);
+}
 
 std::vector<Fixture> landmarks(const Building& building, bool with_elements) {
   std::vector<Fixture> fixtures = building.fixtures;
@@ -57,7 +63,7 @@ AmbiguityAudit::AmbiguityAudit(const Building& building, const PriorMap& walls, 
   std::vector<double> distance(places_.size(), 0.0);
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const std::vector<RivalAtPlace>& rivals = ground_.rivals[i];
-    places_[i].aliases = places_[i].is_blind ? 0 : static_cast<int>(rivals.size());
+    places_[i].aliases = places_[i].is_blind ? 0 : places_[i].aliases;
     distance[i] = rivals.empty() ? 0.0 : rivals.front().distance;
   }
   add_blind_distances(distance);
@@ -69,32 +75,45 @@ AmbiguityAudit::AmbiguityAudit(const Building& building, const PriorMap& walls, 
 }
 
 void AmbiguityAudit::find_rivals() {
-  std::vector<std::vector<PlaceDistance>> distances_of(motions_.size());
+  ground_.rivals.resize(places_.size());
   for (std::size_t m = 0; m < motions_.size(); ++m) {
-    distances_of[m] = distances(motions_[m], -1);
-    for (const PlaceDistance& each : distances_of[m]) {
+    const std::vector<PlaceDistance> found = distances(image_of(motions_[m].alias_from_true), -1);
+    for (const PlaceDistance& each : found) {
       motions_[m].sum += std::min<double>(each.distance, params_.never_distance);
     }
+    add_rivals(static_cast<std::int32_t>(m), found);
   }
-  std::vector<std::size_t> costliest_first(motions_.size());
-  std::iota(costliest_first.begin(), costliest_first.end(), std::size_t{0});
+  std::vector<std::int32_t> costliest_first(motions_.size());
+  std::iota(costliest_first.begin(), costliest_first.end(), 0);
+  const auto motion = [&](std::int32_t m) -> const Motion& { return motions_[static_cast<std::size_t>(m)]; };
   std::stable_sort(costliest_first.begin(), costliest_first.end(),
-                   [&](std::size_t a, std::size_t b) { return motions_[a].sum > motions_[b].sum; });
+                   [&](std::int32_t a, std::int32_t b) { return motion(a).sum > motion(b).sum; });
+  std::vector<std::int32_t> rank(motions_.size());
   std::vector<Motion> sorted;
-  ground_.rivals.resize(places_.size());
-  ground_.rival_count = motions_.size();
-  for (const std::size_t m : costliest_first) {
-    for (const PlaceDistance& each : distances_of[m]) {
-      ground_.rivals[static_cast<std::size_t>(each.place)].push_back(
-          {static_cast<std::int32_t>(sorted.size()), each.distance});
-    }
-    distances_of[m] = {};
-    sorted.push_back(std::move(motions_[m]));
+  for (const std::int32_t m : costliest_first) {
+    rank[static_cast<std::size_t>(m)] = static_cast<std::int32_t>(sorted.size());
+    sorted.push_back(motion(m));
   }
   motions_ = std::move(sorted);
+  ground_.rival_count = motions_.size();
   for (std::vector<RivalAtPlace>& rivals : ground_.rivals) {
-    std::stable_sort(rivals.begin(), rivals.end(),
-                     [](const RivalAtPlace& a, const RivalAtPlace& b) { return a.distance > b.distance; });
+    for (RivalAtPlace& each : rivals) {
+      each.rival = rank[static_cast<std::size_t>(each.rival)];
+    }
+    std::sort(rivals.begin(), rivals.end(), is_farther);
+  }
+}
+
+void AmbiguityAudit::add_rivals(std::int32_t motion, const std::vector<PlaceDistance>& distances) {
+  const std::size_t max = std::max(kMinRivals, kMaxRivalsOfAll / places_.size());
+  for (const PlaceDistance& each : distances) {
+    ++places_[static_cast<std::size_t>(each.place)].aliases;
+    std::vector<RivalAtPlace>& rivals = ground_.rivals[static_cast<std::size_t>(each.place)];
+    rivals.push_back({motion, each.distance});
+    if (rivals.size() >= 2 * max) {
+      std::nth_element(rivals.begin(), rivals.begin() + static_cast<std::ptrdiff_t>(max), rivals.end(), is_farther);
+      rivals.resize(max);
+    }
   }
 }
 
@@ -159,10 +178,9 @@ bool AmbiguityAudit::is_alike(const Fixture& a, const Pose2& world_from_a, const
              params_.heading_tolerance;
 }
 
-AmbiguityAudit::Motion AmbiguityAudit::make_motion(const Pose2& alias_from_true, int first) const {
+AmbiguityAudit::MotionImage AmbiguityAudit::image_of(const Pose2& alias_from_true) const {
   const auto count = static_cast<std::size_t>(map_.size());
-  Motion motion{
-      alias_from_true, first, std::vector<bool>(count), std::vector<bool>(count), std::vector<int>(count, -1), 0.0};
+  MotionImage motion{alias_from_true, std::vector<bool>(count), std::vector<int>(count, -1)};
   std::vector<int> near;
   for (int i = 0; i < map_.size(); ++i) {
     const Pose2 moved = alias_from_true * map_[i].world_from_fixture;
@@ -170,7 +188,6 @@ AmbiguityAudit::Motion AmbiguityAudit::make_motion(const Pose2& alias_from_true,
     map_.find_near(moved.position(), params_.position_tolerance, near);
     for (const int other : near) {
       if (is_alike(map_[i], moved, map_[other])) {
-        motion.maps[static_cast<std::size_t>(i)] = true;
         motion.image[static_cast<std::size_t>(i)] = other;
         motion.is_hit[static_cast<std::size_t>(other)] = true;
       }
@@ -207,21 +224,21 @@ void AmbiguityAudit::find_motions() {
                                     static_cast<int>(std::lround(origin.x() / params_.position_tolerance)),
                                     static_cast<int>(std::lround(origin.y() / params_.position_tolerance)));
         if (middle.allFinite() && known.insert(key).second) {
-          motions_.push_back(make_motion(motion, from));
+          motions_.push_back({motion});
         }
       }
     }
   }
 }
 
-bool AmbiguityAudit::is_alias(const Motion& motion, std::size_t place, int changed) const {
+bool AmbiguityAudit::is_alias(const MotionImage& motion, std::size_t place, int changed) const {
   const Eigen::Vector2d alias = motion.alias_from_true * places_[place].point;
   if (!walls_.is_free(alias) || walls_.distance_to_wall(alias) < params_.alias_clearance) {
     return false;
   }
   for (const int index : in_view_[place]) {
     const auto i = static_cast<std::size_t>(index);
-    if (!motion.maps[i] || ((index == changed || motion.image[i] == changed) && motion.image[i] != index)) {
+    if (motion.image[i] < 0 || ((index == changed || motion.image[i] == changed) && motion.image[i] != index)) {
       return false;
     }
   }
@@ -233,7 +250,7 @@ bool AmbiguityAudit::is_alias(const Motion& motion, std::size_t place, int chang
                      [&](int index) { return motion.is_hit[static_cast<std::size_t>(index)]; });
 }
 
-std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const Motion& motion, int changed) const {
+std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const MotionImage& motion, int changed) const {
   // all places that are connected, without a refutation between, with one that sees a fixture which finds its like
   enum : std::uint8_t { kUntouched, kAlias, kRefuted };
   thread_local std::vector<std::uint8_t> kind;
@@ -252,7 +269,7 @@ std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const Motio
     }
   };
   for (std::size_t fixture = 0; fixture < places_of_.size(); ++fixture) {
-    if (motion.maps[fixture]) {
+    if (motion.image[fixture] >= 0) {
       std::for_each(places_of_[fixture].begin(), places_of_[fixture].end(), touch);
     }
   }
@@ -335,11 +352,12 @@ double AmbiguityAudit::mean_of(const std::vector<double>& distance) const {
   return sum / std::max(1.0, static_cast<double>(distance.size()));
 }
 
-std::vector<int> AmbiguityAudit::costly_fixtures(std::size_t motions) const {
+std::vector<int> AmbiguityAudit::costly_fixtures(const std::vector<MotionImage>& images) const {
   std::vector<double> cost(static_cast<std::size_t>(map_.size()), 0.0);
-  for (std::size_t m = 0; m < motions; ++m) {
+  for (std::size_t m = 0; m < images.size(); ++m) {
     for (std::size_t i = 0; i < cost.size(); ++i) {
-      cost[i] += motions_[m].maps[i] && motions_[m].image[i] != static_cast<int>(i) ? motions_[m].sum : 0.0;
+      const int image = images[m].image[i];
+      cost[i] += image >= 0 && image != static_cast<int>(i) ? motions_[m].sum : 0.0;
     }
   }
   std::vector<int> fixtures;
@@ -369,10 +387,14 @@ std::vector<AuditChange> AmbiguityAudit::best_changes(std::size_t max) const {
     });
     rest[i] = farthest == rivals.end() ? 0.0 : farthest->distance;
   }
-  for (const int fixture : costly_fixtures(count)) {
+  std::vector<MotionImage> images;
+  for (std::size_t m = 0; m < count; ++m) {
+    images.push_back(image_of(motions_[m].alias_from_true));
+  }
+  for (const int fixture : costly_fixtures(images)) {
     std::vector<double> distance = rest;
     for (std::size_t m = 0; m < count; ++m) {
-      for (const PlaceDistance& each : distances(motions_[m], fixture)) {
+      for (const PlaceDistance& each : distances(images[m], fixture)) {
         double& longest = distance[static_cast<std::size_t>(each.place)];
         longest = std::max<double>(longest, each.distance);
       }

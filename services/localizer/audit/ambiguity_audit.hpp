@@ -54,7 +54,8 @@ class AmbiguityAudit {
   [[nodiscard]] double view_radius() const { return view_radius_; }
   /// Motions of the plane under which some place has a alias.
   [[nodiscard]] std::size_t motions() const { return motions_.size(); }
-  /// Which aliases are possible where: ResolvingWalk finds the ways on it.
+  /// Which aliases are possible where: ResolvingWalk finds the ways on it. In large buildings those are left out that
+  /// are refuted soonest.
   [[nodiscard]] const RivalGround& ground() const { return ground_; }
   [[nodiscard]] double mean_min_distance() const { return mean_min_distance_; }
   /// Share of the places that never resolve.
@@ -70,25 +71,28 @@ class AmbiguityAudit {
   };
   struct Motion {
     Pose2 alias_from_true;
-    int first = 0;             // fixture that it lays on another one
-    std::vector<bool> maps;    // fixture i lies on one of its kind afterwards
+    double sum = 0.0;  // [m] of ways over all places
+  };
+  /// What a motion does to the fixtures. Large buildings have millions of motions: it is made anew for each use.
+  struct MotionImage {
+    Pose2 alias_from_true;
     std::vector<bool> is_hit;  // some fixture lies on fixture i afterwards
-    std::vector<int> image;    // which; -1 = none
-    double sum = 0.0;          // [m] of ways over all places
+    std::vector<int> image;    // fixture of its kind on which fixture i lies afterwards; -1 = none
   };
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
   void find_places(const PriorMap& walls);
   void find_motions();
   void find_rivals();
-  [[nodiscard]] Motion make_motion(const Pose2& alias_from_true, int first) const;
+  void add_rivals(std::int32_t motion, const std::vector<PlaceDistance>& distances);
+  [[nodiscard]] MotionImage image_of(const Pose2& alias_from_true) const;
   [[nodiscard]] bool is_alike(const Fixture& a, const Pose2& world_from_a, const Fixture& b) const;
   /// Looks the same at a place under a motion; `changed` is a fixture that became another kind, -1 = none.
-  [[nodiscard]] bool is_alias(const Motion& motion, std::size_t place, int changed) const;
+  [[nodiscard]] bool is_alias(const MotionImage& motion, std::size_t place, int changed) const;
   /// Ways from all places where a motion is not refuted.
-  [[nodiscard]] std::vector<PlaceDistance> distances(const Motion& motion, int changed) const;
+  [[nodiscard]] std::vector<PlaceDistance> distances(const MotionImage& motion, int changed) const;
   void add_blind_distances(std::vector<double>& distance) const;
-  [[nodiscard]] std::vector<int> costly_fixtures(std::size_t motions) const;
+  [[nodiscard]] std::vector<int> costly_fixtures(const std::vector<MotionImage>& images) const;
   [[nodiscard]] double mean_of(const std::vector<double>& distance) const;
 
   AuditParams params_;
