@@ -48,10 +48,16 @@ PriorMap empty_map(const std::vector<SurveyedPath::Stop>& stops, double margin) 
   return map;
 }
 
-/// The map without the rows and columns at its borders of which nothing is known, but for one all round.
-PriorMap cropped(const PriorMap& map) {
+/// The map without the rows and columns at its borders of which nothing is known and above which nothing hangs, but for
+/// one all round.
+PriorMap cropped(const PriorMap& map, const std::vector<Eigen::Vector2d>& above) {
   Cell low{map.geometry.columns, map.geometry.rows};
   Cell high{-1, -1};
+  for (const Eigen::Vector2d& point : above) {
+    const Cell cell = map.geometry.cell_at(point);
+    low = {std::max(0, std::min(low.column, cell.column)), std::max(0, std::min(low.row, cell.row))};
+    high = {std::max(high.column, cell.column), std::max(high.row, cell.row)};
+  }
   for (int row = 0; row < map.geometry.rows; ++row) {
     for (int column = 0; column < map.geometry.columns; ++column) {
       if (map.cells[map.geometry.index({column, row})] != Prior::kUnknown) {
@@ -101,7 +107,8 @@ SurveyedPath::SurveyedPath(const std::vector<OdometryReading>& odometry, const s
   }
 }
 
-PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath& path, const RobotDescription& robot) {
+PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath& path, const RobotDescription& robot,
+                        const std::vector<Eigen::Vector2d>& above) {
   const std::vector<SurveyedPath::Stop>& stops = path.stops();
   if (stops.size() < 2) {
     throw std::runtime_error("the drive is too short to draw a map from");
@@ -132,7 +139,7 @@ PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath
   for (const SurveyedPath::Stop& stop : stops) {
     mapper.mark_robot(stop.world_from_robot);
   }
-  return cropped(mapper.combined());
+  return cropped(mapper.combined(), above);
 }
 
 }  // namespace luminav

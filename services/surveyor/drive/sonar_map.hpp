@@ -30,7 +30,9 @@ class SurveyedPath {
   std::vector<Stop> stops_;
 };
 
-/// Draws what the sonars saw along a path, with nothing known before, as a mapping drive does.
-PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath& path, const RobotDescription& robot);
+/// Draws what the sonars saw along a path, with nothing known before, as a mapping drive does. The map is as large as
+/// what is known of the floor and what hangs `above` it.
+PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath& path, const RobotDescription& robot,
+                        const std::vector<Eigen::Vector2d>& above = {});
 
 }  // namespace luminav

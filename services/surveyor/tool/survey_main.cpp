@@ -45,6 +45,18 @@ SurveyModel model_of(const Request& request) {
   return model;
 }
 
+/// Points on the floor below the fixtures and as far beside them as they are long.
+std::vector<Eigen::Vector2d> extents_of(const Survey& survey, const CeilingKinds& kinds) {
+  std::vector<Eigen::Vector2d> points;
+  for (const SurveyedFixture& fixture : survey.estimate.fixtures) {
+    const double reach = kinds.kinds[static_cast<std::size_t>(fixture.kind)].length;
+    for (const Eigen::Vector2d& beside : {Eigen::Vector2d(reach, reach), Eigen::Vector2d(-reach, -reach)}) {
+      points.push_back(fixture.world_from_fixture.position() + beside);
+    }
+  }
+  return points;
+}
+
 void print(const Survey& survey, const CeilingKinds& kinds, const std::vector<std::string>& remarks) {
   std::size_t passes = 0;
   double worst = 0.0;
@@ -72,7 +84,7 @@ int run(const Request& request) {
                       request.detections ? SightingSource::kDetections : SightingSource::kImagesElseDetections);
   Survey survey = survey_drive(log.drive, model, {});
   const SurveyedPath path(log.drive.odometry, survey.frames, survey.estimate.poses);
-  PriorMap map = draw_sonar_map(log.drive.echoes, path, model.robot);
+  PriorMap map = draw_sonar_map(log.drive.echoes, path, model.robot, extents_of(survey, model.kinds));
   transform(survey.estimate, {-map.geometry.origin.x(), -map.geometry.origin.y(), 0.0});
   map.geometry.origin.setZero();
   const std::vector<std::string> remarks = remarks_on(survey, log, model.kinds);
