@@ -89,7 +89,7 @@ TEST(Suites, AllTakesPartOfEachAndNoRunTwice) {
   }
   const std::map<std::string, std::uint64_t> expected = {{"localization", 30}, {"mapping", 7},    {"navigation", 40},
                                                          {"endurance", 1},     {"missions", 100}, {"worlds", 24},
-                                                         {"scale", 5}};
+                                                         {"scale", 5},         {"drawn", 30},     {"mishaps", 80}};
   EXPECT_EQ(runs, expected);
 }
 
@@ -98,7 +98,7 @@ TEST(Suites, AnUnknownOneNamesThoseThereAre) {
     (void)suite_entries("nonsense", generated());
     FAIL();
   } catch (const ConfigurationError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("endurance, missions, worlds, scale, paper, all"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("endurance, missions, worlds, scale, drawn, mishaps, paper, all"));
   }
 }
 
