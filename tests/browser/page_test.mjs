@@ -269,6 +269,8 @@ const steps = {
 
   async 'axe finds nothing'(name, theme) {
     await page.evaluate(axe);
+    // on a busy machine the viewer may have been silent for a moment, and what is old is pale
+    await page.waitForFunction(() => !document.body.classList.contains('stale'));
     for (const open of ['', '#layers-button', '#help-button']) {
       if (open) await press(open);
       const found = await page.evaluate(() => globalThis.axe.run().then(({violations}) => violations.map(({id, nodes}) =>
