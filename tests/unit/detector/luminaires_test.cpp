@@ -1,0 +1,44 @@
+#include <gtest/gtest.h>
+
+#include "tests/unit/detector/ceiling_picture.hpp"
+#include "tests/unit/detector/drawn_detections.hpp"
+
+namespace luminav {
+namespace {
+
+using test::DrawnCeiling;
+using test::DrawnShape;
+
+constexpr double kHeight = 2.8;
+
+CeilingCatalogue only(const CeilingKind& kind) {
+  return {.fixtures = {kind}, .elements = {}, .ceiling_height = kHeight};
+}
+
+TEST(Luminaires, FindAnUnlitDownlightWhoseLampIsAsBrightAsTheCeiling) {
+  const CeilingKind downlight{
+      .shape = FixtureShape::kRound, .length = 0.2, .width = 0.2, .height = kHeight, .lamps = 1};
+  DrawnCeiling ceiling;
+  DrawnShape disc{.pose = {0.1, 0.05, 0.0}, .shape = FixtureShape::kRound, .length = 0.2, .width = 0.2};
+  disc.state = DetectionState::kUnlit;
+  disc.darker = 50.0;
+  ceiling.shapes = {disc, disc};
+  ceiling.shapes[1].length = ceiling.shapes[1].width = 0.09;
+  ceiling.shapes[1].darker = 0.0;
+  const auto detections = test::detect(ceiling, test::test_camera(), only(downlight));
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_NEAR((detections[0].robot_from_fixture.position() - disc.pose.position()).norm(), 0.0, 5e-3);
+}
+
+TEST(Luminaires, FindNarrowUnlitOnesOnlyWhereTheyAreWholeInView) {
+  const CeilingKind narrow{.length = 0.8, .width = 0.06, .height = kHeight, .lamps = 1};
+  for (const double x : {0.1, 0.95}) {  // in view up to x = 1.08 m
+    DrawnCeiling ceiling;
+    ceiling.shapes = {{.pose = {x, 0.1, 0.0}, .length = 0.8, .width = 0.06, .state = DetectionState::kUnlit}};
+    ceiling.shapes[0].darker = 50.0;
+    EXPECT_EQ(test::detect(ceiling, test::test_camera(), only(narrow)).size(), x < 0.5 ? 1U : 0U);
+  }
+}
+
+}  // namespace
+}  // namespace luminav
