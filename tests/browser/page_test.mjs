@@ -191,7 +191,8 @@ const steps = {
     await press('#help-button');
     await says('#help', /Leuchten.*Leuchten an der Decke/);
     await look('german-help', name, theme);
-    await press('#help-button');
+    await page.keyboard.press('Escape');
+    await page.waitForSelector('#help', {state: 'hidden'});
     await press('#language-button');
     await says('#goal-actions', /Cancel goal/);
   },
