@@ -162,6 +162,7 @@ const playback = new Playback(ask, connection);
 playback.addEventListener('begin', () => {
   for (const part of [stop, goals, happenings]) part.turnOff();
   time.now = () => playback.state?.position ?? 0;
+  view.addEventListener('resize', fit, {once: true});  // the bar takes some of its room
 });
 playback.addEventListener('jump', () => {
   [state, path, cloud, hypotheses] = [null, null, null, []];
