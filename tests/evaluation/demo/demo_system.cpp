@@ -40,9 +40,14 @@ std::filesystem::path program_folder() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path();
 }
 
-/// The robot's usual port if nobody has it, else any free one.
-int free_port() {
-  for (const int wanted : {kArcosPort, 0}) {
+/// The robot's usual port, on a further network one of its own beyond the pages' ports, if nobody has it, else any free
+/// one: demos that start at the same moment do not choose the same.
+int free_port(const std::string& lcm_url) {
+  constexpr int kUsualNetwork = 7667;
+  const auto network = multicast_address(lcm_url);
+  const int apart = network ? static_cast<int>(network->port) - kUsualNetwork : 0;
+  const int own = kArcosPort + (apart > 0 && apart <= 1000 ? 1000 + apart : 0);
+  for (const int wanted : {own, 0}) {
     const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const int yes = 1;
     setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
@@ -127,7 +132,7 @@ DemoSystem::DemoSystem(const Scenario& scenario, const std::string& mode, const 
     throw std::runtime_error(fmt::format("{}: cannot be made", folder));
   }
   state_folder_ = folder;
-  const std::string port = std::to_string(free_port());
+  const std::string port = std::to_string(free_port(lcm_url));
   const std::string seed = std::to_string(scenario.seed);
   const std::string state = state_folder_.string();
   for (const auto& [name, value] : std::vector<std::pair<const char*, std::string>>{
