@@ -195,6 +195,7 @@ const steps = {
     await page.waitForSelector('#help', {state: 'hidden'});
     await press('#language-button');
     await says('#goal-actions', /Cancel goal/);
+    await says('#pose-state', /TRACKING/);  // the page, loaded anew, hears the robot
   },
 
   async 'forgetting asks first'() {
