@@ -250,21 +250,15 @@ bool AmbiguityAudit::is_alias(const MotionImage& motion, std::size_t place, int 
                      [&](int index) { return motion.is_hit[static_cast<std::size_t>(index)]; });
 }
 
-std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const MotionImage& motion, int changed) const {
-  // all places that are connected, without a refutation between, with one that sees a fixture which finds its like
-  enum : std::uint8_t { kUntouched, kAlias, kRefuted };
-  thread_local std::vector<std::uint8_t> kind;
-  thread_local std::vector<double> distance;
-  kind.assign(places_.size(), kUntouched);
-  distance.resize(places_.size());
-  std::vector<std::int32_t> open;
+std::vector<std::int32_t> AmbiguityAudit::connected_aliases(const MotionImage& motion, int changed,
+                                                            std::vector<AliasKind>& kind) const {
+  std::vector<std::int32_t> aliases;
   const auto touch = [&](std::int32_t place) {
     const auto i = static_cast<std::size_t>(place);
-    if (kind[i] == kUntouched) {
-      kind[i] = is_alias(motion, i, changed) ? kAlias : kRefuted;
-      if (kind[i] == kAlias) {
-        distance[i] = kNever;
-        open.push_back(place);
+    if (kind[i] == AliasKind::kUntouched) {
+      kind[i] = is_alias(motion, i, changed) ? AliasKind::kAlias : AliasKind::kRefuted;
+      if (kind[i] == AliasKind::kAlias) {
+        aliases.push_back(place);
       }
     }
   };
@@ -273,10 +267,18 @@ std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const Motio
       std::for_each(places_of_[fixture].begin(), places_of_[fixture].end(), touch);
     }
   }
-  for (std::size_t next = 0; next < open.size(); ++next) {
-    const std::vector<std::int32_t>& around = ground_.neighbours[static_cast<std::size_t>(open[next])];
+  std::size_t next = 0;
+  while (next < aliases.size()) {  // it grows meanwhile
+    const std::vector<std::int32_t>& around = ground_.neighbours[static_cast<std::size_t>(aliases[next++])];
     std::for_each(around.begin(), around.end(), touch);
   }
+  return aliases;
+}
+
+std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const MotionImage& motion, int changed) const {
+  std::vector<AliasKind> kind(places_.size(), AliasKind::kUntouched);
+  std::vector<double> distance(places_.size(), kNever);
+  const std::vector<std::int32_t> aliases = connected_aliases(motion, changed, kind);
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   const auto relax = [&](std::size_t from, std::size_t to, double base) {
@@ -286,9 +288,9 @@ std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const Motio
       queue.emplace(length, to);
     }
   };
-  for (const std::int32_t place : open) {
+  for (const std::int32_t place : aliases) {
     for (const std::int32_t neighbour : ground_.neighbours[static_cast<std::size_t>(place)]) {
-      if (kind[static_cast<std::size_t>(neighbour)] == kRefuted) {
+      if (kind[static_cast<std::size_t>(neighbour)] == AliasKind::kRefuted) {
         relax(static_cast<std::size_t>(neighbour), static_cast<std::size_t>(place), 0.0);
       }
     }
@@ -300,14 +302,14 @@ std::vector<AmbiguityAudit::PlaceDistance> AmbiguityAudit::distances(const Motio
       continue;
     }
     for (const std::int32_t neighbour : ground_.neighbours[place]) {
-      if (kind[static_cast<std::size_t>(neighbour)] == kAlias) {
+      if (kind[static_cast<std::size_t>(neighbour)] == AliasKind::kAlias) {
         relax(place, static_cast<std::size_t>(neighbour), length);
       }
     }
   }
   std::vector<PlaceDistance> result;
-  result.reserve(open.size());
-  for (const std::int32_t place : open) {
+  result.reserve(aliases.size());
+  for (const std::int32_t place : aliases) {
     result.push_back({place, static_cast<float>(distance[static_cast<std::size_t>(place)])});
   }
   return result;

@@ -90,6 +90,11 @@ class AmbiguityAudit {
   /// Looks the same at a place under a motion; `changed` is a fixture that became another kind, -1 = none.
   [[nodiscard]] bool is_alias(const MotionImage& motion, std::size_t place, int changed) const;
   /// Ways from all places where a motion is not refuted.
+  enum class AliasKind : std::uint8_t { kUntouched, kAlias, kRefuted };
+  /// Places from which the motion's image looks alike and that are connected, without a refutation between, with one
+  /// that sees a fixture which finds its like. `kind`: of each place that was looked at.
+  [[nodiscard]] std::vector<std::int32_t> connected_aliases(const MotionImage& motion, int changed,
+                                                            std::vector<AliasKind>& kind) const;
   [[nodiscard]] std::vector<PlaceDistance> distances(const MotionImage& motion, int changed) const;
   void add_blind_distances(std::vector<double>& distance) const;
   [[nodiscard]] std::vector<int> costly_fixtures(const std::vector<MotionImage>& images) const;

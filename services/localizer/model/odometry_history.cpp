@@ -4,6 +4,16 @@
 
 namespace luminav {
 
+OdometryReading interpolate(const OdometryReading& before, const OdometryReading& after, std::int64_t utime) {
+  const double share = static_cast<double>(utime - before.utime) / static_cast<double>(after.utime - before.utime);
+  OdometryReading at = before;
+  at.utime = utime;
+  at.odom_from_robot = interpolate(before.odom_from_robot, after.odom_from_robot, share);
+  at.linear = before.linear + share * (after.linear - before.linear);
+  at.angular = before.angular + share * (after.angular - before.angular);
+  return at;
+}
+
 void OdometryHistory::add(const OdometryReading& reading) {
   if (!readings_.empty() && readings_.back().session != reading.session) {
     readings_.clear();
@@ -23,15 +33,7 @@ std::optional<OdometryReading> OdometryHistory::at(std::int64_t utime) const {
   if (after->utime == utime || after == readings_.begin()) {
     return *after;
   }
-  const OdometryReading& a = *(after - 1);
-  const OdometryReading& b = *after;
-  const double fraction = static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
-  OdometryReading result = a;
-  result.utime = utime;
-  result.odom_from_robot = interpolate(a.odom_from_robot, b.odom_from_robot, fraction);
-  result.linear = a.linear + fraction * (b.linear - a.linear);
-  result.angular = a.angular + fraction * (b.angular - a.angular);
-  return result;
+  return interpolate(*(after - 1), *after, utime);
 }
 
 OdometryHistory::Travel OdometryHistory::travel(std::int64_t from_utime, std::int64_t to_utime) const {

@@ -8,6 +8,10 @@
 
 namespace luminav {
 
+/// Interpolates between two readings of one session; `utime` [us] lies between theirs.
+[[nodiscard]] OdometryReading interpolate(const OdometryReading& before, const OdometryReading& after,
+                                          std::int64_t utime);
+
 /// The odometry of the last seconds, so that images and echoes which arrive late can be placed at their own time.
 class OdometryHistory {
  public:

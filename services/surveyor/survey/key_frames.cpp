@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "services/localizer/model/ceiling_view.hpp"
+#include "services/localizer/model/odometry_history.hpp"
 
 namespace luminav {
 namespace {
@@ -51,16 +52,6 @@ class Approach {
   bool is_first_ = true;
 };
 
-OdometryReading between(const OdometryReading& before, const OdometryReading& now, std::int64_t utime) {
-  const double share = static_cast<double>(utime - before.utime) / static_cast<double>(now.utime - before.utime);
-  OdometryReading at = now;
-  at.utime = utime;
-  at.odom_from_robot = interpolate(before.odom_from_robot, now.odom_from_robot, share);
-  at.linear = before.linear + share * (now.linear - before.linear);
-  at.angular = before.angular + share * (now.angular - before.angular);
-  return at;
-}
-
 }  // namespace
 
 double signed_length(const Pose2& step) {
@@ -90,7 +81,7 @@ std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDe
       if (utime <= before.utime) {
         continue;
       }
-      const OdometryReading at = between(before, now, utime);
+      const OdometryReading at = interpolate(before, now, utime);
       if (!approach.is_due(at.odom_from_robot)) {
         continue;
       }

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
@@ -110,30 +111,23 @@ Drawing ward() {
   for (int i = 0; i < 15; ++i) {
     ward.hang(FixtureShape::kRound, 1.7 + 3.0 * i, 7.6, 0.25, 0.25);
   }
-  const auto panels = [&](double west, double east, double south) {
-    for (double x = west + 0.9; x < east - 0.4; x += 2.2) {
-      for (const double y : {south + 1.6, south + 4.0}) {
-        ward.hang(FixtureShape::kSquare, x, y, 0.6, 0.6);
+  constexpr double kWall = 0.2;
+  const auto rooms = [&](double south, double door, const std::vector<double>& widths) {
+    double west = 0.3;
+    for (const double width : widths) {
+      const double east = std::min(45.7, west + width);
+      ward.carve(west, south, east, south + 5.9);
+      ward.carve(west + 1.4, door, west + 2.6, door + kWall);
+      for (double x = west + 0.9; x < east - 0.4; x += 2.2) {
+        for (const double y : {south + 1.6, south + 4.0}) {
+          ward.hang(FixtureShape::kSquare, x, y, 0.6, 0.6);
+        }
       }
+      west = east + kWall;
     }
   };
-  constexpr double kWall = 0.2;
-  double west = 0.3;
-  for (const double width : {4.0, 4.0, 4.0, 8.2, 4.0, 4.0, 4.0, 4.0, 6.4}) {
-    const double east = std::min(45.7, west + width);
-    ward.carve(west, 0.3, east, 6.2);
-    ward.carve(west + 1.4, 6.2, west + 2.6, 6.4);
-    panels(west, east, 0.3);
-    west = east + kWall;
-  }
-  west = 0.3;
-  for (const double width : {6.4, 4.0, 4.0, 4.0, 4.0, 8.2, 4.0, 4.0, 4.0}) {
-    const double east = std::min(45.7, west + width);
-    ward.carve(west, 9.0, east, 14.9);
-    ward.carve(west + 1.4, 8.8, west + 2.6, 9.0);
-    panels(west, east, 9.0);
-    west = east + kWall;
-  }
+  rooms(0.3, 6.2, {4.0, 4.0, 4.0, 8.2, 4.0, 4.0, 4.0, 4.0, 6.4});
+  rooms(9.0, 8.8, {6.4, 4.0, 4.0, 4.0, 4.0, 8.2, 4.0, 4.0, 4.0});
   ward.name_place("room-2", 6.0, 3.2);
   ward.name_place("station", 30.0, 11.8);
   ward.name_place("day-room", 42.0, 3.2);
