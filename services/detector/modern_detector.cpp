@@ -133,7 +133,7 @@ ModernDetector::ModernDetector(const ModernDetectorParams& params, const Ceiling
       const double length = kSlack * kind.length + 2.0 * params_.max_bloom;
       const double width = kSlack * kind.width + 2.0 * params_.max_bloom;
       max_extent_ = std::max(max_extent_, std::hypot(length, width));
-      max_area_ = std::max(max_area_, length * width);
+      max_area_ = std::max({max_area_, length * width, OutlineProposer::kMaxGlow * length * length});
     }
   }
   // grid lines between tiles are thinner than two cells; the narrowest fixture must survive
@@ -197,18 +197,20 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
                                 .ragged = kRagged,
                                 .bloom = layer.bright ? params_.max_bloom : 0.0,
                                 .min_visible = 0.7 * params_.min_visible,
-                                .may_be_broken = !layer.bright};
+                                .may_be_broken = !layer.bright,
+                                .is_white = layer.bright && layer.level == kLitLevels.front()};
   const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(shape_, layer.bright, tolerance);
   if (hypotheses.empty()) {
     return;
   }
-  const OutlineFitParams params = fit_params(region, layer);
+  OutlineFitParams params = fit_params(region, layer);
   for (const OutlineHypothesis& hypothesis : hypotheses) {
     if (was_tried(hypothesis) || fits_left_ <= 0) {
       continue;
     }
     tried_.push_back(hypothesis);
     --fits_left_;
+    params.unseen = hypothesis.drowned;
     Candidate candidate{.hypothesis = hypothesis, .fit = {}, .level = layer.level, .bright = layer.bright};
     const Verdict verdict = judge(frame, params, candidate);
     if (trace != nullptr) {

@@ -140,6 +140,27 @@ void OutlineProposer::propose_from_one_side(const Target& target, const RegionSh
   }
 }
 
+void OutlineProposer::propose_beside_glow(const Target& target, const RegionShape& shape,
+                                          const Orientation& orientation, const SizeTolerance& tolerance) {
+  const CeilingKind& kind = *target.kind;
+  const Extents& e = orientation.extents;
+  const double longer = target.scale * e.length() - kind.length;
+  const double seen_width = target.scale * e.width();
+  if (std::abs(longer) > tolerance.share * kind.length || seen_width < kMaxWidth * kind.width ||
+      seen_width > kMaxGlow * kind.length || shape.area() < kMinFill * e.length() * e.width()) {
+    return;
+  }
+  const double half_width = 0.5 * kind.width / target.scale;
+  for (const bool is_on_left : {true, false}) {
+    const double across = is_on_left ? e.max_across - half_width : e.min_across + half_width;
+    OutlineHypothesis& hypothesis = add(target, orientation, e.middle_along(), across);
+    const bool is_turned = std::cos(hypothesis.start.pose.theta - orientation.theta) < 0.0;
+    hypothesis.drowned = is_on_left == is_turned ? kLeftSide : kRightSide;
+    hypothesis.size_error = std::abs(longer) / kind.length;
+    hypothesis.start.end_outset = 0.5 * longer;
+  }
+}
+
 void OutlineProposer::propose_kind(const Target& target, const RegionShape& shape, const SizeTolerance& tolerance,
                                    bool is_bright_bar) {
   const bool bar = target.kind->shape == FixtureShape::kRectangle;
@@ -148,6 +169,9 @@ void OutlineProposer::propose_kind(const Target& target, const RegionShape& shap
     propose_whole(target, shape, orientations[i], tolerance);
     if (bar && target.kind->is_fixture && (shape.touches_border() || tolerance.may_be_broken)) {
       propose_cut(target, shape, orientations[i], tolerance);
+    }
+    if (bar && tolerance.is_white && !shape.touches_border() && !target.half_width) {
+      propose_beside_glow(target, shape, orientations[i], tolerance);
     }
     if (target.kind->is_fixture && target.kind->shape != FixtureShape::kRound && shape.touches_border() &&
         !target.half_width) {

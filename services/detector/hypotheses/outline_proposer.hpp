@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "services/detector/hypotheses/region_shape.hpp"
@@ -12,8 +13,9 @@ namespace luminav {
 struct OutlineHypothesis {
   int kind = 0;  // index into the catalogue's fixtures, or elements
   bool is_element = false;
-  bool half_width = false;  // one lamp's half of a fixture of two
-  bool is_whole = false;    // the region shows all of it
+  bool half_width = false;      // one lamp's half of a fixture of two
+  bool is_whole = false;        // the region shows all of it
+  std::optional<Side> drowned;  // long side that a glow hides, as bright as the lamp
   Outline outline;
   OutlinePlacement start;   // as large as the region shows it
   double size_error = 0.0;  // by which the region is longer, bloom taken off, as a share of the length; of whole ones
@@ -26,12 +28,15 @@ struct SizeTolerance {
   double bloom = 0.0;          // [m] by which light may widen a region on each side
   double min_visible = 0.3;    // share of a cut fixture's length
   bool may_be_broken = false;  // into parts, by noise
+  bool is_white = false;       // all of it: what shines beside a lamp is as bright as the lamp
 };
 
 /// Turns regions into guesses of what hangs on this ceiling, in metres. Where the image border cuts a region, an
 /// outline is tried at each end that may be in view; where it cuts off a long side, one that starts from the other.
 class OutlineProposer {
  public:
+  static constexpr double kMaxGlow = 0.25;  // width of a lamp with the glow beside it, of its length
+
   OutlineProposer(const CellPlane& plane, const CeilingCatalogue& catalogue) : plane_(&plane), catalogue_(&catalogue) {}
 
   /// Best size first. Valid until the next call. `bright`: else elements are guessed as well.
@@ -56,6 +61,10 @@ class OutlineProposer {
   /// Outlines of which one long side is beyond the image border.
   void propose_from_one_side(const Target& target, const RegionShape& shape,
                              const RegionShape::Orientation& orientation, const SizeTolerance& tolerance);
+  /// A lamp along either long side of a region that is too wide: beside a tube on a wall or a beam the light falls on
+  /// one side only.
+  void propose_beside_glow(const Target& target, const RegionShape& shape, const RegionShape::Orientation& orientation,
+                           const SizeTolerance& tolerance);
   /// An outline with its middle there, `along` and `across` [m] on the reference ceiling.
   OutlineHypothesis& add(const Target& target, const RegionShape::Orientation& orientation, double along,
                          double across);

@@ -290,6 +290,12 @@ void EdgeSearch::start(const OutlinePlacement& placement, double height, const E
   project(placement, height);
 }
 
+void EdgeSearch::leave_out(int side) {
+  for (EdgePoint& point : own_points_of(side)) {
+    point.in_view = point.found = false;
+  }
+}
+
 void EdgeSearch::measure(const GreyView& image, const EdgeSearchParams& params, int side) {
   const auto s = static_cast<std::size_t>(side);
   const std::size_t first = first_of_side_[s];

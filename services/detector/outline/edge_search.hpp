@@ -47,6 +47,8 @@ class EdgeSearch {
   void start(const OutlinePlacement& placement, double height, const EdgeSearchParams& params);
   /// Finds the edge near each point of a side that is in view.
   void measure(const GreyView& image, const EdgeSearchParams& params, int side);
+  /// Takes a side for one that is not in view.
+  void leave_out(int side);
 
   [[nodiscard]] std::span<const EdgePoint> points() const { return points_; }
   [[nodiscard]] std::span<const EdgePoint> points_of(int side) const;

@@ -106,9 +106,14 @@ double OutlineFit::quality() const {
 }
 
 /// Most guesses are wrong, and one long side says so: the others need not be looked at then.
-bool OutlineFitter::measure(const GreyView& image, const EdgeSearchParams& search, double cutoff_px) {
+bool OutlineFitter::measure(const GreyView& image, const EdgeSearchParams& search, std::optional<Side> unseen,
+                            double cutoff_px) {
   for (int side = 0; side < kSides; ++side) {
-    edges_.measure(image, search, side);
+    if (side == unseen) {
+      edges_.leave_out(side);
+    } else {
+      edges_.measure(image, search, side);
+    }
     const double centre = median_offset(edges_.points_of(side));
     centre_px_[static_cast<std::size_t>(side)] = centre;
     int in_view = 0;
@@ -225,8 +230,8 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
                                              const OutlineFitParams& params, const OutlinePlacement& start) {
   metres_per_px_ = metres_per_pixel(*camera_, start.pose.position(), outline.height);
   const bool faint = params.expected_step < 8.0 * params.pixel_noise;
-  // A narrow outline's opposite edge must stay out of the filter and the search.
-  const double narrow_px = std::min(outline.width, outline.length) / metres_per_px_;
+  // A narrow outline's opposite edge must stay out of the filter and the search; where it drowns, there is none.
+  const double narrow_px = (params.unseen ? outline.length : std::min(outline.width, outline.length)) / metres_per_px_;
   EdgeSearchParams search{
       .inside_brighter = params.inside_brighter,
       .half_filter = std::clamp(static_cast<int>(narrow_px / 4.0), 1, faint || params.inside_brighter ? 4 : 2),
@@ -248,7 +253,7 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
     search.search_px = pass.search_px;
     search.is_first = &pass == &passes.front();
     edges_.start(fit.placement, outline.height, search);
-    if (!measure(image, search, pass.cutoff_px)) {
+    if (!measure(image, search, params.unseen, pass.cutoff_px)) {
       return std::nullopt;
     }
     const Equations before = prior(outline, params, fit.placement);

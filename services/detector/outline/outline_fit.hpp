@@ -20,6 +20,7 @@ struct OutlineFitParams {
   double end_sigma = 0.008;        // [m] by how much more it may look longer on each end, 1 sigma
   double edge_sigma_px = 0.15;     // [px] least error of one edge point
   double outline_sigma_px = 0.06;  // [px] error that the points of a side share
+  std::optional<Side> unseen;      // long side that isn't looked at
 };
 
 /// What one side of a fitted outline shows.
@@ -74,7 +75,8 @@ class OutlineFitter {
   };
 
   /// False when a long side in view shows no edge.
-  [[nodiscard]] bool measure(const GreyView& image, const EdgeSearchParams& search, double cutoff_px);
+  [[nodiscard]] bool measure(const GreyView& image, const EdgeSearchParams& search, std::optional<Side> unseen,
+                             double cutoff_px);
   [[nodiscard]] Equations prior(const Outline& outline, const OutlineFitParams& params,
                                 const OutlinePlacement& placement) const;
   void add_edges(double cutoff_px, Equations& equations) const;

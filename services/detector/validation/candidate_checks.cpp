@@ -352,6 +352,9 @@ CandidateChecks::Surroundings CandidateChecks::surroundings(const CeilingFrame& 
         continue;
       }
       for (const double side : {1.0, -1.0}) {
+        if (candidate.hypothesis.drowned == (side > 0.0 ? kLeftSide : kRightSide)) {
+          continue;
+        }
         look_outside({2.0 * half_length * t, side * (half_width + out)});
         if (i % 4 == 1) {  // ends are shorter
           look_outside({side * (half_length + out), 2.0 * half_width * t});

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "services/detector/detector.hpp"
 #include "tests/unit/detector/allocation_count.hpp"
@@ -89,6 +90,27 @@ TEST(ModernDetector, FindsALampWhoseBloomIsOverexposed) {
     ASSERT_EQ(detections.size(), 1U) << "width " << width;
     EXPECT_EQ(detections[0].state, DetectionState::kLit);
     expect_at(detections[0], truth, 2e-3, radians(0.1));
+  }
+}
+
+TEST(ModernDetector, PlacesATubeByItsSharpSideWhereTheOtherDrownsInGlow) {
+  CeilingCatalogue catalogue = test::test_catalogue();
+  catalogue.fixtures = {{.length = 1.2, .width = 0.06, .height = 2.8, .lamps = 1}};
+  for (const double side : {1.0, -1.0}) {  // on which it glows
+    for (const double theta : {0.6, 1.7}) {
+      const Pose2 truth{0.1, -0.05, theta};
+      DrawnCeiling ceiling;
+      ceiling.grey = 40.0;
+      ceiling.bloom = 20.0;
+      ceiling.shapes = {{.pose = truth, .width = 0.06}};
+      for (const auto& [length, width] : {std::pair{1.1, 0.14}, {0.9, 0.18}, {0.6, 0.22}}) {
+        ceiling.shapes.push_back(
+            {.pose = truth * Pose2{0.0, 0.5 * side * width, 0.0}, .length = length, .width = width});
+      }
+      const auto detections = detect(ceiling, test::test_camera(), catalogue);
+      ASSERT_EQ(detections.size(), 1U) << "side " << side << ", theta " << theta;
+      expect_at(detections[0], truth, 0.015, radians(0.3));
+    }
   }
 }
 
