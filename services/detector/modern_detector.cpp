@@ -19,6 +19,7 @@ constexpr std::size_t kMedianSamples = 20000;
 constexpr int kMaxFits = 400;        // of a frame: more are a picture of something else than a ceiling
 constexpr double kRagged = 0.02;     // [m] by which noise and grid lines may change a side of an unlit region
 constexpr double kOtherSize = 0.01;  // share by which an unlit region's length must miss to be tried as it is
+constexpr double kMinAcross = 16.0;  // [px] any dark speck looks like a smaller disc, any groove like a narrower piece
 constexpr double kSlack = 1.4;       // times its size, and bloom, no region of a kind is larger
 constexpr double kCertain = 0.9;     // share of the outline that shows an edge: nothing better is to be expected
 constexpr double kOutset = 3.0;      // [1/m] by which an unlit outline is the worse, the less it has its nominal size
@@ -197,6 +198,7 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
                                 .ragged = kRagged,
                                 .bloom = layer.bright ? params_.max_bloom : 0.0,
                                 .min_visible = 0.7 * params_.min_visible,
+                                .min_width = layer.bright ? 0.0 : kMinAcross * shape_.cell_size() / factor_,
                                 .may_be_broken = !layer.bright,
                                 .is_white = layer.bright && layer.level == kLitLevels.front()};
   const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(shape_, layer.bright, tolerance);

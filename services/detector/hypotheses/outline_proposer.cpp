@@ -164,6 +164,10 @@ void OutlineProposer::propose_beside_glow(const Target& target, const RegionShap
 void OutlineProposer::propose_kind(const Target& target, const RegionShape& shape, const SizeTolerance& tolerance,
                                    bool is_bright_bar) {
   const bool bar = target.kind->shape == FixtureShape::kRectangle;
+  const bool round = target.kind->shape == FixtureShape::kRound;
+  if (target.kind->width < tolerance.min_width && (round || shape.touches_border())) {
+    return;
+  }
   const std::vector<Orientation>& orientations = shape.orientations();
   for (std::size_t i = 0; i < orientations.size(); i += bar ? 1 : 2) {  // others look the same at right angles
     propose_whole(target, shape, orientations[i], tolerance);
@@ -173,8 +177,7 @@ void OutlineProposer::propose_kind(const Target& target, const RegionShape& shap
     if (bar && tolerance.is_white && !shape.touches_border() && !target.half_width) {
       propose_beside_glow(target, shape, orientations[i], tolerance);
     }
-    if (target.kind->is_fixture && target.kind->shape != FixtureShape::kRound && shape.touches_border() &&
-        !target.half_width) {
+    if (target.kind->is_fixture && !round && shape.touches_border() && !target.half_width) {
       propose_from_one_side(target, shape, orientations[i], tolerance);
     }
   }

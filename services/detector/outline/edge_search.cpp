@@ -79,18 +79,18 @@ void EdgeSearch::spread_points(const Outline& outline, double metres_per_px, dou
 }
 
 /// Of each point, and of one ahead of it along its normal.
-void EdgeSearch::project(const OutlinePlacement& placement, double height) {
-  const PointTransform pose(placement.pose);
-  ceiling_points_.resize(2 * points_.size());
-  pixels_.resize(2 * points_.size());
-  for (std::size_t i = 0; i < points_.size(); ++i) {
+void EdgeSearch::project(std::size_t first, std::size_t last) {
+  const PointTransform pose(placement_.pose);
+  for (std::size_t i = first; i < last; ++i) {
     const EdgePoint& point = points_[i];
     const bool is_end = point.side == kFarEnd || point.side == kNearEnd;
-    const Vector2d place = point.place + (is_end ? placement.end_outset : placement.side_outset) * point.normal;
+    const Vector2d place = point.place + (is_end ? placement_.end_outset : placement_.side_outset) * point.normal;
     ceiling_points_[2 * i] = pose * place;
     ceiling_points_[2 * i + 1] = pose * (place + kAhead * point.normal);
   }
-  camera_->pixels_of_ceiling_points(ceiling_points_, height, pixels_);
+  const std::size_t count = 2 * (last - first);
+  camera_->pixels_of_ceiling_points(std::span(ceiling_points_).subspan(2 * first, count), height_,
+                                    std::span(pixels_).subspan(2 * first, count));
 }
 
 /// Near the border the search ends early: what lies beyond is taken to be like the last that is seen.
@@ -286,8 +286,11 @@ void EdgeSearch::search_side(int side, const EdgeSearchParams& params) {
 
 void EdgeSearch::start(const OutlinePlacement& placement, double height, const EdgeSearchParams& params) {
   reach_ = std::min(params.search_px + params.half_filter, kMaxLength / 2 - 1);
+  placement_ = placement;
+  height_ = height;
   profiles_.resize(std::max(profiles_.size(), points_.size()));
-  project(placement, height);
+  ceiling_points_.resize(2 * points_.size());
+  pixels_.resize(2 * points_.size());
 }
 
 void EdgeSearch::leave_out(int side) {
@@ -300,6 +303,7 @@ void EdgeSearch::measure(const GreyView& image, const EdgeSearchParams& params, 
   const auto s = static_cast<std::size_t>(side);
   const std::size_t first = first_of_side_[s];
   const std::size_t last = first_of_side_[s + 1];
+  project(first, last);
   const bool thinned = params.is_first && last - first >= kMinThinned;
   for (std::size_t i = first; i < last; ++i) {
     if (thinned && (i - first) % 2 == 1) {

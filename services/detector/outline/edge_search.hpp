@@ -43,7 +43,7 @@ class EdgeSearch {
 
   /// Spreads points over the sides. Corners are left out: blur rounds them, and lamps are round at their ends.
   void spread_points(const Outline& outline, double metres_per_px, double spacing_px);
-  /// Places the points in the image; then each side may be measured.
+  /// Says where the outline lies; then each side may be measured.
   void start(const OutlinePlacement& placement, double height, const EdgeSearchParams& params);
   /// Finds the edge near each point of a side that is in view.
   void measure(const GreyView& image, const EdgeSearchParams& params, int side);
@@ -67,7 +67,7 @@ class EdgeSearch {
 
   void add_side(int side, const Eigen::Vector2d& middle, const Eigen::Vector2d& along, const Eigen::Vector2d& normal,
                 double usable, int count);
-  void project(const OutlinePlacement& placement, double height);
+  void project(std::size_t first, std::size_t last);
   void sample(const GreyView& image, std::size_t index, const EdgeSearchParams& params);
   [[nodiscard]] std::optional<Step> largest_step(const Profile& profile, const EdgeSearchParams& params,
                                                  const Window& window) const;
@@ -85,7 +85,9 @@ class EdgeSearch {
   std::vector<Eigen::Vector2d> ceiling_points_;          // [m] robot frame: each point, and one ahead of it
   std::vector<Eigen::Vector2d> pixels_;                  // of these
   std::vector<Profile> profiles_;                        // of each point, from inside to outside
-  int reach_ = 0;                                        // [px] of a profile to each side
+  OutlinePlacement placement_;
+  double height_ = 0.0;  // [m]
+  int reach_ = 0;        // [px] of a profile to each side
 };
 
 }  // namespace luminav

@@ -56,33 +56,11 @@ void smaller_of(const std::uint8_t* a, const std::uint8_t* b, int count, std::ui
 
 using Combine = void (*)(const std::uint8_t*, const std::uint8_t*, int, std::uint8_t*);
 
-using CombineRows = void (*)(const std::uint8_t*, const std::uint8_t*, int, int, int, std::uint8_t*);
-
-LUMINAV_VECTOR_CLONES
-void larger_of_rows(const std::uint8_t* a, const std::uint8_t* b, int stride, int rows, int width, std::uint8_t* out) {
-  for (int y = 0; y < rows; ++y, a += stride, b += stride, out += width) {
-#pragma GCC ivdep
-    for (int x = 0; x < width; ++x) {
-      out[x] = std::max(a[x], b[x]);
-    }
-  }
-}
-
-LUMINAV_VECTOR_CLONES
-void smaller_of_rows(const std::uint8_t* a, const std::uint8_t* b, int stride, int rows, int width, std::uint8_t* out) {
-  for (int y = 0; y < rows; ++y, a += stride, b += stride, out += width) {
-#pragma GCC ivdep
-    for (int x = 0; x < width; ++x) {
-      out[x] = std::min(a[x], b[x]);
-    }
-  }
-}
-
 /// Running extreme over 2 radius + 1 cells in x, then in y, where the windows lie within the image; its cells are lost.
 /// Windows of 1, 2, 4, ... cells are combined from two of half the size, so the cost grows with the logarithm of the
 /// radius; every step is one straight loop over all rows. What it mixes from the next row lands in columns that are no
 /// longer read.
-void extreme_within(Raster& image, int radius, Combine combine, CombineRows combine_rows, Raster& result) {
+void extreme_within(Raster& image, int radius, Combine combine, Raster& result) {
   const int window = 2 * radius + 1;
   const int stride = image.width;
   std::uint8_t* cells = image.cells.data();
@@ -103,18 +81,20 @@ void extreme_within(Raster& image, int radius, Combine combine, CombineRows comb
     combine_with(size * stride);
   }
   result.resize(image.width - 2 * radius, image.height - 2 * radius);
-  combine_rows(cells, image.row(window - size), stride, result.height, result.width, result.row(0));
+  for (int y = 0; y < result.height; ++y) {
+    combine(image.row(y), image.row(y + window - size), result.width, result.row(y));
+  }
 }
 
 /// The same of all cells: beyond the border all is `neutral`.
-void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Combine combine, CombineRows combine_rows,
-                     Raster& result, Raster& padded) {
+void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Combine combine, Raster& result,
+                     Raster& padded) {
   padded.resize(image.width + 2 * radius, image.height + 2 * radius);
   std::memset(padded.cells.data(), neutral, padded.cells.size());
   for (int y = 0; y < image.height; ++y) {
     std::memcpy(padded.row(y + radius) + radius, image.row(y), static_cast<std::size_t>(image.width));
   }
-  extreme_within(padded, radius, combine, combine_rows, result);
+  extreme_within(padded, radius, combine, result);
 }
 
 }  // namespace
@@ -150,19 +130,19 @@ int max_cell(const Raster& image) {
 }
 
 void dilate(const Raster& image, int radius, Raster& result, Raster& scratch) {
-  running_extreme(image, radius, 0, larger_of, larger_of_rows, result, scratch);
+  running_extreme(image, radius, 0, larger_of, result, scratch);
 }
 
 void erode(const Raster& image, int radius, Raster& result, Raster& scratch) {
-  running_extreme(image, radius, 255, smaller_of, smaller_of_rows, result, scratch);
+  running_extreme(image, radius, 255, smaller_of, result, scratch);
 }
 
 void dilate_within(Raster& image, int radius, Raster& result) {
-  extreme_within(image, radius, larger_of, larger_of_rows, result);
+  extreme_within(image, radius, larger_of, result);
 }
 
 void erode_within(Raster& image, int radius, Raster& result) {
-  extreme_within(image, radius, smaller_of, smaller_of_rows, result);
+  extreme_within(image, radius, smaller_of, result);
 }
 
 }  // namespace luminav

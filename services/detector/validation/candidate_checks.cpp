@@ -13,13 +13,13 @@ constexpr double kBlurredEdge = 2.5;          // [px] by which an outline may al
 constexpr double kElementFrame = 0.045;       // [m] a vent's frame is as bright as the ceiling: its slats end inside
 constexpr double kMaxAcross = 0.030;          // [m] 1 sigma of its place across
 constexpr double kMaxHeading = radians(1.5);  // 1 sigma, of a piece
-constexpr double kMinAcross = 16.0;  // [px] any dark speck looks like a smaller disc, any groove like a narrower piece
-constexpr double kSpeckSupport = 0.92;  // share of the rim of a smaller lamp that must show its edge
-constexpr double kOfMinVisible = 0.75;  // edges are looked for no closer to the border than this leaves
-constexpr double kMinStretch = 0.4;     // of a long side, where the other one or both ends are out of view
-constexpr double kAlikeSides = 0.5;     // least step of a lamp's side, of the other's: a burning half has a faint one
-constexpr double kAlikeEdges = 0.45;    // least step of any edge of an unlit piece, of its clearest
-constexpr double kEndsBrighter = 0.6;   // beyond the end of an unlit one, of its edges' step
+constexpr double kMinAcross = 16.0;           // [px] of what is no speck: any groove looks like a narrower piece
+constexpr double kSpeckSupport = 0.92;        // share of the rim of a smaller lamp that must show its edge
+constexpr double kOfMinVisible = 0.75;        // edges are looked for no closer to the border than this leaves
+constexpr double kMinStretch = 0.4;           // of a long side, where the other one or both ends are out of view
+constexpr double kAlikeSides = 0.5;    // least step of a lamp's side, of the other's: a burning half has a faint one
+constexpr double kAlikeEdges = 0.45;   // least step of any edge of an unlit piece, of its clearest
+constexpr double kEndsBrighter = 0.6;  // beyond the end of an unlit one, of its edges' step
 constexpr double kEndsLessDeep = 0.45;
 // Each amiss by 1:
 constexpr double kMaxBesides = 0.30;  // share of the ring that is as bright: panes of a skylight lie in rows
@@ -138,9 +138,6 @@ bool CandidateChecks::has_right_size(const Candidate& candidate) const {
 Verdict CandidateChecks::disc(const Candidate& candidate) const {
   const OutlineFit& fit = candidate.fit;
   const SideEdges& rim = fit.sides[kLeftSide];
-  if (!candidate.bright && candidate.hypothesis.outline.length / fit.metres_per_px < kMinAcross) {
-    return Verdict::kTooUncertain;
-  }
   const bool sound = rim.in_view >= 12 && 2 * rim.in_view >= rim.expected && rim.share() >= params_.min_side_support;
   return sound ? Verdict::kAccepted : Verdict::kNoLongSide;
 }
