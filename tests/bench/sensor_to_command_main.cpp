@@ -1,65 +1,41 @@
-// From the middle of an image's exposure to what follows from it, read from a recorded drive.
+// From the middle of a picture's exposure to what follows from it, read from a recorded drive.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <lcm/lcm-cpp.hpp>
-#include <luminav/fixture_detections_t.hpp>
-#include <luminav/pose_t.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <vector>
 
+#include "drivers/camera/simulated/ceiling.hpp"
+#include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
-#include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
+#include "tests/replay/log_reading/picture_trace.hpp"
 
 namespace {
 
 using namespace luminav;
 
-/// Latencies [ms] of one stage, over the log.
-struct Stage {
-  const char* name = "";
-  std::vector<double> latencies;
-  [[nodiscard]] double percentile(double share) {
-    std::sort(latencies.begin(), latencies.end());
-    return latencies[static_cast<std::size_t>(share * static_cast<double>(latencies.size() - 1))];
-  }
-};
-
-template <typename Message>
-bool decode(const lcm::LogEvent& event, Message& message) {
-  return message.decode(event.data, 0, event.datalen) >= 0;
+/// When the simulated camera of a run hands a picture to its driver.
+PictureTrace::Arrival arrival_in(const std::string& scenario_file, std::int64_t seed) {
+  Scenario scenario = read_scenario(scenario_file);
+  scenario.seed = seed < 0 ? scenario.seed : static_cast<std::uint64_t>(seed);
+  const WorldTruth world =
+      draw_world(scenario, read_building(scenario.true_building_file), read_robot(scenario.robot_file));
+  return [time_offset = world.robot.camera.time_offset](const camera_image_t& image) {
+    return image.utime + std::llround(1e6 * (time_offset + SimulatedCeilingParams{}.transfer_time) +
+                                      0.5 * (image.row_time_us * image.height + image.exposure_us));
+  };
 }
 
-/// Follows the newest image with sightings through the stages, each at the time when the logger heard of it.
-std::vector<Stage> follow(const std::string& file) {
-  lcm::LogFile log(file, "r");
-  if (!log.good()) {
-    throw std::runtime_error(fmt::format("{}: cannot be read", file));
+PictureTrace follow(const std::string& file, PictureTrace::Arrival arrival) {
+  LogReader log(file);
+  PictureTrace trace(std::move(arrival));
+  LogEvent event;
+  while (log.next(event)) {
+    trace.add(event);
   }
-  std::vector<Stage> stages = {{"image_to_detections", {}}, {"image_to_pose", {}}, {"image_to_command", {}}};
-  std::int64_t posed_image = 0;  // [us] of the newest image that a pose has used
-  bool is_command_awaited = false;
-  while (const lcm::LogEvent* event = log.readNextEvent()) {
-    if (event->channel == channels::kFixtureDetections) {
-      fixture_detections_t detections{};
-      if (decode(*event, detections)) {
-        stages[0].latencies.push_back(1e-3 * static_cast<double>(event->timestamp - detections.utime));
-      }
-    } else if (event->channel == channels::kPose) {
-      pose_t pose{};
-      if (decode(*event, pose) && pose.state == pose_t::STATE_TRACKING && pose.fixture_utime > posed_image) {
-        posed_image = pose.fixture_utime;
-        stages[1].latencies.push_back(1e-3 * static_cast<double>(event->timestamp - posed_image));
-        is_command_awaited = true;
-      }
-    } else if (event->channel == channels::kVelocityCommand && is_command_awaited) {
-      is_command_awaited = false;
-      stages[2].latencies.push_back(1e-3 * static_cast<double>(event->timestamp - posed_image));
-    }
-  }
-  return stages;
+  return trace;
 }
 
 }  // namespace
@@ -67,27 +43,34 @@ std::vector<Stage> follow(const std::string& file) {
 int main(int argc, char** argv) {
   std::vector<std::string> files;
   std::string out;
-  CommandLine line("sensor_to_command", "Latency from an image to the velocity command that follows from it.");
+  std::string scenario;
+  std::int64_t seed = -1;
+  CommandLine line("sensor_to_command", "Latency from a picture to the velocity command that used it, by stages.");
   line.positional("log", files, "recorded by demo --log", true)
+      .text("--scenario", scenario, "of the demo: tells when the simulated camera's driver had a picture")
+      .integer("--seed", seed, "of the demo, instead of the scenario's")
       .output_file("--json", out, "write it as a benchmark does");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
   return run_guarded("sensor_to_command", [&] {
+    const PictureTrace trace =
+        follow(files.front(), scenario.empty() ? PictureTrace::Arrival{} : arrival_in(scenario, seed));
     nlohmann::ordered_json json = {{"context", nlohmann::ordered_json::object()},
                                    {"benchmarks", nlohmann::ordered_json::array()}};
-    for (Stage& stage : follow(files.front())) {
-      if (stage.latencies.empty()) {
-        throw std::runtime_error(fmt::format("{}: has no {}", files.front(), stage.name));
-      }
-      fmt::print("{:<22} p50 {:6.1f} ms  p99 {:6.1f} ms  ({} times)\n", stage.name, stage.percentile(0.5),
-                 stage.percentile(0.99), stage.latencies.size());
+    bool has_command = false;
+    for (const PictureTrace::Stage& stage : trace.stages()) {
+      has_command = has_command || stage.name == "image_to_command";
       json["benchmarks"].push_back({{"name", fmt::format("{}/real_time", stage.name)},
-                                    {"real_time", stage.percentile(0.5)},
+                                    {"real_time", 1e3 * stage.quantile(0.5)},
                                     {"time_unit", "ms"},
-                                    {"p50_ms", stage.percentile(0.5)},
-                                    {"p99_ms", stage.percentile(0.99)}});
+                                    {"p50_ms", 1e3 * stage.quantile(0.5)},
+                                    {"p99_ms", 1e3 * stage.quantile(0.99)}});
     }
+    if (!has_command) {
+      throw std::runtime_error(fmt::format("{}: no command in it used a picture", files.front()));
+    }
+    fmt::print("{}", trace.text());
     if (!out.empty()) {
       write_whole_file(out, json.dump(2) + "\n");
     }
