@@ -66,6 +66,11 @@ void CameraNode::on_truth(const sim_truth_t& message) {
   poll();
 }
 
+std::optional<std::int64_t> CameraNode::time_left() const {
+  const std::optional<std::int64_t> due = source_.due();
+  return due ? std::optional(*due - clock_.utime()) : std::nullopt;
+}
+
 void CameraNode::poll() {
   if (source_.take(clock_.utime(), frame_)) {
     pictures_.look_at(frame_.image, frame_.utime);

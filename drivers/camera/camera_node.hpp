@@ -5,6 +5,7 @@
 #include <luminav/camera_image_t.hpp>
 #include <luminav/odometry_t.hpp>
 #include <luminav/sim_truth_t.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,13 +26,15 @@ namespace luminav {
 class CameraNode {
  public:
   CameraNode(lcm::LCM& lcm, const CameraConfig& config, const Clock& clock, FrameSource& source);
-  /// Feeds the simulated ceiling with SIM_TRUTH too; frames go out as soon as the truth they need is there, so nobody
-  /// has to call `poll`.
+  /// Feeds the simulated ceiling with SIM_TRUTH too.
   CameraNode(lcm::LCM& lcm, const CameraConfig& config, const Clock& clock, SimulatedCeiling& source);
 
-  /// Publishes the newest frame, if there is one. Call it when `descriptor` is readable and when the source is due.
+  /// Publishes the newest frame, if there is one. Call it at first, when `descriptor` is readable and when the source
+  /// is due.
   void poll();
   [[nodiscard]] int descriptor() const { return source_.descriptor(); }
+  /// How long [us] until `poll` is worth calling; nothing = when the descriptor or a message says so.
+  [[nodiscard]] std::optional<std::int64_t> time_left() const;
   [[nodiscard]] Health health() const;
   /// What it listens to.
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }

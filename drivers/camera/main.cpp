@@ -53,10 +53,8 @@ void write_still(SimulatedCeiling& ceiling, const Arguments& arguments) {
   write_pgm(arguments.out, image.view());
 }
 
-/// `period` [us]: how often the source is asked for what no descriptor and no message announces.
 template <typename Source>
-int run(const Arguments& arguments, const CameraConfig& config, const Clock& clock, Source& source,
-        std::int64_t period) {
+int run(const Arguments& arguments, const CameraConfig& config, const Clock& clock, Source& source) {
   const NetworkAccess access = read_network_access(arguments.robot_file);
   const LcmNetwork network = access.on(arguments.lcm_url);
   const auto lcm = open_lcm(network);
@@ -76,8 +74,9 @@ int run(const Arguments& arguments, const CameraConfig& config, const Clock& clo
                  }
                });
   }
-  loop.every(period, [&] { node.poll(); });
+  loop.when_due([&] { return node.time_left(); }, [&] { node.poll(); });
   loop.report_health([&] { return node.health(); });
+  node.poll();
   return loop.run();
 }
 
@@ -97,21 +96,21 @@ int camera(const Arguments& arguments) {
       write_still(ceiling, arguments);
       return 0;
     }
-    return run(arguments, config, clock, ceiling, 500'000);
+    return run(arguments, config, clock, ceiling);
   }
   if (source.starts_with("v4l2:")) {
     const CameraIntrinsics& lens = config.camera.intrinsics;
     V4l2Camera device(
         {path, lens.width, lens.height, config.rate, config.camera.row_time * 1e6, config.exposure.max_gain}, clock);
-    return run(arguments, config, clock, device, 100'000);
+    return run(arguments, config, clock, device);
   }
   if (source.starts_with("file:")) {
     RecordedPictures pictures = RecordedPictures::in_file(path, config.rate);
-    return run(arguments, config, clock, pictures, 5'000);
+    return run(arguments, config, clock, pictures);
   }
   if (source.starts_with("dir:")) {
     RecordedPictures pictures = RecordedPictures::in_folder(path, config.rate);
-    return run(arguments, config, clock, pictures, 5'000);
+    return run(arguments, config, clock, pictures);
   }
   throw ConfigurationError(fmt::format("--source {}: must be sim, v4l2:DEVICE, file:PATH or dir:PATH", source));
 }

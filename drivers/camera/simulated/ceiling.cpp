@@ -48,8 +48,8 @@ SimulatedCeiling::SimulatedCeiling(const WorldTruth& truth, std::uint64_t seed, 
   });
 }
 
-bool SimulatedCeiling::is_under_way(EventKind kind) const {
-  const double time = seconds_between(truth_.newest().session, truth_.newest().utime);
+bool SimulatedCeiling::is_under_way(EventKind kind, const TruthSample& now) const {
+  const double time = seconds_between(now.session, now.utime);
   return std::any_of(events_.begin(), events_.end(), [&](const ScenarioEvent& event) {
     return event.kind == kind && time >= event.at && time < event.at + event.duration;
   });
@@ -63,6 +63,7 @@ bool SimulatedCeiling::on_truth(const TruthSample& sample) {
   unplugged_ = sample.camera_unplugged;
   if (restarted || unplugged_) {
     running_ = false;
+    arrives_.reset();
   } else if (!running_) {
     // Plugged in: the first frame is one for which the truth before it will be known too.
     start_frames_at(static_cast<double>(sample.utime) + 0.5 * row_time_us_ * renderer_.height() + 50'000.0);
@@ -87,19 +88,34 @@ void SimulatedCeiling::apply_settings() {
   }
 }
 
-bool SimulatedCeiling::take(std::int64_t, Frame& frame) {
-  bool taken = false;
-  while (running_) {
-    const double done = next_middle() + 0.5 * row_time_us_ * renderer_.height() + 0.5 * setting_.exposure_us +
-                        params_.transfer_time * 1e6;
-    if (static_cast<double>(truth_.newest().utime) < done) {
-      break;
-    }
+std::optional<std::int64_t> SimulatedCeiling::due() const {
+  return arrives_;
+}
+
+void SimulatedCeiling::expose_next() {
+  const auto is_known = [&] { return next_middle() + half_shown() <= static_cast<double>(truth_.newest().utime); };
+  while (running_ && !arrives_ && is_known()) {
     apply_settings();
-    taken = render_next(frame) || taken;
+    if (render_next(exposed_)) {
+      arrives_ = std::llround(next_middle() + 0.5 * row_time_us_ * renderer_.height() + 0.5 * setting_.exposure_us +
+                              params_.transfer_time * 1e6);
+    }
     ++number_;
   }
+}
+
+bool SimulatedCeiling::take(std::int64_t now, Frame& frame) {
+  bool taken = false;
+  for (expose_next(); arrives_ && std::max(now, truth_.newest().utime) >= *arrives_; expose_next()) {
+    std::swap(frame, exposed_);
+    arrives_.reset();
+    taken = true;
+  }
   return taken;
+}
+
+double SimulatedCeiling::half_shown() const {
+  return std::max(5'000.0, 0.5 * row_time_us_ * (renderer_.height() - 1));
 }
 
 bool SimulatedCeiling::render_next(Frame& frame) {
@@ -113,8 +129,8 @@ bool SimulatedCeiling::render_next(Frame& frame) {
     }
     rows_.push_back(*pose);
   }
-  // The robot's motion for the blur, over at least 10 ms of truth.
-  const double half = std::max(5'000.0, 0.5 * row_time_us_ * (height - 1));
+  // The robot's motion for the blur.
+  const double half = half_shown();
   const auto before = truth_.at(middle - half);
   const auto after = truth_.at(middle + half);
   simulated::Exposure exposure;
@@ -129,14 +145,14 @@ bool SimulatedCeiling::render_next(Frame& frame) {
     exposure.velocity = step / seconds;
     exposure.angular = wrap_angle(after->world_from_robot.theta - before->world_from_robot.theta) / seconds;
   }
-  const TruthSample& now = truth_.newest();
+  const TruthSample& now = truth_.from(middle + half);
   renderer_.set_world(now.daylight, now.lamps, now.moved);
-  if (is_under_way(EventKind::kFreeze) && !last_.pixels.empty()) {
+  if (is_under_way(EventKind::kFreeze, now) && !last_.pixels.empty()) {
     frame.image = last_;
   } else {
     renderer_.render(exposure, rows_, frame.image);
   }
-  if (is_under_way(EventKind::kCover)) {
+  if (is_under_way(EventKind::kCover, now)) {
     constexpr std::uint8_t kLeft = 64;  // a little noise comes through
     std::for_each(frame.image.pixels.begin(), frame.image.pixels.end(), [](std::uint8_t& pixel) { pixel /= kLeft; });
   }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,8 @@ struct SimulatedCeilingParams {
 };
 
 /// A webcam in the simulated world: renders what it would see of the ceiling from the true pose through the true
-/// mounting, lens and shutter. Goes by the stamps of the truth it is fed and reads no clock; same truth and seed, same
-/// bytes.
+/// mounting, lens and shutter. A picture is exposed as soon as the truth of its last row is known, and handed on when
+/// it arrives by the driver's clock or the stamps of the truth, whichever is ahead. Same truth and seed, same bytes.
 class SimulatedCeiling final : public FrameSource {
  public:
   SimulatedCeiling(const WorldTruth& truth, std::uint64_t seed, const SimulatedCeilingParams& params = {});
@@ -31,6 +32,8 @@ class SimulatedCeiling final : public FrameSource {
   /// Where the robot is now and what burns; false when it is not newer than what was known.
   bool on_truth(const simulated::TruthSample& sample);
 
+  /// When the picture that is exposed arrives.
+  [[nodiscard]] std::optional<std::int64_t> due() const override;
   [[nodiscard]] bool take(std::int64_t now, Frame& frame) override;
   bool set_exposure(double exposure_us, double gain) override;
   [[nodiscard]] std::string fault() const override;
@@ -47,10 +50,14 @@ class SimulatedCeiling final : public FrameSource {
   };
   /// True mid-exposure [us] of the middle row of the frame that comes next.
   [[nodiscard]] double next_middle() const;
+  /// Half of the time [us] over which a picture shows the robot's motion, at least 10 ms of it.
+  [[nodiscard]] double half_shown() const;
   void start_frames_at(double middle);
   void apply_settings();
   /// True while an event of that kind lasts.
-  [[nodiscard]] bool is_under_way(EventKind kind) const;
+  [[nodiscard]] bool is_under_way(EventKind kind, const simulated::TruthSample& now) const;
+  /// Exposes the next picture if the truth reaches its end; one of which the truth came too late is lost.
+  void expose_next();
   [[nodiscard]] bool render_next(Frame& frame);
 
   SimulatedCeilingParams params_;
@@ -65,6 +72,8 @@ class SimulatedCeiling final : public FrameSource {
   std::uint64_t number_ = 0;        // of the next frame
   Setting setting_;                 // in effect
   std::deque<Setting> asked_;
+  Frame exposed_;                        // on its way to the driver
+  std::optional<std::int64_t> arrives_;  // [us] true time; nothing = none is
   std::vector<simulated::TruePose> rows_;
   std::vector<ScenarioEvent> events_;  // that are the camera's own
   GreyImage last_;                     // picture, for one that freezes

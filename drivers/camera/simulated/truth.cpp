@@ -18,14 +18,18 @@ bool TruthBuffer::add(const TruthSample& sample) {
   return true;
 }
 
+std::deque<TruthSample>::const_iterator TruthBuffer::first_from(double utime) const {
+  return std::lower_bound(samples_.begin(), samples_.end(), utime, [](const TruthSample& sample, double time) {
+    return static_cast<double>(sample.utime) < time;
+  });
+}
+
 std::optional<TruePose> TruthBuffer::at(double utime) const {
   if (samples_.empty() || utime < static_cast<double>(samples_.front().utime) ||
       utime > static_cast<double>(samples_.back().utime)) {
     return std::nullopt;
   }
-  const auto after =
-      std::lower_bound(samples_.begin(), samples_.end(), utime,
-                       [](const TruthSample& sample, double time) { return static_cast<double>(sample.utime) < time; });
+  const auto after = first_from(utime);
   const TruthSample& b = *after;
   if (after == samples_.begin()) {
     return TruePose{b.world_from_robot, b.roll, b.pitch};

@@ -50,6 +50,8 @@ class TruthBuffer {
 
   [[nodiscard]] bool empty() const { return samples_.empty(); }
   [[nodiscard]] const TruthSample& newest() const { return samples_.back(); }
+  /// The first sample not before a time [us] that the buffer reaches.
+  [[nodiscard]] const TruthSample& from(double utime) const { return *first_from(utime); }
   /// Between the two samples around a time [us]; nothing outside the buffer. Where the robot jumped between them it
   /// is at the nearer one's place.
   [[nodiscard]] std::optional<TruePose> at(double utime) const;
@@ -57,6 +59,8 @@ class TruthBuffer {
  private:
   static constexpr std::int64_t kKept = 500'000;  // [us]
   static constexpr double kJump = 0.5;            // [m] from one sample to the next: nobody moves that fast
+  [[nodiscard]] std::deque<TruthSample>::const_iterator first_from(double utime) const;
+
   std::deque<TruthSample> samples_;
 };
 

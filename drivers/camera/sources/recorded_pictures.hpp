@@ -30,7 +30,9 @@ class RecordedPictures final : public FrameSource {
   /// A motion-JPEG file, a single JPEG or a PGM. Throws std::runtime_error when there is no picture in it.
   static RecordedPictures in_file(const std::filesystem::path& file, double rate);
 
-  [[nodiscard]] std::optional<std::int64_t> due() const override { return due_; }
+  [[nodiscard]] std::optional<std::int64_t> due() const override {
+    return next_ < pictures_.size() ? due_ : std::nullopt;
+  }
   [[nodiscard]] bool take(std::int64_t now, Frame& frame) override;
   bool set_exposure(double, double) override { return false; }
   [[nodiscard]] std::string fault() const override;

@@ -173,6 +173,10 @@ void EventLoop::every(std::int64_t period, std::function<void()> callback, std::
   timers_.push_back({period, now_monotonic(), std::move(callback), slack});
 }
 
+void EventLoop::when_due(std::function<std::optional<std::int64_t>()> left, std::function<void()> callback) {
+  deadlines_.push_back({std::move(left), std::move(callback)});
+}
+
 void EventLoop::measure(const std::function<void()>& step) {
   const std::int64_t start = now_monotonic();
   step();
@@ -190,14 +194,23 @@ void EventLoop::run_due_timers() {
     timer.due += (missed + 1) * timer.period;
     measure(timer.callback);
   }
+  for (const Deadline& deadline : deadlines_) {
+    if (deadline.left().value_or(1) <= 0) {
+      measure(deadline.callback);
+    }
+  }
 }
 
-int EventLoop::milliseconds_to_next_timer() const {
-  std::int64_t due = now_monotonic() + 1'000'000;
+std::int64_t EventLoop::microseconds_to_next_timer() const {
+  const std::int64_t now = now_monotonic();
+  std::int64_t left = 1'000'000;
   for (const Timer& timer : timers_) {
-    due = std::min(due, timer.due);
+    left = std::min(left, timer.due - now);
   }
-  return static_cast<int>(std::max<std::int64_t>(0, (due - now_monotonic() + 999) / 1000));
+  for (const Deadline& deadline : deadlines_) {
+    left = std::min(left, deadline.left().value_or(left));
+  }
+  return std::max<std::int64_t>(0, left);
 }
 
 void EventLoop::wait_for_descriptors() {
@@ -205,7 +218,9 @@ void EventLoop::wait_for_descriptors() {
   for (const Watch& watch : watches_) {
     descriptors_.push_back({watch.descriptor(), POLLIN, 0});
   }
-  if (poll(descriptors_.data(), descriptors_.size(), milliseconds_to_next_timer()) < 0 && errno != EINTR) {
+  const std::int64_t left = microseconds_to_next_timer();
+  const timespec wait{left / 1'000'000, left % 1'000'000 * 1000};
+  if (ppoll(descriptors_.data(), descriptors_.size(), &wait, nullptr) < 0 && errno != EINTR) {
     throw std::runtime_error("poll failed");
   }
 }

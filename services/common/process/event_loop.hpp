@@ -7,6 +7,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/node_status_t.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,9 @@ class EventLoop {
   /// Calls back with a period [us]; periods that were missed are skipped.
   /// Up to `slack` [us] early when the process is awake anyway: each waking costs more than most callbacks.
   void every(std::int64_t period, std::function<void()> callback, std::int64_t slack = 0);
+  /// Calls back when `left` [us] is no more than 0. It is asked before each wait, nothing = not now; the callback has
+  /// to change the answer.
+  void when_due(std::function<std::optional<std::int64_t>()> left, std::function<void()> callback);
   void report_health(std::function<Health()> health) { health_ = std::move(health); }
   /// Says in NODE_STATUS which files this process was given, and is at fault as long as another process was given
   /// others.
@@ -76,8 +80,12 @@ class EventLoop {
     std::function<void()> callback;
     std::int64_t slack;  // [us]
   };
+  struct Deadline {
+    std::function<std::optional<std::int64_t>()> left;  // [us]
+    std::function<void()> callback;
+  };
   void run_due_timers();
-  [[nodiscard]] int milliseconds_to_next_timer() const;
+  [[nodiscard]] std::int64_t microseconds_to_next_timer() const;
   void wait_for_descriptors();
   void measure(const std::function<void()>& step);
   [[nodiscard]] Health current_health() const;
@@ -95,6 +103,7 @@ class EventLoop {
   std::vector<Watch> watches_;
   std::vector<pollfd> descriptors_;  // LCM, signals, then the watches
   std::vector<Timer> timers_;
+  std::vector<Deadline> deadlines_;
   std::function<Health()> health_;
   SystemFiles files_;
   RunningSystem others_;

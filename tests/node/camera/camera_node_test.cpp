@@ -112,6 +112,25 @@ TEST_F(CameraNodeTest, StampsAreWrongByTheCamerasTrueTimeOffsetAndNothingElse) {
   EXPECT_NEAR(static_cast<double>(images_[0].utime) + 30'000.0, true_middle, 1.0);
 }
 
+TEST_F(CameraNodeTest, HandsAPictureOnWhenItArrivesAndWaitsForNoTruthOfThatTime) {
+  start();
+  while (!node_->time_left()) {
+    step();
+  }
+  clock_.advance(*node_->time_left() - 1);
+  node_->poll();
+  drain();
+  EXPECT_TRUE(images_.empty());
+  clock_.advance(1);
+  node_->poll();
+  drain();
+  ASSERT_EQ(images_.size(), 1U);
+  const std::int64_t true_middle = images_[0].utime + 30'000;
+  // half the readout, half the exposure, the transfer
+  EXPECT_NEAR(static_cast<double>(clock_.utime() - true_middle), 12'500.0 + 4'000.0 + 40'000.0, 2.0);
+  EXPECT_FALSE(node_->time_left()) << "the next one is not exposed yet";
+}
+
 TEST_F(CameraNodeTest, SendsJpegsThatFitIntoADatagramAndDecode) {
   CameraConfig config;
   config.max_size = 20'000;  // less than the quality asked for takes

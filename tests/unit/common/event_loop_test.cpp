@@ -76,5 +76,23 @@ TEST(EventLoop, IsReadyBesideProcessesOfOtherRoles) {
   EXPECT_EQ(world.loop.conflict(), "");
 }
 
+TEST(EventLoop, CallsBackWhenNoTimeIsLeft) {
+  LoopWorld world;
+  std::optional<std::int64_t> left;  // nothing: not now
+  std::vector<int> called;
+  world.loop.when_due([&] { return left; },
+                      [&] {
+                        called.push_back(1);
+                        left.reset();
+                        if (called.size() == 2) {
+                          world.loop.stop();
+                        }
+                      });
+  world.loop.when_due([&] { return std::optional<std::int64_t>(60'000'000); }, [&] { called.push_back(2); });
+  world.loop.every(10'000, [&] { left = left ? 0 : 10'000; });
+  world.loop.run();
+  EXPECT_EQ(called, (std::vector<int>{1, 1}));
+}
+
 }  // namespace
 }  // namespace luminav
