@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <luminav/hypotheses_t.hpp>
-#include <luminav/pose_t.hpp>
 #include <utility>
 
 #include "services/common/process/channels.hpp"
@@ -63,11 +62,13 @@ void LocalizerNode::on_odometry(const odometry_t& message) {
     wheels_.restart();
     wheels_session_ = message.session;
   }
-  last_odometry_ = message.utime;
+  odometry_ = message;
   recall_pose(message);
   localizer_->add_odometry({message.utime, message.session + odometry_session_,
                             wheels_.correct(odom_from_robot(message)), message.linear, message.angular});
-  publish_pose(message);
+  const LocalizerEstimate estimate = localizer_->estimate();
+  remember_pose(message, estimate);
+  publish_pose(estimate);
   if (std::abs(message.utime - hypotheses_utime_) >= kHypothesesPeriod) {
     hypotheses_utime_ = message.utime;
     publish_hypotheses(message.utime);
@@ -79,10 +80,10 @@ void LocalizerNode::on_fixture_detections(const fixture_detections_t& message) {
     subscriber_.drop("FIXTURE_DETECTIONS: more fixtures than one image can show");
     return;
   }
-  last_frame_ = last_odometry_;
+  last_frame_ = odometry_.utime;
   SightingFrame frame;
   frame.utime = message.utime + static_cast<std::int64_t>(std::lround(1e6 * config_.robot.camera.time_offset));
-  if (last_odometry_ != 0 && frame.utime - last_odometry_ > kMaxAhead) {
+  if (odometry_.utime != 0 && frame.utime - odometry_.utime > kMaxAhead) {
     subscriber_.drop("FIXTURE_DETECTIONS: from the future, seen from ODOMETRY");
     return;
   }
@@ -98,6 +99,13 @@ void LocalizerNode::on_fixture_detections(const fixture_detections_t& message) {
     }
   }
   localizer_->add_frame(frame);
+  if (odometry_.utime == 0) {
+    return;
+  }
+  const LocalizerEstimate estimate = localizer_->estimate();
+  if (estimate.fixture_utime != pose_.fixture_utime || static_cast<std::int8_t>(estimate.state) != pose_.state) {
+    publish_pose(estimate);
+  }
 }
 
 void LocalizerNode::on_sonar(const sonar_t& message) {
@@ -161,13 +169,10 @@ void LocalizerNode::remember_pose(const odometry_t& odometry, const LocalizerEst
   }
 }
 
-void LocalizerNode::publish_pose(const odometry_t& odometry) {
-  const LocalizerEstimate estimate = localizer_->estimate();
-  remember_pose(odometry, estimate);
-  pose_t pose{};
-  pose.utime = odometry.utime;
-  pose.session = odometry.session;
-  pose.sequence = pose_sequence_++;
+void LocalizerNode::publish_pose(const LocalizerEstimate& estimate) {
+  pose_t& pose = pose_;
+  pose.utime = odometry_.utime;
+  pose.session = odometry_.session;
   pose.state = static_cast<std::int8_t>(estimate.state);
   pose.reason = estimate.reason;
   pose.estimator = static_cast<std::int8_t>(estimate.estimator);
@@ -177,14 +182,15 @@ void LocalizerNode::publish_pose(const odometry_t& odometry) {
   for (int i = 0; i < 9; ++i) {
     pose.covariance[i] = estimate.belief.covariance(i / 3, i % 3);
   }
-  pose.linear = odometry.linear;
-  pose.angular = odometry.angular;
+  pose.linear = odometry_.linear;
+  pose.angular = odometry_.angular;
   pose.fixture_utime = estimate.fixture_utime;
   pose.distance_since_fixture = estimate.distance_since_fixture;
   pose.has_nis = estimate.has_nis ? 1 : 0;
   pose.nis = estimate.nis;
   pose.initial_pose_id = estimate.initial_pose_id;
   lcm_.publish(channels::kPose, &pose);
+  ++pose.sequence;
 }
 
 void LocalizerNode::publish_hypotheses(std::int64_t utime) {
@@ -211,13 +217,13 @@ void LocalizerNode::publish_hypotheses(std::int64_t utime) {
 Health LocalizerNode::health() const {
   Health health;
   health.dropped_inputs = subscriber_.dropped() + localizer_->frames_dropped();
-  if (last_odometry_ == 0) {
+  if (odometry_.utime == 0) {
     health.degraded = true;
     health.reason = "no ODOMETRY yet";
-  } else if (last_odometry_ - last_frame_ > kSilence) {
+  } else if (odometry_.utime - last_frame_ > kSilence) {
     health.degraded = true;
     health.reason = "no FIXTURE_DETECTIONS for more than a second";
-  } else if (last_odometry_ - localizer_->last_frame_used() > kSilence) {
+  } else if (odometry_.utime - localizer_->last_frame_used() > kSilence) {
     health.degraded = true;
     health.reason = "no image was used for more than a second: their stamps do not fit ODOMETRY's";
   } else if (memory_failed_) {

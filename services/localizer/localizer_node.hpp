@@ -5,6 +5,7 @@
 #include <luminav/fixture_detections_t.hpp>
 #include <luminav/initial_pose_t.hpp>
 #include <luminav/odometry_t.hpp>
+#include <luminav/pose_t.hpp>
 #include <luminav/robot_status_t.hpp>
 #include <luminav/sonar_t.hpp>
 #include <memory>
@@ -22,8 +23,8 @@
 
 namespace luminav {
 
-/// ODOMETRY, FIXTURE_DETECTIONS, SONAR, ROBOT_STATUS and INITIAL_POSE in; POSE with each ODOMETRY and HYPOTHESES at
-/// most five times a second out.
+/// ODOMETRY, FIXTURE_DETECTIONS, SONAR, ROBOT_STATUS and INITIAL_POSE in; POSE with each ODOMETRY, and again of that
+/// stamp when an image tells more, and HYPOTHESES at most five times a second out.
 class LocalizerNode {
  public:
   /// With a key, commands without its seal are dropped.
@@ -42,7 +43,7 @@ class LocalizerNode {
   void on_initial_pose(const initial_pose_t& message);
   void recall_pose(const odometry_t& odometry);
   void remember_pose(const odometry_t& odometry, const LocalizerEstimate& estimate);
-  void publish_pose(const odometry_t& odometry);
+  void publish_pose(const LocalizerEstimate& estimate);
   void publish_hypotheses(std::int64_t utime);
 
   lcm::LCM& lcm_;
@@ -59,10 +60,10 @@ class LocalizerNode {
   StampGuard detection_stamps_;
   StampGuard sonar_stamps_;
   std::int64_t odometry_session_ = 0;
-  std::int32_t pose_sequence_ = 0;
+  pose_t pose_{};                      // the last POSE
   std::int64_t hypotheses_utime_ = 0;  // [us] of the last HYPOTHESES
   std::int64_t last_frame_ = 0;        // [us] of odometry when the newest image was heard of
-  std::int64_t last_odometry_ = 0;     // [us]
+  odometry_t odometry_{};              // the newest; stamp 0 = none yet
   Subscriber subscriber_;              // last: handlers may run as soon as it exists
 };
 

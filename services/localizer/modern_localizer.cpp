@@ -14,6 +14,7 @@ namespace {
 constexpr double kMinFit = 0.35;                    // outlines that fit worse are not used
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
 constexpr std::int64_t kFixtureInView = 500'000;    // [us] since it was matched
+constexpr std::int64_t kMaxExtrapolated = 150'000;  // [us] from the newest odometry, which comes at 10 Hz
 constexpr std::size_t kMaxSightings = 12;           // of one image
 constexpr int kMaxUnmatched = 3;                // images in a row in which a fixture followed by sight may be missed
 constexpr double kMovedByHand = 0.05;           // [m] by which one image moves a pose that wheels did not move
@@ -249,16 +250,25 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
   }
 }
 
+std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const SightingFrame& frame,
+                                             const std::vector<FixtureMatch>& matches,
+                                             const OdometryReading& odometry) const {
+  std::vector<double> nis;
+  for (const FixtureMatch& match : matches) {
+    const FixtureSighting& sighting = frame.sightings[match.sighting];
+    const Fixture& fixture = map_[match.fixture];
+    if (filter.innovate(sighting, match.fixture, fixture, odometry.linear, odometry.angular).nis >
+        params_.tracking.gate) {
+      filter.widen(kFixtureSurprise);
+    }
+    nis.push_back(filter.correct(sighting, match.fixture, fixture, odometry.linear, odometry.angular, odometer_));
+  }
+  return nis;
+}
+
 void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                                      const OdometryReading& odometry) {
-  for (const FixtureMatch& match : matches) {
-    const Innovation innovation = filter_.innovate(frame.sightings[match.sighting], match.fixture, map_[match.fixture],
-                                                   odometry.linear, odometry.angular);
-    if (innovation.nis > params_.tracking.gate) {
-      filter_.widen(kFixtureSurprise);
-    }
-    const double nis = filter_.correct(frame.sightings[match.sighting], match.fixture, map_[match.fixture],
-                                       odometry.linear, odometry.angular, odometer_);
+  for (const double nis : correct(filter_, frame, matches, odometry)) {
     nis_ = has_nis_ ? nis_ + 0.02 * (nis / 3.0 - nis_) : nis / 3.0;
     has_nis_ = true;
   }
@@ -283,6 +293,37 @@ Pose2 ModernLocalizer::since_filter() const {
              : Pose2{};
 }
 
+void ModernLocalizer::look_ahead(LocalizerEstimate& estimate) const {
+  if (queue_.waiting().empty() || !filter_odometry_ || is_displaced_) {
+    return;
+  }
+  const OdometryReading& newest = queue_.history().newest();
+  TrackingFilter filter = filter_;
+  filter.predict(since_filter());
+  OdometryGap ahead;
+  for (const SightingFrame& waiting : queue_.waiting()) {
+    if (waiting.utime > newest.utime + kMaxExtrapolated) {
+      break;
+    }
+    const Pose2 back = ahead.step.inverse();
+    ahead = extrapolate(newest, waiting.utime);
+    filter.bridge(back * ahead.step, ahead.noise);
+    OdometryReading there = newest;
+    there.odom_from_robot = newest.odom_from_robot * ahead.step;
+    const SightingFrame frame = usable_sightings(waiting, there);
+    const std::vector<FixtureMatch> matches = match_sightings(filter, map_, frame, there, params_.tracking.gate);
+    if (!matches.empty()) {
+      correct(filter, frame, matches, there);
+      estimate.fixture_utime = waiting.utime;
+      estimate.distance_since_fixture = 0.0;
+    }
+  }
+  if (estimate.fixture_utime > newest.utime) {
+    filter.bridge(ahead.step.inverse(), ahead.noise);
+    estimate.belief = filter.belief();
+  }
+}
+
 LocalizerEstimate ModernLocalizer::estimate() const {
   LocalizerEstimate estimate;
   estimate.state = supervisor_.state();
@@ -301,7 +342,9 @@ LocalizerEstimate ModernLocalizer::estimate() const {
     estimate.belief = bank_.belief_now(0);
     predict(estimate.belief, ahead, odometry_noise(ahead, wheel_base_, ErrorParams{}));
   }
-  if (estimate.state == LocalizerState::kAmbiguous) {
+  if (estimate.state == LocalizerState::kTracking) {
+    look_ahead(estimate);
+  } else if (estimate.state == LocalizerState::kAmbiguous) {
     widen_over(hypotheses(200), estimate.belief);
   } else if (estimate.state == LocalizerState::kLost) {
     estimate.estimator = bank_.hypotheses().empty() ? EstimatorKind::kNone : EstimatorKind::kHypotheses;

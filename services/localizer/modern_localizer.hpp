@@ -62,8 +62,13 @@ class ModernLocalizer final : public Localizer {
   void listen(std::int64_t until_utime);
   [[nodiscard]] SightingFrame usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const;
   void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
+  /// Returns the normalised innovation squared of each match.
+  std::vector<double> correct(TrackingFilter& filter, const SightingFrame& frame,
+                              const std::vector<FixtureMatch>& matches, const OdometryReading& odometry) const;
   void correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                       const OdometryReading& odometry);
+  /// What the images that wait for odometry say already: the filter itself takes them up when it is there.
+  void look_ahead(LocalizerEstimate& estimate) const;
   /// Relative motion across now is unknown: the pose is only as good as a guess of it.
   void bridge(const std::string& why, const OdometryGap& gap);
   void decide(const SightingFrame& frame);

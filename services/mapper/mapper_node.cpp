@@ -98,6 +98,9 @@ void MapperNode::on_pose(const pose_t& pose) {
     subscriber_.drop("POSE that is none");
     return;
   }
+  if (pose.utime == pose_stamps_.newest()) {
+    return;  // corrected by a picture: what was heard until then is drawn
+  }
   const StampGuard::Verdict verdict = pose_stamps_.check(pose.utime);
   if (verdict == StampGuard::Verdict::kOld) {
     subscriber_.drop("POSE older than the last");

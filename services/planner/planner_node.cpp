@@ -234,6 +234,10 @@ void PlannerNode::on_pose(const pose_t& pose) {
     subscriber_.drop("POSE: impossible");
     return;
   }
+  if (pose_ && pose.utime == pose_->utime) {
+    pose_ = pose;  // corrected by a picture, no new tick
+    return;
+  }
   const StampGuard::Verdict verdict = pose_stamps_.check(pose.utime);
   if (verdict == StampGuard::Verdict::kOld) {
     subscriber_.drop("POSE older than the last");

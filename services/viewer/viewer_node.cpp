@@ -86,6 +86,9 @@ void ViewerNode::on_pose(const pose_t& message) {
   if (!recent_poses_.empty() && message.utime < recent_poses_.back().utime) {
     recent_poses_.clear();  // a replay that started again
   }
+  if (!recent_poses_.empty() && message.utime == recent_poses_.back().utime) {
+    recent_poses_.pop_back();  // a picture has corrected it
+  }
   recent_poses_.push_back(message);
   if (recent_poses_.size() > kRecentPoses) {
     recent_poses_.pop_front();

@@ -24,6 +24,8 @@ class FrameQueue {
   /// The next image whose time odometry has reached.
   [[nodiscard]] std::optional<TimedFrame> next();
 
+  /// Images whose time odometry has not reached yet, oldest first.
+  [[nodiscard]] const std::deque<SightingFrame>& waiting() const { return waiting_; }
   [[nodiscard]] const OdometryHistory& history() const { return history_; }
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
   /// Stamp [us] of the last image handed out; 0 = none since the start.

@@ -6,9 +6,11 @@
 namespace luminav {
 namespace {
 
-constexpr double kFastest = 3.0;   // [m/s] odometry that runs faster has jumped
-constexpr double kLongest = 2.4;   // [s] a watchdog's 2 s and half the time braking takes
-constexpr double kToKidnap = 6.0;  // [s] nobody lifts a robot, takes it elsewhere and sets it down in less
+constexpr double kFastest = 3.0;              // [m/s] odometry that runs faster has jumped
+constexpr double kLongest = 2.4;              // [s] a watchdog's 2 s and half the time braking takes
+constexpr double kToKidnap = 6.0;             // [s] nobody lifts a robot, takes it elsewhere and sets it down in less
+constexpr double kAcceleration = 1.0;         // [m/s^2] braking hard
+constexpr double kAngularAcceleration = 2.1;  // [rad/s^2] beginning to turn, or ending
 const Eigen::Vector3d kAtRest{0.04, 0.04, 0.03};  // [m^2, m^2, rad^2] left open however short the gap is
 
 Pose2 arc(double linear, double angular, double time) {
@@ -39,6 +41,15 @@ OdometryGap odometry_gap(const OdometryReading& last, const OdometryReading& nex
                                  last.angular);
   gap.noise = sigma * sigma * velocity * velocity.transpose();
   gap.noise.diagonal() += kAtRest;
+  return gap;
+}
+
+OdometryGap extrapolate(const OdometryReading& newest, std::int64_t utime) {
+  const double time = 1e-6 * static_cast<double>(utime - newest.utime);
+  OdometryGap gap;
+  gap.step = arc(newest.linear, newest.angular, time);
+  const Eigen::Vector3d error = 0.5 * time * time * Eigen::Vector3d(kAcceleration, 0.0, kAngularAcceleration);
+  gap.noise = error.cwiseProduct(error).asDiagonal();
   return gap;
 }
 

@@ -20,6 +20,10 @@ struct OdometryGap {
 /// no longer than the time between them is it assumed to have driven.
 OdometryGap odometry_gap(const OdometryReading& last, const OdometryReading& next);
 
+/// Motion from the newest reading to an image's time [us] that odometry has not reached yet: with the last twist, known
+/// as well as a robot can change it.
+[[nodiscard]] OdometryGap extrapolate(const OdometryReading& newest, std::int64_t utime);
+
 /// Why motion between two readings is not known; empty when it is.
 [[nodiscard]] std::string find_gap(const OdometryReading& last, const OdometryReading& next);
 

@@ -9,6 +9,7 @@
 #include <luminav/hypotheses_t.hpp>
 #include <luminav/pose_t.hpp>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "services/common/process/channels.hpp"
@@ -160,7 +161,11 @@ TEST_F(LocalizerNodeTest, FindsAndFollowsThePoseOverTheBus) {
       worst = std::max(worst, std::hypot(poses_.back().x - world.truth().x, poses_.back().y - world.truth().y));
     }
   }
-  EXPECT_EQ(poses_.size(), 900U);
+  std::set<std::int64_t> stamps;
+  for (const pose_t& pose : poses_) {
+    stamps.insert(pose.utime);
+  }
+  EXPECT_EQ(stamps.size(), 900U) << "of ODOMETRY, whatever images tell";
   EXPECT_GT(tracking, 300);
   EXPECT_LT(worst, 0.25);
   // the images taken before the first odometry
@@ -195,14 +200,133 @@ TEST_F(LocalizerNodeTest, AddsTheCamerasTimeOffsetToTheStampOfAnImage) {
     other_lcm.publish(channels::kOdometry, &message);
     poses_.clear();
     handle_all();
+    const std::vector<pose_t> punctual = std::move(poses_);
+    poses_.clear();
     while (other_lcm.handleTimeout(0) > 0) {
     }
-    ASSERT_EQ(poses_.size(), 2U);
-    EXPECT_EQ(poses_[0].x, poses_[1].x);
-    EXPECT_EQ(poses_[0].y, poses_[1].y);
-    EXPECT_EQ(poses_[0].state, poses_[1].state);
+    ASSERT_EQ(poses_.size(), punctual.size());
+    for (std::size_t k = 0; k < poses_.size(); ++k) {
+      EXPECT_EQ(poses_[k].x, punctual[k].x);
+      EXPECT_EQ(poses_[k].y, punctual[k].y);
+      EXPECT_EQ(poses_[k].state, punctual[k].state);
+    }
   }
-  EXPECT_EQ(poses_[0].state, pose_t::STATE_TRACKING);
+  ASSERT_FALSE(poses_.empty());
+  EXPECT_EQ(poses_.back().state, pose_t::STATE_TRACKING);
+}
+
+/// Two localizers on one drive through fixtures: the images of the second arrive later.
+class ImageAtOnceTest : public LocalizerNodeTest {
+ protected:
+  ImageAtOnceTest() { later_lcm_.subscribe(channels::kPose, &ImageAtOnceTest::on_later_pose, this); }
+  static testing::SyntheticOptions options() {
+    testing::SyntheticOptions options;
+    options.seed = 1000;
+    options.clutter = 0;
+    options.image_latency = 0.0;
+    return options;
+  }
+  /// Until both follow the pose and a fixture is in view.
+  void find_the_pose() {
+    for (int i = 0; i < 30 * 90 && !is_following(); ++i) {
+      go_on();
+    }
+    ASSERT_TRUE(is_following());
+  }
+  /// 1/30 s: the images reach the second localizer with the next odometry.
+  void go_on() {
+    const auto output = world_.step();
+    if (output.frame) {
+      send(lcm_, channels::kFixtureDetections, to_message(*output.frame));
+      late_.push_back(*output.frame);
+      newest_image_ = output.frame->utime;
+    }
+    if (!output.odometry) {
+      return;
+    }
+    const odometry_t odometry = to_message(*output.odometry, ++sequence_);
+    send(lcm_, channels::kOdometry, odometry);
+    send(later_lcm_, channels::kOdometry, odometry);
+    for (const SightingFrame& frame : late_) {
+      send(later_lcm_, channels::kFixtureDetections, to_message(frame));
+    }
+    late_.clear();
+  }
+  template <typename Message>
+  void send(lcm::LCM& lcm, const char* channel, const Message& message) {
+    lcm.publish(channel, &message);
+    while (lcm.handleTimeout(0) > 0) {
+    }
+  }
+  [[nodiscard]] bool is_following() const {
+    return !poses_.empty() && poses_.back().state == pose_t::STATE_TRACKING &&
+           poses_.back().fixture_utime >= poses_.back().utime;
+  }
+  void on_later_pose(const lcm::ReceiveBuffer*, const std::string&, const pose_t* message) {
+    later_poses_.push_back(*message);
+  }
+
+  testing::SyntheticWorld world_{building_.building, building_.walls, config_of(building_).robot, options()};
+  lcm::LCM later_lcm_{"memq://"};
+  LocalizerNode later_{later_lcm_, config_of(building_)};
+  std::vector<pose_t> later_poses_;
+  std::vector<SightingFrame> late_;
+  std::int64_t newest_image_ = 0;  // [us]
+};
+
+TEST_F(ImageAtOnceTest, CorrectsThePoseBeforeOdometryReachesIt) {
+  find_the_pose();
+  int corrected = 0;
+  for (int i = 0; i < 30 * 10; ++i) {
+    const std::size_t before = poses_.size();
+    const pose_t last = poses_.back();
+    go_on();
+    for (std::size_t k = before; k < poses_.size(); ++k) {
+      if (poses_[k].utime == last.utime && poses_[k].fixture_utime > last.utime) {
+        ++corrected;
+        EXPECT_EQ(poses_[k].sequence, last.sequence + 1);
+        EXPECT_EQ(poses_[k].session, last.session);
+        EXPECT_LT(std::hypot(poses_[k].x - last.x, poses_[k].y - last.y), 0.1) << "one image's worth";
+        break;
+      }
+    }
+  }
+  EXPECT_GT(corrected, 20);
+}
+
+TEST_F(ImageAtOnceTest, EndsWhereOneDoesThatWaitedForOdometry) {
+  find_the_pose();
+  int compared = 0;
+  for (int i = 0; i < 30 * 20; ++i) {
+    go_on();
+    if (!late_.empty() || poses_.back().fixture_utime != newest_image_) {
+      continue;  // odometry has not reached the image yet, or it showed no fixture
+    }
+    ++compared;
+    ASSERT_FALSE(later_poses_.empty());
+    EXPECT_EQ(poses_.back().utime, later_poses_.back().utime);
+    EXPECT_EQ(poses_.back().x, later_poses_.back().x);
+    EXPECT_EQ(poses_.back().y, later_poses_.back().y);
+    EXPECT_EQ(poses_.back().theta, later_poses_.back().theta);
+    EXPECT_EQ(poses_.back().covariance[0], later_poses_.back().covariance[0]);
+  }
+  EXPECT_GT(compared, 20);
+}
+
+TEST_F(ImageAtOnceTest, BelievesNoOdometryThatHasStopped) {
+  find_the_pose();
+  const std::int64_t stopped = poses_.back().utime;
+  poses_.clear();
+  for (int i = 0; i < 30; ++i) {
+    if (const auto output = world_.step(); output.frame) {
+      send(lcm_, channels::kFixtureDetections, to_message(*output.frame));
+    }
+  }
+  EXPECT_LE(poses_.size(), 3U);
+  for (const pose_t& pose : poses_) {
+    EXPECT_EQ(pose.utime, stopped);
+    EXPECT_LE(pose.fixture_utime, stopped + 150'000);
+  }
 }
 
 TEST_F(LocalizerNodeTest, DropsNumbersThatAreNone) {

@@ -51,5 +51,25 @@ TEST(OdometryGap, OnlyALongOneLeavesTimeToCarryTheRobot) {
   EXPECT_TRUE(odometry_gap(last, {20'000'000, 2, {}, 0.0, 0.0}).may_be_kidnapped);
 }
 
+TEST(Extrapolation, FollowsTheArcOfTheLastTwist) {
+  const OdometryReading newest{1'000'000, 1, {3.0, 2.0, 1.0}, 0.5, 1.0};
+  const OdometryGap ahead = extrapolate(newest, 1'100'000);
+  // a circle of half a metre
+  EXPECT_NEAR(ahead.step.x, 0.5 * std::sin(0.1), 1e-12);
+  EXPECT_NEAR(ahead.step.y, 0.5 * (1.0 - std::cos(0.1)), 1e-12);
+  EXPECT_NEAR(ahead.step.theta, 0.1, 1e-12);
+  EXPECT_FALSE(ahead.may_be_kidnapped);
+}
+
+TEST(Extrapolation, GrowsLessSureWithTheTimeSquared) {
+  const OdometryReading newest{1'000'000, 1, {}, 0.5, 0.0};
+  const Eigen::Matrix3d soon = extrapolate(newest, 1'050'000).noise;
+  const Eigen::Matrix3d late = extrapolate(newest, 1'100'000).noise;
+  EXPECT_NEAR(std::sqrt(late(0, 0)), 0.005, 1e-12) << "braking with 1 m/s^2";
+  EXPECT_NEAR(std::sqrt(late(0, 0) / soon(0, 0)), 4.0, 1e-9);
+  EXPECT_NEAR(std::sqrt(late(2, 2) / soon(2, 2)), 4.0, 1e-9);
+  EXPECT_EQ(extrapolate(newest, newest.utime).noise.norm(), 0.0);
+}
+
 }  // namespace
 }  // namespace luminav
