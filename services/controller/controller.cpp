@@ -118,7 +118,7 @@ ControlOutput Controller::step(const ControlInput& input) {
     enter(task, input);
   }
   if (input.halt) {
-    ramp_.restart_from({});
+    ramp_.stop();
     output.state = ControlState::kStopped;
     output.reason = *input.halt;
     return output;
@@ -126,7 +126,7 @@ ControlOutput Controller::step(const ControlInput& input) {
   look_for_people(input.now);
   const double unknown = obstacles_.min_unknown_distance(10.0);
   const DriveTwist wanted = slowed(with_care(wish(input, output), unknown), input, output);
-  DriveTwist smooth = ramp_.step(wanted, input.duration);
+  DriveTwist smooth = input.is_again ? ramp_.step_again(wanted) : ramp_.step(wanted, input.duration);
   if (escape_ && wanted.linear != 0.0) {
     // the arc that was found free, from the first step on: turning speeds up faster than driving
     smooth.angular = wanted.angular * smooth.linear / wanted.linear;

@@ -36,6 +36,7 @@ enum class ControlState : std::int8_t {
 struct ControlInput {
   std::int64_t now = 0;    // [us]
   double duration = 0.05;  // [s] since the last step
+  bool is_again = false;   // replaces the last step, of the same instant: more is known of it
   ControlTask task = ControlTask::kNone;
   std::string task_reason;          // why there is nothing to do, plain sentence
   std::optional<std::string> halt;  // stands still at once, and why

@@ -107,7 +107,13 @@ void ControllerNode::on_pose(const pose_t& message) {
     subscriber_.drop("POSE: ahead of the odometry");  // it would never grow old
     return;
   }
+  const bool is_news = !pose_ || message.fixture_utime != pose_->fixture_utime || message.state != pose_->state;
   pose_ = message;
+  const bool is_moving = output_.twist.linear != 0.0 || output_.twist.angular != 0.0;
+  if (is_news && is_moving) {
+    control(newest_tick_);
+    publish_command(newest_tick_);
+  }
 }
 
 void ControllerNode::on_hypotheses(const hypotheses_t& message) {
@@ -354,6 +360,7 @@ void ControllerNode::choose_task(std::int64_t utime, ControlInput& input) const 
 ControlInput ControllerNode::input_at(std::int64_t utime) {
   ControlInput input;
   input.now = utime;
+  input.is_again = utime == last_control_;
   input.duration = last_control_ == 0 ? config_.period : std::clamp(seconds_between(last_control_, utime), 0.001, 0.2);
   choose_task(utime, input);
   if (const std::optional<Pose2> place = odometry_.odom_from_robot_at(utime)) {

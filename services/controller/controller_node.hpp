@@ -28,7 +28,8 @@
 namespace luminav {
 
 /// The controller on the bus. The tick is ROBOT_STATUS (or ODOMETRY where that does not come): each is answered with a
-/// VELOCITY_COMMAND, every second or third one with a fresh control step.
+/// VELOCITY_COMMAND, every second or third one with a fresh control step. While the robot moves, a POSE that a picture
+/// has corrected is answered at once: by a new step for the newest tick, whose stamp the command bears.
 class ControllerNode {
  public:
   /// With a key, commands without its seal are dropped.

@@ -28,6 +28,9 @@ DriveTwist speed_law(double heading_error, double clearance, double distance_lef
 }
 
 DriveTwist CommandRamp::step(const DriveTwist& wanted, double duration) {
+  current_before_ = current_;
+  acceleration_before_ = acceleration_;
+  duration_ = duration;
   const double change = wanted.linear - current_.linear;
   const bool speeds_up = std::abs(wanted.linear) > std::abs(current_.linear) && wanted.linear * current_.linear >= 0.0;
   if (speeds_up) {
@@ -45,6 +48,17 @@ DriveTwist CommandRamp::step(const DriveTwist& wanted, double duration) {
   const double max_turn = limits_.angular_acceleration * duration;
   current_.angular += std::clamp(wanted.angular - current_.angular, -max_turn, max_turn);
   return current_;
+}
+
+DriveTwist CommandRamp::step_again(const DriveTwist& wanted) {
+  current_ = current_before_;
+  acceleration_ = acceleration_before_;
+  return step(wanted, duration_);
+}
+
+void CommandRamp::stop() {
+  current_ = current_before_ = {};
+  acceleration_ = acceleration_before_ = 0.0;
 }
 
 void CommandRamp::restart_from(const DriveTwist& driven) {

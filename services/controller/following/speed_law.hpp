@@ -23,6 +23,10 @@ class CommandRamp {
   CommandRamp(const MotionLimits& limits, double jerk) : limits_(limits), jerk_(jerk) {}
   /// `duration` [s] since the last step.
   DriveTwist step(const DriveTwist& wanted, double duration);
+  /// Replaces the last step, from where that began and over the same time.
+  DriveTwist step_again(const DriveTwist& wanted);
+  /// Stands still from now on.
+  void stop();
   /// What was driven in the end, after the stop logic.
   void restart_from(const DriveTwist& driven);
   [[nodiscard]] const DriveTwist& current() const { return current_; }
@@ -32,6 +36,10 @@ class CommandRamp {
   double jerk_;  // [m/s^3]
   DriveTwist current_;
   double acceleration_ = 0.0;  // [m/s^2]
+  // what the last step began with, and its duration [s]
+  DriveTwist current_before_;
+  double acceleration_before_ = 0.0;
+  double duration_ = 0.0;
 };
 
 }  // namespace luminav

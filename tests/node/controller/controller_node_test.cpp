@@ -50,6 +50,21 @@ class ControllerNodeTest : public ::testing::Test {
     loop_.lcm().publish(channels::kTeleopCommand, &message);
   }
 
+  /// What the localizer says when a picture, of that time [us], has told more.
+  void correct_pose(std::int64_t picture, double turn, std::int8_t state = pose_t::STATE_TRACKING) {
+    pose_t pose{};
+    pose.utime = loop_.utime() / 100'000 * 100'000;  // of the newest odometry
+    pose.session = 7;
+    pose.state = state;
+    pose.x = world_.truth().x;
+    pose.y = world_.truth().y;
+    pose.theta = world_.truth().theta + turn;
+    pose.fixture_utime = picture;
+    loop_.lcm().publish(channels::kPose, &pose);
+    while (loop_.lcm().handleTimeout(0) > 0) {
+    }
+  }
+
   ControllerConfig config_ = read_controller_config(std::string(LUMINAV_SOURCE_DIR) + "/launch/robots/p3dx.toml");
   KinematicWorld world_{config_.robot, kHall};
   ClosedLoop loop_{world_, config_};
@@ -77,6 +92,45 @@ TEST_F(ControllerNodeTest, FollowsAndArrivesOnce) {
   run(3.0);
   EXPECT_EQ(loop_.status().state, control_status_t::STATE_AT_GOAL);
   EXPECT_DOUBLE_EQ(loop_.command_message().linear_x, 0.0);
+}
+
+TEST_F(ControllerNodeTest, AnswersAPoseThatAPictureCorrectedAtOnce) {
+  drive_off();
+  for (int ticks = 0; ticks < 2; ++ticks) {  // with a step of control at the newest tick, and without
+    loop_.tick();
+    const velocity_command_t before = loop_.command_message();
+    correct_pose(loop_.utime() - 60'000, 0.3);
+    const velocity_command_t after = loop_.command_message();
+    EXPECT_EQ(after.sequence, before.sequence + 1);
+    EXPECT_EQ(after.utime, before.utime) << "the stamp of the newest tick: the driver judges its age";
+    EXPECT_LT(after.angular_z, before.angular_z - 0.02) << "it heads left of its path";
+    correct_pose(loop_.utime() - 60'000, 0.3);
+    EXPECT_EQ(loop_.command_message().sequence, after.sequence) << "no news";
+    run(2.0);
+  }
+}
+
+TEST_F(ControllerNodeTest, SlowsDownAtOnceWhenAPictureLosesThePose) {
+  drive_off();
+  const velocity_command_t before = loop_.command_message();
+  correct_pose(loop_.utime() - 60'000, 0.0, pose_t::STATE_LOST);
+  EXPECT_EQ(loop_.command_message().sequence, before.sequence + 1);
+  EXPECT_LT(loop_.command_message().linear_x, before.linear_x - 0.01);
+}
+
+TEST_F(ControllerNodeTest, LeavesAPoseToTheNextTickWhereItStands) {
+  run(1.0);
+  const velocity_command_t before = loop_.command_message();
+  correct_pose(loop_.utime() - 60'000, 0.3);
+  EXPECT_EQ(loop_.command_message().sequence, before.sequence);
+}
+
+TEST_F(ControllerNodeTest, StaysStoppedWhateverPicturesTell) {
+  drive_off();
+  stop(17, true);
+  correct_pose(loop_.utime() - 60'000, 0.3);
+  EXPECT_DOUBLE_EQ(loop_.command_message().linear_x, 0.0);
+  EXPECT_DOUBLE_EQ(loop_.command_message().angular_z, 0.0);
 }
 
 TEST_F(ControllerNodeTest, ObeysStopAndEchoesIt) {

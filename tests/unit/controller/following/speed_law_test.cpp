@@ -61,5 +61,28 @@ TEST(CommandRamp, StopsBeforeItGoesTheOtherWay) {
   EXPECT_LT(ramp.step({-0.3, 0.0}, 0.1).linear, 0.0);
 }
 
+TEST(CommandRamp, AStepAgainReplacesTheLast) {
+  CommandRamp ramp({}, 1.0);
+  CommandRamp once({}, 1.0);
+  for (CommandRamp* each : {&ramp, &once}) {
+    each->restart_from({0.2, 0.0});
+    (void)each->step({0.5, 0.0}, 0.04);
+  }
+  (void)ramp.step({0.0, 1.0}, 0.04);
+  ramp.restart_from({0.1, 0.0});  // the stop logic had a word
+  const DriveTwist again = ramp.step_again({0.5, 0.3});
+  const DriveTwist only = once.step({0.5, 0.3}, 0.04);
+  EXPECT_EQ(again.linear, only.linear);
+  EXPECT_EQ(again.angular, only.angular);
+}
+
+TEST(CommandRamp, AStepAgainAfterAStopBeginsAtRest) {
+  CommandRamp ramp({}, 1.0);
+  ramp.restart_from({0.5, 0.5});
+  (void)ramp.step({0.5, 0.5}, 0.04);
+  ramp.stop();
+  EXPECT_LT(ramp.step_again({0.5, 0.0}).linear, 0.01);
+}
+
 }  // namespace
 }  // namespace luminav
