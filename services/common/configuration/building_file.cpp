@@ -78,6 +78,8 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
+}  // namespace
+
 std::string fixture_table(const Fixture& fixture, double ceiling_height) {
   std::string text = fmt::format("\n[[fixture]]\nid = {}\n", fixture.id);
   if (fixture.shape == FixtureShape::kRound) {
@@ -93,8 +95,6 @@ std::string fixture_table(const Fixture& fixture, double ceiling_height) {
   }
   return text + fmt::format("lamps = {}\n", fixture.lamps);
 }
-
-}  // namespace
 
 Fixture read_fixture_kind(const TomlTable& table, double ceiling_height) {
   Fixture fixture;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "services/common/building/building.hpp"
@@ -23,6 +24,9 @@ struct BuildingSource {
 };
 /// As read_building.
 BuildingSource read_building_source(const std::filesystem::path& file);
+
+/// The text of a [[fixture]] table, as write_building has it.
+std::string fixture_table(const Fixture& fixture, double ceiling_height);
 
 /// Writes a building.toml to a temporary file that is then renamed; `building.map_file` is written as given. Throws
 /// std::runtime_error when the folder cannot be written.
