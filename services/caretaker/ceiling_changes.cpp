@@ -44,21 +44,38 @@ bool is_beside(const FixtureVisit& visit) {
   return std::hypot(visit.offset.x, visit.offset.y) > kMinOffset || std::abs(visit.offset.theta) > kMinTurn;
 }
 
-/// The newest visits that saw it beside its place, all at the same offset.
+bool agree(const Pose2& a, const Pose2& b) {
+  return distance(a, b) < kAgreement && std::abs(a.theta - b.theta) < kAgreementTurn;
+}
+
+/// The newest visits that saw it at one offset beside its place, newest first: at least as many as did not. A robot
+/// whose pose the moved fixture itself pulls along sees it at its place now and then.
 std::vector<FixtureVisit> visits_beside(const std::vector<FixtureVisit>& visits) {
-  std::vector<FixtureVisit> beside;
-  for (auto visit = visits.rbegin(); visit != visits.rend(); ++visit) {
-    if (!is_seen(*visit)) {
+  std::vector<FixtureVisit> best;
+  for (const FixtureVisit& reference : visits) {
+    if (!is_seen(reference) || !is_beside(reference)) {
       continue;
     }
-    if (!is_beside(*visit) ||
-        (!beside.empty() && (distance(visit->offset, beside.front().offset) > kAgreement ||
-                             std::abs(visit->offset.theta - beside.front().offset.theta) > kAgreementTurn))) {
-      break;
+    std::vector<FixtureVisit> beside;
+    std::size_t counted = 0;  // of `beside`, as far back as they are the majority
+    int others = 0;
+    for (auto visit = visits.rbegin(); visit != visits.rend(); ++visit) {
+      if (!is_seen(*visit)) {
+        continue;
+      }
+      if (!agree(visit->offset, reference.offset)) {
+        others += is_beside(*visit) ? 2 : 1;  // a third place contradicts more than its own
+      } else {
+        beside.push_back(*visit);
+        counted = static_cast<int>(beside.size()) >= others ? beside.size() : counted;
+      }
     }
-    beside.push_back(*visit);
+    beside.resize(counted);
+    if (beside.size() > best.size()) {
+      best = beside;
+    }
   }
-  return beside;
+  return best;
 }
 
 std::optional<CeilingChange> find_moved(const Fixture& fixture, const std::vector<FixtureVisit>& visits) {
@@ -80,19 +97,19 @@ std::optional<CeilingChange> find_moved(const Fixture& fixture, const std::vecto
 }
 
 /// In how little light [grey] a dark fixture of this shape was seen somewhere; nothing when none was.
-std::optional<double> least_light(const LampLedger& ledger, const std::vector<Fixture>& fixtures, FixtureShape shape) {
-  std::optional<double> least;
+std::optional<double> min_light(const LampLedger& ledger, const std::vector<Fixture>& fixtures, FixtureShape shape) {
+  std::optional<double> min;
   for (const Fixture& fixture : fixtures) {
     if (fixture.shape != shape) {
       continue;
     }
     for (const FixtureVisit& visit : ledger.visits(fixture.id)) {
       if (visit.unlit >= kSeenShare * visit.expected) {
-        least = std::min(least.value_or(visit.grey), visit.grey);
+        min = std::min(min.value_or(visit.grey), visit.grey);
       }
     }
   }
-  return least;
+  return min;
 }
 
 std::optional<CeilingChange> find_removed(const Fixture& fixture, const std::vector<FixtureVisit>& visits,
@@ -153,9 +170,13 @@ std::vector<CeilingChange> find_new(const LampLedger& ledger, const Building& bu
       ++known->visits;
       known->until = stranger.end;
       // the mean of all: each visit moves it by its share
+      Pose2& mean = known->fixture.world_from_fixture;
+      const double mean_heading = mean.theta;
+      const double period = symmetry_period(kind->shape);
+      const double turn = period > 0.0 ? std::remainder(stranger.world_from_fixture.theta - mean.theta, period) : 0.0;
       const double share = 1.0 / known->visits;
-      known->fixture.world_from_fixture =
-          interpolate(known->fixture.world_from_fixture, stranger.world_from_fixture, share);
+      mean = interpolate(mean, stranger.world_from_fixture, share);
+      mean.theta = wrap_angle(mean_heading + share * turn);
       continue;
     }
     CeilingChange change{ChangeKind::kNew, 0, *kind, 1, stranger.begin, stranger.end};
@@ -200,7 +221,7 @@ std::vector<CeilingChange> propose_changes(const LampLedger& ledger, const Build
     }
   }
   for (const Fixture& fixture : building.fixtures) {
-    const auto light = least_light(ledger, building.fixtures, fixture.shape);
+    const auto light = min_light(ledger, building.fixtures, fixture.shape);
     if (const auto removed = find_removed(fixture, ledger.visits(fixture.id), light)) {
       changes.push_back(*removed);
     }

@@ -19,7 +19,7 @@ struct CeilingChange {
   ChangeKind kind = ChangeKind::kMoved;
   int id = 0;              // of the fixture; of a new one the first free id
   Fixture fixture;         // as it is seen to hang; of a removed one as the file has it
-  int visits = 0;          // that say so, without one that says otherwise since
+  int visits = 0;          // that say so, the newest of them
   std::int64_t since = 0;  // [us] of the first
   std::int64_t until = 0;  // [us] of the last
 };

@@ -107,6 +107,10 @@ LampFinding judge(const LampLedger& ledger, const std::vector<Fixture>& fixtures
   if (const auto finding = judge_spell(ledger, fixtures, id, LampCondition::kDark, dark)) {
     return *finding;
   }
+  if (static_cast<int>(dark.size()) >= kMinVisits &&
+      switch_partners(ledger, fixtures, id, dark.front().begin).empty()) {
+    return {id, LampCondition::kUnjudged, dark.front().begin, static_cast<int>(dark.size()), {}};
+  }
   if (const auto finding = judge_flicker(id, visits)) {
     return *finding;
   }
@@ -116,13 +120,7 @@ LampFinding judge(const LampLedger& ledger, const std::vector<Fixture>& fixtures
   if (const auto finding = judge_spell(ledger, fixtures, id, LampCondition::kPartlyDark, half)) {
     return *finding;
   }
-  const bool burnt = std::any_of(visits.begin(), visits.end(),
-                                 [](const FixtureVisit& visit) { return was_burning(visit).value_or(false); });
-  return {id,
-          burnt ? LampCondition::kGood : LampCondition::kUnjudged,
-          visits.back().begin,
-          static_cast<int>(visits.size()),
-          {}};
+  return {id, LampCondition::kGood, visits.back().begin, static_cast<int>(visits.size()), {}};
 }
 
 std::string date(std::int64_t utime) {
@@ -212,7 +210,8 @@ std::string describe(const LampFinding& finding, const Building& building) {
     case LampCondition::kGood:
       return head + fmt::format("good, seen last {}", date(finding.since));
     case LampCondition::kUnjudged:
-      return head + fmt::format("never seen burning, in {} visits", finding.visits);
+      return head + fmt::format("dark since {}, {} visits; which lamps share its switch is not known",
+                                date(finding.since), finding.visits);
     case LampCondition::kFlickers:
       return head + fmt::format("flickers since {}, {} visits", date(finding.since), finding.visits);
     case LampCondition::kPartlyDark:

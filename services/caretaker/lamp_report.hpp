@@ -12,7 +12,7 @@ namespace luminav {
 enum class LampCondition {
   kUnseen,    // no visit, or none since long
   kGood,      // burns when the others of its switch do
-  kUnjudged,  // was not seen burning, and which lamps share its switch is not known
+  kUnjudged,  // is dark, and which lamps share its switch is not known
   kFlickers,
   kPartlyDark,  // one of its lamps
   kDark

@@ -71,6 +71,28 @@ TEST_F(CeilingChanges, ProposeWhereAMovedFixtureHangs) {
   EXPECT_THAT(describe(changes[0], building_), HasSubstr("fixture 102 is seen (+0.3"));
 }
 
+TEST_F(CeilingChanges, ProposeItAlsoWhenItPullsThePoseAlongNowAndThen) {
+  pass(10, same);
+  int turn = 0;
+  pass(14, [&](int index, FixtureVisit visit) {
+    visit.offset.x += index == 2 && ++turn % 5 < 3 ? 0.31 : 0.0;
+    visit.offset.x -= index == 1 && turn % 5 == 4 ? 0.31 : 0.0;  // its neighbour then looks moved
+    return visit;
+  });
+  const auto changes = propose_changes(ledger_, building_);
+  ASSERT_THAT(changes, SizeIs(1));
+  EXPECT_EQ(changes[0].id, 102);
+}
+
+TEST_F(CeilingChanges, ForgetAFixtureThatIsSeenAtItsPlaceAgain) {
+  pass(6, [](int index, FixtureVisit visit) {
+    visit.offset.x += index == 2 ? 0.31 : 0.0;
+    return visit;
+  });
+  pass(8, same);
+  EXPECT_THAT(propose_changes(ledger_, building_), IsEmpty());
+}
+
 TEST_F(CeilingChanges, ProposeNothingForOffsetsThatDoNotAgree) {
   pass(10, same);
   int turn = 0;
