@@ -9,6 +9,10 @@
 #include <luminav/grid_tile_t.hpp>
 #include <luminav/hypotheses_t.hpp>
 #include <luminav/initial_pose_t.hpp>
+#include <luminav/job_state_t.hpp>
+#include <luminav/job_status_t.hpp>
+#include <luminav/job_stop_t.hpp>
+#include <luminav/job_t.hpp>
 #include <luminav/map_command_t.hpp>
 #include <luminav/motors_command_t.hpp>
 #include <luminav/navigation_status_t.hpp>
@@ -40,10 +44,11 @@ struct MessageTypes {};
 /// All of lcmtypes/; tests/replay/hostile_message_test.cpp says when one is missing.
 using AllMessageTypes =
     MessageTypes<camera_image_t, control_status_t, fixture_detection_t, fixture_detections_t, goal_pose_t, goal_t,
-                 grid_tile_t, hypotheses_t, initial_pose_t, map_command_t, motors_command_t, navigation_status_t,
-                 node_status_t, odometry_t, path_t, pose_t, procman::procman_command_desired_t,
-                 procman::procman_command_status_t, procman::procman_command_t, procman::procman_deputy_info_t,
-                 procman::procman_discovery_t, procman::procman_orders_t, procman::procman_output_t, robot_status_t,
-                 sim_truth_t, sonar_t, stop_t, supervision_t, teleop_command_t, tile_request_t, velocity_command_t>;
+                 grid_tile_t, hypotheses_t, initial_pose_t, job_state_t, job_status_t, job_stop_t, job_t, map_command_t,
+                 motors_command_t, navigation_status_t, node_status_t, odometry_t, path_t, pose_t,
+                 procman::procman_command_desired_t, procman::procman_command_status_t, procman::procman_command_t,
+                 procman::procman_deputy_info_t, procman::procman_discovery_t, procman::procman_orders_t,
+                 procman::procman_output_t, robot_status_t, sim_truth_t, sonar_t, stop_t, supervision_t,
+                 teleop_command_t, tile_request_t, velocity_command_t>;
 
 }  // namespace luminav

@@ -114,8 +114,8 @@ RobotDescription read_robot(const TomlTable& root) {
   robot.sonar = read_sonar_ring(root);
   robot.limits = read_limits(root.table("limits"));
   robot.camera = read_camera(root.table("camera"));
-  for (const char* node :
-       {"p3dx", "camera_driver", "detector", "localizer", "mapper", "planner", "controller", "viewer", "network"}) {
+  for (const char* node : {"p3dx", "camera_driver", "detector", "localizer", "mapper", "planner", "controller", "jobs",
+                           "viewer", "network"}) {
     root.accept(node);
   }
   root.reject_unknown();

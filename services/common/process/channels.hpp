@@ -23,6 +23,8 @@ inline constexpr const char* kSupervision = "SUPERVISION";
 inline constexpr const char* kMotorsCommand = "MOTORS_COMMAND";
 inline constexpr const char* kTeleopCommand = "TELEOP_COMMAND";
 inline constexpr const char* kInitialPose = "INITIAL_POSE";
+inline constexpr const char* kJob = "JOB";
+inline constexpr const char* kJobStatus = "JOB_STATUS";
 inline constexpr const char* kNodeStatus = "NODE_STATUS";
 inline constexpr const char* kSimTruth = "SIM_TRUTH";
 

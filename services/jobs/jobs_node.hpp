@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <lcm/lcm-cpp.hpp>
+#include <luminav/job_t.hpp>
+#include <luminav/navigation_status_t.hpp>
+#include <luminav/pose_t.hpp>
+#include <luminav/robot_status_t.hpp>
+#include <luminav/sonar_t.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/common/process/event_loop.hpp"
+#include "services/common/process/stamp_guard.hpp"
+#include "services/common/process/subscriber.hpp"
+#include "services/jobs/job_executor.hpp"
+#include "services/jobs/job_store.hpp"
+#include "services/jobs/jobs_config.hpp"
+
+namespace luminav {
+
+/// JOB in, GOAL and JOB_STATUS out. ROBOT_STATUS is the tick; requests are taken without a robot, too. What was asked
+/// lies on the disk before it is echoed, and what is to be driven before it is driven.
+class JobsNode {
+ public:
+  /// With a key, commands without its seal are dropped, and its own are sealed. Throws ConfigurationError when the
+  /// table of jobs is damaged.
+  JobsNode(lcm::LCM& lcm, const JobsConfig& config, std::optional<CommandKey> key = {});
+
+  /// The time of day where the robot is: a clock belongs to `main`.
+  void tell_time(const LocalTime& now);
+  /// The service is ended in order: the robot stands, and jobs that are left over ask before they go on.
+  void end();
+  [[nodiscard]] Health health() const;
+  /// What it listens to.
+  [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
+
+ private:
+  void on_job(const job_t& message);
+  void on_navigation_status(const navigation_status_t& message);
+  void on_pose(const pose_t& message);
+  void on_robot_status(const robot_status_t& message);
+  void on_sonar(const sonar_t& message);
+
+  void go_on_or_ask(std::int64_t utime);
+  void tick(const robot_status_t& status, double seconds);
+  /// False when the disk takes nothing.
+  bool keep();
+  void publish_goal();
+  void publish_status(std::int64_t utime);
+
+  lcm::LCM& lcm_;
+  JobsConfig config_;
+  CommandPublisher commands_;
+  JobExecutor executor_;
+  JobStore store_;
+  StampGuard stamps_;
+  JobCircumstances kept_;       // as the table has them; those of the process before until the robot is heard
+  std::int64_t now_ = 0;        // [us] stamp of the last tick; 0 = nothing heard of the robot yet
+  std::int64_t told_ = 0;       // [us] stamp of the last tick when the time of day was told last
+  bool has_gone_on_ = false;    // with what the process before left over
+  std::int64_t published_ = 0;  // [us] when JOB_STATUS was sent last
+  std::int32_t sequence_ = 0;
+  std::vector<std::uint8_t> last_status_;          // without its stamp
+  std::optional<navigation_status_t> navigation_;  // since the last tick
+  std::optional<pose_t> pose_;
+  std::optional<double> behind_;  // [m]
+  std::string store_error_;
+  Subscriber subscriber_;  // last: no handler may run on a half-built node
+};
+
+}  // namespace luminav

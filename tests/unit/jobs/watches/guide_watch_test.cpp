@@ -1,0 +1,82 @@
+#include "services/jobs/watches/guide_watch.hpp"
+
+#include <gtest/gtest.h>
+
+namespace luminav {
+namespace {
+
+using Advice = GuideWatch::Advice;
+
+/// A guide that drives 0.4 m/s while it leads, and what it hears behind.
+class Walk {
+ public:
+  /// `behind(driven)` is the range [m] of the nearest echo; below 0 = none.
+  template <typename Echo>
+  Advice walk(double seconds, Echo behind) {
+    Advice last = Advice::kNone;
+    for (double t = 0.0; t < seconds - 1e-9 && last == Advice::kNone; t += 0.2) {
+      const double step = guide.leads() ? 0.08 : 0.0;
+      x += step;
+      const double range = behind(x);
+      last = guide.update({0.2, step, range > 0.0 ? std::optional(range) : std::nullopt, Pose2{x, 0.0, 0.0}, arrived});
+    }
+    return last;
+  }
+
+  GuideWatch guide{GuideParams{}};
+  double x = 0.0;  // [m] driven
+  bool arrived = false;
+};
+
+TEST(GuideWatch, LeadsAsLongAsSomebodyKeepsHisDistance) {
+  Walk walk;
+  EXPECT_EQ(walk.walk(60.0, [](double) { return 1.2; }), Advice::kNone);
+  EXPECT_TRUE(walk.guide.leads());
+}
+
+TEST(GuideWatch, TakesAWallThatFallsBackForNobody) {
+  Walk walk;
+  EXPECT_EQ(walk.walk(20.0, [](double x) { return 0.5 + x; }), Advice::kWait);
+  EXPECT_LT(walk.x, 2.4);
+}
+
+TEST(GuideWatch, WaitsForWhoFellBackAndLeadsOnWhenHeComesNear) {
+  Walk walk;
+  walk.walk(10.0, [](double) { return 1.0; });
+  const double lost_at = walk.x;
+  ASSERT_EQ(walk.walk(20.0, [](double) { return -1.0; }), Advice::kWait);
+  EXPECT_NEAR(walk.x - lost_at, 2.0, 0.2);
+  EXPECT_EQ(walk.guide.sentence(), "waits for its visitor");
+  double range = 2.4;
+  EXPECT_EQ(walk.walk(5.0, [&](double) { return range -= 0.1; }), Advice::kLeadOn);
+  EXPECT_TRUE(walk.guide.leads());
+}
+
+TEST(GuideWatch, GoesBackTwiceThenGivesUp) {
+  Walk walk;
+  walk.walk(10.0, [](double) { return 1.0; });
+  const auto nobody = [](double) { return -1.0; };
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_EQ(walk.walk(20.0, nobody), Advice::kWait);
+    ASSERT_EQ(walk.walk(20.0, nobody), Advice::kGoBack);
+    EXPECT_EQ(walk.guide.sentence(), "goes back for its visitor");
+    walk.arrived = true;
+    ASSERT_EQ(walk.walk(20.0, nobody), Advice::kLeadOn);
+    walk.arrived = false;
+  }
+  ASSERT_EQ(walk.walk(20.0, nobody), Advice::kWait);
+  EXPECT_EQ(walk.walk(20.0, nobody), Advice::kGiveUp);
+}
+
+TEST(GuideWatch, ObeysItsVisitor) {
+  Walk walk;
+  const auto follower = [](double) { return 1.0; };
+  walk.guide.hear("wait");
+  EXPECT_EQ(walk.walk(1.0, follower), Advice::kWait);
+  EXPECT_EQ(walk.walk(300.0, follower), Advice::kNone) << "as long as he likes";
+  walk.guide.hear("here");
+  EXPECT_EQ(walk.walk(1.0, follower), Advice::kLeadOn);
+}
+
+}  // namespace
+}  // namespace luminav
