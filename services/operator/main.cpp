@@ -1,12 +1,9 @@
 #include <fmt/format.h>
-#include <poll.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <luminav/supervision_t.hpp>
 #include <map>
 #include <memory>
@@ -22,73 +19,19 @@
 #include "services/common/process/event_loop.hpp"
 #include "services/operator/goal_order.hpp"
 #include "services/operator/goal_target.hpp"
+#include "services/operator/job_command.hpp"
 #include "services/operator/robot_order.hpp"
 #include "services/operator/system_files.hpp"
 #include "services/operator/system_snapshot.hpp"
+#include "services/operator/terminal.hpp"
 
 namespace luminav {
 namespace {
 
-volatile sig_atomic_t g_interrupted = 0;
-
-void on_interrupt(int) {
-  g_interrupted = 1;
-}
-
-std::int64_t clock_us(clockid_t clock) {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
-}
-
-// Ids of requests must grow from one call to the next, also after a reboot: the wall clock.
-std::int64_t new_id() {
-  return clock_us(CLOCK_REALTIME);
-}
-
-// Hands over messages until `end` [us, monotonic] or an interruption.
-void listen_until(lcm::LCM& lcm, std::int64_t end) {
-  while (g_interrupted == 0) {
-    const std::int64_t left = end - clock_us(CLOCK_MONOTONIC);
-    if (left <= 0) {
-      return;
-    }
-    pollfd descriptor{lcm.getFileno(), POLLIN, 0};
-    if (poll(&descriptor, 1, static_cast<int>(left / 1000 + 1)) > 0 && lcm.handleTimeout(0) < 0) {
-      throw std::runtime_error("the LCM network failed");
-    }
-  }
-}
-
-// Rewrites one line on a terminal; elsewhere a line only when it says something new.
-class ProgressLine {
- public:
-  void show(const std::string& text) {
-    if (isatty(STDOUT_FILENO) != 0) {
-      fmt::print("\r\033[K{}", text);
-      std::fflush(stdout);
-    } else if (clock_us(CLOCK_MONOTONIC) - shown_ > 2'000'000 && text != last_) {
-      fmt::print("{}\n", text);
-      std::fflush(stdout);
-      shown_ = clock_us(CLOCK_MONOTONIC);
-    }
-    last_ = text;
-  }
-  void end() const {
-    if (isatty(STDOUT_FILENO) != 0 && !last_.empty()) {
-      fmt::print("\n");
-    }
-  }
-
- private:
-  std::string last_;
-  std::int64_t shown_ = 0;  // [us]
-};
-
 // A person who waits here should see the robot; Ctrl-C stops it.
 void say_somebody_watches(CommandPublisher& commands) {
   supervision_t supervision{};
-  supervision.utime = clock_us(CLOCK_REALTIME);
+  supervision.utime = new_id();
   supervision.sender = "operator";
   commands.publish(channels::kSupervision, supervision);
 }
@@ -100,9 +43,9 @@ int watch(lcm::LCM& lcm, CommandPublisher commands, GoalOrder& request) {
   while (!request.outcome()) {
     request.tick();
     say_somebody_watches(commands);
-    listen_until(lcm, clock_us(CLOCK_MONOTONIC) + kTick);
-    if (g_interrupted != 0) {
-      g_interrupted = 0;
+    listen_until(lcm, monotonic_us() + kTick);
+    if (is_interrupted()) {
+      forget_interrupt();
       if (was_interrupted) {
         break;  // asked twice: do not wait for the planner
       }
@@ -127,7 +70,7 @@ FilePaths files_of_what_runs(const LcmNetwork& network, const FilePaths& asked) 
     return choose_files({}, asked);  // nothing can run there
   }
   const SystemListener listener(*lcm);
-  listen_until(*lcm, clock_us(CLOCK_MONOTONIC) + kPatience);
+  listen_until(*lcm, monotonic_us() + kPatience);
   return choose_files(listener.system(), asked);
 }
 
@@ -192,21 +135,21 @@ int carry_out(lcm::LCM& lcm, RobotWish wish, const std::string& done, std::optio
   constexpr std::int64_t kPatience = 10'000'000;  // [us]
   RobotOrder order(lcm, wish, new_id(), fmt::format("terminal:{}", getpid()), key);
   ProgressLine line;
-  const std::int64_t end = clock_us(CLOCK_MONOTONIC) + kPatience;
+  const std::int64_t end = monotonic_us() + kPatience;
   const auto is_done = [&] { return order.is_obeyed() && (wish != RobotWish::kStop || order.stands()); };
-  while (!is_done() && g_interrupted == 0) {
+  while (!is_done() && !is_interrupted()) {
     order.tick();
-    listen_until(lcm, clock_us(CLOCK_MONOTONIC) + kTick);
+    listen_until(lcm, monotonic_us() + kTick);
     if (!order.is_obeyed()) {
       line.show(order.progress());
     }
-    if (wish != RobotWish::kStop && clock_us(CLOCK_MONOTONIC) > end) {
+    if (wish != RobotWish::kStop && monotonic_us() > end) {
       break;
     }
   }
   line.end();
   fmt::print("{}\n", is_done() ? done : order.is_obeyed() ? "obeyed, but it still moves" : order.progress());
-  return is_done() ? 0 : g_interrupted != 0 ? 130 : 1;
+  return is_done() ? 0 : is_interrupted() ? 130 : 1;
 }
 
 int run_stop(int argc, char** argv) {
@@ -274,7 +217,7 @@ int run_status(int argc, char** argv) {
   const auto lcm = open_lcm(access.on(url));
   do {
     const SystemSnapshot snapshot(*lcm);  // anew each time: a process that fell silent is not shown as if it spoke
-    listen_until(*lcm, clock_us(CLOCK_MONOTONIC) + 1'300'000);  // each process reports once a second
+    listen_until(*lcm, monotonic_us() + 1'300'000);  // each process reports once a second
     if (watches && !as_json && isatty(STDOUT_FILENO) != 0) {
       fmt::print("\033[H\033[2J");
     }
@@ -289,7 +232,7 @@ int run_status(int argc, char** argv) {
     if (!watches && snapshot.is_empty()) {
       return 1;
     }
-  } while (watches && g_interrupted == 0);
+  } while (watches && !is_interrupted());
   return 0;
 }
 
@@ -326,9 +269,9 @@ int run_resume(int argc, char** argv) {
 int run(int argc, char** argv) {
   const std::string command = argc > 1 ? argv[1] : "";
   static const std::map<std::string, int (*)(int, char**)> kCommands = {
-      {"goto", run_goto},     {"cancel", run_cancel}, {"pause", run_pause},
-      {"resume", run_resume}, {"stop", run_stop},     {"release", run_release},
-      {"motors", run_motors}, {"status", run_status}, {"files", run_files}};
+      {"goto", run_goto},   {"cancel", run_cancel},   {"pause", run_pause},   {"resume", run_resume},
+      {"stop", run_stop},   {"release", run_release}, {"motors", run_motors}, {"status", run_status},
+      {"files", run_files}, {"job", run_job}};
   if (const auto found = kCommands.find(command); found != kCommands.end()) {
     return found->second(argc - 1, argv + 1);
   }
@@ -340,7 +283,7 @@ int run(int argc, char** argv) {
   fmt::print(
       asks_help ? stdout : stderr,
       "operator goto (PLACE | X Y [HEADING]) | status | cancel | pause | resume | stop | release | motors (on | off) | "
-      "files;\n"
+      "job ORDER | files;\n"
       "each has --help\n"
       "goto exits 0 when arrived, 1 nobody answers, 2 wrong usage, 3 no path, 4 blocked, 5 stuck, 6 cancelled,\n"
       "7 lost, 8 replaced by another goal, 9 the planner fell silent, 130 interrupted (the goal is cancelled)\n");
@@ -351,10 +294,6 @@ int run(int argc, char** argv) {
 }  // namespace luminav
 
 int main(int argc, char** argv) {
-  struct sigaction action {};
-  action.sa_handler = luminav::on_interrupt;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  sigaction(SIGHUP, &action, nullptr);  // a terminal that is closed must not leave the robot driving
+  luminav::catch_interrupts();
   return luminav::run_guarded(argc > 1 ? argv[1] : "operator", [&] { return luminav::run(argc, argv); });
 }

@@ -1,0 +1,84 @@
+#include "services/operator/terminal.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <ctime>
+#include <stdexcept>
+
+namespace luminav {
+namespace {
+
+volatile sig_atomic_t g_interrupted = 0;
+
+void on_interrupt(int) {
+  g_interrupted = 1;
+}
+
+std::int64_t clock_us(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
+}
+
+}  // namespace
+
+void catch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = on_interrupt;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);
+}
+
+bool is_interrupted() {
+  return g_interrupted != 0;
+}
+
+void forget_interrupt() {
+  g_interrupted = 0;
+}
+
+std::int64_t monotonic_us() {
+  return clock_us(CLOCK_MONOTONIC);
+}
+
+std::int64_t new_id() {
+  return clock_us(CLOCK_REALTIME);
+}
+
+void listen_until(lcm::LCM& lcm, std::int64_t end) {
+  while (!is_interrupted()) {
+    const std::int64_t left = end - monotonic_us();
+    if (left <= 0) {
+      return;
+    }
+    pollfd descriptor{lcm.getFileno(), POLLIN, 0};
+    if (poll(&descriptor, 1, static_cast<int>(left / 1000 + 1)) > 0 && lcm.handleTimeout(0) < 0) {
+      throw std::runtime_error("the LCM network failed");
+    }
+  }
+}
+
+void ProgressLine::show(const std::string& text) {
+  if (isatty(STDOUT_FILENO) != 0) {
+    fmt::print("\r\033[K{}", text);
+    std::fflush(stdout);
+  } else if (monotonic_us() - shown_ > 2'000'000 && text != last_) {
+    fmt::print("{}\n", text);
+    std::fflush(stdout);
+    shown_ = monotonic_us();
+  }
+  last_ = text;
+}
+
+void ProgressLine::end() const {
+  if (isatty(STDOUT_FILENO) != 0 && !last_.empty()) {
+    fmt::print("\n");
+  }
+}
+
+}  // namespace luminav
