@@ -23,8 +23,8 @@ Json rounded(double value) {
 }
 
 // vectors are only as long as the sender made them, whatever the count says
-template <typename Vector>
-std::size_t shortest(std::int32_t count, const Vector& first, const Vector& second) {
+template <typename First, typename Second>
+std::size_t shortest(std::int32_t count, const First& first, const Second& second) {
   return std::min({static_cast<std::size_t>(std::max(0, count)), first.size(), second.size()});
 }
 
@@ -169,6 +169,36 @@ std::string to_json(const node_status_t& message) {
                 {"worst_step_us", message.worst_step_us},
                 {"memory_bytes", message.memory_bytes},
                 {"cpu_fraction", rounded(message.cpu_fraction)}});
+}
+
+std::string to_json(const job_status_t& message) {
+  static constexpr std::array kKinds{"go", "carry", "tour", "home", "guide"};
+  static constexpr std::array kStates{"queued", "driving", "at_stop", "asking", "done", "failed", "cancelled"};
+  const auto word = [](const auto& words, int number) {
+    return number >= 0 && static_cast<std::size_t>(number) < words.size() ? words[static_cast<std::size_t>(number)]
+                                                                          : "";
+  };
+  Json jobs = Json::array();
+  for (const job_state_t& job : message.jobs) {
+    jobs.push_back({{"id", job.id},
+                    {"kind", word(kKinds, job.kind)},
+                    {"state", word(kStates, job.state)},
+                    {"priority", job.priority},
+                    {"position", job.position},
+                    {"sender", job.sender},
+                    {"sentence", job.sentence},
+                    {"stop", job.stop},
+                    {"stops", job.stops},
+                    {"waits_for", job.waits_for},
+                    {"text", job.text},
+                    {"question", job.question},
+                    {"answers", job.answers}});
+  }
+  Json requests = Json::array();
+  for (std::size_t i = 0; i < shortest(message.echo_count, message.echo_ids, message.objections); ++i) {
+    requests.push_back({{"id", message.echo_ids[i]}, {"objection", message.objections[i]}});
+  }
+  return write({{"utime", message.utime}, {"jobs", jobs}, {"requests", requests}, {"tours", message.tours}});
 }
 
 std::string to_json(const path_t& message) {

@@ -4,6 +4,7 @@
 #include <luminav/fixture_detections_t.hpp>
 #include <luminav/grid_tile_t.hpp>
 #include <luminav/hypotheses_t.hpp>
+#include <luminav/job_status_t.hpp>
 #include <luminav/navigation_status_t.hpp>
 #include <luminav/node_status_t.hpp>
 #include <luminav/odometry_t.hpp>
@@ -33,6 +34,8 @@ std::string to_json(const navigation_status_t& message);
 std::string to_json(const node_status_t& message);
 std::string to_json(const path_t& message);
 std::string to_json(const sim_truth_t& message);
+/// Kinds and states as words; what was asked and not done, with why.
+std::string to_json(const job_status_t& message);
 /// Ranges [m], null where nothing echoed, and the age [s] of each reading within the message.
 std::string to_json(const sonar_t& message);
 /// Where the robot was when the picture was taken places what is seen on the map; none = not known.

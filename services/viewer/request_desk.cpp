@@ -80,6 +80,35 @@ std::int64_t RequestDesk::send(map_command_t command, std::int64_t now) {
   return post(Kind::kMap, channels::kMapCommand, std::move(command), now);
 }
 
+std::int64_t RequestDesk::send(job_t job, std::int64_t now) {
+  constexpr std::size_t kMaxPending = 100;
+  if (job.action == job_t::ACTION_ADD) {
+    check_objection();
+  }
+  const std::lock_guard lock(mutex_);
+  if (pending_jobs_.size() >= kMaxPending) {
+    throw NotSent("the job service has not taken up the last hundred requests");
+  }
+  job.id = new_id(now);
+  job.utime = now;
+  job.sender = sender_;
+  if (commands_.publish(channels::kJob, job) < 0) {
+    throw NotSent("the network took nothing: it was not sent");
+  }
+  pending_jobs_.push_back(std::move(job));
+  return pending_jobs_.back().id;
+}
+
+void RequestDesk::on_job_status(const job_status_t& message) {
+  const std::lock_guard lock(mutex_);
+  const auto& ids = message.echo_ids;
+  std::erase_if(pending_jobs_,
+                [&](const job_t& job) { return std::find(ids.begin(), ids.end(), job.id) != ids.end(); });
+  if (!ids.empty()) {  // below all that it knows it acts on nothing: somebody's clock is ahead of ours
+    last_id_ = std::max(last_id_, *std::max_element(ids.begin(), ids.end()));
+  }
+}
+
 void RequestDesk::attend(std::int64_t now) {
   constexpr std::int64_t kPeriod = 200'000;  // [us]
   const std::lock_guard lock(mutex_);
@@ -106,6 +135,10 @@ void RequestDesk::repeat(std::int64_t now) {
       continue;
     }
     pending.publish(now);
+  }
+  std::erase_if(pending_jobs_, [&](const job_t& job) { return now - job.utime > kPatience; });
+  for (const job_t& job : pending_jobs_) {
+    commands_.publish(channels::kJob, job);
   }
 }
 

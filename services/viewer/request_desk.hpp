@@ -8,6 +8,8 @@
 #include <luminav/goal_t.hpp>
 #include <luminav/grid_tile_t.hpp>
 #include <luminav/initial_pose_t.hpp>
+#include <luminav/job_status_t.hpp>
+#include <luminav/job_t.hpp>
 #include <luminav/map_command_t.hpp>
 #include <luminav/motors_command_t.hpp>
 #include <luminav/navigation_status_t.hpp>
@@ -65,6 +67,9 @@ class RequestDesk {
   std::int64_t send(initial_pose_t guess, std::int64_t now);
   std::int64_t send(map_command_t command, std::int64_t now);
 
+  /// Requests for jobs are many at once: none takes the place of another. What became of them is in JOB_STATUS.
+  std::int64_t send(job_t job, std::int64_t now);
+
   /// Somebody has this viewer's page in view: says so in SUPERVISION, at most five times a second. Throws NotSent.
   void attend(std::int64_t now);
 
@@ -76,6 +81,7 @@ class RequestDesk {
   void on_robot_status(const robot_status_t& message);
   void on_pose(const pose_t& message);
   void on_grid_tile(const grid_tile_t& message);
+  void on_job_status(const job_status_t& message);
 
   [[nodiscard]] std::vector<State> states() const;
   static std::string_view name_of(Kind kind);
@@ -110,6 +116,7 @@ class RequestDesk {
   std::string sender_;
   mutable std::mutex mutex_;
   std::array<Pending, 5> pending_;
+  std::vector<job_t> pending_jobs_;  // not echoed yet; their stamps say when they were asked
   void check_objection() const;
 
   std::string objection_;

@@ -19,6 +19,7 @@ using Json = nlohmann::json;
 constexpr double kFarthest = 10'000.0;   // [m]
 constexpr double kLongestWait = 3600.0;  // [s]
 constexpr std::size_t kMaxPoses = 100;
+constexpr std::int64_t kLatest = 1LL << 53;  // JavaScript's largest whole number
 
 Json read_object(const std::string& body, std::initializer_list<std::string_view> known) {
   // nothing that is asked for here is nested deeply
@@ -97,26 +98,59 @@ goal_pose_t place_called(const std::string& name, const Building& building) {
   throw RequestError("place: the building has none of that name");
 }
 
-goal_pose_t read_goal_pose(const Json& item, const Building& building) {
-  if (!item.is_object()) {
-    throw RequestError("poses: each must be an object");
-  }
-  for (const auto& [key, value] : item.items()) {
-    if (key != "x" && key != "y" && key != "theta" && key != "wait" && key != "place") {
-      throw RequestError("poses: known keys are x, y, theta, wait, place");
-    }
+/// A place by its name, or a point.
+goal_pose_t read_pose(const Json& item, const Building& building) {
+  if (item.contains("place")) {
+    return place_called(text(item, "place"), building);
   }
   goal_pose_t pose{};
-  if (item.contains("place")) {
-    pose = place_called(text(item, "place"), building);
-  } else {
-    pose.x = number(item, "x", -kFarthest, kFarthest);
-    pose.y = number(item, "y", -kFarthest, kFarthest);
-    pose.has_theta = item.contains("theta");
-    pose.theta = pose.has_theta ? wrap_angle(number(item, "theta", -100.0, 100.0)) : 0.0;
+  pose.x = number(item, "x", -kFarthest, kFarthest);
+  pose.y = number(item, "y", -kFarthest, kFarthest);
+  pose.has_theta = item.contains("theta");
+  pose.theta = pose.has_theta ? wrap_angle(number(item, "theta", -100.0, 100.0)) : 0.0;
+  return pose;
+}
+
+void check_item(const Json& item, const char* list, std::initializer_list<std::string_view> known) {
+  if (!item.is_object()) {
+    throw RequestError(fmt::format("{}: each must be an object", list));
   }
+  for (const auto& [key, value] : item.items()) {
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      throw RequestError(fmt::format("{}: known keys are {}", list, fmt::join(known, ", ")));
+    }
+  }
+}
+
+goal_pose_t read_goal_pose(const Json& item, const Building& building) {
+  check_item(item, "poses", {"x", "y", "theta", "wait", "place"});
+  goal_pose_t pose = read_pose(item, building);
   pose.wait = item.contains("wait") ? number(item, "wait", 0.0, kLongestWait) : 0.0;
   return pose;
+}
+
+job_stop_t read_job_stop(const Json& item, const Building& building) {
+  check_item(item, "stops", {"x", "y", "theta", "place", "pause", "text"});
+  const goal_pose_t pose = read_pose(item, building);
+  job_stop_t stop{};
+  stop.place = pose.place;
+  stop.x = pose.x;
+  stop.y = pose.y;
+  stop.has_theta = pose.has_theta;
+  stop.theta = pose.theta;
+  stop.pause = item.contains("pause") ? number(item, "pause", 0.0, kLongestWait) : 0.0;
+  stop.text = item.contains("text") ? text(item, "text") : "";
+  return stop;
+}
+
+/// The place of a word in a list, which is the number on the wire.
+std::int8_t choice(const Json& object, const char* key, std::initializer_list<std::string_view> words) {
+  const std::string word = text(object, key);
+  const auto* found = std::find(words.begin(), words.end(), word);
+  if (found == words.end()) {
+    throw RequestError(fmt::format("{}: must be one of {}", key, fmt::join(words, ", ")));
+  }
+  return static_cast<std::int8_t>(found - words.begin());
 }
 
 std::int8_t read_action(const std::string& word) {
@@ -197,9 +231,35 @@ map_command_t read_map_request(const std::string& body) {
   return command;
 }
 
+job_t read_job_request(const std::string& body, const Building& building) {
+  const Json object = read_object(body, {"action", "kind", "stops", "tour", "priority", "on_timeout", "job", "word"});
+  job_t job{};
+  job.action = choice(object, "action", {"add", "confirm", "cancel", "answer"});
+  if (job.action != job_t::ACTION_ADD) {
+    job.job = integer(object, "job", 1, kLatest);
+    job.word = object.contains("word") ? text(object, "word") : "";
+    return job;
+  }
+  job.kind = choice(object, "kind", {"go", "carry", "tour", "home", "guide"});
+  job.tour = object.contains("tour") ? text(object, "tour") : "";
+  job.priority = object.contains("priority") ? static_cast<std::int32_t>(integer(object, "priority", 0, 100)) : 0;
+  if (object.contains("on_timeout")) {
+    job.on_timeout = choice(object, "on_timeout", {"ask", "give_up", "go_on"});
+  }
+  if (const auto stops = object.find("stops"); stops != object.end()) {
+    if (!stops->is_array() || stops->size() > kMaxPoses) {
+      throw RequestError(fmt::format("stops: must be a list of at most {}", kMaxPoses));
+    }
+    for (const Json& item : *stops) {
+      job.stops.push_back(read_job_stop(item, building));
+    }
+  }
+  job.count = static_cast<std::int32_t>(job.stops.size());
+  return job;
+}
+
 Steering read_steering(const std::string& body) {
   const Json object = read_object(body, {"session", "sequence", "linear", "angular", "seen"});
-  constexpr std::int64_t kLatest = 1LL << 53;  // JavaScript's largest whole number
   Steering steering;
   steering.session = integer(object, "session", 1, kLatest);
   steering.sequence = static_cast<std::int32_t>(integer(object, "sequence", 0, 2'000'000'000));

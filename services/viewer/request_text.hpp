@@ -2,6 +2,7 @@
 
 #include <luminav/goal_t.hpp>
 #include <luminav/initial_pose_t.hpp>
+#include <luminav/job_t.hpp>
 #include <luminav/map_command_t.hpp>
 #include <luminav/motors_command_t.hpp>
 #include <luminav/stop_t.hpp>
@@ -65,6 +66,10 @@ motors_command_t read_motors_request(const std::string& body);
 initial_pose_t read_initial_pose_request(const std::string& body);
 /// {"action": "save" | "clear_evidence"}: into the mapper's own file; a page cannot name another.
 map_command_t read_map_request(const std::string& body);
+/// {"action": "add", "kind": "go" | "carry" | "tour" | "home" | "guide", "stops"?: [{"x", "y", "theta"?} or {"place"},
+/// with "pause"? [s] and "text"?], "tour"?, "priority"?, "on_timeout"?: "ask" | "give_up" | "go_on"}, or {"action":
+/// "confirm" | "cancel" | "answer", "job", "word"?}. The job service says whether such a job can be done.
+job_t read_job_request(const std::string& body, const Building& building);
 /// {"session", "sequence", "linear", "angular", "seen"}.
 Steering read_steering(const std::string& body);
 /// {"name", "action": "start" | "stop" | "restart"}.

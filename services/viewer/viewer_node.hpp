@@ -9,6 +9,7 @@
 #include <luminav/fixture_detections_t.hpp>
 #include <luminav/grid_tile_t.hpp>
 #include <luminav/hypotheses_t.hpp>
+#include <luminav/job_status_t.hpp>
 #include <luminav/navigation_status_t.hpp>
 #include <luminav/node_status_t.hpp>
 #include <luminav/odometry_t.hpp>
@@ -34,8 +35,8 @@
 namespace luminav {
 
 /// Listens to everything and keeps the newest of it on the board as server-sent events: "state" with each `show`,
-/// "nodes" with each `show_processes`, "hypotheses", "path", "picture" and "tile" when there is a new one. Says how old
-/// each channel is by the clock of this host, since stamps come from another.
+/// "nodes" with each `show_processes`, "hypotheses", "path", "jobs", "picture" and "tile" when there is a new one. Says
+/// how old each channel is by the clock of this host, since stamps come from another.
 class ViewerNode {
  public:
   ViewerNode(lcm::LCM& lcm, const ViewerConfig& config, const Clock& clock, SnapshotBoard& board,
@@ -67,6 +68,7 @@ class ViewerNode {
   void on_navigation_status(const navigation_status_t& message);
   void on_control_status(const control_status_t& message);
   void on_path(const path_t& message);
+  void on_job_status(const job_status_t& message);
   void on_grid_tile(const grid_tile_t& message);
   void on_sonar(const sonar_t& message);
   void on_odometry(const odometry_t& message);

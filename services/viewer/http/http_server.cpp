@@ -198,6 +198,9 @@ struct HttpServer::Servers {
     actions["map"].act = [this, now](const std::string& body) {
       return context.desk.send(read_map_request(body), now());
     };
+    actions["jobs"].act = [this, now](const std::string& body) {
+      return context.desk.send(read_job_request(body, context.building), now());
+    };
     actions["process"].act = [this, now](const std::string& body) {
       return context.processes.order(read_process_order(body), now());
     };

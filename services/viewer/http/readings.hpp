@@ -21,8 +21,8 @@ HttpResponse refusal(int status, std::string_view why);
 using Readings = std::map<std::string, std::function<HttpResponse(const HttpRequest&)>>;
 
 /// The newest of what pages are shown, for programs that ask now and then: /api/state, /api/nodes, /api/processes,
-/// /api/path, /api/hypotheses, /api/map, /metrics and the building's /api/places. 404 for what was not heard yet.
-/// To be used by one thread; board, clock and building must outlive it.
+/// /api/path, /api/hypotheses, /api/jobs, /api/map, /metrics and the building's /api/places. 404 for what was not heard
+/// yet. To be used by one thread; board, clock and building must outlive it.
 Readings board_readings(const SnapshotBoard& board, const Clock& clock, const Building& building);
 
 }  // namespace luminav

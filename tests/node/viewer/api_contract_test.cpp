@@ -51,7 +51,7 @@ class ApiContractTest : public ::testing::Test {
     board_.clear(SnapshotBoard::Lane::kLive);
     board_.clear(SnapshotBoard::Lane::kAsked);
     seen.insert(client().Get(path + "?sequence=99")->status);  // which only the camera's picture heeds
-    for (const char* subject : {"state", "nodes", "processes", "path", "hypotheses"}) {
+    for (const char* subject : {"state", "nodes", "processes", "path", "hypotheses", "jobs"}) {
       board_.put(SnapshotBoard::Lane::kLive, subject, server_sent_event(subject, "{}"));
     }
     board_.put(SnapshotBoard::Lane::kAsked, "metrics", "luminav_battery_volts 12\n");

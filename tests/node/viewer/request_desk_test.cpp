@@ -19,9 +19,11 @@ class RequestDeskTest : public ::testing::Test {
   RequestDeskTest() : subscriber_(lcm_) {
     subscriber_.on(channels::kGoal, &RequestDeskTest::on_goal, this);
     subscriber_.on(channels::kStop, &RequestDeskTest::on_stop, this);
+    subscriber_.on(channels::kJob, &RequestDeskTest::on_job, this);
   }
   void on_goal(const goal_t& message) { goals_.push_back(message); }
   void on_stop(const stop_t& message) { stops_.push_back(message); }
+  void on_job(const job_t& message) { jobs_.push_back(message); }
   void deliver() {
     while (lcm_.handleTimeout(0) > 0) {
     }
@@ -57,7 +59,39 @@ class RequestDeskTest : public ::testing::Test {
   Subscriber subscriber_;
   std::vector<goal_t> goals_;
   std::vector<stop_t> stops_;
+  std::vector<job_t> jobs_;
 };
+
+TEST_F(RequestDeskTest, RepeatsEachOfTenJobsUntilItIsEchoed) {
+  job_status_t status{};
+  for (int i = 0; i < 10; ++i) {
+    const std::int64_t id = desk_.send(job_t{}, kStart);
+    if (i % 2 == 0) {
+      status.echo_ids.push_back(id);
+      status.objections.emplace_back();
+    }
+  }
+  deliver();
+  EXPECT_EQ(jobs_.size(), 10U);
+  EXPECT_EQ(jobs_[9].sender, "viewer@desk");
+  status.echo_count = 5;
+  desk_.on_job_status(status);
+  desk_.repeat(kStart + 200'000);
+  deliver();
+  EXPECT_EQ(jobs_.size(), 15U);
+  desk_.repeat(kStart + 11'000'000);
+  deliver();
+  EXPECT_EQ(jobs_.size(), 15U) << "nobody waits any more";
+}
+
+TEST_F(RequestDeskTest, NumbersItsJobsAboveThoseOfSomebodyWhoseClockIsAhead) {
+  job_status_t status{};
+  status.echo_count = 1;
+  status.echo_ids = {kStart + 3'600'000'000};
+  status.objections = {""};
+  desk_.on_job_status(status);
+  EXPECT_GT(desk_.send(job_t{}, kStart), kStart + 3'600'000'000);
+}
 
 TEST_F(RequestDeskTest, RefusesPlacesOfAnotherBuildingButNeverAStop) {
   desk_.object("building laboratory, but planner@desk has office");

@@ -29,6 +29,54 @@ TEST(GoalRequestText, ReadsPointsHeadingsAndPlaces) {
   EXPECT_DOUBLE_EQ(goal.poses[2].theta, 0.5);
 }
 
+TEST(JobRequestText, ReadsJobsAndWhatPeopleSayToThem) {
+  const Building building = building_with_a_lift();
+  const job_t carry = read_job_request(
+      R"({"action":"add","kind":"carry","stops":[{"place":"lift"},{"x":1,"y":2,"pause":3,"text":"here"}],"priority":7,)"
+      R"("on_timeout":"go_on"})",
+      building);
+  EXPECT_EQ(carry.action, job_t::ACTION_ADD);
+  EXPECT_EQ(carry.kind, job_t::KIND_CARRY);
+  EXPECT_EQ(carry.priority, 7);
+  EXPECT_EQ(carry.on_timeout, job_t::TIMEOUT_GO_ON);
+  ASSERT_EQ(carry.count, 2);
+  EXPECT_EQ(carry.stops[0].place, "lift");
+  EXPECT_DOUBLE_EQ(carry.stops[1].pause, 3.0);
+  EXPECT_EQ(carry.stops[1].text, "here");
+  EXPECT_EQ(read_job_request(R"({"action":"add","kind":"tour","tour":"morning"})", building).tour, "morning");
+  EXPECT_EQ(read_job_request(R"({"action":"add","kind":"home"})", building).count, 0);
+  const job_t confirm = read_job_request(R"({"action":"confirm","job":1764184500123456,"word":"loaded"})", building);
+  EXPECT_EQ(confirm.action, job_t::ACTION_CONFIRM);
+  EXPECT_EQ(confirm.job, 1'764'184'500'123'456);
+  EXPECT_EQ(confirm.word, "loaded");
+}
+
+TEST(JobRequestText, RefusesEverythingElse) {
+  const Building building = building_with_a_lift();
+  for (const char* body : {"",
+                           "[]",
+                           "{}",
+                           R"({"action":"do"})",
+                           R"({"action":"add"})",
+                           R"({"action":"add","kind":"fly"})",
+                           R"({"action":"add","kind":"go","stops":7})",
+                           R"({"action":"add","kind":"go","stops":[7]})",
+                           R"({"action":"add","kind":"go","stops":[{"place":"attic"}]})",
+                           R"({"action":"add","kind":"go","stops":[{"x":1}]})",
+                           R"({"action":"add","kind":"go","stops":[{"x":1,"y":1e9}]})",
+                           R"({"action":"add","kind":"go","stops":[{"place":"lift","wait":3}]})",
+                           R"({"action":"add","kind":"home","priority":101})",
+                           R"({"action":"add","kind":"home","priority":1.5})",
+                           R"({"action":"add","kind":"home","on_timeout":"never"})",
+                           R"({"action":"add","kind":"home","colour":"red"})",
+                           R"({"action":"confirm"})",
+                           R"({"action":"confirm","job":0})",
+                           R"({"action":"confirm","job":"1"})",
+                           R"({"action":"answer","job":5,"word":7})"}) {
+    EXPECT_THROW((void)read_job_request(body, building), RequestError) << body;
+  }
+}
+
 TEST(GoalRequestText, KnowsTheOtherActions) {
   const Building building;
   EXPECT_EQ(read_goal_request(R"({"action":"cancel"})", building).action, goal_t::ACTION_CANCEL);

@@ -4,11 +4,12 @@ from __future__ import annotations
 import math
 import time
 from types import TracebackType
-from typing import Any, Dict, Iterable, Iterator, Mapping, Optional, Set, Type
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Set, Type, Union
 
 from .connection import Connection, Event
 from .errors import RobotError
 from .grid import Map
+from .jobs import Job, JobStatus, job_stop, request, statuses
 from .task import PERIOD, Request, Task
 from .types import UNDER_WAY, Place, Pose, PoseState, Target, goal_pose
 
@@ -56,7 +57,7 @@ class Robot:
 
     def events(self, *names: str) -> Iterator[Event]:
         """Yields the viewer's events as they come, of these names if any are given: state (10 per second), nodes and processes
-        (1 per second), hypotheses, path, picture and tile. Raises Unreachable when the connection ends."""
+        (1 per second), hypotheses, path, jobs, picture and tile. Raises Unreachable when the connection ends."""
         for event in self._connection.events():
             if not names or event.name in names:
                 yield event
@@ -104,6 +105,38 @@ class Robot:
     def continues(self, goal: int) -> bool:
         """Whether a goal's id is that of a pause, resume or cancel by this Robot."""
         return goal in self._goals
+
+    @property
+    def jobs(self) -> List[JobStatus]:
+        """The queue of jobs: the one under way, those that wait in their order, the last ten that are over."""
+        return statuses(self._connection)
+
+    def queue(self, target: Target, priority: int = 0) -> Job:
+        """Puts a drive to a target into the queue; `go` sends the robot there at once."""
+        return self._add("go", [target], priority)
+
+    def carry(self, origin: Target, destination: Target, priority: int = 0, on_timeout: str = "ask") -> Job:
+        """Lets it fetch something at `origin`, where somebody confirms "loaded", and bring it to `destination`. `on_timeout` says
+        what it means when nobody does: ask, give_up or go_on."""
+        return self._add("carry", [origin, destination], priority, {"on_timeout": on_timeout})
+
+    def guide(self, target: Target, priority: int = 0) -> Job:
+        """Lets it lead somebody to a target, wait for him, and go back for him."""
+        return self._add("guide", [target], priority)
+
+    def tour(self, stops: Union[str, Iterable[Target]], priority: int = 0) -> Job:
+        """Lets it drive from stop to stop: a stored tour by its name, or a list in which a Waypoint's wait is a pause."""
+        if isinstance(stops, str):
+            return self._add("tour", [], priority, {"tour": stops})
+        return self._add("tour", stops, priority)
+
+    def home(self, priority: int = 0) -> Job:
+        """Lets it drive home, and see whether it charges there."""
+        return self._add("home", [], priority)
+
+    def _add(self, kind: str, stops: Iterable[Target], priority: int, more: Mapping[str, Any] = {}) -> Job:
+        body = {"action": "add", "kind": kind, "stops": [job_stop(stop) for stop in stops], "priority": priority, **more}
+        return Job(self._connection, request(self._connection, body))
 
     def stop(self) -> Request:
         """Stops the robot, now, until somebody releases it. Needs no token. The viewer repeats it until driver and controller obey."""
