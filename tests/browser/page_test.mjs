@@ -28,6 +28,9 @@ function sayProcesses() {
   viewer.say('processes', {commands: ['controller', 'planner'].map(command), order: null});
   viewer.say('nodes', {nodes: [node('controller', {reason: 'SONAR: impossible range or stamp', dropped_inputs: 3}), node('planner')], rates: {POSE: 50}, delays: {}});
 }
+const job = (more) => ({id: 1764184500123456, kind: 'carry', state: 'driving', priority: 0, position: 0, sender: 'a page', sentence: 'drives to lift, 3 m left',
+  stop: 0, stops: ['lift', 'office-7'], waits_for: '', text: '', question: '', answers: [], ...more});
+const sayJobs = (jobs, requests = []) => viewer.say('jobs', {utime: 1, jobs, requests, tours: ['morning']});
 
 let page;
 const textOf = (selector) => page.$eval(selector, (element) => element.innerText);
@@ -77,6 +80,48 @@ const steps = {
     await press('#places button:text-is("office-2")');
     assert.match(await hears('/api/goal', since), /"place":"office-2"/);
     await page.fill('#place-search', '');
+  },
+
+  async 'a visitor orders in three taps, confirms and answers'(name, theme) {
+    sayJobs([]);
+    await page.waitForSelector('#jobs-card', {state: 'visible'});
+    let since = viewer.heard.length;
+    await press('#job-kinds button:text-is("Carry something")');
+    await says('#job-order', /Where is it fetched/);
+    await press('#job-choices button:text-is("lift")');
+    await says('#job-order', /From lift: where to/);
+    await page.fill('#job-search', 'office-7');
+    await look('jobs-order', name, theme);
+    await press('#job-choices button:text-is("office-7")');
+    await hears('/api/jobs {"action":"add","kind":"carry","stops":[{"place":"lift"},{"place":"office-7"}]}', since);
+    sayJobs([job({state: 'at_stop', sentence: 'is at lift and waits for "loaded"', waits_for: 'loaded'})], [{id: 7, objection: ''}]);
+    since = viewer.heard.length;
+    await press('#job-list button:text-is("loaded")');
+    await hears('/api/jobs {"action":"confirm","job":1764184500123456,"word":"loaded"}', since);
+    const question = 'on the way to office-7: the way through door 3 is blocked; waited 60 s, no other way';
+    sayJobs([job({state: 'asking', stop: 1, sentence: question, question, answers: ['opened', 'give up']}),
+      job({id: 5, kind: 'go', state: 'queued', position: 1, sentence: 'waits for its turn', stops: ['office-2']}),
+      job({id: 4, kind: 'guide', state: 'done', position: -1, sentence: 'done, at office-3', stops: ['office-3']})]);
+    await says('#job-list', /door 3 is blocked[^]*waits for its turn[^]*done, at office-3/);
+    await page.locator('#jobs-card').scrollIntoViewIfNeeded();
+    await look('jobs', name, theme);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    since = viewer.heard.length;
+    await press('#job-list button:text-is("opened")');
+    await hears('/api/jobs {"action":"answer","job":1764184500123456,"word":"opened"}', since);
+    const objects = setInterval(() => sayJobs([job({kind: 'guide', stops: ['office-7']})], [{id: 7, objection: '"opened" is no answer'}]), 200);
+    await says('#notes', /is no answer/);
+    clearInterval(objects);
+    viewer.state.ages.JOB_STATUS = 9;
+    await says('#jobs-word', /silent for 9 s/);
+    viewer.state = standing();
+    since = viewer.heard.length;
+    await press('#job-list button:text-is("wait")');
+    await hears('/api/jobs {"action":"confirm","job":1764184500123456,"word":"wait"}', since);
+    since = viewer.heard.length;
+    await press('#job-kinds button:text-is("Guide me")');
+    await press('#job-choices button:text-is("lift")');
+    await hears('/api/jobs {"action":"add","kind":"guide","stops":[{"place":"lift"}]}', since);
   },
 
   async 'pause and cancel are in sight'() {
@@ -270,6 +315,9 @@ const steps = {
   },
 
   async 'axe finds nothing'(name, theme) {
+    sayJobs([job({state: 'asking', sentence: 'the door is shut', question: 'the door is shut', answers: ['opened', 'give up']}), job({id: 4, state: 'done', position: -1})]);
+    await page.waitForSelector('#jobs-card', {state: 'visible'});
+    await press('#job-kinds button');
     await page.evaluate(axe);
     // on a busy machine the viewer may have been silent for a moment, and what is old is pale
     await page.waitForFunction(() => !document.body.classList.contains('stale'));

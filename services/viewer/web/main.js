@@ -6,6 +6,7 @@ import {Ground} from './ground.js';
 import {guarded, whatIsBroken} from './guard.js';
 import {Goals} from './goals.js';
 import {Happenings} from './happenings.js';
+import {Jobs} from './jobs.js';
 import {Kept} from './kept.js';
 import {drawCrosshair, listenForStop, listenOnMap} from './keyboard.js';
 import * as draw from './layers.js';
@@ -44,6 +45,7 @@ const steering = new Steering({stick: $('stick'), knob: $('knob'), keysButton: $
 
 new Kept({details: $('kept'), list: $('kept').querySelector('ul')}, ask);
 $('kept').querySelector('ul').dataset.empty = t`nothing yet`;
+const jobs = new Jobs(ask, note);
 const stop = new Stop(ask, (number) => nameOf(NAVIGATION, number));
 
 let building = null;
@@ -87,6 +89,7 @@ fetch('building.json').then((answer) => answer.json()).then((known) => {
   $('building').textContent = known.name;
   document.title = `Luminav · ${known.name}`;
   goals.setPlaces(known.places);
+  jobs.setPlaces(known.places);
   if (!isFitted) fit();
   redrawAll();
 });
@@ -100,6 +103,7 @@ connection.addEventListener('state', ({detail}) => {
   guarded(t`the trail`, () => trails.extend(state, STALE_S));
   if (isFollowing && Number.isFinite(pose?.x) && Number.isFinite(pose?.y) && ages.POSE < STALE_S) view.centre = [pose.x, pose.y];
   panels.show(state, building);
+  jobs.watch(ages);
   guarded(t`what became of requests`, () => showRequests(state.requests));
   redraw();
 });
@@ -114,6 +118,7 @@ connection.addEventListener('processes', ({detail}) => guarded(t`the processes`,
   happenings.watchProcesses(detail);
 }));
 connection.addEventListener('path', ({detail}) => { path = detail; redraw(); });
+connection.addEventListener('jobs', ({detail}) => guarded(t`the jobs`, () => jobs.show(detail)));
 connection.addEventListener('tile', ({detail}) => guarded(t`the map`, () => tiles.take(detail)));
 connection.addEventListener('picture', ({detail}) => guarded(t`the camera`, () => picture.show(detail)));
 connection.addEventListener('hypotheses', ({detail}) => guarded(t`the particles`, () => takeHypotheses(detail)));

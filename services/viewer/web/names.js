@@ -9,7 +9,10 @@ export const CONTROL = ['idle', 'wandering', 'following', 'turning', 'at goal', 
 export const NODE = ['starting', 'ready', 'degraded', 'fault'];
 // What a page asks for.
 export const SUBJECTS = ['goal', 'go', 'stop', 'motors', 'initial pose', 'map', 'route', 'cancel', 'pause', 'resume', 'release', 'record',
-  'process', 'pose', 'log', 'delete'];
+  'process', 'pose', 'log', 'delete', 'job'];
+export const JOB_KINDS = {go: 'Drive', guide: 'Guide me', carry: 'Carry something', tour: 'Tour', home: 'Drive home'};
+// What people say to a job.
+export const JOB_WORDS = ['loaded', 'unloaded', 'here', 'wait', 'opened', 'go round', 'try again', 'go on', 'leave out', 'charging', 'give up'];
 export const ACTIONS = ['start', 'stop', 'restart'];
 export const CONDITIONS = ['stopped', 'starting', 'ready', 'degraded', 'fault', 'silent', 'stopping', 'restarting', 'failed', 'gave up', 'refused', 'unknown'];
 // Facts about the robot: for everybody, and what only experts want to know.
