@@ -28,13 +28,13 @@
 #include <luminav/teleop_command_t.hpp>
 #include <luminav/tile_request_t.hpp>
 #include <luminav/velocity_command_t.hpp>
-#include <procman/procman_command_desired_t.hpp>
-#include <procman/procman_command_status_t.hpp>
-#include <procman/procman_command_t.hpp>
-#include <procman/procman_deputy_info_t.hpp>
-#include <procman/procman_discovery_t.hpp>
-#include <procman/procman_orders_t.hpp>
-#include <procman/procman_output_t.hpp>
+#include <luminav_procman/procman_command_desired_t.hpp>
+#include <luminav_procman/procman_command_status_t.hpp>
+#include <luminav_procman/procman_command_t.hpp>
+#include <luminav_procman/procman_deputy_info_t.hpp>
+#include <luminav_procman/procman_discovery_t.hpp>
+#include <luminav_procman/procman_orders_t.hpp>
+#include <luminav_procman/procman_output_t.hpp>
 
 namespace luminav {
 
@@ -46,9 +46,10 @@ using AllMessageTypes =
     MessageTypes<camera_image_t, control_status_t, fixture_detection_t, fixture_detections_t, goal_pose_t, goal_t,
                  grid_tile_t, hypotheses_t, initial_pose_t, job_state_t, job_status_t, job_stop_t, job_t, map_command_t,
                  motors_command_t, navigation_status_t, node_status_t, odometry_t, path_t, pose_t,
-                 procman::procman_command_desired_t, procman::procman_command_status_t, procman::procman_command_t,
-                 procman::procman_deputy_info_t, procman::procman_discovery_t, procman::procman_orders_t,
-                 procman::procman_output_t, robot_status_t, sim_truth_t, sonar_t, stop_t, supervision_t,
+                 luminav_procman::procman_command_desired_t, luminav_procman::procman_command_status_t,
+                 luminav_procman::procman_command_t, luminav_procman::procman_deputy_info_t,
+                 luminav_procman::procman_discovery_t, luminav_procman::procman_orders_t,
+                 luminav_procman::procman_output_t, robot_status_t, sim_truth_t, sonar_t, stop_t, supervision_t,
                  teleop_command_t, tile_request_t, velocity_command_t>;
 
 }  // namespace luminav

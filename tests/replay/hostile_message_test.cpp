@@ -2,15 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <luminav_procman/procman_command_desired_t.hpp>
+#include <luminav_procman/procman_command_status_t.hpp>
+#include <luminav_procman/procman_command_t.hpp>
+#include <luminav_procman/procman_deputy_info_t.hpp>
+#include <luminav_procman/procman_discovery_t.hpp>
+#include <luminav_procman/procman_orders_t.hpp>
+#include <luminav_procman/procman_output_t.hpp>
 #include <map>
 #include <new>
-#include <procman/procman_command_desired_t.hpp>
-#include <procman/procman_command_status_t.hpp>
-#include <procman/procman_command_t.hpp>
-#include <procman/procman_deputy_info_t.hpp>
-#include <procman/procman_discovery_t.hpp>
-#include <procman/procman_orders_t.hpp>
-#include <procman/procman_output_t.hpp>
 #include <set>
 #include <string>
 

@@ -12,7 +12,7 @@
 #include <luminav/robot_status_t.hpp>
 #include <luminav/sim_truth_t.hpp>
 #include <luminav/sonar_t.hpp>
-#include <procman/procman_deputy_info_t.hpp>
+#include <luminav_procman/procman_deputy_info_t.hpp>
 
 #include "services/common/log/log_file.hpp"
 #include "tests/replay/comparison/divergence.hpp"
@@ -182,7 +182,7 @@ TEST(MessageSchema, ComputesTheFingerprintsOfTheGeneratedCode) {
   EXPECT_EQ(fingerprint("robot_status_t"), robot_status_t::getHash());
   EXPECT_EQ(fingerprint("sim_truth_t"), sim_truth_t::getHash());
   EXPECT_EQ(fingerprint("sonar_t"), sonar_t::getHash());
-  EXPECT_EQ(fingerprint("procman_deputy_info_t"), procman::procman_deputy_info_t::getHash());
+  EXPECT_EQ(fingerprint("procman_deputy_info_t"), luminav_procman::procman_deputy_info_t::getHash());
 }
 
 TEST(MessageSchema, DecodesNestedTypesWithUnits) {

@@ -22,7 +22,7 @@ constexpr std::size_t kMaxCommands = 250;     // PM_INFO has to fit a datagram
 
 /// Signal and time of the orders where they end a process, else those of the deputy's own file. SIGSTOP, say, would
 /// freeze a robot's driver together with its guardian. `own` null: the command does not stand there.
-void make_sensible(procman::procman_command_t& command, const Command* own) {
+void make_sensible(luminav_procman::procman_command_t& command, const Command* own) {
   const int given = command.stop_signal;
   const bool ends = given == SIGINT || given == SIGTERM || given == SIGHUP || given == SIGQUIT;
   if (!ends && !(own != nullptr && own->stop_signal == given)) {
@@ -77,18 +77,18 @@ void Deputy::tick(const Instant& now) {
   publish_output();
 }
 
-void Deputy::on_discovery(const procman::procman_discovery_t&) {
+void Deputy::on_discovery(const luminav_procman::procman_discovery_t&) {
   children_.note_change();  // somebody new: who is here?
 }
 
-const Command* Deputy::find_own(const procman::procman_command_t& command) const {
+const Command* Deputy::find_own(const luminav_procman::procman_command_t& command) const {
   const auto own = std::find_if(config_.allowed.begin(), config_.allowed.end(), [&](const Command& allowed) {
     return allowed.name == command.command_id && allowed.exec == command.exec_str;
   });
   return own == config_.allowed.end() ? nullptr : &*own;
 }
 
-void Deputy::on_orders(const procman::procman_orders_t& orders) {
+void Deputy::on_orders(const luminav_procman::procman_orders_t& orders) {
   if (!name_.settled() || shutting_down_ || orders.deputy_id != config_.id) {
     return;
   }
@@ -106,7 +106,7 @@ void Deputy::on_orders(const procman::procman_orders_t& orders) {
     return;
   }
   bool all_allowed = true;
-  for (const procman::procman_command_desired_t& ordered : orders.cmds) {
+  for (const luminav_procman::procman_command_desired_t& ordered : orders.cmds) {
     if (config_.allow_any || find_own(ordered.cmd) != nullptr) {
       obey(ordered);
     } else {
@@ -120,7 +120,7 @@ void Deputy::on_orders(const procman::procman_orders_t& orders) {
   }
 }
 
-ManagedCommand* Deputy::list_refused(const procman::procman_command_t& ordered, const std::string& sheriff_id) {
+ManagedCommand* Deputy::list_refused(const luminav_procman::procman_command_t& ordered, const std::string& sheriff_id) {
   auto& commands = children_.commands();
   const std::string id = harmless(ordered.command_id);
   if (const auto found = commands.find(id); found != commands.end()) {
@@ -144,7 +144,7 @@ ManagedCommand* Deputy::list_refused(const procman::procman_command_t& ordered, 
   return &command;
 }
 
-void Deputy::refuse(const procman::procman_command_desired_t& ordered, const std::string& sheriff_id) {
+void Deputy::refuse(const luminav_procman::procman_command_desired_t& ordered, const std::string& sheriff_id) {
   ManagedCommand* const listed = list_refused(ordered.cmd, sheriff_id);
   if (listed == nullptr) {
     return;
@@ -200,7 +200,7 @@ ManagedCommand* Deputy::list_ordered(const std::string& id) {
   return &command;
 }
 
-void Deputy::obey(const procman::procman_command_desired_t& ordered) {
+void Deputy::obey(const luminav_procman::procman_command_desired_t& ordered) {
   ManagedCommand* const listed = list_ordered(ordered.cmd.command_id);
   if (listed == nullptr) {
     return;
@@ -235,9 +235,9 @@ void Deputy::obey(const procman::procman_command_desired_t& ordered) {
   }
 }
 
-void Deputy::drop_missing(const procman::procman_orders_t& orders) {
+void Deputy::drop_missing(const luminav_procman::procman_orders_t& orders) {
   std::set<std::string> ordered;
-  for (const procman::procman_command_desired_t& command : orders.cmds) {
+  for (const luminav_procman::procman_command_desired_t& command : orders.cmds) {
     ordered.insert(command.cmd.command_id);
   }
   auto& commands = children_.commands();
@@ -261,7 +261,7 @@ void Deputy::drop_missing(const procman::procman_orders_t& orders) {
 }
 
 void Deputy::publish_info() {
-  procman::procman_deputy_info_t info{};
+  luminav_procman::procman_deputy_info_t info{};
   info.utime = now_.utime;
   info.deputy_id = config_.id;
   const MachineUsage& machine = children_.machine();
@@ -283,7 +283,7 @@ void Deputy::publish_output() {
     return;
   }
   last_output_ = now_.steady;
-  for (procman::procman_output_t& message : journal_.take_output(now_)) {
+  for (luminav_procman::procman_output_t& message : journal_.take_output(now_)) {
     message.utime = now_.utime;
     message.deputy_id = config_.id;
     lcm_.publish(channels::kProcmanOutput, &message);

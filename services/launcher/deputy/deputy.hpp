@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
+#include <luminav_procman/procman_discovery_t.hpp>
+#include <luminav_procman/procman_orders_t.hpp>
 #include <optional>
-#include <procman/procman_discovery_t.hpp>
-#include <procman/procman_orders_t.hpp>
 #include <string>
 #include <vector>
 
@@ -56,17 +56,18 @@ class Deputy {
   [[nodiscard]] std::int64_t dropped() const { return subscriber_.dropped(); }
 
  private:
-  void on_orders(const procman::procman_orders_t& orders);
-  void on_discovery(const procman::procman_discovery_t& discovery);
+  void on_orders(const luminav_procman::procman_orders_t& orders);
+  void on_discovery(const luminav_procman::procman_discovery_t& discovery);
 
   /// As it stands in the deputy's own configuration; null = not there, or with other words.
-  [[nodiscard]] const Command* find_own(const procman::procman_command_t& command) const;
-  void refuse(const procman::procman_command_desired_t& ordered, const std::string& sheriff_id);
+  [[nodiscard]] const Command* find_own(const luminav_procman::procman_command_t& command) const;
+  void refuse(const luminav_procman::procman_command_desired_t& ordered, const std::string& sheriff_id);
   void stop_whatever_its_words(ManagedCommand& command, std::int32_t desired_runid);
-  [[nodiscard]] ManagedCommand* list_refused(const procman::procman_command_t& ordered, const std::string& sheriff_id);
-  void obey(const procman::procman_command_desired_t& ordered);
+  [[nodiscard]] ManagedCommand* list_refused(const luminav_procman::procman_command_t& ordered,
+                                             const std::string& sheriff_id);
+  void obey(const luminav_procman::procman_command_desired_t& ordered);
   [[nodiscard]] ManagedCommand* list_ordered(const std::string& id);
-  void drop_missing(const procman::procman_orders_t& orders);
+  void drop_missing(const luminav_procman::procman_orders_t& orders);
 
   void publish_info();
   void publish_output();

@@ -56,7 +56,7 @@ void DeputyJournal::note(const Instant& now, const std::string& what, RotatingLo
   }
 }
 
-std::vector<procman::procman_output_t> DeputyJournal::take_output(const Instant& now) {
+std::vector<luminav_procman::procman_output_t> DeputyJournal::take_output(const Instant& now) {
   return output_.take(now.steady);
 }
 

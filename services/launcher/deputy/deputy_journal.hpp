@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <luminav_procman/procman_output_t.hpp>
 #include <memory>
-#include <procman/procman_output_t.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,7 +36,7 @@ class DeputyJournal {
   static void note(const Instant& now, const std::string& what, RotatingLog* log);
 
   /// All that is to be sent, without the deputy's name.
-  [[nodiscard]] std::vector<procman::procman_output_t> take_output(const Instant& now);
+  [[nodiscard]] std::vector<luminav_procman::procman_output_t> take_output(const Instant& now);
 
  private:
   std::filesystem::path folder_;

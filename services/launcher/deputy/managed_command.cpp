@@ -2,8 +2,8 @@
 
 namespace luminav::launcher {
 
-procman::procman_command_status_t ManagedCommand::status() const {
-  procman::procman_command_status_t status{};
+luminav_procman::procman_command_status_t ManagedCommand::status() const {
+  luminav_procman::procman_command_status_t status{};
   status.cmd = command;
   status.pid = pid;
   status.actual_runid = actual_runid;

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <luminav_procman/procman_command_desired_t.hpp>
+#include <luminav_procman/procman_command_status_t.hpp>
 #include <memory>
 #include <optional>
-#include <procman/procman_command_desired_t.hpp>
-#include <procman/procman_command_status_t.hpp>
 
 #include "services/launcher/deputy/processes/process_runner.hpp"
 #include "services/launcher/deputy/respawn_policy.hpp"
@@ -32,7 +32,7 @@ enum class OrderStep { kStart, kStop, kNote };
 struct ManagedCommand {
   explicit ManagedCommand(const RespawnParams& params) : respawn(params) {}
 
-  procman::procman_command_t command{};
+  luminav_procman::procman_command_t command{};
   std::int32_t desired_runid = 0;
   std::int32_t actual_runid = 0;
   bool should_run = false;
@@ -53,7 +53,7 @@ struct ManagedCommand {
   std::unique_ptr<RotatingLog> log;
 
   [[nodiscard]] bool running() const { return pid != 0; }
-  [[nodiscard]] procman::procman_command_status_t status() const;
+  [[nodiscard]] luminav_procman::procman_command_status_t status() const;
 };
 
 }  // namespace luminav::launcher

@@ -33,7 +33,7 @@ void NameClaim::tick(const Instant& now) {
   }
   if (now.steady - last_question_ >= kQuestionPeriod) {
     last_question_ = now.steady;
-    procman::procman_discovery_t question{};
+    luminav_procman::procman_discovery_t question{};
     question.utime = now.utime;
     question.transmitter_id = id_;
     question.nonce = nonce_;
@@ -41,13 +41,13 @@ void NameClaim::tick(const Instant& now) {
   }
 }
 
-void NameClaim::on_discovery(const procman::procman_discovery_t& discovery) {
+void NameClaim::on_discovery(const luminav_procman::procman_discovery_t& discovery) {
   if (discovery.transmitter_id == id_ && discovery.nonce != 0 && discovery.nonce < nonce_) {
     conflict_ = fmt::format("another deputy named {} is starting on this network; give one of them another --id", id_);
   }
 }
 
-void NameClaim::on_info(const procman::procman_deputy_info_t& info) {
+void NameClaim::on_info(const luminav_procman::procman_deputy_info_t& info) {
   if (info.deputy_id == id_) {
     conflict_ = fmt::format("a deputy named {} is running on this network already; give one of them another --id", id_);
   }

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <lcm/lcm-cpp.hpp>
+#include <luminav_procman/procman_deputy_info_t.hpp>
+#include <luminav_procman/procman_discovery_t.hpp>
 #include <optional>
-#include <procman/procman_deputy_info_t.hpp>
-#include <procman/procman_discovery_t.hpp>
 #include <string>
 
 #include "services/common/process/subscriber.hpp"
@@ -26,8 +26,8 @@ class NameClaim {
   [[nodiscard]] const std::optional<std::string>& conflict() const { return conflict_; }
 
  private:
-  void on_discovery(const procman::procman_discovery_t& discovery);
-  void on_info(const procman::procman_deputy_info_t& info);
+  void on_discovery(const luminav_procman::procman_discovery_t& discovery);
+  void on_info(const luminav_procman::procman_deputy_info_t& info);
 
   lcm::LCM& lcm_;
   std::string id_;

@@ -29,9 +29,9 @@ void OutputPacer::add(const std::string& command_id, std::string_view text, std:
   stream.left_out += static_cast<std::int64_t>(text.size() - accepted);
 }
 
-std::vector<procman::procman_output_t> OutputPacer::take(std::int64_t steady_now) {
+std::vector<luminav_procman::procman_output_t> OutputPacer::take(std::int64_t steady_now) {
   constexpr std::size_t kOverheadPerEntry = 10;  // two lengths and two terminators on the wire
-  std::vector<procman::procman_output_t> messages;
+  std::vector<luminav_procman::procman_output_t> messages;
   std::size_t room = 0;
   const auto pack = [&](const std::string& id, std::string_view text) {
     while (!text.empty()) {
@@ -41,7 +41,7 @@ std::vector<procman::procman_output_t> OutputPacer::take(std::int64_t steady_now
         room = params_.largest;
       }
       const std::size_t piece = std::min(text.size(), room - overhead);
-      procman::procman_output_t& message = messages.back();
+      luminav_procman::procman_output_t& message = messages.back();
       message.command_ids.push_back(id);
       message.text.emplace_back(text.substr(0, piece));
       message.num_commands = static_cast<std::int16_t>(message.text.size());

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <luminav_procman/procman_output_t.hpp>
 #include <map>
-#include <procman/procman_output_t.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,7 +24,7 @@ class OutputPacer {
   /// "" is the deputy itself.
   void add(const std::string& command_id, std::string_view text, std::int64_t steady_now);
   /// Everything collected since the last call; deputy_id and utime are the caller's.
-  [[nodiscard]] std::vector<procman::procman_output_t> take(std::int64_t steady_now);
+  [[nodiscard]] std::vector<luminav_procman::procman_output_t> take(std::int64_t steady_now);
 
  private:
   struct Stream {

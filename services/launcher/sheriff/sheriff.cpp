@@ -51,7 +51,7 @@ TrackedCommand* Sheriff::find(const std::string& deputy, const std::string& name
   return found == commands_.end() ? nullptr : found->get();
 }
 
-void Sheriff::on_info(const procman::procman_deputy_info_t& info) {
+void Sheriff::on_info(const luminav_procman::procman_deputy_info_t& info) {
   const bool is_new = !deputies_.contains(info.deputy_id);
   Deputy& deputy = deputies_[info.deputy_id];
   if (is_new) {
@@ -68,10 +68,10 @@ void Sheriff::on_info(const procman::procman_deputy_info_t& info) {
   deputy.memory_free = info.phys_mem_free_bytes;
   check_clock(info.deputy_id, deputy);
 
-  std::map<std::string, const procman::procman_command_status_t*> listed;
+  std::map<std::string, const luminav_procman::procman_command_status_t*> listed;
   std::vector<std::string>& refused = refused_[info.deputy_id];
   refused.clear();
-  for (const procman::procman_command_status_t& status : info.cmds) {
+  for (const luminav_procman::procman_command_status_t& status : info.cmds) {
     listed[status.cmd.command_id] = &status;
     if (find(info.deputy_id, status.cmd.command_id) != nullptr) {
       continue;
@@ -110,7 +110,7 @@ void Sheriff::check_clock(const std::string& id, Deputy& deputy) {
   }
 }
 
-void Sheriff::on_orders(const procman::procman_orders_t& orders) {
+void Sheriff::on_orders(const luminav_procman::procman_orders_t& orders) {
   if (orders.sheriff_id == config_.id) {
     return;
   }
@@ -130,14 +130,14 @@ void Sheriff::on_orders(const procman::procman_orders_t& orders) {
     other_sheriff_ = orders.sheriff_id;
     other_sheriff_heard_ = now_.steady;
   }
-  for (const procman::procman_command_desired_t& ordered : orders.cmds) {
+  for (const luminav_procman::procman_command_desired_t& ordered : orders.cmds) {
     if (TrackedCommand* command = find(orders.deputy_id, ordered.cmd.command_id)) {
       command->adopt_orders(ordered.desired_runid, ordered.force_quit != 0);
     }
   }
 }
 
-void Sheriff::on_output(const procman::procman_output_t& output) {
+void Sheriff::on_output(const luminav_procman::procman_output_t& output) {
   for (std::size_t i = 0; i < output.text.size() && i < output.command_ids.size(); ++i) {
     output_(output.deputy_id, output.command_ids[i], output.text[i]);
   }
@@ -294,7 +294,7 @@ void Sheriff::discover() {
     return;
   }
   discovered_ = now_.steady;
-  procman::procman_discovery_t discovery{};
+  luminav_procman::procman_discovery_t discovery{};
   discovery.utime = now_.utime;
   discovery.transmitter_id = config_.id;
   discovery.nonce = 0;
@@ -311,14 +311,14 @@ void Sheriff::watch_deputies() {
 }
 
 void Sheriff::send_orders(const std::string& id, Deputy& deputy) {
-  procman::procman_orders_t orders{};
+  luminav_procman::procman_orders_t orders{};
   // By the deputy's clock where that is ahead: it must not take fresh orders for old ones.
   orders.utime = now_.utime + std::max<std::int64_t>(0, deputy.clock_ahead);
   orders.deputy_id = id;
   orders.sheriff_id = config_.id;
   for (const auto& command : commands_) {
     if (command->deputy == id && !command->removing) {
-      procman::procman_command_desired_t desired{};
+      luminav_procman::procman_command_desired_t desired{};
       desired.cmd = command->command;
       desired.desired_runid = command->desired_runid;
       desired.force_quit = command->force_quit ? 1 : 0;

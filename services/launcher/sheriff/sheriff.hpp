@@ -3,13 +3,13 @@
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/node_status_t.hpp>
+#include <luminav_procman/procman_deputy_info_t.hpp>
+#include <luminav_procman/procman_discovery_t.hpp>
+#include <luminav_procman/procman_orders_t.hpp>
+#include <luminav_procman/procman_output_t.hpp>
 #include <map>
 #include <memory>
 #include <optional>
-#include <procman/procman_deputy_info_t.hpp>
-#include <procman/procman_discovery_t.hpp>
-#include <procman/procman_orders_t.hpp>
-#include <procman/procman_output_t.hpp>
 #include <set>
 #include <string>
 #include <utility>
@@ -105,9 +105,9 @@ class Sheriff {
     float cpu_load = 0.0F;
     std::int64_t memory_total = 0, memory_free = 0;
   };
-  void on_info(const procman::procman_deputy_info_t& info);
-  void on_orders(const procman::procman_orders_t& orders);
-  void on_output(const procman::procman_output_t& output);
+  void on_info(const luminav_procman::procman_deputy_info_t& info);
+  void on_orders(const luminav_procman::procman_orders_t& orders);
+  void on_output(const luminav_procman::procman_output_t& output);
   void on_node_status(const node_status_t& status);
 
   void locate_commands();

@@ -66,13 +66,14 @@ TrackedCommand::TrackedCommand(const Command& source) : deputy(source.deputy), c
   announces_itself_ = announces_itself(source.exec);
 }
 
-TrackedCommand::TrackedCommand(const procman::procman_command_status_t& found, std::string its_deputy)
+TrackedCommand::TrackedCommand(const luminav_procman::procman_command_status_t& found, std::string its_deputy)
     : command(found.cmd), deputy(std::move(its_deputy)) {
   process = program_name(command.exec_str);
   announces_itself_ = announces_itself(command.exec_str);
 }
 
-bool TrackedCommand::update(const std::optional<procman::procman_command_status_t>& status, std::int64_t steady_now) {
+bool TrackedCommand::update(const std::optional<luminav_procman::procman_command_status_t>& status,
+                            std::int64_t steady_now) {
   status_ = status;
   bool orders_due = false;
   if (!adopted_) {
@@ -115,7 +116,7 @@ void TrackedCommand::adopt(std::int64_t steady_now) {
   }
 }
 
-bool TrackedCommand::decide(const procman::procman_command_status_t& status, std::int64_t steady_now) {
+bool TrackedCommand::decide(const luminav_procman::procman_command_status_t& status, std::int64_t steady_now) {
   if (!undecided_since_) {
     return false;
   }
@@ -134,7 +135,7 @@ void TrackedCommand::adopt_orders(std::int32_t runid, bool quit) {
   force_quit = quit;
 }
 
-void TrackedCommand::note_run(const procman::procman_command_status_t& status, std::int64_t steady_now) {
+void TrackedCommand::note_run(const luminav_procman::procman_command_status_t& status, std::int64_t steady_now) {
   if (status.pid == 0) {
     words_.clear();
     return;

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <luminav/node_status_t.hpp>
+#include <luminav_procman/procman_command_status_t.hpp>
 #include <map>
 #include <optional>
-#include <procman/procman_command_status_t.hpp>
 #include <string>
 
 #include "services/launcher/pmd_file.hpp"
@@ -58,11 +58,11 @@ class TrackedCommand {
 
   /// A command of the configuration, or one that a deputy was found running.
   explicit TrackedCommand(const Command& command);
-  TrackedCommand(const procman::procman_command_status_t& found, std::string deputy);
+  TrackedCommand(const luminav_procman::procman_command_status_t& found, std::string deputy);
 
   /// Takes the deputy's word: adopts what runs when it is heard for the first time, then carries out a wish that came
   /// before. Nothing = the deputy does not list the command. True when orders should go out.
-  bool update(const std::optional<procman::procman_command_status_t>& status, std::int64_t steady_now);
+  bool update(const std::optional<luminav_procman::procman_command_status_t>& status, std::int64_t steady_now);
   /// Takes the word of a process of its name, on whichever host; `host` says which one counts.
   void update(const node_status_t& status, std::int64_t steady_now);
   /// Another sheriff's orders: that is what is wanted from now on.
@@ -76,7 +76,7 @@ class TrackedCommand {
   /// Stopped as the deputy sees it and as ordered; one that was never started counts.
   [[nodiscard]] bool is_stopped() const;
 
-  procman::procman_command_t command{};  // as it goes into the orders
+  luminav_procman::procman_command_t command{};  // as it goes into the orders
   std::string deputy;
   std::string process;        // what it calls itself in NODE_STATUS
   std::string host;           // where its deputy runs; "" = not known
@@ -99,9 +99,9 @@ class TrackedCommand {
   [[nodiscard]] const Word* word() const;
   [[nodiscard]] std::string why_unknown() const;
   void adopt(std::int64_t steady_now);
-  [[nodiscard]] bool decide(const procman::procman_command_status_t& status, std::int64_t steady_now);
+  [[nodiscard]] bool decide(const luminav_procman::procman_command_status_t& status, std::int64_t steady_now);
   void apply(Wish wish);
-  void note_run(const procman::procman_command_status_t& status, std::int64_t steady_now);
+  void note_run(const luminav_procman::procman_command_status_t& status, std::int64_t steady_now);
   [[nodiscard]] Condition condition(bool deputy_heard, std::int64_t steady_now, std::string& detail) const;
   [[nodiscard]] Condition running_condition(std::int64_t steady_now, std::string& detail) const;
   [[nodiscard]] Condition stopped_condition(std::string& detail) const;
@@ -110,7 +110,7 @@ class TrackedCommand {
   bool adopted_ = false;
   std::optional<std::int64_t> undecided_since_;  // [us] steady
   Wish wish_ = Wish::kNone;                      // until the deputy is heard
-  std::optional<procman::procman_command_status_t> status_;
+  std::optional<luminav_procman::procman_command_status_t> status_;
   std::map<std::string, Word> words_;  // of this run, by host
   std::int64_t running_since_ = 0;     // [us] steady
   bool saw_start_ = false;

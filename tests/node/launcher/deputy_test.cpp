@@ -44,7 +44,7 @@ TEST_F(DeputyTest, SaysWhatItRunsOnceASecondAndAtEveryChange) {
 
 TEST_F(DeputyTest, AnswersADiscoveryAtOnce) {
   const int before = world.infos;
-  procman::procman_discovery_t discovery{};
+  luminav_procman::procman_discovery_t discovery{};
   discovery.utime = 1;
   discovery.transmitter_id = "sheriff";
   world.lcm.publish(channels::kProcmanDiscover, &discovery);
@@ -247,7 +247,7 @@ TEST_F(DeputyTest, RefusesOtherWordsForACommandItKnows) {
 }
 
 TEST_F(DeputyTest, CannotBeFilledWithRefusedCommands) {
-  std::vector<procman::procman_command_desired_t> many;
+  std::vector<luminav_procman::procman_command_desired_t> many;
   for (int i = 0; i < 1000; ++i) {
     Command invented = mapper;
     invented.name = "x" + std::to_string(i) + std::string(5000, 'n');
@@ -288,7 +288,7 @@ TEST_F(DeputyTest, ObeysOrdersFromTheFuture) {
 }
 
 TEST_F(DeputyTest, IgnoresOrdersForOthers) {
-  procman::procman_orders_t orders{};
+  luminav_procman::procman_orders_t orders{};
   orders.utime = world.now.utime;
   orders.deputy_id = "another";
   orders.cmds = {LauncherWorld::desired(camera, 1)};

@@ -2,10 +2,10 @@
 
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/node_status_t.hpp>
+#include <luminav_procman/procman_deputy_info_t.hpp>
+#include <luminav_procman/procman_orders_t.hpp>
+#include <luminav_procman/procman_output_t.hpp>
 #include <memory>
-#include <procman/procman_deputy_info_t.hpp>
-#include <procman/procman_orders_t.hpp>
-#include <procman/procman_output_t.hpp>
 #include <string>
 #include <vector>
 
@@ -75,9 +75,9 @@ class LauncherWorld {
     }
   }
 
-  void order(const std::string& sheriff_id, const std::vector<procman::procman_command_desired_t>& commands,
+  void order(const std::string& sheriff_id, const std::vector<luminav_procman::procman_command_desired_t>& commands,
              std::int64_t age = 0) {
-    procman::procman_orders_t orders{};
+    luminav_procman::procman_orders_t orders{};
     orders.utime = now.utime - age;
     orders.deputy_id = "d";
     orders.sheriff_id = sheriff_id;
@@ -87,8 +87,9 @@ class LauncherWorld {
     pump();
   }
 
-  static procman::procman_command_desired_t desired(const Command& command, int runid, bool force_quit = false) {
-    procman::procman_command_desired_t desired{};
+  static luminav_procman::procman_command_desired_t desired(const Command& command, int runid,
+                                                            bool force_quit = false) {
+    luminav_procman::procman_command_desired_t desired{};
     desired.cmd.command_id = command.name;
     desired.cmd.exec_str = command.exec;
     desired.cmd.group = command.group;
@@ -112,13 +113,13 @@ class LauncherWorld {
   }
 
   /// What the deputy said last of one command; pid -1 when it does not list it.
-  [[nodiscard]] procman::procman_command_status_t listed(const std::string& name) const {
+  [[nodiscard]] luminav_procman::procman_command_status_t listed(const std::string& name) const {
     for (const auto& status : info.cmds) {
       if (status.cmd.command_id == name) {
         return status;
       }
     }
-    procman::procman_command_status_t missing{};
+    luminav_procman::procman_command_status_t missing{};
     missing.pid = -1;
     return missing;
   }
@@ -128,22 +129,22 @@ class LauncherWorld {
   Instant now{.steady = 1'000'000'000, .utime = 1'700'000'000'000'000};
   std::vector<std::unique_ptr<Deputy>> deputies;
   std::vector<std::unique_ptr<Sheriff>> sheriffs;
-  procman::procman_deputy_info_t info{};
+  luminav_procman::procman_deputy_info_t info{};
   int infos = 0;
   int orders_heard = 0;
   std::string last_sheriff;
   std::string output;  // all of PM_OUTPUT
 
  private:
-  void on_info(const procman::procman_deputy_info_t& message) {
+  void on_info(const luminav_procman::procman_deputy_info_t& message) {
     info = message;
     ++infos;
   }
-  void on_orders(const procman::procman_orders_t& message) {
+  void on_orders(const luminav_procman::procman_orders_t& message) {
     ++orders_heard;
     last_sheriff = message.sheriff_id;
   }
-  void on_output(const procman::procman_output_t& message) {
+  void on_output(const luminav_procman::procman_output_t& message) {
     for (const std::string& text : message.text) {
       output += text;
     }

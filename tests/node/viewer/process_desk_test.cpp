@@ -23,7 +23,7 @@ class ProcessDeskTest : public ::testing::Test {
   ProcessDeskTest() : subscriber_(procman_) {
     subscriber_.on(channels::kProcmanOrders, &ProcessDeskTest::on_orders, this);
   }
-  void on_orders(const procman::procman_orders_t& orders) {
+  void on_orders(const luminav_procman::procman_orders_t& orders) {
     for (const auto& ordered : orders.cmds) {
       if (ordered.cmd.command_id != "recorder") {
         continue;
@@ -33,13 +33,13 @@ class ProcessDeskTest : public ::testing::Test {
     }
   }
   void say_what_runs() {
-    procman::procman_command_status_t status{};
+    luminav_procman::procman_command_status_t status{};
     status.cmd.exec_str = "lcm-logger";
     status.cmd.command_id = "recorder";
     status.cmd.group = "recording";
     status.pid = pid_;
     status.actual_runid = run_;
-    procman::procman_deputy_info_t info{};
+    luminav_procman::procman_deputy_info_t info{};
     info.utime = kNow + elapsed_;
     info.deputy_id = "desk";
     info.cmds.push_back(status);

@@ -13,7 +13,7 @@
 #include <luminav/stop_t.hpp>
 #include <luminav/teleop_command_t.hpp>
 #include <luminav/velocity_command_t.hpp>
-#include <procman/procman_orders_t.hpp>
+#include <luminav_procman/procman_orders_t.hpp>
 #include <stdexcept>
 #include <string_view>
 
@@ -123,7 +123,7 @@ void Stranger::command_everything(std::int64_t utime) {
   map.action = map_command_t::ACTION_SAVE;
   map.path = "intruder";
   say(channels::kMapCommand, map);
-  procman::procman_orders_t orders{};
+  luminav_procman::procman_orders_t orders{};
   orders.utime = utime;
   orders.deputy_id = "robot";
   orders.sheriff_id = "zzz-stranger";

@@ -6,7 +6,7 @@
 namespace luminav::launcher {
 namespace {
 
-std::string text_of(const std::vector<procman::procman_output_t>& messages, const std::string& id) {
+std::string text_of(const std::vector<luminav_procman::procman_output_t>& messages, const std::string& id) {
   std::string text;
   for (const auto& message : messages) {
     EXPECT_EQ(message.num_commands, static_cast<int>(message.text.size()));

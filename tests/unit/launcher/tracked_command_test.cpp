@@ -20,8 +20,8 @@ Command a_command(bool auto_respawn = false) {
   return command;
 }
 
-procman::procman_command_status_t status(int pid, int runid, int exit_code = 0) {
-  procman::procman_command_status_t status{};
+luminav_procman::procman_command_status_t status(int pid, int runid, int exit_code = 0) {
+  luminav_procman::procman_command_status_t status{};
   status.cmd.command_id = "camera";
   status.pid = pid;
   status.actual_runid = runid;

@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
-#include <procman/procman_command_desired_t.hpp>
-#include <procman/procman_command_status_t.hpp>
-#include <procman/procman_command_t.hpp>
-#include <procman/procman_deputy_info_t.hpp>
-#include <procman/procman_discovery_t.hpp>
-#include <procman/procman_orders_t.hpp>
-#include <procman/procman_output_t.hpp>
+#include <luminav_procman/procman_command_desired_t.hpp>
+#include <luminav_procman/procman_command_status_t.hpp>
+#include <luminav_procman/procman_command_t.hpp>
+#include <luminav_procman/procman_deputy_info_t.hpp>
+#include <luminav_procman/procman_discovery_t.hpp>
+#include <luminav_procman/procman_orders_t.hpp>
+#include <luminav_procman/procman_output_t.hpp>
 #include <vector>
 
 #include "services/launcher/exit_status.hpp"
@@ -24,23 +24,23 @@ std::vector<std::uint8_t> encoded(const Message& message) {
 // The fingerprints of procman 3fc4a80 (2024), package procman_lcm.
 TEST(Wire, HasProcmansFingerprints) {
   const auto fingerprint = [](auto message) { return static_cast<std::uint64_t>(decltype(message)::getHash()); };
-  EXPECT_EQ(fingerprint(procman::procman_deputy_info_t{}), 0x8876aeb040efd01fULL);
-  EXPECT_EQ(fingerprint(procman::procman_orders_t{}), 0xd343f45b171ab855ULL);
-  EXPECT_EQ(fingerprint(procman::procman_output_t{}), 0x8efa5caf5da01eb3ULL);
-  EXPECT_EQ(fingerprint(procman::procman_discovery_t{}), 0xb1c83182bed74b95ULL);
-  EXPECT_EQ(fingerprint(procman::procman_command_t{}), 0x2277f449a855d330ULL);
-  EXPECT_EQ(fingerprint(procman::procman_command_desired_t{}), 0xb2a6c7a09ba54539ULL);
-  EXPECT_EQ(fingerprint(procman::procman_command_status_t{}), 0xa8e0208786cf86e3ULL);
+  EXPECT_EQ(fingerprint(luminav_procman::procman_deputy_info_t{}), 0x8876aeb040efd01fULL);
+  EXPECT_EQ(fingerprint(luminav_procman::procman_orders_t{}), 0xd343f45b171ab855ULL);
+  EXPECT_EQ(fingerprint(luminav_procman::procman_output_t{}), 0x8efa5caf5da01eb3ULL);
+  EXPECT_EQ(fingerprint(luminav_procman::procman_discovery_t{}), 0xb1c83182bed74b95ULL);
+  EXPECT_EQ(fingerprint(luminav_procman::procman_command_t{}), 0x2277f449a855d330ULL);
+  EXPECT_EQ(fingerprint(luminav_procman::procman_command_desired_t{}), 0xb2a6c7a09ba54539ULL);
+  EXPECT_EQ(fingerprint(luminav_procman::procman_command_status_t{}), 0xa8e0208786cf86e3ULL);
 }
 
 TEST(Wire, LaysOutOrdersByteForByte) {
-  procman::procman_orders_t orders{};
+  luminav_procman::procman_orders_t orders{};
   orders.utime = 0x0102030405060708;
   orders.deputy_id = "d";
   orders.sheriff_id = "";
   orders.ncmds = 1;
   orders.cmds.resize(1);
-  procman::procman_command_desired_t& command = orders.cmds[0];
+  luminav_procman::procman_command_desired_t& command = orders.cmds[0];
   command.cmd.command_id = "c";
   command.cmd.exec_str = "x y";
   command.cmd.group = "g";
@@ -64,7 +64,7 @@ TEST(Wire, LaysOutOrdersByteForByte) {
 }
 
 TEST(Wire, LaysOutADeputysListByteForByte) {
-  procman::procman_deputy_info_t info{};
+  luminav_procman::procman_deputy_info_t info{};
   info.utime = 1;
   info.deputy_id = "d";
   info.cpu_load = 0.5F;
@@ -74,7 +74,7 @@ TEST(Wire, LaysOutADeputysListByteForByte) {
   info.swap_free_bytes = 5;
   info.ncmds = 1;
   info.cmds.resize(1);
-  procman::procman_command_status_t& command = info.cmds[0];
+  luminav_procman::procman_command_status_t& command = info.cmds[0];
   command.cmd.command_id = "c";
   command.cmd.exec_str = "x";
   command.cmd.group = "";
@@ -111,7 +111,7 @@ TEST(Wire, LaysOutADeputysListByteForByte) {
 }
 
 TEST(Wire, LaysOutOutputByteForByteItsCountInSixteenBits) {
-  procman::procman_output_t output{};
+  luminav_procman::procman_output_t output{};
   output.utime = 1;
   output.deputy_id = "d";
   output.num_commands = 2;
@@ -128,7 +128,7 @@ TEST(Wire, LaysOutOutputByteForByteItsCountInSixteenBits) {
 }
 
 TEST(Wire, LaysOutADiscoveryByteForByte) {
-  procman::procman_discovery_t discovery{};
+  luminav_procman::procman_discovery_t discovery{};
   discovery.utime = 1;
   discovery.transmitter_id = "d";
   discovery.nonce = 0x1234;
