@@ -20,19 +20,13 @@ std::vector<std::string> split_words(std::string_view line) {
   char quote = '\0';
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
-    if (quote == '\'' && c != '\'') {
-      word += c;
-    } else if (quote != '\0' && c == quote) {
+    if (quote != '\0' && c == quote) {
       quote = '\0';
     } else if (c == '\\') {
       if (i + 1 == line.size()) {
         throw std::invalid_argument("the command ends with a backslash");
       }
-      const char next = line[++i];
-      if (quote == '"' && next != '"' && next != '\\' && next != '$' && next != '`') {
-        word += '\\';
-      }
-      word += next;
+      word += line[++i];  // in quotes of either kind, too: procman's rule, not a shell's
       in_word = true;
     } else if (quote != '\0') {
       word += c;

@@ -248,6 +248,17 @@ TEST(LogSurvey, CountsLossesStampsOutOfOrderAndGaps) {
   EXPECT_THAT(survey.objections(), Contains(HasSubstr("2 messages are missing")));
 }
 
+TEST(LogSurvey, TakesTilesThatGoOutAgainForNoDisorder) {
+  LogSurvey survey;
+  grid_tile_t tile{};
+  for (const std::int64_t stamp : {1, 3, 2, 3}) {
+    tile.utime = stamp * 1'000'000;
+    survey.add(event_of(4'000'000, "GRID_TILE", tile));
+  }
+  EXPECT_EQ(survey.channels().at("GRID_TILE").undecodable, 0);
+  EXPECT_EQ(survey.channels().at("GRID_TILE").out_of_order, 0);
+}
+
 TEST(LogSurvey, NamesForeignTypesAndASecondRobot) {
   LogSurvey survey;
   LogEvent foreign = odometry_event(1, 1);

@@ -84,6 +84,7 @@ void ArcosController::close_session() {
   session_open_ = false;
   sync_count_ = 0;
   enable_motors(false);
+  baud_code_ = config_.flash.host_baud;  // ARIA lowers its own side after CLOSE and relies on it
 }
 
 void ArcosController::on_line_closed() {
@@ -168,7 +169,6 @@ void ArcosController::execute(ArcosCommand command, const CommandArgument& argum
     case ArcosCommand::kReset:
       close_session();
       x_ = y_ = theta_ = 0.0;
-      baud_code_ = config_.flash.host_baud;
       break;
     default:
       execute_motion(command, value);

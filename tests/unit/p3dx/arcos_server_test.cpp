@@ -172,6 +172,18 @@ TEST(PtyArcosServer, FollowsHostBaud) {
   EXPECT_EQ(answer[3], packet_type::kConfiguration);
 }
 
+TEST(PtyArcosServer, AnswersTheNextClientAtTheFirstRateAfterClose) {
+  ArcosController controller({});
+  const auto server = ArcosServer::on_pty(controller);
+  SerialStream client(server->address(), 9600);
+  open_session(client);
+  client.write(encode_command(ArcosCommand::kHostBaud, 2));
+  ASSERT_TRUE(work_until(*server, [&] { return controller.baud() == 38400; }));
+  client.set_baud(38400);
+  client.write(encode_command(ArcosCommand::kClose));
+  EXPECT_TRUE(work_until(*server, [&] { return controller.baud() == 9600; }));
+}
+
 TEST(PtyArcosServer, HearsTheLastWordsOfAClientThatHasLeft) {
   ArcosController controller({});
   const auto server = ArcosServer::on_pty(controller);
