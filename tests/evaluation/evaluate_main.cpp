@@ -14,6 +14,7 @@
 #include "tests/evaluation/report/evaluation_report.hpp"
 #include "tests/evaluation/report/html_report.hpp"
 #include "tests/evaluation/report/output_file.hpp"
+#include "tests/evaluation/report/report_part.hpp"
 #include "tests/evaluation/report/report_runs.hpp"
 #include "tests/evaluation/report/run_report.hpp"
 #include "tests/evaluation/runs/evaluation_jobs.hpp"
@@ -38,7 +39,34 @@ struct Request {
   std::string fit_sensing;
   std::string generated;
   std::string check_sensing;
+  std::string shard;
+  std::string part;
+  std::vector<std::string> merge;
 };
+
+/// Parts are reported of together: one alone says nothing of the whole, and the whole is not run again.
+void check_parts(const Request& request) {
+  const auto refuse = [](const char* flag, bool given, const char* why) {
+    if (given) {
+      throw ConfigurationError(fmt::format("{}: {}", flag, why));
+    }
+  };
+  const bool sharded = !request.shard.empty();
+  const bool merging = !request.merge.empty();
+  refuse("--shard", sharded != !request.part.empty(), "needs --part FILE, and --part needs --shard");
+  const char* const alone = "is for the whole, not for a part: give it with --merge";
+  refuse("--json", sharded && !request.json.empty(), alone);
+  refuse("--html", sharded && !request.html.empty(), alone);
+  refuse("--compare", sharded && !request.compare.empty(), alone);
+  refuse("--merge", merging && (sharded || !request.suite.empty() || !request.scenarios.empty()),
+         "takes parts that were run: without --shard, --suite and --scenario");
+  const char* const whole = "needs all runs on one machine, without --shard and --merge";
+  refuse("--fit-sensing", (sharded || merging) && !request.fit_sensing.empty(), whole);
+  refuse("--check-sensing", (sharded || merging) && !request.check_sensing.empty(), whole);
+  if (sharded) {
+    (void)read_shard(request.shard);
+  }
+}
 
 void check(const Request& request) {
   const auto one_of = [](const char* flag, const std::string& value, const char* a, const char* b) {
@@ -51,6 +79,7 @@ void check(const Request& request) {
   if (request.threads < 1 || request.threads > 256) {
     throw ConfigurationError(fmt::format("--jobs {}: must be between 1 and 256", request.threads));
   }
+  check_parts(request);
   if (!request.suite.empty() && !request.scenarios.empty()) {
     throw ConfigurationError("--suite and --scenario: only one of them");
   }
@@ -69,6 +98,7 @@ void check(const Request& request) {
   check_writable("--json", request.json);
   check_writable("--html", request.html);
   check_writable("--fit-sensing", request.fit_sensing);
+  check_writable("--part", request.part);
 }
 
 std::vector<SuiteEntry> entries_of(const Request& request) {
@@ -121,6 +151,98 @@ std::string sensing_name(const Request& request, const std::vector<SuiteEntry>& 
   return all ? "geometric" : (any ? "mixed" : "rendered");
 }
 
+std::vector<DetectorCondition> measure_detector_part(const Request& request, const Shard& shard) {
+  if (!request.scenarios.empty() || !has_detector_part(request.suite) || shard.index != 1) {
+    return {};
+  }
+  const std::string& mode = request.jobs.mode;
+  const int threads = static_cast<int>(request.threads);
+  return request.suite == "tolerance"    ? measure_tolerance(threads)
+         : request.suite == "luminaires" ? measure_luminaires(mode, threads)
+                                         : measure_detector(mode, threads);
+}
+
+/// Runs what is asked for, or its shard. `rendered_report` not empty: geometric sensing is checked against it.
+ReportPart measure(const Request& request, const std::string& rendered_report) {
+  const std::vector<SuiteEntry> entries = entries_of(request);
+  DetectorBehaviour behaviour;
+  const bool geometric = needs_behaviour(entries, request.jobs);
+  if (geometric) {
+    behaviour = read_detector_behaviour(behaviour_file(request));
+  }
+  ReportPart part;
+  part.shard = request.shard.empty() ? Shard{} : read_shard(request.shard);
+  part.suite = !request.scenarios.empty() ? "custom" : (request.suite.empty() ? "quick" : request.suite);
+  part.mode = request.jobs.mode.empty() ? "default" : request.jobs.mode;
+  part.sensing = sensing_name(request, entries);
+  const std::vector<EvaluationJob> all = jobs_of(entries, request.jobs, &behaviour);
+  for (const EvaluationJob& job : all) {
+    part.plan.push_back(fmt::format("{} seed {}", job.scenario.name, job.scenario.seed));
+  }
+  std::vector<EvaluationJob> jobs = runs_of_shard(all, part.shard);
+  std::vector<SensingSurveyResult> surveys(jobs.size());
+  for (std::size_t i = 0; i < jobs.size() && !request.fit_sensing.empty(); ++i) {
+    jobs[i].options.survey = &surveys[i];
+  }
+  part.detector = measure_detector_part(request, part.shard);
+  part.runs = run_jobs(jobs, static_cast<int>(request.threads));
+  if (!rendered_report.empty()) {
+    behaviour.agreement = to_text(compare_sensings(rendered_report, to_json(part)));
+    write_whole_file(behaviour_file(request), to_json(behaviour));
+  }
+  if (!request.fit_sensing.empty()) {
+    write_fit(request, jobs, surveys);
+  }
+  part.sensing_remark = geometric ? agreement_text(behaviour) : "";
+  return part;
+}
+
+ReportPart merged(const std::vector<std::string>& files) {
+  std::vector<std::pair<std::string, ReportPart>> parts;
+  for (const std::string& file : files) {
+    parts.emplace_back(file, part_of_cbor(read_whole_file(file), file));
+  }
+  return joined(parts);
+}
+
+/// Writes and prints the report; false when a run failed.
+bool report(const Request& request, const ReportPart& whole, const std::string& old_report,
+            std::chrono::steady_clock::time_point start) {
+  std::size_t passed = 0;
+  for (const RunReport& run : whole.runs) {
+    fmt::print("{}", to_text(run));
+    passed += run.passed ? 1 : 0;
+  }
+  const std::string all = to_json(whole);
+  std::string remarks = whole.sensing_remark;
+  if (!old_report.empty()) {
+    remarks += to_text(compare_reports(old_report, all));
+  }
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!request.html.empty()) {
+    write_whole_file(request.html, html_report({all, remarks, wall}, whole.runs));
+  }
+  if (!request.json.empty()) {
+    write_whole_file(request.json, all);  // last: where it is, the rest was written too
+  }
+  for (const DetectorCondition& c : whole.detector) {
+    fmt::print(
+        "detector, {:<27} {:>4} frames, precision {:.4f}, recall {:.4f}, {:.1f} wrong per 100 frames, centre {:.3f} "
+        "px, "
+        "direction {:.4f} deg RMS\n",
+        c.name, c.frames, c.precision, c.recall, c.false_per_100_frames, c.centre_rms_px, c.orientation_rms_deg);
+  }
+  fmt::print("\n{}{}{}", scenario_table_text(whole.runs), summary_text(all), remarks);
+  fmt::print("{}{:.0f} s\n", whole.runs.empty() ? "" : fmt::format("{} of {} runs passed, ", passed, whole.runs.size()),
+             wall);
+  for (const RunReport& run : whole.runs) {
+    if (!run.passed) {
+      fmt::print("failed: {}\n  again: {}\n", run.failure, run.reproduce);
+    }
+  }
+  return passed == whole.runs.size();
+}
+
 int evaluate(const Request& request) {
   check(request);
   const auto start = std::chrono::steady_clock::now();
@@ -133,68 +255,14 @@ int evaluate(const Request& request) {
     (void)runs_of_report(rendered_report, "the rendered");
     check_writable("--check-sensing: the sensing's table", behaviour_file(request));
   }
-  const std::vector<SuiteEntry> entries = entries_of(request);
-  DetectorBehaviour behaviour;
-  const bool geometric = needs_behaviour(entries, request.jobs);
-  if (geometric) {
-    behaviour = read_detector_behaviour(behaviour_file(request));
+  const ReportPart part = request.merge.empty() ? measure(request, rendered_report) : merged(request.merge);
+  if (!request.part.empty()) {
+    write_whole_file(request.part, to_cbor(part));
+    fmt::print("part {}/{}: {} of {} runs, in {}\n", part.shard.index, part.shard.count, part.runs.size(),
+               part.plan.size(), request.part);
+    return 0;  // whether they passed is the whole report's to say
   }
-  std::vector<EvaluationJob> jobs = jobs_of(entries, request.jobs, &behaviour);
-  std::vector<SensingSurveyResult> surveys(jobs.size());
-  for (std::size_t i = 0; i < jobs.size() && !request.fit_sensing.empty(); ++i) {
-    jobs[i].options.survey = &surveys[i];
-  }
-  const int threads = static_cast<int>(request.threads);
-  std::vector<DetectorCondition> detector;
-  if (request.scenarios.empty() && has_detector_part(request.suite)) {
-    const std::string& mode = request.jobs.mode;
-    detector = request.suite == "tolerance"    ? measure_tolerance(threads)
-               : request.suite == "luminaires" ? measure_luminaires(mode, threads)
-                                               : measure_detector(mode, threads);
-  }
-  const std::vector<RunReport> reports = run_jobs(jobs, threads);
-  std::size_t passed = 0;
-  for (const RunReport& report : reports) {
-    fmt::print("{}", to_text(report));
-    passed += report.passed ? 1 : 0;
-  }
-  const std::string suite = !request.scenarios.empty() ? "custom" : (request.suite.empty() ? "quick" : request.suite);
-  const std::string all = to_json(suite, request.jobs.mode.empty() ? "default" : request.jobs.mode,
-                                  sensing_name(request, entries), reports, detector);
-  if (!rendered_report.empty()) {
-    behaviour.agreement = to_text(compare_sensings(rendered_report, all));
-    write_whole_file(behaviour_file(request), to_json(behaviour));
-  }
-  std::string remarks = geometric ? agreement_text(behaviour) : "";
-  if (!old_report.empty()) {
-    remarks += to_text(compare_reports(old_report, all));
-  }
-  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!request.html.empty()) {
-    write_whole_file(request.html, html_report({all, remarks, wall}, reports));
-  }
-  if (!request.fit_sensing.empty()) {
-    write_fit(request, jobs, surveys);
-  }
-  if (!request.json.empty()) {
-    write_whole_file(request.json, all);  // last: where it is, the rest was written too
-  }
-  for (const DetectorCondition& c : detector) {
-    fmt::print(
-        "detector, {:<27} {:>4} frames, precision {:.4f}, recall {:.4f}, {:.1f} wrong per 100 frames, centre {:.3f} "
-        "px, "
-        "direction {:.4f} deg RMS\n",
-        c.name, c.frames, c.precision, c.recall, c.false_per_100_frames, c.centre_rms_px, c.orientation_rms_deg);
-  }
-  fmt::print("\n{}{}{}", scenario_table_text(reports), summary_text(all), remarks);
-  fmt::print("{}{:.0f} s\n", reports.empty() ? "" : fmt::format("{} of {} runs passed, ", passed, reports.size()),
-             wall);
-  for (const RunReport& report : reports) {
-    if (!report.passed) {
-      fmt::print("failed: {}\n  again: {}\n", report.failure, report.reproduce);
-    }
-  }
-  return passed == reports.size() ? 0 : 1;
+  return report(request, part, old_report, start) ? 0 : 1;
 }
 
 }  // namespace
@@ -216,6 +284,9 @@ int main(int argc, char** argv) {
             "has it")
       .output_file("--json", request.json, "write all reports there")
       .output_file("--html", request.html, "write a page with pictures there")
+      .text("--shard", request.shard, "I/N: only the I-th of N parts of the runs, for --merge; writes --part")
+      .output_file("--part", request.part, "write the runs of --shard there")
+      .list("--merge", request.merge, "the parts of all shards: reports as if all had been run here")
       .text("--compare", request.compare, "an older JSON report: says what got better or worse beyond noise")
       .text("--pictures", request.jobs.pictures, "folder for a picture of each run")
       .text("--logs", request.jobs.logs, "folder for an LCM log of each run")

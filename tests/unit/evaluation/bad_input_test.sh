@@ -47,6 +47,12 @@ expect 2 'paper or modern' --mode fast
 expect 2 'rendered or geometric' --sensing magic
 expect 2 'between 1 and 256' --jobs 0
 expect 2 'cannot be read' --suite quick --compare "$work/none.json"
+expect 2 'I from 1 to N' --shard 4/3 --part "$work/x"
+expect 2 'needs --part' --shard 1/3
+expect 2 'for the whole' --shard 1/3 --part "$work/x" --json "$work/x.json"
+expect 2 'without --shard, --suite' --suite quick --merge "$work/x"
+echo text >"$work/x.part"
+expect 1 'x.part: not a whole part' --merge "$work/x.part"
 mkdir "$work/empty"
 expect 2 'holds no scenario' --scenario "$work/empty"
 

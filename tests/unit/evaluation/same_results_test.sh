@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# same_results_test.sh EVALUATE SOURCE_FOLDER: results do not depend on --jobs, and a failed run's command repeats it.
+# same_results_test.sh EVALUATE SOURCE_FOLDER: results do not depend on --jobs nor on --shard, and a failed run's command repeats it.
 set -euo pipefail
 evaluate=$1
 source=$2
@@ -14,13 +14,20 @@ for name in short far; do
     '[[person]]' 'speed = 0.8' '[[goal]]' 'place = "lift"' >"$work/scenarios/$name.toml"
 done
 cd /
+runs=(--scenario "$work/scenarios" --seeds 3..5 --sensing geometric)
 for jobs in 1 2; do
-  "$evaluate" --scenario "$work/scenarios" --seeds 3..5 --sensing geometric --jobs $jobs --json "$work/$jobs.json" \
-    >"$work/$jobs.txt" 2>/dev/null || true
-  # everything but what a clock measured
-  grep -vE '"(wall_s|cpu_s|worst_step_ms|real_time_factor)"' "$work/$jobs.json" >"$work/$jobs.plain"
+  "$evaluate" "${runs[@]}" --jobs $jobs --json "$work/$jobs.json" >"$work/$jobs.txt" 2>/dev/null || true
+done
+for shard in 4 3 2 1; do
+  "$evaluate" "${runs[@]}" --shard $shard/4 --part "$work/$shard.part" >/dev/null 2>&1
+done
+"$evaluate" --merge "$work"/?.part --json "$work/merged.json" --html "$work/merged.html" >/dev/null && { echo "all passed"; exit 1; }
+# everything but what a clock measured
+for report in 1 2 merged; do
+  grep -vE '"(wall_s|cpu_s|worst_step_ms|real_time_factor)"' "$work/$report.json" >"$work/$report.plain"
 done
 cmp "$work/1.plain" "$work/2.plain"
+cmp "$work/1.plain" "$work/merged.plain"
 [ "$(grep -c '"seed": ' "$work/1.json")" -eq 6 ] || { echo "not six runs"; exit 1; }
 
 again=$(grep -m1 '^  again: ' "$work/1.txt" | sed 's/^  again: //')
