@@ -13,6 +13,7 @@
 #include "services/common/process/command_line.hpp"
 #include "tests/replay/log_reading/message_schema.hpp"
 #include "tests/replay/tool/mcap/foxglove_export.hpp"
+#include "tests/replay/tool/mcap/mcap_writer.hpp"
 
 namespace luminav {
 namespace {

@@ -131,31 +131,24 @@ std::int8_t occupancy(const OccupancyGrid& grid, std::size_t index) {
 
 }  // namespace
 
-FoxgloveExport::FoxgloveExport(McapWriter& writer, RobotDescription robot, std::size_t longest)
-    : writer_(writer), robot_(std::move(robot)), longest_(longest) {}
-
-std::map<std::string, std::uint64_t> FoxgloveExport::counts() const {
-  std::map<std::string, std::uint64_t> counts;
-  for (const auto& [topic_and_schema, channel] : channels_) {
-    counts[topic_and_schema.first] += writer_.count(channel);
-  }
-  return counts;
-}
+FoxgloveExport::FoxgloveExport(MessageSink& sink, RobotDescription robot, std::size_t longest)
+    : sink_(sink), robot_(std::move(robot)), longest_(longest) {}
 
 template <typename SchemaOf>
-McapWriter::Channel FoxgloveExport::channel(const std::string& topic, const std::string& schema, SchemaOf schema_of) {
+MessageSink::Channel FoxgloveExport::channel(const std::string& topic, const std::string& schema, SchemaOf schema_of) {
   const auto known = channels_.find({topic, schema});
   if (known != channels_.end()) {
     return known->second;
   }
-  return channels_[{topic, schema}] = writer_.add_channel(topic, schema, schema_of());
+  return channels_[{topic, schema}] = sink_.add_channel(topic, schema, schema_of());
 }
 
 void FoxgloveExport::write(const std::string& topic, const std::string& schema, std::int64_t received,
                            std::int64_t utime, const Json& message) {
-  const McapWriter::Channel target = channel(topic, schema, [&] { return foxglove_schema(schema); });
-  writer_.write(target, static_cast<std::uint64_t>(received) * 1000, static_cast<std::uint64_t>(utime) * 1000,
-                message.dump(-1, ' ', false, Json::error_handler_t::replace));
+  const MessageSink::Channel target = channel(topic, schema, [&] { return foxglove_schema(schema); });
+  ++counts_[topic];
+  sink_.write(target, static_cast<std::uint64_t>(received) * 1000, static_cast<std::uint64_t>(utime) * 1000,
+              message.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 void FoxgloveExport::add(const LogEvent& event) {
@@ -167,11 +160,12 @@ void FoxgloveExport::add(const LogEvent& event) {
     ++unknown_[event.channel];
     return;
   }
-  const McapWriter::Channel target =
+  const MessageSink::Channel target =
       channel(event.channel, type->package + "." + type->name, [&] { return json_schema(schemas, *type); });
   const std::int64_t stamp = schemas.integer(event.data, "utime").value_or(0);
-  writer_.write(target, static_cast<std::uint64_t>(event.utime) * 1000,
-                static_cast<std::uint64_t>(stamp > 0 ? stamp : event.utime) * 1000, *json);
+  ++counts_[event.channel];
+  sink_.write(target, static_cast<std::uint64_t>(event.utime) * 1000,
+              static_cast<std::uint64_t>(stamp > 0 ? stamp : event.utime) * 1000, *json);
   if (stamp > 0) {
     add_standard(event);
   }
@@ -245,12 +239,14 @@ void FoxgloveExport::add_odometry(const LogEvent& event) {
   if (!odometry || !is_possible(*odometry)) {
     return;
   }
-  Json transforms = {transform_json(odometry->utime, "odom", "robot", {odometry->x, odometry->y, odometry->theta})};
+  const auto put = [&](const char* topic, const Json& transform) {
+    write(topic, "foxglove.FrameTransforms", event.utime, odometry->utime, {{"transforms", {transform}}});
+  };
   if (!odometry_) {
-    transforms.push_back(camera_transform_json(odometry->utime, robot_.camera));
+    put("/tf_static", camera_transform_json(odometry->utime, robot_.camera));
   }
   odometry_ = odometry;
-  write("/tf", "foxglove.FrameTransforms", event.utime, odometry->utime, {{"transforms", transforms}});
+  put("/tf", transform_json(odometry->utime, "odom", "robot", {odometry->x, odometry->y, odometry->theta}));
 }
 
 void FoxgloveExport::add_sonar(const LogEvent& event) {

@@ -10,32 +10,35 @@
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/log/log_file.hpp"
-#include "tests/replay/tool/mcap/mcap_writer.hpp"
+#include "tests/replay/tool/mcap/message_sink.hpp"
 
 namespace luminav {
 
-/// Writes the events of a log for viewers that know Foxglove's schemas (Foxglove, Lichtblick, PlotJuggler):
+/// Turns the events of a log, or of a running robot, into what viewers know that have Foxglove's schemas (Foxglove,
+/// Lichtblick, PlotJuggler):
 ///
-///   /pose              PoseInFrame, each POSE; frame "world"
-///   /tf                FrameTransforms: world -> odom with each POSE, odom -> robot with each ODOMETRY, robot ->
-///   camera once /sonar             PointCloud, the echoes of each SONAR; frame "robot" /camera CompressedImage, each
-///   CAMERA_IMAGE that is a JPEG /camera/fixtures   ImageAnnotations, the outlines of each FIXTURE_DETECTIONS /path
-///   SceneUpdate, the line of each PATH /map               Grid, the whole map: at most once in five seconds, and at
-///   the end /log               Log, what a process says whenever it says something else CHANNEL            each
-///   message of a known type as it is, under the channel's own name
+/// - /pose, PoseInFrame in "world": each POSE
+/// - /tf, FrameTransforms: world -> odom with each POSE, odom -> robot with each ODOMETRY; /tf_static: robot -> camera,
+/// once
+/// - /sonar, PointCloud in "robot": the echoes of each SONAR
+/// - /camera, CompressedImage: each CAMERA_IMAGE that is a JPEG
+/// - /camera/fixtures, ImageAnnotations: the outlines of each FIXTURE_DETECTIONS
+/// - /path, SceneUpdate: the line of each PATH
+/// - /map, Grid: the whole map, at most once in five seconds, and at the end
+/// - /log, Log: what a process says whenever it says something else
+/// - CHANNEL: each message of a known type as it is, under the channel's own name
 ///
-/// Log time is when the logger received the message, publish time its own stamp. Schemas: the published lists of
-/// fields.
+/// Log time is when the message was received, publish time its own stamp. Schemas: the published lists of fields.
 class FoxgloveExport {
  public:
   /// `longest`: elements of an array in the messages as they are.
-  FoxgloveExport(McapWriter& writer, RobotDescription robot, std::size_t longest);
+  FoxgloveExport(MessageSink& sink, RobotDescription robot, std::size_t longest);
 
   void add(const LogEvent& event);
   void finish();
 
   /// Messages per topic, and those of no known type per channel.
-  [[nodiscard]] std::map<std::string, std::uint64_t> counts() const;
+  [[nodiscard]] const std::map<std::string, std::uint64_t>& counts() const { return counts_; }
   [[nodiscard]] const std::map<std::string, std::int64_t>& unknown() const { return unknown_; }
 
  private:
@@ -54,12 +57,13 @@ class FoxgloveExport {
              const nlohmann::json& message);
   /// Messages of one channel may be of several types.
   template <typename SchemaOf>
-  McapWriter::Channel channel(const std::string& topic, const std::string& schema, SchemaOf schema_of);
+  MessageSink::Channel channel(const std::string& topic, const std::string& schema, SchemaOf schema_of);
 
-  McapWriter& writer_;
+  MessageSink& sink_;
   RobotDescription robot_;
   std::size_t longest_;
-  std::map<std::pair<std::string, std::string>, McapWriter::Channel> channels_;  // by topic and schema
+  std::map<std::pair<std::string, std::string>, MessageSink::Channel> channels_;  // by topic and schema
+  std::map<std::string, std::uint64_t> counts_;
   std::map<std::string, std::int64_t> unknown_;
   std::map<std::string, std::string> said_;
   std::optional<odometry_t> odometry_;

@@ -8,25 +8,20 @@
 #include <vector>
 
 #include "services/common/configuration/whole_file.hpp"
+#include "tests/replay/tool/mcap/message_sink.hpp"
 
 namespace luminav {
 
 /// Writes an MCAP file of JSON messages: chunks of a megabyte, uncompressed, with checksums and an index, so that
 /// viewers seek in it. Format: https://mcap.dev/spec, version 0. The file is there when `finish` has returned; a writer
 /// that is destroyed before leaves nothing. Throws std::runtime_error when it cannot be written.
-class McapWriter {
+class McapWriter : public MessageSink {
  public:
-  using Channel = std::uint16_t;
-
   explicit McapWriter(const std::string& file);
 
-  /// Of one topic; schemas of one name are one. `schema` is a JSON Schema.
-  Channel add_channel(const std::string& topic, const std::string& schema_name, const std::string& schema);
-  /// Times [ns] since the epoch.
-  void write(Channel channel, std::uint64_t log_time, std::uint64_t publish_time, std::string_view json);
+  Channel add_channel(const std::string& topic, const std::string& schema_name, const std::string& schema) override;
+  void write(Channel channel, std::uint64_t log_time, std::uint64_t publish_time, std::string_view json) override;
   void finish();
-
-  [[nodiscard]] std::uint64_t count(Channel channel) const { return counts_.at(channel); }
 
  private:
   /// Earliest and latest time [ns]; 0 while there is none.
