@@ -82,48 +82,6 @@ const steps = {
     await page.fill('#place-search', '');
   },
 
-  async 'a visitor orders in three taps, confirms and answers'(name, theme) {
-    sayJobs([]);
-    await page.waitForSelector('#jobs-card', {state: 'visible'});
-    let since = viewer.heard.length;
-    await press('#job-kinds button:text-is("Carry something")');
-    await says('#job-order', /Where is it fetched/);
-    await press('#job-choices button:text-is("lift")');
-    await says('#job-order', /From lift: where to/);
-    await page.fill('#job-search', 'office-7');
-    await look('jobs-order', name, theme);
-    await press('#job-choices button:text-is("office-7")');
-    await hears('/api/jobs {"action":"add","kind":"carry","stops":[{"place":"lift"},{"place":"office-7"}]}', since);
-    sayJobs([job({state: 'at_stop', sentence: 'is at lift and waits for "loaded"', waits_for: 'loaded'})], [{id: 7, objection: ''}]);
-    since = viewer.heard.length;
-    await press('#job-list button:text-is("loaded")');
-    await hears('/api/jobs {"action":"confirm","job":1764184500123456,"word":"loaded"}', since);
-    const question = 'on the way to office-7: the way through door 3 is blocked; waited 60 s, no other way';
-    sayJobs([job({state: 'asking', stop: 1, sentence: question, question, answers: ['opened', 'give up']}),
-      job({id: 5, kind: 'go', state: 'queued', position: 1, sentence: 'waits for its turn', stops: ['office-2']}),
-      job({id: 4, kind: 'guide', state: 'done', position: -1, sentence: 'done, at office-3', stops: ['office-3']})]);
-    await says('#job-list', /door 3 is blocked[^]*waits for its turn[^]*done, at office-3/);
-    await page.locator('#jobs-card').scrollIntoViewIfNeeded();
-    await look('jobs', name, theme);
-    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
-    since = viewer.heard.length;
-    await press('#job-list button:text-is("opened")');
-    await hears('/api/jobs {"action":"answer","job":1764184500123456,"word":"opened"}', since);
-    const objects = setInterval(() => sayJobs([job({kind: 'guide', stops: ['office-7']})], [{id: 7, objection: '"opened" is no answer'}]), 200);
-    await says('#notes', /is no answer/);
-    clearInterval(objects);
-    viewer.state.ages.JOB_STATUS = 9;
-    await says('#jobs-word', /silent for 9 s/);
-    viewer.state = standing();
-    since = viewer.heard.length;
-    await press('#job-list button:text-is("wait")');
-    await hears('/api/jobs {"action":"confirm","job":1764184500123456,"word":"wait"}', since);
-    since = viewer.heard.length;
-    await press('#job-kinds button:text-is("Guide me")');
-    await press('#job-choices button:text-is("lift")');
-    await hears('/api/jobs {"action":"add","kind":"guide","stops":[{"place":"lift"}]}', since);
-  },
-
   async 'pause and cancel are in sight'() {
     for (const id of ['#pause', '#cancel']) {
       const [box, footer] = [await bounds(id), await bounds('footer')];
@@ -201,6 +159,48 @@ const steps = {
     assert(await stopsBy(() => press('#stop')), 'the help lies over STOP');
     await page.keyboard.press('Escape');
     await page.waitForSelector('#help', {state: 'hidden'});
+  },
+
+  async 'a visitor orders in three taps, confirms and answers'(name, theme) {
+    sayJobs([]);
+    await page.waitForSelector('#jobs-card', {state: 'visible'});
+    let since = viewer.heard.length;
+    await press('#job-kinds button:text-is("Carry something")');
+    await says('#job-order', /Where is it fetched/);
+    await press('#job-choices button:text-is("lift")');
+    await says('#job-order', /From lift: where to/);
+    await page.fill('#job-search', 'office-7');
+    await look('jobs-order', name, theme);
+    await press('#job-choices button:text-is("office-7")');
+    await hears('/api/jobs {"action":"add","kind":"carry","stops":[{"place":"lift"},{"place":"office-7"}]}', since);
+    sayJobs([job({state: 'at_stop', sentence: 'is at lift and waits for "loaded"', waits_for: 'loaded'})], [{id: 7, objection: ''}]);
+    since = viewer.heard.length;
+    await press('#job-list button:text-is("loaded")');
+    await hears('/api/jobs {"action":"confirm","job":1764184500123456,"word":"loaded"}', since);
+    const question = 'on the way to office-7: the way through door 3 is blocked; waited 60 s, no other way';
+    sayJobs([job({state: 'asking', stop: 1, sentence: question, question, answers: ['opened', 'give up']}),
+      job({id: 5, kind: 'go', state: 'queued', position: 1, sentence: 'waits for its turn', stops: ['office-2']}),
+      job({id: 4, kind: 'guide', state: 'done', position: -1, sentence: 'done, at office-3', stops: ['office-3']})]);
+    await says('#job-list', /door 3 is blocked[^]*waits for its turn[^]*done, at office-3/);
+    await page.locator('#jobs-card').scrollIntoViewIfNeeded();
+    await look('jobs', name, theme);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    since = viewer.heard.length;
+    await press('#job-list button:text-is("opened")');
+    await hears('/api/jobs {"action":"answer","job":1764184500123456,"word":"opened"}', since);
+    const objects = setInterval(() => sayJobs([job({kind: 'guide', stops: ['office-7']})], [{id: 7, objection: '"opened" is no answer'}]), 200);
+    await says('#notes', /is no answer/);
+    clearInterval(objects);
+    viewer.state.ages.JOB_STATUS = 9;
+    await says('#jobs-word', /silent for 9 s/);
+    viewer.state = standing();
+    since = viewer.heard.length;
+    await press('#job-list button:text-is("wait")');
+    await hears('/api/jobs {"action":"confirm","job":1764184500123456,"word":"wait"}', since);
+    since = viewer.heard.length;
+    await press('#job-kinds button:text-is("Guide me")');
+    await press('#job-choices button:text-is("lift")');
+    await hears('/api/jobs {"action":"add","kind":"guide","stops":[{"place":"lift"}]}', since);
   },
 
   async 'recordings and maps are listed, fetched, and deleted when asked twice'(name, theme) {

@@ -9,13 +9,58 @@
 #include <luminav/goal_t.hpp>
 #include <luminav/job_status_t.hpp>
 #include <new>
+#include <string_view>
 
 #include "services/common/process/channels.hpp"
-#include "services/common/process/subscriber.hpp"
 #include "services/jobs/jobs_node.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-// Calls to the disk until the process is killed; below 0 = never. The linker leads write, fsync and rename here.
+namespace luminav {
+namespace {
+
+constexpr int kJobs = 10;
+
+/// What outlives the job service: ten people who repeat their requests until they are echoed, and a planner.
+struct Survivors {
+  std::int64_t utime = 1'000'000'000;
+  std::array<bool, kJobs> echoed{};
+  std::array<int, kJobs> goals{};  // that the planner took up, by the x of their target
+  std::int64_t goal_id = 0;
+  int state = navigation_status_t::STATE_IDLE;
+  double x = 0.0;
+  int steps_left = 0;  // until it arrives
+  int done = 0;        // jobs that JOB_STATUS calls done
+  int jobs = 0;        // all that it tells of
+};
+
+void hear_goal(Survivors& world, const goal_t& goal) {
+  if (goal.id > world.goal_id && goal.action == goal_t::ACTION_GO) {
+    world.goal_id = goal.id;
+    world.x = goal.poses[0].x;
+    ++world.goals[static_cast<std::size_t>(goal.poses[0].x)];
+    world.state = navigation_status_t::STATE_FOLLOWING;
+    world.steps_left = 5;
+  }
+}
+
+void hear_jobs(Survivors& world, const job_status_t& status) {
+  for (const std::int64_t id : status.echo_ids) {
+    world.echoed[static_cast<std::size_t>(id - 100)] = true;
+  }
+  world.jobs = status.count;
+  world.done = 0;
+  for (const job_state_t& job : status.jobs) {
+    world.done += job.state == job_state_t::STATE_DONE ? 1 : 0;
+  }
+}
+
+Survivors* g_world = nullptr;
+
+}  // namespace
+}  // namespace luminav
+
+// Calls to the disk until the process is killed; below 0 = never. The linker leads write, fsync and rename here, and
+// lcm_publish: what the service has said is heard before it can be killed.
 static int g_calls_left = -1;
 
 static void die_at_the_last() {
@@ -44,33 +89,29 @@ int __wrap_rename(const char* from, const char* to) {
   die_at_the_last();
   return __real_rename(from, to);
 }
+int __real_lcm_publish(lcm_t* network, const char* channel, const void* bytes, unsigned size);
+int __wrap_lcm_publish(lcm_t* network, const char* channel, const void* bytes, unsigned size);
+int __wrap_lcm_publish(lcm_t* network, const char* channel, const void* bytes, unsigned size) {
+  if (luminav::g_world != nullptr && channel == std::string_view(luminav::channels::kGoal)) {
+    luminav::goal_t goal{};
+    goal.decode(bytes, 0, static_cast<int>(size));
+    luminav::hear_goal(*luminav::g_world, goal);
+  } else if (luminav::g_world != nullptr && channel == std::string_view(luminav::channels::kJobStatus)) {
+    luminav::job_status_t status{};
+    status.decode(bytes, 0, static_cast<int>(size));
+    luminav::hear_jobs(*luminav::g_world, status);
+  }
+  return __real_lcm_publish(network, channel, bytes, size);
+}
 }
 
 namespace luminav {
 namespace {
 
-constexpr int kJobs = 10;
-
-/// What outlives the job service: ten people who repeat their requests until they are echoed, and a planner.
-struct Survivors {
-  std::int64_t utime = 1'000'000'000;
-  std::array<bool, kJobs> echoed{};
-  std::array<int, kJobs> goals{};  // that the planner took up, by the x of their target
-  std::int64_t goal_id = 0;
-  int state = navigation_status_t::STATE_IDLE;
-  double x = 0.0;
-  int steps_left = 0;  // until it arrives
-  int done = 0;        // jobs that JOB_STATUS calls done
-  int jobs = 0;        // all that it tells of
-};
-
 /// One life of the job service among them, on a network of its own.
 class Life {
  public:
-  Life(Survivors& world, const JobsConfig& config) : world_(world), node_(lcm_, config), inbox_(lcm_) {
-    inbox_.on(channels::kGoal, &Life::on_goal, this);
-    inbox_.on(channels::kJobStatus, &Life::on_job_status, this);
-  }
+  Life(Survivors& world, const JobsConfig& config) : world_(world), node_(lcm_, config) { g_world = &world; }
 
   /// Until all jobs are done, or so many tenths of a second.
   void run(int steps) {
@@ -118,30 +159,9 @@ class Life {
     status.x = world_.x;
     lcm_.publish(channels::kNavigationStatus, &status);
   }
-  void on_goal(const goal_t& goal) {
-    if (goal.id > world_.goal_id && goal.action == goal_t::ACTION_GO) {
-      world_.goal_id = goal.id;
-      world_.x = goal.poses[0].x;
-      ++world_.goals[static_cast<std::size_t>(goal.poses[0].x)];
-      world_.state = navigation_status_t::STATE_FOLLOWING;
-      world_.steps_left = 5;
-    }
-  }
-  void on_job_status(const job_status_t& status) {
-    for (const std::int64_t id : status.echo_ids) {
-      world_.echoed[static_cast<std::size_t>(id - 100)] = true;
-    }
-    world_.jobs = status.count;
-    world_.done = 0;
-    for (const job_state_t& job : status.jobs) {
-      world_.done += job.state == job_state_t::STATE_DONE ? 1 : 0;
-    }
-  }
-
   Survivors& world_;
   lcm::LCM lcm_{"memq://"};
   JobsNode node_;
-  Subscriber inbox_;
 };
 
 /// Lives a life in a process of its own, which dies at the given call to the disk. Returns whether it was killed.
