@@ -13,9 +13,9 @@ namespace luminav {
 struct OutlineHypothesis {
   int kind = 0;  // index into the catalogue's fixtures, or elements
   bool is_element = false;
-  bool half_width = false;      // one lamp's half of a fixture of two
-  bool is_whole = false;        // the region shows all of it
-  std::optional<Side> drowned;  // long side that a glow hides, as bright as the lamp
+  bool half_width = false;        // one lamp's half of a fixture of two
+  bool is_whole = false;          // the region shows all of it
+  std::optional<Side> drowned{};  // long side that a glow hides, as bright as the lamp
   Outline outline;
   OutlinePlacement start;   // as large as the region shows it
   double size_error = 0.0;  // by which the region is longer, bloom taken off, as a share of the length; of whole ones

@@ -20,7 +20,7 @@ struct OutlineFitParams {
   double end_sigma = 0.008;        // [m] by how much more it may look longer on each end, 1 sigma
   double edge_sigma_px = 0.15;     // [px] least error of one edge point
   double outline_sigma_px = 0.06;  // [px] error that the points of a side share
-  std::optional<Side> unseen;      // long side that isn't looked at
+  std::optional<Side> unseen{};    // long side that isn't looked at
 };
 
 /// What one side of a fitted outline shows.
