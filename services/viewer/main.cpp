@@ -50,7 +50,7 @@ void say_where_others_reach_it(const HttpOptions& http, int port, const std::str
 
 void say_address(const HttpOptions& http, const HttpServer& server, const std::filesystem::path& token_file) {
   const std::string address = server.address();
-  const std::string& token = http.token;
+  const std::string& token = http.tokens.administer;
   const int port = server.port();
   if (token.empty()) {
     fmt::print("viewer: open {}\n", address);
@@ -170,7 +170,7 @@ int view_log(const ViewerOptions& options) {
 int view(int argc, char** argv) {
   ViewerOptions options;
   HttpOptions& http = options.http;
-  std::string state, token_file;
+  std::string state, token_file, drive_file, look_file;
   std::int64_t port = http.port;
   std::int64_t command_port = -1;
   CommandLine line("viewer", "Shows in any browser what the robot believes, and takes goals and stops.");
@@ -183,6 +183,10 @@ int view(int argc, char** argv) {
       .text("--procman-url", options.procman_url, "LCM network of deputies and sheriffs; default $LUMINAV_PROCMAN_URL")
       .state_folder(state)
       .text("--token-file", token_file, "file of this user that holds the token (default: STATE/ROBOT/viewer_token)")
+      .text("--drive-token-file", drive_file,
+            "a second token, for who may drive but not save maps, delete files or start processes; made if missing")
+      .text("--look-token-file", look_file,
+            "a third one, for who may only look: then looking needs a token, which it else does not; made if missing")
       .text("--web", http.web_folder, "folder to read the page from instead of the built-in one");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
@@ -198,7 +202,14 @@ int view(int argc, char** argv) {
   options.state = state;
   options.token_file = token_file.empty() ? options.state / options.config.robot.name / "viewer_token"
                                           : std::filesystem::path(token_file);
-  http.token = is_loopback(http.listen) ? "" : token_of(options.token_file);
+  if (!is_loopback(http.listen)) {
+    http.tokens.administer = token_of(options.token_file);
+    http.tokens.drive = drive_file.empty() ? "" : read_or_make_token(drive_file);
+    http.tokens.look = look_file.empty() ? "" : read_or_make_token(look_file);
+  } else if (!drive_file.empty() || !look_file.empty()) {
+    throw ConfigurationError(
+        "--drive-token-file and --look-token-file need --listen: on 127.0.0.1 everybody may drive");
+  }
   return options.log.empty() ? view_robot(options) : view_log(options);
 }
 

@@ -27,9 +27,9 @@ bool is_name(const std::string& host) {
   });
 }
 
-// Takes as long for a wrong first letter as for a wrong last one.
+// Takes as long for a wrong first letter as for a wrong last one. A secret that does not exist is nobody's.
 bool is_same_secret(std::string_view expected, std::string_view given) {
-  unsigned char difference = expected.size() == given.size() ? 0 : 1;
+  unsigned char difference = expected.size() == given.size() && !expected.empty() ? 0 : 1;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const char letter = i < given.size() ? given[i] : '\0';
     difference = static_cast<unsigned char>(difference | (expected[i] ^ letter));
@@ -88,8 +88,21 @@ bool is_loopback(std::string_view host) {
   return text == "::1" || text == "localhost";
 }
 
-AccessRules::AccessRules(std::string listen, std::string own_name, int page_port, std::string token)
-    : listen_(to_lower(listen)), own_name_(to_lower(own_name)), page_port_(page_port), token_(std::move(token)) {}
+std::string_view read_cookie(std::string_view header, std::string_view name) {
+  while (!header.empty()) {
+    const std::size_t end = std::min(header.find(';'), header.size());
+    std::string_view pair = header.substr(0, end);
+    header.remove_prefix(std::min(end + 1, header.size()));
+    pair.remove_prefix(std::min(pair.find_first_not_of(' '), pair.size()));
+    if (pair.size() > name.size() && pair.starts_with(name) && pair[name.size()] == '=') {
+      return pair.substr(name.size() + 1);
+    }
+  }
+  return {};
+}
+
+AccessRules::AccessRules(std::string listen, std::string own_name, int page_port, Tokens tokens)
+    : listen_(to_lower(listen)), own_name_(to_lower(own_name)), page_port_(page_port), tokens_(std::move(tokens)) {}
 
 std::optional<std::string> AccessRules::objection_to_host(std::string_view host) const {
   const auto asked = read_host(host);
@@ -119,11 +132,28 @@ std::optional<std::string> AccessRules::objection_to_origin(std::string_view hos
   return std::nullopt;
 }
 
-std::optional<std::string> AccessRules::objection_to_token(std::string_view token) const {
-  if (!token_.empty() && !is_same_secret(token_, token)) {
-    return "the token is missing or wrong: open the page by the address that holds it, see scripts/view --help";
+Role AccessRules::role_of(std::string_view token) const {
+  if (tokens_.administer.empty() || is_same_secret(tokens_.administer, token)) {
+    return Role::kAdminister;
   }
-  return std::nullopt;
+  if (is_same_secret(tokens_.drive, token)) {
+    return Role::kDrive;
+  }
+  return tokens_.look.empty() || is_same_secret(tokens_.look, token) ? Role::kLook : Role::kAnybody;
+}
+
+std::optional<std::string> AccessRules::objection_to_token(std::string_view token, Role needed) const {
+  const Role role = role_of(token);
+  if (role >= needed) {
+    return std::nullopt;
+  }
+  if (role == Role::kDrive) {
+    return "this token may look and drive: here one is needed that may administer";
+  }
+  if (is_same_secret(tokens_.look, token)) {
+    return "this token may look only: here one is needed that may do more";
+  }
+  return "the token is missing or wrong: open the page by the address that holds it, see scripts/view --help";
 }
 
 }  // namespace luminav

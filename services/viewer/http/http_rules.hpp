@@ -18,26 +18,43 @@ std::optional<HostAndPort> read_host(std::string_view text);
 /// Reads the Origin of a page served over http; nothing for anything else ("null", https, a path).
 std::optional<HostAndPort> read_origin(std::string_view text);
 
+/// What somebody may do; each may what those before may.
+enum class Role { kAnybody, kLook, kDrive, kAdminister };
+
+/// The secrets that tell who may what. Without `administer` everybody may do everything; without `drive` or `look`
+/// nobody has that role, and without `look` everybody may look.
+struct Tokens {
+  std::string administer{};
+  std::string drive{};
+  std::string look{};
+};
+
+/// Value of one cookie in a Cookie header; "" when it is not there.
+std::string_view read_cookie(std::string_view header, std::string_view name);
+
 /// Who may ask. A page on a foreign site can make a visitor's browser send requests here, and a foreign name can be
 /// made to resolve to this machine (DNS rebinding): so Host must be this machine, and Origin the page that it served.
 class AccessRules {
  public:
-  /// `listen` is the address bound; `own_name` this machine's host name; an empty `token` demands none.
-  AccessRules(std::string listen, std::string own_name, int page_port, std::string token);
+  /// `listen` is the address bound; `own_name` this machine's host name.
+  AccessRules(std::string listen, std::string own_name, int page_port, Tokens tokens);
 
   /// Why the request must be refused, or nothing. An absent Host is "".
   [[nodiscard]] std::optional<std::string> objection_to_host(std::string_view host) const;
   /// The same for what changes something. An absent Origin is "": it comes from no browser.
   [[nodiscard]] std::optional<std::string> objection_to_origin(std::string_view host, std::string_view origin) const;
-  [[nodiscard]] std::optional<std::string> objection_to_token(std::string_view token) const;
+  /// The same for what needs a role.
+  [[nodiscard]] std::optional<std::string> objection_to_token(std::string_view token, Role needed) const;
   /// True for the page's own origin.
   [[nodiscard]] bool is_own_page(std::string_view host, std::string_view origin) const;
 
  private:
+  [[nodiscard]] Role role_of(std::string_view token) const;
+
   std::string listen_;
   std::string own_name_;
   int page_port_;
-  std::string token_;
+  Tokens tokens_;
 };
 
 /// True for 127.x.y.z, ::1 and localhost.

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
@@ -31,6 +32,7 @@ namespace {
 
 constexpr std::size_t kTilesPerTick = 18 * 1024;  // [bytes] of map per client and tenth of a second
 constexpr std::string_view kCommandPrefix = "/api/";
+constexpr std::string_view kTokenHeader = "x-luminav-token";
 constexpr std::string_view kOnlyLog = "this page shows a recorded log: no robot hears it";
 constexpr std::string_view kNoLog = "this page shows a running robot, not a log";
 constexpr std::string_view kDescription = "openapi.json";  // of the interface: a file of the page, under another path
@@ -48,7 +50,7 @@ struct HttpServer::Servers {
   /// What becomes of a command's body, and what is asked of the request besides Host and Origin.
   struct Command {
     std::function<std::int64_t(const std::string& body)> act;
-    std::function<bool(const std::string& body)> needs_token = [](const std::string&) { return true; };
+    std::function<Role(const std::string& body)> role = [](const std::string&) { return Role::kDrive; };
     bool only_json = true;
   };
 
@@ -57,7 +59,7 @@ struct HttpServer::Servers {
         context(the_context),
         commands({.listen = options.listen, .port = options.command_port, .headers = headers(0)}),
         page({.listen = options.listen, .port = options.port, .headers = headers(commands.port())}) {
-    rules.emplace(options.listen, options.host_name, page.port(), options.token);
+    rules.emplace(options.listen, options.host_name, page.port(), options.tokens);
     prepare_files();
     prepare_readings();
     prepare_commands();
@@ -87,6 +89,11 @@ struct HttpServer::Servers {
     }
     const bool is_reading = is_page && (request.method == "GET" || request.method == "HEAD");
     const auto reading = is_reading ? readings.find(request.path) : readings.end();
+    if (reading != readings.end() && !is_open(request.path)) {
+      if (const auto objection = rules->objection_to_token(token_to_look(request), Role::kLook)) {
+        return refusal(403, *objection);
+      }
+    }
     if (request.path.starts_with(kCommandPrefix)) {
       HttpResponse response = reading != readings.end() ? reading->second(request) : answer_command(request);
       allow_own_page(request, response);
@@ -101,6 +108,16 @@ struct HttpServer::Servers {
     return reading != readings.end() ? reading->second(request) : file(request.path);
   }
 
+  // What says how to ask, and nothing of the robot.
+  static bool is_open(const std::string& path) { return path == "/settings.json" || path == "/api/openapi.json"; }
+
+  // A page can put no header to pictures and events: it has a cookie. Commands never heed that, so that no other site
+  // makes a browser send one.
+  static std::string_view token_to_look(const HttpRequest& request) {
+    const std::string_view header = request.header(kTokenHeader);
+    return header.empty() ? read_cookie(request.header("cookie"), "luminav_token") : header;
+  }
+
   void prepare_readings() {
     readings = board_readings(context.board, context.clock, context.building);
     readings["/events"] = [this](const HttpRequest&) { return events(); };
@@ -109,8 +126,11 @@ struct HttpServer::Servers {
       readings[path] = [response](const HttpRequest&) { return response; };
     };
     always("/building.json", text_answer(to_json(context.building, context.robot)));
-    always("/settings.json", text_answer(fmt::format(R"({{"command_port":{},"needs_token":{},"shows_log":{}}})",
-                                                     commands.port(), !options.token.empty(), context.log != nullptr)));
+    always("/settings.json",
+           text_answer(fmt::format(R"({{"command_port":{},"needs_token":{},"needs_token_to_look":{},"robot":{},)"
+                                   R"("shows_log":{}}})",
+                                   commands.port(), !options.tokens.administer.empty(), !options.tokens.look.empty(),
+                                   nlohmann::json(context.robot.name).dump(), context.log != nullptr)));
     readings["/api/files"] = [this](const HttpRequest&) { return text_answer(context.files.json()); };
     readings["/api/file"] = [this](const HttpRequest& request) {
       return context.files.fetch(request.query).value_or(refusal(404, "there is no such file"));
@@ -187,7 +207,10 @@ struct HttpServer::Servers {
     // Taken in any dress and from anybody who is here: a stop must not fail for a header. A release is another thing.
     actions["stop"] = {
         .act = [this, now](const std::string& body) { return context.desk.send(read_stop_request(body), now()); },
-        .needs_token = [](const std::string& body) { return read_stop_request(body).engaged == 0; },
+        .role =
+            [](const std::string& body) {
+              return read_stop_request(body).engaged == 0 ? Role::kDrive : Role::kAnybody;
+            },
         .only_json = false};
     actions["motors"].act = [this, now](const std::string& body) {
       return context.desk.send(read_motors_request(body), now());
@@ -212,6 +235,9 @@ struct HttpServer::Servers {
       context.log->order(read_playback_order(body));
       return std::int64_t{0};
     };
+    for (const char* name : {"map", "process", "files"}) {
+      actions[name].role = [](const std::string&) { return Role::kAdminister; };
+    }
     actions["steering"].act = [this, now](const std::string& body) {
       const Steering steering = read_steering(body);
       context.helm.steer(steering, now());
@@ -241,10 +267,8 @@ struct HttpServer::Servers {
     if (const auto objection = rules->objection_to_origin(request.header("host"), request.header("origin"))) {
       return refusal(403, *objection);
     }
-    if (command.needs_token(request.body)) {
-      if (const auto objection = rules->objection_to_token(request.header("x-luminav-token"))) {
-        return refusal(403, *objection);
-      }
+    if (const auto objection = rules->objection_to_token(request.header(kTokenHeader), command.role(request.body))) {
+      return refusal(403, *objection);
     }
     if (command.only_json && !request.header("content-type").starts_with("application/json")) {
       return refusal(415, "the request must be application/json");
@@ -271,7 +295,7 @@ struct HttpServer::Servers {
     } catch (const NotSent& error) {
       return refusal(503, error.what());
     }
-    const bool may_command = !rules->objection_to_token(request.header("x-luminav-token"));
+    const bool may_command = !rules->objection_to_token(request.header(kTokenHeader), Role::kDrive);
     return text_answer(fmt::format(R"({{"may_command":{}}})", may_command));
   }
 

@@ -8,6 +8,7 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/process/clock.hpp"
 #include "services/viewer/helm.hpp"
+#include "services/viewer/http/http_rules.hpp"
 #include "services/viewer/http/kept_files.hpp"
 #include "services/viewer/picture_store.hpp"
 #include "services/viewer/playback/log_player.hpp"
@@ -22,7 +23,7 @@ struct HttpOptions {
   int port = 8080;          // of the page; 0 = any free one
   int command_port = 8081;  // of the commands alone; 0 = any free one
   std::string host_name;    // of this machine, for people on others
-  std::string token;        // demanded for commands, except to stop; "" = none
+  Tokens tokens;            // which role needs what; a STOP needs none
   std::string web_folder;   // reads the page from there instead of the built-in one; "" = built in
 };
 
@@ -36,11 +37,11 @@ struct HttpOptions {
 ///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose, /api/map, /api/steering, /api/process
 ///                             JSON, see request_text.hpp; answers {"id": N}, or {"error": why} with 400 for what is
 ///                             none, 403 for who may not, 503 when the network takes nothing. A STOP needs no token,
-///                             its release does.
+///                             its release a driver's; map, process and files need an administrator's.
 ///   GET  /api/file?kind=recording|map&name=NAME  one of the files that GET /api/files lists; POST there deletes one
 ///   GET, POST /api/playback   the log that is shown, and how; 404 when it is a running robot. A log takes no other
 ///                             command: 403.
-///   POST /api/watch           a person has the page in view; answers {"may_command": the token is right}
+///   POST /api/watch           a person has the page in view; answers {"may_command": the token may drive}
 ///
 /// web/openapi.json describes all of it but the page; a test compares it with `routes`.
 class HttpServer {

@@ -15,6 +15,8 @@ let commandBase = '';     // '' = the page's port
 let hasAnswered = false;  // the port of its own: then one slow answer is no reason to leave it
 export const settings = fetch('settings.json').then((answer) => answer.json()).then((said) => {
   commandBase = `${location.protocol}//${location.hostname}:${said.command_port}`;
+  // What a page shows and listens to has no headers; the viewer heeds the cookie for that alone.
+  if (said.needs_token_to_look && token) document.cookie = `luminav_token=${token}; path=/; SameSite=Strict`;
   return said;
 }).catch(() => ({}));
 

@@ -83,7 +83,7 @@ function boundsOf(known) {
 
 // ---- what comes in
 
-fetch('building.json').then((answer) => answer.json()).then((known) => {
+commands.settings.then(() => fetch('building.json')).then((answer) => answer.json()).then((known) => {
   building = known;
   steering.limits = {linear: known.robot.maximum_linear, angular: known.robot.maximum_angular};
   $('building').textContent = known.name;

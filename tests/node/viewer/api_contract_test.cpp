@@ -5,6 +5,7 @@
 #include <httplib.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -30,14 +31,16 @@ Json description() {
 class ApiContractTest : public ::testing::Test {
  protected:
   ApiContractTest() {
-    HttpOptions options;
-    options.port = options.command_port = 0;
-    options.token = "secret";
-    const HttpServer::Context context{board_, pictures_, desk_, helm_, processes_, clock_, building_, robot_};
-    server_ = std::make_unique<HttpServer>(options, context);
+    options_.port = options_.command_port = 0;
+    options_.tokens.administer = "secret";
+    serve();
     robot_status_t status{};
     status.utime = 1;
     helm_.on_robot_status(status);
+  }
+  void serve() {
+    const HttpServer::Context context{board_, pictures_, desk_, helm_, processes_, clock_, building_, robot_};
+    server_ = std::make_unique<HttpServer>(options_, context);
   }
   [[nodiscard]] httplib::Client client() const { return httplib::Client("127.0.0.1", server_->port()); }
 
@@ -109,6 +112,7 @@ class ApiContractTest : public ::testing::Test {
   ProcessDesk processes_{procman_, procman_};
   Building building_;
   RobotDescription robot_;
+  HttpOptions options_;
   std::unique_ptr<HttpServer> server_;
 };
 
@@ -137,6 +141,45 @@ TEST_F(ApiContractTest, EachErrorOfTheServerStandsInTheDescriptionAndTheOtherWay
       EXPECT_EQ(seen, described) << method << " " << path;
     }
   }
+}
+
+TEST_F(ApiContractTest, EachRoleMayWhatTheDescriptionSays) {
+  const Json all = description();
+  options_.tokens = {"owner", "driver", "guest"};
+  serve();
+  const std::vector<std::pair<std::string, int>> tokens = {{"", 0}, {"guest", 1}, {"driver", 2}, {"owner", 3}};
+  const std::map<std::string, int> roles = {{"look", 1}, {"drive", 2}, {"administer", 3}};
+  for (const auto& [path, operations] : all["paths"].items()) {
+    for (const auto& [method, operation] : operations.items()) {
+      // where none is named, looking; its first choice, nothing, is for viewers without a token to look
+      const Json& named = operation.value("security", all["security"]);
+      const int needed = named.empty() ? 0 : roles.at(named.back()["token"][0]);
+      for (const auto& [token, role] : tokens) {
+        if (path == "/events" && role >= needed) {
+          continue;  // it has no end
+        }
+        const httplib::Headers header = {{"X-Luminav-Token", token}};
+        const auto answer =
+            method == "get" ? client().Get(path, header) : client().Post(path, header, "{", "text/plain");
+        const bool open = path == "/api/stop" || path == "/api/watch";  // whatever is no release is a stop
+        EXPECT_EQ(answer->status == 403, !open && role < needed) << method << " " << path << " with " << token;
+      }
+    }
+  }
+  EXPECT_EQ(client().Post("/api/stop", {{"X-Luminav-Token", "guest"}}, R"({"engaged":false})", "text/plain")->status,
+            403);
+}
+
+TEST_F(ApiContractTest, PagesLookByCookieAndCommandNothingByIt) {
+  options_.tokens = {"owner", "", "guest"};
+  serve();
+  for (const char* token : {"owner", "guest"}) {
+    const httplib::Headers cookie = {{"Cookie", std::string("a=b; luminav_token=") + token}};
+    EXPECT_EQ(client().Get("/building.json", cookie)->status, 200);
+    EXPECT_EQ(client().Post("/api/motors", cookie, R"({"enable":true})", "application/json")->status, 403);
+  }
+  EXPECT_EQ(client().Get("/building.json", {{"Cookie", "luminav_token=other"}})->status, 403);
+  EXPECT_EQ(client().Get("/")->status, 200);  // the page itself tells nothing of the robot
 }
 
 TEST_F(ApiContractTest, GivesTheNewestOfEachSubjectAndTheWholeMap) {

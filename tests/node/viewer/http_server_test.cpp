@@ -39,7 +39,7 @@ class HttpServerTest : public ::testing::Test {
     HttpOptions options;
     options.port = options.command_port = 0;
     options.host_name = "robot";
-    options.token = token;
+    options.tokens.administer = token;
     server_ = std::make_unique<HttpServer>(options, context());
     subscriber_.on(channels::kGoal, &HttpServerTest::on_goal, this);
     subscriber_.on(channels::kStop, &HttpServerTest::on_stop, this);
@@ -144,7 +144,7 @@ TEST_F(HttpServerTest, SendsALargeRecordingWholeAndDeletesItForWhoMay) {
   shown.files = KeptFiles(folder, folder / "p3dx");
   HttpOptions options;
   options.port = options.command_port = 0;
-  options.token = "secret";
+  options.tokens.administer = "secret";
   server_ = std::make_unique<HttpServer>(options, shown);
   const auto answer = page().Get("/api/file?kind=recording&name=drive-1.lcm");
   ASSERT_TRUE(answer);

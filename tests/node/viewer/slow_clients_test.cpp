@@ -86,7 +86,7 @@ class SlowClientsTest : public ::testing::Test {
     subscriber_.on(channels::kStop, &SlowClientsTest::on_stop, this);
     HttpOptions options;
     options.port = options.command_port = 0;
-    options.token = "secret";
+    options.tokens.administer = "secret";
     server_ = std::make_unique<HttpServer>(
         options, HttpServer::Context{board_, pictures_, desk_, helm_, processes_, clock_, building_, robot_});
   }

@@ -34,7 +34,7 @@ TEST(IsLoopback, KnowsTheWholeBlock) {
 }
 
 TEST(AccessRules, OnLoopbackRefusesForeignNamesForThisMachine) {
-  const AccessRules rules("127.0.0.1", "robot", 8080, "");
+  const AccessRules rules("127.0.0.1", "robot", 8080, {});
   EXPECT_FALSE(rules.objection_to_host("localhost:8080"));
   EXPECT_FALSE(rules.objection_to_host("127.0.0.1:8080"));
   EXPECT_TRUE(rules.objection_to_host("evil.example:8080"));
@@ -43,7 +43,7 @@ TEST(AccessRules, OnLoopbackRefusesForeignNamesForThisMachine) {
 }
 
 TEST(AccessRules, OnAllAddressesKnowsAddressesAndItsOwnName) {
-  const AccessRules rules("0.0.0.0", "Robot", 8080, "secret");
+  const AccessRules rules("0.0.0.0", "Robot", 8080, {"secret"});
   EXPECT_FALSE(rules.objection_to_host("192.168.1.5:8080"));
   EXPECT_FALSE(rules.objection_to_host("robot:8080"));
   EXPECT_FALSE(rules.objection_to_host("robot.local:8080"));
@@ -51,7 +51,7 @@ TEST(AccessRules, OnAllAddressesKnowsAddressesAndItsOwnName) {
 }
 
 TEST(AccessRules, TakesCommandsFromItsOwnPageOnly) {
-  const AccessRules rules("127.0.0.1", "robot", 8080, "");
+  const AccessRules rules("127.0.0.1", "robot", 8080, {});
   EXPECT_FALSE(rules.objection_to_origin("localhost:8080", "http://localhost:8080"));
   EXPECT_FALSE(rules.objection_to_origin("localhost:8081", "http://localhost:8080"));  // the command port
   EXPECT_FALSE(rules.objection_to_origin("localhost:9000", "http://localhost:9000"));  // through a tunnel
@@ -63,10 +63,37 @@ TEST(AccessRules, TakesCommandsFromItsOwnPageOnly) {
 }
 
 TEST(AccessRules, DemandsTheWholeToken) {
-  const AccessRules rules("0.0.0.0", "robot", 8080, "secret");
-  EXPECT_FALSE(rules.objection_to_token("secret"));
+  const AccessRules rules("0.0.0.0", "robot", 8080, {"secret"});
+  EXPECT_FALSE(rules.objection_to_token("secret", Role::kAdminister));
   for (const char* token : {"", "secre", "secrets", "Secret"}) {
-    EXPECT_TRUE(rules.objection_to_token(token)) << token;
+    EXPECT_TRUE(rules.objection_to_token(token, Role::kDrive)) << token;
+    EXPECT_FALSE(rules.objection_to_token(token, Role::kLook)) << token;
+  }
+}
+
+TEST(AccessRules, GivesEachTokenItsRoleAndThoseBelow) {
+  const AccessRules rules("0.0.0.0", "robot", 8080, {"owner", "driver", "guest"});
+  const auto may = [&](const char* token, Role role) { return !rules.objection_to_token(token, role); };
+  EXPECT_TRUE(may("", Role::kAnybody));
+  EXPECT_FALSE(may("", Role::kLook));
+  EXPECT_TRUE(may("guest", Role::kLook));
+  EXPECT_FALSE(may("guest", Role::kDrive));
+  EXPECT_TRUE(may("driver", Role::kDrive));
+  EXPECT_FALSE(may("driver", Role::kAdminister));
+  EXPECT_TRUE(may("owner", Role::kAdminister));
+  EXPECT_TRUE(may("owner", Role::kLook));
+}
+
+TEST(AccessRules, DemandsNothingWhereNobodyElseComes) {
+  const AccessRules rules("127.0.0.1", "robot", 8080, {});
+  EXPECT_FALSE(rules.objection_to_token("", Role::kAdminister));
+}
+
+TEST(Cookie, IsFoundByItsWholeName) {
+  EXPECT_EQ(read_cookie("a=1; luminav_token=x; b=2", "luminav_token"), "x");
+  EXPECT_EQ(read_cookie("luminav_token=x", "luminav_token"), "x");
+  for (const char* other : {"", ";", "luminav_token", "luminav_tokens=x", "my_luminav_token=x", "a=luminav_token=x"}) {
+    EXPECT_EQ(read_cookie(other, "luminav_token"), "") << other;
   }
 }
 

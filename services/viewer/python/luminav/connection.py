@@ -7,7 +7,7 @@ import os
 import pathlib
 import socket
 import urllib.parse
-from typing import Any, Iterator, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterator, NamedTuple, Optional, Tuple
 
 from .errors import Refused, Unreachable
 
@@ -36,21 +36,19 @@ class Connection:
         return json.loads(self.get_bytes(path))
 
     def get_bytes(self, path: str) -> bytes:
-        return self._ask("GET", path, b"", {}, self.port)
+        return self._read(*self._look(path))
 
     def post(self, name: str, body: Any) -> Any:
         """Sends a command with the token and returns the JSON of the answer."""
-        headers = {"Content-Type": "application/json"}
-        token = self.token()
-        if token:
-            headers["X-Luminav-Token"] = token
-        return json.loads(self._ask("POST", f"/api/{name}", json.dumps(body).encode(), headers, self.port))
+        self.token()
+        headers = {"Content-Type": "application/json", **self._token_header()}
+        return json.loads(self._read(*self._open("POST", f"/api/{name}", json.dumps(body).encode(), headers, self.port)))
 
     def post_stop(self) -> Any:
         """Sends a STOP: without token, to the page's port or to the next one, where only commands are taken."""
         for port in (self.port, self.port + 1):
             try:
-                return json.loads(self._ask("POST", "/api/stop", b'{"engaged":true}', {}, port))
+                return json.loads(self._read(*self._open("POST", "/api/stop", b'{"engaged":true}', {}, port)))
             except Unreachable as error:
                 unreachable = error
         raise unreachable
@@ -59,12 +57,12 @@ class Connection:
         if self._token is None and self._is_this_machine():
             settings = self.get("/settings.json")
             if settings["needs_token"]:
-                self._token = self._token_of_this_machine()
+                self._token = self._token_of_this_machine(settings["robot"])
         return self._token
 
     def events(self) -> Iterator[Event]:
         """Yields what comes until the connection ends; then raises Unreachable."""
-        connection, answer = self._open("GET", "/events", b"", {}, self.port)
+        connection, answer = self._look("/events")
         name = ""
         try:
             for line in answer:
@@ -79,16 +77,27 @@ class Connection:
             connection.close()
         raise Unreachable(f"the events of {self.host}:{self.port} ended")
 
-    def _ask(self, method: str, path: str, body: bytes, headers: dict[str, str], port: int) -> bytes:
-        connection, answer = self._open(method, path, body, headers, port)
+    def _look(self, path: str) -> Tuple[http.client.HTTPConnection, http.client.HTTPResponse]:
+        """Opens what is looked at; with this machine's token only where looking needs one."""
+        try:
+            return self._open("GET", path, b"", self._token_header(), self.port)
+        except Refused as refused:
+            if refused.status != 403 or self._token or not self.token():
+                raise
+        return self._open("GET", path, b"", self._token_header(), self.port)
+
+    def _token_header(self) -> Dict[str, str]:
+        return {"X-Luminav-Token": self._token} if self._token else {}
+
+    def _read(self, connection: http.client.HTTPConnection, answer: http.client.HTTPResponse) -> bytes:
         try:
             return answer.read()
         except (OSError, http.client.HTTPException) as error:
-            raise Unreachable(f"the answer of {self.host}:{port} broke off: {error}") from None
+            raise Unreachable(f"the answer of {self.host} broke off: {error}") from None
         finally:
             connection.close()
 
-    def _open(self, method: str, path: str, body: bytes, headers: dict[str, str],
+    def _open(self, method: str, path: str, body: bytes, headers: Dict[str, str],
               port: int) -> Tuple[http.client.HTTPConnection, http.client.HTTPResponse]:
         connection = http.client.HTTPConnection(self.host, port, timeout=self.timeout)
         try:
@@ -111,8 +120,7 @@ class Connection:
         own = socket.gethostname().lower()
         return self.host in ("localhost", "::1", own, own + ".local") or self.host.startswith("127.")
 
-    def _token_of_this_machine(self) -> Optional[str]:
-        robot = str(self.get("/building.json")["robot"]["name"])
+    def _token_of_this_machine(self, robot: str) -> Optional[str]:
         state = os.environ.get("LUMINAV_STATE") or "~/.local/state/luminav"
         for folder in (pathlib.Path(state).expanduser(), pathlib.Path("/var/lib/luminav")):
             try:
