@@ -153,7 +153,7 @@ TEST_F(ApiContractTest, EachRoleMayWhatTheDescriptionSays) {
     for (const auto& [method, operation] : operations.items()) {
       // where none is named, looking; its first choice, nothing, is for viewers without a token to look
       const Json& named = operation.value("security", all["security"]);
-      const int needed = named.empty() ? 0 : roles.at(named.back()["token"][0]);
+      const int needed = named.empty() ? 0 : roles.at(named.back().at("token").at(0));
       for (const auto& [token, role] : tokens) {
         if (path == "/events" && role >= needed) {
           continue;  // it has no end
