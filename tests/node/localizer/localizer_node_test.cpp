@@ -313,6 +313,40 @@ TEST_F(ImageAtOnceTest, EndsWhereOneDoesThatWaitedForOdometry) {
   EXPECT_GT(compared, 20);
 }
 
+TEST_F(ImageAtOnceTest, TakesABurstInItsOrderAndDropsWhatIsOlder) {
+  find_the_pose();
+  std::vector<fixture_detections_t> burst;
+  while (burst.size() < 5) {
+    const auto output = world_.step();
+    if (output.odometry) {
+      send(lcm_, channels::kOdometry, to_message(*output.odometry, ++sequence_));
+    }
+    if (output.frame) {
+      burst.push_back(to_message(*output.frame));
+    }
+  }
+  const pose_t before = poses_.back();
+  const std::int64_t dropped = node_.health().dropped_inputs;
+  poses_.clear();
+  for (const fixture_detections_t& image : burst) {
+    lcm_.publish(channels::kFixtureDetections, &image);
+  }
+  handle_all();
+  ASSERT_FALSE(poses_.empty());
+  ASSERT_LE(poses_.size(), burst.size());
+  std::int64_t used = before.fixture_utime;
+  for (const pose_t& pose : poses_) {
+    EXPECT_EQ(pose.utime, before.utime);
+    EXPECT_GT(pose.fixture_utime, used);
+    used = pose.fixture_utime;
+  }
+  EXPECT_EQ(node_.health().dropped_inputs, dropped);
+  poses_.clear();
+  send(lcm_, channels::kFixtureDetections, burst.front());
+  EXPECT_TRUE(poses_.empty());
+  EXPECT_EQ(node_.health().dropped_inputs, dropped + 1);
+}
+
 TEST_F(ImageAtOnceTest, BelievesNoOdometryThatHasStopped) {
   find_the_pose();
   const std::int64_t stopped = poses_.back().utime;
