@@ -57,10 +57,12 @@ void PictureTrace::add(const LogEvent& event) {
   }
 }
 
-// Between two steps of control the last command is repeated: one that differs was computed after the POSE.
+// Between two steps of control the last command is repeated: one that differs was computed after the POSE, and so was
+// one of the same stamp, which is given for a POSE alone.
 void PictureTrace::hear_command(std::int64_t heard, const velocity_command_t& command) {
   const bool is_new =
-      last_command_ && (command.linear_x != last_command_->linear_x || command.angular_z != last_command_->angular_z);
+      last_command_ && (command.utime == last_command_->utime || command.linear_x != last_command_->linear_x ||
+                        command.angular_z != last_command_->angular_z);
   last_command_ = command;
   if (awaited_ == nullptr) {
     return;

@@ -40,9 +40,10 @@ class PictureTraceTest : public testing::Test {
     pose.fixture_utime = picture;
     trace_.add({at, channels::kPose, encoded(pose)});
   }
-  void hear_command(double angular, std::int64_t at) {
+  void hear_command(double angular, std::int64_t at) { hear_command(angular, at, at); }
+  void hear_command(double angular, std::int64_t at, std::int64_t tick) {
     velocity_command_t command{};
-    command.utime = at;
+    command.utime = tick;
     command.angular_z = angular;
     trace_.add({at, channels::kVelocityCommand, encoded(command)});
   }
@@ -81,6 +82,14 @@ TEST_F(PictureTraceTest, ACommandThatIsRepeatedUsedNothingNew) {
   EXPECT_THAT(seconds_of("pose_to_command"), testing::IsEmpty());
   hear_command(0.2, kTaken + 90'000);
   EXPECT_THAT(seconds_of("pose_to_command"), ElementsAre(DoubleNear(0.025, 1e-9)));
+}
+
+TEST_F(PictureTraceTest, ASecondCommandForATickAnswersThePose) {
+  hear_command(0.1, kTaken + 60'000);
+  hear_detections(kTaken, kTaken + 64'000);
+  hear_pose(kTaken, kTaken + 65'000);
+  hear_command(0.1, kTaken + 67'000, kTaken + 60'000);  // it turns as fast as it may, before and after
+  EXPECT_THAT(seconds_of("pose_to_command"), ElementsAre(DoubleNear(0.002, 1e-9)));
 }
 
 TEST_F(PictureTraceTest, ARobotThatStandsUsesNoPicture) {
