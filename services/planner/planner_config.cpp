@@ -17,7 +17,7 @@ void read_route(const TomlTable& table, const RobotDescription& robot, RoutePlan
   const double inscribed = robot.inscribed_radius();
   space.hard_radius = table.number("hard_radius", inscribed + kRadiusMargin, {inscribed, 1.2});
   table.read("clearance_range", space.clearance_range, {space.hard_radius + 0.01, 5.0});
-  table.read("clearance_weight", space.clearance_weight, {0.0, 8.0});
+  table.read("clearance_weight", space.clearance_weight, {0.0, ConfigurationSpace::kMaxDetour - 1.0});
   table.read("occupied_threshold", space.occupied_log_odds, {0.05, 6.0});
   table.read("free_threshold", space.free_log_odds, {-6.0, -0.05});
   space.unknown_is_free = table.choice("unknown", "blocked", {"blocked", "free"}) == "free";

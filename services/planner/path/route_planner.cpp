@@ -11,7 +11,7 @@ namespace luminav {
 namespace {
 
 constexpr std::uint32_t kSeedCostPerCell =
-    400;  // twenty free cells: a goal in an obstacle is missed by as little as possible
+    20 * 5 * ConfigurationSpace::kFreePrice;  // twenty cells: a goal in an obstacle is missed by as little as possible
 constexpr std::uint32_t kFieldMargin =
     10 * 5 * ConfigurationSpace::kFreePrice;       // ten free cells beyond the robot, which seldom goes back
 constexpr std::size_t kFewestCellsPerChange = 20;  // where more has changed it is planned anew

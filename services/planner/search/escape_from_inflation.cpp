@@ -12,7 +12,7 @@
 namespace luminav {
 namespace {
 
-constexpr std::uint32_t kPrice = 60;  // of a blocked cell, beside 36 for the dearest allowed one
+constexpr std::uint32_t kPrice = 15 * ConfigurationSpace::kFreePrice;  // of a blocked cell: it is to be left soon
 constexpr std::uint32_t kNever = CostField::kUnreached;
 
 }  // namespace

@@ -11,8 +11,6 @@
 namespace luminav {
 namespace {
 
-constexpr int kHighestPrice = 36;  // a diagonal step of 7 * 36 still fits the bucket queue's 256
-
 CellWindow united(const CellWindow& a, const CellWindow& b) {
   return {std::min(a.first_column, b.first_column), std::max(a.last_column, b.last_column),
           std::min(a.first_row, b.first_row), std::max(a.last_row, b.last_row)};
@@ -32,8 +30,7 @@ std::array<std::uint8_t, 256> price_table(const ConfigurationSpaceParams& params
       const double depth = (range - distance) / (range - hard);
       price *= 1.0 + params.clearance_weight * depth * depth;
     }
-    table[static_cast<std::size_t>(square)] =
-        static_cast<std::uint8_t>(std::min<long>(std::lround(price), kHighestPrice));
+    table[static_cast<std::size_t>(square)] = static_cast<std::uint8_t>(std::lround(price));
   }
   return table;
 }
@@ -42,9 +39,10 @@ void check(const ConfigurationSpaceParams& params, double resolution) {
   if (!(params.hard_radius >= 0.0) || params.hard_radius / resolution > kDistanceReach - 1) {
     throw std::invalid_argument("configuration space: hard_radius must be between 0 and 14 cells");
   }
-  if (!(params.clearance_range > params.hard_radius) || !(params.clearance_weight >= 0.0)) {
+  if (!(params.clearance_range > params.hard_radius) || !(params.clearance_weight >= 0.0) ||
+      params.clearance_weight > ConfigurationSpace::kMaxDetour - 1.0 + 1e-9) {
     throw std::invalid_argument(
-        "configuration space: clearance_range must exceed hard_radius, clearance_weight be at least 0");
+        "configuration space: clearance_range must exceed hard_radius, clearance_weight be 0 to 0.3");
   }
 }
 

@@ -15,7 +15,7 @@ namespace luminav {
 struct ConfigurationSpaceParams {
   double hard_radius = 0.30;        ///< [m] cells whose centre is this close to an occupied one are blocked
   double clearance_range = 1.2;     ///< [m] nearer than this a cell costs more, so that paths keep to the middle
-  double clearance_weight = 6.0;    ///< times the price of a free cell that the nearest allowed one costs in addition
+  double clearance_weight = 0.3;    ///< share of a free cell's price that the nearest allowed one costs in addition
   double occupied_log_odds = 0.8;   ///< evidence above makes a cell occupied
   double free_log_odds = -0.6;      ///< evidence below makes a cell free of which the building's map knows nothing
   bool unknown_is_free = false;     ///< plan through what nobody has seen
@@ -35,7 +35,10 @@ struct SuspectedObstacle {
 class ConfigurationSpace {
  public:
   /// Price of a cell far from everything; a step costs price times 5 (straight) or 7 (diagonal).
-  static constexpr int kFreePrice = 4;
+  static constexpr int kFreePrice = 10;
+  /// A path's cost is at least its length and at most so many times that. So the cheapest path is at most so many times
+  /// as long as the shortest one, whatever doors and gaps that one leads through.
+  static constexpr double kMaxDetour = 1.3;
 
   ConfigurationSpace() = default;
   /// `use_evidence` false gives the world as the building's map has it; `is_weighed` false saves a pass over the grid:

@@ -35,6 +35,20 @@ TEST(RoutePlanner, PassesADoorInItsMiddle) {
   EXPECT_EQ(route.points.back(), Eigen::Vector2d(9.0, 4.0));
 }
 
+TEST(RoutePlanner, TakesTheShortWayThroughNarrowDoorsWhateverTheRoomBeside) {
+  // six doors of 0.8 m in a row, and a wide way round behind them that is half as long again
+  OccupancyGrid grid = empty_room(16.0, 12.0);
+  build_wall(grid, 1.0, 2.0, 15.0, 2.2);
+  for (double x = 2.0; x <= 12.0; x += 2.0) {
+    build_wall(grid, x, 0.0, x + 0.2, 2.2);
+    build_wall(grid, x, 0.6, x + 0.2, 1.4, Prior::kFree);
+  }
+  RoutePlanner planner = planner_for(grid);
+  const Route route = planner.plan({{1.4, 1.0}, {13.5, 1.0}, 0.1});
+  ASSERT_EQ(route.outcome, RouteOutcome::kFound);
+  EXPECT_LE(polyline_length(route.points), ConfigurationSpace::kMaxDetour * 12.1);
+}
+
 TEST(RoutePlanner, GoesRoundAKeepOutZone) {
   RoutePlannerParams params;
   params.space.keep_out = {{{3.0, 0.0}, {5.0, 0.0}, {5.0, 3.0}, {3.0, 3.0}}};
