@@ -26,6 +26,7 @@ constexpr double kNewsSpeed = 0.20;          // [m/s] stops within the tenth of 
 constexpr double kNewsAge = 0.5;             // [s] since it was heard; a newer firing has the say then
 constexpr double kHoldWithin = 0.35;         // [m] of something that no map has and that stops it: stands quite still
 constexpr double kHoldPause = 1.0;           // [s] after that it tries by itself
+constexpr double kPossible = 0.01;           // of all probability: zones of less likely poses would close every path
 constexpr double kWallClearance = 0.28;      // [m] from the building's walls to where the robot's middle may be
 
 /// Where the robot is when it comes to getting on: by the ceiling where that is known, since wheels that spin get
@@ -47,7 +48,7 @@ Controller::Controller(const ControllerConfig& config)
       follower_(config.follower, stop_logic_),
       wander_(config.wander, config.robot.sonar, stop_logic_,
               CeilingForecast(config.building, config.walls, config.view_radius(), kWallClearance)),
-      zones_(config.building.zones),
+      zones_(config.building.zones, config.robot.footprint),
       obstacles_(stop_logic_.footprint()),
       ramp_(config.robot.limits, config.jerk) {}
 
@@ -79,21 +80,31 @@ void Controller::look_around(const ControlInput& input) {
     walls = known_walls(*input.grid, *input.world_from_robot, config_.local_map.radius);
   }
   std::size_t zones = 0;
+  double quiet = 0.0;  // probability of being in a quiet zone
+  quiet_ = nullptr;
   if (input.world_from_robot) {
     zones = zones_.add_edges(*input.world_from_robot, config_.local_map.radius, walls);
   } else {
-    constexpr double kPossible = 0.01;  // of all probability: less likely ones would close every path
     for (const PoseAlternative& alternative : input.alternatives) {
       const Pose2 world_from_robot = alternative.world_from_odom * input.odom_from_robot;
       zones += alternative.weight < kPossible ? 0 : zones_.add_edges(world_from_robot, config_.local_map.radius, walls);
+      if (const Zone* const zone = zones_.quiet_at(world_from_robot)) {
+        quiet += alternative.weight;
+        quiet_ = quiet > 0.5 ? zone : nullptr;
+      }
     }
   }
   obstacles_.set(input.echoes, walls, zones);
 }
 
-DriveTwist Controller::slowed(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const {
+DriveTwist Controller::by_zones(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const {
   if (!input.world_from_robot || wanted.linear == 0.0) {
     return wanted;
+  }
+  const Zone* const lane = zones_.against(*input.world_from_robot, wanted.linear);
+  if (lane != nullptr && input.task != ControlTask::kTeleop) {  // who steers by hand may have a reason
+    output.reason = "not against the one-way zone " + lane->name;
+    return {0.0, wanted.angular};
   }
   const double speed = std::abs(wanted.linear);
   const double braking =
@@ -107,6 +118,24 @@ DriveTwist Controller::slowed(const DriveTwist& wanted, const ControlInput& inpu
   }
   const double share = zone->speed / speed;
   return {share * wanted.linear, share * wanted.angular};  // the same arc
+}
+
+void Controller::keep_out_of_zones(const ControlInput& input, StopVerdict& verdict) const {
+  const DriveTwist wanted = verdict.twist;
+  if (input.world_from_robot) {
+    verdict.twist = zones_.no_deeper(*input.world_from_robot, verdict.twist);
+  } else {
+    for (const PoseAlternative& alternative : input.alternatives) {
+      if (alternative.weight >= kPossible) {
+        verdict.twist = zones_.no_deeper(alternative.world_from_odom * input.odom_from_robot, verdict.twist);
+      }
+    }
+  }
+  if (verdict.twist.linear != wanted.linear || verdict.twist.angular != wanted.angular) {
+    verdict.limited = true;
+    verdict.blocked = verdict.blocked || (wanted.linear != 0.0 && verdict.twist.linear == 0.0);
+    verdict.reason = "reaches into a keep-out zone and may only leave it";
+  }
 }
 
 ControlOutput Controller::step(const ControlInput& input) {
@@ -125,13 +154,14 @@ ControlOutput Controller::step(const ControlInput& input) {
   }
   look_for_people(input.now);
   const double unknown = obstacles_.min_unknown_distance(10.0);
-  const DriveTwist wanted = slowed(with_care(wish(input, output), unknown), input, output);
+  const DriveTwist wanted = by_zones(with_care(wish(input, output), unknown), input, output);
   DriveTwist smooth = input.is_again ? ramp_.step_again(wanted) : ramp_.step(wanted, input.duration);
   if (escape_ && wanted.linear != 0.0) {
     // the arc that was found free, from the first step on: turning speeds up faster than driving
     smooth.angular = wanted.angular * smooth.linear / wanted.linear;
   }
   StopVerdict verdict = stop_logic_.judge(smooth, obstacles_, input.ages);
+  keep_out_of_zones(input, verdict);
   hold_still(input.now, place_of(input), wanted, unknown, verdict);
   if (verdict.limited && is_still(verdict.twist)) {
     verdict.twist = {};  // who waits stands still: creeping into people is no waiting
@@ -264,11 +294,12 @@ DriveTwist Controller::wish(const ControlInput& input, ControlOutput& output) {
 
 bool Controller::may_travel(ControlTask task) const {
   return task == ControlTask::kFollow ||
-         (task == ControlTask::kWander && config_.building.search == SearchManner::kWander);
+         (task == ControlTask::kWander && config_.building.search == SearchManner::kWander && quiet_ == nullptr);
 }
 
 DriveTwist Controller::search(const ControlInput& input, ControlOutput& output) {
-  switch (config_.building.search) {
+  const bool is_hushed = config_.building.search == SearchManner::kWander && quiet_ != nullptr;
+  switch (is_hushed ? SearchManner::kTurn : config_.building.search) {
     case SearchManner::kWander:
       return wander_.step(
           {input.now, input.odom_from_robot, obstacles_, input.remembered, input.firings, input.alternatives});
@@ -292,7 +323,8 @@ void Controller::follow(const ControlInput& input, ControlOutput& output) {
   situation.may_back = input.ages.rear_sonar < config_.stop_logic.disc_silent_after;
   situation.duration = input.duration;
   situation.is_line_free = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-    return input.grid == nullptr || is_line_free(*input.grid, from, to, config_.local_map);
+    return (input.grid == nullptr || is_line_free(*input.grid, from, to, config_.local_map)) &&
+           zones_.is_line_free(from, to, config_.local_map.half_width);
   };
   output.follow = follower_.step(situation);
   switch (output.follow.phase) {

@@ -47,7 +47,7 @@ struct ControlInput {
   std::vector<ObstaclePoint> echoes;          // robot frame
   std::vector<ObstaclePoint> remembered;      // echoes with a longer memory, for choosing a direction while wandering
   std::vector<SonarFiring> firings;           // newest of each disc, while wandering
-  std::vector<PoseAlternative> alternatives;  // poses that are possible, while wandering
+  std::vector<PoseAlternative> alternatives;  // poses that are possible, while it does not know its pose
   SenseAges ages;
 };
 
@@ -81,8 +81,10 @@ class Controller {
   void enter(ControlTask task, const ControlInput& input);
   /// Takes up what stands around the robot, and where it must not go.
   void look_around(const ControlInput& input);
-  /// What a slow zone leaves of a wish.
-  [[nodiscard]] DriveTwist slowed(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const;
+  /// What slow and one-way zones leave of a wish.
+  [[nodiscard]] DriveTwist by_zones(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const;
+  /// Where the outline reaches into a keep-out zone of a possible pose, leaves only what leads no deeper.
+  void keep_out_of_zones(const ControlInput& input, StopVerdict& verdict) const;
   void look_for_people(std::int64_t now);
   [[nodiscard]] bool has_met_people(std::int64_t now) const;
   [[nodiscard]] DriveTwist with_care(const DriveTwist& wanted, double nearest) const;
@@ -108,7 +110,8 @@ class Controller {
   TurnSearch turn_search_;
   ProgressMonitor progress_;
   Zones zones_;
-  Obstacles obstacles_;  // of this step: echoes and known walls
+  const Zone* quiet_ = nullptr;  // the zone that it searches in, more likely than not
+  Obstacles obstacles_;          // of this step: echoes and known walls
   CommandRamp ramp_;
   ControlTask task_ = ControlTask::kNone;
   std::optional<Escape> escape_;

@@ -130,6 +130,7 @@ void ControllerNode::on_hypotheses(const hypotheses_t& message) {
 
 void ControllerNode::restart_odometry(const odometry_t& first) {
   alternatives_.clear();
+  known_world_from_odom_.reset();
   odometry_.clear();
   echoes_.clear();
   sonar_watch_.forget_motion();
@@ -283,6 +284,12 @@ std::optional<Pose2> ControllerNode::world_from_odom() const {
   return world_from_robot(*pose_) * then->inverse();
 }
 
+// A localizer that falls silent does not take the zones away with it: the last pose goes on by odometry.
+std::vector<PoseAlternative> ControllerNode::possible_poses() const {
+  const bool was_known = pose_ && pose_->state == pose_t::STATE_TRACKING && known_world_from_odom_;
+  return was_known ? std::vector<PoseAlternative>{{*known_world_from_odom_, 1.0}} : alternatives_;
+}
+
 std::optional<std::string> ControllerNode::reason_to_halt(std::int64_t utime) const {
   if (stops_.engaged()) {
     return "a stop is engaged";
@@ -367,14 +374,15 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
     input.odom_from_robot = *place;
     if (const std::optional<Pose2> world = world_from_odom()) {
       input.world_from_robot = *world * *place;
+      known_world_from_odom_ = world;
       input.grid = has_grid_ ? &grid_ : nullptr;
     }
+    input.alternatives = possible_poses();
     input.echoes = echoes_.obstacles(utime, *place);
     if (input.task == ControlTask::kWander) {
       input.echoes = echoes_.obstacles_without_map(utime, *place);
       input.remembered = echoes_.remembered(utime, *place);
       input.firings = echoes_.newest();
-      input.alternatives = alternatives_;
       touches_.append(utime, *place, input.remembered);
     }
     touches_.append(utime, *place, input.echoes);

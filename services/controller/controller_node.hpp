@@ -66,6 +66,8 @@ class ControllerNode {
   [[nodiscard]] std::optional<std::string> reason_to_halt(std::int64_t utime) const;
   [[nodiscard]] std::optional<std::string> reason_not_to_trust_pose() const;
   [[nodiscard]] std::optional<Pose2> world_from_odom() const;
+  /// Where the robot may be, while its pose is not known.
+  [[nodiscard]] std::vector<PoseAlternative> possible_poses() const;
 
   lcm::LCM& lcm_;
   ControllerConfig config_;
@@ -83,7 +85,8 @@ class ControllerNode {
   StampGuard status_guard_;
   RecentOdometry odometry_;
   std::optional<pose_t> pose_;
-  std::vector<PoseAlternative> alternatives_;  // of the newest HYPOTHESES
+  std::vector<PoseAlternative> alternatives_;   // of the newest HYPOTHESES
+  std::optional<Pose2> known_world_from_odom_;  // when it was known last
   std::optional<navigation_status_t> navigation_;
   std::int64_t navigation_heard_ = 0;  // [us] newest tick when it came
   std::optional<robot_status_t> status_;

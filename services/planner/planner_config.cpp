@@ -62,12 +62,7 @@ PlannerConfig read_planner_config(const std::filesystem::path& robot_file, const
   config.doors = std::move(building.doors);
   config.building = std::move(building.name);
   config.places = std::move(building.places);
-  for (Zone& zone : building.zones) {
-    if (zone.kind == ZoneKind::kKeepOut) {
-      config.route.space.keep_out.push_back(zone.polygon);
-      config.keep_out.push_back(std::move(zone));
-    }
-  }
+  config.route.space.zones = std::move(building.zones);
   return config;
 }
 

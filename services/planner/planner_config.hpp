@@ -19,7 +19,6 @@ struct PlannerConfig {
   std::vector<Door> doors;             ///< for sentences: a blocked door is called one
   std::string building;                ///< its name; "" = not told, then any place is taken as it comes
   std::vector<Place> places;           ///< of the building: a goal that names another one is for another building
-  std::vector<Zone> keep_out{};        ///< zones that no goal may lie in
   std::filesystem::path state_folder;  ///< where the goal list survives a restart; "" = nowhere
   std::string boot;                    ///< id of the machine's start; "" = unknown
 };

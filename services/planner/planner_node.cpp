@@ -92,12 +92,9 @@ std::string PlannerNode::objection_to(const goal_t& goal) const {
         pose.wait < 0.0) {
       return "a pose of the goal is not a number, or lies impossibly far away";
     }
-    for (const Zone& zone : config_.keep_out) {
-      if (contains(zone.polygon, {pose.x, pose.y})) {
-        return fmt::format("{} lies in {}, which is a keep-out zone",
-                           pose.place.empty() ? fmt::format("({:.1f}, {:.1f})", pose.x, pose.y) : pose.place,
-                           zone.name);
-      }
+    if (const Zone* zone = find_zone(config_.route.space.zones, ZoneKind::kKeepOut, {pose.x, pose.y})) {
+      return fmt::format("{} lies in {}, which is a keep-out zone",
+                         pose.place.empty() ? fmt::format("({:.1f}, {:.1f})", pose.x, pose.y) : pose.place, zone->name);
     }
     if (!is_of_this_building(pose)) {
       return fmt::format("{} has no place {} at ({:.1f}, {:.1f}): who asked has another building", config_.building,

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -95,8 +98,9 @@ inline const char* name_of(SearchManner manner) {
   return "";
 }
 
-/// What a robot must not enter, or must pass slowly.
-enum class ZoneKind { kKeepOut, kSlow };
+/// What a robot must not enter, must pass slowly or in one direction, or where it does not wander in search of its
+/// pose.
+enum class ZoneKind { kKeepOut, kSlow, kOneWay, kQuiet };
 
 /// As building files spell it.
 inline const char* name_of(ZoneKind kind) {
@@ -105,6 +109,10 @@ inline const char* name_of(ZoneKind kind) {
       return "keep-out";
     case ZoneKind::kSlow:
       return "slow";
+    case ZoneKind::kOneWay:
+      return "one-way";
+    case ZoneKind::kQuiet:
+      return "quiet";
   }
   return "";
 }
@@ -113,9 +121,24 @@ inline const char* name_of(ZoneKind kind) {
 struct Zone {
   std::string name;
   ZoneKind kind = ZoneKind::kKeepOut;
-  Polygon polygon;     // [m] world
-  double speed = 0.2;  // [m/s] in a slow zone
+  Polygon polygon;         // [m] world
+  double speed = 0.2;      // [m/s] in a slow zone
+  double direction = 0.0;  // [rad] world, in which a one-way zone is driven through
 };
+
+/// The first zone of a kind that has a point [m, world] inside; nullptr = none.
+inline const Zone* find_zone(const std::vector<Zone>& zones, ZoneKind kind, const Eigen::Vector2d& point) {
+  const auto found = std::find_if(zones.begin(), zones.end(),
+                                  [&](const Zone& zone) { return zone.kind == kind && contains(zone.polygon, point); });
+  return found == zones.end() ? nullptr : &*found;
+}
+
+/// True if a movement, of any length, goes against a one-way zone. Straight across is allowed, and `slack` of the
+/// movement's length.
+inline bool goes_against(const Zone& zone, const Eigen::Vector2d& movement, double slack = 0.02) {
+  const Eigen::Vector2d direction(std::cos(zone.direction), std::sin(zone.direction));
+  return movement.dot(direction) < -slack * movement.norm();
+}
 
 /// What is known of a building. Poses in the world frame.
 struct Building {

@@ -45,7 +45,11 @@ CeilingElement read_element(const TomlTable& table) {
 Zone read_zone(const TomlTable& table) {
   Zone zone;
   zone.name = table.text("name");
-  zone.kind = table.choice("kind", "keep-out", {"keep-out", "slow"}) == "slow" ? ZoneKind::kSlow : ZoneKind::kKeepOut;
+  const std::string kind = table.choice("kind", name_of(zone.kind), {"keep-out", "slow", "one-way", "quiet"});
+  zone.kind = kind == "slow"      ? ZoneKind::kSlow
+              : kind == "one-way" ? ZoneKind::kOneWay
+              : kind == "quiet"   ? ZoneKind::kQuiet
+                                  : ZoneKind::kKeepOut;
   zone.polygon = table.points("polygon");
   for (const Eigen::Vector2d& corner : zone.polygon) {
     if (!(corner.cwiseAbs().maxCoeff() <= kCoordinate.max)) {
@@ -57,6 +61,9 @@ Zone read_zone(const TomlTable& table) {
   }
   if (zone.kind == ZoneKind::kSlow) {
     zone.speed = table.number("speed", zone.speed, {0.05, 2.0});
+  }
+  if (zone.kind == ZoneKind::kOneWay) {
+    zone.direction = wrap_angle(table.number("direction", kHeading));
   }
   table.reject_unknown();
   return zone;
@@ -206,6 +213,7 @@ void write_building(const std::filesystem::path& file, const Building& building)
     }
     text += "]\n";
     text += zone.kind == ZoneKind::kSlow ? fmt::format("speed = {:.3f}\n", zone.speed) : "";
+    text += zone.kind == ZoneKind::kOneWay ? fmt::format("direction = {:.4f}\n", zone.direction) : "";
   }
   write_whole_file(file, text);
 }

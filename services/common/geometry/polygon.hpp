@@ -76,4 +76,20 @@ inline std::vector<Eigen::Vector2d> edge_points(const Polygon& polygon, double s
   return points;
 }
 
+/// How deep [m] two polygons reach into each other, from points on their edges at most `spacing` [m] apart; 0 = they do
+/// not overlap.
+inline double overlap_depth(const Polygon& a, const Polygon& b, double spacing) {
+  double depth = 0.0;
+  const auto probe = [&](const Polygon& edges, const Polygon& other) {
+    for (const Eigen::Vector2d& point : edge_points(edges, spacing)) {
+      if (contains(other, point)) {
+        depth = std::max(depth, distance_to_edge(other, point));
+      }
+    }
+  };
+  probe(a, b);
+  probe(b, a);  // a corner of the other one
+  return depth;
+}
+
 }  // namespace luminav

@@ -1,7 +1,9 @@
 #include "services/controller/safety/zones.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace luminav {
 namespace {
@@ -10,12 +12,15 @@ constexpr double kSpacing = 0.05;  // [m] between points of an edge: the margin 
 
 }  // namespace
 
-Zones::Zones(const std::vector<Zone>& zones) {
+Zones::Zones(const std::vector<Zone>& zones, Polygon outline) : outline_(std::move(outline)) {
+  for (const Eigen::Vector2d& corner : outline_) {
+    reach_ = std::max(reach_, corner.norm());
+  }
   for (const Zone& zone : zones) {
     if (zone.kind == ZoneKind::kKeepOut) {
       keep_out_.push_back({zone, edge_points(zone.polygon, kSpacing)});
     } else {
-      slow_.push_back(zone);
+      others_.push_back(zone);
     }
   }
 }
@@ -25,7 +30,7 @@ std::size_t Zones::add_edges(const Pose2& world_from_robot, double radius, std::
   const Pose2 robot_from_world = world_from_robot.inverse();
   const std::size_t before = points.size();
   for (const KeepOut& area : keep_out_) {
-    if (contains(area.zone.polygon, robot)) {
+    if (contains(area.zone.polygon, robot) || depth_inside(area.zone, world_from_robot) > 0.0) {
       continue;
     }
     for (const Eigen::Vector2d& point : area.edge) {
@@ -37,6 +42,35 @@ std::size_t Zones::add_edges(const Pose2& world_from_robot, double radius, std::
   return points.size() - before;
 }
 
+double Zones::depth_inside(const Zone& zone, const Pose2& world_from_robot) const {
+  if (distance_to_edge(zone.polygon, world_from_robot.position()) > reach_) {
+    return 0.0;  // of a zone whose edge is far the robot is wholly inside or outside: `contains` knows
+  }
+  Polygon outline;
+  for (const Eigen::Vector2d& corner : outline_) {
+    outline.push_back(world_from_robot * corner);
+  }
+  return overlap_depth(outline, zone.polygon, kSpacing);
+}
+
+DriveTwist Zones::no_deeper(const Pose2& world_from_robot, const DriveTwist& twist) const {
+  constexpr double kAhead = 0.3;    // [s]
+  constexpr double kAsDeep = 1e-4;  // [m] rounding: what is let through adds up, step by step
+  DriveTwist kept = twist;
+  for (const KeepOut& area : keep_out_) {
+    const double depth =
+        contains(area.zone.polygon, world_from_robot.position()) ? 0.0 : depth_inside(area.zone, world_from_robot);
+    if (depth == 0.0) {
+      continue;
+    }
+    const std::array<DriveTwist, 4> parts = {{kept, {kept.linear, 0.0}, {0.0, kept.angular}, {}}};
+    kept = *std::find_if(parts.begin(), parts.end(), [&](const DriveTwist& part) {
+      return depth_inside(area.zone, world_from_robot * drive_arc(part, kAhead)) <= depth + kAsDeep;
+    });
+  }
+  return kept;
+}
+
 std::string Zones::keep_out_at(const Pose2& world_from_robot) const {
   const auto inside = std::find_if(keep_out_.begin(), keep_out_.end(), [&](const KeepOut& area) {
     return contains(area.zone.polygon, world_from_robot.position());
@@ -44,12 +78,36 @@ std::string Zones::keep_out_at(const Pose2& world_from_robot) const {
   return inside == keep_out_.end() ? "" : inside->zone.name;
 }
 
+bool Zones::is_line_free(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double distance) const {
+  const Eigen::Vector2d along = to - from;
+  const double length = std::max(along.norm(), 1e-6);
+  return std::none_of(keep_out_.begin(), keep_out_.end(), [&](const KeepOut& area) {
+    return !contains(area.zone.polygon, from) &&
+           std::any_of(area.edge.begin(), area.edge.end(), [&](const Eigen::Vector2d& point) {
+             const double part = std::clamp((point - from).dot(along) / (length * length), 0.0, 1.0);
+             return (point - from - part * along).norm() < distance;
+           });
+  });
+}
+
+const Zone* Zones::against(const Pose2& world_from_robot, double linear) const {
+  constexpr double kSlack = 0.1;  // a robot that drives straight across does not keep its heading better
+  const Eigen::Vector2d movement =
+      linear * Eigen::Vector2d(std::cos(world_from_robot.theta), std::sin(world_from_robot.theta));
+  const Zone* const zone = find_zone(others_, ZoneKind::kOneWay, world_from_robot.position());
+  return zone != nullptr && goes_against(*zone, movement, kSlack) ? zone : nullptr;
+}
+
+const Zone* Zones::quiet_at(const Pose2& world_from_robot) const {
+  return find_zone(others_, ZoneKind::kQuiet, world_from_robot.position());
+}
+
 const Zone* Zones::slow_at(const Pose2& world_from_robot, double ahead) const {
   constexpr double kStep = 0.1;  // [m]
   const int steps = static_cast<int>(std::ceil(std::abs(ahead) / kStep));
   const Zone* slowest = nullptr;
-  for (const Zone& zone : slow_) {
-    for (int i = 0; i <= steps; ++i) {
+  for (const Zone& zone : others_) {
+    for (int i = 0; i <= steps && zone.kind == ZoneKind::kSlow; ++i) {
       const double along = steps == 0 ? 0.0 : ahead * i / steps;
       const bool is_there = contains(zone.polygon, world_from_robot * Eigen::Vector2d(along, 0.0));
       if (is_there && (slowest == nullptr || zone.speed < slowest->speed)) {

@@ -6,19 +6,32 @@
 
 #include "services/common/building/building.hpp"
 #include "services/common/geometry/pose2.hpp"
+#include "services/controller/safety/footprint.hpp"
 
 namespace luminav {
 
 /// The rules of a building's zones for a robot whose pose is known, or may be one of several.
 class Zones {
  public:
-  explicit Zones(const std::vector<Zone>& zones);
+  /// `outline` [m]: the robot's, in its own frame.
+  Zones(const std::vector<Zone>& zones, Polygon outline);
 
   /// Adds the edges of all keep-out zones within `radius` [m] of the robot, in its frame, and returns how many points
-  /// these are. A zone that the robot is inside has no edge: it may leave it.
+  /// these are. A zone that the outline reaches into has no edge: the robot may leave it, see `no_deeper`.
   std::size_t add_edges(const Pose2& world_from_robot, double radius, std::vector<Eigen::Vector2d>& points) const;
+  /// What of a twist leads no deeper into a keep-out zone that the outline reaches into: all of it, its straight or its
+  /// turning part, or nothing. A robot whose middle is inside may go anywhere: the shortest way out may lead round a
+  /// pillar.
+  [[nodiscard]] DriveTwist no_deeper(const Pose2& world_from_robot, const DriveTwist& twist) const;
   /// Name of the keep-out zone in which the robot is; "" = none.
   [[nodiscard]] std::string keep_out_at(const Pose2& world_from_robot) const;
+  /// True if a straight piece [m, world] keeps `distance` [m] from all keep-out zones.
+  [[nodiscard]] bool is_line_free(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double distance) const;
+  /// The one-way zone that the robot is in and against which it would drive, forwards or (where negative) backwards, or
+  /// nullptr.
+  [[nodiscard]] const Zone* against(const Pose2& world_from_robot, double linear) const;
+  /// The quiet zone in which the robot is, or nullptr.
+  [[nodiscard]] const Zone* quiet_at(const Pose2& world_from_robot) const;
   /// The slow zone with the least speed at the robot or up to `ahead` [m] before it (behind it, where negative), or
   /// nullptr.
   [[nodiscard]] const Zone* slow_at(const Pose2& world_from_robot, double ahead) const;
@@ -28,8 +41,12 @@ class Zones {
     Zone zone;
     std::vector<Eigen::Vector2d> edge;  // [m] world, 5 cm apart
   };
+  [[nodiscard]] double depth_inside(const Zone& zone, const Pose2& world_from_robot) const;
+
+  Polygon outline_;
+  double reach_ = 0.0;  // [m] from the middle of the robot to its farthest corner
   std::vector<KeepOut> keep_out_;
-  std::vector<Zone> slow_;
+  std::vector<Zone> others_;
 };
 
 }  // namespace luminav

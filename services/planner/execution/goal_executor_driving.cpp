@@ -90,7 +90,8 @@ void GoalExecutor::handle_no_route(const Situation& situation, const Route& rout
     return;
   }
   if (by_building.outcome != RouteOutcome::kFound) {
-    fail_stop(NavigationState::kNoPath, no_path(route));
+    const std::string zones = map_.zones_in_the_way(request_from(situation));
+    fail_stop(NavigationState::kNoPath, no_path(route) + (zones.empty() ? "" : "; in the way: " + zones));
     return;
   }
   const Polyline& path = by_building.points;
@@ -220,7 +221,10 @@ void GoalExecutor::update_following(const Situation& situation) {
   report_.distance_left = polyline_length(path_.remaining(robot));
   const std::optional<std::string> waits = people_.cause(situation);
   report_.state = waits ? NavigationState::kWaiting : NavigationState::kFollowing;
-  report_.cause = !situation.can_move ? situation.cannot_move : waits.value_or("");
+  const Zone* const zone = find_zone(map_.params().space.zones, ZoneKind::kKeepOut, robot);
+  const std::string leaves =
+      zone == nullptr ? "" : fmt::format("inside the keep-out zone {}: driving out by the shortest way", zone->name);
+  report_.cause = !situation.can_move ? situation.cannot_move : waits.value_or(leaves);
   check_arrival(situation);
   if (phase_ == GoalPhase::kFollowing) {
     check_path(situation);

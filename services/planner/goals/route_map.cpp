@@ -1,5 +1,7 @@
 #include "services/planner/goals/route_map.hpp"
 
+#include <fmt/format.h>
+
 namespace luminav {
 namespace {
 
@@ -37,6 +39,28 @@ Route RouteMap::plan_by_building(const RouteRequest& request) const {
   RoutePlanner planner(params_);
   planner.set_grid(*grid_, {}, false);
   return planner.plan(request);
+}
+
+std::string RouteMap::zones_in_the_way(const RouteRequest& request) const {
+  RoutePlannerParams free = params_;
+  free.space.zones.clear();
+  RoutePlanner planner(free);
+  planner.set_grid(*grid_, {}, false);
+  const Polyline points = planner.plan(request).points;
+  std::string names;
+  for (const Zone& zone : params_.space.zones) {
+    bool is_in_the_way = false;
+    for (std::size_t i = 1; i < points.size() && !is_in_the_way; ++i) {
+      const bool is_inside = contains(zone.polygon, points[i]);
+      is_in_the_way = (zone.kind == ZoneKind::kKeepOut &&
+                       (is_inside || distance_to_edge(zone.polygon, points[i]) <= params_.space.hard_radius)) ||
+                      (zone.kind == ZoneKind::kOneWay && is_inside && goes_against(zone, points[i] - points[i - 1]));
+    }
+    if (is_in_the_way) {
+      names += fmt::format("{}{} zone {}", names.empty() ? "" : ", ", name_of(zone.kind), zone.name);
+    }
+  }
+  return names;
 }
 
 Route RouteMap::plan_by_sure_evidence(const RouteRequest& request, double occupied_log_odds,

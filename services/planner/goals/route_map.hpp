@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
@@ -37,6 +38,9 @@ class RouteMap {
   [[nodiscard]] Route plan(const RouteRequest& request) { return planner_.plan(request); }
   /// Plans over the building's map alone: what sonars have drawn may go away.
   [[nodiscard]] Route plan_by_building(const RouteRequest& request) const;
+  /// The zones through which a path by the building's map would lead if there were none, as "keep-out zone stairs,
+  /// one-way zone lane"; "" where no path leads without them either.
+  [[nodiscard]] std::string zones_in_the_way(const RouteRequest& request) const;
   /// Plans round the given obstacles and what the evidence is sure of: cells above `occupied_log_odds`, not widened
   /// beyond the robot's body.
   [[nodiscard]] Route plan_by_sure_evidence(const RouteRequest& request, double occupied_log_odds,

@@ -53,6 +53,9 @@ Polyline shortened(const ConfigurationSpace& space, const PathShapingParams& par
 /// `is_clear` of a piece whose start is known to lie in a cell.
 bool is_clear_from(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Cell& cell,
                    const Eigen::Vector2d& to) {
+  if (!space.lanes().empty() && space.lanes().is_against(from, to)) {
+    return false;
+  }
   // of a short line every sample lies in the rectangle of its ends; rounding keeps their order
   if (is_small_and_clear(space, cell, space.geometry().cell_at(from + (to - from)))) {
     return true;

@@ -22,7 +22,7 @@ struct PathShapingParams {
 /// Cost of a polyline [m of free floor]: length times price, sampled at half a cell.
 double cost_of(const ConfigurationSpace& space, const Polyline& points);
 double cost_of(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to);
-/// True if a straight piece touches no blocked cell, sampled at half a cell.
+/// True if a straight piece touches no blocked cell, sampled at half a cell, and goes against no one-way zone.
 bool is_clear(const ConfigurationSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& to);
 
 /// True if no piece of a polyline touches a blocked cell.

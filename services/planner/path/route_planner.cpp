@@ -129,7 +129,7 @@ std::vector<std::size_t> RoutePlanner::cells_by_tiles(const Cell& start, std::ve
 void RoutePlanner::refresh_field(const RouteRequest& request, const std::vector<CostSeed>& seeds) {
   const GridGeometry& geometry = space_.geometry();
   const Cell start = geometry.cell_at(request.start);
-  const bool is_repairable = seeds.size() == 1 && !space_.is_blocked(start);
+  const bool is_repairable = seeds.size() == 1 && !space_.is_blocked(start) && space_.lanes().empty();
   CostStop stop;
   if (!space_.is_blocked(start)) {
     stop = {static_cast<std::int64_t>(geometry.index(start)), kFieldMargin};
@@ -198,12 +198,13 @@ Route RoutePlanner::plan(const RouteRequest& request) {
     route.nearest_reachable = nearest_reachable(request);
     return route;
   }
-  if (params_.mode == PlannerMode::kPaper && !space_.is_blocked(start)) {
+  const bool has_lanes = !space_.lanes().empty();  // only the exact field knows them
+  if (params_.mode == PlannerMode::kPaper && !space_.is_blocked(start) && !has_lanes) {
     route = plan_paper(request, seeds);
   } else {
     const std::size_t start_index = geometry.index(start);
     const bool start_is_free = !space_.is_blocked(start);
-    const bool by_tiles = start_is_free && geometry.size() > params_.largest_weighed;
+    const bool by_tiles = start_is_free && geometry.size() > params_.largest_weighed && !has_lanes;
     std::vector<std::size_t> cells;
     if (by_tiles) {
       forget_field();

@@ -33,9 +33,34 @@ std::uint32_t* offer(std::uint32_t* stored, std::uint32_t cell, std::ptrdiff_t o
   return notes;
 }
 
+/// The same as `spread_level`, step by step, where one-way zones forbid some.
+std::size_t spread_level_by_lanes(const CostTerrain& terrain, std::uint32_t level, Ring& ring, std::uint32_t* stored) {
+  const Bucket& bucket = ring[level % kBuckets];
+  const std::array<GridStep, 8> steps = grid_steps(terrain.columns());
+  std::size_t queued = 0;
+  for (std::size_t k = 0; k < bucket.size(); ++k) {
+    const std::uint32_t cell = bucket.cells()[k];
+    for (std::size_t i = 0; i < steps.size() && stored[cell] == level; ++i) {
+      const std::size_t before = moved(cell, -steps[i].offset);
+      const std::uint32_t cost = level + terrain.price(cell) * steps[i].length;
+      if (cost < stored[before] && terrain.allows(before, cell, i)) {
+        stored[before] = cost;
+        Bucket& next = ring[cost % kBuckets];
+        std::uint32_t* const end = next.room_for(1);
+        *end = static_cast<std::uint32_t>(before);
+        queued += next.take_to(end + 1);
+      }
+    }
+  }
+  return queued;
+}
+
 /// Spreads from all cells of one level; returns how many cells were queued. A cell whose cost is another now was found
 /// on a cheaper path after it was queued.
 std::size_t spread_level(const CostTerrain& terrain, std::uint32_t level, Ring& ring, std::uint32_t* stored) {
+  if (terrain.forbidden != nullptr) {
+    return spread_level_by_lanes(terrain, level, ring, stored);
+  }
   const Bucket& bucket = ring[level % kBuckets];
   const std::uint32_t* cells = bucket.cells();
   const std::size_t count = bucket.size();

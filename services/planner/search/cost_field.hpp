@@ -48,7 +48,7 @@ void grow_cost_field(const CostTerrain& terrain, const std::vector<CostSeed>& se
 /// Makes a field of one seed right again after cells changed, as far as the path from `stop.cell` needs it: the same
 /// field as a new one up to `settled_to`. What lies beyond stays pending until a path needs it. The work grows with the
 /// cells whose cost changes (Koenig and Likhachev 2002, LPA*, with the raised cells first). False where that is too
-/// many: then the field is good for nothing, and a new one is no slower.
+/// many: then the field is good for nothing, and a new one is no slower. Not for a terrain that forbids steps.
 [[nodiscard]] bool repair_cost_field(const CostTerrain& terrain, const std::vector<PriceChange>& changes,
                                      const CostStop& stop, CostField& field);
 

@@ -92,7 +92,8 @@ std::vector<std::size_t> EscapeFromInflation::find(const CostField& field) const
     for (int row = -1; row <= 1; ++row) {
       for (int column = -1; column <= 1; ++column) {
         const Cell next{cell.column + column, cell.row + row};
-        if (!(next == cell) && may_enter(next)) {
+        if (!(next == cell) && may_enter(next) &&
+            !space_.lanes().is_against(geometry.centre_of(cell), geometry.centre_of(next))) {
           offer(next, spent + price(next) * (row != 0 && column != 0 ? kDiagonal : kStraight), index);
         }
       }

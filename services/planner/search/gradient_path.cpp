@@ -18,10 +18,11 @@ std::vector<std::size_t> follow_gradient(const CostTerrain& terrain, const CostF
   while (true) {
     std::size_t best = cell;
     std::uint32_t best_cost = CostField::kUnreached;
-    for (const GridStep& step : steps) {
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      const GridStep& step = steps[i];
       const std::size_t neighbour = moved(cell, step.offset);
       const std::uint32_t there = field.stored[neighbour];
-      if (there == CostField::kBlocked || there >= field.stored[cell]) {
+      if (there == CostField::kBlocked || there >= field.stored[cell] || !terrain.allows(cell, neighbour, i)) {
         continue;
       }
       const std::uint32_t cost = there + terrain.price(neighbour) * step.length;

@@ -20,6 +20,7 @@ struct GridStep {
   std::uint32_t length;
 };
 
+/// In the order of `kLaneSteps`.
 inline std::array<GridStep, 8> grid_steps(int columns) {
   const std::ptrdiff_t row = columns;
   return {{{1, kStraight},

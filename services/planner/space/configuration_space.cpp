@@ -57,7 +57,8 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpaceParams& params, c
       geometry_(grid.geometry),
       solid_(geometry_.columns, geometry_.rows),
       unknown_(geometry_.columns, geometry_.rows),
-      passable_(geometry_.columns, geometry_.rows) {
+      passable_(geometry_.columns, geometry_.rows),
+      lanes_(params.zones, geometry_) {
   check(params, geometry_.resolution);
   price_ = price_table(params, geometry_.resolution);
   for (int square = 0; square < 256; ++square) {
@@ -113,16 +114,18 @@ void ConfigurationSpace::read(const OccupancyGrid& grid, const std::vector<Suspe
 }
 
 void ConfigurationSpace::draw_zones() {
-  if (params_.keep_out.empty()) {
-    return;
-  }
-  zones_ = BitGrid(geometry_.columns, geometry_.rows);
-  keep_out_ = BitGrid(geometry_.columns, geometry_.rows);
   const double touched = std::sqrt(0.5) * geometry_.resolution;  // from a cell's centre to its corner
-  for (const Polygon& zone : params_.keep_out) {
-    Eigen::Vector2d low = zone.front();
+  for (const Zone& zone : params_.zones) {
+    if (zone.kind != ZoneKind::kKeepOut) {
+      continue;
+    }
+    if (zones_.rows() == 0) {
+      zones_ = BitGrid(geometry_.columns, geometry_.rows);
+      keep_out_ = BitGrid(geometry_.columns, geometry_.rows);
+    }
+    Eigen::Vector2d low = zone.polygon.front();
     Eigen::Vector2d high = low;
-    for (const Eigen::Vector2d& corner : zone) {
+    for (const Eigen::Vector2d& corner : zone.polygon) {
       low = low.cwiseMin(corner);
       high = high.cwiseMax(corner);
     }
@@ -132,7 +135,7 @@ void ConfigurationSpace::draw_zones() {
       for (int column = std::max(0, first.column - 1); column <= std::min(geometry_.columns - 1, last.column + 1);
            ++column) {
         const Eigen::Vector2d centre = geometry_.centre_of({column, row});
-        if (contains(zone, centre) || distance_to_edge(zone, centre) <= touched) {
+        if (contains(zone.polygon, centre) || distance_to_edge(zone.polygon, centre) <= touched) {
           zones_.set({column, row});
         }
       }
@@ -182,7 +185,7 @@ std::uint8_t ConfigurationSpace::squared_distance(const Cell& cell) const {
 
 CostTerrain ConfigurationSpace::terrain() const {
   return {&passable_, is_graded_ ? squared_distance_.data() : nullptr,
-          is_graded_ ? price_.data() : price_.data() + kNothingNear};
+          is_graded_ ? price_.data() : price_.data() + kNothingNear, lanes_.forbidden()};
 }
 
 int ConfigurationSpace::price(const Cell& cell) const {

@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "services/common/building/building.hpp"
+#include "services/common/building/lane_map.hpp"
 #include "services/common/building/occupancy_grid.hpp"
-#include "services/common/geometry/polygon.hpp"
 #include "services/planner/space/bit_grid.hpp"
 #include "services/planner/space/cost_terrain.hpp"
 #include "services/planner/space/distance_field.hpp"
@@ -13,14 +14,16 @@
 namespace luminav {
 
 struct ConfigurationSpaceParams {
-  double hard_radius = 0.30;        ///< [m] cells whose centre is this close to an occupied one are blocked
-  double clearance_range = 1.2;     ///< [m] nearer than this a cell costs more, so that paths keep to the middle
-  double clearance_weight = 0.3;    ///< share of a free cell's price that the nearest allowed one costs in addition
-  double occupied_log_odds = 0.8;   ///< evidence above makes a cell occupied
-  double free_log_odds = -0.6;      ///< evidence below makes a cell free of which the building's map knows nothing
-  bool unknown_is_free = false;     ///< plan through what nobody has seen
-  bool disputed_is_free = false;    ///< plan through walls that the sonars saw through
-  std::vector<Polygon> keep_out{};  ///< [m] world; solid to every path but that of a robot which is inside
+  double hard_radius = 0.30;       ///< [m] cells whose centre is this close to an occupied one are blocked
+  double clearance_range = 1.2;    ///< [m] nearer than this a cell costs more, so that paths keep to the middle
+  double clearance_weight = 0.3;   ///< share of a free cell's price that the nearest allowed one costs in addition
+  double occupied_log_odds = 0.8;  ///< evidence above makes a cell occupied
+  double free_log_odds = -0.6;     ///< evidence below makes a cell free of which the building's map knows nothing
+  bool unknown_is_free = false;    ///< plan through what nobody has seen
+  bool disputed_is_free = false;   ///< plan through walls that the sonars saw through
+  /// Of the building: keep-out zones are solid to every path but that of a robot which is inside, one-way zones are
+  /// driven through in their direction only; the others do not count here.
+  std::vector<Zone> zones{};
 };
 
 /// A disc that counts as occupied for a while: something stopped the robot there that no sonar shows.
@@ -70,6 +73,7 @@ class ConfigurationSpace {
   [[nodiscard]] bool is_keep_out(const Cell& cell) const {
     return keep_out_.rows() > 0 && geometry_.contains(cell) && keep_out_.test(cell);
   }
+  [[nodiscard]] const LaneMap& lanes() const { return lanes_; }
   /// Distance [m] from a cell's centre to the nearest occupied cell's; 1.6 m (at 0.1 m a cell) where nothing is near.
   [[nodiscard]] double clearance(const Cell& cell) const;
   /// Clearance [m] at any point, bilinear between cells.
@@ -96,6 +100,7 @@ class ConfigurationSpace {
   BitGrid passable_;
   BitGrid zones_;     // all cells that a keep-out zone touches; no rows: there is no zone
   BitGrid keep_out_;  // those of them that are free otherwise
+  LaneMap lanes_;
   mutable std::vector<std::uint8_t> squared_distance_;  // [cells^2]; empty until it is needed
   std::array<std::uint8_t, 256> price_{};               // of each squared distance
   std::array<float, 256> metres_{};                     // of each squared distance

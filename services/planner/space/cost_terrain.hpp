@@ -13,6 +13,7 @@ struct CostTerrain {
   const BitGrid* passable = nullptr;
   const std::uint8_t* classes = nullptr;      // per cell, row-major; nullptr = the same price everywhere
   const std::uint8_t* class_price = nullptr;  // 256 of them; with no classes only the first counts
+  const std::uint8_t* forbidden = nullptr;    // per cell, as `LaneMap` has it; nullptr = every step is allowed
 
   [[nodiscard]] int columns() const { return passable->columns(); }
   [[nodiscard]] std::size_t size() const {
@@ -20,6 +21,10 @@ struct CostTerrain {
   }
   [[nodiscard]] std::uint32_t price(std::size_t cell) const {
     return class_price[classes == nullptr ? 0 : classes[cell]];
+  }
+  /// True if the i-th of `grid_steps` may lead from one cell to the next.
+  [[nodiscard]] bool allows(std::size_t from, std::size_t to, std::size_t i) const {
+    return forbidden == nullptr || ((forbidden[from] | forbidden[to]) >> i & 1) == 0;
   }
 };
 

@@ -404,7 +404,7 @@ export const GERMAN = {
     'was die Sonare sahen und keine Karte kennt; bläulich: dort sahen sie nichts',
   'lamps on the ceiling: filled while the camera sees them, grey if unlit': 'Leuchten an der Decke: gefüllt, solange die Kamera sie sieht, grau, wenn sie aus sind',
   'vents, smoke detectors and the like': 'Lüfter, Rauchmelder und dergleichen',
-  'red: it never enters; amber: it drives slowly': 'rot: dort fährt er nie hin; gelb: dort fährt er langsam',
+  'red: it never enters; amber: it drives slowly, one way or does not wander': 'rot: dort fährt er nie hin; gelb: dort fährt er langsam, in einer Richtung oder sucht nicht umher',
   'places with a name: tap one to go there': 'Orte mit Namen: antippen, um hinzufahren',
   'what the camera takes for a lamp, where the robot believes to be; dashed: unlit':
     'was die Kamera für eine Leuchte hält, von der geglaubten Pose aus; gestrichelt: aus',

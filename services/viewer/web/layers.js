@@ -84,7 +84,7 @@ export function drawZones(context, view, building, colours) {
   context.textAlign = 'left';
   context.lineWidth = 2;
   for (const zone of building.zones) {
-    const colour = zone.kind === 'slow' ? colours.slowZone : colours.keepOut;
+    const colour = zone.kind === 'keep-out' ? colours.keepOut : colours.slowZone;
     trace(context, view, zone.polygon, true);
     context.globalAlpha = 0.15;
     context.fillStyle = colour;

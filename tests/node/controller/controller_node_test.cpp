@@ -372,6 +372,30 @@ TEST_F(ControllerNodeTest, StandsStillWhenThePathIsTakenAway) {
   expect_standing("no path");
 }
 
+// ----------------------------------------------------------------------------------------------------------- zones
+
+TEST(KeepOutZones, HoldAPersonWhoSteersAlsoWhenTheLocalizerFallsSilent) {
+  for (const bool is_silent : {false, true}) {
+    ControllerConfig config = read_controller_config(std::string(LUMINAV_SOURCE_DIR) + "/launch/robots/p3dx.toml");
+    config.building.zones = {{"stairs", ZoneKind::kKeepOut, {{3.0, 0.4}, {4.0, 0.4}, {4.0, 2.4}, {3.0, 2.4}}}};
+    KinematicWorld world(config.robot, kHall);
+    world.place_robot({1.0, 1.5, 0.0});
+    ClosedLoop loop(world, config);
+    for (int i = 0; i < 600; ++i) {
+      loop.drops_pose = is_silent && i > 50;
+      teleop_command_t message{};
+      message.utime = loop.utime();
+      message.session = 5;
+      message.sequence = i;
+      message.linear = 0.4;
+      loop.lcm().publish(channels::kTeleopCommand, &message);
+      loop.tick();
+    }
+    EXPECT_LT(world.truth().x, 3.0 - 0.2) << is_silent;
+    EXPECT_GT(world.truth().x, 2.0) << is_silent;
+  }
+}
+
 // ------------------------------------------------------------------------------------------------ senses that are dead
 
 // 18 x 2.4 m outside, 1.8 m wide inside

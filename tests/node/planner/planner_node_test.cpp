@@ -285,13 +285,42 @@ TEST(PlannerNode, RefusesPlacesOfAnotherBuilding) {
 
 TEST(PlannerNode, RefusesAGoalInAKeepOutZoneByItsName) {
   PlannerConfig config;
-  config.keep_out = {{"stairs", ZoneKind::kKeepOut, {{8.0, 3.0}, {10.0, 3.0}, {10.0, 5.0}, {8.0, 5.0}}, 0.2}};
+  config.route.space.zones = {{"stairs", ZoneKind::kKeepOut, {{8.0, 3.0}, {10.0, 3.0}, {10.0, 5.0}, {8.0, 5.0}}, 0.2}};
   PlannerWorld world(config);
   world.run(1.0);
   world.send(world.goal(1, {{9.0, 4.0}}));
   EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
   EXPECT_THAT(world.status.cause, HasSubstr("stairs"));
   EXPECT_EQ(world.path.count, 0);
+}
+
+TEST(PlannerNode, NamesTheZoneThatLeavesNoWay) {
+  for (const ZoneKind kind : {ZoneKind::kKeepOut, ZoneKind::kOneWay}) {
+    PlannerConfig config;
+    const Zone before_the_door{"stairs", kind, {{5.6, 2.0}, {6.8, 2.0}, {6.8, 4.4}, {5.6, 4.4}}, 0.2, kPi};
+    const Zone elsewhere{"office", ZoneKind::kKeepOut, {{10.0, 0.5}, {11.0, 0.5}, {11.0, 1.5}, {10.0, 1.5}}};
+    config.route.space.zones = {elsewhere, before_the_door};
+    PlannerWorld world(config);
+    world.run(1.0);
+    world.send(world.goal(1, {{9.0, 4.0}}));
+    ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_NO_PATH)) << world.status.cause;
+    EXPECT_THAT(world.status.cause, HasSubstr("zone stairs"));
+    EXPECT_THAT(world.status.cause, testing::Not(HasSubstr("office")));
+  }
+}
+
+TEST(PlannerNode, DrivesOutOfAKeepOutZoneAndSaysSo) {
+  PlannerConfig config;
+  config.route.space.zones = {{"stairs", ZoneKind::kKeepOut, {{0.5, 1.0}, {2.8, 1.0}, {2.8, 5.0}, {0.5, 5.0}}}};
+  PlannerWorld world(config);
+  world.run(1.0);
+  world.send(world.goal(1, {{4.5, 1.0}}));
+  world.run(0.5);
+  EXPECT_THAT(world.status.cause, HasSubstr("inside the keep-out zone stairs"));
+  ASSERT_TRUE(world.run_until(5.0, [&] { return world.robot.x > 3.2; }));
+  EXPECT_LT(std::abs(world.robot.y - 3.0), 0.8) << "straight to the nearest edge";
+  EXPECT_EQ(world.status.cause, "");
+  EXPECT_TRUE(world.run_until_state(20.0, Status::STATE_ARRIVED));
 }
 
 TEST(PlannerNode, IgnoresAGoalFromBeforeTheLastOne) {

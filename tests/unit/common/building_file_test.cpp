@@ -27,15 +27,18 @@ TEST(BuildingFile, KeepsZonesThroughWritingAndReading) {
   Building building;
   building.name = "hall";
   building.zones = {{"stairs", ZoneKind::kKeepOut, {{1.0, 2.0}, {3.0, 2.0}, {3.0, 4.5}}, 0.2},
-                    {"foyer", ZoneKind::kSlow, {{5.0, 2.0}, {9.0, 2.0}, {9.0, 4.0}, {5.0, 4.0}}, 0.15}};
+                    {"foyer", ZoneKind::kSlow, {{5.0, 2.0}, {9.0, 2.0}, {9.0, 4.0}, {5.0, 4.0}}, 0.15},
+                    {"ramp", ZoneKind::kOneWay, {{1.0, 6.0}, {3.0, 6.0}, {3.0, 8.0}}, 0.2, -1.25},
+                    {"ward", ZoneKind::kQuiet, {{5.0, 6.0}, {9.0, 6.0}, {9.0, 8.0}}}};
   write_building(folder.path() / "building.toml", building);
   const Building read = read_building(folder.path() / "building.toml");
-  ASSERT_EQ(read.zones.size(), 2U);
-  for (std::size_t i = 0; i < 2; ++i) {
+  ASSERT_EQ(read.zones.size(), building.zones.size());
+  for (std::size_t i = 0; i < read.zones.size(); ++i) {
     EXPECT_EQ(read.zones[i].name, building.zones[i].name);
     EXPECT_EQ(read.zones[i].kind, building.zones[i].kind);
     EXPECT_EQ(read.zones[i].polygon, building.zones[i].polygon);
     EXPECT_EQ(read.zones[i].speed, building.zones[i].speed);
+    EXPECT_EQ(read.zones[i].direction, building.zones[i].direction);
   }
 }
 
@@ -51,6 +54,8 @@ TEST(BuildingFile, RefusesZonesThatAreNoAreas) {
   EXPECT_THAT(refusal_of("name = \"a\"\nkind = \"lava\"\n" + square), HasSubstr("kind"));
   EXPECT_THAT(refusal_of("name = \"a\"\nkind = \"slow\"\nspeed = 0\n" + square), HasSubstr("speed"));
   EXPECT_THAT(refusal_of("name = \"a\"\nspeed = 0.2\n" + square), HasSubstr("speed")) << "only slow ones have one";
+  EXPECT_THAT(refusal_of("name = \"a\"\nkind = \"one-way\"\n" + square), HasSubstr("direction"));
+  EXPECT_THAT(refusal_of("name = \"a\"\nkind = \"quiet\"\ndirection = 0\n" + square), HasSubstr("direction"));
 }
 
 Fixture read_kind(const std::string& text) {

@@ -69,11 +69,105 @@ TEST(Zones, LetARobotOutThatIsInsideAndNotInAgain) {
   EXPECT_GT(out.max_speed_inside, 0.2);
 }
 
+TEST(Zones, LetARobotOutAtAnyAngleWhateverOfItIsInside) {
+  for (const double theta : {0.0, 0.3, 0.8, 1.3, 1.8, 2.6}) {
+    for (const double speed : {0.3, -0.3}) {
+      // its middle is just outside, and it moves away from the zone, more or less
+      const Pose2 start{2.0 - 0.05, 0.0, wrap_angle(theta + 0.5 * kPi + (speed < 0.0 ? kPi : 0.0))};
+      const Drive out = push(with_zone(ZoneKind::kKeepOut), start, {speed, 0.0});
+      EXPECT_LT(out.end.x, theta == 0.0 ? 1.96 : 1.4) << theta << " " << speed << ": " << out.reason;
+    }
+  }
+}
+
+TEST(Zones, LetNobodyPushARobotDeeperWhoseCornerIsInside) {
+  const auto depth_at = [](const Pose2& robot) {
+    Polygon outline;
+    for (const Eigen::Vector2d& corner : testing::test_robot().footprint) {
+      outline.push_back(robot * corner);
+    }
+    return overlap_depth(outline, kStairs, 0.02);
+  };
+  const Pose2 start{2.0 - 0.22, 0.0, 0.2};
+  ASSERT_GT(depth_at(start), 0.0);
+  for (const DriveTwist wish : {DriveTwist{0.3, 0.0}, {0.0, 0.5}, {0.0, -0.5}, {0.2, 0.3}}) {
+    const Drive drive = push(with_zone(ZoneKind::kKeepOut), start, wish);
+    EXPECT_LT(depth_at(drive.end), depth_at(start) + 0.01) << wish.linear << " " << wish.angular;
+  }
+}
+
 TEST(Zones, CountForEachPoseThatIsPossibleWhileItSearches) {
   ControllerConfig config = with_zone(ZoneKind::kKeepOut);
   config.building.search = SearchManner::kWander;
   const std::vector<PoseAlternative> alternatives = {{Pose2{}, 0.5}, {Pose2{30.0, 0.0, 0.0}, 0.5}};
   EXPECT_FALSE(push(config, {0.8, 0.0, 0.0}, {}, false, alternatives).has_touched);
+}
+
+TEST(Zones, HoldAPersonToEachPoseThatIsPossible) {
+  Controller controller(with_zone(ZoneKind::kKeepOut));
+  ControlInput input;
+  input.task = ControlTask::kTeleop;
+  input.teleoperation = {0.4, 0.0};
+  input.ages = {0.05, 0.05, 0.2, 0.2, false, false};
+  input.alternatives = {{Pose2{30.0, 0.0, 0.0}, 0.6}, {Pose2{}, 0.4}};
+  bool has_touched = false;
+  for (int i = 1; i <= 200; ++i) {
+    input.now = 1'000'000 + 50'000 * i;
+    input.odom_from_robot = input.odom_from_robot * drive_arc(controller.step(input).twist, 0.05);
+    for (const Eigen::Vector2d& corner : testing::test_robot().footprint) {
+      has_touched = has_touched || contains(kStairs, input.odom_from_robot * corner);
+    }
+  }
+  EXPECT_FALSE(has_touched);
+  EXPECT_GT(input.odom_from_robot.x, 1.0) << "and no more than that";
+}
+
+TEST(Zones, LeaveALineFreeThatKeepsItsDistance) {
+  const Zones zones({{"stairs", ZoneKind::kKeepOut, kStairs, 0.2}}, testing::test_robot().footprint);
+  EXPECT_FALSE(zones.is_line_free({1.0, -2.0}, {5.0, 1.0}, 0.25)) << "through it";
+  EXPECT_FALSE(zones.is_line_free({1.0, 1.2}, {5.0, 1.2}, 0.25)) << "along it, too near";
+  EXPECT_TRUE(zones.is_line_free({1.0, 1.3}, {5.0, 1.3}, 0.25));
+  EXPECT_TRUE(zones.is_line_free({3.0, 0.0}, {5.0, 1.3}, 0.25)) << "who is inside may leave";
+}
+
+TEST(Zones, LetNoRobotDriveAgainstAOneWayZoneButByHand) {
+  ControllerConfig config = with_zone(ZoneKind::kOneWay);
+  config.building.zones[0].direction = 0.5 * kPi;
+  const auto drives = [&](double theta, ControlTask task) {
+    Controller controller(config);
+    FollowedPath path;
+    const Pose2 robot{3.0, 0.0, theta};
+    for (double way = 0.0; way < 3.0; way += 0.2) {
+      path.points.push_back(robot * Eigen::Vector2d(way, 0.0));
+    }
+    controller.set_path(path);
+    ControlInput input;
+    input.task = task;
+    input.world_from_robot = robot;
+    input.teleoperation = {0.3, 0.0};
+    input.ages = {0.05, 0.05, 0.2, 0.2, false, false};
+    ControlOutput output;
+    for (int i = 1; i <= 10; ++i) {
+      input.now = 1'000'000 + 50'000 * i;
+      output = controller.step(input);
+    }
+    return output.twist.linear > 0.01;
+  };
+  EXPECT_TRUE(drives(0.5 * kPi, ControlTask::kFollow)) << "with it";
+  EXPECT_TRUE(drives(0.0, ControlTask::kFollow)) << "straight across";
+  EXPECT_FALSE(drives(-0.5 * kPi, ControlTask::kFollow));
+  EXPECT_FALSE(drives(-0.3, ControlTask::kFollow));
+  EXPECT_TRUE(drives(-0.5 * kPi, ControlTask::kTeleop));
+}
+
+TEST(Zones, LookRoundInsteadOfWanderingWhereItIsQuiet) {
+  ControllerConfig config = with_zone(ZoneKind::kQuiet);
+  config.building.search = SearchManner::kWander;
+  const auto way = [&](double inside) {
+    return push(config, {3.0, 0.0, 0.0}, {}, false, {{Pose2{}, inside}, {Pose2{30.0, 0.0, 0.0}, 1.0 - inside}}).end;
+  };
+  EXPECT_NEAR(way(0.6).x, 3.0, 0.01);
+  EXPECT_GT(std::hypot(way(0.4).x - 3.0, way(0.4).y), 0.3) << "it is rather elsewhere";
 }
 
 TEST(Zones, SlowARobotDownBeforeASlowZoneAndInside) {
@@ -84,7 +178,7 @@ TEST(Zones, SlowARobotDownBeforeASlowZoneAndInside) {
 }
 
 TEST(Zones, NameTheZoneInWhichARobotIs) {
-  const Zones zones({{"stairs", ZoneKind::kKeepOut, kStairs, 0.2}});
+  const Zones zones({{"stairs", ZoneKind::kKeepOut, kStairs, 0.2}}, testing::test_robot().footprint);
   EXPECT_EQ(zones.keep_out_at({3.0, 0.0, 1.0}), "stairs");
   EXPECT_EQ(zones.keep_out_at({1.0, 0.0, 1.0}), "");
 }

@@ -51,21 +51,89 @@ TEST(RoutePlanner, TakesTheShortWayThroughNarrowDoorsWhateverTheRoomBeside) {
 
 TEST(RoutePlanner, GoesRoundAKeepOutZone) {
   RoutePlannerParams params;
-  params.space.keep_out = {{{3.0, 0.0}, {5.0, 0.0}, {5.0, 3.0}, {3.0, 3.0}}};
+  const Polygon stairs = {{3.0, 0.0}, {5.0, 0.0}, {5.0, 3.0}, {3.0, 3.0}};
+  params.space.zones = {{"stairs", ZoneKind::kKeepOut, stairs}};
   RoutePlanner planner = planner_for(empty_room(8.0, 5.0), params);
   const Route route = planner.plan({{1.0, 1.0}, {7.0, 1.0}, 0.1});
   ASSERT_EQ(route.outcome, RouteOutcome::kFound);
   for (const Eigen::Vector2d& point : route.points) {
-    EXPECT_FALSE(contains(params.space.keep_out[0], point));
-    EXPECT_GT(distance_to_edge(params.space.keep_out[0], point), 0.22) << point.transpose();
+    EXPECT_FALSE(contains(stairs, point));
+    EXPECT_GT(distance_to_edge(stairs, point), 0.22) << point.transpose();
   }
   EXPECT_FALSE(planner.first_blocked(route.points, 0));
   EXPECT_EQ(planner.plan({{1.0, 1.0}, {4.0, 1.0}, 0.1}).outcome, RouteOutcome::kGoalBlocked);
 }
 
+/// Two corridors side by side between two halls; the lower one is a one-way zone.
+RoutePlanner planner_with_lane(double direction, double lane_from = 4.0, double lane_to = 10.0) {
+  OccupancyGrid grid = empty_room(14.0, 8.0);
+  build_wall(grid, 4.0, 0.0, 10.0, 8.4);
+  build_wall(grid, 4.0, 1.0, 10.0, 2.6, Prior::kFree);
+  build_wall(grid, 4.0, 5.6, 10.0, 7.2, Prior::kFree);
+  RoutePlannerParams params;
+  params.space.zones = {{"lane",
+                         ZoneKind::kOneWay,
+                         {{lane_from, 0.8}, {lane_to, 0.8}, {lane_to, 2.8}, {lane_from, 2.8}},
+                         0.2,
+                         direction}};
+  RoutePlanner planner(params);
+  planner.set_grid(grid, {});
+  return planner;
+}
+
+double highest(const Route& route) {
+  double y = 0.0;
+  for (const Eigen::Vector2d& point : route.points) {
+    y = std::max(y, point.y());
+  }
+  return y;
+}
+
+TEST(RoutePlanner, TakesAOneWayZoneInItsDirectionOnly) {
+  const RouteRequest east{{2.0, 1.8}, {12.0, 1.8}, 0.1};
+  const RouteRequest west{{12.0, 1.8}, {2.0, 1.8}, 0.1};
+  RoutePlanner planner = planner_with_lane(0.0);
+  EXPECT_LT(highest(planner.plan(east)), 3.0);
+  const Route round = planner.plan(west);
+  ASSERT_EQ(round.outcome, RouteOutcome::kFound);
+  EXPECT_GT(highest(round), 5.5);
+  EXPECT_LT(highest(planner.plan(east)), 3.0) << "nothing of the way back is kept";
+  RoutePlanner aslant = planner_with_lane(kPi - 0.6);
+  EXPECT_GT(highest(aslant.plan(east)), 5.5);
+  EXPECT_LT(highest(aslant.plan(west)), 3.0);
+}
+
+TEST(RoutePlanner, ReachesAGoalInAOneWayZoneFromItsBeginning) {
+  RoutePlanner planner = planner_with_lane(0.0, 6.0, 8.0);
+  const Route ahead = planner.plan({{5.0, 1.8}, {7.0, 1.8}, 0.1});
+  ASSERT_EQ(ahead.outcome, RouteOutcome::kFound);
+  EXPECT_LT(polyline_length(ahead.points), 3.0);
+  const Route back = planner.plan({{9.0, 1.8}, {7.0, 1.8}, 0.1});
+  ASSERT_EQ(back.outcome, RouteOutcome::kFound);
+  EXPECT_GT(highest(back), 5.5) << "round by the other corridor";
+  for (std::size_t i = 1; i < back.points.size(); ++i) {
+    EXPECT_FALSE(planner.space().lanes().is_against(back.points[i - 1], back.points[i])) << i;
+  }
+}
+
+TEST(RoutePlanner, FindsNoWayWhereOnlyAOneWayZoneLeadsBack) {
+  OccupancyGrid grid = empty_room(14.0, 3.0);
+  RoutePlannerParams params;
+  params.space.zones = {{"lane", ZoneKind::kOneWay, {{4.0, 0.0}, {10.0, 0.0}, {10.0, 4.0}, {4.0, 4.0}}, 0.2, kPi}};
+  for (const PlannerMode mode : {PlannerMode::kModern, PlannerMode::kPaper}) {
+    params.mode = mode;
+    RoutePlanner planner = planner_for(grid, params);
+    EXPECT_EQ(planner.plan({{2.0, 1.8}, {12.0, 1.8}, 0.1}).outcome, RouteOutcome::kUnreachable);
+    EXPECT_EQ(planner.plan({{12.0, 1.8}, {2.0, 1.8}, 0.1}).outcome, RouteOutcome::kFound);
+  }
+  params.largest_weighed = 10;  // as on a map too large for prices
+  EXPECT_EQ(planner_for(grid, params).plan({{2.0, 1.8}, {12.0, 1.8}, 0.1}).outcome, RouteOutcome::kUnreachable);
+}
+
 TEST(RoutePlanner, LeadsOutOfAKeepOutZoneByAShortWayAndNotThroughItsWalls) {
   RoutePlannerParams params;
-  params.space.keep_out = {{{2.0, 0.0}, {8.0, 0.0}, {8.0, 4.0}, {2.0, 4.0}}};
+  const Polygon stairs = {{2.0, 0.0}, {8.0, 0.0}, {8.0, 4.0}, {2.0, 4.0}};
+  params.space.zones = {{"stairs", ZoneKind::kKeepOut, stairs}};
   OccupancyGrid grid = empty_room(12.0, 8.0);
   build_wall(grid, 2.0, 2.9, 6.0, 3.1);  // inside the zone, north of the robot
   RoutePlanner planner = planner_for(grid, params);
@@ -76,7 +144,7 @@ TEST(RoutePlanner, LeadsOutOfAKeepOutZoneByAShortWayAndNotThroughItsWalls) {
   for (std::size_t i = 1; i < route.points.size(); ++i) {
     const Eigen::Vector2d& point = route.points[i];
     EXPECT_NE(grid.prior[grid.geometry.index(grid.geometry.cell_at(point))], Prior::kOccupied) << point.transpose();
-    inside += contains(params.space.keep_out[0], point) ? (point - route.points[i - 1]).norm() : 0.0;
+    inside += contains(stairs, point) ? (point - route.points[i - 1]).norm() : 0.0;
   }
   EXPECT_LT(inside, 3.7);
   EXPECT_FALSE(planner.first_blocked(route.points, 0)) << "who is inside may leave";

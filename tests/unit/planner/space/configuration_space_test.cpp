@@ -125,7 +125,7 @@ TEST(ConfigurationSpace, IsTheSameUpdatedOrMadeAnewAndSaysWhatChanged) {
     OccupancyGrid grid = empty_room(14.0, 9.0);
     ConfigurationSpaceParams params;
     params.clearance_weight = weight;
-    params.keep_out = {{{3.0, 3.0}, {6.0, 3.5}, {4.0, 6.0}}};
+    params.zones = {{"stairs", ZoneKind::kKeepOut, {{3.0, 3.0}, {6.0, 3.5}, {4.0, 6.0}}}};
     ConfigurationSpace space(params, grid, {});
     std::uniform_int_distribution<int> column(0, grid.geometry.columns - 1);
     std::uniform_int_distribution<int> row(0, grid.geometry.rows - 1);
