@@ -3,16 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
 #include "services/surveyor/alike_fixtures.hpp"
+#include "services/surveyor/standing_room.hpp"
+#include "services/surveyor/zone_check.hpp"
 
 namespace luminav {
 namespace {
 
-constexpr double kRobotRadius = 0.25;    // [m] must fit where a place is
 constexpr double kShareInWall = 0.1;     // of a fixture's face; less is a map drawn by hand
 constexpr double kLargestFixture = 2.5;  // [m] longer ones are rows of fixtures
 constexpr double kNarrowestDoor = 0.6;   // [m] what the robot needs
@@ -57,94 +57,6 @@ bool overlap(const Fixture& a, const Fixture& b) {
   }
   return true;
 }
-
-/// Where the robot's centre may be, in connected parts. 0 = it may not be there.
-class StandingRoom {
- public:
-  explicit StandingRoom(const PriorMap& map) : geometry_(map.geometry), part_(map.geometry.size(), 0) {
-    const int reach = static_cast<int>(std::ceil(kRobotRadius / geometry_.resolution));
-    std::vector<bool> is_allowed(geometry_.size());
-    for (std::size_t i = 0; i < is_allowed.size(); ++i) {
-      is_allowed[i] = map.cells[i] == Prior::kFree;
-    }
-    const std::vector<bool> is_free = is_allowed;
-    for (int row = 0; row < geometry_.rows; ++row) {
-      for (int column = 0; column < geometry_.columns; ++column) {
-        if (!is_free[geometry_.index({column, row})] && touches_free(is_free, {column, row})) {
-          forbid_around(is_allowed, {column, row}, reach);
-        }
-      }
-    }
-    std::size_t largest_size = 0;
-    for (std::size_t i = 0; i < part_.size(); ++i) {
-      if (is_allowed[i] && part_[i] == 0) {
-        const std::size_t size = flood(is_allowed, i, ++parts_);
-        if (size > largest_size) {
-          largest_size = size;
-          largest_ = parts_;
-        }
-      }
-    }
-  }
-
-  /// 0 where the robot does not fit.
-  [[nodiscard]] int part_at(const Eigen::Vector2d& point) const {
-    const Cell cell = geometry_.cell_at(point);
-    return geometry_.contains(cell) ? part_[geometry_.index(cell)] : 0;
-  }
-  [[nodiscard]] int largest() const { return largest_; }
-
- private:
-  /// Only the walls' faces forbid anything: what lies deep inside them needs no disc.
-  [[nodiscard]] bool touches_free(const std::vector<bool>& is_free, const Cell& cell) const {
-    for (const auto& [dx, dy] : std::array<std::pair<int, int>, 4>{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}}) {
-      const Cell next{cell.column + dx, cell.row + dy};
-      if (geometry_.contains(next) && is_free[geometry_.index(next)]) {
-        return true;
-      }
-    }
-    return false;
-  }
-  void forbid_around(std::vector<bool>& is_allowed, const Cell& cell, int reach) const {
-    for (int dy = -reach; dy <= reach; ++dy) {
-      for (int dx = -reach; dx <= reach; ++dx) {
-        const Cell next{cell.column + dx, cell.row + dy};
-        if (dx * dx + dy * dy <= reach * reach && geometry_.contains(next)) {
-          is_allowed[geometry_.index(next)] = false;
-        }
-      }
-    }
-  }
-  std::size_t flood(const std::vector<bool>& is_allowed, std::size_t start, int part) {
-    std::vector<std::size_t> open = {start};
-    part_[start] = part;
-    std::size_t size = 0;
-    const auto columns = static_cast<std::size_t>(geometry_.columns);
-    while (!open.empty()) {
-      const std::size_t here = open.back();
-      open.pop_back();
-      ++size;
-      const std::size_t column = here % columns;
-      const std::array<std::pair<bool, std::size_t>, 4> neighbours = {
-          {{column > 0, here - 1},
-           {column + 1 < columns, here + 1},
-           {here >= columns, here - columns},
-           {here + columns < part_.size(), here + columns}}};
-      for (const auto& [exists, next] : neighbours) {
-        if (exists && is_allowed[next] && part_[next] == 0) {
-          part_[next] = part;
-          open.push_back(next);
-        }
-      }
-    }
-    return size;
-  }
-
-  GridGeometry geometry_;
-  std::vector<int> part_;
-  int parts_ = 0;
-  int largest_ = 0;
-};
 
 /// Occupied cells in connected parts: what is large is a wall, what stands alone is furniture that was drawn into the
 /// map.
@@ -226,6 +138,8 @@ class BuildingInspector {
   std::vector<BuildingFinding> inspect() {
     check_sizes();
     check_overlaps();
+    const std::vector<BuildingFinding> of_zones = check_zones(source_, map_);
+    findings_.insert(findings_.end(), of_zones.begin(), of_zones.end());
     if (map_ != nullptr) {
       check_fixtures_on_map();
       check_doors();
@@ -330,31 +244,12 @@ class BuildingInspector {
     }
   }
 
-  /// The map as the planner takes it: what no robot may enter is as good as a wall.
-  [[nodiscard]] PriorMap with_keep_out() const {
-    PriorMap map = *map_;
-    for (int row = 0; row < map.geometry.rows; ++row) {
-      for (int column = 0; column < map.geometry.columns; ++column) {
-        if (zone_at(map.geometry.centre_of({column, row})) != nullptr) {
-          map.cells[map.geometry.index({column, row})] = Prior::kOccupied;
-        }
-      }
-    }
-    return map;
-  }
-  [[nodiscard]] const Zone* zone_at(const Eigen::Vector2d& point) const {
-    const auto found = std::find_if(building_.zones.begin(), building_.zones.end(), [&](const Zone& zone) {
-      return zone.kind == ZoneKind::kKeepOut && contains(zone.polygon, point);
-    });
-    return found == building_.zones.end() ? nullptr : &*found;
-  }
-
   void check_places() {
-    const StandingRoom room(with_keep_out());
+    const StandingRoom room(with_keep_out(*map_, building_.zones));
     for (std::size_t i = 0; i < building_.places.size(); ++i) {
       const Place& place = building_.places[i];
       const int part = room.part_at(place.pose.position());
-      if (const Zone* zone = zone_at(place.pose.position())) {
+      if (const Zone* zone = find_zone(building_.zones, ZoneKind::kKeepOut, place.pose.position())) {
         add(FindingKind::kError, source_.place_lines[i],
             fmt::format("place \"{}\" at ({:.2f}, {:.2f}) lies in the keep-out zone \"{}\": no goal there is taken",
                         place.name, place.pose.x, place.pose.y, zone->name));
@@ -362,7 +257,7 @@ class BuildingInspector {
         add(FindingKind::kError, source_.place_lines[i],
             fmt::format("place \"{}\" at ({:.2f}, {:.2f}): the robot does not fit there, a wall or a keep-out zone is "
                         "nearer than {:.2f} m",
-                        place.name, place.pose.x, place.pose.y, kRobotRadius));
+                        place.name, place.pose.x, place.pose.y, StandingRoom::kRobotRadius));
       } else if (part != room.largest()) {
         add(FindingKind::kError, source_.place_lines[i],
             fmt::format("place \"{}\" at ({:.2f}, {:.2f}): no way leads there from most of the building", place.name,

@@ -133,5 +133,48 @@ TEST(BuildingCheck, NamesThePlacesThatAKeepOutZoneTakesAway) {
   EXPECT_THAT(findings, Not(Contains(Field(&BuildingFinding::text, HasSubstr("\"desk\"")))));
 }
 
+TEST(BuildingCheck, SaysWhatAKeepOutZoneCutsOff) {
+  const std::string tables =
+      "[[fixture]]\nid = 1\nx = 3.0\ny = 3.0\nlength = 1.2\nwidth = 0.3\n"
+      "[[place]]\nname = \"cellar\"\nx = 11.2\ny = 3.0\n"
+      "[[zone]]\nname = \"stairs\"\npolygon = [[8, 0], [9, 0], [9, 10], [8, 10]]\n";
+  EXPECT_THAT(findings_of(tables),
+              Contains(finding(FindingKind::kError, 13, "keep-out zone \"stairs\" cuts off 2")));  // 2.5 x 9.1 m^2
+  EXPECT_THAT(findings_of(tables), Contains(Field(&BuildingFinding::text, HasSubstr("with place \"cellar\""))));
+  const auto halves = findings_of(
+      "[[zone]]\nname = \"south\"\npolygon = [[8, 0], [9, 0], [9, 5.2], [8, 5.2]]\n"
+      "[[zone]]\nname = \"north\"\npolygon = [[8, 5.4], [9, 5.4], [9, 10], [8, 10]]\n"
+      "[[zone]]\nname = \"small\"\nkind = \"slow\"\npolygon = [[3, 2], [4, 2], [4, 3]]\n");
+  EXPECT_THAT(halves, Contains(finding(FindingKind::kWarning, 3, "keep-out zone \"south\" cuts off")));
+  EXPECT_THAT(halves, Not(Contains(Field(&BuildingFinding::text, HasSubstr("small")))));
+}
+
+TEST(BuildingCheck, SaysWhatOneWayZonesLetNobodyOutOf) {
+  const auto with = [](const char* direction) {
+    return findings_of(
+        "[[place]]\nname = \"desk\"\nx = 11.2\ny = 3.0\n"
+        "[[zone]]\nname = \"lane\"\nkind = \"one-way\"\ndirection = " +
+        std::string(direction) + "\npolygon = [[8, 0], [9, 0], [9, 10], [8, 10]]\n");
+  };
+  EXPECT_THAT(with("0"), Contains(finding(FindingKind::kError, 7, "let no way lead out of")));
+  EXPECT_THAT(with("0"), Not(Contains(Field(&BuildingFinding::text, HasSubstr("let no way lead into")))));
+  EXPECT_THAT(with("3.1416"), Contains(finding(FindingKind::kError, 7, "let no way lead into")));
+  EXPECT_THAT(with("3.1416"), Contains(Field(&BuildingFinding::text, HasSubstr("with place \"desk\""))));
+}
+
+TEST(BuildingCheck, NamesZonesThatContradictEachOther) {
+  const auto findings = findings_of(
+      "[[zone]]\nname = \"stairs\"\npolygon = [[8, 1], [9, 1], [9, 3], [8, 3]]\n"
+      "[[zone]]\nname = \"foyer\"\nkind = \"slow\"\npolygon = [[8.5, 2], [11, 2], [11, 4], [8.5, 4]]\n"
+      "[[zone]]\nname = \"beside\"\npolygon = [[9, 1], [9.5, 1], [9.5, 1.9], [9, 1.9]]\n"
+      "[[zone]]\nname = \"foyer\"\nkind = \"quiet\"\npolygon = [[10, 2], [11, 2], [11, 4]]\n"
+      "[[zone]]\nname = \"far\"\npolygon = [[80, 2], [81, 2], [81, 4]]\n");
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kWarning, 6, "overlaps keep-out zone \"stairs\" (line 3)")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kWarning, 13, "two zones are called \"foyer\"")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kWarning, 17, "outside the map")));
+  EXPECT_THAT(findings, Not(Contains(Field(&BuildingFinding::text, HasSubstr("\"beside\" overlaps")))));
+  EXPECT_THAT(findings, Not(Contains(Field(&BuildingFinding::text, HasSubstr("quiet zone \"foyer\" overlaps")))));
+}
+
 }  // namespace
 }  // namespace luminav

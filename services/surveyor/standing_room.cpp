@@ -1,0 +1,101 @@
+#include "services/surveyor/standing_room.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace luminav {
+namespace {
+
+/// Only the walls' faces forbid anything: what lies deep inside them needs no disc.
+bool touches_free(const GridGeometry& geometry, const std::vector<bool>& is_free, const Cell& cell) {
+  for (const auto& [dx, dy] : std::array<std::pair<int, int>, 4>{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}}) {
+    const Cell next{cell.column + dx, cell.row + dy};
+    if (geometry.contains(next) && is_free[geometry.index(next)]) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void forbid_around(const GridGeometry& geometry, std::vector<bool>& is_allowed, const Cell& cell, int reach) {
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const Cell next{cell.column + dx, cell.row + dy};
+      if (dx * dx + dy * dy <= reach * reach && geometry.contains(next)) {
+        is_allowed[geometry.index(next)] = false;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+StandingRoom::StandingRoom(const PriorMap& map) : geometry_(map.geometry), part_(map.geometry.size(), 0) {
+  const int reach = static_cast<int>(std::ceil(kRobotRadius / geometry_.resolution));
+  std::vector<bool> is_allowed(geometry_.size());
+  for (std::size_t i = 0; i < is_allowed.size(); ++i) {
+    is_allowed[i] = map.cells[i] == Prior::kFree;
+  }
+  const std::vector<bool> is_free = is_allowed;
+  for (int row = 0; row < geometry_.rows; ++row) {
+    for (int column = 0; column < geometry_.columns; ++column) {
+      const Cell cell{column, row};
+      if (!is_free[geometry_.index(cell)] && touches_free(geometry_, is_free, cell)) {
+        forbid_around(geometry_, is_allowed, cell, reach);
+      }
+    }
+  }
+  std::size_t largest_size = 0;
+  for (std::size_t i = 0; i < part_.size(); ++i) {
+    if (is_allowed[i] && part_[i] == 0) {
+      const std::size_t size = flood(is_allowed, i, ++parts_);
+      if (size > largest_size) {
+        largest_size = size;
+        largest_ = parts_;
+      }
+    }
+  }
+}
+
+int StandingRoom::part_at(const Eigen::Vector2d& point) const {
+  const Cell cell = geometry_.cell_at(point);
+  return geometry_.contains(cell) ? part_[geometry_.index(cell)] : 0;
+}
+
+std::size_t StandingRoom::flood(const std::vector<bool>& is_allowed, std::size_t start, int part) {
+  std::vector<std::size_t> open = {start};
+  part_[start] = part;
+  std::size_t size = 0;
+  const auto columns = static_cast<std::size_t>(geometry_.columns);
+  while (!open.empty()) {
+    const std::size_t here = open.back();
+    open.pop_back();
+    ++size;
+    const std::size_t column = here % columns;
+    const std::array<std::pair<bool, std::size_t>, 4> neighbours = {{{column > 0, here - 1},
+                                                                     {column + 1 < columns, here + 1},
+                                                                     {here >= columns, here - columns},
+                                                                     {here + columns < part_.size(), here + columns}}};
+    for (const auto& [exists, next] : neighbours) {
+      if (exists && is_allowed[next] && part_[next] == 0) {
+        part_[next] = part;
+        open.push_back(next);
+      }
+    }
+  }
+  return size;
+}
+
+PriorMap with_keep_out(PriorMap map, const std::vector<Zone>& zones) {
+  for (int row = 0; row < map.geometry.rows; ++row) {
+    for (int column = 0; column < map.geometry.columns; ++column) {
+      if (find_zone(zones, ZoneKind::kKeepOut, map.geometry.centre_of({column, row})) != nullptr) {
+        map.cells[map.geometry.index({column, row})] = Prior::kOccupied;
+      }
+    }
+  }
+  return map;
+}
+
+}  // namespace luminav
