@@ -6,6 +6,17 @@
 #include <iterator>
 
 namespace luminav {
+namespace {
+
+// A robot cuts corners by about as much: who drives against a lane's direction beside it keeps so far away.
+constexpr double kMargin = 0.3;  // [m]
+
+bool belongs_to(const Zone& lane, const Eigen::Vector2d& point) {
+  return contains(lane.polygon, point) || distance_to_edge(lane.polygon, point) < kMargin;
+}
+
+}  // namespace
+
 LaneMap::LaneMap(const std::vector<Zone>& zones, const GridGeometry& geometry) : geometry_(geometry) {
   std::copy_if(zones.begin(), zones.end(), std::back_inserter(lanes_),
                [](const Zone& zone) { return zone.kind == ZoneKind::kOneWay; });
@@ -21,7 +32,7 @@ LaneMap::LaneMap(const std::vector<Zone>& zones, const GridGeometry& geometry) :
     }
     for (int row = 0; row < geometry.rows; ++row) {
       for (int column = 0; column < geometry.columns; ++column) {
-        if (contains(lane.polygon, geometry.centre_of({column, row}))) {
+        if (belongs_to(lane, geometry.centre_of({column, row}))) {
           forbidden_[geometry.index({column, row})] |= steps;
         }
       }
@@ -37,7 +48,7 @@ bool LaneMap::is_against(const Eigen::Vector2d& from, const Eigen::Vector2d& to)
       return false;
     }
     for (int i = 0; i <= samples; ++i) {
-      if (contains(lane.polygon, from + piece * (static_cast<double>(i) / samples))) {
+      if (belongs_to(lane, from + piece * (static_cast<double>(i) / samples))) {
         return true;
       }
     }

@@ -49,12 +49,13 @@ std::string RouteMap::zones_in_the_way(const RouteRequest& request) const {
   const Polyline points = planner.plan(request).points;
   std::string names;
   for (const Zone& zone : params_.space.zones) {
+    const LaneMap lane({zone}, grid_->geometry);
     bool is_in_the_way = false;
     for (std::size_t i = 1; i < points.size() && !is_in_the_way; ++i) {
       const bool is_inside = contains(zone.polygon, points[i]);
       is_in_the_way = (zone.kind == ZoneKind::kKeepOut &&
                        (is_inside || distance_to_edge(zone.polygon, points[i]) <= params_.space.hard_radius)) ||
-                      (zone.kind == ZoneKind::kOneWay && is_inside && goes_against(zone, points[i] - points[i - 1]));
+                      lane.is_against(points[i - 1], points[i]);
     }
     if (is_in_the_way) {
       names += fmt::format("{}{} zone {}", names.empty() ? "" : ", ", name_of(zone.kind), zone.name);
