@@ -228,7 +228,8 @@ cv::Mat clearance_of(const PriorMap& walls) {
 
 }  // namespace
 
-double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double radius) {
+double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double radius,
+                     const LaneMap& lanes) {
   const GridGeometry& g = walls.geometry;
   const Cell start = g.cell_at(from);
   const Cell goal = g.cell_at(to);
@@ -253,24 +254,25 @@ double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const E
     if (reached > cost[index]) {
       continue;
     }
-    for (int dr = -1; dr <= 1; ++dr) {
-      for (int dc = -1; dc <= 1; ++dc) {
-        const Cell next{here.column + dc, here.row + dr};
-        if (!g.contains(next) || (clearance.at<float>(next.row, next.column) < min && !(next == goal))) {
-          continue;
-        }
-        const float step = reached + (dr != 0 && dc != 0 ? std::sqrt(2.0F) : 1.0F);
-        if (step < cost[g.index(next)]) {
-          cost[g.index(next)] = step;
-          queue.emplace(step, g.index(next));
-        }
+    for (std::size_t i = 0; i < kLaneSteps.size(); ++i) {
+      const auto [dc, dr] = kLaneSteps[i];
+      const Cell next{here.column + dc, here.row + dr};
+      if (!g.contains(next) || (clearance.at<float>(next.row, next.column) < min && !(next == goal)) ||
+          !lanes.allows(index, g.index(next), i)) {
+        continue;
+      }
+      const float step = reached + (dr != 0 && dc != 0 ? std::sqrt(2.0F) : 1.0F);
+      if (step < cost[g.index(next)]) {
+        cost[g.index(next)] = step;
+        queue.emplace(step, g.index(next));
       }
     }
   }
   return -1.0;
 }
 
-std::vector<bool> reachable_cells(const PriorMap& walls, const Eigen::Vector2d& from, double radius) {
+std::vector<bool> reachable_cells(const PriorMap& walls, const Eigen::Vector2d& from, double radius,
+                                  const LaneMap& lanes) {
   const GridGeometry& g = walls.geometry;
   std::vector<bool> reachable(g.size());
   const Cell start = g.cell_at(from);
@@ -278,12 +280,18 @@ std::vector<bool> reachable_cells(const PriorMap& walls, const Eigen::Vector2d& 
   if (!g.contains(start) || fits.at<std::uint8_t>(start.row, start.column) == 0) {
     return reachable;
   }
-  cv::Mat labels;
-  cv::connectedComponents(fits, labels, 8);
-  const int here = labels.at<int>(start.row, start.column);
-  for (int row = 0; row < g.rows; ++row) {
-    for (int column = 0; column < g.columns; ++column) {
-      reachable[g.index({column, row})] = labels.at<int>(row, column) == here;
+  std::vector<Cell> open{start};
+  reachable[g.index(start)] = true;
+  while (!open.empty()) {
+    const Cell here = open.back();
+    open.pop_back();
+    for (std::size_t i = 0; i < kLaneSteps.size(); ++i) {
+      const Cell next{here.column + kLaneSteps[i].column, here.row + kLaneSteps[i].row};
+      if (g.contains(next) && !reachable[g.index(next)] && fits.at<std::uint8_t>(next.row, next.column) != 0 &&
+          lanes.allows(g.index(here), g.index(next), i)) {
+        reachable[g.index(next)] = true;
+        open.push_back(next);
+      }
     }
   }
   return reachable;

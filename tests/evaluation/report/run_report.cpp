@@ -65,6 +65,15 @@ ordered_json json_of(const MapResult& map) {
           {"explored", rounded(map.explored)}};
 }
 
+ordered_json json_of(const std::optional<ZoneResult>& zones) {
+  if (!zones) {
+    return nullptr;
+  }
+  return {{"keep_out_m", rounded(zones->keep_out_m)},         {"leaving_s", rounded(zones->leaving_s)},
+          {"over_speed_m_s", rounded(zones->over_speed_m_s)}, {"against_m", rounded(zones->against_m)},
+          {"path_ratio", rounded(zones->path_ratio)},         {"path_m", rounded(zones->path_m)}};
+}
+
 }  // namespace
 
 double rounded(double value) {
@@ -111,6 +120,7 @@ ordered_json json_of(const RunReport& r) {
           {"carries_noticed", r.carries_noticed},
           {"carries_recovered", r.carries_recovered},
           {"map", json_of(r.map)},
+          {"zones", json_of(r.zones)},
           {"processes", json_of(r.processes)}};
 }
 

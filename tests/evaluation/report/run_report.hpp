@@ -42,6 +42,16 @@ struct DriveResult {
   double corridor_share = -1.0;  // median clearance in corridors over what the middle would give; negative = in none
 };
 
+/// How the rules of a building's zones were kept, while the pose was TRACKING.
+struct ZoneResult {
+  double keep_out_m = 0.0;      // deepest that the true outline was inside a keep-out zone once it had been outside
+  double leaving_s = 0.0;       // longest stay in a keep-out zone that the robot found itself in
+  double over_speed_m_s = 0.0;  // true speed above a slow zone's, the largest
+  double against_m = 0.0;       // driven against a one-way zone, the longest
+  double path_ratio = 0.0;      // way driven to a goal over the shortest allowed one, the largest; 0 = not compared
+  double path_m = 0.0;          // that way
+};
+
 struct ProcessResult {
   std::string name;
   double cpu_percent = 0.0;  // of one core, mean
@@ -97,6 +107,7 @@ struct RunReport {
   int carries_recovered = 0;  // TRACKING rightly again
   DriveResult drive;
   MapResult map;
+  std::optional<ZoneResult> zones;  // nothing where the building has none
   std::vector<ProcessResult> processes;
   std::string scenario_file;
   std::string reproduce;  // command that runs it again; "" = not known

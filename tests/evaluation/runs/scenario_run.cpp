@@ -14,6 +14,7 @@
 #include "tests/evaluation/judge/map_score.hpp"
 #include "tests/evaluation/judge/run_judge.hpp"
 #include "tests/evaluation/judge/run_picture.hpp"
+#include "tests/evaluation/judge/zone_judge.hpp"
 #include "tests/evaluation/runs/mission.hpp"
 #include "tests/evaluation/runs/run_log.hpp"
 #include "tests/evaluation/sensing/sensing_survey.hpp"
@@ -82,6 +83,23 @@ class Tracer {
   std::optional<control_status_t> control_;
 };
 
+void judge_zones(ZoneJudge& judge, const Mission& mission, RunReport& report) {
+  if (!judge.result()) {
+    return;
+  }
+  const std::vector<Pose2>& from = mission.request_poses();
+  // the first goal's way holds the search for the pose and is left out
+  for (std::size_t i = 1; i < report.goals.size() && i < from.size() && report.carries == 0; ++i) {
+    if (report.goals[i].reached) {
+      judge.compare(mission.driven_for_goal(i),
+                    judge.shortest(from[i].position(), {report.goals[i].x, report.goals[i].y}));
+    }
+  }
+  report.zones = judge.result();
+  report.failure = report.failure.empty() ? judge.failure(report.goals) : report.failure;
+  report.passed = report.failure.empty();
+}
+
 }  // namespace
 
 RunReport conclude(const RunJudge& judge, const Mission& mission, const WorldTruth& world) {
@@ -127,6 +145,7 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
   }
   RunJudge judge(robot.lcm(), scenario, robot.world());
   const DriveJudge drive_judge(robot.lcm(), robot.world());
+  ZoneJudge zone_judge(robot.lcm(), robot.believed_building().zones, robot.world());
   Mission mission(robot.lcm(), scenario, options.patrol);
   const RunLog log(robot.lcm());
   const Tracer tracer(robot.lcm(), judge);
@@ -156,6 +175,7 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
     *options.survey = std::move(survey->result());
   }
   report.drive = drive_judge.result();
+  judge_zones(zone_judge, mission, report);
   report.trail = judge.trail();
   report.log = log.lines();
   report.cpu_s = thread_seconds() - cpu_start;

@@ -9,6 +9,7 @@
 #include "tests/evaluation/runs/drawn_buildings.hpp"
 #include "tests/evaluation/runs/generated_worlds.hpp"
 #include "tests/evaluation/runs/mission_scenarios.hpp"
+#include "tests/evaluation/runs/zone_scenarios.hpp"
 
 namespace luminav {
 namespace {
@@ -43,7 +44,7 @@ constexpr NamedEntry kEntries[] = {
 /// What "all" is made of, apart from the detector's part: all seeds, but for the worlds, which would take half of its
 /// time.
 constexpr const char* kAll[] = {"localization", "mapping", "navigation", "endurance", "missions",
-                                "worlds",       "scale",   "drawn",      "mishaps"};
+                                "zones",        "worlds",  "scale",      "drawn",     "mishaps"};
 constexpr std::uint64_t kWorldSeedsInAll = 4;
 
 std::vector<SuiteEntry> named_entries(const std::string& suite) {
@@ -80,11 +81,13 @@ std::vector<SuiteEntry> made_entries(const std::string& suite, const std::filesy
     for (const auto& file : make_scale_series(generated)) {
       entries.push_back({file, 1000, 1000, "geometric", false, suite, ""});
     }
-  } else if (suite == "missions") {
-    for (const auto& file : make_missions(generated)) {
+  } else if (suite == "missions" || suite == "zones") {
+    for (const auto& file : suite == "missions" ? make_missions(generated) : make_zone_missions(generated)) {
       const Scenario scenario = read_scenario(file);
+      const std::string folder = scenario.building_file.parent_path().filename().string();
+      // a mission with zones has a building of its own, named after the one it was made of
       entries.push_back({file, scenario.seed, scenario.seed, "geometric", false, suite,
-                         "missions, " + scenario.building_file.parent_path().filename().string()});
+                         suite + ", " + (suite == "zones" ? folder.substr(0, folder.rfind('-')) : folder)});
     }
   }
   return entries;
@@ -111,7 +114,7 @@ std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& p
 
 std::string suite_names() {
   return "quick, laboratory, office, localization, detector, luminaires, tolerance, mapping, navigation, endurance, "
-         "missions, worlds, scale, drawn, mishaps, paper, all";
+         "missions, zones, worlds, scale, drawn, mishaps, paper, all";
 }
 
 bool has_detector_part(const std::string& suite) {

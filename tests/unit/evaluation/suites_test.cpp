@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "drivers/simulator/world/scenario.hpp"
+#include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
 
 namespace luminav {
@@ -68,6 +69,25 @@ TEST(Suites, MissionsAreFiveHundredGoalsSomeBehindAClosedDoor) {
   EXPECT_LT(to_refuse, 50);
 }
 
+TEST(Suites, ZonesAreTwoHundredMissionsWithFiveZonesEach) {
+  int to_refuse = 0;
+  int carried = 0;
+  const std::vector<SuiteEntry> entries = suite_entries("zones", generated());
+  EXPECT_EQ(entries.size(), 200U);
+  for (const SuiteEntry& entry : entries) {
+    const Scenario scenario = read_scenario(entry.scenario);
+    EXPECT_EQ(read_building(scenario.building_file).zones.size(), 5U);
+    EXPECT_EQ(scenario.goals.size(), 2U);
+    for (const ScenarioGoal& goal : scenario.goals) {
+      to_refuse += goal.expect_refused ? 1 : 0;
+    }
+    carried += static_cast<int>(scenario.events.size());
+  }
+  EXPECT_GT(to_refuse, 10);
+  EXPECT_LT(to_refuse, 120);
+  EXPECT_EQ(carried, 25);
+}
+
 TEST(Suites, WorldsAreTheEightOfThem) {
   const auto entries = suite_entries("worlds", generated());
   std::set<std::string> names;
@@ -87,9 +107,9 @@ TEST(Suites, AllTakesPartOfEachAndNoRunTwice) {
       ++runs[entry.suite];
     }
   }
-  const std::map<std::string, std::uint64_t> expected = {{"localization", 30}, {"mapping", 7},    {"navigation", 40},
-                                                         {"endurance", 1},     {"missions", 100}, {"worlds", 24},
-                                                         {"scale", 5},         {"drawn", 30},     {"mishaps", 80}};
+  const std::map<std::string, std::uint64_t> expected = {
+      {"localization", 30}, {"mapping", 7}, {"navigation", 40}, {"endurance", 1}, {"missions", 100},
+      {"zones", 200},       {"worlds", 24}, {"scale", 5},       {"drawn", 30},    {"mishaps", 80}};
   EXPECT_EQ(runs, expected);
 }
 
@@ -98,7 +118,8 @@ TEST(Suites, AnUnknownOneNamesThoseThereAre) {
     (void)suite_entries("nonsense", generated());
     FAIL();
   } catch (const ConfigurationError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("endurance, missions, worlds, scale, drawn, mishaps, paper, all"));
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("endurance, missions, zones, worlds, scale, drawn, mishaps, paper, all"));
   }
 }
 
