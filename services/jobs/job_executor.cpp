@@ -351,6 +351,7 @@ void JobExecutor::go_on(Job& job) {
   job.goal_id = 0;
   if (++job.stop < job.stops.size()) {
     job.state = JobState::kDriving;
+    job.sentence = fmt::format("goes on to {}", name_of(job.stops[job.stop]));
     return;
   }
   --job.stop;  // where it stands
