@@ -224,7 +224,7 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
       if (is_certain(candidate)) {
         break;  // the others are of worse size
       }
-    } else if (verdict == Verdict::kNotFilled || (hypothesis.is_whole && layer.bright)) {
+    } else if (hypothesis.is_whole && layer.bright) {
       tried_.pop_back();  // at a lower level it may be
     }
   }

@@ -153,7 +153,6 @@ std::optional<EdgeSearch::Step> EdgeSearch::largest_step(const Profile& profile,
   }
   // difference of the means of half_filter pixels inside and outside of the boundary before pixel k
   const auto h = static_cast<std::size_t>(params.half_filter);
-  const auto highest = static_cast<float>(params.max_edge);
   const float scale = (params.inside_brighter ? 1.0F : -1.0F) / static_cast<float>(params.half_filter);
   const int from = std::max(window.first, params.half_filter);
   const int to = std::min(window.last, length - params.half_filter);
@@ -162,9 +161,9 @@ std::optional<EdgeSearch::Step> EdgeSearch::largest_step(const Profile& profile,
   for (int k = from; k <= to; ++k) {
     const auto i = static_cast<std::size_t>(k);
     response[i] = scale * (2.0F * sums[i] - sums[i - h] - sums[i + h]);
-    // Of two edges the nearer to the prediction; beside a dark fixture the ceiling's grid has higher ones than its own.
+    // Of two edges the nearer to the prediction.
     const float away = std::abs(static_cast<float>(k - reach_) - 0.5F);
-    const float score = std::min(response[i], highest) * (1.0F - kNearer * away);
+    const float score = response[i] * (1.0F - kNearer * away);
     if (score > best_score) {
       best_score = score;
       best = k;
@@ -178,29 +177,6 @@ std::optional<EdgeSearch::Step> EdgeSearch::largest_step(const Profile& profile,
   const double vertex =
       curvature < -1e-6 ? std::clamp(0.5 * (response[at - 1] - response[at + 1]) / curvature, -1.0, 1.0) : 0.0;
   return Step{best - 0.5 - reach_ + vertex, response[at]};
-}
-
-/// The ceiling is often laid in a grid, and an unlit fixture ends at a line of it, which is darker still: then the
-/// strongest edge is the line's far one. The mean profile of a side shows it: before the step up there is one further
-/// down, from the fixture to the line. By how much the fixture's own edge lies farther in [px]; 0 where none is seen.
-double EdgeSearch::grid_line_offset(const Profile& mean, double noise) const {
-  constexpr int kFilter = 2;       // [px] narrower than a line
-  constexpr int kMaxWidth = 6;     // [px]
-  constexpr double kShare = 0.35;  // of the step up
-  constexpr double kSigmas = 4.0;  // of noise that the step down must have
-  std::array<float, kMaxLength> rise{};
-  int outer = kFilter;
-  for (int k = kFilter; k + kFilter <= 2 * reach_ + 1; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    rise[i] = 0.5F * (mean[i] + mean[i + 1] - mean[i - 1] - mean[i - 2]);
-    outer = rise[i] > rise[static_cast<std::size_t>(outer)] ? k : outer;
-  }
-  const auto first = rise.begin() + std::max(kFilter, outer - kMaxWidth);
-  const auto inner = std::min_element(first, rise.begin() + outer + 1);
-  const double up = rise[static_cast<std::size_t>(outer)];
-  return up > 0.0 && -*inner > std::max(kShare * up, kSigmas * noise)
-             ? static_cast<double>(rise.begin() + outer - inner)
-             : 0.0;
 }
 
 /// Fills dark lines narrower than kLinePx pixels up to the lower of their rims (closing): the grid beside an unlit
@@ -234,7 +210,6 @@ void EdgeSearch::search_side(int side, const EdgeSearchParams& params) {
   const double noise = params.pixel_noise * std::sqrt(2.0 / static_cast<double>(params.half_filter * params.lines));
   const Window everywhere{0, 2 * reach_ + 1};
   Profile mean{};
-  Profile with_lines{};
   int in_view = 0;
   for (EdgePoint& point : own_points_of(side)) {
     if (!point.in_view) {
@@ -242,7 +217,6 @@ void EdgeSearch::search_side(int side, const EdgeSearchParams& params) {
     }
     ++in_view;
     Profile& profile = profile_of(point);
-    add_to(with_lines, profile);
     if (!params.inside_brighter) {
       fill_lines(profile);
     }
@@ -259,16 +233,12 @@ void EdgeSearch::search_side(int side, const EdgeSearchParams& params) {
   }
   for (std::size_t k = 0; k < kMaxLength; ++k) {
     mean[k] /= static_cast<float>(in_view);
-    with_lines[k] /= static_cast<float>(in_view);
   }
   const auto common = largest_step(mean, params, everywhere);
   if (!common || common->height < std::max(kFaint * params.min_edge, kCertain * noise / std::sqrt(in_view))) {
     return;
   }
   const int middle = reach_ + static_cast<int>(std::lround(common->offset_px + 0.5));
-  const double of_line = params.inside_brighter
-                             ? 0.0
-                             : grid_line_offset(with_lines, params.pixel_noise / std::sqrt(params.lines * in_view));
   for (EdgePoint& point : own_points_of(side)) {
     if (point.in_view && !point.found) {
       const auto step = largest_step(profile_of(point), params, {middle - kNearMean, middle + kNearMean});
@@ -277,9 +247,6 @@ void EdgeSearch::search_side(int side, const EdgeSearchParams& params) {
         point.offset_px = step->offset_px;
         point.step = step->height;
       }
-    }
-    if (point.found && std::abs(point.offset_px - common->offset_px) < 2.5) {
-      point.offset_px -= of_line;
     }
   }
 }

@@ -30,7 +30,6 @@ struct EdgeSearchParams {
   int half_filter = 2;       // [px] whose means are compared
   int lines = 1;             // [px] along the outline over which each profile is averaged
   double min_edge = 10.0;    // [grey] step that counts as an edge
-  double max_edge = 255.0;   // [grey] higher ones count for no more
   double pixel_noise = 4.0;  // [grey] 1 sigma
   bool is_first = false;     // most guesses are wrong, and half of the points says so
 };
@@ -72,7 +71,6 @@ class EdgeSearch {
   [[nodiscard]] std::optional<Step> largest_step(const Profile& profile, const EdgeSearchParams& params,
                                                  const Window& window) const;
   void search_side(int side, const EdgeSearchParams& params);
-  [[nodiscard]] double grid_line_offset(const Profile& mean, double noise) const;
   [[nodiscard]] std::span<EdgePoint> own_points_of(int side);
   void fill_lines(Profile& profile) const;
   [[nodiscard]] Profile& profile_of(const EdgePoint& point) {

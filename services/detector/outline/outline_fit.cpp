@@ -12,12 +12,10 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
 constexpr int kMinPoints = 6;
-constexpr int kMinToRefute = 5;        // points of a long side in view
-constexpr double kMinShare = 0.45;     // of them that must lie on edges
-constexpr double kCornerShare = 0.36;  // of the length, from the middle: beyond it a long side is next to its end
-constexpr double kHigher = 1.2;        // times the depth of an unlit region: its edges are no higher
-constexpr double kOfHeading = 0.4;     // of the error that a side's points share, by which they turn it
-constexpr double kGridLine = 0.0045;   // [m] 1 sigma of an unlit fixture's end: it may be a grid line's, 12 mm wide
+constexpr int kMinToRefute = 5;       // points of a long side in view
+constexpr double kMinShare = 0.45;    // of them that must lie on edges
+constexpr double kOfHeading = 0.4;    // of the error that a side's points share, by which they turn it
+constexpr double kGridLine = 0.0045;  // [m] 1 sigma of an unlit fixture's end: it may be a grid line's, 12 mm wide
 
 struct Pass {
   int search_px;
@@ -182,11 +180,6 @@ void OutlineFitter::describe_edges(const Outline& outline, double cutoff_px, Out
     if (point.side == kLeftSide || point.side == kRightSide) {
       fit.visible_from = std::min(fit.visible_from, point.place.x());
       fit.visible_to = std::max(fit.visible_to, point.place.x());
-      if (std::abs(point.place.x()) > kCornerShare * outline.length) {
-        SideEdges& corner = fit.corners[point.place.x() > 0.0 ? 0 : 1];
-        ++corner.in_view;
-        corner.on_edge += on_edge ? 1 : 0;
-      }
     }
     if (on_edge) {
       ++side.on_edge;
@@ -236,7 +229,6 @@ std::optional<OutlineFit> OutlineFitter::fit(const GreyView& image, const Outlin
       .inside_brighter = params.inside_brighter,
       .half_filter = std::clamp(static_cast<int>(narrow_px / 4.0), 1, faint || params.inside_brighter ? 4 : 2),
       .min_edge = params.min_edge,
-      .max_edge = params.inside_brighter ? 255.0 : kHigher * std::max(params.expected_step, params.min_edge),
       .pixel_noise = params.pixel_noise};
   if (faint) {
     const double ratio = 2.5 * params.pixel_noise / (0.6 * std::max(params.expected_step, 1.0));

@@ -37,11 +37,10 @@ struct OutlineFit {
   OutlinePlacement placement;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  // along, across, theta in the outline's frame
   std::array<SideEdges, kSides> sides{};
-  std::array<SideEdges, 2> corners{};  // of both long sides next to the far, the near end
-  double visible_from = 0.0;           // [m] x along the outline: what of the long sides is in the image
-  double visible_to = 0.0;             // [m]
-  double metres_per_px = 0.0;          // there, about
-  double residual_px = 0.0;            // [px] RMS distance of the edges found
+  double visible_from = 0.0;   // [m] x along the outline: what of the long sides is in the image
+  double visible_to = 0.0;     // [m]
+  double metres_per_px = 0.0;  // there, about
+  double residual_px = 0.0;    // [px] RMS distance of the edges found
 
   [[nodiscard]] double share(int side) const { return sides[static_cast<std::size_t>(side)].share(); }
   [[nodiscard]] double step() const;  // [grey] mean over all sides

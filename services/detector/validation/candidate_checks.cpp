@@ -78,9 +78,6 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
       !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
     return Verdict::kGoesOnBeyondEnd;
   }
-  if (!is_filled(frame, candidate, candidate.bright ? 0.85 : 0.75)) {
-    return Verdict::kNotFilled;
-  }
   if (!candidate.hypothesis.is_element && outline.shape != FixtureShape::kRound &&
       fit.covariance(1, 1) > kMaxAcross * kMaxAcross) {
     return Verdict::kTooUncertain;
@@ -174,11 +171,6 @@ Verdict CandidateChecks::ends(const Candidate& candidate) const {
   for (const int end : {kFarEnd, kNearEnd}) {
     if (fit.sides[static_cast<std::size_t>(end)].in_view >= 3 && fit.share(end) < params_.min_end_support) {
       return Verdict::kNoEnd;
-    }
-    // A grid line between tiles may look like an end; then the long sides don't reach it.
-    const SideEdges& corner = fit.corners[end == kFarEnd ? 0 : 1];
-    if (fit.end_visible(end) && corner.on_edge < 0.6 * corner.in_view) {
-      return Verdict::kSidesEndEarly;
     }
   }
   return Verdict::kAccepted;
@@ -288,30 +280,6 @@ std::optional<int> CandidateChecks::level_across(const CeilingFrame& frame, cons
     }
   }
   return brightest[0] && brightest[1] ? std::min(brightest[0], brightest[1]) : std::max(brightest[0], brightest[1]);
-}
-
-bool CandidateChecks::is_filled(const CeilingFrame& frame, const Candidate& candidate, double least) const {
-  const Outline& outline = candidate.hypothesis.outline;
-  const PointTransform pose(candidate.fit.placement.pose);
-  const double level = candidate.bright ? candidate.level : 0.5 * params_.unlit_contrast;
-  int looked = 0;
-  int filled = 0;
-  const int places = shows_strips(frame, candidate) ? 3 : 1;  // that a look stands for
-  const auto look = [&](const std::optional<int>& there) {
-    looked += there ? places : 0;
-    filled += there && *there > level ? places : 0;
-  };
-  for (int i = 0; i < 15; ++i) {
-    const double along = 0.9 * outline.length * ((i + 0.5) / 15.0 - 0.5);
-    if (places > 1) {
-      look(level_across(frame, candidate, pose, along));
-      continue;
-    }
-    for (int j = -1; j <= 1; ++j) {
-      look(level_at(frame, camera_, candidate, pose, {along, 0.3 * j * outline.width}));
-    }
-  }
-  return looked >= 5 && filled >= least * looked;
 }
 
 CandidateChecks::Surroundings CandidateChecks::surroundings(const CeilingFrame& frame,

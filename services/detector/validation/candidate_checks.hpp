@@ -19,8 +19,6 @@ class CandidateChecks {
   CandidateChecks(const ModernDetectorParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue)
       : params_(params), camera_(camera), other_kinds_(camera, catalogue) {}
 
-  /// True when at least that share of the outline, where it is placed, is as bright, or dark, as its region.
-  [[nodiscard]] bool is_filled(const CeilingFrame& frame, const Candidate& candidate, double least) const;
   [[nodiscard]] Verdict by_edges(const CeilingFrame& frame, const Candidate& candidate) const;
   /// Of a lamp that is whole in view.
   [[nodiscard]] Verdict by_region(const CeilingFrame& frame, const Candidate& candidate) const;

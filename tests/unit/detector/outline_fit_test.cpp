@@ -93,7 +93,7 @@ TEST(EdgeSearch, FindsADarkEdgeBesideADarkerGridLine) {
   const GreyImage image = test::draw_ceiling(ceiling, camera, kHeight);
   EdgeSearch edges(model);
   const Outline outline{.length = 1.2, .width = 0.3, .height = kHeight};
-  const EdgeSearchParams params{.inside_brighter = false, .min_edge = 5.0, .max_edge = 22.0, .pixel_noise = 1.0};
+  const EdgeSearchParams params{.inside_brighter = false, .min_edge = 5.0, .pixel_noise = 1.0};
   edges.spread_points(outline, 0.0045, 8.0);
   edges.start({.pose = {0.0, 0.42, 0.0}}, kHeight, params);
   edges.measure(image.view(), params, kLeftSide);
