@@ -91,7 +91,7 @@ bool Zones::is_line_free(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
 }
 
 const Zone* Zones::against(const Pose2& world_from_robot, double linear) const {
-  constexpr double kSlack = 0.1;  // a robot that drives straight across does not keep its heading better
+  constexpr double kSlack = 0.5;  // no path leads against: this is room to steer by, back to a door that it passed
   const Eigen::Vector2d movement =
       linear * Eigen::Vector2d(std::cos(world_from_robot.theta), std::sin(world_from_robot.theta));
   const Zone* const zone = find_zone(others_, ZoneKind::kOneWay, world_from_robot.position());
@@ -103,13 +103,15 @@ const Zone* Zones::quiet_at(const Pose2& world_from_robot) const {
 }
 
 const Zone* Zones::slow_at(const Pose2& world_from_robot, double ahead) const {
-  constexpr double kStep = 0.1;  // [m]
+  constexpr double kStep = 0.1;       // [m]
+  constexpr double kPoseError = 0.1;  // [m] who drives along the edge may be inside
   const int steps = static_cast<int>(std::ceil(std::abs(ahead) / kStep));
   const Zone* slowest = nullptr;
   for (const Zone& zone : others_) {
     for (int i = 0; i <= steps && zone.kind == ZoneKind::kSlow; ++i) {
       const double along = steps == 0 ? 0.0 : ahead * i / steps;
-      const bool is_there = contains(zone.polygon, world_from_robot * Eigen::Vector2d(along, 0.0));
+      const Eigen::Vector2d point = world_from_robot * Eigen::Vector2d(along, 0.0);
+      const bool is_there = contains(zone.polygon, point) || distance_to_edge(zone.polygon, point) < kPoseError;
       if (is_there && (slowest == nullptr || zone.speed < slowest->speed)) {
         slowest = &zone;
       }

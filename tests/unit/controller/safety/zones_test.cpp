@@ -156,7 +156,7 @@ TEST(Zones, LetNoRobotDriveAgainstAOneWayZoneButByHand) {
   EXPECT_TRUE(drives(0.5 * kPi, ControlTask::kFollow)) << "with it";
   EXPECT_TRUE(drives(0.0, ControlTask::kFollow)) << "straight across";
   EXPECT_FALSE(drives(-0.5 * kPi, ControlTask::kFollow));
-  EXPECT_FALSE(drives(-0.3, ControlTask::kFollow));
+  EXPECT_FALSE(drives(-0.7, ControlTask::kFollow));
   EXPECT_TRUE(drives(-0.5 * kPi, ControlTask::kTeleop));
 }
 
