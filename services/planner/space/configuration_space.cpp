@@ -28,7 +28,7 @@ std::array<std::uint8_t, 256> price_table(const ConfigurationSpaceParams& params
       price = 0.0;
     } else if (square != kNothingNear && distance < range) {
       const double depth = (range - distance) / (range - hard);
-      price *= 1.0 + params.clearance_weight * depth * depth;
+      price *= 1.0 + params.clearance_weight * depth;
     }
     table[static_cast<std::size_t>(square)] = static_cast<std::uint8_t>(std::lround(price));
   }
