@@ -24,7 +24,7 @@ void replace(std::string& text, const std::string& what, const std::string& by) 
 launcher::PmdFile plan_commands(const FleetPlan& plan) {
   launcher::PmdFile file = launcher::read_pmd(std::filesystem::path(LUMINAV_SOURCE_DIR) / "launch/demo.pmd");
   std::erase_if(file.commands, [](const launcher::Command& command) {
-    return command.group != "robot" && command.group != "drivers" && command.group != "services";
+    return command.group == "viewer" || command.group == "recording";
   });
   for (launcher::Command& command : file.commands) {
     const auto place = plan.placed.find(command.name);
