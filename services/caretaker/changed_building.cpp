@@ -5,79 +5,36 @@
 
 #include <algorithm>
 #include <ctime>
-#include <sstream>
 
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/configuration_error.hpp"
+#include "services/common/configuration/toml_lines.hpp"
 #include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 namespace {
 
-using Lines = std::vector<std::string>;
-
-Lines lines_of(const std::string& text) {
-  Lines lines;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) {
-    lines.push_back(line);
-  }
-  return lines;
-}
-
-std::string code_of(const std::string& line) {
-  const std::size_t first = line.find_first_not_of(" \t");
-  return first == std::string::npos ? "" : line.substr(first);
-}
-
-bool is_header(const std::string& line) {
-  return code_of(line).rfind('[', 0) == 0 && line.find('=') == std::string::npos;
-}
-
-bool sets_key(const std::string& line, const std::string& key) {
-  const std::string code = code_of(line);
-  return code.rfind(key, 0) == 0 && code_of(code.substr(key.size())).rfind('=', 0) == 0;
-}
-
-/// The lines of a fixture's table: its header up to the last one that is not empty before the next table.
-struct Block {
-  Lines::iterator begin;
-  Lines::iterator end;
-};
-
-Block find_fixture(Lines& lines, const BuildingSource& source, int id, const std::filesystem::path& file) {
+TomlLines::Table find_fixture(const TomlLines& lines, const BuildingSource& source, int id,
+                              const std::filesystem::path& file) {
   const std::vector<Fixture>& fixtures = source.building.fixtures;
   const auto fixture = std::find_if(fixtures.begin(), fixtures.end(), [id](const Fixture& f) { return f.id == id; });
   if (fixture == fixtures.end()) {
     throw ConfigurationError(fmt::format("{}: has no fixture {}", file.string(), id));
   }
   const int line = source.fixture_lines[static_cast<std::size_t>(fixture - fixtures.begin())];
-  auto begin = lines.begin() + std::clamp<std::ptrdiff_t>(line - 1, 0, static_cast<std::ptrdiff_t>(lines.size()) - 1);
-  if (!is_header(*begin)) {
+  const auto header = static_cast<std::size_t>(std::max(1, line)) - 1;
+  if (header >= lines.size() || !lines.is_header(header)) {
     throw ConfigurationError(fmt::format("{}:{}: fixture {} is not a table of its own, must begin with [[fixture]]",
                                          file.string(), line, id));
   }
-  auto end = std::find_if(begin + 1, lines.end(), is_header);
-  while (end != begin + 1 && (code_of(*(end - 1)).empty() || code_of(*(end - 1)).front() == '#')) {
-    --end;
-  }
-  return {begin, end};
+  return lines.table_at(header);
 }
 
-void set_number(Lines& lines, const Block& block, const std::string& key, const std::string& value) {
-  const auto old = std::find_if(block.begin, block.end, [&](const std::string& line) { return sets_key(line, key); });
-  if (old == block.end) {
-    lines.insert(block.end, key + " = " + value);
-    return;
-  }
-  const std::size_t comment = old->find('#');
-  *old = key + " = " + value + (comment == std::string::npos ? "" : "  " + old->substr(comment));
-}
-
-void move(Lines& lines, const BuildingSource& source, const CeilingChange& change, const std::filesystem::path& file) {
+void move(TomlLines& lines, const BuildingSource& source, const CeilingChange& change,
+          const std::filesystem::path& file) {
   const Pose2& pose = change.fixture.world_from_fixture;
   const auto set = [&](const std::string& key, const std::string& value) {
-    set_number(lines, find_fixture(lines, source, change.id, file), key, value);
+    lines.set_key(find_fixture(lines, source, change.id, file), key, value);
   };
   // the table's last key first: lines are counted in the file as it was, and only theta may be new
   set("x", fmt::format("{:.3f}", pose.x));
@@ -100,36 +57,26 @@ std::vector<CeilingChange> last_first(std::vector<CeilingChange> changes, const 
   return changes;
 }
 
-std::string joined(const Lines& lines) {
-  std::string text;
-  for (const std::string& line : lines) {
-    text += line + "\n";
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string with_changes(const std::filesystem::path& file, const std::vector<CeilingChange>& changes) {
   const BuildingSource source = read_building_source(file);
-  Lines lines = lines_of(read_whole_file(file));
+  TomlLines lines(read_whole_file(file));
   std::string appended;
   for (const CeilingChange& change : last_first(changes, source)) {
     switch (change.kind) {
       case ChangeKind::kMoved:
         move(lines, source, change, file);
         break;
-      case ChangeKind::kRemoved: {
-        const Block block = find_fixture(lines, source, change.id, file);
-        lines.erase(block.begin, block.end);
+      case ChangeKind::kRemoved:
+        lines.erase(find_fixture(lines, source, change.id, file));
         break;
-      }
       case ChangeKind::kNew:
         appended += fixture_table(change.fixture, source.building.ceiling_height);
         break;
     }
   }
-  return joined(lines) + appended;
+  return lines.text() + appended;
 }
 
 std::filesystem::path change_building(const std::filesystem::path& file, const std::vector<CeilingChange>& changes,

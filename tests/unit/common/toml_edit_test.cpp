@@ -25,6 +25,17 @@ TEST(TomlEdit, KnowsAHeaderWithBlanksAndAComment) {
             "[localizer . errors]\nyaw = 0.1\n");
 }
 
+TEST(TomlEdit, KeepsTheCommentOfALineAndThoseBeforeTheNextTable) {
+  EXPECT_EQ(
+      with_keys_set("[camera]\nz = 1.0  # by tape\n\n# the base\n[p3dx]\n", "camera", {{"z", "1.5"}, {"yaw", "0"}}),
+      "[camera]\nz = 1.5  # by tape\nyaw = 0\n\n# the base\n[p3dx]\n");
+}
+
+TEST(TomlEdit, TakesARowOfAnArrayForNoHeader) {
+  EXPECT_EQ(with_keys_set("[camera]\nk = [\n[1, 2],\n[3, 4]]\nz = 1\n", "camera", {{"k", "[]"}, {"z", "2"}}),
+            "[camera]\nk = []\nz = 2\n");
+}
+
 TEST(TomlEdit, RefusesWhatWouldNotBeTomlAnyMore) {
   for (const char* text : {"camera.z = 1.0\n", "camera = {z = 1.0}\n"}) {
     try {

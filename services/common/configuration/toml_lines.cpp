@@ -1,0 +1,110 @@
+#include "services/common/configuration/toml_lines.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <sstream>
+
+namespace luminav {
+namespace {
+
+std::string trimmed(const std::string& line) {
+  const std::size_t first = line.find_first_not_of(" \t");
+  return first == std::string::npos ? "" : line.substr(first);
+}
+
+bool says_nothing(const std::string& line) {
+  const std::string text = trimmed(line);
+  return text.empty() || text.front() == '#';
+}
+
+/// The table whose header this line is, as `[ camera . lens ] # comment` of camera.lens; "" for any other line.
+std::string table_of(const std::string& line) {
+  const std::string text = trimmed(line);
+  if (text.rfind('[', 0) != 0 || text.rfind("[[", 0) == 0) {
+    return "";
+  }
+  std::string name = text.substr(1, text.find(']') - 1);
+  std::erase_if(name, [](char c) { return c == ' ' || c == '\t'; });
+  return name;
+}
+
+bool sets_key(const std::string& line, const std::string& key) {
+  const std::string text = trimmed(line);
+  return text.rfind(key, 0) == 0 && trimmed(text.substr(key.size())).rfind('=', 0) == 0;
+}
+
+}  // namespace
+
+TomlLines::TomlLines(const std::string& text) {
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    lines_.push_back(line);
+  }
+}
+
+bool TomlLines::is_header(std::size_t line) const {
+  // a row of an array begins with a bracket, too; a table's name begins with a letter
+  const std::string text = trimmed(lines_[line]);
+  const std::size_t name = text.find_first_not_of("[ \t");
+  return text.rfind('[', 0) == 0 && name != std::string::npos &&
+         std::isalpha(static_cast<unsigned char>(text[name])) != 0;
+}
+
+TomlLines::Table TomlLines::table_at(std::size_t begin) const {
+  std::size_t end = begin + 1;
+  while (end < lines_.size() && !is_header(end)) {
+    ++end;
+  }
+  while (end > begin + 1 && says_nothing(lines_[end - 1])) {
+    --end;
+  }
+  return {begin, end};
+}
+
+TomlLines::Table TomlLines::find_table(const std::string& name) const {
+  const auto header =
+      std::find_if(lines_.begin(), lines_.end(), [&](const std::string& line) { return table_of(line) == name; });
+  const auto begin = static_cast<std::size_t>(header - lines_.begin());
+  return header == lines_.end() ? Table{begin, begin} : table_at(begin);
+}
+
+std::size_t TomlLines::end_of_value(std::size_t line, std::size_t end) const {
+  int open = 0;
+  for (; line < end; ++line) {
+    const std::string code = lines_[line].substr(0, lines_[line].find('#'));
+    open += static_cast<int>(std::count(code.begin(), code.end(), '[') - std::count(code.begin(), code.end(), ']'));
+    if (open <= 0) {
+      return line + 1;
+    }
+  }
+  return end;
+}
+
+void TomlLines::set_key(Table table, const std::string& key, const std::string& value) {
+  const auto at = [this](std::size_t line) { return lines_.begin() + static_cast<std::ptrdiff_t>(line); };
+  const auto old =
+      std::find_if(at(table.begin + 1), at(table.end), [&](const std::string& line) { return sets_key(line, key); });
+  if (old == at(table.end)) {
+    lines_.insert(old, key + " = " + value);
+    return;
+  }
+  const std::size_t comment = value.find('#') == std::string::npos ? old->find('#') : std::string::npos;
+  const std::string line = key + " = " + value + (comment == std::string::npos ? "" : "  " + old->substr(comment));
+  const std::size_t first = static_cast<std::size_t>(old - lines_.begin());
+  lines_.insert(lines_.erase(old, at(end_of_value(first, table.end))), line);
+}
+
+void TomlLines::erase(Table table) {
+  lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(table.begin),
+               lines_.begin() + static_cast<std::ptrdiff_t>(table.end));
+}
+
+std::string TomlLines::text() const {
+  std::string text;
+  for (const std::string& line : lines_) {
+    text += line + "\n";
+  }
+  return text;
+}
+
+}  // namespace luminav

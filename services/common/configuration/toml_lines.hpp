@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace luminav {
+
+/// The lines of a TOML file that a person wrote, for edits that leave all else as it is, comments included.
+class TomlLines {
+ public:
+  explicit TomlLines(const std::string& text);
+
+  /// A table's lines: its header up to behind the last one that belongs to it and says something.
+  struct Table {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+  };
+
+  [[nodiscard]] std::size_t size() const { return lines_.size(); }
+  [[nodiscard]] bool is_header(std::size_t line) const;
+  /// The table whose header is at `begin`.
+  [[nodiscard]] Table table_at(std::size_t begin) const;
+  /// The table `[name]`; its begin is size() where there is none.
+  [[nodiscard]] Table find_table(const std::string& name) const;
+
+  /// Sets a key in its old place, whose comment stays unless the value brings one, or at the table's end. `value` is
+  /// the text after the equals sign.
+  void set_key(Table table, const std::string& key, const std::string& value);
+  /// Removes a table, what its lines say included.
+  void erase(Table table);
+  void append(const std::string& line) { lines_.push_back(line); }
+
+  [[nodiscard]] std::string text() const;
+
+ private:
+  [[nodiscard]] std::size_t end_of_value(std::size_t line, std::size_t end) const;
+
+  std::vector<std::string> lines_;
+};
+
+}  // namespace luminav
