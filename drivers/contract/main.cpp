@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <poll.h>
-#include <signal.h>
 
 #include <cstdio>
 #include <string>
@@ -9,29 +8,17 @@
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
+#include "services/common/process/interrupts.hpp"
 
 using namespace luminav;
 
 namespace {
 
-volatile sig_atomic_t g_interrupted = 0;
-
-void on_interrupt(int) {
-  g_interrupted = 1;
-}
-
-void catch_interrupts() {
-  struct sigaction action {};
-  action.sa_handler = on_interrupt;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
-
 /// Hands over messages as they come, so that their arrivals are true, until the time is over or the exercise is done.
 void listen(lcm::LCM& lcm, const CheckBaseNode& node, const Clock& clock, double duration) {
   const auto end = clock.utime() + static_cast<std::int64_t>(1e6 * duration);
   std::string said;
-  while (g_interrupted == 0 && clock.utime() < end && !(node.exercise() && node.exercise()->is_done())) {
+  while (!is_interrupted() && clock.utime() < end && !(node.exercise() && node.exercise()->is_done())) {
     constexpr int kTick = 100;  // [ms]
     pollfd descriptor{lcm.getFileno(), POLLIN, 0};
     if (poll(&descriptor, 1, kTick) > 0 && lcm.handleTimeout(0) < 0) {

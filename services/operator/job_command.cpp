@@ -9,6 +9,7 @@
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
+#include "services/common/process/interrupts.hpp"
 #include "services/operator/job_order.hpp"
 #include "services/operator/job_words.hpp"
 #include "services/operator/terminal.hpp"

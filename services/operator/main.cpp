@@ -17,6 +17,7 @@
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
+#include "services/common/process/interrupts.hpp"
 #include "services/operator/goal_order.hpp"
 #include "services/operator/goal_target.hpp"
 #include "services/operator/job_command.hpp"
@@ -44,8 +45,7 @@ int watch(lcm::LCM& lcm, CommandPublisher commands, GoalOrder& request) {
     request.tick();
     say_somebody_watches(commands);
     listen_until(lcm, monotonic_us() + kTick);
-    if (is_interrupted()) {
-      forget_interrupt();
+    if (take_interrupt()) {
       if (was_interrupted) {
         break;  // asked twice: do not wait for the planner
       }

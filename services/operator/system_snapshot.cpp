@@ -7,6 +7,7 @@
 
 #include "services/common/geometry/angle.hpp"
 #include "services/common/process/channels.hpp"
+#include "services/common/process/lcm_conversions.hpp"
 #include "services/operator/goal_order.hpp"
 
 namespace luminav {
@@ -31,9 +32,8 @@ std::string robot_line(const robot_status_t& robot) {
 std::string pose_line(const pose_t& pose) {
   std::string line = pose_state_name(pose.state);
   if (pose.state == pose_t::STATE_TRACKING) {
-    const double sigma = std::sqrt(std::max(0.0, 0.5 * (pose.covariance[0] + pose.covariance[4])));
     line += fmt::format(" at ({:.2f}, {:.2f}) {:.0f} deg ({:.2f} rad), +-{:.2f} m", pose.x, pose.y, degrees(pose.theta),
-                        pose.theta, sigma);
+                        pose.theta, position_sigma(pose));
   }
   return with_reason(line, pose.reason);
 }

@@ -2,21 +2,16 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <ctime>
 #include <stdexcept>
 
+#include "services/common/process/interrupts.hpp"
+
 namespace luminav {
 namespace {
-
-volatile sig_atomic_t g_interrupted = 0;
-
-void on_interrupt(int) {
-  g_interrupted = 1;
-}
 
 std::int64_t clock_us(clockid_t clock) {
   timespec now{};
@@ -25,22 +20,6 @@ std::int64_t clock_us(clockid_t clock) {
 }
 
 }  // namespace
-
-void catch_interrupts() {
-  struct sigaction action {};
-  action.sa_handler = on_interrupt;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  sigaction(SIGHUP, &action, nullptr);
-}
-
-bool is_interrupted() {
-  return g_interrupted != 0;
-}
-
-void forget_interrupt() {
-  g_interrupted = 0;
-}
 
 std::int64_t monotonic_us() {
   return clock_us(CLOCK_MONOTONIC);

@@ -6,12 +6,6 @@
 
 namespace luminav {
 
-/// From now on Ctrl-C, SIGTERM and a closed terminal end what waits, not the program: the robot must not be left
-/// driving.
-void catch_interrupts();
-[[nodiscard]] bool is_interrupted();
-void forget_interrupt();
-
 /// [us] since some moment.
 std::int64_t monotonic_us();
 /// Ids of requests must grow from one call to the next, also after a reboot: [us] of the wall clock.

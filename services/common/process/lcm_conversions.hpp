@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <luminav/grid_tile_t.hpp>
 #include <luminav/odometry_t.hpp>
 #include <luminav/pose_t.hpp>
@@ -15,6 +17,11 @@ inline Pose2 odom_from_robot(const odometry_t& message) {
 }
 inline Pose2 world_from_robot(const pose_t& message) {
   return {message.x, message.y, message.theta};
+}
+
+/// Square root of the mean position variance [m].
+inline double position_sigma(const pose_t& message) {
+  return std::sqrt(std::max(0.0, 0.5 * (message.covariance[0] + message.covariance[4])));
 }
 
 /// False for values that are not finite, places beyond 100 km, and speeds beyond 10 m/s or 100 rad/s. Sums and grid

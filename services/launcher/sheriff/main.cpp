@@ -14,6 +14,7 @@
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
+#include "services/common/process/interrupts.hpp"
 #include "services/launcher/deputy/rotating_log.hpp"
 #include "services/launcher/network.hpp"
 #include "services/launcher/sheriff/session.hpp"

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <signal.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -11,6 +10,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "services/common/process/interrupts.hpp"
 #include "services/launcher/sheriff/status_table.hpp"
 
 namespace luminav::launcher {
@@ -18,12 +18,6 @@ namespace {
 
 constexpr int kTickPeriod = 50;                 // [ms]
 constexpr std::int64_t kTablePeriod = 500'000;  // [us]
-
-volatile sig_atomic_t g_interrupted = 0;
-
-void on_interrupt(int) {
-  g_interrupted = 1;
-}
 
 std::size_t terminal_width() {
   winsize size{};
@@ -44,20 +38,6 @@ void drain(lcm::LCM& lcm) {
 }
 
 }  // namespace
-
-void catch_interrupts() {
-  struct sigaction action {};
-  action.sa_handler = on_interrupt;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  sigaction(SIGHUP, &action, nullptr);
-}
-
-bool take_interrupt() {
-  const bool interrupted = g_interrupted != 0;
-  g_interrupted = 0;
-  return interrupted;
-}
 
 Session::Session(lcm::LCM& procman, lcm::LCM* data, Sheriff& sheriff)
     : procman_(procman), data_(data), sheriff_(sheriff), terminal_(isatty(STDOUT_FILENO) == 1) {}

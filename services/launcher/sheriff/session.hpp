@@ -43,8 +43,4 @@ class Session {
   std::vector<std::pair<std::string, std::string>> last_;  // of each command, for changes as lines
 };
 
-/// Installs handlers for SIGINT and SIGTERM; true when one came since the last call.
-void catch_interrupts();
-[[nodiscard]] bool take_interrupt();
-
 }  // namespace luminav::launcher

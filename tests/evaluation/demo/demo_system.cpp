@@ -25,6 +25,7 @@
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/network/lcm_network.hpp"
 #include "services/common/process/event_loop.hpp"
+#include "services/common/process/interrupts.hpp"
 #include "services/launcher/network.hpp"
 #include "services/launcher/sheriff/script_run.hpp"
 #include "services/launcher/sheriff/session.hpp"
@@ -238,7 +239,7 @@ bool DemoSystem::start(lcm::LCM& data) {
   sheriff_->listen_for_readiness(data);
   launcher::ScriptRun script(*sheriff_, configuration_, "go", kReadyWithin);
   while (true) {
-    if (launcher::take_interrupt()) {
+    if (take_interrupt()) {
       return false;
     }
     pump(data);

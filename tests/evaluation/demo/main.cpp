@@ -20,6 +20,7 @@
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
+#include "services/common/process/interrupts.hpp"
 #include "services/launcher/network.hpp"
 #include "services/launcher/sheriff/session.hpp"
 #include "services/launcher/sheriff/sheriff.hpp"
@@ -92,7 +93,7 @@ void say_what_to_try(const DemoOptions& options, const Building& building) {
 void stay(lcm::LCM& lcm, DemoSystem& system, const DemoOptions& options) {
   fmt::print("\nThe robot is yours at http://localhost:{}/ until Ctrl-C.\n", options.page_port());
   std::fflush(stdout);
-  while (!launcher::take_interrupt() && system.is_whole()) {
+  while (!take_interrupt() && system.is_whole()) {
     system.pump(lcm);
   }
 }
@@ -124,7 +125,7 @@ std::optional<RunReport> drive(lcm::LCM& lcm, DemoSystem& system, const Scenario
     return static_cast<double>(launcher::Instant::read().steady - started) * 1e-6 > scenario.duration + 30.0;
   };
   while (!mission.is_finished() && judge.elapsed() < scenario.duration && !too_long()) {
-    if (launcher::take_interrupt() || !system.is_whole()) {
+    if (take_interrupt() || !system.is_whole()) {
       return std::nullopt;
     }
     system.pump(lcm);
@@ -231,7 +232,7 @@ int demo(int argc, char** argv) {
   const Building building = read_building(scenario.building_file);
   const WorldTruth world = draw_world(scenario, building, read_robot(scenario.robot_file));
   const auto lcm = open_lcm(options.lcm_url);
-  launcher::catch_interrupts();
+  catch_interrupts();
   fmt::print("demo: {} with seed {}, world {}, on {}\n", scenario.name, scenario.seed, world.hash, options.lcm_url);
   say_where_it_is_seen(options);
   DemoSystem system(scenario, options.mode, options.lcm_url, options.log);

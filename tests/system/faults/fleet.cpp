@@ -8,6 +8,7 @@
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/event_loop.hpp"
+#include "services/common/process/interrupts.hpp"
 #include "services/launcher/sheriff/script_run.hpp"
 #include "services/launcher/sheriff/session.hpp"
 
@@ -108,7 +109,7 @@ void Fleet::pump(int milliseconds) {
       since = clock_.utime();
     }
   }
-  if (launcher::take_interrupt()) {
+  if (take_interrupt()) {
     throw Interrupted();
   }
 }

@@ -7,6 +7,7 @@
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
+#include "services/common/process/interrupts.hpp"
 #include "services/launcher/sheriff/session.hpp"
 #include "tests/evaluation/runs/mission.hpp"
 #include "tests/system/faults/fleet.hpp"
@@ -74,7 +75,7 @@ int run(int argc, char** argv) {
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
-  launcher::catch_interrupts();
+  catch_interrupts();
   const Scenario scenario = read_scenario(file);
   std::vector<Condition> conditions{
       {"without loss", {}},

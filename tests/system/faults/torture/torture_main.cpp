@@ -11,6 +11,7 @@
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
+#include "services/common/process/interrupts.hpp"
 #include "services/launcher/sheriff/session.hpp"
 #include "tests/system/faults/interference.hpp"
 #include "tests/system/faults/torture/torture_round.hpp"
@@ -116,7 +117,7 @@ int run(int argc, char** argv) {
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
-  launcher::catch_interrupts();
+  catch_interrupts();
   const std::filesystem::path folder = make_folder(options.keep);
   const int status = torture(options, folder);
   if (options.keep.empty()) {
