@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "services/common/ceiling/detection_conversion.hpp"
 #include "services/common/process/channels.hpp"
-#include "services/localizer/detection_conversion.hpp"
-#include "services/localizer/model/pose_belief.hpp"
+#include "services/common/process/lcm_conversions.hpp"
 
 namespace luminav {
 namespace {
@@ -16,7 +16,7 @@ constexpr int kMaxDetections = 200;
 
 bool is_sure(const pose_t& message) {
   return message.state == pose_t::STATE_TRACKING && is_covariance(message.covariance) &&
-         position_sigma(to_matrix(message.covariance)) < kMaxSigma;
+         position_sigma(message) < kMaxSigma;
 }
 
 }  // namespace

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "services/localizer/model/sighting_model.hpp"
-
 namespace luminav {
 namespace {
 

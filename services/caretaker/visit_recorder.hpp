@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "services/caretaker/fixture_visit.hpp"
-#include "services/localizer/model/ceiling_view.hpp"
-#include "services/localizer/model/fixture_map.hpp"
-#include "services/localizer/model/odometry_history.hpp"
+#include "services/common/ceiling/ceiling_view.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
+#include "services/common/ceiling/odometry_history.hpp"
 
 namespace luminav {
 

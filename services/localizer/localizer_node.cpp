@@ -5,9 +5,9 @@
 #include <luminav/hypotheses_t.hpp>
 #include <utility>
 
+#include "services/common/ceiling/detection_conversion.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
-#include "services/localizer/detection_conversion.hpp"
 
 namespace luminav {
 namespace {

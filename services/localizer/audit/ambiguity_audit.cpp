@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "services/localizer/model/ceiling_view.hpp"
+#include "services/common/ceiling/ceiling_view.hpp"
 
 namespace luminav {
 namespace {

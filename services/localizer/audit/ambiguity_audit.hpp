@@ -8,9 +8,9 @@
 
 #include "services/common/building/building.hpp"
 #include "services/common/building/occupancy_grid.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/audit/resolving_walk.hpp"
-#include "services/localizer/model/fixture_map.hpp"
 #include "services/localizer/model/wall_field.hpp"
 
 namespace luminav {

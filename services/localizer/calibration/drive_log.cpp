@@ -8,12 +8,12 @@
 #include <luminav/odometry_t.hpp>
 #include <stdexcept>
 
+#include "services/common/ceiling/ceiling_view.hpp"
+#include "services/common/ceiling/detection_conversion.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 #include "services/common/process/subscriber.hpp"
-#include "services/localizer/detection_conversion.hpp"
-#include "services/localizer/model/ceiling_view.hpp"
-#include "services/localizer/model/fixture_map.hpp"
 #include "services/localizer/model/wheel_correction.hpp"
 
 namespace luminav {

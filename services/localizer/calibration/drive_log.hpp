@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/localizer/localizer_config.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
 
 namespace luminav {
 

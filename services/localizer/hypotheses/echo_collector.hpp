@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "services/common/ceiling/odometry_history.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/geometry/angle.hpp"
 #include "services/localizer/hypotheses/sonar_evidence.hpp"
 #include "services/localizer/model/localizer.hpp"
-#include "services/localizer/model/odometry_history.hpp"
 
 namespace luminav {
 

@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/localizer/hypotheses/object_tracks.hpp"
 #include "services/localizer/hypotheses/sonar_evidence.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 
 namespace luminav {

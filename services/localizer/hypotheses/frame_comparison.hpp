@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "services/common/ceiling/ceiling_view.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/hypotheses/hypothesis.hpp"
-#include "services/localizer/model/ceiling_view.hpp"
 #include "services/localizer/model/error_model.hpp"
-#include "services/localizer/model/fixture_map.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/model/sighting_model.hpp"
 

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "services/common/ceiling/ceiling_view.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/hypotheses/evidence_round.hpp"
 #include "services/localizer/hypotheses/frame_comparison.hpp"
@@ -14,9 +16,7 @@
 #include "services/localizer/hypotheses/sonar_evidence.hpp"
 #include "services/localizer/hypotheses/trajectory_check.hpp"
 #include "services/localizer/hypotheses/work_budget.hpp"
-#include "services/localizer/model/ceiling_view.hpp"
 #include "services/localizer/model/error_model.hpp"
-#include "services/localizer/model/fixture_map.hpp"
 #include "services/localizer/model/wall_field.hpp"
 
 namespace luminav {

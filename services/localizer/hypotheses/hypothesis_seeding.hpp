@@ -3,14 +3,14 @@
 #include <optional>
 #include <vector>
 
+#include "services/common/ceiling/ceiling_view.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/hypotheses/evidence_round.hpp"
 #include "services/localizer/hypotheses/frame_comparison.hpp"
 #include "services/localizer/hypotheses/hypothesis.hpp"
 #include "services/localizer/hypotheses/pose_hash.hpp"
 #include "services/localizer/hypotheses/work_budget.hpp"
-#include "services/localizer/model/ceiling_view.hpp"
 #include "services/localizer/model/error_model.hpp"
-#include "services/localizer/model/fixture_map.hpp"
 #include "services/localizer/model/wall_field.hpp"
 
 namespace luminav {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "services/localizer/model/fixture_sighting.hpp"
+#include "services/common/ceiling/fixture_sighting.hpp"
 
 namespace luminav {
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "services/common/ceiling/ceiling_view.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/hypotheses/object_tracks.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
 #include "services/localizer/integrity/unexpected_object.hpp"
-#include "services/localizer/model/ceiling_view.hpp"
-#include "services/localizer/model/fixture_map.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/tracking/fixture_matching.hpp"
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/localizer/integrity/slipping_wheels.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
 
 namespace luminav {
 

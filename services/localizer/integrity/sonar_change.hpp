@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/common/geometry/pose2.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
 
 namespace luminav {
 

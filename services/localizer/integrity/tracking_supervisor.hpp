@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/hypotheses/hypothesis_bank.hpp"
 #include "services/localizer/hypotheses/object_tracks.hpp"
 #include "services/localizer/integrity/match_monitor.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
-#include "services/localizer/model/fixture_map.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/tracking/fixture_matching.hpp"
 #include "services/localizer/tracking/tracking_filter.hpp"

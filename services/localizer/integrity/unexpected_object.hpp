@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
 #include "services/localizer/tracking/fixture_matching.hpp"
 
 namespace luminav {

@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/common/geometry/angle.hpp"
 #include "services/common/geometry/pose2.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
 
 namespace luminav {
 

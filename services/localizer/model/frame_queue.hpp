@@ -4,7 +4,7 @@
 #include <deque>
 #include <optional>
 
-#include "services/localizer/model/odometry_history.hpp"
+#include "services/common/ceiling/odometry_history.hpp"
 
 namespace luminav {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "services/localizer/model/fixture_sighting.hpp"
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 
 namespace luminav {

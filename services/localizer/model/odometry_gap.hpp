@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/common/geometry/pose2.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
 
 namespace luminav {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "services/common/building/building.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/model/pose_kalman.hpp"
 

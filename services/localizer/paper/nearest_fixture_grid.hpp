@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "services/localizer/model/fixture_map.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/paper/particle_kernels.hpp"
 
 namespace luminav {

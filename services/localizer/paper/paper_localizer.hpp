@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
+#include "services/common/ceiling/ceiling_view.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/model/ceiling_view.hpp"
 #include "services/localizer/model/error_model.hpp"
 #include "services/localizer/model/frame_queue.hpp"
 #include "services/localizer/model/localizer.hpp"

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/common/geometry/split_mix.hpp"
-#include "services/localizer/model/fixture_map.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/model/wall_field.hpp"
 #include "services/localizer/paper/nearest_fixture_grid.hpp"

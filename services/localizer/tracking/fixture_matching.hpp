@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "services/localizer/model/fixture_map.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/localizer/tracking/tracking_filter.hpp"
 
 namespace luminav {

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/model/error_model.hpp"
-#include "services/localizer/model/fixture_map.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/model/sighting_model.hpp"
 

@@ -10,13 +10,13 @@
 #include <luminav/sonar_t.hpp>
 #include <stdexcept>
 
+#include "services/common/ceiling/detection_conversion.hpp"
 #include "services/common/image/jpeg_codec.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 #include "services/common/process/subscriber.hpp"
 #include "services/detector/detector.hpp"
 #include "services/detector/detector_config.hpp"
-#include "services/localizer/detection_conversion.hpp"
 
 namespace luminav {
 namespace {

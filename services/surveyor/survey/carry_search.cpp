@@ -5,7 +5,7 @@
 #include <iterator>
 #include <set>
 
-#include "services/localizer/model/ceiling_view.hpp"
+#include "services/common/ceiling/ceiling_view.hpp"
 
 namespace luminav {
 namespace {

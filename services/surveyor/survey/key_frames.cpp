@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "services/localizer/model/ceiling_view.hpp"
-#include "services/localizer/model/odometry_history.hpp"
+#include "services/common/ceiling/ceiling_view.hpp"
+#include "services/common/ceiling/odometry_history.hpp"
 
 namespace luminav {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
 
 namespace luminav {
 

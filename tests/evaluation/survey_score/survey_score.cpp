@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "services/localizer/model/ceiling_view.hpp"
+#include "services/common/ceiling/ceiling_view.hpp"
 
 namespace luminav {
 namespace {

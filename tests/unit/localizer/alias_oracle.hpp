@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "services/localizer/model/ceiling_view.hpp"
-#include "services/localizer/model/fixture_map.hpp"
+#include "services/common/ceiling/ceiling_view.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/model/wall_field.hpp"
 #include "tests/unit/localizer/synthetic_world.hpp"
 

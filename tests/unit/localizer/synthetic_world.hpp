@@ -9,8 +9,8 @@
 
 #include "services/common/building/building.hpp"
 #include "services/common/building/occupancy_grid.hpp"
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
 #include "services/localizer/model/wall_field.hpp"
 #include "tests/support/fixture_visibility.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "services/localizer/model/fixture_sighting.hpp"
+#include "services/common/ceiling/fixture_sighting.hpp"
 
 namespace luminav::testing {
 

@@ -4,9 +4,9 @@
 
 #include <random>
 
-#include "services/localizer/model/ceiling_view.hpp"
+#include "services/common/ceiling/ceiling_view.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/model/error_model.hpp"
-#include "services/localizer/model/fixture_map.hpp"
 
 namespace luminav {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "services/common/ceiling/ceiling_view.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/model/ceiling_view.hpp"
 
 namespace luminav {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/localizer/model/ceiling_view.hpp"
+#include "services/common/ceiling/ceiling_view.hpp"
 
 #include <algorithm>
 #include <cmath>

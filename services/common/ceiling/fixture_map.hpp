@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
+#include "services/common/ceiling/fixture_sighting.hpp"
 
 namespace luminav {
 

@@ -1,4 +1,4 @@
-#include "services/localizer/model/fixture_map.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 
 #include <algorithm>
 #include <cmath>

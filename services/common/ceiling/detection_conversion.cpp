@@ -1,4 +1,4 @@
-#include "services/localizer/detection_conversion.hpp"
+#include "services/common/ceiling/detection_conversion.hpp"
 
 #include <algorithm>
 #include <cmath>

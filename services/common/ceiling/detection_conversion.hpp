@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <luminav/fixture_detection_t.hpp>
 
-#include "services/localizer/model/fixture_sighting.hpp"
+#include "services/common/ceiling/fixture_sighting.hpp"
 
 namespace luminav {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
+#include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/model/fixture_sighting.hpp"
 
 namespace luminav {
 

@@ -4,7 +4,7 @@
 #include <deque>
 #include <optional>
 
-#include "services/localizer/model/fixture_sighting.hpp"
+#include "services/common/ceiling/fixture_sighting.hpp"
 
 namespace luminav {
 

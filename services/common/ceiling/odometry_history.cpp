@@ -1,4 +1,4 @@
-#include "services/localizer/model/odometry_history.hpp"
+#include "services/common/ceiling/odometry_history.hpp"
 
 #include <algorithm>
 
