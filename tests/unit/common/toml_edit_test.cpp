@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "services/common/configuration/toml_lines.hpp"
 #include "services/common/configuration/toml_table.hpp"
 
 namespace luminav {
@@ -34,6 +35,13 @@ TEST(TomlEdit, KeepsTheCommentOfALineAndThoseBeforeTheNextTable) {
 TEST(TomlEdit, TakesARowOfAnArrayForNoHeader) {
   EXPECT_EQ(with_keys_set("[camera]\nk = [\n[1, 2],\n[3, 4]]\nz = 1\n", "camera", {{"k", "[]"}, {"z", "2"}}),
             "[camera]\nk = []\nz = 2\n");
+}
+
+TEST(TomlLines, ErasesATableAndNotTheCommentOfTheNext) {
+  TomlLines lines("[[fixture]]\nid = 1\n\n# by the door\n[[fixture]]\nid = 2\n");
+  lines.erase(lines.table_at(0));
+  EXPECT_EQ(lines.text(), "\n# by the door\n[[fixture]]\nid = 2\n");
+  EXPECT_EQ(lines.find_table("fixture").begin, lines.size()) << "one of many has no name of its own";
 }
 
 TEST(TomlEdit, RefusesWhatWouldNotBeTomlAnyMore) {
