@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <exception>
@@ -19,10 +20,20 @@ inline bool is_stamp(std::int64_t utime) {
   return utime > 0 && utime < std::int64_t{1} << 53;
 }
 
+/// Of what may not have been yet.
+inline bool is_stamp_or_none(std::int64_t utime) {
+  return utime == 0 || is_stamp(utime);
+}
+
 /// What is sent has a stamp, and a request an id, which is taken from the clock too. A stop is obeyed whatever it says.
 template <typename Message>
 bool has_sound_stamps(const Message& message) {
-  if constexpr (requires { message.engaged; }) {
+  if constexpr (requires { message.range_utime; }) {
+    return is_stamp(message.utime) &&
+           std::all_of(message.range_utime.begin(), message.range_utime.end(), is_stamp_or_none);
+  } else if constexpr (requires { message.fixture_utime; }) {
+    return is_stamp(message.utime) && is_stamp_or_none(message.fixture_utime);
+  } else if constexpr (requires { message.engaged; }) {
     return message.engaged != 0 || is_stamp(message.id);
   } else if constexpr (requires { message.id; }) {
     return is_stamp(message.utime) && is_stamp(message.id);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <luminav/hypotheses_t.hpp>
 #include <luminav/odometry_t.hpp>
+#include <luminav/pose_t.hpp>
+#include <luminav/sonar_t.hpp>
 #include <luminav/stop_t.hpp>
 #include <stdexcept>
 
@@ -81,6 +83,22 @@ TEST(Subscriber, DropsStampsThatNoClockShows) {
   lcm.publish("ODOMETRY", &message);
   drain(lcm);
   EXPECT_EQ(listener.heard, 1);
+}
+
+TEST(Subscriber, KnowsImpossibleStampsInsideOfAMessage) {
+  constexpr std::int64_t kBeforeAllClocks = std::numeric_limits<std::int64_t>::min();
+  sonar_t sonar{};
+  sonar.utime = 1;
+  sonar.count = 2;
+  sonar.range_utime = {1, 0};
+  EXPECT_TRUE(has_sound_stamps(sonar));
+  sonar.range_utime[1] = kBeforeAllClocks;
+  EXPECT_FALSE(has_sound_stamps(sonar));
+  pose_t pose{};
+  pose.utime = 1;
+  EXPECT_TRUE(has_sound_stamps(pose));
+  pose.fixture_utime = kBeforeAllClocks;
+  EXPECT_FALSE(has_sound_stamps(pose));
 }
 
 TEST(Subscriber, TakesAStopWhateverItsStampAndNoReleaseWithoutOne) {
