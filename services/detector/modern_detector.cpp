@@ -25,29 +25,21 @@ constexpr double kCertain = 0.9;     // share of the outline that shows an edge:
 constexpr double kOutset = 3.0;      // [1/m] by which an unlit outline is the worse, the less it has its nominal size
 constexpr double kOfRegion = 0.4;    // score of a region's own rectangle, at most: edges say more
 
-double min_width(const CeilingCatalogue& catalogue) {
-  double side = 0.3;
-  for (const CeilingKind& kind : catalogue.fixtures) {
-    side = std::min(side, kind.width);
-  }
-  return side;
-}
+/// Of all fixtures; of one of two lamps half may burn alone.
+struct SizeLimits {
+  double min_width = 0.3;  // [m]
+  double max_width = 0.1;  // [m]
+  double min_area = 1e9;   // [m^2]
+};
 
-double max_width(const CeilingCatalogue& catalogue) {
-  double side = 0.1;
+SizeLimits size_limits(const CeilingCatalogue& catalogue) {
+  SizeLimits limits;
   for (const CeilingKind& kind : catalogue.fixtures) {
-    side = std::max(side, kind.width);
+    limits.min_width = std::min(limits.min_width, kind.width);
+    limits.max_width = std::max(limits.max_width, kind.width);
+    limits.min_area = std::min(limits.min_area, kind.length * kind.width * (kind.lamps >= 2 ? 0.5 : 1.0));
   }
-  return side;
-}
-
-/// [m^2] of the smallest fixture; of one of two lamps half may burn alone.
-double min_area(const CeilingCatalogue& catalogue) {
-  double area = 1e9;
-  for (const CeilingKind& kind : catalogue.fixtures) {
-    area = std::min(area, kind.length * kind.width * (kind.lamps >= 2 ? 0.5 : 1.0));
-  }
-  return area;
+  return limits;
 }
 
 /// The largest pixel on the ceiling [m] within 50 degrees of the zenith: through a fisheye those far out are larger.
@@ -71,7 +63,7 @@ double coarsest_pixel(const CeilingCamera& camera, double height) {
 
 /// Cells must stay clearly smaller than the narrowest fixture.
 int reduction_factor(const CeilingCamera& camera, const CeilingCatalogue& catalogue) {
-  const double narrowest_px = min_width(catalogue) / coarsest_pixel(camera, catalogue.ceiling_height);
+  const double narrowest_px = size_limits(catalogue).min_width / coarsest_pixel(camera, catalogue.ceiling_height);
   return narrowest_px >= 20.0 ? 4 : narrowest_px >= 6.0 ? 2 : 1;
 }
 
@@ -125,10 +117,11 @@ ModernDetector::ModernDetector(const ModernDetectorParams& params, const Ceiling
       fitter_(camera_),
       checks_(params_, camera_, catalogue_),
       builder_(camera_, catalogue_) {
+  const SizeLimits limits = size_limits(catalogue_);
   const double cell = factor_ * (catalogue.ceiling_height - camera.mounting().z) / camera.intrinsics().fx;
   // wider than the widest fixture and its bloom, or its middle would count as surroundings
-  window_radius_ = static_cast<int>(std::ceil(0.5 * (1.25 * max_width(catalogue_) + 0.08) / cell));
-  min_cells_ = std::max(6, static_cast<int>(0.5 * params_.min_visible * min_area(catalogue_) / (cell * cell)));
+  window_radius_ = static_cast<int>(std::ceil(0.5 * (1.25 * limits.max_width + 0.08) / cell));
+  min_cells_ = std::max(6, static_cast<int>(0.5 * params_.min_visible * limits.min_area / (cell * cell)));
   for (const auto* kinds : {&catalogue_.fixtures, &catalogue_.elements}) {
     for (const CeilingKind& kind : *kinds) {
       const double length = kSlack * kind.length + 2.0 * params_.max_bloom;
@@ -138,8 +131,8 @@ ModernDetector::ModernDetector(const ModernDetectorParams& params, const Ceiling
     }
   }
   // grid lines between tiles are thinner than two cells; the narrowest fixture must survive
-  is_eroded_ = min_width(catalogue_) / cell >= 5.0;
-  ignore_lines_ = min_width(catalogue_) / cell >= 7.5;
+  is_eroded_ = limits.min_width / cell >= 5.0;
+  ignore_lines_ = limits.min_width / cell >= 7.5;
 }
 
 const std::vector<Detection>& ModernDetector::detect(const GreyView& image, DetectorTrace* trace) {

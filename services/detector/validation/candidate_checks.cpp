@@ -18,7 +18,6 @@ constexpr double kSpeckSupport = 0.92;        // share of the rim of a smaller l
 constexpr double kOfMinVisible = 0.75;        // edges are looked for no closer to the border than this leaves
 constexpr double kMinStretch = 0.4;           // of a long side, where the other one or both ends are out of view
 constexpr double kAlikeSides = 0.5;    // least step of a lamp's side, of the other's: a burning half has a faint one
-constexpr double kAlikeEdges = 0.45;   // least step of any edge of an unlit piece, of its clearest
 constexpr double kEndsBrighter = 0.6;  // beyond the end of an unlit one, of its edges' step
 constexpr double kEndsLessDeep = 0.45;
 // Each amiss by 1:
@@ -176,23 +175,6 @@ Verdict CandidateChecks::ends(const Candidate& candidate) const {
   return Verdict::kAccepted;
 }
 
-/// What is unlit is as dark at all of its edges that are in view, and of its kind's width.
-bool CandidateChecks::has_alike_edges(const Candidate& candidate) const {
-  const OutlineFit& fit = candidate.fit;
-  double faintest = 255.0;
-  double clearest = 0.0;
-  for (int side = 0; side < kSides; ++side) {
-    const SideEdges& edges = fit.sides[static_cast<std::size_t>(side)];
-    if (side < kFarEnd ? edges.on_edge >= 3 : fit.end_visible(side)) {
-      faintest = std::min(faintest, edges.step);
-      clearest = std::max(clearest, edges.step);
-    }
-  }
-  const double wider = std::abs(fit.placement.side_outset);
-  return faintest >= kAlikeEdges * clearest &&
-         wider < 0.5 * params_.size_tolerance * candidate.hypothesis.outline.width + fit.metres_per_px;
-}
-
 /// The border cuts it, or hides an end in noise. Grooves and beams have two dark edges.
 Verdict CandidateChecks::piece(const Candidate& candidate) const {
   const OutlineFit& fit = candidate.fit;
@@ -206,9 +188,6 @@ Verdict CandidateChecks::piece(const Candidate& candidate) const {
   }
   if (!candidate.bright && outline.width < kMinAcross * fit.metres_per_px) {
     return Verdict::kTooUncertain;
-  }
-  if (!candidate.bright && !has_alike_edges(candidate)) {
-    return Verdict::kUnequalSides;
   }
   const bool is_short = fit.visible_to - fit.visible_from < kMinStretch * outline.length;
   if (fit.ends_visible() == 0 && is_short) {

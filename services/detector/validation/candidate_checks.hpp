@@ -35,7 +35,6 @@ class CandidateChecks {
   [[nodiscard]] Verdict ends(const Candidate& candidate) const;
   [[nodiscard]] Verdict disc(const Candidate& candidate) const;
   [[nodiscard]] Verdict piece(const Candidate& candidate) const;
-  [[nodiscard]] bool has_alike_edges(const Candidate& candidate) const;
   [[nodiscard]] bool has_right_size(const Candidate& candidate) const;
   [[nodiscard]] Verdict contrast(const CeilingFrame& frame, const Candidate& candidate) const;
   /// An unlit one is dark just inside of an end in view and no longer just outside.

@@ -182,28 +182,6 @@ TEST(CutFixture, LeavesTheCentreOpenWhenNoEndIsSeen) {
   EXPECT_NEAR(detections[0].robot_from_fixture.y, truth.y, 2e-3);
 }
 
-TEST(CutFixture, TakesNoJointsThatGoOnBeyondAFaintEndForTheSidesOfAPieceWithoutEnds) {
-  CeilingCatalogue catalogue = test::test_catalogue();
-  catalogue.fixtures = {{.length = 3.0, .width = 0.3, .height = 2.8, .lamps = 2}};
-  for (const double end : {0.6, 0.7, 0.8}) {  // [m] ahead, where the border is at 1.08
-    DrawnCeiling ceiling;
-    const auto darken = [&](double from, double to, double y, double width, double by) {
-      ceiling.shapes.push_back({.pose = {0.5 * (from + to), y, 0.0},
-                                .length = to - from,
-                                .width = width,
-                                .state = DetectionState::kUnlit,
-                                .darker = by});
-    };
-    darken(-2.0, end, 0.1, 0.3, 20.0);
-    for (int i = 0; i < 8; ++i) {  // the end fades
-      darken(end + 0.025 * i, end + 0.025 * (i + 1), 0.1, 0.26, 18.0 - 2.2 * i);
-    }
-    darken(end, 1.5, 0.24, 0.02, 20.0);
-    darken(end, 1.5, -0.04, 0.02, 20.0);
-    EXPECT_TRUE(detect(ceiling, test::test_camera(), catalogue).empty()) << "end at " << end << " m";
-  }
-}
-
 TEST(CutFixture, TellsACutFixtureFromACutVentByItsSmoothSurface) {
   CeilingCatalogue catalogue = test::test_catalogue();
   for (CeilingKind& element : catalogue.elements) {
