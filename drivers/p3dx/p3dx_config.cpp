@@ -2,8 +2,8 @@
 
 #include <stdexcept>
 
+#include "drivers/base/line/byte_stream.hpp"
 #include "drivers/p3dx/arcos/arcos_commands.hpp"
-#include "drivers/p3dx/line/byte_stream.hpp"
 
 namespace luminav {
 

@@ -17,7 +17,6 @@ namespace {
 constexpr std::int64_t kStatusPeriod = 20'000;   // [us] 50 Hz
 constexpr std::int64_t kGuardianPause = 50'000;  // [us] least, after the guardian is done with the line
 constexpr std::int64_t kLongestGap = 250'000;    // [us] the process slept: what waits is outdated
-constexpr std::int64_t kBeatPeriod = 55'000;     // [us] with every third poll
 constexpr double kAerosDistanceFactor = 0.485;   // [mm] p3dx on its older controller board
 constexpr double kArcosDistanceFactor = 1.0;     // [mm] p3dx-sh
 constexpr double kFastestRobot = 1.5;            // [m/s] whatever a controller claims
@@ -60,6 +59,7 @@ P3dxNode::P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, 
       stop_(config.state_folder),
       motors_(config.enable_motors_at_start),
       wheels_(wheel_params(config.robot)),
+      life_(config.guardian_silence, config.guardian_done_after),
       watched_(clock.utime()),
       subscriber_(lcm, key) {
   subscriber_.on(channels::kVelocityCommand, &P3dxNode::on_velocity_command, this);
@@ -143,7 +143,7 @@ void P3dxNode::on_motors_command(const motors_command_t& message) {
 std::int64_t P3dxNode::wake() {
   const std::int64_t now = clock_.utime();
   const bool slept = last_wake_ != 0 && now - last_wake_ > kLongestGap;
-  const bool guardian_acted = beat_was_late_ || guardian_heard_nothing(now);
+  const bool guardian_acted = life_.guardian_may_have_acted(now);
   last_wake_ = now;
   if (slept || guardian_acted) {
     // The guardian or the robot's watchdog has stopped the robot by now, and the first packet would resume its motion.
@@ -157,29 +157,11 @@ std::int64_t P3dxNode::wake() {
     // before.
     link_.flush(now);
     // Waiting until the robot's silence tells would take seconds; meanwhile the guardian still uses the line.
-    const auto done = last_beat_ + static_cast<std::int64_t>(1e6 * config_.guardian_done_after);
-    link_.begin_anew(now, std::max(kGuardianPause, done - now),
+    link_.begin_anew(now, std::max(kGuardianPause, life_.guardian_done_at() - now),
                      "this driver was held up, its guardian has ended the session");
-    beat_was_late_ = false;
-    last_beat_ = 0;
+    life_.forget();
   }
   return now;
-}
-
-bool P3dxNode::guardian_heard_nothing(std::int64_t now) const {
-  return config_.guardian_done_after > 0.0 && last_beat_ != 0 &&
-         1e-6 * static_cast<double>(now - last_beat_) >= config_.guardian_silence;
-}
-
-void P3dxNode::beat() {
-  const std::int64_t now = clock_.utime();
-  if (!tell_guardian_ || now - last_beat_ < kBeatPeriod) {
-    return;
-  }
-  tell_guardian_();
-  // From before the last beat until after this one: the guardian's own silence is never longer.
-  beat_was_late_ = guardian_heard_nothing(clock_.utime());
-  last_beat_ = now;
 }
 
 void P3dxNode::poll() {
@@ -208,7 +190,7 @@ void P3dxNode::poll() {
     publish_status(now);
   }
   stop_.save(now);
-  beat();
+  life_.beat(clock_);
 }
 
 void P3dxNode::on_connected() {

@@ -12,14 +12,16 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/base/base_driver.hpp"
+#include "drivers/base/line/byte_stream.hpp"
+#include "drivers/base/safety/life_sign.hpp"
+#include "drivers/base/safety/stop_latch.hpp"
+#include "drivers/base/safety/velocity_gate.hpp"
 #include "drivers/p3dx/dead_reckoning.hpp"
 #include "drivers/p3dx/line/arcos_link.hpp"
-#include "drivers/p3dx/line/byte_stream.hpp"
 #include "drivers/p3dx/motion_settings.hpp"
 #include "drivers/p3dx/p3dx_config.hpp"
 #include "drivers/p3dx/safety/motors_supervisor.hpp"
-#include "drivers/p3dx/safety/stop_latch.hpp"
-#include "drivers/p3dx/safety/velocity_gate.hpp"
 #include "drivers/p3dx/safety/wheel_watch.hpp"
 #include "drivers/p3dx/sonar_collector.hpp"
 #include "drivers/p3dx/velocity_writer.hpp"
@@ -31,33 +33,23 @@ namespace luminav {
 
 /// The robot's base on the network: ODOMETRY and SONAR with each information packet (10 Hz), ROBOT_STATUS at 50 Hz;
 /// obeys VELOCITY_COMMAND, STOP and MOTORS_COMMAND. Runs by the clock it is given and never waits.
-class P3dxNode {
+class P3dxNode final : public BaseDriver {
  public:
   P3dxNode(lcm::LCM& lcm, const P3dxConfig& config, const Clock& clock, OpenStream open_stream,
            std::optional<CommandKey> key = {});
 
-  /// Reads and writes the line and runs what is due. To be called at least every 20 ms, and when descriptor() can be
-  /// read.
-  void poll();
-  /// How its guardian is told that the driver lives; done every 55 ms by poll(). A session that the guardian may have
-  /// ended meanwhile is begun anew, once the guardian is done with the line.
-  void report_life(std::function<void()> tell_guardian) { tell_guardian_ = std::move(tell_guardian); }
-  /// Of the line; -1 while there is none.
-  [[nodiscard]] int descriptor() const { return link_.descriptor(); }
-  [[nodiscard]] Health health() const;
-  /// What it listens to.
-  [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
-  /// The robot stands for as long as there is a reason; "" = no more.
-  void hold(const std::string& why);
-  /// From now on the robot is told to stand, whatever is commanded; true once it does, or does not answer.
-  bool stand_still();
-  /// Stop, motors off, CLOSE; to be called before the end. Bytes that the line does not take at once are lost.
-  void shut_down();
-  /// The robot answers and its information packets arrive.
-  [[nodiscard]] bool connected() const { return link_.connected(); }
+  void poll() override;
+  void report_life(std::function<void()> tell_guardian) override { life_.report_to(std::move(tell_guardian)); }
+  [[nodiscard]] int descriptor() const override { return link_.descriptor(); }
+  [[nodiscard]] int openings() const override { return link_.openings(); }
+  [[nodiscard]] Health health() const override;
+  [[nodiscard]] const std::vector<std::string>& channels() const override { return subscriber_.channels(); }
+  void hold(const std::string& why) override;
+  bool stand_still() override;
+  void shut_down() override;
+  [[nodiscard]] bool connected() const override { return link_.connected(); }
   [[nodiscard]] const ArcosLink& link() const { return link_; }
-  /// The state of the line in one sentence, for people; says what the robot's watchdog costs.
-  [[nodiscard]] std::string describe_line() const;
+  [[nodiscard]] std::string describe_line() const override;
 
  private:
   void on_velocity_command(const velocity_command_t& message);
@@ -67,8 +59,6 @@ class P3dxNode {
 
   /// The time; to be called before anything is said on the line, which others may have used while this process slept.
   std::int64_t wake();
-  [[nodiscard]] bool guardian_heard_nothing(std::int64_t now) const;
-  void beat();
   void obey_stop(std::int64_t now, std::int64_t id, bool engaged, const std::string& sender);
   [[nodiscard]] bool is_unsupervised(std::int64_t now) const;
   void on_connected();
@@ -94,6 +84,7 @@ class P3dxNode {
   StopLatch stop_;
   MotorsSupervisor motors_;
   WheelWatch wheels_;
+  LifeSign life_;
   DriveVelocity told_;        // the robot, last
   InformationPacket last_;    // the last that was believed
   std::int64_t session_ = 0;  // [us] 0 = not connected
@@ -102,9 +93,6 @@ class P3dxNode {
   std::int32_t status_sequence_ = 0;
   std::int64_t next_status_ = 0;  // [us]
   std::int64_t last_wake_ = 0;    // [us]
-  std::int64_t last_beat_ = 0;    // [us] just before the guardian was told; 0 = not yet
-  bool beat_was_late_ = false;    // too late for the guardian, perhaps
-  std::function<void()> tell_guardian_;
   std::int64_t impossible_packets_ = 0;
   std::int64_t last_motors_command_ = 0;  // id
   std::string held_because_;

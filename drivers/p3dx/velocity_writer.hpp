@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "drivers/p3dx/safety/velocity_gate.hpp"
+#include "drivers/base/safety/velocity_gate.hpp"
 
 namespace luminav {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "drivers/simulator/arcos/arcos_controller.hpp"
-#include "drivers/simulator/arcos/arcos_server.hpp"
+#include "drivers/simulator/board_server.hpp"
 #include "drivers/simulator/simulator_node.hpp"
 #include "drivers/simulator/world/scenario.hpp"
 #include "drivers/simulator/world/world_truth.hpp"
@@ -53,8 +53,8 @@ int run(const Options& options) {
   config.flash.subclass = options.subclass;
   ArcosController controller(config);
   const auto server = options.pty || !options.pty_link.empty()
-                          ? ArcosServer::on_pty(controller, options.pty_link)
-                          : ArcosServer::on_tcp(controller, static_cast<int>(options.port), options.all_addresses);
+                          ? BoardServer::on_pty(controller, options.pty_link)
+                          : BoardServer::on_tcp(controller, static_cast<int>(options.port), options.all_addresses);
   const auto lcm = open_lcm(options.lcm_url);
   SimulatorNode node(*lcm, scenario.seed, truth, controller);
   receive_only(*lcm, options.lcm_url, {});  // it only speaks

@@ -10,8 +10,8 @@ namespace luminav {
 static_assert(kLampOff == sim_truth_t::LAMP_OFF && kLampOn == sim_truth_t::LAMP_ON &&
               kLampHalf == sim_truth_t::LAMP_HALF && kLampFlicker == sim_truth_t::LAMP_FLICKER);
 
-SimulatorNode::SimulatorNode(lcm::LCM& lcm, std::uint64_t seed, const WorldTruth& truth, ArcosController& controller)
-    : lcm_(lcm), controller_(controller), world_(seed, truth) {}
+SimulatorNode::SimulatorNode(lcm::LCM& lcm, std::uint64_t seed, const WorldTruth& truth, BaseBoard& board)
+    : lcm_(lcm), board_(board), world_(seed, truth) {}
 
 void SimulatorNode::advance_to(std::int64_t utime) {
   if (session_ == 0) {
@@ -26,17 +26,17 @@ void SimulatorNode::advance_to(std::int64_t utime) {
 }
 
 void SimulatorNode::tick() {
-  ArcosInputs inputs;
+  BoardInputs inputs;
   inputs.left_travel = wheels_.left;
   inputs.right_travel = wheels_.right;
   inputs.stall_left = inputs.stall_right = wheels_.stalled;
   inputs.battery_voltage = battery_.voltage();
-  const ArcosOutputs outputs = controller_.step(World::kTick, inputs);
+  const BoardOutputs outputs = board_.step(World::kTick, inputs);
   battery_.step(World::kTick, outputs.motors_enabled, outputs.linear, outputs.angular);
   wheels_ = world_.step({outputs.linear, outputs.angular, outputs.motors_enabled});
   for (const int disc : outputs.sonar_discs) {
     if (disc < world_.sonar_discs()) {
-      controller_.set_sonar_reading(disc, world_.measure_sonar(disc));
+      board_.set_sonar_reading(disc, world_.measure_sonar(disc));
     }
   }
 }

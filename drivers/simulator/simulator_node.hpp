@@ -3,20 +3,20 @@
 #include <cstdint>
 #include <lcm/lcm-cpp.hpp>
 
-#include "drivers/simulator/arcos/arcos_controller.hpp"
 #include "drivers/simulator/arcos/battery.hpp"
+#include "drivers/simulator/base_board.hpp"
 #include "drivers/simulator/world/world.hpp"
 #include "drivers/simulator/world/world_truth.hpp"
 
 namespace luminav {
 
-/// Lets a simulated world and the simulated microcontroller in it go on, and publishes the truth at 100 Hz. Bytes to
+/// Lets a simulated world and the simulated base's controller in it go on, and publishes the truth at 100 Hz. Bytes to
 /// and from the controller are moved by the caller.
 class SimulatorNode {
  public:
   static constexpr std::int64_t kTick = 10'000;  // [us]
 
-  SimulatorNode(lcm::LCM& lcm, std::uint64_t seed, const WorldTruth& truth, ArcosController& controller);
+  SimulatorNode(lcm::LCM& lcm, std::uint64_t seed, const WorldTruth& truth, BaseBoard& board);
 
   /// Ticks of exactly 10 ms up to a time [us]; the first call only sets where time begins.
   void advance_to(std::int64_t utime);
@@ -31,7 +31,7 @@ class SimulatorNode {
   void publish_truth();
 
   lcm::LCM& lcm_;
-  ArcosController& controller_;
+  BaseBoard& board_;
   World world_;
   WheelReport wheels_;
   Battery battery_;

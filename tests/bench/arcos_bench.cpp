@@ -12,7 +12,7 @@
 #include "drivers/p3dx/arcos/arcos_commands.hpp"
 #include "drivers/p3dx/arcos/arcos_packet.hpp"
 #include "drivers/p3dx/arcos/information_packet.hpp"
-#include "drivers/simulator/arcos/arcos_server.hpp"
+#include "drivers/simulator/board_server.hpp"
 #include "tests/node/p3dx/p3dx_bench.hpp"
 
 namespace luminav {
@@ -161,7 +161,7 @@ class WatchedStream final : public ByteStream {
 /// A simulated robot on TCP, in real time and a thread of its own.
 class RobotThread {
  public:
-  RobotThread() : server_(ArcosServer::on_tcp(base_.controller(), 0)), device_(server_->address()) {
+  RobotThread() : server_(BoardServer::on_tcp(base_.controller(), 0)), device_(server_->address()) {
     thread_ = std::thread([this] {
       const HostClock clock;
       std::int64_t next = clock.utime();
@@ -182,7 +182,7 @@ class RobotThread {
 
  private:
   SimulatedBase base_;
-  std::unique_ptr<ArcosServer> server_;
+  std::unique_ptr<BoardServer> server_;
   std::string device_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

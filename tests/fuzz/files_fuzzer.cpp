@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "drivers/p3dx/safety/stop_latch.hpp"
+#include "drivers/base/safety/stop_latch.hpp"
 #include "drivers/simulator/world/scenario.hpp"
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"

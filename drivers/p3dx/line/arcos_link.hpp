@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "drivers/base/line/byte_stream.hpp"
 #include "drivers/p3dx/arcos/arcos_packet.hpp"
 #include "drivers/p3dx/arcos/configuration_packet.hpp"
 #include "drivers/p3dx/arcos/information_packet.hpp"
-#include "drivers/p3dx/line/byte_stream.hpp"
 #include "drivers/p3dx/line/handshake.hpp"
 
 namespace luminav {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "drivers/base/safety/velocity_gate.hpp"
 #include "drivers/p3dx/arcos/information_packet.hpp"
-#include "drivers/p3dx/safety/velocity_gate.hpp"
 
 namespace luminav {
 

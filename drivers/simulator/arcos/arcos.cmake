@@ -1,7 +1,6 @@
-# The simulated microcontroller and its line; shares the codec with the driver, nothing else.
+# The simulated microcontroller; shares the codec with the driver, nothing else.
 add_library(luminav_arcos STATIC
   ${CMAKE_CURRENT_LIST_DIR}/arcos_controller.cpp ${CMAKE_CURRENT_LIST_DIR}/arcos_motion.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/arcos_sonar.cpp ${CMAKE_CURRENT_LIST_DIR}/arcos_server.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/arcos_pty_server.cpp)
+  ${CMAKE_CURRENT_LIST_DIR}/arcos_sonar.cpp)
 add_library(luminav::arcos ALIAS luminav_arcos)
-target_link_libraries(luminav_arcos PUBLIC luminav::geometry luminav::arcos_codec luminav::byte_stream)
+target_link_libraries(luminav_arcos PUBLIC luminav::geometry luminav::arcos_codec)

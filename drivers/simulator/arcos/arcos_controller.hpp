@@ -13,6 +13,7 @@
 #include "drivers/p3dx/arcos/information_packet.hpp"
 #include "drivers/simulator/arcos/arcos_motion.hpp"
 #include "drivers/simulator/arcos/arcos_sonar.hpp"
+#include "drivers/simulator/base_board.hpp"
 
 namespace luminav {
 
@@ -24,47 +25,24 @@ struct ArcosConfig {
                               // heading in whole degrees, always 0x32, stops when the line closes
 };
 
-/// What the controller senses in one step.
-struct ArcosInputs {
-  double left_travel = 0.0;  // [m] of the wheel since the last step, as the encoder sees it
-  double right_travel = 0.0;
-  bool stall_left = false;  // the wheel is blocked
-  bool stall_right = false;
-  int bumpers_front = 0;  // bit mask, bit 0 = leftmost
-  int bumpers_rear = 0;
-  bool stop_button = false;       // held down
-  bool motors_button = false;     // held down; each press toggles the motors
-  double battery_voltage = 12.6;  // [V]
-};
-
-/// What it does with the robot until the next step.
-struct ArcosOutputs {
-  double linear = 0.0;           // [m/s] after its ramps
-  double angular = 0.0;          // [rad/s]
-  bool motors_enabled = false;   // false: the wheels have no power
-  std::vector<int> sonar_discs;  // that fire now, counted from 0
-};
+using ArcosInputs = BoardInputs;
+using ArcosOutputs = BoardOutputs;
 
 /// The microcontroller of a Pioneer (ARCOS) as a state machine: bytes and wheel travel in, bytes and wheel speeds out.
 /// Neither I/O nor clock: time is what `step` is told. Motors are off after OPEN; its watchdog halts the robot after
 /// silence and lets it resume with the next packet.
-class ArcosController {
+class ArcosController final : public BaseBoard {
  public:
   explicit ArcosController(const ArcosConfig& config);
 
-  /// Bytes from the client, in pieces of any size.
-  void receive(std::span<const std::uint8_t> bytes);
-  /// Time goes on by `dt` [s]; call it every 10 ms.
-  ArcosOutputs step(double dt, const ArcosInputs& inputs);
-  /// The answer for a disc that fired: distance of the echo [m]; 5 or more = none.
-  void set_sonar_reading(int disc, double range);
-  /// Bytes for the client since the last call.
-  std::vector<std::uint8_t> take_output();
-  /// The network connection to the client is gone; a serial line cannot tell.
-  void on_line_closed();
-
-  /// Rate of the serial line [bit/s] as HOSTBAUD set it last.
-  [[nodiscard]] int baud() const;
+  void receive(std::span<const std::uint8_t> bytes) override;
+  ArcosOutputs step(double dt, const ArcosInputs& inputs) override;
+  /// 5 m or more = no echo.
+  void set_sonar_reading(int disc, double range) override;
+  std::vector<std::uint8_t> take_output() override;
+  void on_line_closed() override;
+  /// As HOSTBAUD set it last.
+  [[nodiscard]] int baud() const override;
   [[nodiscard]] bool session_open() const { return session_open_; }
   [[nodiscard]] std::int64_t bad_packets() const { return parser_.bad_packets(); }
 

@@ -10,9 +10,10 @@
 #include <memory>
 #include <string>
 
+#include "drivers/base/safety/guardian.hpp"
 #include "drivers/p3dx/p3dx_node.hpp"
-#include "drivers/p3dx/safety/guardian.hpp"
-#include "drivers/simulator/arcos/arcos_server.hpp"
+#include "drivers/p3dx/safety/arcos_guard.hpp"
+#include "drivers/simulator/board_server.hpp"
 #include "services/common/process/channels.hpp"
 #include "tests/node/p3dx/p3dx_bench.hpp"
 
@@ -55,7 +56,7 @@ class Commander {
 /// A driver's process with its guardian, that drives until it is killed. Tells who its guardian is.
 [[noreturn]] void run_driver(const std::string& device, int fast_baud, int tell) {
   const GuardianParams guarding{.silence = 0.3, .brake_time = kSpeed / kDeceleration + 0.3};
-  Guardian guardian(guarding);
+  Guardian guardian(guarding, guarded_arcos());
   const pid_t guardian_process = guardian.process();
   if (write(tell, &guardian_process, sizeof guardian_process) != sizeof guardian_process) {
     _exit(1);
@@ -111,7 +112,7 @@ ArcosConfig arcos_config(const Kind& kind) {
 class Rig {
  public:
   explicit Rig(const Kind& its_kind) : kind(its_kind), base(arcos_config(its_kind)) {
-    server_ = kind.network ? ArcosServer::on_tcp(base.controller(), 0) : ArcosServer::on_pty(base.controller());
+    server_ = kind.network ? BoardServer::on_tcp(base.controller(), 0) : BoardServer::on_pty(base.controller());
     std::array<int, 2> ends{};
     if (pipe(ends.data()) != 0) {
       throw std::runtime_error("no pipe");
@@ -168,7 +169,7 @@ class Rig {
   SimulatedBase base;
 
  private:
-  std::unique_ptr<ArcosServer> server_;
+  std::unique_ptr<BoardServer> server_;
   pid_t driver_ = -1;
   pid_t guardian_ = -1;
   int steps_ = 0;

@@ -6,8 +6,8 @@
 #include <set>
 #include <vector>
 
+#include "drivers/base/line/byte_stream.hpp"
 #include "drivers/p3dx/arcos/arcos_packet.hpp"
-#include "drivers/p3dx/line/byte_stream.hpp"
 
 namespace luminav {
 

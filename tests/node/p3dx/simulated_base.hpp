@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "drivers/p3dx/line/byte_stream.hpp"
+#include "drivers/base/line/byte_stream.hpp"
 #include "drivers/simulator/arcos/arcos_controller.hpp"
 
 namespace luminav {

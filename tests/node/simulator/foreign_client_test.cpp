@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/simulator/arcos/arcos_controller.hpp"
 #include "drivers/simulator/simulator_node.hpp"
 #include "tests/unit/simulator/text_world.hpp"
 

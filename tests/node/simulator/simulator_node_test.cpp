@@ -1,4 +1,5 @@
 #include "drivers/simulator/simulator_node.hpp"
+#include "drivers/simulator/arcos/arcos_controller.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "drivers/base/safety/velocity_gate.hpp"
 #include "drivers/p3dx/arcos/arcos_commands.hpp"
-#include "drivers/p3dx/safety/velocity_gate.hpp"
 #include "drivers/p3dx/velocity_writer.hpp"
 #include "services/common/geometry/angle.hpp"
 

@@ -1,4 +1,4 @@
-#include "drivers/p3dx/safety/guardian.hpp"
+#include "drivers/base/safety/guardian.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,6 +15,7 @@
 
 #include "drivers/p3dx/arcos/arcos_commands.hpp"
 #include "drivers/p3dx/arcos/information_packet.hpp"
+#include "drivers/p3dx/safety/arcos_guard.hpp"
 
 namespace luminav {
 namespace {
@@ -82,7 +83,7 @@ void expect_farewell(const std::vector<ArcosCommand>& heard) {
 
 TEST(Guardian, StopsTheRobotWhenTheDriverFallsSilent) {
   Line line;
-  Guardian guardian(kParams);
+  Guardian guardian(kParams, guarded_arcos());
   guardian.watch_line(line.ends[1]);
   expect_farewell(line.hear_all());
 }
@@ -91,7 +92,7 @@ TEST(Guardian, StopsTheRobotWhenTheDriverDies) {
   Line line;
   const pid_t driver = fork();
   if (driver == 0) {
-    auto* guardian = new Guardian(kParams);  // dies without a farewell
+    auto* guardian = new Guardian(kParams, guarded_arcos());  // dies without a farewell
     guardian->watch_line(line.ends[1]);
     _exit(0);
   }
@@ -103,14 +104,14 @@ TEST(Guardian, GetsThroughAFrameThatWasCutInTheMiddle) {
   Line line;
   const std::array<std::uint8_t, 5> cut = {0xFA, 0xFB, 0x06, 0x0B, 0x3B};
   ASSERT_EQ(write(line.ends[1], cut.data(), cut.size()), 5);
-  Guardian guardian(kParams);
+  Guardian guardian(kParams, guarded_arcos());
   guardian.watch_line(line.ends[1]);
   expect_farewell(line.hear_all());
 }
 
 TEST(Guardian, LetsGoAsSoonAsTheWheelsStandAndNotBefore) {
   Line line;
-  Guardian guardian({.silence = 0.1, .brake_time = 60.0});
+  Guardian guardian({.silence = 0.1, .brake_time = 60.0}, guarded_arcos());
   guardian.watch_line(line.ends[1]);
   constexpr int kStopsWhileItRolls = 30;
   int stops = 0;
@@ -129,7 +130,7 @@ TEST(Guardian, LetsGoAsSoonAsTheWheelsStandAndNotBefore) {
 TEST(Guardian, DoesNotBelieveWhatTheRobotSaidBeforeTheStop) {
   Line line;
   line.tell_speed(0);
-  Guardian guardian({.silence = 0.1, .brake_time = 1.0});
+  Guardian guardian({.silence = 0.1, .brake_time = 1.0}, guarded_arcos());
   guardian.watch_line(line.ends[1]);
   int stops = 0;
   expect_farewell(line.hear_all([&](ArcosCommand command) { stops += command == ArcosCommand::kStop ? 1 : 0; }));
@@ -142,7 +143,7 @@ TEST(Guardian, SaysNothingWhileTheDriverBeats) {
   // Where the machine keeps this process from beating in time, what the guardian does then proves nothing.
   for (bool kept_time = false; !kept_time;) {
     Line line;
-    Guardian guardian(kParams);
+    Guardian guardian(kParams, guarded_arcos());
     guardian.watch_line(line.ends[1]);
     kept_time = true;
     bool silent = true;
@@ -167,7 +168,7 @@ TEST(Guardian, SaysNothingWhileTheDriverBeats) {
 TEST(Guardian, LeavesALineThatWasReleasedAlone) {
   Line line;
   {
-    Guardian guardian({.silence = 60.0, .brake_time = 0.1});
+    Guardian guardian({.silence = 60.0, .brake_time = 0.1}, guarded_arcos());
     guardian.watch_line(line.ends[1]);
   }
   EXPECT_TRUE(line.hear_all().empty());

@@ -1,4 +1,4 @@
-#include "drivers/simulator/arcos/arcos_server.hpp"
+#include "drivers/simulator/board_server.hpp"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -16,31 +16,31 @@ namespace {
 
 constexpr std::size_t kLongestBacklog = 65536;  // [bytes] a client that does not read loses its line
 
-class TcpArcosServer final : public ArcosServer {
+class TcpBoardServer final : public BoardServer {
  public:
-  TcpArcosServer(ArcosController& controller, int port, bool all_addresses)
-      : controller_(controller), listener_(listen_on(port, all_addresses)) {
+  TcpBoardServer(BaseBoard& board, int port, bool all_addresses)
+      : board_(board), listener_(listen_on(port, all_addresses)) {
     sockaddr_in bound{};
     socklen_t size = sizeof bound;
     getsockname(listener_, reinterpret_cast<sockaddr*>(&bound), &size);
     port_ = ntohs(bound.sin_port);
   }
-  TcpArcosServer(const TcpArcosServer&) = delete;
-  TcpArcosServer& operator=(const TcpArcosServer&) = delete;
-  ~TcpArcosServer() override {
+  TcpBoardServer(const TcpBoardServer&) = delete;
+  TcpBoardServer& operator=(const TcpBoardServer&) = delete;
+  ~TcpBoardServer() override {
     client_.reset();
     close(listener_);
   }
 
   void poll() override {
     accept_clients();
-    const std::vector<std::uint8_t> output = controller_.take_output();
+    const std::vector<std::uint8_t> output = board_.take_output();
     if (!client_) {
       return;  // as on a serial line, bytes for nobody are lost
     }
     backlog_.insert(backlog_.end(), output.begin(), output.end());
     receive();
-    const std::vector<std::uint8_t> answers = controller_.take_output();
+    const std::vector<std::uint8_t> answers = board_.take_output();
     backlog_.insert(backlog_.end(), answers.begin(), answers.end());
     const std::size_t written = client_->write(backlog_);
     backlog_.erase(backlog_.begin(), backlog_.begin() + static_cast<std::ptrdiff_t>(written));
@@ -96,7 +96,7 @@ class TcpArcosServer final : public ArcosServer {
       setsockopt(accepted, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
       client_ = std::make_unique<TcpStream>(accepted);
       backlog_.clear();
-      controller_.take_output();
+      board_.take_output();
     }
   }
 
@@ -105,7 +105,7 @@ class TcpArcosServer final : public ArcosServer {
     constexpr int kMaxReads = 16;
     for (int i = 0; i < kMaxReads; ++i) {
       const std::size_t count = client_->read(bytes);
-      controller_.receive(std::span(bytes).first(count));
+      board_.receive(std::span(bytes).first(count));
       if (count < bytes.size()) {
         return;
       }
@@ -116,11 +116,11 @@ class TcpArcosServer final : public ArcosServer {
     if (client_ != nullptr) {
       client_.reset();
       backlog_.clear();
-      controller_.on_line_closed();
+      board_.on_line_closed();
     }
   }
 
-  ArcosController& controller_;
+  BaseBoard& board_;
   int listener_;
   int port_ = 0;
   std::unique_ptr<TcpStream> client_;
@@ -130,8 +130,8 @@ class TcpArcosServer final : public ArcosServer {
 
 }  // namespace
 
-std::unique_ptr<ArcosServer> ArcosServer::on_tcp(ArcosController& controller, int port, bool all_addresses) {
-  return std::make_unique<TcpArcosServer>(controller, port, all_addresses);
+std::unique_ptr<BoardServer> BoardServer::on_tcp(BaseBoard& board, int port, bool all_addresses) {
+  return std::make_unique<TcpBoardServer>(board, port, all_addresses);
 }
 
 }  // namespace luminav

@@ -1,4 +1,4 @@
-#include "drivers/p3dx/line/byte_stream.hpp"
+#include "drivers/base/line/byte_stream.hpp"
 
 #include <sys/socket.h>
 #include <unistd.h>

@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "drivers/simulator/arcos/arcos_server.hpp"
+#include "drivers/simulator/board_server.hpp"
 
 namespace luminav {
 namespace {
@@ -55,9 +55,9 @@ bool is_symlink(const std::string& path) {
 }
 
 /// A pseudo terminal with the rate of a serial line: bytes take their time, and rates must agree.
-class PtyArcosServer final : public ArcosServer {
+class PtyBoardServer final : public BoardServer {
  public:
-  PtyArcosServer(ArcosController& controller, std::string link) : controller_(controller), link_(std::move(link)) {
+  PtyBoardServer(BaseBoard& board, std::string link) : board_(board), link_(std::move(link)) {
     terminal_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     std::array<char, 128> name{};
     if (terminal_ < 0 || grantpt(terminal_) != 0 || unlockpt(terminal_) != 0 ||
@@ -73,9 +73,9 @@ class PtyArcosServer final : public ArcosServer {
     }
     budget_at_ = now_seconds();
   }
-  PtyArcosServer(const PtyArcosServer&) = delete;
-  PtyArcosServer& operator=(const PtyArcosServer&) = delete;
-  ~PtyArcosServer() override {
+  PtyBoardServer(const PtyBoardServer&) = delete;
+  PtyBoardServer& operator=(const PtyBoardServer&) = delete;
+  ~PtyBoardServer() override {
     close(terminal_);
     if (!link_.empty() && leads_here()) {
       unlink(link_.c_str());
@@ -84,7 +84,7 @@ class PtyArcosServer final : public ArcosServer {
 
   void poll() override {
     if (unplugged_) {
-      controller_.take_output();
+      board_.take_output();
       backlog_.clear();
       discard_input();
       return;
@@ -92,11 +92,11 @@ class PtyArcosServer final : public ArcosServer {
     const bool anybody = has_client();
     receive();  // the last words of a client that has left, too
     if (!anybody) {
-      controller_.take_output();
+      board_.take_output();
       backlog_.clear();
       return;
     }
-    std::vector<std::uint8_t> output = controller_.take_output();
+    std::vector<std::uint8_t> output = board_.take_output();
     if (backlog_.size() + output.size() <= kLongestBacklog) {
       backlog_.insert(backlog_.end(), output.begin(), output.end());
     }
@@ -136,7 +136,7 @@ class PtyArcosServer final : public ArcosServer {
 
   [[nodiscard]] bool rates_agree() const {
     termios settings{};
-    return tcgetattr(terminal_, &settings) == 0 && bits_per_second(cfgetospeed(&settings)) == controller_.baud();
+    return tcgetattr(terminal_, &settings) == 0 && bits_per_second(cfgetospeed(&settings)) == board_.baud();
   }
 
   void receive() {
@@ -147,7 +147,7 @@ class PtyArcosServer final : public ArcosServer {
       if (!rates_agree()) {
         garble(received);
       }
-      controller_.receive(received);
+      board_.receive(received);
     }
   }
 
@@ -159,7 +159,7 @@ class PtyArcosServer final : public ArcosServer {
 
   void transmit() {
     const double now = now_seconds();
-    const double rate = controller_.baud() / 10.0;  // [bytes/s] 8N1
+    const double rate = board_.baud() / 10.0;  // [bytes/s] 8N1
     budget_ = std::min(budget_ + rate * (now - budget_at_), 0.05 * rate);
     budget_at_ = now;
     const std::size_t count = std::min(backlog_.size(), static_cast<std::size_t>(std::max(0.0, budget_)));
@@ -177,7 +177,7 @@ class PtyArcosServer final : public ArcosServer {
     }
   }
 
-  ArcosController& controller_;
+  BaseBoard& board_;
   std::string link_;
   std::string name_;
   int terminal_ = -1;
@@ -189,8 +189,8 @@ class PtyArcosServer final : public ArcosServer {
 
 }  // namespace
 
-std::unique_ptr<ArcosServer> ArcosServer::on_pty(ArcosController& controller, const std::string& link) {
-  return std::make_unique<PtyArcosServer>(controller, link);
+std::unique_ptr<BoardServer> BoardServer::on_pty(BaseBoard& board, const std::string& link) {
+  return std::make_unique<PtyBoardServer>(board, link);
 }
 
 }  // namespace luminav

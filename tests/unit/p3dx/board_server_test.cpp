@@ -1,4 +1,4 @@
-#include "drivers/simulator/arcos/arcos_server.hpp"
+#include "drivers/simulator/board_server.hpp"
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -8,6 +8,9 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "drivers/p3dx/arcos/arcos_commands.hpp"
+#include "drivers/p3dx/arcos/arcos_packet.hpp"
+#include "drivers/simulator/arcos/arcos_controller.hpp"
 #include "tests/unit/p3dx/hex.hpp"
 
 namespace luminav {
@@ -15,12 +18,12 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-int port_of(const ArcosServer& server) {
+int port_of(const BoardServer& server) {
   return std::stoi(server.address().substr(server.address().rfind(':') + 1));
 }
 
 /// Lets the server work until the stream has `count` bytes, or is closed, or 5 s have passed.
-Bytes exchange(ArcosServer& server, ByteStream& stream, std::size_t count) {
+Bytes exchange(BoardServer& server, ByteStream& stream, std::size_t count) {
   Bytes received;
   for (int i = 0; i < 500 && received.size() < count && stream.is_open(); ++i) {
     server.poll();
@@ -37,7 +40,7 @@ Bytes exchange(ArcosServer& server, ByteStream& stream, std::size_t count) {
 
 /// Lets the server work until the condition holds; false after 5 s. A terminal hands bytes on in its own time.
 template <typename Condition>
-bool work_until(ArcosServer& server, Condition condition) {
+bool work_until(BoardServer& server, Condition condition) {
   for (int i = 0; i < 5000 && !condition(); ++i) {
     server.poll();
     poll(nullptr, 0, 1);
@@ -45,7 +48,7 @@ bool work_until(ArcosServer& server, Condition condition) {
   return condition();
 }
 
-void write_all(ArcosServer& server, ByteStream& stream, const Bytes& bytes) {
+void write_all(BoardServer& server, ByteStream& stream, const Bytes& bytes) {
   for (int i = 0; i < 500; ++i) {
     if (stream.write(bytes) == bytes.size()) {
       return;
@@ -65,18 +68,18 @@ void open_session(ByteStream& client) {
   client.write(encode_command(ArcosCommand::kOpen));
 }
 
-TEST(TcpArcosServer, AnswersAClient) {
+TEST(TcpBoardServer, AnswersAClient) {
   ArcosController controller({});
-  const auto server = ArcosServer::on_tcp(controller, 0);
+  const auto server = BoardServer::on_tcp(controller, 0);
   TcpStream client("127.0.0.1", port_of(*server));
   write_all(*server, client, kSync0);
   EXPECT_EQ(exchange(*server, client, kSync0.size()), kSync0);
   EXPECT_TRUE(server->has_client());
 }
 
-TEST(TcpArcosServer, RefusesASecondClient) {
+TEST(TcpBoardServer, RefusesASecondClient) {
   ArcosController controller({});
-  const auto server = ArcosServer::on_tcp(controller, 0);
+  const auto server = BoardServer::on_tcp(controller, 0);
   TcpStream first("127.0.0.1", port_of(*server));
   write_all(*server, first, kSync0);
   exchange(*server, first, kSync0.size());
@@ -87,9 +90,9 @@ TEST(TcpArcosServer, RefusesASecondClient) {
   EXPECT_EQ(exchange(*server, first, kSync0.size()), kSync0);  // and the first is not disturbed
 }
 
-TEST(TcpArcosServer, TakesTheNextClientOnTheSamePort) {
+TEST(TcpBoardServer, TakesTheNextClientOnTheSamePort) {
   ArcosController controller({});
-  const auto server = ArcosServer::on_tcp(controller, 0);
+  const auto server = BoardServer::on_tcp(controller, 0);
   for (int i = 0; i < 5; ++i) {
     TcpStream client("127.0.0.1", port_of(*server));
     write_all(*server, client, kSync0);
@@ -99,26 +102,26 @@ TEST(TcpArcosServer, TakesTheNextClientOnTheSamePort) {
   }
 }
 
-TEST(TcpArcosServer, ComesBackOnItsPortAtOnce) {
+TEST(TcpBoardServer, ComesBackOnItsPortAtOnce) {
   ArcosController controller({});
-  auto server = ArcosServer::on_tcp(controller, 0);
+  auto server = BoardServer::on_tcp(controller, 0);
   const int port = port_of(*server);
   TcpStream client("127.0.0.1", port);
   write_all(*server, client, kSync0);
   exchange(*server, client, kSync0.size());
   server.reset();
-  EXPECT_NO_THROW(ArcosServer::on_tcp(controller, port));
+  EXPECT_NO_THROW(BoardServer::on_tcp(controller, port));
 }
 
-TEST(TcpArcosServer, SaysThatThePortIsTaken) {
+TEST(TcpBoardServer, SaysThatThePortIsTaken) {
   ArcosController controller({});
-  const auto server = ArcosServer::on_tcp(controller, 0);
-  EXPECT_THROW(ArcosServer::on_tcp(controller, port_of(*server)), std::runtime_error);
+  const auto server = BoardServer::on_tcp(controller, 0);
+  EXPECT_THROW(BoardServer::on_tcp(controller, port_of(*server)), std::runtime_error);
 }
 
-TEST(TcpArcosServer, LetsNobodyInWhileUnplugged) {
+TEST(TcpBoardServer, LetsNobodyInWhileUnplugged) {
   ArcosController controller({});
-  const auto server = ArcosServer::on_tcp(controller, 0);
+  const auto server = BoardServer::on_tcp(controller, 0);
   TcpStream client("127.0.0.1", port_of(*server));
   write_all(*server, client, kSync0);
   exchange(*server, client, kSync0.size());
@@ -134,9 +137,9 @@ TEST(TcpArcosServer, LetsNobodyInWhileUnplugged) {
   EXPECT_EQ(exchange(*server, third, kSync0.size()), kSync0);
 }
 
-TEST(PtyArcosServer, AnswersAtItsRateOnly) {
+TEST(PtyBoardServer, AnswersAtItsRateOnly) {
   ArcosController controller({});
-  const auto server = ArcosServer::on_pty(controller);
+  const auto server = BoardServer::on_pty(controller);
   EXPECT_FALSE(server->has_client());
   SerialStream client(server->address(), 38400);
   EXPECT_TRUE(server->has_client());
@@ -152,9 +155,9 @@ TEST(PtyArcosServer, AnswersAtItsRateOnly) {
   EXPECT_EQ(exchange(*server, client, kSync0.size()), kSync0);
 }
 
-TEST(PtyArcosServer, FollowsHostBaud) {
+TEST(PtyBoardServer, FollowsHostBaud) {
   ArcosController controller({});
-  const auto server = ArcosServer::on_pty(controller);
+  const auto server = BoardServer::on_pty(controller);
   SerialStream client(server->address(), 9600);
   open_session(client);
   const ConfigurationPacket flash;
@@ -172,9 +175,9 @@ TEST(PtyArcosServer, FollowsHostBaud) {
   EXPECT_EQ(answer[3], packet_type::kConfiguration);
 }
 
-TEST(PtyArcosServer, AnswersTheNextClientAtTheFirstRateAfterClose) {
+TEST(PtyBoardServer, AnswersTheNextClientAtTheFirstRateAfterClose) {
   ArcosController controller({});
-  const auto server = ArcosServer::on_pty(controller);
+  const auto server = BoardServer::on_pty(controller);
   SerialStream client(server->address(), 9600);
   open_session(client);
   client.write(encode_command(ArcosCommand::kHostBaud, 2));
@@ -184,9 +187,9 @@ TEST(PtyArcosServer, AnswersTheNextClientAtTheFirstRateAfterClose) {
   EXPECT_TRUE(work_until(*server, [&] { return controller.baud() == 9600; }));
 }
 
-TEST(PtyArcosServer, HearsTheLastWordsOfAClientThatHasLeft) {
+TEST(PtyBoardServer, HearsTheLastWordsOfAClientThatHasLeft) {
   ArcosController controller({});
-  const auto server = ArcosServer::on_pty(controller);
+  const auto server = BoardServer::on_pty(controller);
   SerialStream client(server->address(), 9600);
   open_session(client);
   EXPECT_TRUE(work_until(*server, [&] { return controller.session_open(); }));
@@ -195,16 +198,16 @@ TEST(PtyArcosServer, HearsTheLastWordsOfAClientThatHasLeft) {
   EXPECT_TRUE(work_until(*server, [&] { return !controller.session_open(); }));
 }
 
-TEST(PtyArcosServer, ReplacesALinkAndNothingElseOfItsName) {
+TEST(PtyBoardServer, ReplacesALinkAndNothingElseOfItsName) {
   ArcosController controller({});
-  const std::string name = testing::TempDir() + "arcos_server_test_file";
+  const std::string name = testing::TempDir() + "board_server_test_file";
   std::filesystem::remove(name);
   std::filesystem::create_symlink("/dev/gone", name);
-  EXPECT_EQ(ArcosServer::on_pty(controller, name)->address(), name);
+  EXPECT_EQ(BoardServer::on_pty(controller, name)->address(), name);
   EXPECT_FALSE(std::filesystem::is_symlink(name)) << "the link goes with its server";
   std::ofstream(name) << "somebody's work";
   try {
-    ArcosServer::on_pty(controller, name);
+    BoardServer::on_pty(controller, name);
     ADD_FAILURE() << "a file of that name is in the way";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
@@ -213,18 +216,18 @@ TEST(PtyArcosServer, ReplacesALinkAndNothingElseOfItsName) {
   std::filesystem::remove(name);
 }
 
-TEST(PtyArcosServer, LeavesTheLinkOfItsSuccessor) {
+TEST(PtyBoardServer, LeavesTheLinkOfItsSuccessor) {
   ArcosController controller({});
-  const std::string name = testing::TempDir() + "arcos_server_test_successor";
-  auto first = ArcosServer::on_pty(controller, name);
-  const auto second = ArcosServer::on_pty(controller, name);
+  const std::string name = testing::TempDir() + "board_server_test_successor";
+  auto first = BoardServer::on_pty(controller, name);
+  const auto second = BoardServer::on_pty(controller, name);
   first.reset();
   EXPECT_TRUE(std::filesystem::is_symlink(name));
 }
 
-TEST(PtyArcosServer, TakesTheNextClient) {
+TEST(PtyBoardServer, TakesTheNextClient) {
   ArcosController controller({});
-  const auto server = ArcosServer::on_pty(controller, testing::TempDir() + "arcos_server_test_line");
+  const auto server = BoardServer::on_pty(controller, testing::TempDir() + "board_server_test_line");
   for (int i = 0; i < 3; ++i) {
     SerialStream client(server->address(), 9600);
     client.write(kSync0);

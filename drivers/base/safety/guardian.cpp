@@ -1,4 +1,4 @@
-#include "drivers/p3dx/safety/guardian.hpp"
+#include "drivers/base/safety/guardian.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -19,9 +19,6 @@
 #include <string>
 #include <vector>
 
-#include "drivers/p3dx/arcos/arcos_commands.hpp"
-#include "drivers/p3dx/arcos/information_packet.hpp"
-
 namespace luminav {
 namespace {
 
@@ -39,9 +36,8 @@ void pause_for(double seconds) {
   poll(nullptr, 0, static_cast<int>(1000.0 * seconds));
 }
 
-/// Writes all of a frame, with patience for a slow line but not for a dead one.
-void write_frame(int line, const std::vector<std::uint8_t>& frame) {
-  std::span<const std::uint8_t> rest = frame;
+/// Writes all of it, with patience for a slow line but not for a dead one.
+void write_all(int line, std::span<const std::uint8_t> rest) {
   constexpr int kPatience = 100;  // [ms]
   while (!rest.empty()) {
     const ssize_t count = write(line, rest.data(), rest.size());
@@ -56,74 +52,43 @@ void write_frame(int line, const std::vector<std::uint8_t>& frame) {
   }
 }
 
-/// Hears what the robot says of its wheels.
-class WheelListener {
- public:
-  /// Takes what the line has, for so long [s]; true when the newest word of the robot is that both wheels stand.
-  bool listen(int line, double seconds) {
-    const double end = now_seconds() + seconds;
-    while (now_seconds() < end) {
-      const double left = std::max(0.0, end - now_seconds());
-      pollfd readable{line, POLLIN, 0};
-      if (poll(&readable, 1, static_cast<int>(1000.0 * left) + 1) <= 0) {
-        break;
-      }
-      std::array<std::uint8_t, 1024> bytes;
-      const ssize_t count = read(line, bytes.data(), bytes.size());
-      if (count <= 0) {
-        pause_for(std::max(0.0, end - now_seconds()));  // hung up; the frames are sent all the same
-        break;
-      }
-      parser_.push(std::span(bytes).first(static_cast<std::size_t>(count)));
-      while (const auto packet = parser_.next()) {
-        if (const auto word =
-                is_information(packet->type) ? decode_information(packet->type, packet->payload) : std::nullopt) {
-          constexpr int kStandingSpeed = 20;  // [mm/s]
-          stands_ = std::abs(word->left_mm_s) <= kStandingSpeed && std::abs(word->right_mm_s) <= kStandingSpeed;
-        }
-      }
+/// Takes what the line has, for so long [s]; true when the newest word of the robot is that both wheels stand.
+bool hear_robot(int line, double seconds, const GuardedRobot& robot, bool stands) {
+  const double end = now_seconds() + seconds;
+  while (now_seconds() < end) {
+    const double left = std::max(0.0, end - now_seconds());
+    pollfd readable{line, POLLIN, 0};
+    if (poll(&readable, 1, static_cast<int>(1000.0 * left) + 1) <= 0) {
+      break;
     }
-    return stands_;
+    std::array<std::uint8_t, 1024> bytes;
+    const ssize_t count = read(line, bytes.data(), bytes.size());
+    if (count <= 0) {
+      pause_for(std::max(0.0, end - now_seconds()));  // hung up; the halt is sent all the same
+      break;
+    }
+    stands = robot.hear_wheels(std::span(bytes).first(static_cast<std::size_t>(count))).value_or(stands);
   }
-  void forget() { stands_ = false; }
+  return stands;
+}
 
- private:
-  PacketParser parser_;
-  bool stands_ = false;
-};
-
-void stop_robot(int line, double brake_time) {
-  const std::vector<std::vector<std::uint8_t>> halt = {encode_command(ArcosCommand::kStop),
-                                                       encode_command(ArcosCommand::kVelocity, 0),
-                                                       encode_command(ArcosCommand::kTurnRate, 0)};
-  const std::vector<std::vector<std::uint8_t>> leave = {encode_command(ArcosCommand::kEnable, 0),
-                                                        encode_command(ArcosCommand::kSonar, 0),
-                                                        encode_command(ArcosCommand::kClose)};
+void stop_robot(int line, double brake_time, const GuardedRobot& robot) {
   // Said again and again: the driver may have died in the middle of a frame, which swallows what follows it.
   constexpr double kRepeat = 0.03;    // [s]
-  constexpr double kOutdated = 0.15;  // [s] a packet and a half: what the robot says before is from before the STOP
+  constexpr double kOutdated = 0.15;  // [s] a packet and a half: what the robot says before is from before the halt
   constexpr int kFarewells = 3;
   constexpr double kBetweenFarewells = 0.01;  // [s]
-  WheelListener wheels;
   const double begin = now_seconds();
   bool stands = false;
   while (!stands && now_seconds() < begin + brake_time) {
-    for (const std::vector<std::uint8_t>& frame : halt) {
-      write_frame(line, frame);
-    }
-    stands = wheels.listen(line, kRepeat);
-    if (now_seconds() < begin + kOutdated) {
-      wheels.forget();
-      stands = false;
-    }
+    write_all(line, robot.halt);
+    stands = hear_robot(line, kRepeat, robot, stands) && now_seconds() >= begin + kOutdated;
   }
   for (int i = 0; i < kFarewells; ++i) {
     if (i > 0) {
       pause_for(kBetweenFarewells);
     }
-    for (const std::vector<std::uint8_t>& frame : leave) {
-      write_frame(line, frame);
-    }
+    write_all(line, robot.leave);
   }
 }
 
@@ -147,12 +112,12 @@ char receive(int socket, int& descriptor) {
   return message;
 }
 
-[[noreturn]] void guard(int socket, const GuardianParams& params) {
+[[noreturn]] void guard(int socket, const GuardianParams& params, const GuardedRobot& robot) {
   setsid();  // what is sent to the driver's group is not for it
   for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT}) {
     signal(signal_number, SIG_IGN);
   }
-  prctl(PR_SET_NAME, "p3dx-guardian");
+  prctl(PR_SET_NAME, "base-guardian");
   // Nothing of the driver's may stay open because of it, its standard output neither.
   dup2(socket, STDIN_FILENO);
   socket = STDIN_FILENO;
@@ -175,7 +140,7 @@ char receive(int socket, int& descriptor) {
       continue;
     }
     if (count == 0) {
-      stop_robot(line, params.brake_time);
+      stop_robot(line, params.brake_time, robot);
       let_go();
       continue;
     }
@@ -184,7 +149,7 @@ char receive(int socket, int& descriptor) {
     last_beat = now_seconds();
     if (message == 0) {
       if (line >= 0) {
-        stop_robot(line, params.brake_time);
+        stop_robot(line, params.brake_time, robot);
       }
       _exit(0);
     }
@@ -197,7 +162,7 @@ char receive(int socket, int& descriptor) {
 
 }  // namespace
 
-Guardian::Guardian(const GuardianParams& params) {
+Guardian::Guardian(const GuardianParams& params, const GuardedRobot& robot) {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     throw std::runtime_error(std::string("guardian: ") + std::strerror(errno));
@@ -208,7 +173,7 @@ Guardian::Guardian(const GuardianParams& params) {
   }
   if (child_ == 0) {
     close(ends[0]);
-    guard(ends[1], params);
+    guard(ends[1], params, robot);
   }
   close(ends[1]);
   fcntl(ends[0], F_SETFL, O_NONBLOCK);

@@ -5,23 +5,23 @@
 #include <string>
 #include <vector>
 
-#include "drivers/p3dx/line/byte_stream.hpp"
-#include "drivers/simulator/arcos/arcos_controller.hpp"
+#include "drivers/base/line/byte_stream.hpp"
+#include "drivers/simulator/base_board.hpp"
 
 namespace luminav {
 
-/// Connects a simulated controller with one client: over TCP, a pseudo terminal or any line. A client that vanishes
-/// frees the place; the controller notices only when its quirks say so, as a serial line does not tell.
-class ArcosServer {
+/// Connects the controller of a simulated base with one client: over TCP, a pseudo terminal or any line. A client that
+/// vanishes frees the place; the board notices only when its quirks say so, as a serial line does not tell.
+class BoardServer {
  public:
   /// Listens on 127.0.0.1, or on all addresses when asked to. Port 0 lets the system choose. Throws
   /// std::runtime_error when the port is taken.
-  static std::unique_ptr<ArcosServer> on_tcp(ArcosController& controller, int port, bool all_addresses = false);
+  static std::unique_ptr<BoardServer> on_tcp(BaseBoard& board, int port, bool all_addresses = false);
   /// A pseudo terminal; `link` (if not empty) is made a symbolic link to it. Bytes are garbled while the client's rate
-  /// is not the controller's.
-  static std::unique_ptr<ArcosServer> on_pty(ArcosController& controller, const std::string& link = "");
+  /// is not the board's.
+  static std::unique_ptr<BoardServer> on_pty(BaseBoard& board, const std::string& link = "");
 
-  virtual ~ArcosServer() = default;
+  virtual ~BoardServer() = default;
   /// Moves bytes both ways; never waits.
   virtual void poll() = 0;
   /// For ::poll(): readable when poll() has something to do.

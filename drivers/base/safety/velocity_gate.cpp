@@ -1,4 +1,4 @@
-#include "drivers/p3dx/safety/velocity_gate.hpp"
+#include "drivers/base/safety/velocity_gate.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "drivers/p3dx/line/byte_stream.hpp"
+#include "drivers/base/line/byte_stream.hpp"
 
 namespace luminav {
 namespace {

@@ -3,6 +3,10 @@
 #include <sys/types.h>
 
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
 
 namespace luminav {
 
@@ -11,13 +15,21 @@ struct GuardianParams {
   double brake_time = 1.0;  // [s] at most from the first STOP to motors off: speed over deceleration, and a margin
 };
 
-/// A child process that holds a copy of the line to the robot. When the driver dies, or beats no longer, it sends STOP,
+/// What the guardian says to a robot and hears from it, in that robot's own bytes.
+struct GuardedRobot {
+  std::vector<std::uint8_t> halt;   // stand; said again and again, also behind a command that was cut off
+  std::vector<std::uint8_t> leave;  // motors off, end of the session
+  /// Takes bytes from the robot: whether both wheels stand by its newest word, nothing when it said none.
+  std::function<std::optional<bool>(std::span<const std::uint8_t>)> hear_wheels;
+};
+
+/// A child process that holds a copy of the line to the robot. When the driver dies, or beats no longer, it says halt,
 /// lets the robot brake until its wheels stand, and ends the session. It ignores what ends a driver politely and goes
 /// with it.
 class Guardian {
  public:
   /// Forks: to be built before there are threads. Throws std::runtime_error when it cannot.
-  explicit Guardian(const GuardianParams& params);
+  Guardian(const GuardianParams& params, const GuardedRobot& robot);
   Guardian(const Guardian&) = delete;
   Guardian& operator=(const Guardian&) = delete;
   /// Releases the line and waits for the child.

@@ -1,4 +1,4 @@
-#include "drivers/p3dx/safety/stop_latch.hpp"
+#include "drivers/base/safety/stop_latch.hpp"
 
 #include <fmt/format.h>
 
