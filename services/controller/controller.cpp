@@ -153,6 +153,7 @@ ControlOutput Controller::step(const ControlInput& input) {
     return output;
   }
   look_for_people(input.now);
+  leave_what_it_touches(input);
   const double unknown = obstacles_.min_unknown_distance(10.0);
   const DriveTwist wanted = by_zones(with_care(wish(input, output), unknown), input, output);
   DriveTwist smooth = input.is_again ? ramp_.step_again(wanted) : ramp_.step(wanted, input.duration);
@@ -320,7 +321,7 @@ DriveTwist Controller::search(const ControlInput& input, ControlOutput& output) 
 
 void Controller::follow(const ControlInput& input, ControlOutput& output) {
   FollowSituation situation{.obstacles = obstacles_, .world_from_robot = *input.world_from_robot};
-  situation.may_back = input.ages.rear_sonar < config_.stop_logic.disc_silent_after;
+  situation.may_back = may_back(input.ages, config_.stop_logic);
   situation.duration = input.duration;
   situation.is_line_free = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     return (input.grid == nullptr || is_line_free(*input.grid, from, to, config_.local_map)) &&
@@ -356,11 +357,21 @@ std::optional<DriveTwist> Controller::escape_twist(std::int64_t now) const {
   return std::nullopt;
 }
 
+// To turn there would rub along it, or lead over an edge.
+void Controller::leave_what_it_touches(const ControlInput& input) {
+  const EscapeMove::Arc back{{-0.10, 0.0}, 1.2};
+  const bool may_leave = may_travel(input.task) && may_back(input.ages, config_.stop_logic) &&
+                         stop_logic_.is_free(back.twist, back.duration, obstacles_);
+  if (input.ages.front_bumper && !escape_ && may_leave) {
+    escape_ = Escape{{{back}, "backing from what it touched"}, input.now};
+  }
+}
+
 void Controller::begin_escape(const ControlInput& input, bool by_unknown, ControlOutput& output) {
   EscapeSituation situation;
   situation.attempt = escapes_;
   situation.wish = output.follow.heading_error;
-  situation.may_back = input.ages.rear_sonar < config_.stop_logic.disc_silent_after;
+  situation.may_back = may_back(input.ages, config_.stop_logic);
   situation.by_unknown = by_unknown;
   situation.people_about = has_met_people(input.now);
   if (input.task == ControlTask::kWander) {

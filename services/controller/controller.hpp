@@ -96,6 +96,8 @@ class Controller {
   [[nodiscard]] bool may_travel(ControlTask task) const;
   void follow(const ControlInput& input, ControlOutput& output);
   [[nodiscard]] std::optional<DriveTwist> escape_twist(std::int64_t now) const;
+  /// What a bumper feels it leaves at once, the way it came.
+  void leave_what_it_touches(const ControlInput& input);
   void begin_escape(const ControlInput& input, bool by_unknown, ControlOutput& output);
   /// Returns the seconds since the last progress. While escapes go in circles `output` counts from the first of them.
   double judge_progress(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output);

@@ -58,6 +58,7 @@ ControllerConfig read_controller_config(const std::filesystem::path& robot_file,
   table.read("force_strength", config.follower.forces.strength, {0.0, 10.0});
   table.read("margin", config.stop_logic.margin, {0.0, 0.5});
   table.read("known_margin", config.stop_logic.known_margin, {0.0, 0.5});
+  table.read("bumper_linear", config.stop_logic.bumper_linear, {0.02, 0.5});
   table.read("time_to_contact", config.stop_logic.time_to_contact, {0.3, 5.0});
   table.read("echo_memory", config.echo_memory.keep, {0.4, 10.0});
   table.read("jerk", config.jerk, {0.1, 20.0});

@@ -1,5 +1,6 @@
 #include "services/planner/planner_config.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "services/common/configuration/building_file.hpp"
@@ -57,6 +58,9 @@ PlannerConfig read_planner_config(const std::filesystem::path& robot_file, const
   const TomlTable table = root.table("planner");
   read_route(table, config.robot, config.route);
   read_goals(table, config.goals);
+  const auto front = std::max_element(config.robot.footprint.begin(), config.robot.footprint.end(),
+                                      [](const auto& a, const auto& b) { return a.x() < b.x(); });
+  config.goals.touch_ahead = front->x() + SuspectedObstacle{}.radius;
   table.reject_unknown();
   Building building = read_building(building_file);
   config.doors = std::move(building.doors);

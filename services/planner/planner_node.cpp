@@ -256,6 +256,10 @@ void PlannerNode::on_robot_status(const robot_status_t& status) {
   if (verdict == StampGuard::Verdict::kNewSession) {
     now_ = 0;
   }
+  // kept until the next tick: a touch may be over by then, and the controller about to leave
+  const bool begins = is_blocked(status) && !(robot_ && is_blocked(*robot_));
+  const bool follows = control_ && control_->state == control_status_t::STATE_FOLLOWING;
+  has_touched_ = has_touched_ || (begins && follows);
   robot_ = status;
   // POSE is the better tick: it is what the plan is made from
   if (!pose_ || status.utime - pose_->utime > 150'000 || status.utime < pose_->utime - 1'000'000) {
@@ -281,6 +285,7 @@ void PlannerNode::on_control_status(const control_status_t& status) {
 Situation PlannerNode::situation(std::int64_t now) const {
   Situation moment;
   moment.now = now;
+  moment.has_touched = has_touched_;
   if (!pose_ || seconds_between(pose_->utime, now) > kPoseAge || pose_->utime - now > 1'000'000) {
     moment.localization = "no pose from the localizer for more than a second";
   } else {
@@ -296,7 +301,6 @@ Situation PlannerNode::situation(std::int64_t now) const {
                                                 : nullptr;
     moment.can_move = why == nullptr;
     moment.cannot_move = why == nullptr ? "" : why;
-    moment.is_blocked = is_blocked(*robot_);
   }
   if (control_ && seconds_between(control_heard_, now) <= kControlAge) {
     ControlReport report;
@@ -333,6 +337,7 @@ void PlannerNode::tick(std::int64_t utime) {
   }
   request_tiles(utime);
   executor_.update(situation(utime));
+  has_touched_ = false;
   keep_goal();
   publish_path(utime);
   publish_status(utime);

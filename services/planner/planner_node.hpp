@@ -63,6 +63,7 @@ class PlannerNode {
   StampGuard control_stamps_;
   std::optional<pose_t> pose_;
   std::optional<robot_status_t> robot_;
+  bool has_touched_ = false;  // something, forwards on its path, since the last tick
   std::optional<control_status_t> control_;
   std::int64_t control_heard_ = 0;      // [us] of our ticks
   std::int64_t now_ = 0;                // [us] newest stamp of POSE and ROBOT_STATUS

@@ -32,6 +32,7 @@ std::string describe(const ObstaclePoint& obstacle) {
 }  // namespace
 
 void judge_disc_ages(const EchoMemory& echoes, std::int64_t now, SenseAges& ages) {
+  ages.has_sonar = !echoes.ring().robot_from_sonar.empty();
   double front = -1.0;
   double rear = -1.0;
   for (std::size_t i = 0; i < echoes.newest().size(); ++i) {
@@ -121,7 +122,8 @@ double StopLogic::clearance(const Obstacles& obstacles) const {
 
 StopVerdict StopLogic::judge(const DriveTwist& wanted, const Obstacles& obstacles, const SenseAges& ages) const {
   StopVerdict verdict;
-  if (ages.odometry > params_.silent_after || ages.sonar > params_.silent_after) {
+  const bool is_deaf = ages.has_sonar && ages.sonar > params_.silent_after;
+  if (ages.odometry > params_.silent_after || is_deaf) {
     verdict.limited = verdict.blocked = true;
     verdict.reason =
         ages.odometry > params_.silent_after ? "no odometry for half a second" : "no sonar for half a second";
@@ -129,12 +131,16 @@ StopVerdict StopLogic::judge(const DriveTwist& wanted, const Obstacles& obstacle
   }
   DriveTwist possible{std::clamp(wanted.linear, -limits_.linear, limits_.linear),
                       std::clamp(wanted.angular, -limits_.angular, limits_.angular)};
-  if (!ages.doubt.empty() && std::abs(possible.linear) > params_.doubtful_linear) {
-    const double share = params_.doubtful_linear / std::abs(possible.linear);
+  const double fastest = !ages.has_sonar       ? params_.bumper_linear
+                         : !ages.doubt.empty() ? params_.doubtful_linear
+                                               : limits_.linear;
+  if (std::abs(possible.linear) > fastest) {
+    const double share = fastest / std::abs(possible.linear);
     possible = {share * possible.linear, share * possible.angular};  // the same arc
   }
   const bool ahead = possible.linear > 0.0;
-  if (possible.linear != 0.0 && (ahead ? ages.front_sonar : ages.rear_sonar) > params_.disc_silent_after) {
+  const double silence = ahead ? ages.front_sonar : ages.rear_sonar;
+  if (possible.linear != 0.0 && ages.has_sonar && silence > params_.disc_silent_after) {
     verdict.reason = ahead ? "the front sonars are silent" : "no sonar sees what is behind";
     possible.linear = 0.0;
   }

@@ -17,6 +17,7 @@ struct StopLogicParams {
   double silent_after = 0.5;       // [s] without odometry or sonar
   double disc_silent_after = 0.9;  // [s] without a firing: the sector is blind
   double doubtful_linear = 0.15;   // [m/s] while some sonars seem to be dead
+  double bumper_linear = 0.2;      // [m/s] of a robot without sonars, which feels with its bumper
 };
 
 /// Ages of the readings by direction, and what the bumpers feel.
@@ -28,10 +29,16 @@ struct SenseAges {
   bool front_bumper = false;  // pressed
   bool rear_bumper = false;   // pressed
   std::string doubt{};        // why some sonars seem to be dead; "" = none does
+  bool has_sonar = true;      // false: the robot's file has none, it goes by map and bumper
 };
 
-/// Ages of the discs of a ring that look within 45 degrees of straight ahead and straight back.
+/// Whether there is a ring, and the ages of its discs that look within 45 degrees of straight ahead and straight back.
 void judge_disc_ages(const EchoMemory& echoes, std::int64_t now, SenseAges& ages);
+
+/// It sees what is behind; or it has no sonars at all and goes back over ground that it has just left.
+inline bool may_back(const SenseAges& ages, const StopLogicParams& params) {
+  return !ages.has_sonar || ages.rear_sonar < params.disc_silent_after;
+}
 
 struct StopVerdict {
   DriveTwist twist;         // what may be driven

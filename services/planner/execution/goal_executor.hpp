@@ -111,7 +111,6 @@ class GoalExecutor {
   std::int64_t now_ = 0;          // [us]
   std::int64_t phase_since_ = 0;  // [us]
   std::int64_t last_plan_ = 0;    // [us] 0 = plan at once
-  bool was_blocked_ = false;      // wheels or bumpers, and stood against something
   PoseLosses losses_;
   DoubtfulStart doubtful_start_;
   GoalProgress progress_;

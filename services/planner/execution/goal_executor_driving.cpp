@@ -16,8 +16,7 @@ constexpr double kOffPath = 0.6;         // [m] from the path before it is plann
 constexpr double kMinTolerance = 0.05;   // [m] at the end of a path beside a blocked goal
 constexpr double kSuspectAhead = 0.45;   // [m] on the path where something stopped the robot,
 constexpr double kSuspectTime = 60.0;    // [s] that it is suspected there
-constexpr double kTouchAhead = 0.36;     // [m] from the wheel axis to the middle of what the robot drove against,
-constexpr double kTouchTime = 180.0;     // [s] that it is suspected there
+constexpr double kTouchTime = 180.0;     // [s] that what the robot drove against is suspected there
 constexpr double kPeopleAhead = 1.3;     // [m] on the path: the middle of where people are who do not let it pass,
 constexpr double kPeopleRadius = 0.9;    // [m] with which they fill a corridor of 2.4 m and leave the robot its place
 constexpr double kDetourMemory = 300.0;  // [s] on a detour, what was seen at the blockage counts as standing there
@@ -329,10 +328,8 @@ void GoalExecutor::suspect_what_stops(const Situation& situation) {
 
 // Driven against something that no sonar hears, the robot must not come back to it by the same path.
 void GoalExecutor::suspect_touched(const Situation& situation) {
-  const bool begins = situation.is_blocked && !was_blocked_;
-  was_blocked_ = situation.is_blocked;
-  if (begins && phase_ == GoalPhase::kFollowing && situation.control && situation.control->follows) {
-    suspect({.centre = situation.world_from_robot * Eigen::Vector2d(kTouchAhead, 0.0)}, kTouchTime);
+  if (situation.has_touched && phase_ == GoalPhase::kFollowing) {
+    suspect({.centre = situation.world_from_robot * Eigen::Vector2d(params_.touch_ahead, 0.0)}, kTouchTime);
   }
 }
 

@@ -66,6 +66,7 @@ struct GoalParams {
   double people_time = 180.0;     ///< [s] ... while somebody is in the way every now and then
   double retry_wait = 20.0;       ///< [s] before a failed stop is tried again, policy retry
   int retries = 3;                ///< how often
+  double touch_ahead = 0.36;      ///< [m] from the wheel axis to the middle of what it drove against: by its outline
 };
 
 /// What the controller said last.
@@ -87,7 +88,7 @@ struct Situation {
   std::string localization;              // why it is not tracking, one sentence
   bool can_move = true;                  // base connected, motors on, no stop engaged
   std::string cannot_move;               // why not
-  bool is_blocked = false;               // wheels blocked or a bumper pressed
+  bool has_touched = false;              // drove against something since the last time: wheels blocked, bumper pressed
   std::optional<ControlReport> control;  // nothing: silent for too long
 };
 

@@ -381,6 +381,21 @@ TEST(PlannerNode, GoesRoundWhatBlockedItsWheelsThoughNoSonarHeardIt) {
   EXPECT_TRUE(world.run_until_state(60.0, Status::STATE_ARRIVED)) << world.status.cause;
 }
 
+TEST(PlannerNode, HearsOfATouchThatIsOverBeforeItsNextTick) {
+  PlannerWorld world;
+  world.go(1, 4.5, 3.0);
+  ASSERT_TRUE(world.run_until(20.0, [&] { return world.robot.x > 3.0; }));
+  const int paths = world.paths;
+  robot_status_t touch{};
+  touch.utime = world.utime + 20'000;
+  touch.connected = touch.motors_enabled = 1;
+  touch.bumpers_front = 1;
+  world.lcm.publish(channels::kRobotStatus, &touch);
+  world.run(1.0);
+  EXPECT_GT(world.paths, paths);
+  EXPECT_GE(world.status.replans, 1);
+}
+
 TEST(PlannerNode, HasMorePatienceWithPeopleThanWithThingsButNotForEver) {
   PlannerWorld world;
   world.go(1, 9.0, 3.2);

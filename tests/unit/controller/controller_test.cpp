@@ -69,6 +69,52 @@ TEST(Controller, DoesNotLeaveItsPlaceWhenItIsOnlyToTurnThere) {
   }
 }
 
+/// A robot that has driven along its path for a while, then touches something with its front.
+struct Touching {
+  Touching() {
+    controller.set_path({.points = {{0.0, 0.0}, {5.0, 0.0}}});
+    input.now = 1'000'000;
+    input.task = ControlTask::kFollow;
+    input.world_from_robot = Pose2{};
+    input.ages = {0.05, 0.05, 0.2, 0.2, false, false};
+    run(1.0);
+  }
+  ControlOutput run(double seconds) {
+    ControlOutput output;
+    for (int i = 0; i < static_cast<int>(std::lround(20.0 * seconds)); ++i) {
+      input.now += 50'000;
+      output = controller.step(input);
+    }
+    return output;
+  }
+  Controller controller{ControllerConfig::for_robot(testing::test_robot())};
+  ControlInput input;
+};
+
+TEST(Controller, BacksOffAtOnceFromWhatABumperFeels) {
+  Touching robot;
+  EXPECT_GT(robot.run(0.05).twist.linear, 0.1);
+  robot.input.ages.front_bumper = true;
+  const ControlOutput output = robot.run(0.5);
+  EXPECT_EQ(output.state, ControlState::kEscaping);
+  EXPECT_LT(output.twist.linear, 0.0);
+  EXPECT_EQ(output.twist.angular, 0.0) << "the way it came";
+  robot.input.ages.front_bumper = false;
+  EXPECT_GT(robot.run(2.0).twist.linear, 0.1) << "and goes on";
+}
+
+TEST(Controller, DoesNotBackOffWhereItSeesNothingBehindOrThereIsSomething) {
+  for (const bool is_blind : {true, false}) {
+    Touching robot;
+    robot.input.ages.front_bumper = true;
+    robot.input.ages.rear_sonar = is_blind ? 5.0 : 0.2;
+    if (!is_blind) {
+      robot.input.echoes.push_back(thing_at(-0.35, 0.0, true));
+    }
+    EXPECT_EQ(robot.run(0.5).twist.linear, 0.0);
+  }
+}
+
 ControllerConfig searching(SearchManner manner) {
   ControllerConfig config = ControllerConfig::for_robot(testing::test_robot());
   config.building.search = manner;

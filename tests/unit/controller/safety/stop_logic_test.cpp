@@ -35,6 +35,28 @@ TEST(StopLogic, ClampsToTheRobotsLimits) {
   EXPECT_DOUBLE_EQ(verdict.twist.angular, -kRobot.limits.angular);
 }
 
+TEST(StopLogic, WalksAndGoesByItsBumperWithoutSonars) {
+  SenseAges ages;
+  ages.odometry = 0.1;
+  ages.has_sonar = false;
+  const StopVerdict verdict = kLogic.judge({0.4, 0.2}, around(), ages);
+  EXPECT_DOUBLE_EQ(verdict.twist.linear, StopLogicParams{}.bumper_linear);
+  EXPECT_DOUBLE_EQ(verdict.twist.angular, 0.1) << "on the same arc";
+  EXPECT_TRUE(may_back(ages, {}));
+  EXPECT_DOUBLE_EQ(kLogic.judge({-0.1, 0.0}, around(), ages).twist.linear, -0.1);
+  const auto ahead = wall({0.29, -0.1}, {0.29, 0.1});
+  EXPECT_LT(kLogic.judge({0.2, 0.0}, around(ahead), ages).twist.linear, 0.04) << "a wall of the map";
+  ages.front_bumper = true;
+  EXPECT_DOUBLE_EQ(kLogic.judge({0.2, 0.0}, around(), ages).twist.linear, 0.0);
+}
+
+TEST(StopLogic, StandsWhereTheSonarsOfARobotThatHasThemAreSilent) {
+  SenseAges ages;
+  ages.odometry = 0.1;
+  EXPECT_TRUE(kLogic.judge({0.2, 0.0}, around(), ages).blocked);
+  EXPECT_FALSE(may_back(ages, {}));
+}
+
 TEST(StopLogic, StopsBeforeAWallAhead) {
   const auto ahead = wall({0.29, -0.1}, {0.29, 0.1});
   const StopVerdict verdict = kLogic.judge({0.5, 0.0}, around(ahead), fresh());
