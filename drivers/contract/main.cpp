@@ -5,6 +5,7 @@
 #include <string>
 
 #include "drivers/contract/check_base_node.hpp"
+#include "services/common/configuration/robot_base.hpp"
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
@@ -52,13 +53,13 @@ int main(int argc, char** argv) {
   return run_guarded("check-base", [&] {
     std::string robot_file;
     std::string url;
-    CheckBaseOptions options;
+    CheckBaseOptions options{.process = "", .drives = false, .key = {}};
     double duration = 10.0;
     CommandLine line("check-base",
                      "Watches a running base driver and says of each clause of the contract (docs/base-drivers.md) "
                      "whether it holds. Exit status 1 = one does not.");
     line.robot_file(robot_file)
-        .text("--process", options.process, "the driver's name in NODE_STATUS")
+        .text("--process", options.process, "the driver's name in NODE_STATUS, instead of the robot file's base")
         .flag("--drive", options.drives,
               "move the robot, for 41 s: turns on the spot, 0.2 m forth and back, STOP, motors off and on; no "
               "controller may run")
@@ -71,6 +72,7 @@ int main(int argc, char** argv) {
       throw ConfigurationError(fmt::format("--duration = {}, must be 3 to 86400 s", duration));
     }
     const RobotDescription robot = read_robot(robot_file);
+    options.process = options.process.empty() ? read_robot_base(robot_file) : options.process;
     const NetworkAccess access = read_network_access(robot_file);
     options.key = access.key;
     const auto lcm = open_lcm(access.on(url));

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <string>
 
 #include "drivers/simulator/arcos/arcos_controller.hpp"
 #include "drivers/simulator/board_server.hpp"
+#include "drivers/simulator/create2/create2_board.hpp"
 #include "drivers/simulator/simulator_node.hpp"
 #include "drivers/simulator/world/scenario.hpp"
 #include "drivers/simulator/world/world_truth.hpp"
@@ -31,6 +33,19 @@ struct Options {
   bool all_addresses = false;
 };
 
+/// The controller of the base that the robot's file names.
+std::unique_ptr<luminav::BaseBoard> make_board(const std::string& base, double wheel_base, const Options& options) {
+  if (base == "create2") {
+    return std::make_unique<luminav::Create2Board>(wheel_base);
+  }
+  luminav::ArcosConfig config;
+  config.wheel_base = wheel_base;
+  config.mobilesim = options.quirks == "mobilesim";
+  config.flash.name = options.name;
+  config.flash.subclass = options.subclass;
+  return std::make_unique<luminav::ArcosController>(config);
+}
+
 int run(const Options& options) {
   using namespace luminav;
   Scenario scenario = read_scenario(options.scenario);
@@ -46,17 +61,12 @@ int run(const Options& options) {
   const RobotDescription robot = read_robot(scenario.robot_file);
   const WorldTruth truth = draw_world(scenario, read_building(scenario.true_building_file), robot);
 
-  ArcosConfig config;
-  config.wheel_base = robot.wheel_base;
-  config.mobilesim = options.quirks == "mobilesim";
-  config.flash.name = options.name;
-  config.flash.subclass = options.subclass;
-  ArcosController controller(config);
+  const std::unique_ptr<BaseBoard> board = make_board(scenario.base, robot.wheel_base, options);
   const auto server = options.pty || !options.pty_link.empty()
-                          ? BoardServer::on_pty(controller, options.pty_link)
-                          : BoardServer::on_tcp(controller, static_cast<int>(options.port), options.all_addresses);
+                          ? BoardServer::on_pty(*board, options.pty_link)
+                          : BoardServer::on_tcp(*board, static_cast<int>(options.port), options.all_addresses);
   const auto lcm = open_lcm(options.lcm_url);
-  SimulatorNode node(*lcm, scenario.seed, truth, controller);
+  SimulatorNode node(*lcm, scenario.seed, truth, *board);
   receive_only(*lcm, options.lcm_url, {});  // it only speaks
   fmt::print("simulator: {} seed {}, robot at {}\n{}world {}\n", scenario.name, scenario.seed, server->address(),
              truth.table, truth.hash);
@@ -89,7 +99,8 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  luminav::CommandLine line("simulator", "A simulated P3-DX in a building; speaks the robot's serial protocol.");
+  luminav::CommandLine line("simulator",
+                            "A simulated P3-DX or Create 2 in a building; speaks the robot's serial protocol.");
   line.text("--scenario", options.scenario, "scenario file (TOML)", true)
       .integer("--port", options.port, "TCP port of the robot; 0 = any free one")
       .flag("--all-addresses", options.all_addresses, "listen on all addresses, not only on 127.0.0.1")

@@ -30,6 +30,10 @@ void SimulatorNode::tick() {
   inputs.left_travel = wheels_.left;
   inputs.right_travel = wheels_.right;
   inputs.stall_left = inputs.stall_right = wheels_.stalled;
+  inputs.bumpers_front = wheels_.bumpers;
+  inputs.cliffs = wheels_.cliffs;
+  inputs.wheel_drop_left = wheels_.drop_left;
+  inputs.wheel_drop_right = wheels_.drop_right;
   inputs.battery_voltage = battery_.voltage();
   const BoardOutputs outputs = board_.step(World::kTick, inputs);
   battery_.step(World::kTick, outputs.motors_enabled, outputs.linear, outputs.angular);

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <string>
 
+#include "drivers/create2/oi/sensor_reading.hpp"
+#include "drivers/create2/oi/stream_parser.hpp"
 #include "drivers/p3dx/arcos/arcos_commands.hpp"
 #include "drivers/p3dx/arcos/configuration_packet.hpp"
 #include "drivers/p3dx/arcos/information_packet.hpp"
@@ -136,6 +138,8 @@ int main(int argc, char** argv) {
     write(folder / "fuzz_arcos_payloads", i, Bytes(frame.begin() + 3, frame.end() - 2));
   }
   write(folder / "fuzz_packet_parser", 0, stream);
+  write(folder / "fuzz_oi_stream", 0, encode_stream_frame(encode_readings({}, wanted_readings())));
+  write(folder / "fuzz_oi_stream", 1, encode_readings({}, wanted_readings()));
   write(folder / "fuzz_p3dx_node", 0, robot);
   Bytes answers = {0};
   Bytes serial = {2};

@@ -18,8 +18,9 @@ class ContactCounter {
     still_for_ = std::abs(linear) < kStandstill && std::abs(angular) < kStandstill ? still_for_ + dt : 0.0;
   }
 
-  /// The robot tried to move into what has no separation left; true when that begins a contact.
-  bool touch(const Separation& attempted) {
+  /// The robot tried to move into what has no separation left; true when that begins a contact. One of a bumper at
+  /// walking speed is `gentle`: counted with those that are hard to sense.
+  bool touch(const Separation& attempted, bool gentle = false) {
     bool begins = false;
     for (std::size_t kind = 0; kind < kSolidKinds; ++kind) {
       if (attempted.of[kind] > 0.0 || touching_[kind]) {
@@ -28,7 +29,7 @@ class ContactCounter {
       touching_[kind] = true;
       begins = true;
       const auto solid = static_cast<SolidKind>(kind);
-      if (solid == SolidKind::kHard) {
+      if (solid == SolidKind::kHard || gentle) {
         ++hard_contacts_;
       } else if (solid != SolidKind::kPerson || still_for_ < kExcused) {
         ++contacts_;
@@ -36,6 +37,9 @@ class ContactCounter {
     }
     return begins;
   }
+
+  /// A wheel went over an edge: worse than any contact.
+  void fall() { ++contacts_; }
 
   /// Where the robot stands now.
   void release(const Separation& separation) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/robot_base.hpp"
 #include "services/common/configuration/toml_table.hpp"
 
 namespace luminav {
@@ -249,8 +250,8 @@ ScenarioEvent read_event(const TomlTable& table, const Building& building) {
   } else if (kind == "kill") {
     event.kind = EventKind::kKill;
     (void)table.text("process");  // required
-    event.process =
-        table.choice("process", "", {"p3dx", "camera", "detector", "localizer", "mapper", "planner", "controller"});
+    event.process = table.choice(
+        "process", "", {"p3dx", "create2", "camera", "detector", "localizer", "mapper", "planner", "controller"});
   } else {
     event.kind = EventKind::kClock;
     event.host = table.text("host", "");
@@ -258,6 +259,15 @@ ScenarioEvent read_event(const TomlTable& table, const Building& building) {
   }
   table.reject_unknown();
   return event;
+}
+
+Hole read_hole(const TomlTable& table) {
+  Hole hole;
+  hole.pose = {table.number("x", kCoordinate), table.number("y", kCoordinate), read_theta(table)};
+  hole.length = table.number("length", hole.length, kPositive);
+  hole.width = table.number("width", hole.width, kPositive);
+  table.reject_unknown();
+  return hole;
 }
 
 void read_start(const TomlTable& table, Scenario& scenario) {
@@ -301,6 +311,7 @@ Scenario read_scenario(const std::filesystem::path& file) {
       root.fail(key, fmt::format("= \"{}\": no such file", root.path(key)));
     }
   }
+  scenario.base = read_robot_base(scenario.robot_file);
   scenario.true_building_file = read_true_building(root.table("truth"), scenario.building_file);
   const Building building = read_building(scenario.building_file);
   const Building true_building = read_building(scenario.true_building_file);
@@ -312,6 +323,9 @@ Scenario read_scenario(const std::filesystem::path& file) {
   }
   for (const TomlTable& table : root.tables("person")) {
     scenario.people.push_back(read_person(table));
+  }
+  for (const TomlTable& table : root.tables("hole")) {
+    scenario.holes.push_back(read_hole(table));
   }
   for (const TomlTable& table : root.tables("goal")) {
     scenario.goals.push_back(read_goal(table, building));

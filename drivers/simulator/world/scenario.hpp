@@ -113,13 +113,21 @@ struct WorldSpread {
   std::vector<LuminaireKind> luminaires;  // what the fixtures are built as is drawn from these; empty: panels
 };
 
+/// A place without a floor, such as stairs that lead down. Only a base with cliff sensors notices it.
+struct Hole {
+  Pose2 pose;           // world_from_hole, its middle
+  double length = 1.0;  // [m] along its x
+  double width = 1.0;   // [m]
+};
+
 /// One run: what the simulator, the simulated frame source, the demo and the evaluation do.
 struct Scenario {
   std::filesystem::path file;
   std::filesystem::path building_file;       // what the robot is told
   std::filesystem::path true_building_file;  // what the world is drawn around; [truth], else the same
   std::filesystem::path robot_file;
-  std::string name;  // the file's stem
+  std::string base = "p3dx";  // of that file
+  std::string name;           // the file's stem
   std::uint64_t seed = 1;
   double duration = 600.0;     // [s] simulated; then the run has failed
   std::optional<Pose2> start;  // nothing: drawn from the free space by seed
@@ -128,6 +136,7 @@ struct Scenario {
   WorldSpread world;
   std::vector<Obstacle> obstacles;
   std::vector<WalkingPerson> people;
+  std::vector<Hole> holes;
   std::vector<ScenarioGoal> goals;
   std::vector<DriveStep> drives;
   std::vector<ScenarioEvent> events;

@@ -1,6 +1,7 @@
 #include "drivers/simulator/world/world.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "drivers/simulator/world/lamp_state.hpp"
@@ -16,6 +17,11 @@ constexpr int kBumpTicks = 20;          // a bump takes 0.2 s
 constexpr double kSpinning = 0.3;       // probability that blocked wheels spin instead of stalling
 constexpr double kStallReported = 0.1;  // [s] at least
 constexpr double kFree = 1e-9;          // [m] less is contact
+constexpr double kWalking = 0.25;       // [m/s] a bumper that touches at this speed hurts nobody
+constexpr double kBumperTravel = 5e-3;  // [m]
+// Of a Create 2, robot frame [m].
+const std::array<Vector2d, 4> kCliffSensors = {Vector2d{0.11, 0.13}, {0.165, 0.05}, {0.165, -0.05}, {0.11, -0.13}};
+constexpr double kWheelOffset = 0.1175;  // [m] to each side
 
 std::vector<ScenarioEvent> by_time(std::vector<ScenarioEvent> events) {
   std::stable_sort(events.begin(), events.end(),
@@ -80,6 +86,9 @@ WheelReport World::step(const MotorCommand& command) {
     separation_.of[static_cast<std::size_t>(SolidKind::kPerson)] = scene_.person_distance(footprint_);
     report = drive(command);
     push();
+    if (truth_.feels_touch) {
+      feel(report);
+    }
     contacts_.release(separation_);
   }
   state_.clearance = state_.carried ? Separation::kNoneNear : separation_.nearest();
@@ -240,7 +249,8 @@ WheelReport World::drive(const MotorCommand& command) {
   if (!blocked) {
     return {wheels.left, wheels.right, time() < stalled_until_};
   }
-  if (contacts_.touch(*blocked)) {
+  const bool is_gentle = truth_.feels_touch && std::abs(state_.linear) <= kWalking;
+  if (contacts_.touch(*blocked, is_gentle)) {
     spinning_ = contact_random_.happens(kSpinning);
   }
   if (spinning_) {
@@ -261,6 +271,30 @@ void World::push() {
   if (try_move(next)) {
     bump_.ticks = 0;
   }
+}
+
+void World::feel(WheelReport& report) {
+  const Pose2& here = state_.world_from_robot;
+  for (const int side : {0, 1}) {
+    const double angle = radians(side == 0 ? 40.0 : -40.0);
+    const Pose2 pressed = here * Pose2{kBumperTravel * std::cos(angle), kBumperTravel * std::sin(angle), 0.0};
+    const Separation separation = scene_.separation(transform(pressed, truth_.robot.footprint));
+    report.bumpers |= separation.nearest() < kFree ? 1 << side : 0;
+  }
+  const auto is_over_hole = [&](const Vector2d& in_robot) {
+    return std::any_of(truth_.holes.begin(), truth_.holes.end(),
+                       [&](const Polygon& hole) { return distance(hole, here * in_robot) <= 0.0; });
+  };
+  for (std::size_t i = 0; i < kCliffSensors.size(); ++i) {
+    report.cliffs |= is_over_hole(kCliffSensors[i]) ? 1 << i : 0;
+  }
+  report.drop_left = is_over_hole({0.0, kWheelOffset});
+  report.drop_right = is_over_hole({0.0, -kWheelOffset});
+  const bool falls = report.drop_left || report.drop_right;
+  if (falls && !has_fallen_) {
+    contacts_.fall();
+  }
+  has_fallen_ = falls;
 }
 
 std::optional<Separation> World::try_move(const Pose2& next) {

@@ -21,6 +21,11 @@ struct WheelReport {
   double left = 0.0;     // [m] as the encoders see it
   double right = 0.0;    // [m]
   bool stalled = false;  // the wheels are blocked
+  // Of a base that feels what it touches and where the floor ends:
+  int bumpers = 0;         // bit mask, bit 0 = left
+  int cliffs = 0;          // bit mask of four sensors, bit 0 = leftmost
+  bool drop_left = false;  // the wheel hangs in a hole
+  bool drop_right = false;
 };
 
 /// What is true now.
@@ -83,6 +88,8 @@ class World {
   void carry();
   WheelReport drive(const MotorCommand& command);
   void push();
+  /// Bumpers, cliff sensors and dropped wheels of a Create 2 where it stands.
+  void feel(WheelReport& report);
   /// Moves the robot unless it would touch something it is free of now; returns what it would touch.
   std::optional<Separation> try_move(const Pose2& next);
   void measure_motion(const Pose2& before);
@@ -111,6 +118,7 @@ class World {
   std::vector<double> stuck_until_;      // [s] by disc
   std::vector<double> ranges_;           // [m] last measured, by disc
   double frozen_until_[2] = {0.0, 0.0};  // [s] encoders, left and right
+  bool has_fallen_ = false;              // a wheel hangs in a hole
   bool spinning_ = false;                // wheels turn although the robot is held
   std::vector<bool> door_wanted_open_;
 };

@@ -210,6 +210,7 @@ class Placement {
   Placement(const Scenario& scenario, WorldTruth& truth) : scenario_(scenario), truth_(truth) {}
 
   void run() {
+    given_ = truth_.holes;
     for (const Obstacle& obstacle : scenario_.obstacles) {
       if (obstacle.world_from_obstacle) {
         given_.push_back(rectangle(*obstacle.world_from_obstacle, obstacle.length, obstacle.width));
@@ -266,7 +267,7 @@ class Placement {
 
   void place_obstacles() {
     truth_.obstacles = scenario_.obstacles;
-    if (given_.size() == scenario_.obstacles.size()) {
+    if (given_.size() == truth_.holes.size() + scenario_.obstacles.size()) {
       return;
     }
     ObstaclePlacement placement(space());
@@ -319,12 +320,15 @@ class Placement {
     for (int i = 0; i < kTries; ++i) {
       const Vector2d from = space().draw_point(kPersonClearance, random.generator());
       const Vector2d to = space().draw_point(kPersonClearance, random.generator());
+      const auto is_in_the_way = [&](const Polygon& outline) {
+        return distance(outline, Polygon{from, to}) < kPersonClearance;
+      };
       const auto blocks = [&](const Obstacle& obstacle) {
-        return distance(rectangle(*obstacle.world_from_obstacle, obstacle.length, obstacle.width), Polygon{from, to}) <
-               kPersonClearance;
+        return is_in_the_way(rectangle(*obstacle.world_from_obstacle, obstacle.length, obstacle.width));
       };
       if ((to - from).norm() >= kPersonPath && (from - truth_.start.position()).norm() >= kPersonFromStart &&
           space().is_free_line(from, to, kPersonClearance) &&
+          std::none_of(truth_.holes.begin(), truth_.holes.end(), is_in_the_way) &&
           std::none_of(truth_.obstacles.begin(), truth_.obstacles.end(), blocks)) {
         person.waypoints = {from, to};
         return;
@@ -364,7 +368,7 @@ class Placement {
     }
     for (const Polygon& outline : given_) {
       if (distance(outline, footprint) <= 0.0) {
-        fail(scenario_, fmt::format("{} ({}, {}) is in an obstacle", what, pose.x, pose.y));
+        fail(scenario_, fmt::format("{} ({}, {}) is in an obstacle or a hole", what, pose.x, pose.y));
       }
     }
   }
@@ -372,7 +376,7 @@ class Placement {
   const Scenario& scenario_;
   WorldTruth& truth_;
   std::optional<FreeSpace> space_;
-  std::vector<Polygon> given_;  // outlines of the obstacles whose place is given
+  std::vector<Polygon> given_;  // outlines of the holes and of the obstacles whose place is given
 };
 
 }  // namespace
@@ -382,6 +386,7 @@ WorldTruth draw_world(const Scenario& scenario, const Building& believed, const 
   WorldTruth truth;
   truth.building = believed;
   truth.robot = robot;
+  truth.feels_touch = scenario.base == "create2";
   if (!believed.map_file.empty()) {
     truth.walls = read_map(believed.map_file);
   }
@@ -391,6 +396,9 @@ WorldTruth draw_world(const Scenario& scenario, const Building& believed, const 
   draw_camera(scenario, spread, truth, table);
   draw_ceiling(scenario, spread, truth, table);
   draw_lighting(scenario, truth, table);
+  for (const Hole& hole : scenario.holes) {
+    truth.holes.push_back(rectangle(hole.pose, hole.length, hole.width));
+  }
   Placement(scenario, truth).run();
   truth.table = table.text;
   truth.hash = hash_of(truth.table);

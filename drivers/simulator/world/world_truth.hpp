@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/simulator/geometry/shapes.hpp"
 #include "drivers/simulator/world/scenario.hpp"
 #include "services/common/building/building.hpp"
 #include "services/common/building/occupancy_grid.hpp"
@@ -32,6 +33,8 @@ struct WorldTruth {
   Pose2 start;                            // true world_from_robot
   std::vector<Obstacle> obstacles;        // all with a pose
   std::vector<WalkingPerson> people;      // all with waypoints
+  std::vector<Polygon> holes;             // in the floor
+  bool feels_touch = false;               // the base has bumpers and cliff sensors
   std::vector<ScenarioEvent> events;      // all with a place
   std::string table;                      // the spread and what was drawn, for the report
   std::string hash;                       // of that table

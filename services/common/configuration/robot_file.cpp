@@ -108,14 +108,15 @@ double RobotDescription::inscribed_radius() const {
 RobotDescription read_robot(const TomlTable& root) {
   RobotDescription robot;
   robot.name = root.text("name");
+  (void)root.choice("base", "p3dx", {"p3dx", "create2"});  // for who needs it: robot_base.hpp
   robot.mode = root.choice("mode", robot.mode, {"paper", "modern"});
   robot.footprint = read_footprint(root);
   robot.wheel_base = root.number("wheel_base", robot.wheel_base, {0.05, 3.0});
   robot.sonar = read_sonar_ring(root);
   robot.limits = read_limits(root.table("limits"));
   robot.camera = read_camera(root.table("camera"));
-  for (const char* node : {"p3dx", "camera_driver", "detector", "localizer", "mapper", "planner", "controller", "jobs",
-                           "viewer", "network"}) {
+  for (const char* node : {"p3dx", "create2", "camera_driver", "detector", "localizer", "mapper", "planner",
+                           "controller", "jobs", "viewer", "network"}) {
     root.accept(node);
   }
   root.reject_unknown();

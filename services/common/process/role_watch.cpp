@@ -12,7 +12,8 @@ namespace {
 constexpr std::int64_t kMemory = 3'000'000;  // [us] three times as long as a process is silent
 
 /// The roles that only one process may play for a robot, and how several are called.
-constexpr std::array<std::pair<const char*, const char*>, 7> kRoles = {{{"p3dx", "drivers"},
+constexpr std::array<std::pair<const char*, const char*>, 8> kRoles = {{{"p3dx", "drivers"},
+                                                                        {"create2", "drivers"},
                                                                         {"camera", "cameras"},
                                                                         {"detector", "detectors"},
                                                                         {"localizer", "localizers"},

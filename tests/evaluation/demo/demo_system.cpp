@@ -147,7 +147,7 @@ DemoSystem::DemoSystem(const Scenario& scenario, const std::string& mode, const 
            {"LUMINAV_STATE", state}}) {
     setenv(name, value.c_str(), 1);
   }
-  configuration_ = launcher::read_pmd(shipped_file("demo.pmd"));
+  configuration_ = launcher::read_pmd(configuration_for(scenario.base));
   const std::string procman_url = procman_url_beside(lcm_url);
   procman_ = open_lcm(procman_url);
   start_deputy(procman_url);
@@ -174,6 +174,22 @@ std::filesystem::path DemoSystem::robot_file_in_mode(const std::filesystem::path
   }
   const std::filesystem::path copy = state_folder_ / "robot.toml";
   write_whole_file(copy.string(), with_mode(read_whole_file(file.string()), mode));
+  return copy;
+}
+
+/// demo.pmd with the driver of that base in the place of the p3dx's, beside what else the demo keeps for its time.
+std::filesystem::path DemoSystem::configuration_for(const std::string& base) const {
+  const std::filesystem::path shipped = shipped_file("demo.pmd");
+  if (base == "p3dx") {
+    return shipped;
+  }
+  std::string text = read_whole_file(shipped.string());
+  for (const auto& [ours, its] : {std::pair{std::string("cmd \"p3dx\""), "cmd \"" + base + "\""},
+                                  {"LUMINAV_BIN/p3dx ", "LUMINAV_BIN/" + base + " "}}) {
+    text.replace(text.find(ours), ours.size(), its);
+  }
+  const std::filesystem::path copy = state_folder_ / "demo.pmd";
+  write_whole_file(copy.string(), text);
   return copy;
 }
 

@@ -45,6 +45,7 @@ class DemoSystem {
   void start_recorder(const Scenario& scenario, const std::string& lcm_url, const std::string& log_file);
   [[nodiscard]] std::filesystem::path robot_file_in_mode(const std::filesystem::path& file,
                                                          const std::string& mode) const;
+  [[nodiscard]] std::filesystem::path configuration_for(const std::string& base) const;
   [[nodiscard]] std::string last_words(const std::string& process) const;
 
   std::filesystem::path state_folder_;

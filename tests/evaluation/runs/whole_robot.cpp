@@ -4,10 +4,13 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
+#include "drivers/base/base_driver.hpp"
 #include "drivers/camera/camera_node.hpp"
 #include "drivers/camera/simulated/ceiling.hpp"
+#include "drivers/create2/create2_node.hpp"
 #include "drivers/p3dx/p3dx_node.hpp"
 #include "drivers/simulator/arcos/arcos_controller.hpp"
+#include "drivers/simulator/create2/create2_board.hpp"
 #include "drivers/simulator/simulator_node.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/process/channels.hpp"
@@ -28,7 +31,7 @@ constexpr std::int64_t kStep = 10'000;  // [us]
 /// Moves bytes between the simulated microcontroller and the driver's line, and pulls the plug when the scenario does.
 class SerialLine {
  public:
-  explicit SerialLine(ArcosController& controller) : controller_(controller) {}
+  explicit SerialLine(BaseBoard& board) : board_(board) {}
 
   void exchange() {
     if (robot_end_ == nullptr || !robot_end_->is_open()) {
@@ -39,9 +42,9 @@ class SerialLine {
     }
     std::uint8_t buffer[512];
     while (const std::size_t count = robot_end_->read(buffer)) {
-      controller_.receive({buffer, count});
+      board_.receive({buffer, count});
     }
-    const std::vector<std::uint8_t> output = controller_.take_output();
+    const std::vector<std::uint8_t> output = board_.take_output();
     robot_end_->write(output);
   }
   void set_unplugged(bool unplugged) {
@@ -53,7 +56,7 @@ class SerialLine {
   MemoryPipe& pipe() { return pipe_; }
 
  private:
-  ArcosController& controller_;
+  BaseBoard& board_;
   MemoryPipe pipe_;
   std::unique_ptr<ByteStream> robot_end_;
   bool unplugged_ = false;
@@ -76,9 +79,9 @@ struct WholeRobot::Parts {
         hung(read_building(s.true_building_file)),
         robot(read_robot(s.robot_file)),
         world(draw_world(s, hung, robot)),
-        controller_board(board_config()),
-        serial(controller_board),
-        simulator(lcm, scenario.seed, world, controller_board),
+        board(make_board()),
+        serial(*board),
+        simulator(lcm, scenario.seed, world, *board),
         subscriber(lcm) {
     subscriber.on(channels::kSimTruth, &Parts::on_truth, this);
     if (options.geometric != nullptr) {
@@ -86,15 +89,19 @@ struct WholeRobot::Parts {
     } else {
       ceiling = std::make_unique<SimulatedCeiling>(world, scenario.seed);
     }
-    for (const char* process : {"p3dx", "camera", "detector", "localizer", "mapper", "planner", "controller"}) {
+    start_base();
+    for (const char* process : {"camera", "detector", "localizer", "mapper", "planner", "controller"}) {
       start(process);
     }
   }
 
-  [[nodiscard]] ArcosConfig board_config() const {
+  [[nodiscard]] std::unique_ptr<BaseBoard> make_board() const {
+    if (scenario.base == "create2") {
+      return std::make_unique<Create2Board>(robot.wheel_base);
+    }
     ArcosConfig config;
     config.wheel_base = robot.wheel_base;
-    return config;
+    return std::make_unique<ArcosController>(config);
   }
 
   void on_truth(const sim_truth_t& truth) {
@@ -104,11 +111,20 @@ struct WholeRobot::Parts {
     }
   }
 
-  void start(const std::string& process) {
-    if (process == "p3dx") {
-      p3dx.reset();
-      p3dx =
+  void start_base() {
+    base.reset();
+    if (scenario.base == "create2") {
+      base = std::make_unique<Create2Node>(lcm, read_create2_config(scenario.robot_file), clock,
+                                           serial.pipe().driver_opener());
+    } else {
+      base =
           std::make_unique<P3dxNode>(lcm, read_p3dx_config(scenario.robot_file), clock, serial.pipe().driver_opener());
+    }
+  }
+
+  void start(const std::string& process) {
+    if (process == scenario.base) {
+      start_base();
     } else if (process == "camera") {
       if (sensing) {
         return;  // keeps no state that a restart would lose
@@ -168,13 +184,13 @@ struct WholeRobot::Parts {
   Building hung;  // what the world is drawn around
   RobotDescription robot;
   WorldTruth world;
-  ArcosController controller_board;
+  std::unique_ptr<BaseBoard> board;
   SerialLine serial;
   SimulatorNode simulator;
   std::unique_ptr<SimulatedCeiling> ceiling;
   std::unique_ptr<GeometricSensing> sensing;
   Subscriber subscriber;
-  std::unique_ptr<P3dxNode> p3dx;
+  std::unique_ptr<BaseDriver> base;
   std::unique_ptr<CameraNode> camera;
   std::unique_ptr<DetectorNode> detector;
   std::unique_ptr<LocalizerNode> localizer;
@@ -212,7 +228,7 @@ void WholeRobot::step() {
   p.simulator.advance_to(p.clock.utime());
   p.serial.exchange();
   p.drain();
-  p.p3dx->poll();
+  p.base->poll();
   p.drain();
   p.serial.exchange();
   if (p.camera) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 
+#include "drivers/base/base_driver.hpp"
 #include "drivers/base/safety/guardian.hpp"
 #include "drivers/p3dx/p3dx_node.hpp"
 #include "drivers/p3dx/safety/arcos_guard.hpp"
@@ -68,7 +69,8 @@ class Commander {
   config.fast_baud = fast_baud;
   config.guardian_silence = guarding.silence;
   config.guardian_done_after = guarding.silence + guarding.brake_time + 0.15;
-  P3dxNode node(lcm, config, clock, stream_opener(device, config.baud));
+  P3dxNode p3dx(lcm, config, clock, stream_opener(device, config.baud));
+  BaseDriver& node = p3dx;  // as the process around it knows it
   node.report_life([&] { guardian.beat(); });
   const Commander commander(lcm);
   int guarded = 0;
@@ -78,7 +80,7 @@ class Commander {
     node.poll();
     while (lcm.handleTimeout(0) > 0) {
     }
-    const int openings = node.descriptor() >= 0 ? node.link().openings() : 0;
+    const int openings = node.descriptor() >= 0 ? node.openings() : 0;
     if (openings != guarded) {
       guarded = openings;
       guardian.watch_line(node.descriptor());

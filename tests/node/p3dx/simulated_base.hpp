@@ -6,6 +6,7 @@
 
 #include "drivers/base/line/byte_stream.hpp"
 #include "drivers/simulator/arcos/arcos_controller.hpp"
+#include "drivers/simulator/base_board.hpp"
 
 namespace luminav {
 
@@ -18,7 +19,7 @@ class SimulatedBase {
   void step(ByteStream* line, bool takes_output = true) {
     receive(line);
     constexpr double kStep = 0.01;
-    ArcosInputs now = inputs;
+    BoardInputs now = inputs;
     if (!blocked) {
       now.left_travel = kStep * (outputs.linear - 0.5 * wheel_base_ * outputs.angular);
       now.right_travel = kStep * (outputs.linear + 0.5 * wheel_base_ * outputs.angular);
@@ -58,8 +59,8 @@ class SimulatedBase {
   ArcosController& controller() { return controller_; }
   [[nodiscard]] const ArcosController& controller() const { return controller_; }
 
-  ArcosInputs inputs;
-  ArcosOutputs outputs;
+  BoardInputs inputs;
+  BoardOutputs outputs;
   bool blocked = false;
   bool dead_left = false;                        // the encoder counts nothing
   bool dead_right = false;                       // likewise

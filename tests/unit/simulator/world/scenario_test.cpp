@@ -30,7 +30,7 @@ const fs::path& folder() {
                "[[door]]\nid = 7\nx = 2.0\ny = 2.0\ntheta = 0.0\nwidth = 0.9\n"
                "[[place]]\nname = \"desk\"\nx = 4.0\ny = 5.0\ntheta = 1.5\n"
                "[[place]]\nname = \"door\"\nx = 6.0\ny = 7.0\n");
-    write_text(made / "robot.toml", "never read here\n");
+    write_text(made / "robot.toml", "base = \"create2\"\n");
     return made;
   }();
   return path;
@@ -57,6 +57,7 @@ TEST(ScenarioFile, HasDefaultsForAllButBuildingAndRobot) {
   EXPECT_EQ(scenario.name, "case");
   EXPECT_EQ(scenario.building_file, folder() / "building.toml");
   EXPECT_EQ(scenario.robot_file, folder() / "robot.toml");
+  EXPECT_EQ(scenario.base, "create2");
   EXPECT_EQ(scenario.seed, 1U);
   EXPECT_FALSE(scenario.start.has_value());
   EXPECT_FALSE(scenario.start_known);
@@ -103,6 +104,10 @@ width = 0.3
 kind = "glass"
 [[obstacle]]
 kind = "legs"
+[[hole]]
+x = 5.0
+y = 2.0
+length = 1.2
 [[person]]
 waypoints = [[1.0, 1.0], [6.0, 1.0], [6.0, 4.0]]
 speed = 1.1
@@ -139,6 +144,10 @@ for = 4.0
   EXPECT_EQ(scenario.obstacles[0].world_from_obstacle->y, 1.5);
   EXPECT_EQ(scenario.obstacles[1].kind, ObstacleKind::kLegs);
   EXPECT_FALSE(scenario.obstacles[1].world_from_obstacle.has_value());
+  ASSERT_EQ(scenario.holes.size(), 1U);
+  EXPECT_EQ(scenario.holes[0].pose.x, 5.0);
+  EXPECT_EQ(scenario.holes[0].length, 1.2);
+  EXPECT_EQ(scenario.holes[0].width, 1.0);
   ASSERT_EQ(scenario.people.size(), 2U);
   EXPECT_EQ(scenario.people[0].waypoints.size(), 3U);
   EXPECT_TRUE(scenario.people[1].waypoints.empty());
@@ -252,6 +261,7 @@ TEST(ScenarioFile, RefusesWhatItDoesNotKnow) {
 
 TEST(ScenarioFile, RefusesWhatIsHalf) {
   EXPECT_THAT(error_of("[start]\nx = 1.0\n"), HasSubstr("start.y"));
+  EXPECT_THAT(error_of("[[hole]]\nx = 1.0\n"), HasSubstr("hole.y"));
   EXPECT_THAT(error_of("[start]\ntheta = 1.0\n"), HasSubstr("start.theta"));
   EXPECT_THAT(error_of("[[person]]\nwaypoints = [[1.0, 1.0]]\n"), HasSubstr("two points"));
   EXPECT_THAT(error_of("[[goal]]\nplace = \"desk\"\nx = 1.0\ny = 1.0\n"), HasSubstr("place"));

@@ -108,6 +108,55 @@ TEST(World, CountsHardObstaclesApart) {
   EXPECT_EQ(world.contacts().hard_contacts(), 1);
 }
 
+/// Of a Create 2 that drives at a walk; the reports of all ticks put together.
+WheelReport felt(World& world, const MotorCommand& command, double seconds) {
+  WheelReport all;
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / World::kTick)); ++i) {
+    const WheelReport report = world.step(command);
+    all.bumpers |= report.bumpers;
+    all.cliffs |= report.cliffs;
+    all.drop_left |= report.drop_left;
+    all.drop_right |= report.drop_right;
+  }
+  return all;
+}
+
+TEST(World, LetsABumperFeelWhatItTouchesAndCountsItApart) {
+  for (const double speed : {0.2, 0.4}) {
+    WorldTruth truth = truth_at({9.9, 3.0, 0.0});
+    truth.feels_touch = true;
+    World world(kSeed, truth);
+    EXPECT_EQ(felt(world, {speed, 0.0, true}, 0.5).bumpers, 0);
+    EXPECT_EQ(felt(world, {speed, 0.0, true}, 4.0).bumpers, 3) << "a wall ahead: both sides";
+    EXPECT_EQ(world.contacts().hard_contacts(), speed < 0.25 ? 1 : 0);
+    EXPECT_EQ(world.contacts().contacts(), speed < 0.25 ? 0 : 1) << "no walk any more";
+  }
+}
+
+TEST(World, LetsCliffSensorsSeeAHoleBeforeAWheelIsInIt) {
+  WorldTruth truth = truth_at({3.0, 3.0, 0.0});
+  truth.feels_touch = true;
+  truth.holes = {rectangle({4.5, 3.0, 0.0}, 1.0, 4.0)};
+  World world(kSeed, truth);
+  EXPECT_EQ(felt(world, {0.2, 0.0, true}, 4.0).cliffs, 0) << "at 3.8";
+  const WheelReport near = felt(world, {0.2, 0.0, true}, 0.6);
+  EXPECT_NE(near.cliffs, 0);
+  EXPECT_FALSE(near.drop_left || near.drop_right);
+  EXPECT_EQ(world.contacts().contacts(), 0);
+  const WheelReport in = felt(world, {0.2, 0.0, true}, 1.0);
+  EXPECT_TRUE(in.drop_left && in.drop_right);
+  EXPECT_EQ(world.contacts().contacts(), 1) << "it fell";
+}
+
+TEST(World, TellsABaseWithoutThatSenseNothing) {
+  WorldTruth truth = truth_at({9.9, 3.0, 0.0});
+  truth.holes = {rectangle({9.9, 3.0, 0.0}, 1.0, 1.0)};
+  World world(kSeed, truth);
+  const WheelReport all = felt(world, {0.2, 0.0, true}, 4.0);
+  EXPECT_EQ(all.bumpers | all.cliffs, 0);
+  EXPECT_EQ(world.contacts().contacts(), 1);
+}
+
 TEST(World, LetsPeopleWalkToAndFroAndStopBeforeTheRobot) {
   WorldTruth truth = truth_at({5.0, 3.0, 0.0});
   truth.people = {{{{1.0, 3.0}, {9.0, 3.0}}, 0.8}, {{{1.0, 5.5}, {3.0, 5.5}}, 1.0}};

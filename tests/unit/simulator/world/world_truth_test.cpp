@@ -327,6 +327,26 @@ TEST(WorldTruth, GivesPeopleAFreeStraightWay) {
   }
 }
 
+TEST(WorldTruth, PlacesNothingOverAHole) {
+  Scenario scenario;
+  scenario.holes = {{{3.0, 2.5, 0.0}, 3.0, 3.0}};
+  scenario.obstacles.resize(1);
+  scenario.people.resize(1);
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    scenario.seed = seed;
+    const WorldTruth truth = draw(scenario);
+    ASSERT_EQ(truth.holes.size(), 1U);
+    EXPECT_GT(distance(truth.holes[0], truth.start.position()), 0.4);
+    const Obstacle& box = truth.obstacles[0];
+    for (const Vector2d& corner : rectangle(*box.world_from_obstacle, box.length, box.width)) {
+      EXPECT_GT(distance(truth.holes[0], corner), 0.0);
+    }
+    EXPECT_GT(distance(truth.holes[0], Polygon{truth.people[0].waypoints[0], truth.people[0].waypoints[1]}), 0.0);
+  }
+  scenario.start = Pose2{3.0, 2.5, 0.0};
+  EXPECT_THROW(draw(scenario), ConfigurationError);
+}
+
 TEST(DrawFreePoint, IsTheSameForTheSameState) {
   const PriorMap map = map_from_text(kFloor);
   SplitMix first(17);
