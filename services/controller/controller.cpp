@@ -52,6 +52,11 @@ Controller::Controller(const ControllerConfig& config)
       obstacles_(stop_logic_.footprint()),
       ramp_(config.robot.limits, config.jerk) {}
 
+void Controller::set_zones(const std::vector<Zone>& zones) {
+  zones_ = Zones(zones, config_.robot.footprint);
+  quiet_ = nullptr;  // it pointed to one of those before
+}
+
 void Controller::forget_odometry() {
   wander_.clear();
   escape_.reset();

@@ -35,6 +35,8 @@ class ControllerNode {
   /// With a key, commands without its seal are dropped.
   ControllerNode(lcm::LCM& lcm, const ControllerConfig& config, std::optional<CommandKey> key = {});
 
+  /// The building's zones are these from now on.
+  void set_zones(const std::vector<Zone>& zones) { controller_.set_zones(zones); }
   [[nodiscard]] Health health() const;
   /// What it listens to.
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }

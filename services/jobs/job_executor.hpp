@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/common/building/building.hpp"
@@ -53,6 +54,8 @@ class JobExecutor {
  public:
   JobExecutor(const JobParams& params, JobSite site);
 
+  /// The building's places are others now. A job that is on its way to one goes on to where that was.
+  void set_places(std::vector<Place> places) { site_.places = std::move(places); }
   /// Acts on a request, once.
   void take(const JobRequest& request, std::int64_t utime);
   /// A new job could not be kept: it is as if it had never come, and its sender is told why.

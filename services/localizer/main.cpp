@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "localizer", robot_name, network);
     loop.belong_to(luminav::identify(robot, building));
+    loop.follow_building(building);
     loop.report_health([&] { return node.health(); });
     return loop.run();
   });

@@ -24,8 +24,11 @@ int main(int argc, char** argv) {
     luminav::PlannerNode node(*lcm, config, access.key);
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "planner", config.robot.name, network);
-    luminav::remember_files(robot_file, building_file);
     loop.belong_to(luminav::identify(robot_file, building_file));
+    loop.follow_building(building_file, [&](const luminav::Building& building) {
+      node.set_building(building);
+      luminav::remember_files(robot_file, building_file);
+    });
     loop.report_health([&] { return node.health(); });
     const int status = loop.run();
     if (status == 0) {  // somebody wanted an end

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/common/configuration/building_edit.hpp"
 #include "services/common/geometry/seconds.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
@@ -62,6 +63,15 @@ Health PlannerNode::health() const {
   health.degraded = !store_error_.empty();
   health.reason = store_error_;
   return health;
+}
+
+void PlannerNode::set_building(const Building& building) {
+  config_.places = building.places;
+  if (!are_same_zones(config_.route.space.zones, building.zones)) {
+    config_.route.space.zones = building.zones;
+    executor_.set_zones(building.zones);
+    publish_path(now_);
+  }
 }
 
 // ---------------------------------------------------------------------------------------------------- requests

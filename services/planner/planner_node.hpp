@@ -27,6 +27,8 @@ class PlannerNode {
   /// With a key, commands without its seal are dropped.
   PlannerNode(lcm::LCM& lcm, const PlannerConfig& config, std::optional<CommandKey> key = {});
 
+  /// Zones and places of the building are these from now on.
+  void set_building(const Building& building);
   /// The planner is ended in order: a goal that is under way is kept, but asks before it goes on.
   void end();
   [[nodiscard]] Health health() const;

@@ -261,8 +261,36 @@ void EventLoop::belong_to(SystemFiles files) {
   files_ = std::move(files);
 }
 
+void EventLoop::follow_building(const std::filesystem::path& file, std::function<void(const Building&)> take) {
+  if (file.empty()) {
+    return;
+  }
+  building_.emplace(file);
+  on_building_ = std::move(take);
+  take_building();
+}
+
+void EventLoop::building_has_changed() {
+  if (building_ && building_->take_over()) {
+    take_building();
+    publish_status();
+  }
+}
+
+void EventLoop::take_building() {
+  files_.building = building_->building().name;
+  files_.building_hash = building_->sum();
+  if (on_building_) {
+    on_building_(building_->building());
+  }
+}
+
 void EventLoop::on_node_status(const node_status_t& status) {
   const std::int64_t now = now_monotonic();
+  if (building_ && building_->take_over(status.building_hash)) {
+    take_building();
+    publish_status();  // else the others would take this one for one with another building, for a second
+  }
   others_.hear(status, now);
   roles_.hear(status, now);
   if (status.instance == instance_ && status.process == process_) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "services/common/network/lcm_network.hpp"
+#include "services/common/process/building_watch.hpp"
 #include "services/common/process/role_watch.hpp"
 #include "services/common/process/running_system.hpp"
 #include "services/common/process/subscriber.hpp"
@@ -58,6 +59,12 @@ class EventLoop {
   /// Says in NODE_STATUS which files this process was given, and is at fault as long as another process was given
   /// others.
   void belong_to(SystemFiles files);
+  /// Belongs to the building that this file says, now and after its zones or places were changed: when NODE_STATUS of
+  /// another process has the sum of a newer file, which must be this one. Calls back with it, at once and after each
+  /// change. "" = no building. Throws ConfigurationError or std::runtime_error.
+  void follow_building(const std::filesystem::path& file, std::function<void(const Building&)> take = {});
+  /// This process has changed the file: takes it over, and says so to all.
+  void building_has_changed();
   /// Which process has other files, in one sentence; "" = none.
   [[nodiscard]] std::string objection() const;
   /// Looks at the health now, and says so at once if the state is another: else it takes up to 50 ms.
@@ -90,6 +97,7 @@ class EventLoop {
   void measure(const std::function<void()>& step);
   [[nodiscard]] Health current_health() const;
   void on_node_status(const node_status_t& status);
+  void take_building();
   void listen_to_itself();
   [[nodiscard]] bool is_deaf() const;
   void publish_status();
@@ -106,6 +114,8 @@ class EventLoop {
   std::vector<Deadline> deadlines_;
   std::function<Health()> health_;
   SystemFiles files_;
+  std::optional<BuildingWatch> building_;
+  std::function<void(const Building&)> on_building_;
   RunningSystem others_;
   std::int64_t worst_step_ = 0;   // [us] since the last status
   std::int64_t last_cpu_ = 0;     // [us]

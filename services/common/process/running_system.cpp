@@ -6,11 +6,11 @@
 #include <string_view>
 #include <system_error>
 
-#include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/configuration/shipped_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
+#include "services/common/process/building_watch.hpp"
 
 namespace luminav {
 namespace {
@@ -20,37 +20,12 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kForgotten = 5'000'000;  // [us] each process says it once a second
 constexpr std::size_t kMaxProcesses = 100;
 
-// FNV-1a, 64 bits: tells files apart, and is no secret.
-class Sum {
- public:
-  Sum& add(std::string_view bytes) {
-    for (const char byte : bytes) {
-      value_ = (value_ ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3;
-    }
-    return *this;
-  }
-  // 0 means no file
-  [[nodiscard]] std::int64_t value() const { return value_ == 0 ? 1 : static_cast<std::int64_t>(value_); }
-
- private:
-  std::uint64_t value_ = 0xcbf29ce484222325;
-};
-
 std::int64_t sum_of_robot(const fs::path& file) {
-  return Sum().add(read_whole_file(file)).value();
+  return FileSum().add(read_whole_file(file)).value();
 }
 
-// The map as it is read, wherever its picture lies.
 std::int64_t sum_of_building(const fs::path& file, const std::string& map_file) {
-  Sum sum;
-  sum.add(read_whole_file(file));
-  if (!map_file.empty()) {
-    const PriorMap map = read_map(map_file);
-    const GridGeometry& g = map.geometry;
-    sum.add(fmt::format("{} {} {} {} {}", g.columns, g.rows, g.resolution, g.origin.x(), g.origin.y()));
-    sum.add({reinterpret_cast<const char*>(map.cells.data()), map.cells.size() * sizeof(Prior)});
-  }
-  return sum.value();
+  return sum_of_map(map_file).add(read_whole_file(file)).value();
 }
 
 std::string name_of(const node_status_t& status) {

@@ -92,6 +92,15 @@ void GoalExecutor::refuse(std::int64_t id, const std::string& why, std::int64_t 
   finish(NavigationState::kNoPath, why);
 }
 
+void GoalExecutor::set_zones(const std::vector<Zone>& zones) {
+  map_.set_zones(zones);
+  if (phase_ == GoalPhase::kFollowing || phase_ == GoalPhase::kHolding) {
+    path_.stand_still(stops_, now_);
+    last_plan_ = 0;
+    plan_anew("the building's zones were changed");
+  }
+}
+
 void GoalExecutor::enter(GoalPhase phase, NavigationState state, const std::string& cause) {
   assert(may_follow(phase_, phase));
   if (phase != phase_) {

@@ -41,6 +41,8 @@ class GoalExecutor {
 
   /// The map changed; the grid must outlive the next update. `received` of `tiles` are there.
   void map_changed(const OccupancyGrid& grid, int received, int tiles) { map_.change(grid, received, tiles); }
+  /// The building's zones are others now: a robot under way stands until a path by these is found.
+  void set_zones(const std::vector<Zone>& zones);
   void update(const Situation& situation);
 
   [[nodiscard]] bool is_active() const { return phase_ != GoalPhase::kNone; }

@@ -18,6 +18,15 @@ void RouteMap::change(const OccupancyGrid& grid, int received, int tiles) {
   has_changed_ = true;
 }
 
+void RouteMap::set_zones(const std::vector<Zone>& zones) {
+  params_.space.zones = zones;
+  planner_ = RoutePlanner(params_);
+  if (grid_ != nullptr) {
+    planner_.set_grid(*grid_, suspects_.all());
+  }
+  has_changed_ = true;  // paths are to be looked at again
+}
+
 void RouteMap::suspect(const SuspectedObstacle& obstacle, std::int64_t until) {
   suspects_.add(obstacle, until);
   has_changed_ = true;

@@ -20,6 +20,8 @@ class RouteMap {
 
   /// Takes over a new state of the grid, which must outlive the next one. `received` of `tiles` are there.
   void change(const OccupancyGrid& grid, int received, int tiles);
+  /// Plans by these of the building from now on.
+  void set_zones(const std::vector<Zone>& zones);
   [[nodiscard]] bool is_complete() const { return grid_ != nullptr && received_ >= tiles_; }
   [[nodiscard]] int received() const { return received_; }
   [[nodiscard]] int tiles() const { return tiles_; }

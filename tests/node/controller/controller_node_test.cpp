@@ -396,6 +396,28 @@ TEST(KeepOutZones, HoldAPersonWhoSteersAlsoWhenTheLocalizerFallsSilent) {
   }
 }
 
+TEST(KeepOutZones, HoldFromTheMomentWhenTheyAreDrawn) {
+  const ControllerConfig config = read_controller_config(std::string(LUMINAV_SOURCE_DIR) + "/launch/robots/p3dx.toml");
+  KinematicWorld world(config.robot, kHall);
+  world.place_robot({1.0, 1.5, 0.0});
+  ClosedLoop loop(world, config);
+  for (int i = 0; i < 600; ++i) {
+    if (i == 100) {
+      ASSERT_GT(world.twist().linear, 0.2);
+      loop.node().set_zones({{"stairs", ZoneKind::kKeepOut, {{3.0, 0.4}, {4.0, 0.4}, {4.0, 2.4}, {3.0, 2.4}}}});
+    }
+    teleop_command_t message{};
+    message.utime = loop.utime();
+    message.session = 5;
+    message.sequence = i;
+    message.linear = 0.4;
+    loop.lcm().publish(channels::kTeleopCommand, &message);
+    loop.tick();
+  }
+  EXPECT_LT(world.truth().x, 3.0 - 0.2);
+  EXPECT_GT(world.truth().x, 2.0);
+}
+
 // ------------------------------------------------------------------------------------------------ senses that are dead
 
 // 18 x 2.4 m outside, 1.8 m wide inside

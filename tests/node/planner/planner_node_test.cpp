@@ -323,6 +323,31 @@ TEST(PlannerNode, DrivesOutOfAKeepOutZoneAndSaysSo) {
   EXPECT_TRUE(world.run_until_state(20.0, Status::STATE_ARRIVED));
 }
 
+TEST(PlannerNode, ObeysZonesThatAreDrawnWhileItDrives) {
+  PlannerWorld world;
+  world.go(1, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_FOLLOWING));
+  Building building;
+  building.zones = {{"wet floor", ZoneKind::kQuiet, {{1.0, 1.0}, {2.0, 1.0}, {2.0, 2.0}}}};
+  world.node.set_building(building);
+  while (world.lcm.handleTimeout(0) > 0) {
+  }
+  EXPECT_EQ(world.path.count, 0) << "it stands until it has a path by the new zones";
+  ASSERT_TRUE(world.run_until_state(1.0, Status::STATE_FOLLOWING));
+  const std::int32_t sequence = world.path.sequence;
+  world.node.set_building(building);
+  world.run(0.5);
+  EXPECT_EQ(world.path.sequence, sequence) << "the same ones change nothing";
+  building.zones.push_back({"stairs", ZoneKind::kKeepOut, {{5.6, 2.0}, {6.8, 2.0}, {6.8, 4.4}, {5.6, 4.4}}});
+  world.node.set_building(building);
+  ASSERT_TRUE(world.run_until_state(5.0, Status::STATE_NO_PATH)) << world.status.cause;
+  EXPECT_THAT(world.status.cause, HasSubstr("keep-out zone stairs"));
+  building.zones.clear();
+  world.node.set_building(building);
+  world.go(2, 9.0, 4.0);
+  EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED));
+}
+
 TEST(PlannerNode, IgnoresAGoalFromBeforeTheLastOne) {
   PlannerWorld world;
   world.run(1.0);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "services/common/process/channels.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace luminav {
 namespace {
@@ -74,6 +75,32 @@ TEST(EventLoop, IsReadyBesideProcessesOfOtherRoles) {
   world.run_until_it_says(node_status_t::STATE_READY);
   EXPECT_EQ(world.said.state, node_status_t::STATE_READY);
   EXPECT_EQ(world.loop.conflict(), "");
+}
+
+TEST(EventLoop, TakesTheZonesOverThatAnotherProcessHas) {
+  TemporaryFolder folder;
+  const std::string hut = "name = \"hut\"\nceiling_height = 2.5\n";
+  const std::filesystem::path file = folder.write("building.toml", hut);
+  LoopWorld world;
+  std::vector<std::size_t> zones;
+  world.loop.follow_building(file, [&](const Building& building) { zones.push_back(building.zones.size()); });
+  EXPECT_EQ(zones, std::vector<std::size_t>{0});
+  folder.write("building.toml", hut + "[[zone]]\nname = \"stairs\"\npolygon = [[0, 0], [1, 0], [1, 1]]\n");
+  node_status_t viewer{};
+  viewer.utime = 1;
+  viewer.process = "viewer";
+  viewer.host = "elsewhere";
+  viewer.building = "hut";
+  viewer.building_hash = BuildingWatch(file).sum();
+  world.lcm.publish(channels::kNodeStatus, &viewer);
+  world.loop.every(20'000, [&] {
+    if (world.said.building_hash == viewer.building_hash) {
+      world.loop.stop();
+    }
+  });
+  world.loop.run();
+  EXPECT_EQ(zones, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(world.said.building_hash, viewer.building_hash);
 }
 
 TEST(EventLoop, CallsBackWhenNoTimeIsLeft) {

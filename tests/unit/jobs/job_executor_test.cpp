@@ -217,6 +217,17 @@ TEST(JobExecutor, SendsTheGoalAnewToAPlannerThatForgotIt) {
   EXPECT_EQ(robot.job(job).state, JobState::kDriving);
 }
 
+TEST(JobExecutor, KnowsThePlacesThatTheBuildingHasNow) {
+  PretendedRobot robot;
+  EXPECT_EQ(robot.add(JobKind::kGo, {"coffee"}), 0);
+  std::vector<Place> places = PretendedRobot::site().places;
+  places.push_back({"coffee", {3.0, 3.0, 0.0}, false});
+  robot.executor.set_places(places);
+  EXPECT_NE(robot.add(JobKind::kGo, {"coffee"}), 0);
+  robot.run(5.0);
+  EXPECT_THAT(robot.goals, ElementsAre("coffee"));
+}
+
 TEST(JobExecutor, FailsAJobWhosePlaceWasRenamed) {
   PretendedRobot before;
   const std::int64_t job = before.add(JobKind::kGo, {"lab"});

@@ -1,0 +1,312 @@
+#include "services/common/configuration/building_edit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "services/common/configuration/configuration_error.hpp"
+
+namespace luminav {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+constexpr double kSame = 6e-4;  // a file has three or four digits
+
+std::string trimmed(const std::string& line) {
+  const std::size_t first = line.find_first_not_of(" \t");
+  return first == std::string::npos ? "" : line.substr(first);
+}
+
+bool sets_key(const std::string& line, const std::string& key) {
+  const std::string text = trimmed(line);
+  return text.starts_with(key) && trimmed(text.substr(key.size())).starts_with('=');
+}
+
+/// As a TOML basic string.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    result += c == '"' || c == '\\' ? "\\" : "";
+    result += c;
+  }
+  return result + '"';
+}
+
+/// The lines of one table: behind its header, up to the last one before the next header that is a key's.
+class TableLines {
+ public:
+  TableLines(Lines& lines, std::size_t header) : lines_(lines), begin_(header + 1) {
+    const auto next = std::find_if(lines.begin() + static_cast<std::ptrdiff_t>(begin_), lines.end(),
+                                   [](const std::string& line) { return trimmed(line).starts_with("[["); });
+    end_ = static_cast<std::size_t>(next - lines.begin());
+    while (end_ > begin_ && (trimmed(lines[end_ - 1]).empty() || trimmed(lines[end_ - 1]).starts_with('#'))) {
+      --end_;
+    }
+  }
+
+  void set(const std::string& key, const std::string& value) {
+    const auto [first, last] = find(key);
+    const std::string line = key + " = " + value;
+    if (first == last) {
+      lines_.insert(at(end_), line);
+      ++end_;
+      return;
+    }
+    const std::size_t comment = first + 1 == last ? lines_[first].rfind("  #") : std::string::npos;
+    const std::string kept = comment == std::string::npos ? "" : lines_[first].substr(comment);
+    erase(first, last);
+    lines_.insert(at(first), line + kept);
+    ++end_;
+  }
+  void erase(const std::string& key) {
+    const auto [first, last] = find(key);
+    erase(first, last);
+  }
+  /// The table itself.
+  void erase() { lines_.erase(at(begin_ - 1), at(end_)); }
+
+ private:
+  [[nodiscard]] Lines::iterator at(std::size_t i) const { return lines_.begin() + static_cast<std::ptrdiff_t>(i); }
+  void erase(std::size_t first, std::size_t last) {
+    lines_.erase(at(first), at(last));
+    end_ -= last - first;
+  }
+  /// Lines of a key's value, which may be a list on several; an empty range where it is not set.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> find(const std::string& key) const {
+    std::size_t first = begin_;
+    while (first < end_ && !sets_key(lines_[first], key)) {
+      ++first;
+    }
+    int open = 0;
+    for (std::size_t last = first; last < end_; ++last) {
+      const std::string code = lines_[last].substr(0, lines_[last].find('#'));
+      open += static_cast<int>(std::count(code.begin(), code.end(), '[') - std::count(code.begin(), code.end(), ']'));
+      if (open <= 0) {
+        return {first, last + 1};
+      }
+    }
+    return {first, end_};
+  }
+
+  Lines& lines_;
+  std::size_t begin_;
+  std::size_t end_ = 0;
+};
+
+template <typename Item>
+std::optional<std::size_t> find_named(const std::vector<Item>& items, const std::string& name) {
+  const auto found = std::find_if(items.begin(), items.end(), [&](const Item& item) { return item.name == name; });
+  return found == items.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - items.begin()));
+}
+
+/// Where an item is that is to be changed or removed; nothing for a new one.
+template <typename Item>
+std::optional<std::size_t> place_of(const char* what, const std::vector<Item>& items, const std::string& name) {
+  if (name.empty()) {
+    return std::nullopt;
+  }
+  const std::optional<std::size_t> found = find_named(items, name);
+  if (!found) {
+    throw ConfigurationError(fmt::format("there is no {} \"{}\"", what, name));
+  }
+  return found;
+}
+
+template <typename Item>
+void set(const char* what, std::vector<Item>& items, const std::string& name, const Item& item) {
+  const std::optional<std::size_t> old = place_of(what, items, name);
+  if (item.name != name && find_named(items, item.name)) {
+    throw ConfigurationError(fmt::format("there is a {} \"{}\" already", what, item.name));
+  }
+  if (old) {
+    items[*old] = item;
+  } else {
+    items.push_back(item);
+  }
+}
+
+template <typename Item>
+void remove(const char* what, std::vector<Item>& items, const std::string& name) {
+  if (const std::optional<std::size_t> found = place_of(what, items, name)) {
+    items.erase(items.begin() + static_cast<std::ptrdiff_t>(*found));
+  }
+}
+
+std::string polygon_text(const Polygon& polygon) {
+  std::string text;
+  for (const Eigen::Vector2d& corner : polygon) {
+    text += fmt::format("{}[{:.3f}, {:.3f}]", text.empty() ? "" : ", ", corner.x(), corner.y());
+  }
+  return "[" + text + "]";
+}
+
+bool near(double a, double b) {
+  return std::abs(a - b) < kSame;
+}
+
+bool is_same(const Polygon& a, const Polygon& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Eigen::Vector2d& p, const Eigen::Vector2d& q) { return (p - q).norm() < 2.0 * kSame; });
+}
+
+bool is_same(const Zone& a, const Zone& b) {
+  return a.name == b.name && a.kind == b.kind && is_same(a.polygon, b.polygon) &&
+         (a.kind != ZoneKind::kSlow || near(a.speed, b.speed)) &&
+         (a.kind != ZoneKind::kOneWay || near(wrap_angle(a.direction - b.direction), 0.0));
+}
+
+bool is_same(const Pose2& a, const Pose2& b) {
+  return near(a.x, b.x) && near(a.y, b.y) && near(wrap_angle(a.theta - b.theta), 0.0);
+}
+
+bool is_same(const Place& a, const Place& b) {
+  return a.name == b.name && a.has_theta == b.has_theta && is_same(a.pose, b.pose);
+}
+
+bool is_same(const Fixture& a, const Fixture& b) {
+  return a.id == b.id && a.shape == b.shape && is_same(a.world_from_fixture, b.world_from_fixture) &&
+         near(a.length, b.length) && near(a.width, b.width) && near(a.height, b.height) && a.lamps == b.lamps;
+}
+
+bool is_same(const CeilingElement& a, const CeilingElement& b) {
+  return a.kind == b.kind && is_same(a.world_from_element, b.world_from_element) && near(a.length, b.length) &&
+         near(a.width, b.width);
+}
+
+bool is_same(const Window& a, const Window& b) {
+  return is_same(a.world_from_window, b.world_from_window) && near(a.width, b.width);
+}
+
+bool is_same(const Door& a, const Door& b) {
+  return a.id == b.id && is_same(a.world_from_door, b.world_from_door) && near(a.width, b.width);
+}
+
+template <typename Item>
+bool are_same(const std::vector<Item>& a, const std::vector<Item>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Item& one, const Item& other) { return is_same(one, other); });
+}
+
+void write(const Zone& zone, const Zone* old, TableLines& table) {
+  table.set("name", quoted(zone.name));
+  table.set("kind", quoted(name_of(zone.kind)));
+  if (old == nullptr || !is_same(old->polygon, zone.polygon)) {  // else it stays as somebody has laid it out
+    table.set("polygon", polygon_text(zone.polygon));
+  }
+  if (zone.kind == ZoneKind::kSlow) {
+    table.set("speed", fmt::format("{:.3f}", zone.speed));
+  } else {
+    table.erase("speed");
+  }
+  if (zone.kind == ZoneKind::kOneWay) {
+    table.set("direction", fmt::format("{:.4f}", zone.direction));
+  } else {
+    table.erase("direction");
+  }
+}
+
+void write(const Place& place, const Place* /*old*/, TableLines& table) {
+  table.set("name", quoted(place.name));
+  table.set("x", fmt::format("{:.3f}", place.pose.x));
+  table.set("y", fmt::format("{:.3f}", place.pose.y));
+  if (place.has_theta) {
+    table.set("theta", fmt::format("{:.4f}", place.pose.theta));
+  } else {
+    table.erase("theta");
+  }
+}
+
+/// The table whose header is on a line of the file, counted from 1.
+TableLines table_at(Lines& lines, int line, const std::string& header) {
+  const auto at = static_cast<std::size_t>(line - 1);
+  if (line < 1 || at >= lines.size() || !trimmed(lines[at]).starts_with(header)) {
+    throw ConfigurationError(
+        fmt::format("line {} of the file is not a table of its own, must begin with {}", line, header));
+  }
+  return {lines, at};
+}
+
+template <typename Item>
+void edit_table(Lines& lines, const std::string& what, const std::vector<Item>& items,
+                const std::vector<int>& item_lines, const std::string& name, const Item* item) {
+  const std::string header = "[[" + what + "]]";
+  const std::optional<std::size_t> old = place_of(what.c_str(), items, name);
+  if (!old) {
+    lines.insert(lines.end(), {"", header});
+    TableLines table(lines, lines.size() - 1);
+    write(*item, nullptr, table);
+    return;
+  }
+  TableLines table = table_at(lines, item_lines[*old], header);
+  if (item != nullptr) {
+    write(*item, &items[*old], table);
+  } else {
+    table.erase();
+  }
+}
+
+}  // namespace
+
+Building with_edit(const Building& building, const BuildingEdit& edit) {
+  Building result = building;
+  switch (edit.kind) {
+    case BuildingEdit::Kind::kSetZone:
+      set("zone", result.zones, edit.name, edit.zone);
+      break;
+    case BuildingEdit::Kind::kRemoveZone:
+      remove("zone", result.zones, edit.name);
+      break;
+    case BuildingEdit::Kind::kSetPlace:
+      set("place", result.places, edit.name, edit.place);
+      break;
+    case BuildingEdit::Kind::kRemovePlace:
+      remove("place", result.places, edit.name);
+      break;
+  }
+  return result;
+}
+
+std::string with_edit(const std::string& toml, const BuildingSource& source, const BuildingEdit& edit) {
+  Lines lines;
+  std::istringstream in(toml);
+  for (std::string line; std::getline(in, line);) {
+    lines.push_back(line);
+  }
+  const Building& building = source.building;
+  const bool is_removal = edit.kind == BuildingEdit::Kind::kRemoveZone || edit.kind == BuildingEdit::Kind::kRemovePlace;
+  if (is_removal && edit.name.empty()) {
+    throw ConfigurationError("a name is needed of what is to be removed");
+  }
+  if (edit.kind == BuildingEdit::Kind::kSetZone || edit.kind == BuildingEdit::Kind::kRemoveZone) {
+    edit_table(lines, "zone", building.zones, source.zone_lines, edit.name, is_removal ? nullptr : &edit.zone);
+  } else {
+    edit_table(lines, "place", building.places, source.place_lines, edit.name, is_removal ? nullptr : &edit.place);
+  }
+  std::string text;
+  for (const std::string& line : lines) {
+    text += line + "\n";
+  }
+  return text;
+}
+
+bool differ_in_zones_and_places_alone(const Building& a, const Building& b) {
+  return a.name == b.name && a.search == b.search && near(a.ceiling_height, b.ceiling_height) &&
+         a.map_file == b.map_file && are_same(a.fixtures, b.fixtures) && are_same(a.elements, b.elements) &&
+         are_same(a.windows, b.windows) && are_same(a.doors, b.doors);
+}
+
+bool are_same_zones(const std::vector<Zone>& a, const std::vector<Zone>& b) {
+  return are_same(a, b);
+}
+
+bool are_same_places(const std::vector<Place>& a, const std::vector<Place>& b) {
+  return are_same(a, b);
+}
+
+}  // namespace luminav
