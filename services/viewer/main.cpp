@@ -100,6 +100,15 @@ void show_processes(Shown& shown, const ProcessDesk& processes) {
   shown.board.put(SnapshotBoard::Lane::kLive, "processes", server_sent_event("processes", processes.json()));
 }
 
+/// Why nobody may edit the building here and now; "" = he may.
+std::string objection_to_edits(const EventLoop& loop, const ViewerNode& node, const std::string& host) {
+  if (const std::string elsewhere = node.building_elsewhere(host); !elsewhere.empty()) {
+    return fmt::format("{} has the building's file on its own machine: it is edited by hand, on both", elsewhere);
+  }
+  const std::string objection = loop.objection();
+  return objection.empty() ? "" : "this page shows " + objection;
+}
+
 int view_robot(const ViewerOptions& options) {
   const HostClock clock;
   const ViewerConfig& config = options.config;
@@ -113,14 +122,27 @@ int view_robot(const ViewerOptions& options) {
   ProcessDesk processes(*procman, *lcm, access.key);
   ViewerNode node(*lcm, config, clock, shown.board, shown.pictures, desk, helm);
   Metrics metrics(*lcm);
+  BuildingDesk site(options.building_file);
   const HttpServer server(options.http, {shown.board, shown.pictures, desk, helm, processes, clock, config.building,
-                                         config.robot, nullptr, options.files()});
+                                         config.robot, nullptr, options.files(), &site});
   say_address(options.http, server, options.token_file);
 
   EventLoop loop(*lcm, "viewer", config.robot.name, network);
   loop.belong_to(identify(options.robot_file, options.building_file));
+  loop.follow_building(options.building_file, [&](const Building&) { site.read_again(); });
   loop.report_health([&] { return node.health(); });
-  loop.every(100'000, [&] { node.show(); });
+  std::string shown_site;
+  loop.every(100'000, [&] {
+    if (site.take_news()) {
+      loop.building_has_changed();
+    }
+    site.object(objection_to_edits(loop, node, options.http.host_name));
+    if (std::string json = site.json(); json != shown_site) {
+      shown.board.put(SnapshotBoard::Lane::kLive, "building", server_sent_event("building", json));
+      shown_site = std::move(json);
+    }
+    node.show();
+  });
   loop.every(200'000, [&] {
     desk.object(loop.objection());
     desk.repeat(clock.utime());

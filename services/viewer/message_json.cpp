@@ -325,6 +325,47 @@ std::string to_json(const grid_tile_t& message) {
                 {"data", to_base64(message.data.data(), size)}});
 }
 
+namespace {
+
+Json places_of(const Building& building) {
+  Json places = Json::array();
+  for (const Place& place : building.places) {
+    Json item = {{"name", place.name}, {"x", place.pose.x}, {"y", place.pose.y}};
+    if (place.has_theta) {
+      item["theta"] = rounded(place.pose.theta);
+    }
+    places.push_back(item);
+  }
+  return places;
+}
+
+Json zones_of(const Building& building) {
+  Json zones = Json::array();
+  for (const Zone& zone : building.zones) {
+    Json item = {{"name", zone.name}, {"kind", name_of(zone.kind)}, {"polygon", Json::array()}};
+    for (const Eigen::Vector2d& corner : zone.polygon) {
+      item["polygon"].push_back({corner.x(), corner.y()});
+    }
+    if (zone.kind == ZoneKind::kSlow) {
+      item["speed"] = zone.speed;
+    } else if (zone.kind == ZoneKind::kOneWay) {
+      item["direction"] = rounded(zone.direction);
+    }
+    zones.push_back(item);
+  }
+  return zones;
+}
+
+}  // namespace
+
+std::string zones_json(const Building& building) {
+  return write(zones_of(building));
+}
+
+std::string places_json(const Building& building) {
+  return write(places_of(building));
+}
+
 std::string to_json(const Building& building, const RobotDescription& robot) {
   Json json = {{"name", building.name}, {"ceiling_height", building.ceiling_height}};
   json["fixtures"] = Json::array();
@@ -350,22 +391,8 @@ std::string to_json(const Building& building, const RobotDescription& robot) {
   for (const Window& window : building.windows) {
     json["windows"].push_back({{"pose", pose_array(window.world_from_window)}, {"width", window.width}});
   }
-  json["places"] = Json::array();
-  for (const Place& place : building.places) {
-    Json item = {{"name", place.name}, {"x", place.pose.x}, {"y", place.pose.y}};
-    if (place.has_theta) {
-      item["theta"] = rounded(place.pose.theta);
-    }
-    json["places"].push_back(item);
-  }
-  json["zones"] = Json::array();
-  for (const Zone& zone : building.zones) {
-    Json polygon = Json::array();
-    for (const Eigen::Vector2d& corner : zone.polygon) {
-      polygon.push_back({corner.x(), corner.y()});
-    }
-    json["zones"].push_back({{"name", zone.name}, {"kind", name_of(zone.kind)}, {"polygon", polygon}});
-  }
+  json["places"] = places_of(building);
+  json["zones"] = zones_of(building);
   Json footprint = Json::array();
   for (const Eigen::Vector2d& corner : robot.footprint) {
     footprint.push_back({corner.x(), corner.y()});

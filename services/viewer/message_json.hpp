@@ -46,7 +46,11 @@ std::string to_json(const hypotheses_t& message);
 /// The cells stay compressed as they came, in base64: the browser inflates them.
 std::string to_json(const grid_tile_t& message);
 
-/// What never changes while the viewer runs: building and robot.
+/// The lists of a building's zones and places.
+std::string zones_json(const Building& building);
+std::string places_json(const Building& building);
+
+/// Building and robot.
 std::string to_json(const Building& building, const RobotDescription& robot);
 
 /// A text as JSON, with quotes.

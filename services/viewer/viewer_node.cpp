@@ -9,6 +9,7 @@
 #include "services/common/image/jpeg_codec.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
+#include "services/common/process/running_system.hpp"
 #include "services/viewer/message_json.hpp"
 
 namespace luminav {
@@ -297,6 +298,18 @@ void ViewerNode::show_processes() {
              server_sent_event(
                  "nodes", fmt::format(R"({{"nodes":[{}],"rates":{{{}}},"delays":{{{}}}}})", nodes, rates, delays)));
   request_missing_tiles();
+}
+
+std::string ViewerNode::building_elsewhere(const std::string& host) const {
+  constexpr std::int64_t kGone = 5'000'000;  // [us] each speaks once a second
+  for (const auto& [name, report] : nodes_) {
+    const node_status_t& status = report.status;
+    if (status.building_hash != 0 && status.host != host && !is_onlooker(status.process) &&
+        clock_.utime() - report.heard < kGone) {
+      return name;
+    }
+  }
+  return "";
 }
 
 // A viewer that comes late need not wait for the mapper's round.

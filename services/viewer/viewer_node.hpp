@@ -47,6 +47,9 @@ class ViewerNode {
   /// A second has passed: processes, rates of the channels; asks for map tiles that are missing.
   void show_processes();
 
+  /// A process on another machine than this that has the building's file, there, as planner@robot; "" = none.
+  [[nodiscard]] std::string building_elsewhere(const std::string& host) const;
+
   [[nodiscard]] Health health() const { return {.reason = "", .dropped_inputs = subscriber_.dropped()}; }
 
  private:

@@ -119,13 +119,15 @@ struct HttpServer::Servers {
   }
 
   void prepare_readings() {
-    readings = board_readings(context.board, context.clock, context.building);
+    readings = board_readings(context.board, context.clock, [this] { return building(); });
     readings["/events"] = [this](const HttpRequest&) { return events(); };
     readings["/camera.jpg"] = [this](const HttpRequest& request) { return picture(request.query); };
     const auto always = [this](const std::string& path, const HttpResponse& response) {
       readings[path] = [response](const HttpRequest&) { return response; };
     };
-    always("/building.json", text_answer(to_json(context.building, context.robot)));
+    readings["/building.json"] = [this](const HttpRequest&) {
+      return text_answer(to_json(*building(), context.robot));
+    };
     always("/settings.json",
            text_answer(fmt::format(R"({{"command_port":{},"needs_token":{},"needs_token_to_look":{},"robot":{},)"
                                    R"("shows_log":{}}})",
@@ -202,7 +204,7 @@ struct HttpServer::Servers {
   void prepare_commands() {
     const auto now = [this] { return context.clock.utime(); };
     actions["goal"].act = [this, now](const std::string& body) {
-      return context.desk.send(read_goal_request(body, context.building), now());
+      return context.desk.send(read_goal_request(body, *building()), now());
     };
     // Taken in any dress and from anybody who is here: a stop must not fail for a header. A release is another thing.
     actions["stop"] = {
@@ -222,7 +224,7 @@ struct HttpServer::Servers {
       return context.desk.send(read_map_request(body), now());
     };
     actions["jobs"].act = [this, now](const std::string& body) {
-      return context.desk.send(read_job_request(body, context.building), now());
+      return context.desk.send(read_job_request(body, *building()), now());
     };
     actions["process"].act = [this, now](const std::string& body) {
       return context.processes.order(read_process_order(body), now());
@@ -235,7 +237,13 @@ struct HttpServer::Servers {
       context.log->order(read_playback_order(body));
       return std::int64_t{0};
     };
-    for (const char* name : {"map", "process", "files"}) {
+    actions["building"].act = [this, now](const std::string& body) {
+      if (context.site == nullptr) {
+        throw RequestError("this viewer edits no building");
+      }
+      return context.site->order(read_building_order(body), now());
+    };
+    for (const char* name : {"map", "process", "files", "building"}) {
       actions[name].role = [](const std::string&) { return Role::kAdminister; };
     }
     actions["steering"].act = [this, now](const std::string& body) {
@@ -278,6 +286,8 @@ struct HttpServer::Servers {
     }
     try {
       return text_answer(fmt::format(R"({{"id":{}}})", command.act(request.body)));
+    } catch (const StaleVersion& error) {
+      return refusal(409, error.what());
     } catch (const RequestError& error) {
       return refusal(400, error.what());
     } catch (const NotSent& error) {
@@ -297,6 +307,13 @@ struct HttpServer::Servers {
     }
     const bool may_command = !rules->objection_to_token(request.header(kTokenHeader), Role::kDrive);
     return text_answer(fmt::format(R"({{"may_command":{}}})", may_command));
+  }
+
+  [[nodiscard]] std::shared_ptr<const Building> building() const {
+    // else one that nobody owns here
+    return context.site != nullptr
+               ? context.site->building()
+               : std::shared_ptr<const Building>(std::shared_ptr<const Building>(), &context.building);
   }
 
   // Browsers ask first before the page of one port sends JSON to another.

@@ -2,22 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "services/viewer/message_json.hpp"
 
 namespace luminav {
 namespace {
 
 constexpr const char* kNothingYet = "nothing of this was heard yet";
-
-std::string places_json(const Building& building) {
-  std::string list;
-  for (const Place& place : building.places) {
-    list += fmt::format(R"({}{{"name":{},"x":{},"y":{})", list.empty() ? "" : ",",
-                        to_json(std::string_view(place.name)), place.pose.x, place.pose.y);
-    list += place.has_theta ? fmt::format(R"(,"theta":{:.4f}}})", place.pose.theta) : "}";
-  }
-  return fmt::format(R"({{"places":[{}]}})", list);
-}
 
 /// All tiles of the map in one text. It is kept for a second: a large one has megabytes, and readers share them.
 class MapReading {
@@ -64,15 +56,17 @@ HttpResponse refusal(int status, std::string_view why) {
   return response;
 }
 
-Readings board_readings(const SnapshotBoard& board, const Clock& clock, const Building& building) {
+Readings board_readings(const SnapshotBoard& board, const Clock& clock, BuildingNow building) {
   Readings readings;
-  for (const char* subject : {"state", "nodes", "processes", "path", "hypotheses", "jobs"}) {
+  for (const char* subject : {"state", "nodes", "processes", "path", "hypotheses", "jobs", "building"}) {
     readings[fmt::format("/api/{}", subject)] = [&board, subject](const HttpRequest&) {
       const SnapshotBoard::Text text = board.newest(SnapshotBoard::Lane::kLive, subject);
       return text ? text_answer(json_of(*text)) : refusal(404, kNothingYet);
     };
   }
-  readings["/api/places"] = [answer = text_answer(places_json(building))](const HttpRequest&) { return answer; };
+  readings["/api/places"] = [building = std::move(building)](const HttpRequest&) {
+    return text_answer(fmt::format(R"({{"places":{}}})", places_json(*building())));
+  };
   readings["/api/map"] = MapReading(board, clock);
   readings["/metrics"] = [&board](const HttpRequest&) {
     const SnapshotBoard::Text text = board.newest(SnapshotBoard::Lane::kAsked, "metrics");

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -20,9 +21,11 @@ HttpResponse refusal(int status, std::string_view why);
 /// What is answered to a GET, by path.
 using Readings = std::map<std::string, std::function<HttpResponse(const HttpRequest&)>>;
 
+using BuildingNow = std::function<std::shared_ptr<const Building>()>;
+
 /// The newest of what pages are shown, for programs that ask now and then: /api/state, /api/nodes, /api/processes,
-/// /api/path, /api/hypotheses, /api/jobs, /api/map, /metrics and the building's /api/places. 404 for what was not heard
-/// yet. To be used by one thread; board, clock and building must outlive it.
-Readings board_readings(const SnapshotBoard& board, const Clock& clock, const Building& building);
+/// /api/path, /api/hypotheses, /api/jobs, /api/building, /api/map, /metrics and the building's /api/places. 404 for
+/// what was not heard yet. To be used by one thread; board and clock must outlive it.
+Readings board_readings(const SnapshotBoard& board, const Clock& clock, BuildingNow building);
 
 }  // namespace luminav

@@ -1,0 +1,116 @@
+#include "services/viewer/building/building_order.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "services/common/geometry/angle.hpp"
+#include "services/viewer/http/request_fields.hpp"
+
+namespace luminav {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kFarthest = 10'000.0;  // [m]
+constexpr std::size_t kMaxCorners = 100;
+constexpr std::size_t kMaxName = 60;  // [bytes]
+
+/// Nothing that could end a line of the file, or that nobody could see.
+std::string read_name(const Json& object, const char* key) {
+  std::string name = text(object, key);
+  const bool is_printable =
+      std::all_of(name.begin(), name.end(), [](unsigned char letter) { return letter >= ' ' && letter != 0x7f; });
+  if (name.empty() || name.size() > kMaxName || !is_printable || name.front() == ' ' || name.back() == ' ') {
+    throw RequestError(fmt::format("{}: must be a name of 1 to {} letters", key, kMaxName));
+  }
+  return name;
+}
+
+Polygon read_polygon(const Json& zone) {
+  const auto found = zone.find("polygon");
+  if (found == zone.end() || !found->is_array() || found->size() < 3 || found->size() > kMaxCorners) {
+    throw RequestError(fmt::format("polygon: must be a list of 3 to {} corners", kMaxCorners));
+  }
+  Polygon polygon;
+  for (const Json& corner : *found) {
+    if (!corner.is_array() || corner.size() != 2) {
+      throw RequestError("polygon: each corner must be [x, y]");
+    }
+    const Json named = {{"x", corner[0]}, {"y", corner[1]}};
+    polygon.emplace_back(number(named, "x", -kFarthest, kFarthest), number(named, "y", -kFarthest, kFarthest));
+  }
+  if (!is_simple(polygon)) {
+    throw RequestError("polygon: its edges must not cross");
+  }
+  return polygon;
+}
+
+Zone read_zone(const Json& item) {
+  check_item(item, "zone", {"name", "kind", "polygon", "speed", "direction"});
+  Zone zone;
+  zone.name = read_name(item, "name");
+  zone.kind = static_cast<ZoneKind>(choice(item, "kind", {"keep-out", "slow", "one-way", "quiet"}));
+  zone.polygon = read_polygon(item);
+  zone.speed = zone.kind == ZoneKind::kSlow ? number(item, "speed", 0.05, 2.0) : zone.speed;
+  zone.direction = zone.kind == ZoneKind::kOneWay ? wrap_angle(number(item, "direction", -7.0, 7.0)) : 0.0;
+  return zone;
+}
+
+Place read_place(const Json& item) {
+  check_item(item, "place", {"name", "x", "y", "theta"});
+  Place place;
+  place.name = read_name(item, "name");
+  place.pose.x = number(item, "x", -kFarthest, kFarthest);
+  place.pose.y = number(item, "y", -kFarthest, kFarthest);
+  place.has_theta = item.contains("theta");
+  place.pose.theta = place.has_theta ? wrap_angle(number(item, "theta", -7.0, 7.0)) : 0.0;
+  return place;
+}
+
+const Json& part(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end()) {
+    throw RequestError(fmt::format("{}: is missing", key));
+  }
+  return *found;
+}
+
+}  // namespace
+
+BuildingOrder read_building_order(const std::string& body) {
+  const Json object = read_object(body, {"version", "action", "name", "zone", "place", "accept"});
+  BuildingOrder order;
+  order.version = text(object, "version");
+  order.accepts = object.contains("accept") && boolean(object, "accept");
+  BuildingEdit& edit = order.edit;
+  switch (choice(object, "action", {"set_zone", "remove_zone", "set_place", "remove_place", "undo"})) {
+    case 0:
+      edit.kind = BuildingEdit::Kind::kSetZone;
+      edit.zone = read_zone(part(object, "zone"));
+      break;
+    case 1:
+      edit.kind = BuildingEdit::Kind::kRemoveZone;
+      break;
+    case 2:
+      edit.kind = BuildingEdit::Kind::kSetPlace;
+      edit.place = read_place(part(object, "place"));
+      break;
+    case 3:
+      edit.kind = BuildingEdit::Kind::kRemovePlace;
+      break;
+    default:
+      order.undoes = true;
+  }
+  const bool is_removal = edit.kind == BuildingEdit::Kind::kRemoveZone || edit.kind == BuildingEdit::Kind::kRemovePlace;
+  if (is_removal || object.contains("name")) {
+    edit.name = text(object, "name");
+  }
+  if (is_removal && edit.name.empty()) {
+    throw RequestError("name: must be that of what is to be removed");
+  }
+  return order;
+}
+
+}  // namespace luminav
