@@ -31,6 +31,13 @@ function sayProcesses() {
 const job = (more) => ({id: 1764184500123456, kind: 'carry', state: 'driving', priority: 0, position: 0, sender: 'a page', sentence: 'drives to lift, 3 m left',
   stop: 0, stops: ['lift', 'office-7'], waits_for: '', text: '', question: '', answers: [], ...more});
 const sayJobs = (jobs, requests = []) => viewer.say('jobs', {utime: 1, jobs, requests, tours: ['morning']});
+const stairs = {name: 'stairs', kind: 'keep-out', polygon: [[3, 3], [5, 3], [5, 4.5], [3, 4.5]]};
+let site = {};
+// What the viewer says of the building; `orders`: what became of the pages' edits.
+function sayBuilding(more = {}) {
+  site = {...site, orders: [], ...more};
+  viewer.say('building', site);
+}
 
 let page;
 const textOf = (selector) => page.$eval(selector, (element) => element.innerText);
@@ -56,6 +63,19 @@ const stopsBy = async (action, patience = 3000) => {
 };
 const stopsNotBy = async (action) => !await stopsBy(action, 300);
 const bounds = (selector) => page.$eval(selector, (element) => element.getBoundingClientRect().toJSON());
+const at = (x, y) => page.$eval('#map', (canvas, [u, v]) => {
+  const [centreX, centreY, scale] = canvas.dataset.view.split(' ').map(Number);
+  const box = canvas.getBoundingClientRect();
+  return [box.left + box.width / 2 + (u - centreX) * scale, box.top + box.height / 2 - (v - centreY) * scale];
+}, [x, y]);
+const isTouched = () => page.evaluate(() => matchMedia('(pointer: coarse)').matches);
+const tap = async (x, y) => (await isTouched() ? page.touchscreen.tap(...await at(x, y)) : page.mouse.click(...await at(x, y)));
+const drag = async (from, to) => {
+  await page.mouse.move(...await at(...from));
+  await page.mouse.down();
+  await page.mouse.move(...await at(...to), {steps: 4});
+  await page.mouse.up();
+};
 const look = (title, name, theme) => page.screenshot({path: `${folder}/pictures/${title}-${name}-${theme}.png`});
 const press = (selector) => page.click(selector);
 
@@ -92,12 +112,6 @@ const steps = {
   async 'the map shows what a tap means, beside the tap'(name, theme) {
     viewer.say('tile', room());
     await page.waitForFunction(() => document.querySelector('#map').dataset.tiles === '1');
-    const at = (x, y) => page.$eval('#map', (canvas, [u, v]) => {
-      const [centreX, centreY, scale] = canvas.dataset.view.split(' ').map(Number);
-      const box = canvas.getBoundingClientRect();
-      return [box.left + box.width / 2 + (u - centreX) * scale, box.top + box.height / 2 - (v - centreY) * scale];
-    }, [x, y]);
-    const tap = async (x, y) => page.mouse.click(...await at(x, y));
     await tap(1, 2);
     await says('#ask-text', /^lift$/);
     const [box, [, py]] = [await bounds('#ask'), await at(1, 2)];
@@ -201,6 +215,97 @@ const steps = {
     await press('#job-kinds button:text-is("Guide me")');
     await press('#job-choices button:text-is("lift")');
     await hears('/api/jobs {"action":"add","kind":"guide","stops":[{"place":"lift"}]}', since);
+  },
+
+  async 'a zone is drawn by taps, dragged, and saved when the check was read'(name, theme) {
+    sayBuilding({version: 'a1', zones: [stairs], places: viewer.building.places, undo: null, objection: ''});
+    await page.waitForSelector('#edit', {state: 'visible'});
+    await press('#edit');
+    await press('#fit');
+    await page.waitForTimeout(200);
+    assert(await page.isDisabled('#edit-undo'), 'there is nothing to undo');
+    await look('edit', name, theme);
+    await press('#edit-zone');
+    assert(await page.isDisabled('#edit-save'));
+    for (const [i, corner] of [[0, 0.2], [2, 0.2], [2, 1.2], [0, 1.2]].entries()) {
+      await tap(...corner);
+      await page.waitForFunction((count) => document.querySelector('#edit-corners').value.match(/[^\n]+/g)?.length === count, i + 1);
+    }
+    await page.fill('#edit-name', 'wet floor');
+    await page.selectOption('#edit-kind', 'slow');
+    await page.fill('#edit-speed', '0.15');
+    await tap(2.35, 1.2);  // beside a corner a finger still taps the map
+    await page.waitForFunction(() => document.querySelector('#edit-corners').value.split('\n').length === 5);
+    await press('#edit-back');
+    await drag([2, 1.2], [2.5, 1.5]);
+    await drag([1, 0.2], [1, -0.1]);  // the middle of an edge becomes a corner
+    const points = (await page.inputValue('#edit-corners')).split('\n').map((line) => line.split(' ').map(Number));
+    assert.equal(points.length, 5);
+    [[0, 0.2], [1, -0.1], [2, 0.2], [2.5, 1.5], [0, 1.2]].forEach((wanted, i) =>
+      wanted.forEach((value, k) => assert(Math.abs(points[i][k] - value) < 0.1, `corner ${i} is ${points[i]}`)));
+    await look('edit-zone', name, theme);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    let since = viewer.heard.length;
+    await press('#edit-save');
+    const sent = JSON.parse((await hears('/api/building', since)).replace('/api/building ', ''));
+    assert.deepEqual({...sent, zone: {...sent.zone, polygon: sent.zone.polygon.length}},
+      {action: 'set_zone', zone: {name: 'wet floor', kind: 'slow', polygon: 5, speed: 0.15}, version: 'a1'});
+    sayBuilding({orders: [{id: viewer.edits, fate: 'asks', said: '', found: ['slow zone "wet floor" overlaps slow zone "ramp": the lower speed holds']}]});
+    await says('#edit-said', /Checking the building finds:[^]*the lower speed holds/);
+    await look('edit-asks', name, theme);
+    since = viewer.heard.length;
+    await press('#edit-save');
+    assert.match(await hears('/api/building', since), /"accept":true/);
+    sayBuilding({version: 'a2', zones: [stairs, sent.zone], undo: 'building-before-2026-01-31-153000.toml',
+      orders: [{id: viewer.edits, fate: 'done', said: '', found: []}]});
+    await says('#notes', /Saved in the building's file/);
+    await says('#edit-list', /wet floor/);
+    await says('#notes', /The robot goes by it/);
+  },
+
+  async 'two people who edit at once lose nothing'(name, theme) {
+    await tap(4, 3.5);
+    await says('#edit-form', /Delete/);
+    assert.equal(await page.inputValue('#edit-name'), 'stairs');
+    await page.selectOption('#edit-kind', 'one-way');
+    await page.fill('#edit-heading', '90');
+    viewer.refusal = {path: '/api/building', status: 409, error: 'somebody else has changed the building meanwhile: look at it, and save again'};
+    sayBuilding({version: 'b1', zones: [stairs]});
+    await says('#edit-hint', /Somebody else has changed/);
+    await press('#edit-save');
+    await says('#edit-said', /look at it, and save again/);
+    assert.equal(await page.inputValue('#edit-kind'), 'one-way', 'the draft is lost');
+    await look('edit-stale', name, theme);
+    viewer.refusal = null;
+    const since = viewer.heard.length;
+    await press('#edit-save');
+    assert.match(await hears('/api/building', since), /"direction":1.57.*"version":"b1","name":"stairs"/);
+    sayBuilding({version: 'b2', zones: [{...stairs, kind: 'one-way', direction: 1.5708}], orders: [{id: viewer.edits, fate: 'done', said: '', found: []}]});
+    await page.waitForSelector('#edit-form', {state: 'hidden'});
+  },
+
+  async 'a place is named, and the last change undone'(name, theme) {
+    await press('#edit-place');
+    await tap(4, 1);
+    await page.fill('#edit-name', 'coffee');
+    await page.fill('#edit-heading', '180');
+    await look('edit-place', name, theme);
+    let since = viewer.heard.length;
+    await press('#edit-save');
+    assert.match(await hears('/api/building', since), /"action":"set_place","place":\{"name":"coffee","x":(3.9|4),?.*"theta":3.14.*"version":"b2"/);
+    sayBuilding({version: 'b3', places: [...viewer.building.places, {name: 'coffee', x: 4, y: 1}], orders: [{id: viewer.edits, fate: 'done', said: '', found: []}]});
+    await says('#places', /coffee/);
+    await press('#edit-undo');
+    since = viewer.heard.length;
+    await press('#edit-undo');
+    assert.match(await hears('/api/building', since), /\{"action":"undo","version":"b3"\}/);
+    sayBuilding({version: 'b4', places: viewer.building.places, orders: [{id: viewer.edits, fate: 'refused', said: 'the version before differs in more than zones and places', found: []}]});
+    await says('#notes', /differs in more than zones and places/);
+    await page.waitForFunction(() => !document.querySelector('#places').innerText.includes('coffee'));
+    await press('#edit-close');
+    await tap(1, 2);
+    await says('#ask-text', /^lift$/);  // a tap is a goal again
+    await press('#ask-close');
   },
 
   async 'recordings and maps are listed, fetched, and deleted when asked twice'(name, theme) {
@@ -318,10 +423,12 @@ const steps = {
     sayJobs([job({state: 'asking', sentence: 'the door is shut', question: 'the door is shut', answers: ['opened', 'give up']}), job({id: 4, state: 'done', position: -1})]);
     await page.waitForSelector('#jobs-card', {state: 'visible'});
     await press('#job-kinds button');
+    sayBuilding();
+    await page.waitForSelector('#edit', {state: 'visible'});
     await page.evaluate(axe);
     // on a busy machine the viewer may have been silent for a moment, and what is old is pale
     await page.waitForFunction(() => !document.body.classList.contains('stale'));
-    for (const open of ['', '#layers-button', '#help-button']) {
+    for (const open of ['', '#edit', '#edit-zone', '#layers-button', '#help-button']) {
       if (open) await press(open);
       const found = await page.evaluate(() => globalThis.axe.run().then(({violations}) => violations.map(({id, nodes}) =>
         `${id}: ${nodes.map((element) => element.html.slice(0, 120)).join(' | ')}`)));

@@ -20,7 +20,7 @@ export const standing = () => ({
 export class PretendedViewer {
   constructor(source, building = hut) {
     Object.assign(this, {web: `${source}/services/viewer/web`, building, state: standing(), answers: true, mayCommand: true, heard: [],
-      picture: null, files: {recordings: [], maps: []}, streams: new Set()});
+      refusal: null, edits: 0, picture: null, files: {recordings: [], maps: []}, streams: new Set()});
   }
 
   async listen() {
@@ -60,7 +60,13 @@ export class PretendedViewer {
     request.on('end', () => {
       this.heard.push(`${path} ${body}`);
       if (path === '/api/files' && request.method === 'GET') { response.end(JSON.stringify(this.files)); return; }
-      response.end(path === '/api/watch' ? JSON.stringify({may_command: this.mayCommand}) : '{"id":7}');
+      if (this.refusal && path.startsWith(this.refusal.path)) {
+        response.writeHead(this.refusal.status);
+        response.end(JSON.stringify({error: this.refusal.error}));
+        return;
+      }
+      response.end(path === '/api/watch' ? JSON.stringify({may_command: this.mayCommand})
+        : path === '/api/building' ? `{"id":${++this.edits}}` : '{"id":7}');
     });
   }
 

@@ -28,7 +28,7 @@ async function post(base, name, body, {type = 'application/json', patience = 300
     throw new Error(error.name === 'TimeoutError' ? t`the viewer does not answer` : t`no connection to the viewer`);
   });
   const said = await answer.json().catch(() => ({}));
-  if (!answer.ok) throw Object.assign(new Error(said.error ?? t`the viewer answers ${answer.status}`), {refused: true});
+  if (!answer.ok) throw Object.assign(new Error(said.error ?? t`the viewer answers ${answer.status}`), {refused: true, status: answer.status});
   return said;
 }
 const send = async (...what) => (await post(...what)).id;
@@ -64,6 +64,7 @@ export const motorsOn = () => command('motors', {enable: true});
 export const initialPose = (x, y, theta) => command('initial_pose', {x, y, theta});
 export const map = (action) => command('map', {action});
 export const job = (body) => command('jobs', body);
+export const building = (order) => command('building', order);
 export const remove = (kind, name) => command('files', {action: 'delete', kind, name});
 export const playback = (order) => command('playback', order);
 export const process = (name, action) => command('process', {name, action});

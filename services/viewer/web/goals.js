@@ -39,6 +39,11 @@ export class Goals {
 
   // There is no robot to be sent anywhere.
   turnOff() { this.isOff = true; }
+  // Taps on the map are for somebody else, or no longer.
+  giveWay(isOn) {
+    this.isOff = isOn;
+    if (isOn) this.setDraft(null);
+  }
 
   setPlaces(places) {
     this.places = places;

@@ -79,6 +79,13 @@ export function drawCeiling(context, view, building, colours) {
   }
 }
 
+// An arrow in the middle of a one-way zone.
+function drawDirection(context, view, {polygon, direction}) {
+  const mean = (i) => polygon.reduce((sum, corner) => sum + corner[i], 0) / polygon.length;
+  trace(context, view, placed([mean(0), mean(1), direction], [[-0.4, 0], [0.4, 0], [0.15, 0.2], [0.4, 0], [0.15, -0.2]]));
+  context.stroke();
+}
+
 export function drawZones(context, view, building, colours) {
   context.font = '12px system-ui, sans-serif';
   context.textAlign = 'left';
@@ -93,6 +100,7 @@ export function drawZones(context, view, building, colours) {
     context.strokeStyle = colour;
     context.stroke();
     if (view.scale < 12) continue;
+    if (zone.kind === 'one-way') drawDirection(context, view, zone);
     const [px, py] = view.toScreen(Math.min(...zone.polygon.map(([x]) => x)), Math.max(...zone.polygon.map(([, y]) => y)));
     context.fillStyle = colour;
     context.fillText(zone.name, px + 4, py + 14);

@@ -2,6 +2,7 @@ import {time} from './charts.js';
 import * as commands from './commands.js';
 import {Connection} from './connection.js';
 import {Theme} from './colours.js';
+import {Editor} from './editor.js';
 import {Ground} from './ground.js';
 import {guarded, whatIsBroken} from './guard.js';
 import {Goals} from './goals.js';
@@ -49,6 +50,7 @@ const jobs = new Jobs(ask, note);
 const stop = new Stop(ask, (number) => nameOf(NAVIGATION, number));
 
 let building = null;
+let site = null;  // zones and places, as they are now
 let state = null;
 let path = null;
 let cloud = null;
@@ -88,11 +90,26 @@ commands.settings.then(() => fetch('building.json')).then((answer) => answer.jso
   steering.limits = {linear: known.robot.maximum_linear, angular: known.robot.maximum_angular};
   $('building').textContent = known.name;
   document.title = `Luminav · ${known.name}`;
-  goals.setPlaces(known.places);
-  jobs.setPlaces(known.places);
+  showPlaces(known.places);
+  takeSite();
   if (!isFitted) fit();
   redrawAll();
 });
+
+function showPlaces(places) {
+  goals.setPlaces(places);
+  jobs.setPlaces(places);
+}
+
+// Somebody may have changed zones and places since.
+function takeSite() {
+  if (!building || !site) return;
+  const isOld = JSON.stringify(building.places) !== JSON.stringify(site.places);
+  Object.assign(building, {zones: site.zones, places: site.places});
+  if (isOld) showPlaces(site.places);
+  editor.show(site);
+  redraw();
+}
 
 connection.addEventListener('state', ({detail}) => {
   state = detail;
@@ -119,6 +136,7 @@ connection.addEventListener('processes', ({detail}) => guarded(t`the processes`,
 }));
 connection.addEventListener('path', ({detail}) => { path = detail; redraw(); });
 connection.addEventListener('jobs', ({detail}) => guarded(t`the jobs`, () => jobs.show(detail)));
+connection.addEventListener('building', ({detail}) => guarded(t`the building`, () => { site = detail; takeSite(); }));
 connection.addEventListener('tile', ({detail}) => guarded(t`the map`, () => tiles.take(detail)));
 connection.addEventListener('picture', ({detail}) => guarded(t`the camera`, () => picture.show(detail)));
 connection.addEventListener('hypotheses', ({detail}) => guarded(t`the particles`, () => takeHypotheses(detail)));
@@ -219,6 +237,7 @@ $('pause').addEventListener('click', () => {
 });
 
 const goals = new Goals({view, ask, note, redraw: () => redraw(), isTight: (x, y) => tiles.isOccupiedNear(x, y, halfWidth())});
+const editor = new Editor({view, note, redraw: () => redraw(), turn: (isOn) => goals.giveWay(isOn)});
 // [m] that must be free on each side of the middle between the wheels
 function halfWidth() { return Math.max(0, ...(building?.robot.footprint.map(([, y]) => Math.abs(y)) ?? [])) + 0.04; }
 
@@ -247,7 +266,7 @@ view.addEventListener('resize', () => {
   if (isRough && !isFollowing) fit();
 });
 theme.addEventListener('change', () => { tiles.setColours(theme.colours.tiles); colourLegend(); redrawAll(); });
-listenOnMap(view, {choose: (x, y) => { goals.tap(x, y); if (goals.draft) $('ask-go').focus(); }, fit: () => $('fit').click(),
+listenOnMap(view, {choose: (x, y) => { if (editor.isOn) editor.tap(x, y); else goals.tap(x, y); if (goals.draft) $('ask-go').focus(); }, fit: () => $('fit').click(),
   isSteering: () => $('keys').getAttribute('aria-pressed') === 'true'});
 tiles.setColours(theme.colours.tiles);
 
@@ -337,6 +356,7 @@ function paint() {
   }
   goals.route.forEach((stop) => draw.drawGoal(context, view, [stop.x, stop.y, stop.theta],
     goals.isTight(stop.x, stop.y) ? colours.lost : colours.draft));
+  editor.draw(context, colours);
   drawCrosshair(context, view, colours.draft);
   const {draft} = goals;
   view.handle = null;

@@ -1,5 +1,6 @@
 // The window onto the world: pan by dragging, zoom by wheel or two fingers, taps in world coordinates.
 const TAP_PX = 6;
+const ON_GRIP_PX = 12;  // a tap that near means the grip, one farther off the map beside it
 
 export class MapView extends EventTarget {
   constructor(canvas) {
@@ -10,6 +11,7 @@ export class MapView extends EventTarget {
     this.scale = 30;       // [px/m]
     this.pointers = new Map();
     this.handle = null;    // {x, y} on the screen: a drag that begins there is a 'handle' event, not a pan
+    this.grips = [];       // the same for many: each {x, y} of them is handed on in a 'grip' event
     canvas.addEventListener('pointerdown', (event) => this.down(event));
     canvas.addEventListener('pointermove', (event) => this.move(event));
     for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, (event) => this.up(event));
@@ -69,9 +71,20 @@ export class MapView extends EventTarget {
     const {offsetX: x, offsetY: y} = event;
     this.pointers.set(event.pointerId, {x, y});
     const reach = event.pointerType === 'mouse' ? 16 : 30;
-    this.gesture = this.pointers.size > 1 ? 'pinch'
+    const far = ({x: u, y: v}) => Math.hypot(x - u, y - v);
+    this.grip = this.grips.filter((grip) => far(grip) < reach).sort((a, b) => far(a) - far(b))[0];
+    this.gesture = this.pointers.size > 1 ? 'pinch' : this.grip ? 'grip'
       : this.handle && Math.hypot(x - this.handle.x, y - this.handle.y) < reach ? 'handle' : 'tap';
     this.start = {x, y};
+    this.isPulled = false;
+  }
+
+  // A finger is thick: what is not pulled was a tap beside the grip, unless it is right on it.
+  letGo(x, y) {
+    const {grip} = this;
+    const isOnIt = !grip.isNew && Math.hypot(x - grip.x, y - grip.y) < ON_GRIP_PX;
+    if (isOnIt) this.dispatchEvent(new CustomEvent('grip', {detail: {grip, at: this.toWorld(grip.x, grip.y)}}));
+    else this.dispatchEvent(new CustomEvent('tap', {detail: this.toWorld(x, y)}));
   }
 
   move(event) {
@@ -82,7 +95,10 @@ export class MapView extends EventTarget {
       this.gesture = 'pan';
       this.dispatchEvent(new Event('pan'));
     }
-    if (this.gesture === 'handle') {
+    this.isPulled ||= Math.hypot(x - this.start.x, y - this.start.y) > TAP_PX;
+    if (this.gesture === 'grip') {
+      if (this.isPulled) this.dispatchEvent(new CustomEvent('grip', {detail: {grip: this.grip, at: this.toWorld(x, y)}}));
+    } else if (this.gesture === 'handle') {
       this.dispatchEvent(new CustomEvent('handle', {detail: this.toWorld(x, y)}));
     } else if (this.gesture === 'pan') {
       this.centre = [this.centre[0] - (x - pointer.x) / this.scale, this.centre[1] + (y - pointer.y) / this.scale];
@@ -105,6 +121,7 @@ export class MapView extends EventTarget {
     if (this.gesture === 'tap' && event.type === 'pointerup') {
       this.dispatchEvent(new CustomEvent('tap', {detail: this.toWorld(event.offsetX, event.offsetY)}));
     }
+    if (this.gesture === 'grip' && event.type === 'pointerup' && !this.isPulled) this.letGo(event.offsetX, event.offsetY);
     if (this.pointers.size === 0) this.gesture = null;
     else if (this.gesture === 'pinch') this.gesture = 'pan';
   }

@@ -13,6 +13,7 @@ export const SUBJECTS = ['goal', 'go', 'stop', 'motors', 'initial pose', 'map', 
 export const JOB_KINDS = {go: 'Drive', guide: 'Guide me', carry: 'Carry something', tour: 'Tour', home: 'Drive home'};
 // What people say to a job.
 export const JOB_WORDS = ['loaded', 'unloaded', 'here', 'wait', 'opened', 'go round', 'try again', 'go on', 'leave out', 'charging', 'give up'];
+export const ZONE_KINDS = {'keep-out': 'never enter', slow: 'drive slowly', 'one-way': 'one way only', quiet: 'no wandering'};
 export const ACTIONS = ['start', 'stop', 'restart'];
 export const CONDITIONS = ['stopped', 'starting', 'ready', 'degraded', 'fault', 'silent', 'stopping', 'restarting', 'failed', 'gave up', 'refused', 'unknown'];
 // Facts about the robot: for everybody, and what only experts want to know.

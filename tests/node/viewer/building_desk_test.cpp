@@ -40,7 +40,8 @@ class BuildingDeskTest : public testing::Test {
   Json outcome(BuildingOrder order) {
     const std::int64_t id = desk_->order(std::move(order), kNoon);
     for (;;) {
-      for (const Json& known : shown()["orders"]) {
+      const Json now = shown();
+      for (const Json& known : now["orders"]) {
         if (known["id"] == id && known["fate"] != "waiting") {
           return known;
         }
