@@ -20,6 +20,7 @@ struct BoardInputs {
   bool stop_button = false;       // held down
   bool motors_button = false;     // held down; each press toggles the motors
   double battery_voltage = 12.6;  // [V]
+  int charge_state = 0;           // 0 none, 1 bulk, 2 overcharge, 3 float
 };
 
 /// What it does with the robot until the next step.

@@ -11,7 +11,7 @@ static_assert(kLampOff == sim_truth_t::LAMP_OFF && kLampOn == sim_truth_t::LAMP_
               kLampHalf == sim_truth_t::LAMP_HALF && kLampFlicker == sim_truth_t::LAMP_FLICKER);
 
 SimulatorNode::SimulatorNode(lcm::LCM& lcm, std::uint64_t seed, const WorldTruth& truth, BaseBoard& board)
-    : lcm_(lcm), board_(board), world_(seed, truth) {}
+    : lcm_(lcm), board_(board), world_(seed, truth), battery_(truth.battery_voltage) {}
 
 void SimulatorNode::advance_to(std::int64_t utime) {
   if (session_ == 0) {
@@ -35,8 +35,9 @@ void SimulatorNode::tick() {
   inputs.wheel_drop_left = wheels_.drop_left;
   inputs.wheel_drop_right = wheels_.drop_right;
   inputs.battery_voltage = battery_.voltage();
+  inputs.charge_state = battery_.charge_state();
   const BoardOutputs outputs = board_.step(World::kTick, inputs);
-  battery_.step(World::kTick, outputs.motors_enabled, outputs.linear, outputs.angular);
+  battery_.step(World::kTick, outputs.motors_enabled, outputs.linear, outputs.angular, world_.is_on_charger());
   wheels_ = world_.step({outputs.linear, outputs.angular, outputs.motors_enabled});
   for (const int disc : outputs.sonar_discs) {
     if (disc < world_.sonar_discs()) {

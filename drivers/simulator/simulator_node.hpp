@@ -23,6 +23,8 @@ class SimulatorNode {
   /// The serial line is out of its socket; the caller moves no bytes then.
   [[nodiscard]] bool serial_unplugged() const { return world_.state().serial_unplugged; }
   [[nodiscard]] const World& world() const { return world_; }
+  [[nodiscard]] World& world() { return world_; }
+  [[nodiscard]] const Battery& battery() const { return battery_; }
   /// [us] of the last tick.
   [[nodiscard]] std::int64_t utime() const { return now_; }
 

@@ -352,7 +352,8 @@ InformationPacket ArcosController::information() {
   packet.digital_in = 0xFF;
   packet.digital_out = digital_out_;
   packet.analog_port = analog_port_;
-  packet.charge_state = 0;
+  packet.charge_state = sensed_.charge_state;
+  packet.charger_power = sensed_.charge_state > 0;
   packet.turn_rate = static_cast<int>(std::lround(10.0 * degrees((right_speed_ - left_speed_) / config_.wheel_base)));
   packet.state_of_charge = static_cast<int>(std::lround(
       100.0 * std::clamp((sensed_.battery_voltage - Battery::kEmpty) / (Battery::kFull - Battery::kEmpty), 0.0, 1.0)));

@@ -123,6 +123,39 @@ WalkingPerson read_person(const TomlTable& table) {
   return person;
 }
 
+const Place& find_place(const TomlTable& table, const std::string& name, const Building& building) {
+  const auto is_named = [&name](const Place& place) { return place.name == name; };
+  const auto found = std::find_if(building.places.begin(), building.places.end(), is_named);
+  if (found == building.places.end()) {
+    table.fail("place", fmt::format("= \"{}\", must be the name of one of the building's places", name));
+  }
+  return *found;
+}
+
+Dock read_dock(const TomlTable& table, const Building& building) {
+  Dock dock;
+  dock.place = table.text("place");
+  const Place& place = find_place(table, dock.place, building);
+  if (!place.has_theta) {
+    table.fail("place", fmt::format("= \"{}\", must be a place with a heading", dock.place));
+  }
+  dock.pose = place.pose;
+  dock.reach = table.number("reach", dock.reach, {0.01, 1.0});
+  dock.heading = table.number("heading", dock.heading, {0.01, 3.2});
+  dock.contact = table.number("contact", dock.contact, kFraction);
+  table.reject_unknown();
+  return dock;
+}
+
+JobPlan read_jobs(const TomlTable& table) {
+  JobPlan plan;
+  plan.count = static_cast<int>(table.integer("count", 0, {0.0, 1000.0}));
+  plan.time = table.number("time", plan.time, kDuration);
+  plan.kills = static_cast<int>(table.integer("kills", 0, {0.0, 1000.0}));
+  table.reject_unknown();
+  return plan;
+}
+
 ScenarioGoal read_goal(const TomlTable& table, const Building& building) {
   ScenarioGoal goal;
   goal.place = table.text("place", "");
@@ -134,13 +167,9 @@ ScenarioGoal read_goal(const TomlTable& table, const Building& building) {
     if (has_position(table)) {
       table.fail("place", "must not stand beside x and y");
     }
-    const auto is_named = [&goal](const Place& place) { return place.name == goal.place; };
-    const auto found = std::find_if(building.places.begin(), building.places.end(), is_named);
-    if (found == building.places.end()) {
-      table.fail("place", fmt::format("= \"{}\", must be the name of one of the building's places", goal.place));
-    }
-    goal.pose = found->pose;
-    goal.has_theta = goal.has_theta || found->has_theta;
+    const Place& place = find_place(table, goal.place, building);
+    goal.pose = place.pose;
+    goal.has_theta = goal.has_theta || place.has_theta;
   }
   if (table.has("theta")) {
     goal.pose.theta = read_theta(table);
@@ -327,6 +356,13 @@ Scenario read_scenario(const std::filesystem::path& file) {
   for (const TomlTable& table : root.tables("hole")) {
     scenario.holes.push_back(read_hole(table));
   }
+  if (root.has("dock")) {
+    scenario.dock = read_dock(root.table("dock"), building);
+  }
+  const TomlTable battery = root.table("battery");
+  scenario.battery_voltage = battery.number("voltage", scenario.battery_voltage, {11.0, 12.9});
+  battery.reject_unknown();
+  scenario.jobs = read_jobs(root.table("jobs"));
   for (const TomlTable& table : root.tables("goal")) {
     scenario.goals.push_back(read_goal(table, building));
   }

@@ -38,6 +38,22 @@ struct WalkingPerson {
   double speed = 0.8;                      // [m/s]
 };
 
+/// A charger that the robot drives onto; it charges where the robot stands near enough to the pose.
+struct Dock {
+  std::string place;              // its name in the building
+  Pose2 pose;                     // world
+  double reach = 0.08;            // [m]
+  double heading = radians(6.0);  // [rad]
+  double contact = 0.9;           // probability that the contacts meet, drawn each time the robot comes
+};
+
+/// Jobs that are drawn by seed: what is ordered, and how people take part.
+struct JobPlan {
+  int count = 0;           // 0 = none: the scenario has goals or drives
+  double time = 25'200.0;  // [s] in which they are ordered
+  int kills = 0;           // of the job service, at drawn times
+};
+
 struct ScenarioGoal {
   Pose2 pose;
   bool has_theta = false;
@@ -137,6 +153,9 @@ struct Scenario {
   std::vector<Obstacle> obstacles;
   std::vector<WalkingPerson> people;
   std::vector<Hole> holes;
+  std::optional<Dock> dock;
+  double battery_voltage = 12.6;  // [V] at rest, when the run begins
+  JobPlan jobs;
   std::vector<ScenarioGoal> goals;
   std::vector<DriveStep> drives;
   std::vector<ScenarioEvent> events;

@@ -53,6 +53,8 @@ class Scene {
   [[nodiscard]] bool is_door_closed(std::size_t door) const { return doors_[door].closed; }
   [[nodiscard]] std::size_t doors() const { return doors_.size(); }
   void set_person(std::size_t person, const Eigen::Vector2d& position) { people_[person].centre = position; }
+  /// As many people; new ones stand where `set_person` puts them next.
+  void set_people(std::size_t count) { people_.resize(count, {Eigen::Vector2d::Zero(), kPersonRadius}); }
   [[nodiscard]] const std::vector<Disc>& people() const { return people_; }
 
   /// Exact where something is nearer than four cells of the map; walls farther away within a cell.

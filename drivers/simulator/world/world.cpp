@@ -55,6 +55,7 @@ World::World(std::uint64_t seed, const WorldTruth& truth)
       sonar_(truth_.robot.sonar, seed),
       floor_(truth_.floor_tilt, seed),
       contact_random_(seed, "contact"),
+      dock_random_(seed, "dock"),
       deaf_until_(static_cast<std::size_t>(sonar_.discs()), 0.0),
       stuck_until_(static_cast<std::size_t>(sonar_.discs()), 0.0),
       ranges_(static_cast<std::size_t>(sonar_.discs()), truth_.robot.sonar.maximum_range) {
@@ -77,6 +78,7 @@ WheelReport World::step(const MotorCommand& command) {
   start_due_events();
   move_doors();
   walk_people();
+  walk_visitors();
   const Pose2 before = state_.world_from_robot;
   WheelReport report;
   if (carry_) {
@@ -93,6 +95,7 @@ WheelReport World::step(const MotorCommand& command) {
   }
   state_.clearance = state_.carried ? Separation::kNoneNear : separation_.nearest();
   measure_motion(before);
+  dock();
   report.left = time() < frozen_until_[0] ? 0.0 : report.left;
   report.right = time() < frozen_until_[1] ? 0.0 : report.right;
   return report;
@@ -224,6 +227,89 @@ void World::walk_people() {
       return Obstruction::kNone;
     });
     scene_.set_person(i, people_[i].position());
+  }
+}
+
+bool World::is_free(const Vector2d& point) const {
+  if (!state_.carried && distance(footprint_, point) - kPersonRadius < kPersonGap) {
+    return false;
+  }
+  constexpr double kSide = 2.0 * kPersonRadius;
+  const Separation separation = scene_.separation(rectangle({point.x(), point.y(), 0.0}, kSide, kSide));
+  return separation.to(SolidKind::kWall) > 0.0 && separation.to(SolidKind::kBox) > 0.0;
+}
+
+bool World::add_visitor(const VisitorHabit& habit) {
+  constexpr double kBehind = 1.3;  // [m] from the robot's middle
+  constexpr int kDirections = 16;
+  const Pose2& robot = state_.world_from_robot;
+  for (int i = 0; i < kDirections; ++i) {
+    const int turn = (i % 2 == 0 ? 1 : -1) * ((i + 1) / 2);  // straight behind it first
+    const double theta = robot.theta + kPi + 2.0 * kPi * turn / kDirections;
+    const Vector2d direction(std::cos(theta), std::sin(theta));
+    bool is_open = true;
+    for (double reach = 0.7; reach <= kBehind && is_open; reach += 0.2) {
+      is_open = is_free(robot.position() + reach * direction);
+    }
+    if (is_open) {
+      visitors_.emplace_back(habit, robot.position() + kBehind * direction);
+      place_people();
+      return true;
+    }
+  }
+  return false;
+}
+
+bool World::add_bystander(const Vector2d& position) {
+  if (!is_free(position)) {
+    return false;
+  }
+  visitors_.emplace_back(VisitorHabit{.speed = 0.0}, position);
+  place_people();
+  return true;
+}
+
+void World::remove_visitors() {
+  std::erase_if(visitors_, [](const Visitor& visitor) { return visitor.follows(); });
+  place_people();
+}
+
+void World::remove_bystanders() {
+  std::erase_if(visitors_, [](const Visitor& visitor) { return !visitor.follows(); });
+  place_people();
+}
+
+void World::place_people() {
+  scene_.set_people(people_.size() + visitors_.size());
+  for (std::size_t i = 0; i < visitors_.size(); ++i) {
+    scene_.set_person(people_.size() + i, visitors_[i].position());
+  }
+}
+
+void World::walk_visitors() {
+  for (Visitor& visitor : visitors_) {
+    const double gap = distance(footprint_, visitor.position());
+    visitor.step(kTick, state_.world_from_robot, [&](const Vector2d& next) {
+      // away from the robot he may always go
+      return is_free(next) || (gap < kPersonRadius + kPersonGap && distance(footprint_, next) > gap);
+    });
+  }
+  std::erase_if(visitors_, [](const Visitor& visitor) { return visitor.is_gone(); });
+  place_people();
+}
+
+void World::dock() {
+  if (!truth_.dock) {
+    return;
+  }
+  constexpr double kStill = 0.01;  // [m/s], [rad/s]
+  const Dock& there = *truth_.dock;
+  const Pose2& robot = state_.world_from_robot;
+  if (state_.carried || distance(robot, there.pose) > there.reach ||
+      std::abs(wrap_angle(robot.theta - there.pose.theta)) > there.heading) {
+    docking_ = Docking::kAway;
+  } else if (docking_ == Docking::kAway && std::abs(state_.linear) < kStill && std::abs(state_.angular) < kStill) {
+    docking_ = dock_random_.happens(there.contact) ? Docking::kContact : Docking::kMissed;
   }
 }
 

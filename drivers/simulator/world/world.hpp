@@ -12,6 +12,7 @@
 #include "drivers/simulator/world/scenario.hpp"
 #include "drivers/simulator/world/scene.hpp"
 #include "drivers/simulator/world/sonar_beam.hpp"
+#include "drivers/simulator/world/visitor.hpp"
 #include "drivers/simulator/world/world_truth.hpp"
 
 namespace luminav {
@@ -62,6 +63,16 @@ class World {
   double measure_sonar(int disc);
   [[nodiscard]] int sonar_discs() const { return sonar_.discs(); }
 
+  /// Somebody comes up behind the robot and follows it; false when there is no room for him.
+  bool add_visitor(const VisitorHabit& habit);
+  /// Somebody stands there from now on; false when the robot does.
+  bool add_bystander(const Eigen::Vector2d& position);
+  /// Those who follow go away, or those who stand.
+  void remove_visitors();
+  void remove_bystanders();
+  /// The robot stands in the dock and its contacts have met.
+  [[nodiscard]] bool is_on_charger() const { return docking_ == Docking::kContact; }
+
   [[nodiscard]] const WorldState& state() const { return state_; }
   [[nodiscard]] const std::vector<Disc>& people() const { return scene_.people(); }
   [[nodiscard]] const ContactCounter& contacts() const { return contacts_; }
@@ -75,6 +86,7 @@ class World {
     double begin = 0.0;     // [s]
     double duration = 0.0;  // [s]
   };
+  enum class Docking { kAway, kMissed, kContact };
   struct Bump {
     Pose2 per_tick;  // displacement, world
     int ticks = 0;   // that remain
@@ -85,6 +97,10 @@ class World {
   void start_dead_sense(const ScenarioEvent& event);
   void move_doors();
   void walk_people();
+  void walk_visitors();
+  [[nodiscard]] bool is_free(const Eigen::Vector2d& point) const;
+  void place_people();
+  void dock();
   void carry();
   WheelReport drive(const MotorCommand& command);
   void push();
@@ -101,7 +117,10 @@ class World {
   SonarBeam sonar_;
   Floor floor_;
   RandomStream contact_random_;
+  RandomStream dock_random_;
   std::vector<Pedestrian> people_;
+  std::vector<Visitor> visitors_;
+  Docking docking_ = Docking::kAway;
   ContactCounter contacts_;
   WorldState state_;
   Polygon footprint_;      // world

@@ -387,6 +387,8 @@ WorldTruth draw_world(const Scenario& scenario, const Building& believed, const 
   truth.building = believed;
   truth.robot = robot;
   truth.feels_touch = scenario.base == "create2";
+  truth.dock = scenario.dock;
+  truth.battery_voltage = scenario.battery_voltage;
   if (!believed.map_file.empty()) {
     truth.walls = read_map(believed.map_file);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,8 +37,10 @@ struct WorldTruth {
   std::vector<Polygon> holes;             // in the floor
   bool feels_touch = false;               // the base has bumpers and cliff sensors
   std::vector<ScenarioEvent> events;      // all with a place
-  std::string table;                      // the spread and what was drawn, for the report
-  std::string hash;                       // of that table
+  std::optional<Dock> dock;
+  double battery_voltage = 12.6;  // [V] at rest, when the run begins
+  std::string table;              // the spread and what was drawn, for the report
+  std::string hash;               // of that table
 };
 
 /// Draws the truth. Throws ConfigurationError when the scenario is impossible: a start in a wall, an unknown fixture

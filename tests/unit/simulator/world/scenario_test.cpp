@@ -232,6 +232,22 @@ TEST(ScenarioFile, LeavesOpenWhereACarryLeads) {
   EXPECT_THAT(error_of("[[event]]\nat = 10\nkind = \"carry\"\ntheta = 1.0\n"), HasSubstr("needs x and y"));
 }
 
+TEST(ScenarioFile, HasADockABatteryAndJobs) {
+  const Scenario scenario =
+      read("[dock]\nplace = \"desk\"\nreach = 0.1\n[battery]\nvoltage = 11.9\n[jobs]\ncount = 6\nkills = 2\n");
+  ASSERT_TRUE(scenario.dock.has_value());
+  EXPECT_EQ(scenario.dock->pose.x, 4.0);
+  EXPECT_EQ(scenario.dock->reach, 0.1);
+  EXPECT_EQ(scenario.battery_voltage, 11.9);
+  EXPECT_EQ(scenario.jobs.count, 6);
+  EXPECT_EQ(scenario.jobs.kills, 2);
+  EXPECT_FALSE(read("").dock.has_value());
+  EXPECT_EQ(read("").jobs.count, 0);
+  EXPECT_THAT(error_of("[dock]\nplace = \"roof\"\n"), HasSubstr("must be the name of one of the building's places"));
+  EXPECT_THAT(error_of("[dock]\nplace = \"door\"\n"), HasSubstr("must be a place with a heading"));
+  EXPECT_THAT(error_of("[battery]\nvoltage = 5\n"), HasSubstr("battery.voltage"));
+}
+
 TEST(ScenarioFile, NamesFileLineAndKeyOfWhatIsWrong) {
   const std::string error = error_of("[lighting]\ndaylight = 1.5\n");
   EXPECT_THAT(error, HasSubstr("case.toml:4: lighting.daylight"));

@@ -1,0 +1,98 @@
+#include "drivers/simulator/world/visitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/common/geometry/angle.hpp"
+
+namespace luminav {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kGap = 1.0;         // [m] to the robot's middle, behind it
+constexpr double kCrumb = 0.1;       // [m] between the points of a way
+constexpr double kInTheWay = 1.0;    // [m] nearer to the robot's middle and before it he steps aside
+constexpr double kAside = 0.8;       // [m/s]
+constexpr double kOutOfSight = 6.0;  // [m]
+
+}  // namespace
+
+void Visitor::step(double dt, const Pose2& world_from_robot, const IsFree& is_free) {
+  if (!follows()) {
+    return;
+  }
+  watch(world_from_robot.position());
+  if (followed_ < habit_.stops_after || (!habit_.leaves && stood_ >= habit_.stops_for)) {
+    if (!step_aside(dt, world_from_robot, is_free)) {
+      follow(dt, is_free);
+    }
+  } else if (habit_.leaves) {
+    walk_back(dt);
+  } else {
+    stood_ += dt;
+    step_aside(dt, world_from_robot, is_free);
+  }
+}
+
+void Visitor::watch(const Vector2d& robot) {
+  if ((robot - position_).norm() < kGap) {
+    trail_.assign(1, robot);
+  } else if (trail_.empty() || (robot - trail_.back()).norm() > kCrumb) {
+    trail_.push_back(robot);
+  }
+}
+
+bool Visitor::step_aside(double dt, const Pose2& world_from_robot, const IsFree& is_free) {
+  const Vector2d seen = world_from_robot.inverse() * position_;
+  if (seen.x() < 0.0 || seen.norm() > kInTheWay) {
+    return false;
+  }
+  // across its way on his own side, else before it; in a corner he can only stand
+  const double side = seen.y() >= 0.0 ? 0.5 * kPi : -0.5 * kPi;
+  for (const double turn : {side, 0.5 * side, 0.0}) {
+    const double direction = world_from_robot.theta + turn;
+    const Vector2d next = position_ + kAside * dt * Vector2d(std::cos(direction), std::sin(direction));
+    if (is_free(next)) {
+      position_ = next;
+      return true;
+    }
+  }
+  return true;
+}
+
+void Visitor::follow(double dt, const IsFree& is_free) {
+  if (trail_.size() < 2) {
+    return;  // near enough
+  }
+  const Vector2d offset = trail_.front() - position_;
+  const Vector2d step = offset.normalized() * std::min(habit_.speed * dt, offset.norm());
+  if (is_free(position_ + step)) {
+    position_ += step;
+    followed_ += step.norm();
+  }
+  if (offset.norm() < kCrumb) {
+    trail_.pop_front();
+  }
+  if (walked_.empty() || (position_ - walked_.back()).norm() > kCrumb) {
+    walked_.push_back(position_);
+  }
+}
+
+void Visitor::walk_back(double dt) {
+  if (walked_.empty() || left_ > kOutOfSight) {
+    gone_ = true;
+    return;
+  }
+  const Vector2d offset = walked_.back() - position_;
+  const double step = std::min(habit_.speed * dt, offset.norm());
+  if (offset.norm() <= step) {
+    position_ = walked_.back();
+    walked_.pop_back();
+  } else {
+    position_ += step * offset.normalized();
+  }
+  left_ += step;
+}
+
+}  // namespace luminav

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "services/common/geometry/pose2.hpp"
+
+namespace luminav {
+
+/// How somebody behaves whom the robot leads.
+struct VisitorHabit {
+  double speed = 1.2;                                            // [m/s] at most; 0: stands where he is
+  double stops_after = std::numeric_limits<double>::infinity();  // [m] of following
+  double stops_for = 0.0;                                        // [s], then he comes on
+  bool leaves = false;                                           // instead he turns away for good
+};
+
+/// Somebody who follows the robot, a metre behind it on the robot's own way, and steps aside when it comes towards him.
+class Visitor {
+ public:
+  Visitor(const VisitorHabit& habit, const Eigen::Vector2d& position) : habit_(habit), position_(position) {}
+
+  /// `is_free` says whether he could stand at a point.
+  void step(double dt, const Pose2& world_from_robot, const std::function<bool(const Eigen::Vector2d&)>& is_free);
+
+  [[nodiscard]] const Eigen::Vector2d& position() const { return position_; }
+  /// False for one who stands where he is.
+  [[nodiscard]] bool follows() const { return habit_.speed > 0.0; }
+  /// He turned away, and is out of sight.
+  [[nodiscard]] bool is_gone() const { return gone_; }
+
+ private:
+  using IsFree = std::function<bool(const Eigen::Vector2d&)>;
+
+  void watch(const Eigen::Vector2d& robot);
+  bool step_aside(double dt, const Pose2& world_from_robot, const IsFree& is_free);
+  void follow(double dt, const IsFree& is_free);
+  void walk_back(double dt);
+
+  VisitorHabit habit_;
+  Eigen::Vector2d position_;             // [m] world
+  std::deque<Eigen::Vector2d> trail_;    // [m] of the robot, from him to it
+  std::vector<Eigen::Vector2d> walked_;  // [m] his own way
+  double followed_ = 0.0;                // [m]
+  double stood_ = 0.0;                   // [s] since he stopped
+  double left_ = 0.0;                    // [m] since he turned away
+  bool gone_ = false;
+};
+
+}  // namespace luminav
