@@ -96,7 +96,7 @@ void JobExecutor::look_after_battery(const JobMoment& moment) {
   }
   const double distance =
       moment.world_from_robot ? (moment.world_from_robot->position() - home->pose.position()).norm() : 0.0;
-  battery_.update(moment.voltage, distance, moment.seconds);
+  battery_.update(moment.voltage, distance, moment.seconds, moment.charger);
   if (!battery_.is_low()) {
     sent_for_battery_ = false;
   } else if (!sent_for_battery_) {
@@ -317,7 +317,8 @@ void JobExecutor::wait_for_word(Job& job, const JobStop& stop) {
 
 void JobExecutor::wait_for_charger(Job& job, const JobMoment& moment) {
   job.sentence = "is at home and looks whether it charges";
-  if (moment.charger_heard && moment.voltage >= params_.battery.charging) {
+  const bool is_heard = moment.charger != Charger::kNotHeard;
+  if (is_heard && moment.voltage >= params_.battery.charging) {
     queue_.finish(job, JobState::kDone, fmt::format("charges at {:.1f} V", moment.voltage));
     return;
   }
@@ -333,7 +334,7 @@ void JobExecutor::wait_for_charger(Job& job, const JobMoment& moment) {
   job.tries = 0;
   ask(job,
       fmt::format("it stands at home after {} tries and does not charge: the charger is {}, the battery at {:.1f} V",
-                  params_.charge_attempts, moment.charger_heard ? "heard" : "not heard", moment.voltage),
+                  params_.charge_attempts, is_heard ? "heard" : "not heard", moment.voltage),
       {"charging", "try again", "give up"});
 }
 

@@ -43,7 +43,7 @@ struct JobMoment {
   std::optional<Pose2> world_from_robot{};  // while it is known
   std::string handled{};                    // why it must not start: somebody handles it, or it cannot; "" = free
   double voltage = 0.0;                     // [V] 0 = unknown
-  bool charger_heard = false;               // by the robot's own word
+  Charger charger = Charger::kNotHeard;     // by the robot's own word
   double driven = 0.0;                      // [m] forward since the last moment
   std::optional<double> behind{};           // [m] nearest echo straight behind it
 };

@@ -127,7 +127,9 @@ void JobsNode::tick(const robot_status_t& status, double seconds) {
   }
   moment.handled = who_handles(status);
   moment.voltage = status.battery_voltage;
-  moment.charger_heard = status.charge_state > robot_status_t::CHARGE_NONE;
+  moment.charger = status.charge_state > robot_status_t::CHARGE_BULK   ? Charger::kHasCharged
+                   : status.charge_state > robot_status_t::CHARGE_NONE ? Charger::kCharges
+                                                                       : Charger::kNotHeard;
   moment.driven = std::max(0.0, status.linear) * seconds;
   moment.behind = behind_;
   executor_.update(moment);

@@ -12,20 +12,29 @@ struct BatteryParams {
   double charging = 12.8;    // [V] a charger that is connected holds it above this
 };
 
+/// What the robot says of its charger.
+enum class Charger { kNotHeard, kCharges, kHasCharged };
+
 /// When to drive home, by voltage: with hysteresis, so that a battery that recovers while the robot stands does not
-/// send it out again.
+/// send it out again. A charger lifts the voltage at once, so that one that is heard has the word itself.
 class BatteryWatch {
  public:
   explicit BatteryWatch(const BatteryParams& params) : params_(params) {}
 
   /// `voltage` [V], 0 = unknown; `distance` [m] to home; `seconds` since the last reading.
-  void update(double voltage, double distance, double seconds) {
+  void update(double voltage, double distance, double seconds, Charger charger = Charger::kNotHeard) {
     if (voltage <= 0.0) {
       return;
     }
     const double share = average_ ? seconds / (params_.average + seconds) : 1.0;
     average_ = average_.value_or(voltage) + share * (voltage - average_.value_or(voltage));
-    is_low_ = is_low_ ? *average_ < params_.enough : *average_ < params_.low + params_.per_metre * distance;
+    if (!is_low_) {
+      is_low_ = *average_ < params_.low + params_.per_metre * distance;
+    } else if (charger == Charger::kNotHeard) {
+      is_low_ = *average_ < params_.enough;
+    } else {
+      is_low_ = charger == Charger::kCharges;
+    }
   }
 
   [[nodiscard]] bool is_low() const { return is_low_; }

@@ -290,14 +290,17 @@ TEST(JobExecutor, DrivesHomeWhenTheBatteryIsLowAndGoesOnWhenItIsCharged) {
   robot.arrive();
   EXPECT_THAT(robot.goals, ElementsAre("lab", "", "dock"));
   robot.moment.voltage = 13.0;
-  robot.moment.charger_heard = true;
+  robot.moment.charger = Charger::kCharges;
   robot.run(2.0);
   const Job& home = robot.executor.table().jobs.back();
   EXPECT_EQ(home.kind, JobKind::kHome);
   EXPECT_EQ(home.state, JobState::kDone);
   EXPECT_THAT(home.sentence, HasSubstr("charges at 13.0 V"));
   EXPECT_THAT(robot.job(job).sentence, HasSubstr("the battery is charged first"));
-  robot.run(120.0);
+  robot.run(3600.0);
+  EXPECT_EQ(robot.job(job).state, JobState::kQueued) << "13 V are the charger's, not the battery's";
+  robot.moment.charger = Charger::kHasCharged;
+  robot.run(5.0);
   EXPECT_EQ(robot.job(job).state, JobState::kDriving);
   EXPECT_EQ(robot.goals.back(), "lab");
 }
@@ -306,7 +309,7 @@ TEST(JobExecutor, AsksAPersonAfterThreeTriesToCharge) {
   PretendedRobot robot;
   const std::int64_t job = robot.add(JobKind::kHome, {});
   robot.moment.voltage = 12.0;
-  robot.moment.charger_heard = true;  // but the voltage does not rise
+  robot.moment.charger = Charger::kCharges;  // but the voltage does not rise
   robot.run(1.0);
   for (int attempt = 0; attempt < 3; ++attempt) {
     EXPECT_EQ(robot.job(job).state, JobState::kDriving);

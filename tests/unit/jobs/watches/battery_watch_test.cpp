@@ -23,6 +23,17 @@ TEST(BatteryWatch, IsLowBelowItsLimitAndNotAgainUntilItIsCharged) {
   EXPECT_FALSE(battery.is_low());
 }
 
+TEST(BatteryWatch, LetsTheChargerSayWhenItIsCharged) {
+  BatteryWatch battery(BatteryParams{});
+  hold(battery, 11.5, 200.0);
+  for (int i = 0; i < 1000; ++i) {
+    battery.update(13.4, 0.0, 1.0, Charger::kCharges);
+  }
+  EXPECT_TRUE(battery.is_low()) << "the charger lifts the voltage at once";
+  battery.update(14.2, 0.0, 1.0, Charger::kHasCharged);
+  EXPECT_FALSE(battery.is_low());
+}
+
 TEST(BatteryWatch, TakesNoSagForAnEmptyBattery) {
   BatteryWatch battery(BatteryParams{});
   hold(battery, 12.2, 60.0);
