@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 
 constexpr double kGap = 1.0;         // [m] to the robot's middle, behind it
 constexpr double kCrumb = 0.1;       // [m] between the points of a way
-constexpr double kInTheWay = 1.0;    // [m] nearer to the robot's middle and before it he steps aside
+constexpr double kInTheWay = 1.5;    // [m] nearer to the robot's middle and before it he steps aside
 constexpr double kAside = 0.8;       // [m/s]
 constexpr double kOutOfSight = 6.0;  // [m]
 

@@ -230,17 +230,18 @@ void World::walk_people() {
   }
 }
 
-bool World::is_free(const Vector2d& point) const {
+bool World::is_free(const Vector2d& point, double room) const {
   if (!state_.carried && distance(footprint_, point) - kPersonRadius < kPersonGap) {
     return false;
   }
-  constexpr double kSide = 2.0 * kPersonRadius;
-  const Separation separation = scene_.separation(rectangle({point.x(), point.y(), 0.0}, kSide, kSide));
+  const double side = 2.0 * (kPersonRadius + room);
+  const Separation separation = scene_.separation(rectangle({point.x(), point.y(), 0.0}, side, side));
   return separation.to(SolidKind::kWall) > 0.0 && separation.to(SolidKind::kBox) > 0.0;
 }
 
 bool World::add_visitor(const VisitorHabit& habit) {
   constexpr double kBehind = 1.3;  // [m] from the robot's middle
+  constexpr double kRoom = 0.25;   // [m] to all sides: nobody waits in a doorway
   constexpr int kDirections = 16;
   const Pose2& robot = state_.world_from_robot;
   for (int i = 0; i < kDirections; ++i) {
@@ -251,7 +252,7 @@ bool World::add_visitor(const VisitorHabit& habit) {
     for (double reach = 0.7; reach <= kBehind && is_open; reach += 0.2) {
       is_open = is_free(robot.position() + reach * direction);
     }
-    if (is_open) {
+    if (is_open && is_free(robot.position() + kBehind * direction, kRoom)) {
       visitors_.emplace_back(habit, robot.position() + kBehind * direction);
       place_people();
       return true;

@@ -98,7 +98,8 @@ class World {
   void move_doors();
   void walk_people();
   void walk_visitors();
-  [[nodiscard]] bool is_free(const Eigen::Vector2d& point) const;
+  /// Somebody could stand there, with so much room [m] to all sides.
+  [[nodiscard]] bool is_free(const Eigen::Vector2d& point, double room = 0.0) const;
   void place_people();
   void dock();
   void carry();

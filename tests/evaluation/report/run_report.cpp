@@ -74,6 +74,25 @@ ordered_json json_of(const std::optional<ZoneResult>& zones) {
           {"path_ratio", rounded(zones->path_ratio)},         {"path_m", rounded(zones->path_m)}};
 }
 
+ordered_json json_of(const std::optional<JobsResult>& jobs) {
+  if (!jobs) {
+    return nullptr;
+  }
+  return {{"jobs", jobs->jobs},
+          {"right", jobs->right},
+          {"lost", jobs->lost},
+          {"doubled", jobs->doubled},
+          {"answers", jobs->answers},
+          {"guides_left", jobs->guides_left},
+          {"returns", jobs->returns},
+          {"homes", jobs->homes},
+          {"charging", jobs->charging},
+          {"charger_tries", jobs->charger_tries},
+          {"min_voltage", rounded(jobs->min_voltage)},
+          {"kills", jobs->kills},
+          {"wrong", jobs->wrong}};
+}
+
 }  // namespace
 
 double rounded(double value) {
@@ -121,6 +140,7 @@ ordered_json json_of(const RunReport& r) {
           {"carries_recovered", r.carries_recovered},
           {"map", json_of(r.map)},
           {"zones", json_of(r.zones)},
+          {"jobs", json_of(r.jobs)},
           {"processes", json_of(r.processes)}};
 }
 

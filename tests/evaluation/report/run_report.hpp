@@ -52,6 +52,23 @@ struct ZoneResult {
   double path_m = 0.0;          // that way
 };
 
+/// What became of the jobs that people ordered.
+struct JobsResult {
+  int jobs = 0;                    // ordered ones, tours by the clock, and ways home for the battery
+  int right = 0;                   // that ended as they should, at the place where they should
+  int lost = 0;                    // promised, and gone without an end
+  int doubled = 0;                 // that came to life again after their end, or a tour started twice
+  int answers = 0;                 // to questions of the robot
+  int guides_left = 0;             // visitors who turned away for good
+  int returns = 0;                 // that it went back for a visitor
+  int homes = 0;                   // ways home that ended well
+  int charging = 0;                // of these, in contact with the charger by the truth
+  int charger_tries = 0;           // drives into the dock
+  double min_voltage = 0.0;        // [V]
+  int kills = 0;                   // of the job service
+  std::vector<std::string> wrong;  // one sentence for each job that did not end as it should
+};
+
 struct ProcessResult {
   std::string name;
   double cpu_percent = 0.0;  // of one core, mean
@@ -108,6 +125,7 @@ struct RunReport {
   DriveResult drive;
   MapResult map;
   std::optional<ZoneResult> zones;  // nothing where the building has none
+  std::optional<JobsResult> jobs;   // nothing where the scenario has none
   std::vector<ProcessResult> processes;
   std::string scenario_file;
   std::string reproduce;  // command that runs it again; "" = not known

@@ -42,6 +42,7 @@ class Summary {
     put_localization();
     put_carries();
     put_goals();
+    put_jobs();
     put_contacts();
     put_driving();
     put_map();
@@ -168,6 +169,24 @@ class Summary {
     if (to_refuse > 0) {
       json_["goals_to_refuse"] = to_refuse;
       json_["refused_right"] = refused_right;
+    }
+  }
+
+  void put_jobs() {
+    int jobs = 0;
+    int right = 0;
+    int lost_or_doubled = 0;
+    for (const RunReport* run : runs_) {
+      if (run->jobs) {
+        jobs += run->jobs->jobs;
+        right += run->jobs->right;
+        lost_or_doubled += run->jobs->lost + run->jobs->doubled;
+      }
+    }
+    if (jobs > 0) {
+      json_["jobs"] = jobs;
+      json_["jobs_right"] = right;
+      json_["jobs_lost_or_doubled"] = lost_or_doubled;
     }
   }
 

@@ -21,6 +21,18 @@ std::string pose_error_text(const RunReport& r) {
       *r.mission_position_p95_m, *r.mission_heading_p95_deg, r.nees ? fmt::format("; NEES {:.2f}", *r.nees) : "");
 }
 
+std::string jobs_text(const JobsResult& jobs) {
+  std::string text = fmt::format(
+      "  jobs: {} of {} as they should, {} lost, {} doubled; {} answers asked for; {} visitors turned away, went back "
+      "{} times; home {} times, charging {} of them after {} drives into the dock; lowest {:.1f} V; killed {} times\n",
+      jobs.right, jobs.jobs, jobs.lost, jobs.doubled, jobs.answers, jobs.guides_left, jobs.returns, jobs.homes,
+      jobs.charging, jobs.charger_tries, jobs.min_voltage, jobs.kills);
+  for (const std::string& wrong : jobs.wrong) {
+    text += "    " + wrong + "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string to_text(const RunReport& r) {
@@ -64,6 +76,7 @@ std::string to_text(const RunReport& r) {
         "  map: walls {:.3f} m off (median), recall {:.1f} %, free precision {:.1f} %, {:.0f} % explored\n",
         r.map.wall_median_m, 100.0 * r.map.wall_recall, 100.0 * r.map.free_precision, 100.0 * r.map.explored);
   }
+  text += r.jobs ? jobs_text(*r.jobs) : "";
   for (const ProcessResult& p : r.processes) {
     text += fmt::format("  {:<11} {:5.1f} % of a core, {:5.1f} MB, {} restarts\n", p.name, p.cpu_percent, p.rss_mb,
                         p.restarts);

@@ -11,10 +11,12 @@
 
 #include "services/common/process/channels.hpp"
 #include "tests/evaluation/judge/drive_judge.hpp"
+#include "tests/evaluation/judge/job_judge.hpp"
 #include "tests/evaluation/judge/map_score.hpp"
 #include "tests/evaluation/judge/run_judge.hpp"
 #include "tests/evaluation/judge/run_picture.hpp"
 #include "tests/evaluation/judge/zone_judge.hpp"
+#include "tests/evaluation/runs/job_people.hpp"
 #include "tests/evaluation/runs/mission.hpp"
 #include "tests/evaluation/runs/run_log.hpp"
 #include "tests/evaluation/sensing/sensing_survey.hpp"
@@ -59,6 +61,7 @@ class Tracer {
  public:
   Tracer(lcm::LCM& lcm, const RunJudge& judge) : judge_(judge), subscriber_(lcm) {
     subscriber_.on(channels::kControlStatus, &Tracer::on_control, this);
+    subscriber_.on(channels::kJobStatus, &Tracer::on_jobs, this);
   }
   void line() const {
     if (!judge_.truth() || !judge_.pose()) {
@@ -68,20 +71,63 @@ class Tracer {
     const pose_t& p = *judge_.pose();
     fmt::print(
         "{:6.1f} true ({:6.2f} {:6.2f} {:6.1f}) v {:5.2f} w {:6.1f} clear {:4.2f} c {} | {} err {:5.2f} {:5.1f} [{}] | "
-        "nav {} {} | ctl {} {}\n",
+        "nav {} {} | ctl {} {}{}\n",
         judge_.elapsed(), t.x, t.y, degrees(t.theta), t.linear, degrees(t.angular), t.clearance, t.contacts,
         int{p.state}, judge_.position_error(), degrees(judge_.heading_error()), p.reason,
         judge_.navigation() ? int{judge_.navigation()->state} : -1,
         judge_.navigation() ? judge_.navigation()->cause : "", control_ ? int{control_->state} : -1,
-        control_ ? control_->reason : "");
+        control_ ? control_->reason : "", job_);
   }
 
  private:
   void on_control(const control_status_t& status) { control_ = status; }
+  void on_jobs(const job_status_t& status) {
+    job_ = status.jobs.empty() ? "" : fmt::format(" | job {} {}", status.jobs[0].id, status.jobs[0].sentence);
+  }
   const RunJudge& judge_;
   Subscriber subscriber_;
   std::optional<control_status_t> control_;
+  std::string job_;
 };
+
+/// The people of a run's jobs, who watches them, and when the job service is killed.
+class JobsRun {
+ public:
+  JobsRun(WholeRobot& robot, const Scenario& scenario)
+      : robot_(robot),
+        people_(robot.lcm(), scenario, draw_jobs(scenario, robot.believed_building()), robot.simulated_world()),
+        judge_(robot.lcm(), robot.believed_building(), people_, robot.simulated_world()) {}
+
+  void step(double elapsed) {
+    if (next_kill_ < people_.drawn().kills.size() && elapsed >= people_.drawn().kills[next_kill_]) {
+      ++next_kill_;
+      robot_.restart("jobs");
+      judge_.note_kill();
+    }
+  }
+  [[nodiscard]] bool is_finished() const { return people_.is_finished(); }
+  void conclude(RunReport& report) const {
+    report.jobs = judge_.result();
+    report.failure = report.failure.empty() ? JobJudge::failure(*report.jobs) : report.failure;
+    report.passed = report.failure.empty();
+  }
+
+ private:
+  WholeRobot& robot_;
+  JobPeople people_;
+  JobJudge judge_;
+  std::size_t next_kill_ = 0;
+};
+
+/// Each event once.
+void kill_due(WholeRobot& robot, const Scenario& scenario, double elapsed, std::set<std::size_t>& killed) {
+  for (std::size_t i = 0; i < scenario.events.size(); ++i) {
+    const ScenarioEvent& event = scenario.events[i];
+    if (event.kind == EventKind::kKill && elapsed >= event.at && killed.insert(i).second) {
+      robot.restart(event.process);
+    }
+  }
+}
 
 void judge_zones(ZoneJudge& judge, const Mission& mission, RunReport& report) {
   if (!judge.result()) {
@@ -149,22 +195,25 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
   Mission mission(robot.lcm(), scenario, options.patrol);
   const RunLog log(robot.lcm());
   const Tracer tracer(robot.lcm(), judge);
+  std::optional<JobsRun> jobs;
+  if (scenario.jobs.count > 0) {
+    jobs.emplace(robot, scenario);
+  }
   std::set<std::size_t> killed;
   const std::int64_t first = robot.utime();
   double last = thread_seconds();
   double worst_step = 0.0;  // [s]
-  for (std::int64_t steps = 0; static_cast<double>(steps) * 0.01 < scenario.duration && !mission.is_finished();
+  for (std::int64_t steps = 0; static_cast<double>(steps) * 0.01 < scenario.duration && !mission.is_finished() &&
+                               !(jobs && jobs->is_finished());
        ++steps) {
     robot.step();
     const double now = thread_seconds();
     worst_step = std::max(worst_step, now - last);
     last = now;
     const double elapsed = static_cast<double>(robot.utime() - first) * 1e-6;
-    for (std::size_t i = 0; i < scenario.events.size(); ++i) {
-      const ScenarioEvent& event = scenario.events[i];
-      if (event.kind == EventKind::kKill && elapsed >= event.at && killed.insert(i).second) {
-        robot.restart(event.process);
-      }
+    kill_due(robot, scenario, elapsed, killed);
+    if (jobs) {
+      jobs->step(elapsed);
     }
     if (options.trace && steps % 100 == 99) {
       tracer.line();
@@ -176,6 +225,9 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
   }
   report.drive = drive_judge.result();
   judge_zones(zone_judge, mission, report);
+  if (jobs) {
+    jobs->conclude(report);
+  }
   report.trail = judge.trail();
   report.log = log.lines();
   report.cpu_s = thread_seconds() - cpu_start;

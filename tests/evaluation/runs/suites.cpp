@@ -40,6 +40,8 @@ constexpr NamedEntry kEntries[] = {
     {"navigation", "laboratory-crowd.toml", 1000, 1004},
     {"navigation", "navigation", 1000, 1004},
     {"endurance", "laboratory-patrol.toml", 1000, 1000, "geometric", true},
+    {"jobs", "laboratory-jobs.toml", 1000, 1009, "geometric"},
+    {"jobs", "office-jobs.toml", 1000, 1009, "geometric"},
 };
 /// What "all" is made of, apart from the detector's part: all seeds, but for the worlds, which would take half of its
 /// time.
@@ -114,7 +116,7 @@ std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& p
 
 std::string suite_names() {
   return "quick, laboratory, office, localization, detector, luminaires, tolerance, mapping, navigation, endurance, "
-         "missions, zones, worlds, scale, drawn, mishaps, paper, all";
+         "missions, zones, jobs, worlds, scale, drawn, mishaps, paper, all";
 }
 
 bool has_detector_part(const std::string& suite) {

@@ -18,10 +18,13 @@
 #include "services/common/process/subscriber.hpp"
 #include "services/controller/controller_node.hpp"
 #include "services/detector/detector_node.hpp"
+#include "services/jobs/jobs_node.hpp"
 #include "services/localizer/localizer_node.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "services/planner/planner_node.hpp"
+#include "tests/evaluation/runs/job_plan.hpp"
 #include "tests/evaluation/sensing/geometric_sensing.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace luminav {
 namespace {
@@ -92,6 +95,28 @@ struct WholeRobot::Parts {
     start_base();
     for (const char* process : {"camera", "detector", "localizer", "mapper", "planner", "controller"}) {
       start(process);
+    }
+    if (scenario.jobs.count > 0) {
+      jobs_folder = std::make_unique<TemporaryFolder>();
+      start("jobs");
+    }
+    began = clock.utime();
+  }
+
+  [[nodiscard]] JobsConfig jobs_config() const {
+    JobsConfig config = read_jobs_config(scenario.robot_file, scenario.building_file);
+    config.state_folder = jobs_folder->path();
+    config.boot = "the same";
+    config.site.home = scenario.dock ? scenario.dock->place : "";
+    config.site.has_charger = scenario.dock.has_value();
+    config.site.tours = draw_jobs(scenario, believed).tours;
+    return config;
+  }
+
+  void tell_time() {
+    const std::int64_t passed = clock.utime() - began;
+    if (jobs && passed % 1'000'000 == 0) {
+      jobs->tell_time({0, 0, kMorning + static_cast<int>(passed / 1'000'000)});
     }
   }
 
@@ -166,6 +191,9 @@ struct WholeRobot::Parts {
       controller.reset();
       controller =
           std::make_unique<ControllerNode>(lcm, read_controller_config(scenario.robot_file, scenario.building_file));
+    } else if (process == "jobs" && jobs_folder) {
+      jobs.reset();
+      jobs = std::make_unique<JobsNode>(lcm, jobs_config());
     } else {
       throw std::invalid_argument("whole robot: no process " + process);
     }
@@ -197,6 +225,9 @@ struct WholeRobot::Parts {
   std::unique_ptr<MapperNode> mapper;
   std::unique_ptr<PlannerNode> planner;
   std::unique_ptr<ControllerNode> controller;
+  std::unique_ptr<TemporaryFolder> jobs_folder;  // where its table lies; none without jobs
+  std::unique_ptr<JobsNode> jobs;
+  std::int64_t began = 0;  // [us]
 };
 
 WholeRobot::WholeRobot(const Scenario& scenario, const WholeRobotOptions& options) {
@@ -211,6 +242,9 @@ lcm::LCM& WholeRobot::lcm() {
 }
 const WorldTruth& WholeRobot::world() const {
   return parts_->world;
+}
+World& WholeRobot::simulated_world() {
+  return parts_->simulator.world();
 }
 const Building& WholeRobot::believed_building() const {
   return parts_->believed;
@@ -235,6 +269,7 @@ void WholeRobot::step() {
     p.camera->poll();
     p.drain();
   }
+  p.tell_time();
 }
 
 void WholeRobot::restart(const std::string& process) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "drivers/simulator/world/scenario.hpp"
+#include "drivers/simulator/world/world.hpp"
 #include "drivers/simulator/world/world_truth.hpp"
 #include "services/common/building/building.hpp"
 
@@ -20,7 +21,7 @@ struct WholeRobotOptions {
 };
 
 /// All drivers and services, the true nodes, in one program: one memq:// handle, one virtual clock, the serial line a
-/// pipe in memory. Same scenario, same messages.
+/// pipe in memory; the job service where the scenario has jobs. Same scenario, same messages.
 class WholeRobot {
  public:
   /// Throws ConfigurationError for what the files have wrong.
@@ -29,6 +30,8 @@ class WholeRobot {
 
   [[nodiscard]] lcm::LCM& lcm();
   [[nodiscard]] const WorldTruth& world() const;
+  /// The world as it goes on; people may be put into it.
+  [[nodiscard]] World& simulated_world();
   [[nodiscard]] const Building& believed_building() const;
   [[nodiscard]] const RobotDescription& believed_robot() const;
   [[nodiscard]] std::int64_t utime() const;  // [us]

@@ -19,7 +19,7 @@ std::filesystem::path generated() {
 
 TEST(Suites, HoldScenariosThatCanBeRead) {
   for (const char* suite : {"quick", "laboratory", "office", "localization", "mapping", "navigation", "endurance",
-                            "worlds", "drawn", "mishaps"}) {
+                            "jobs", "worlds", "drawn", "mishaps"}) {
     const auto entries = suite_entries(suite, generated());
     EXPECT_FALSE(entries.empty()) << suite;
     for (const SuiteEntry& entry : entries) {
@@ -46,6 +46,16 @@ TEST(Suites, EnduranceIsTenHoursOfPatrol) {
   ASSERT_EQ(entries.size(), 1U);
   EXPECT_TRUE(entries[0].patrol);
   EXPECT_EQ(read_scenario(entries[0].scenario).duration, 36'000.0);
+}
+
+TEST(Suites, JobsAreEightHoursEach) {
+  for (const SuiteEntry& entry : suite_entries("jobs", generated())) {
+    const Scenario scenario = read_scenario(entry.scenario);
+    EXPECT_EQ(entry.last_seed - entry.first_seed, 9U);
+    EXPECT_EQ(scenario.duration, 28'800.0);
+    EXPECT_EQ(scenario.jobs.count, 60);
+    EXPECT_TRUE(scenario.dock.has_value());
+  }
 }
 
 TEST(Suites, MissionsAreFiveHundredGoalsSomeBehindAClosedDoor) {
