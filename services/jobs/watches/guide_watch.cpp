@@ -57,20 +57,19 @@ GuideWatch::Advice GuideWatch::update(const GuideMoment& moment) {
 }
 
 GuideWatch::Advice GuideWatch::lead(const GuideMoment& moment) {
-  follower_.update(moment.behind, moment.driven);
+  follower_.update(moment.behind, moment.driven, moment.world_from_robot);
   if (follower_.is_near() && moment.world_from_robot) {
     last_seen_ = moment.world_from_robot;
   }
   if (!shall_wait_ && (!follower_.is_lost() || moment.has_arrived)) {
     return Advice::kNone;
   }
-  follower_.wait();
   enter(Phase::kWaiting);
   return Advice::kWait;
 }
 
 GuideWatch::Advice GuideWatch::wait(const GuideMoment& moment) {
-  follower_.update(moment.behind, moment.driven);
+  follower_.update(moment.behind, moment.driven, moment.world_from_robot);
   if (shall_wait_) {
     waited_ = 0.0;  // until he says that he is there
     return Advice::kNone;

@@ -359,28 +359,33 @@ TEST(JobExecutor, DrivesHomeOnceWhenItHasNothingToDo) {
 }
 
 TEST(JobExecutor, WaitsForAVisitorAndGoesBackForHim) {
-  JobParams params;
-  PretendedRobot robot(params);
+  PretendedRobot robot;
   const std::int64_t job = robot.add(JobKind::kGuide, {"lab"});
   robot.moment.world_from_robot = Pose2{3.0, 3.0, 0.0};
   robot.run(3.0);
-  robot.moment.driven = 0.08;
+  const auto lead = [&](double seconds) {
+    robot.moment.driven = 0.08;
+    for (double t = 0.0; t < seconds && robot.navigation.state == Drive::kUnderWay; t += 0.2) {
+      robot.moment.world_from_robot->x += robot.moment.driven;
+      robot.step();
+    }
+    robot.moment.driven = 0.0;
+  };
   robot.moment.behind = 1.0;
-  robot.run(10.0);
+  lead(10.0);
   EXPECT_EQ(robot.navigation.state, Drive::kUnderWay);
   robot.moment.behind.reset();
-  robot.run(8.0);
+  lead(8.0);
   EXPECT_EQ(robot.navigation.state, Drive::kPaused);
   EXPECT_THAT(robot.job(job).sentence, HasSubstr("waits for its visitor"));
-  robot.moment.driven = 0.0;
   robot.run(11.0);
   EXPECT_THAT(robot.job(job).sentence, HasSubstr("goes back"));
   EXPECT_THAT(robot.goals, ElementsAre("lab", ""));
   robot.navigation.state = Drive::kArrived;
   robot.run(12.0);
   EXPECT_THAT(robot.goals, ElementsAre("lab", "", "lab")) << "it leads on, and sees whether he comes";
-  robot.moment.driven = 0.08;
   robot.moment.behind = 1.0;
+  lead(4.0);
   robot.arrive();
   robot.run(1.0);
   EXPECT_EQ(robot.job(job).state, JobState::kDone);

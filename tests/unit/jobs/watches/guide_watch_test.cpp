@@ -40,6 +40,26 @@ TEST(GuideWatch, TakesAWallThatFallsBackForNobody) {
   EXPECT_LT(walk.x, 2.4);
 }
 
+TEST(GuideWatch, TakesAWallBesideItsWayForNobody) {
+  Walk walk;
+  walk.walk(10.0, [](double) { return 1.0; });
+  GuideWatch& guide = walk.guide;
+  // round a corner: what is straight behind it now it has not driven through
+  GuideWatch::Advice last = Advice::kNone;
+  double y = 0.0;
+  for (int i = 0; i < 50 && last == Advice::kNone; ++i) {
+    y += 0.08;
+    last = guide.update({0.2, 0.08, y + 0.8, Pose2{walk.x, y, 0.5 * kPi}, false});
+  }
+  EXPECT_EQ(last, Advice::kWait);
+}
+
+TEST(GuideWatch, SeesAtOnceWhoStandsBehindItWhenItStops) {
+  Walk walk;
+  ASSERT_EQ(walk.walk(20.0, [](double) { return -1.0; }), Advice::kWait);
+  EXPECT_EQ(walk.walk(1.0, [](double) { return 0.5; }), Advice::kLeadOn);
+}
+
 TEST(GuideWatch, WaitsForWhoFellBackAndLeadsOnWhenHeComesNear) {
   Walk walk;
   walk.walk(10.0, [](double) { return 1.0; });
