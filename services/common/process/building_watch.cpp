@@ -31,10 +31,20 @@ FileSum sum_of_map(const std::string& map_file) {
 }
 
 BuildingWatch::BuildingWatch(std::filesystem::path file) : file_(std::move(file)) {
-  const std::string text = read_whole_file(file_);
   building_ = read_building(file_);
   map_sum_ = sum_of_map(building_.map_file);
-  sum_ = FileSum(map_sum_).add(text).value();
+  sum_ = sum_of_file();
+  building_ = read_building(file_);  // newer than its sum at worst: then it is taken over once more
+}
+
+// Anybody may say a sum, as often as he likes: only a file that was written anew is read.
+std::int64_t BuildingWatch::sum_of_file() {
+  const auto written = std::filesystem::last_write_time(file_);
+  if (written != written_) {
+    sum_of_file_ = FileSum(map_sum_).add(read_whole_file(file_)).value();
+    written_ = written;
+  }
+  return sum_of_file_;
 }
 
 bool BuildingWatch::take_over(std::int64_t heard) {
@@ -47,13 +57,12 @@ bool BuildingWatch::take_over() {
 
 bool BuildingWatch::take_over(const std::optional<std::int64_t>& heard) {
   try {
-    const std::string text = read_whole_file(file_);
-    const std::int64_t sum = FileSum(map_sum_).add(text).value();
+    const std::int64_t sum = sum_of_file();
     if (sum == sum_ || (heard && sum != *heard)) {
       return false;
     }
     Building building = read_building(file_);
-    if (!differ_in_zones_and_places_alone(building, building_) || read_whole_file(file_) != text) {
+    if (!differ_in_zones_and_places_alone(building, building_) || sum_of_file() != sum) {
       return false;
     }
     building_ = std::move(building);

@@ -41,8 +41,11 @@ class BuildingWatch {
 
  private:
   bool take_over(const std::optional<std::int64_t>& heard);
+  [[nodiscard]] std::int64_t sum_of_file();
 
   std::filesystem::path file_;
+  std::filesystem::file_time_type written_;
+  std::int64_t sum_of_file_ = 0;  // as it was written then
   FileSum map_sum_;
   Building building_;
   std::int64_t sum_ = 0;
