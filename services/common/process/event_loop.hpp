@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "services/common/configuration/building_watch.hpp"
 #include "services/common/network/lcm_network.hpp"
-#include "services/common/process/building_watch.hpp"
 #include "services/common/process/role_watch.hpp"
 #include "services/common/process/running_system.hpp"
 #include "services/common/process/subscriber.hpp"

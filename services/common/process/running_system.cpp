@@ -7,10 +7,10 @@
 #include <system_error>
 
 #include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/building_watch.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/configuration/shipped_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
-#include "services/common/process/building_watch.hpp"
 
 namespace luminav {
 namespace {

@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "services/common/configuration/whole_file.hpp"
-#include "services/common/process/building_watch.hpp"
+#include "services/common/configuration/building_watch.hpp"
 
 namespace luminav {
 

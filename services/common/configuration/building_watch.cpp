@@ -1,4 +1,4 @@
-#include "services/common/process/building_watch.hpp"
+#include "services/common/configuration/building_watch.hpp"
 
 #include <exception>
 #include <utility>
