@@ -13,6 +13,7 @@ using Eigen::Vector2d;
 constexpr double kGap = 1.0;         // [m] to the robot's middle, behind it
 constexpr double kCrumb = 0.1;       // [m] between the points of a way
 constexpr double kInTheWay = 1.5;    // [m] nearer to the robot's middle and before it he steps aside
+constexpr double kLane = 0.7;        // [m] to each side of the robot's middle
 constexpr double kAside = 0.8;       // [m/s]
 constexpr double kOutOfSight = 6.0;  // [m]
 
@@ -22,10 +23,15 @@ void Visitor::step(double dt, const Pose2& world_from_robot, const IsFree& is_fr
   if (!follows()) {
     return;
   }
-  watch(world_from_robot.position());
+  const Vector2d robot = world_from_robot.position();
+  if (trail_.empty() || (robot - trail_.back()).norm() > kCrumb) {
+    trail_.push_back(robot);
+  }
   if (followed_ < habit_.stops_after || (!habit_.leaves && stood_ >= habit_.stops_for)) {
-    if (!step_aside(dt, world_from_robot, is_free)) {
-      follow(dt, is_free);
+    if (step_aside(dt, world_from_robot, is_free)) {
+      trail_.assign(1, robot);  // it leads from here
+    } else {
+      follow(dt, robot, is_free);
     }
   } else if (habit_.leaves) {
     walk_back(dt);
@@ -35,43 +41,38 @@ void Visitor::step(double dt, const Pose2& world_from_robot, const IsFree& is_fr
   }
 }
 
-void Visitor::watch(const Vector2d& robot) {
-  if ((robot - position_).norm() < kGap) {
-    trail_.assign(1, robot);
-  } else if (trail_.empty() || (robot - trail_.back()).norm() > kCrumb) {
-    trail_.push_back(robot);
-  }
-}
-
 bool Visitor::step_aside(double dt, const Pose2& world_from_robot, const IsFree& is_free) {
   const Vector2d seen = world_from_robot.inverse() * position_;
   if (seen.x() < 0.0 || seen.norm() > kInTheWay) {
     return false;
   }
-  // across its way on his own side, else before it; in a corner he can only stand
-  const double side = seen.y() >= 0.0 ? 0.5 * kPi : -0.5 * kPi;
-  for (const double turn : {side, 0.5 * side, 0.0}) {
-    const double direction = world_from_robot.theta + turn;
-    const Vector2d next = position_ + kAside * dt * Vector2d(std::cos(direction), std::sin(direction));
-    if (is_free(next)) {
-      position_ = next;
-      return true;
-    }
+  if (std::abs(seen.y()) < kLane) {  // across its way on his own side, else before it; in a corner he can only stand
+    const double side = seen.y() >= 0.0 ? 0.5 * kPi : -0.5 * kPi;
+    walk(kAside * dt, world_from_robot.theta, {side, 0.5 * side, 0.0}, is_free);
   }
   return true;
 }
 
-void Visitor::follow(double dt, const IsFree& is_free) {
-  if (trail_.size() < 2) {
+double Visitor::walk(double step, double direction, std::initializer_list<double> turns, const IsFree& is_free) {
+  for (const double turn : turns) {
+    const Vector2d next = position_ + step * Vector2d(std::cos(direction + turn), std::sin(direction + turn));
+    if (is_free(next)) {
+      position_ = next;
+      return step;
+    }
+  }
+  return 0.0;
+}
+
+void Visitor::follow(double dt, const Vector2d& robot, const IsFree& is_free) {
+  if ((trail_.front() - robot).norm() < kGap) {
     return;  // near enough
   }
   const Vector2d offset = trail_.front() - position_;
-  const Vector2d step = offset.normalized() * std::min(habit_.speed * dt, offset.norm());
-  if (is_free(position_ + step)) {
-    position_ += step;
-    followed_ += step.norm();
-  }
-  if (offset.norm() < kCrumb) {
+  const double step = std::min(habit_.speed * dt, offset.norm());
+  followed_ +=
+      walk(step, std::atan2(offset.y(), offset.x()), {0.0, 0.25 * kPi, -0.25 * kPi, 0.5 * kPi, -0.5 * kPi}, is_free);
+  if (offset.norm() < kCrumb && trail_.size() > 1) {
     trail_.pop_front();
   }
   if (walked_.empty() || (position_ - walked_.back()).norm() > kCrumb) {

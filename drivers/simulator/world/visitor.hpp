@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <deque>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <vector>
 
@@ -35,9 +36,10 @@ class Visitor {
  private:
   using IsFree = std::function<bool(const Eigen::Vector2d&)>;
 
-  void watch(const Eigen::Vector2d& robot);
   bool step_aside(double dt, const Pose2& world_from_robot, const IsFree& is_free);
-  void follow(double dt, const IsFree& is_free);
+  /// In the first of the directions [rad] that is free; returns how far [m].
+  double walk(double step, double direction, std::initializer_list<double> turns, const IsFree& is_free);
+  void follow(double dt, const Eigen::Vector2d& robot, const IsFree& is_free);
   void walk_back(double dt);
 
   VisitorHabit habit_;

@@ -71,18 +71,28 @@ class Tracer {
     const pose_t& p = *judge_.pose();
     fmt::print(
         "{:6.1f} true ({:6.2f} {:6.2f} {:6.1f}) v {:5.2f} w {:6.1f} clear {:4.2f} c {} | {} err {:5.2f} {:5.1f} [{}] | "
-        "nav {} {} | ctl {} {}{}\n",
+        "nav {} {} | ctl {} {}{}{}\n",
         judge_.elapsed(), t.x, t.y, degrees(t.theta), t.linear, degrees(t.angular), t.clearance, t.contacts,
         int{p.state}, judge_.position_error(), degrees(judge_.heading_error()), p.reason,
         judge_.navigation() ? int{judge_.navigation()->state} : -1,
         judge_.navigation() ? judge_.navigation()->cause : "", control_ ? int{control_->state} : -1,
-        control_ ? control_->reason : "", job_);
+        control_ ? control_->reason : "", people_text(t), job_);
   }
 
  private:
   void on_control(const control_status_t& status) { control_ = status; }
   void on_jobs(const job_status_t& status) {
     job_ = status.jobs.empty() ? "" : fmt::format(" | job {} {}", status.jobs[0].id, status.jobs[0].sentence);
+  }
+  /// Where they are, robot frame.
+  static std::string people_text(const sim_truth_t& truth) {
+    std::string text;
+    for (std::size_t i = 0; i < truth.person_x.size(); ++i) {
+      const Eigen::Vector2d seen =
+          Pose2{truth.x, truth.y, truth.theta}.inverse() * Eigen::Vector2d(truth.person_x[i], truth.person_y[i]);
+      text += fmt::format(" | person ({:.1f} {:.1f})", seen.x(), seen.y());
+    }
+    return text;
   }
   const RunJudge& judge_;
   Subscriber subscriber_;
