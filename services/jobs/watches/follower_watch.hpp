@@ -18,7 +18,7 @@ class FollowerWatch {
  public:
   explicit FollowerWatch(const FollowerParams& params) : params_(params) {}
 
-  /// Somebody stands near it and is about to follow.
+  /// Somebody stands near it, before it perhaps, and is about to follow.
   void begin() { *this = FollowerWatch(params_); }
 
   /// `range` [m] of the nearest echo behind, nothing = none; `driven` [m] forward since the last time. Without a pose
@@ -45,6 +45,7 @@ class FollowerWatch {
   static constexpr double kCrumb = 0.1;   // [m] between two points of its way
   static constexpr double kBeside = 0.3;  // [m] that an echo may be off its way
   static constexpr double kMoment = 0.3;  // [m]
+  static constexpr double kPassed = 1.0;  // [m] until who stands before it is behind it
   static constexpr std::size_t kCrumbs = 40;
 
   void remember(const Eigen::Vector2d& point) {
@@ -66,7 +67,7 @@ class FollowerWatch {
 
   FollowerParams params_;
   std::deque<Eigen::Vector2d> trail_;  // [m] world, where the robot was
-  double unseen_ = 0.0;                // [m] driven since he was seen last
+  double unseen_ = -kPassed;           // [m] driven since he was seen last
 };
 
 }  // namespace luminav
