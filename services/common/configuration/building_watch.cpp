@@ -39,7 +39,7 @@ BuildingWatch::BuildingWatch(std::filesystem::path file) : file_(std::move(file)
 
 // Anybody may say a sum, as often as he likes: only a file that was written anew is read.
 std::int64_t BuildingWatch::sum_of_file() {
-  const auto written = std::filesystem::last_write_time(file_);
+  const std::pair written(std::filesystem::last_write_time(file_), std::filesystem::file_size(file_));
   if (written != written_) {
     sum_of_file_ = FileSum(map_sum_).add(read_whole_file(file_)).value();
     written_ = written;
@@ -52,6 +52,7 @@ bool BuildingWatch::take_over(std::int64_t heard) {
 }
 
 bool BuildingWatch::take_over() {
+  written_ = {};  // it may be of the same tick
   return take_over(std::optional<std::int64_t>());
 }
 

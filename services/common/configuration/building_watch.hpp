@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "services/common/building/building.hpp"
 
@@ -44,8 +45,8 @@ class BuildingWatch {
   [[nodiscard]] std::int64_t sum_of_file();
 
   std::filesystem::path file_;
-  std::filesystem::file_time_type written_;
-  std::int64_t sum_of_file_ = 0;  // as it was written then
+  std::pair<std::filesystem::file_time_type, std::uintmax_t> written_{};  // when it was read last, and its size
+  std::int64_t sum_of_file_ = 0;                                          // of what it said then
   FileSum map_sum_;
   Building building_;
   std::int64_t sum_ = 0;

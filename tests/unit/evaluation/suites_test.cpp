@@ -129,7 +129,7 @@ TEST(Suites, AnUnknownOneNamesThoseThereAre) {
     FAIL();
   } catch (const ConfigurationError& error) {
     EXPECT_THAT(error.what(),
-                testing::HasSubstr("endurance, missions, zones, worlds, scale, drawn, mishaps, paper, all"));
+                testing::HasSubstr("endurance, missions, zones, jobs, worlds, scale, drawn, mishaps, paper, all"));
   }
 }
 
