@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <luminav/control_status_t.hpp>
+#include <memory>
 #include <optional>
 #include <set>
 
@@ -205,10 +206,7 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
   Mission mission(robot.lcm(), scenario, options.patrol);
   const RunLog log(robot.lcm());
   const Tracer tracer(robot.lcm(), judge);
-  std::optional<JobsRun> jobs;
-  if (scenario.jobs.count > 0) {
-    jobs.emplace(robot, scenario);
-  }
+  const std::unique_ptr<JobsRun> jobs = scenario.jobs.count > 0 ? std::make_unique<JobsRun>(robot, scenario) : nullptr;
   std::set<std::size_t> killed;
   const std::int64_t first = robot.utime();
   double last = thread_seconds();
