@@ -267,7 +267,7 @@ std::string Create2Node::reason(std::int64_t now) const {
   if (!held_because_.empty()) {
     return held_because_;
   }
-  if (const std::string hazard = hazards_.reason(); !hazard.empty()) {
+  if (std::string hazard = hazards_.reason(); !hazard.empty()) {
     return hazard;
   }
   if (last_.overcurrent_left || last_.overcurrent_right) {

@@ -65,7 +65,7 @@ std::string write(const std::filesystem::path& file, const std::string& line) {
 
 }  // namespace
 
-StopLatch::StopLatch(std::filesystem::path folder) {
+StopLatch::StopLatch(const std::filesystem::path& folder) {
   if (!folder.empty()) {
     file_ = folder / "stop";
     requests_ = read_kept(file_);

@@ -14,7 +14,7 @@ namespace luminav {
 class StopLatch {
  public:
   /// Reads the state from `folder`/stop; "" = none is kept.
-  explicit StopLatch(std::filesystem::path folder = {});
+  explicit StopLatch(const std::filesystem::path& folder = {});
 
   /// True when the request changed the state. Touches no disk: a stop must not wait for one.
   bool request(std::int64_t id, bool engaged, const std::string& sender);
