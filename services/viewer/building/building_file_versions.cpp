@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "services/common/configuration/whole_file.hpp"
 #include "services/common/configuration/building_watch.hpp"
+#include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 
