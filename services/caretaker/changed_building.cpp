@@ -1,13 +1,12 @@
 #include "services/caretaker/changed_building.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ctime>
 
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/configuration_error.hpp"
+#include "services/common/configuration/file_versions.hpp"
 #include "services/common/configuration/toml_lines.hpp"
 #include "services/common/configuration/whole_file.hpp"
 
@@ -81,27 +80,12 @@ std::string with_changes(const std::filesystem::path& file, const std::vector<Ce
 
 std::filesystem::path change_building(const std::filesystem::path& file, const std::vector<CeilingChange>& changes,
                                       std::int64_t utime) {
+  const FileVersions versions(file);
+  const FileVersions::Lock lock(file);
   const std::string text = with_changes(file, changes);
-  const std::string before = read_whole_file(file);
-  const std::filesystem::path draft = file.parent_path() / ("." + file.filename().string() + ".draft");
-  write_whole_file(draft, text);
-  try {
-    read_building(draft);
-  } catch (...) {
-    std::error_code error;
-    std::filesystem::remove(draft, error);
-    throw;
-  }
-  std::error_code error;
-  std::filesystem::remove(draft, error);
-  const std::string date = fmt::format("{:%Y-%m-%d-%H%M%S}", fmt::gmtime(static_cast<std::time_t>(utime / 1'000'000)));
-  std::filesystem::path kept = file.parent_path() / (file.stem().string() + "-before-" + date + ".toml");
-  for (int i = 2; std::filesystem::exists(kept); ++i) {
-    kept = file.parent_path() / fmt::format("{}-before-{}-{}.toml", file.stem().string(), date, i);
-  }
-  write_whole_file(kept, before);
-  write_whole_file(file, text);
-  return kept;
+  const FileVersions::Draft draft(file, text);
+  read_building(draft.file());
+  return versions.replace(text, utime);
 }
 
 }  // namespace luminav

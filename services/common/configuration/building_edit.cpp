@@ -5,28 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
 #include <utility>
 #include <vector>
 
 #include "services/common/configuration/configuration_error.hpp"
+#include "services/common/configuration/toml_lines.hpp"
 
 namespace luminav {
 namespace {
 
-using Lines = std::vector<std::string>;
-
 constexpr double kSame = 6e-4;  // a file has three or four digits
-
-std::string trimmed(const std::string& line) {
-  const std::size_t first = line.find_first_not_of(" \t");
-  return first == std::string::npos ? "" : line.substr(first);
-}
-
-bool sets_key(const std::string& line, const std::string& key) {
-  const std::string text = trimmed(line);
-  return text.starts_with(key) && trimmed(text.substr(key.size())).starts_with('=');
-}
 
 /// As a TOML basic string.
 std::string quoted(const std::string& text) {
@@ -38,65 +26,17 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
-/// The lines of one table: behind its header, up to the last one before the next header that is a key's.
-class TableLines {
+/// One table of a file, by the line of its header.
+class EditedTable {
  public:
-  TableLines(Lines& lines, std::size_t header) : lines_(lines), begin_(header + 1) {
-    const auto next = std::find_if(lines.begin() + static_cast<std::ptrdiff_t>(begin_), lines.end(),
-                                   [](const std::string& line) { return trimmed(line).starts_with("[["); });
-    end_ = static_cast<std::size_t>(next - lines.begin());
-    while (end_ > begin_ && (trimmed(lines[end_ - 1]).empty() || trimmed(lines[end_ - 1]).starts_with('#'))) {
-      --end_;
-    }
-  }
+  EditedTable(TomlLines& lines, std::size_t header) : lines_(lines), header_(header) {}
 
-  void set(const std::string& key, const std::string& value) {
-    const auto [first, last] = find(key);
-    const std::string line = key + " = " + value;
-    if (first == last) {
-      lines_.insert(at(end_), line);
-      ++end_;
-      return;
-    }
-    const std::size_t comment = first + 1 == last ? lines_[first].rfind("  #") : std::string::npos;
-    const std::string kept = comment == std::string::npos ? "" : lines_[first].substr(comment);
-    erase(first, last);
-    lines_.insert(at(first), line + kept);
-    ++end_;
-  }
-  void erase(const std::string& key) {
-    const auto [first, last] = find(key);
-    erase(first, last);
-  }
-  /// The table itself.
-  void erase() { lines_.erase(at(begin_ - 1), at(end_)); }
+  void set(const std::string& key, const std::string& value) { lines_.set_key(lines_.table_at(header_), key, value); }
+  void erase(const std::string& key) { lines_.erase_key(lines_.table_at(header_), key); }
 
  private:
-  [[nodiscard]] Lines::iterator at(std::size_t i) const { return lines_.begin() + static_cast<std::ptrdiff_t>(i); }
-  void erase(std::size_t first, std::size_t last) {
-    lines_.erase(at(first), at(last));
-    end_ -= last - first;
-  }
-  /// Lines of a key's value, which may be a list on several; an empty range where it is not set.
-  [[nodiscard]] std::pair<std::size_t, std::size_t> find(const std::string& key) const {
-    std::size_t first = begin_;
-    while (first < end_ && !sets_key(lines_[first], key)) {
-      ++first;
-    }
-    int open = 0;
-    for (std::size_t last = first; last < end_; ++last) {
-      const std::string code = lines_[last].substr(0, lines_[last].find('#'));
-      open += static_cast<int>(std::count(code.begin(), code.end(), '[') - std::count(code.begin(), code.end(), ']'));
-      if (open <= 0) {
-        return {first, last + 1};
-      }
-    }
-    return {first, end_};
-  }
-
-  Lines& lines_;
-  std::size_t begin_;
-  std::size_t end_ = 0;
+  TomlLines& lines_;
+  std::size_t header_;
 };
 
 template <typename Item>
@@ -193,7 +133,7 @@ bool are_same(const std::vector<Item>& a, const std::vector<Item>& b) {
                     [](const Item& one, const Item& other) { return is_same(one, other); });
 }
 
-void write(const Zone& zone, const Zone* old, TableLines& table) {
+void write(const Zone& zone, const Zone* old, EditedTable table) {
   table.set("name", quoted(zone.name));
   table.set("kind", quoted(name_of(zone.kind)));
   if (old == nullptr || !is_same(old->polygon, zone.polygon)) {  // else it stays as somebody has laid it out
@@ -211,7 +151,7 @@ void write(const Zone& zone, const Zone* old, TableLines& table) {
   }
 }
 
-void write(const Place& place, const Place* /*old*/, TableLines& table) {
+void write(const Place& place, const Place* /*old*/, EditedTable table) {
   table.set("name", quoted(place.name));
   table.set("x", fmt::format("{:.3f}", place.pose.x));
   table.set("y", fmt::format("{:.3f}", place.pose.y));
@@ -222,32 +162,27 @@ void write(const Place& place, const Place* /*old*/, TableLines& table) {
   }
 }
 
-/// The table whose header is on a line of the file, counted from 1.
-TableLines table_at(Lines& lines, int line, const std::string& header) {
-  const auto at = static_cast<std::size_t>(line - 1);
-  if (line < 1 || at >= lines.size() || !trimmed(lines[at]).starts_with(header)) {
-    throw ConfigurationError(
-        fmt::format("line {} of the file is not a table of its own, must begin with {}", line, header));
-  }
-  return {lines, at};
-}
-
 template <typename Item>
-void edit_table(Lines& lines, const std::string& what, const std::vector<Item>& items,
+void edit_table(TomlLines& lines, const std::string& what, const std::vector<Item>& items,
                 const std::vector<int>& item_lines, const std::string& name, const Item* item) {
   const std::string header = "[[" + what + "]]";
   const std::optional<std::size_t> old = place_of(what.c_str(), items, name);
   if (!old) {
-    lines.insert(lines.end(), {"", header});
-    TableLines table(lines, lines.size() - 1);
-    write(*item, nullptr, table);
+    lines.append("");
+    lines.append(header);
+    write(*item, nullptr, EditedTable(lines, lines.size() - 1));
     return;
   }
-  TableLines table = table_at(lines, item_lines[*old], header);
+  const int line = item_lines[*old];  // counted from 1
+  const auto at = static_cast<std::size_t>(std::max(1, line)) - 1;
+  if (at >= lines.size() || !lines.is_header(at)) {
+    throw ConfigurationError(
+        fmt::format("line {} of the file is not a table of its own, must begin with {}", line, header));
+  }
   if (item != nullptr) {
-    write(*item, &items[*old], table);
+    write(*item, &items[*old], EditedTable(lines, at));
   } else {
-    table.erase();
+    lines.erase(lines.table_at(at));
   }
 }
 
@@ -273,11 +208,7 @@ Building with_edit(const Building& building, const BuildingEdit& edit) {
 }
 
 std::string with_edit(const std::string& toml, const BuildingSource& source, const BuildingEdit& edit) {
-  Lines lines;
-  std::istringstream in(toml);
-  for (std::string line; std::getline(in, line);) {
-    lines.push_back(line);
-  }
+  TomlLines lines(toml);
   const Building& building = source.building;
   const bool is_removal = edit.kind == BuildingEdit::Kind::kRemoveZone || edit.kind == BuildingEdit::Kind::kRemovePlace;
   if (is_removal && edit.name.empty()) {
@@ -288,11 +219,7 @@ std::string with_edit(const std::string& toml, const BuildingSource& source, con
   } else {
     edit_table(lines, "place", building.places, source.place_lines, edit.name, is_removal ? nullptr : &edit.place);
   }
-  std::string text;
-  for (const std::string& line : lines) {
-    text += line + "\n";
-  }
-  return text;
+  return lines.text();
 }
 
 bool differ_in_zones_and_places_alone(const Building& a, const Building& b) {

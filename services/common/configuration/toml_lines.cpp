@@ -17,6 +17,32 @@ bool says_nothing(const std::string& line) {
   return text.empty() || text.front() == '#';
 }
 
+/// What a line says outside of its strings, and where its comment begins.
+struct CodeOfLine {
+  std::string text{};
+  std::size_t comment = std::string::npos;
+};
+
+CodeOfLine code_of(const std::string& line) {
+  CodeOfLine code;
+  char quote = '\0';  // of the string that it is in
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quote != '\0') {
+      i += quote == '"' && c == '\\' ? 1 : 0;
+      quote = c == quote ? '\0' : quote;
+    } else if (c == '#') {
+      code.comment = i;
+      break;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else {
+      code.text += c;
+    }
+  }
+  return code;
+}
+
 /// The table whose header this line is, as `[ camera . lens ] # comment` of camera.lens; "" for any other line.
 std::string table_of(const std::string& line) {
   const std::string text = trimmed(line);
@@ -68,30 +94,35 @@ TomlLines::Table TomlLines::find_table(const std::string& name) const {
   return header == lines_.end() ? Table{begin, begin} : table_at(begin);
 }
 
-std::size_t TomlLines::end_of_value(std::size_t line, std::size_t end) const {
-  int open = 0;
-  for (; line < end; ++line) {
-    const std::string code = lines_[line].substr(0, lines_[line].find('#'));
+TomlLines::Table TomlLines::find_key(Table table, const std::string& key) const {
+  std::size_t first = table.begin + 1;
+  while (first < table.end && !sets_key(lines_[first], key)) {
+    ++first;
+  }
+  int open = 0;  // brackets of a list, which may take several lines
+  for (std::size_t last = first; last < table.end; ++last) {
+    const std::string code = code_of(lines_[last]).text;
     open += static_cast<int>(std::count(code.begin(), code.end(), '[') - std::count(code.begin(), code.end(), ']'));
     if (open <= 0) {
-      return line + 1;
+      return {first, last + 1};
     }
   }
-  return end;
+  return {first, table.end};
 }
 
 void TomlLines::set_key(Table table, const std::string& key, const std::string& value) {
-  const auto at = [this](std::size_t line) { return lines_.begin() + static_cast<std::ptrdiff_t>(line); };
-  const auto old =
-      std::find_if(at(table.begin + 1), at(table.end), [&](const std::string& line) { return sets_key(line, key); });
-  if (old == at(table.end)) {
-    lines_.insert(old, key + " = " + value);
-    return;
+  const Table old = find_key(table, key);
+  std::string line = key + " = " + value;
+  if (old.end == old.begin + 1 && code_of(value).comment == std::string::npos) {
+    const std::size_t comment = code_of(lines_[old.begin]).comment;
+    line += comment == std::string::npos ? "" : "  " + lines_[old.begin].substr(comment);
   }
-  const std::size_t comment = value.find('#') == std::string::npos ? old->find('#') : std::string::npos;
-  const std::string line = key + " = " + value + (comment == std::string::npos ? "" : "  " + old->substr(comment));
-  const std::size_t first = static_cast<std::size_t>(old - lines_.begin());
-  lines_.insert(lines_.erase(old, at(end_of_value(first, table.end))), line);
+  erase(old);
+  lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(old.begin), line);
+}
+
+void TomlLines::erase_key(Table table, const std::string& key) {
+  erase(find_key(table, key));
 }
 
 void TomlLines::erase(Table table) {

@@ -24,9 +24,10 @@ class TomlLines {
   /// The table `[name]`; its begin is size() where there is none.
   [[nodiscard]] Table find_table(const std::string& name) const;
 
-  /// Sets a key in its old place, whose comment stays unless the value brings one, or at the table's end. `value` is
-  /// the text after the equals sign.
+  /// Sets a key in its old place, or at the table's end. `value` is the text after the equals sign; the comment of the
+  /// old line stays unless the value brings one, or took several lines.
   void set_key(Table table, const std::string& key, const std::string& value);
+  void erase_key(Table table, const std::string& key);
   /// Removes a table, what its lines say included.
   void erase(Table table);
   void append(const std::string& line) { lines_.push_back(line); }
@@ -34,7 +35,8 @@ class TomlLines {
   [[nodiscard]] std::string text() const;
 
  private:
-  [[nodiscard]] std::size_t end_of_value(std::size_t line, std::size_t end) const;
+  /// Where a key is set, its value's lines; an empty range at the table's end where it is not.
+  [[nodiscard]] Table find_key(Table table, const std::string& key) const;
 
   std::vector<std::string> lines_;
 };

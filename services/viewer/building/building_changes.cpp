@@ -102,7 +102,7 @@ std::optional<Building> BuildingChanges::read() const {
 
 BuildingOutcome BuildingChanges::carry_out(const BuildingOrder& order, std::int64_t utime) const {
   try {
-    const BuildingFileVersions::Lock lock(versions_.file());
+    const FileVersions::Lock lock(versions_.file());
     const std::string text = versions_.read();
     const BuildingSource source = read_building_source(versions_.file());
     if (!differ_in_zones_and_places_alone(source.building, begun_)) {
@@ -116,7 +116,7 @@ BuildingOutcome BuildingChanges::carry_out(const BuildingOrder& order, std::int6
     }
     const Building meant = with_edit(source.building, order.edit);
     const std::string changed = with_edit(text, source, order.edit);
-    const BuildingFileVersions::Draft draft(versions_.file(), changed);
+    const FileVersions::Draft draft(versions_.file(), changed);
     const BuildingSource after = read_building_source(draft.file());
     if (!differ_in_zones_and_places_alone(after.building, meant) ||
         !are_same_zones(after.building.zones, meant.zones) || !are_same_places(after.building.places, meant.places)) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
-#include "services/viewer/building/building_file_versions.hpp"
+#include "services/common/configuration/file_versions.hpp"
 #include "services/viewer/building/building_order.hpp"
 
 namespace luminav {
@@ -33,7 +33,7 @@ class BuildingChanges {
   /// Reads the file. Throws ConfigurationError or std::runtime_error.
   explicit BuildingChanges(const std::filesystem::path& file) : versions_(file), begun_(read_building(file)) {}
 
-  [[nodiscard]] const BuildingFileVersions& versions() const { return versions_; }
+  [[nodiscard]] const FileVersions& versions() const { return versions_; }
   /// The file as it is now. Nothing while it cannot be read, or has other fixtures or another map than it began with:
   /// those are taken over by a start alone.
   [[nodiscard]] std::optional<Building> read() const;
@@ -43,7 +43,7 @@ class BuildingChanges {
  private:
   [[nodiscard]] BuildingOutcome undo(const Building& building, std::int64_t utime) const;
 
-  BuildingFileVersions versions_;
+  FileVersions versions_;
   Building begun_;
 };
 

@@ -69,7 +69,7 @@ void BuildingDesk::object(std::string why) {
 
 void BuildingDesk::read_again() {
   const std::lock_guard reading(reading_);
-  const BuildingFileVersions& versions = changes_.versions();
+  const FileVersions& versions = changes_.versions();
   std::string text;
   try {
     text = versions.read();

@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "services/common/configuration/building_file.hpp"
+#include "services/common/configuration/file_versions.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "services/viewer/building/building_changes.hpp"
-#include "services/viewer/building/building_file_versions.hpp"
 #include "services/viewer/request_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 

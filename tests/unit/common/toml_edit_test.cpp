@@ -37,6 +37,14 @@ TEST(TomlEdit, TakesARowOfAnArrayForNoHeader) {
             "[camera]\nk = []\nz = 2\n");
 }
 
+TEST(TomlLines, TakesWhatAStringHoldsForNoCommentAndNoList) {
+  TomlLines lines("[zone]\nname = \"room #3 [\"  # old\nspeed = 0.2\n");
+  lines.set_key(lines.find_table("zone"), "name", "\"room #4\"");
+  lines.erase_key(lines.find_table("zone"), "speed");
+  lines.erase_key(lines.find_table("zone"), "direction");
+  EXPECT_EQ(lines.text(), "[zone]\nname = \"room #4\"  # old\n");
+}
+
 TEST(TomlLines, ErasesATableAndNotTheCommentOfTheNext) {
   TomlLines lines("[[fixture]]\nid = 1\n\n# by the door\n[[fixture]]\nid = 2\n");
   lines.erase(lines.table_at(0));

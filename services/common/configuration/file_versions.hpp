@@ -4,30 +4,32 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace luminav {
 
 /// Names a text: two versions of a file differ in it.
 std::string version_of(std::string_view text);
 
-/// A building's file and, beside it, what it said before: building-before-2026-01-31-153000.toml.
-class BuildingFileVersions {
+/// A file that people and programs change and, beside it, what it said before: building-before-2026-01-31-153000.toml.
+class FileVersions {
  public:
-  explicit BuildingFileVersions(std::filesystem::path file) : file_(std::move(file)) {}
+  explicit FileVersions(std::filesystem::path file) : file_(std::move(file)) {}
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   /// Throws std::runtime_error when it cannot be read.
   [[nodiscard]] std::string read() const;
-  /// Keeps what it says under a name with the date of `utime` [us], and writes the text. Throws std::runtime_error;
-  /// then the file is what it was.
-  void replace(const std::string& text, std::int64_t utime) const;
+  /// Keeps what it says under a name with the date of `utime` [us], which it returns, and writes the text. Throws
+  /// std::runtime_error; then the file is what it was.
+  std::filesystem::path replace(const std::string& text, std::int64_t utime) const;
 
   /// The newest file that was kept; empty = none.
   [[nodiscard]] std::filesystem::path newest_before() const;
   /// Puts that one in the place of the file, which is kept as building-undone-DATE.toml. Throws std::runtime_error.
   void undo(std::int64_t utime) const;
 
-  /// While it lives no other viewer of this machine changes a file in the folder: they wait for each other.
+  /// While it lives no other process of this machine that asks for one changes a file in the folder: they wait for each
+  /// other.
   class Lock {
    public:
     /// Throws std::runtime_error where the folder cannot be locked.

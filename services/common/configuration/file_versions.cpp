@@ -1,4 +1,4 @@
-#include "services/viewer/building/building_file_versions.hpp"
+#include "services/common/configuration/file_versions.hpp"
 
 #include <fcntl.h>
 #include <fmt/chrono.h>
@@ -21,16 +21,18 @@ std::string version_of(std::string_view text) {
   return fmt::format("{:016x}", static_cast<std::uint64_t>(FileSum().add(text).value()));
 }
 
-std::string BuildingFileVersions::read() const {
+std::string FileVersions::read() const {
   return read_whole_file(file_);
 }
 
-void BuildingFileVersions::replace(const std::string& text, std::int64_t utime) const {
-  write_whole_file(new_name("before", utime), read());
+fs::path FileVersions::replace(const std::string& text, std::int64_t utime) const {
+  fs::path kept = new_name("before", utime);
+  write_whole_file(kept, read());
   write_whole_file(file_, text);
+  return kept;
 }
 
-fs::path BuildingFileVersions::newest_before() const {
+fs::path FileVersions::newest_before() const {
   const std::string begins = file_.stem().string() + "-before-";
   fs::path newest;
   std::error_code error;
@@ -43,7 +45,7 @@ fs::path BuildingFileVersions::newest_before() const {
   return newest;
 }
 
-void BuildingFileVersions::undo(std::int64_t utime) const {
+void FileVersions::undo(std::int64_t utime) const {
   const fs::path before = newest_before();
   const std::string text = read_whole_file(before);
   write_whole_file(new_name("undone", utime), read());
@@ -52,7 +54,7 @@ void BuildingFileVersions::undo(std::int64_t utime) const {
   fs::remove(before, error);
 }
 
-fs::path BuildingFileVersions::new_name(std::string_view word, std::int64_t utime) const {
+fs::path FileVersions::new_name(std::string_view word, std::int64_t utime) const {
   const std::string date = fmt::format("{:%Y-%m-%d-%H%M%S}", fmt::gmtime(static_cast<std::time_t>(utime / 1'000'000)));
   const std::string name = fmt::format("{}-{}-{}", file_.stem().string(), word, date);
   fs::path path = file_.parent_path() / (name + ".toml");
@@ -62,7 +64,7 @@ fs::path BuildingFileVersions::new_name(std::string_view word, std::int64_t utim
   return path;
 }
 
-BuildingFileVersions::Lock::Lock(const fs::path& file)
+FileVersions::Lock::Lock(const fs::path& file)
     : descriptor_(open(fs::absolute(file).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (descriptor_ < 0 || flock(descriptor_, LOCK_EX) != 0) {
     if (descriptor_ >= 0) {
@@ -72,16 +74,16 @@ BuildingFileVersions::Lock::Lock(const fs::path& file)
   }
 }
 
-BuildingFileVersions::Lock::~Lock() {
+FileVersions::Lock::~Lock() {
   close(descriptor_);
 }
 
-BuildingFileVersions::Draft::Draft(const fs::path& file, const std::string& text)
+FileVersions::Draft::Draft(const fs::path& file, const std::string& text)
     : file_(file.parent_path() / ("." + file.filename().string() + ".draft")) {
   write_whole_file(file_, text);
 }
 
-BuildingFileVersions::Draft::~Draft() {
+FileVersions::Draft::~Draft() {
   std::error_code error;
   fs::remove(file_, error);
 }
