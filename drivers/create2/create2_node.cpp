@@ -307,8 +307,7 @@ std::string Create2Node::describe_line() const {
     return link_.trouble();
   }
   return "connected; the robot has no watchdog: should driver and guardian both die while it drives, only an edge or "
-         "its "
-         "button stops it";
+         "its button stops it";
 }
 
 void Create2Node::shut_down() {
