@@ -275,10 +275,10 @@ CandidateChecks::Surroundings CandidateChecks::surroundings(const CeilingFrame& 
   double inside = 0.0;
   int looked = 0;
   int bright = 0;
-  const auto look_outside = [&](const Vector2d& place) {
+  const auto look_outside = [&](const Vector2d& place, bool beyond_end = false) {
     if (const auto grey = level_at(frame, camera_, candidate, pose, place)) {
       result.ring += *grey;
-      bright += *grey > candidate.level ? 1 : 0;
+      bright += *grey > candidate.level && !(beyond_end && candidate.by_edges) ? 1 : 0;
       ++result.in_view;
     }
   };
@@ -301,7 +301,7 @@ CandidateChecks::Surroundings CandidateChecks::surroundings(const CeilingFrame& 
         }
         look_outside({2.0 * half_length * t, side * (half_width + out)});
         if (i % 4 == 1) {  // ends are shorter
-          look_outside({side * (half_length + out), 2.0 * half_width * t});
+          look_outside({side * (half_length + out), 2.0 * half_width * t}, true);
         }
       }
     }
