@@ -39,6 +39,9 @@ enum class StripReading { kWhole, kDarkOnLeft, kDarkOnRight, kWholeOrHalf, kUncl
 /// louvre looks like a grid.
 StripReading read_strip(const CeilingFrame& frame, const CeilingCamera& camera, const Candidate& strip) {
   const Outline& outline = strip.hypothesis.outline;
+  if (const int side = find_darker_half(frame.image, camera, outline, strip.fit.placement, frame.pixel_noise)) {
+    return side > 0 ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
+  }
   const auto [left, right] = look_for_grid_lines(frame.image, camera, outline, strip.fit.placement, frame.pixel_noise);
   if (left == Beside::kCeiling && right == Beside::kCeiling) {
     return StripReading::kWhole;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "services/detector/sampling/pixel_sampling.hpp"
 
@@ -12,10 +13,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kDistances = 40;   // from the strip's edge to 1.7 of its width beyond
-constexpr int kPlaces = 21;      // along the strip
-constexpr double kReach = 1.7;   // widths of the strip
-constexpr double kFirst = 0.15;  // widths: nearer, bloom decides
+constexpr int kDistances = 40;          // from the strip's edge to 1.7 of its width beyond
+constexpr int kPlaces = 21;             // along the strip
+constexpr double kReach = 1.7;          // widths of the strip
+constexpr double kFirst = 0.15;         // widths: nearer, bloom decides
+constexpr double kClearlyDarker = 6.0;  // [grey]
 
 double distance_of(int i) {
   return kFirst + (kReach - kFirst) * (i + 0.5) / kDistances;
@@ -68,7 +70,36 @@ double step_at_far_edge(const std::array<double, kDistances>& level) {
   return largest;
 }
 
+/// Mean over some distances; nothing where one of them is out of view.
+std::optional<double> mean_beside(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
+                                  const OutlinePlacement& placement, int side, std::span<const double> distances) {
+  double sum = 0.0;
+  for (const double widths : distances) {
+    const auto level = level_beside(image, camera, strip, placement, side, widths);
+    if (!level) {
+      return std::nullopt;
+    }
+    sum += *level;
+  }
+  return sum / static_cast<double>(distances.size());
+}
+
 }  // namespace
+
+int find_darker_half(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
+                     const OutlinePlacement& placement, double pixel_noise) {
+  constexpr std::array kNear{0.45, 0.6, 0.75};  // [widths of the strip]
+  constexpr std::array kFar{1.2, 1.35, 1.5};
+  int found = 0;
+  for (const int side : {1, -1}) {
+    const auto near = mean_beside(image, camera, strip, placement, side, kNear);
+    const auto far = mean_beside(image, camera, strip, placement, side, kFar);
+    if (near && far && *near < *far - std::max({kClearlyDarker, 0.1 * *far, pixel_noise})) {
+      found += side;
+    }
+  }
+  return found;
+}
 
 StripSurroundings compare_strip_sides(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
                                       const OutlinePlacement& placement, double pixel_noise) {
@@ -99,12 +130,12 @@ StripSurroundings compare_strip_sides(const GreyView& image, const CeilingCamera
   }
   result.valid = true;
   mean /= static_cast<double>(count);
-  result.complete = count == kDistances;
+  const bool complete = count == kDistances;  // to beyond where a second strip would end
   // The slope of the light, from beyond a second strip where that is in view.
   constexpr double kBeyond = 1.15 + 0.5;
   std::size_t far = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    if (!result.complete || at[k] > kBeyond) {
+    if (!complete || at[k] > kBeyond) {
       slopes[far++] = difference[k] / at[k];
     }
   }
@@ -116,7 +147,7 @@ StripSurroundings compare_strip_sides(const GreyView& image, const CeilingCamera
     different += std::abs(difference[k] - slope * at[k]) > tolerance ? 1U : 0U;
   }
   result.asymmetry = static_cast<double>(different) / static_cast<double>(count);
-  if (count == kDistances) {
+  if (complete) {
     const double on_left = step_at_far_edge(left);
     const double on_right = step_at_far_edge(right);
     if (std::max(on_left, on_right) > 1.3 * std::min(on_left, on_right) + 0.5 * tolerance) {
