@@ -101,7 +101,8 @@ OutlineFit fit_of_region(const OutlineHypothesis& hypothesis, double cell) {
 }
 
 bool is_certain(const Candidate& candidate) {
-  return candidate.by_edges && candidate.is_whole() && candidate.fit.quality() > kCertain;
+  return candidate.by_edges && candidate.is_whole() && candidate.hypothesis.burning == 0 &&
+         candidate.fit.quality() > kCertain;
 }
 
 }  // namespace
@@ -295,7 +296,7 @@ bool ModernDetector::was_tried(const OutlineHypothesis& hypothesis) const {
     const Pose2& a = hypothesis.start.pose;
     const Pose2& b = other.start.pose;
     return hypothesis.kind == other.kind && hypothesis.is_element == other.is_element &&
-           hypothesis.half_width == other.half_width && (a.position() - b.position()).squaredNorm() < 0.03 * 0.03 &&
+           hypothesis.burning == other.burning && (a.position() - b.position()).squaredNorm() < 0.03 * 0.03 &&
            std::abs(wrap_axis(a.theta - b.theta)) < radians(3.0);
   });
 }

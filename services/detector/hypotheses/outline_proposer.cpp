@@ -45,8 +45,9 @@ OutlineHypothesis& OutlineProposer::add(const Target& target, const Orientation&
   const CeilingKind& kind = *target.kind;
   hypotheses_.push_back({.kind = target.index,
                          .is_element = !kind.is_fixture,
-                         .half_width = target.half_width,
-                         .outline = {kind.shape, kind.length, target.width(), kind.height},
+                         .burning = target.burning,
+                         .outline = {target.burning > 0 ? FixtureShape::kRectangle : kind.shape, kind.length,
+                                     target.width(), kind.height},
                          .start = {.pose = {centre.x(), centre.y(), wrap_axis(orientation.theta)}}});
   return hypotheses_.back();
 }
@@ -162,8 +163,8 @@ void OutlineProposer::propose_beside_glow(const Target& target, const RegionShap
 }
 
 void OutlineProposer::propose_kind(const Target& target, const RegionShape& shape, const SizeTolerance& tolerance,
-                                   bool is_bright_bar) {
-  const bool bar = target.kind->shape == FixtureShape::kRectangle;
+                                   bool bright) {
+  const bool bar = target.kind->shape == FixtureShape::kRectangle || target.burning > 0;
   const bool round = target.kind->shape == FixtureShape::kRound;
   if (target.kind->width < tolerance.min_width && (round || shape.touches_border())) {
     return;
@@ -174,15 +175,17 @@ void OutlineProposer::propose_kind(const Target& target, const RegionShape& shap
     if (bar && target.kind->is_fixture && (shape.touches_border() || tolerance.may_be_broken)) {
       propose_cut(target, shape, orientations[i], tolerance);
     }
-    if (bar && tolerance.is_white && !shape.touches_border() && !target.half_width) {
+    if (bar && tolerance.is_white && !shape.touches_border() && target.burning == 0) {
       propose_beside_glow(target, shape, orientations[i], tolerance);
     }
-    if (target.kind->is_fixture && !round && shape.touches_border() && !target.half_width) {
+    if (target.kind->is_fixture && !round && shape.touches_border() && target.burning == 0) {
       propose_from_one_side(target, shape, orientations[i], tolerance);
     }
   }
-  if (is_bright_bar && target.kind->lamps >= 2 && !target.half_width) {
-    propose_kind({target.kind, target.index, true, target.scale}, shape, tolerance, false);
+  if (bright && !round && target.burning == 0) {
+    for (int burning = 1; burning < target.kind->lamps; ++burning) {
+      propose_kind({target.kind, target.index, burning, target.scale}, shape, tolerance, bright);
+    }
   }
 }
 
@@ -194,8 +197,7 @@ const std::vector<OutlineHypothesis>& OutlineProposer::propose(const RegionShape
     for (std::size_t i = 0; i < kinds.size(); ++i) {
       const CeilingKind& kind = kinds[i];
       const double scale = (kind.height - plane_->camera_height()) / reference;
-      propose_kind({&kind, static_cast<int>(i), false, scale}, shape, tolerance,
-                   bright && kind.shape == FixtureShape::kRectangle);
+      propose_kind({&kind, static_cast<int>(i), 0, scale}, shape, tolerance, bright);
     }
   };
   propose_all(catalogue_->fixtures);

@@ -13,7 +13,7 @@ namespace luminav {
 struct OutlineHypothesis {
   int kind = 0;  // index into the catalogue's fixtures, or elements
   bool is_element = false;
-  bool half_width = false;        // one lamp's half of a fixture of two
+  int burning = 0;                // of its lamps, side by side, the outline holds; 0: it holds the fixture
   bool is_whole = false;          // the region shows all of it
   std::optional<Side> drowned{};  // long side that a glow hides, as bright as the lamp
   Outline outline;
@@ -44,17 +44,17 @@ class OutlineProposer {
   const std::vector<OutlineHypothesis>& propose(const RegionShape& shape, bool bright, const SizeTolerance& tolerance);
 
  private:
-  /// A kind, or a lamp's half of it, seen on the reference ceiling.
+  /// A kind, or what some of its lamps light, seen on the reference ceiling.
   struct Target {
     const CeilingKind* kind;
     int index;
-    bool half_width;
+    int burning;   // 0: the kind
     double scale;  // from the reference ceiling to the kind's height
 
-    [[nodiscard]] double width() const { return half_width ? 0.5 * kind->width : kind->width; }
-    [[nodiscard]] int tubes() const { return half_width ? 1 : kind->lamps; }
+    [[nodiscard]] double width() const { return burning > 0 ? kind->width * burning / kind->lamps : kind->width; }
+    [[nodiscard]] int tubes() const { return burning > 0 ? burning : kind->lamps; }
   };
-  void propose_kind(const Target& target, const RegionShape& shape, const SizeTolerance& tolerance, bool is_bright_bar);
+  void propose_kind(const Target& target, const RegionShape& shape, const SizeTolerance& tolerance, bool bright);
   void propose_whole(const Target& target, const RegionShape& shape, const RegionShape::Orientation& orientation,
                      const SizeTolerance& tolerance);
   void propose_cut(const Target& target, const RegionShape& shape, const RegionShape::Orientation& orientation,

@@ -146,7 +146,7 @@ Verdict CandidateChecks::sides(const Candidate& candidate) const {
   const double length = candidate.hypothesis.outline.length;
   const double seen = fit.visible_to - fit.visible_from;
   if (only) {
-    if (candidate.hypothesis.is_element || candidate.hypothesis.half_width || fit.sides[*only].in_view < 8 ||
+    if (candidate.hypothesis.is_element || candidate.hypothesis.burning > 0 || fit.sides[*only].in_view < 8 ||
         seen < kMinStretch * length) {
       return Verdict::kTooLittleInView;
     }

@@ -35,19 +35,24 @@ Matrix3d turned(const Matrix3d& covariance, double theta) {
 /// or something else.
 enum class StripReading { kWhole, kDarkOnLeft, kDarkOnRight, kWholeOrHalf, kUnclear };
 
+/// `dark_width` [m] of its fixture do not burn, if it is part of one.
 /// A dark half that is as bright as the ceiling covers the ceiling's grid; one that is not shows by itself, and its
 /// louvre looks like a grid.
-StripReading read_strip(const CeilingFrame& frame, const CeilingCamera& camera, const Candidate& strip) {
+StripReading read_strip(const CeilingFrame& frame, const CeilingCamera& camera, const Candidate& strip,
+                        double dark_width) {
   const Outline& outline = strip.hypothesis.outline;
-  if (const int side = find_darker_half(frame.image, camera, outline, strip.fit.placement, frame.pixel_noise)) {
+  const OutlinePlacement& placement = strip.fit.placement;
+  if (const int side = find_darker_side(frame.image, camera, outline, placement, dark_width, frame.pixel_noise)) {
     return side > 0 ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
   }
-  const auto [left, right] = look_for_grid_lines(frame.image, camera, outline, strip.fit.placement, frame.pixel_noise);
+  if (std::abs(dark_width - outline.width) > kSameWidth) {
+    return StripReading::kUnclear;
+  }
+  const auto [left, right] = look_for_grid_lines(frame.image, camera, outline, placement, frame.pixel_noise);
   if (left == Beside::kCeiling && right == Beside::kCeiling) {
     return StripReading::kWhole;
   }
-  const StripSurroundings around =
-      compare_strip_sides(frame.image, camera, outline, strip.fit.placement, frame.pixel_noise);
+  const StripSurroundings around = compare_strip_sides(frame.image, camera, outline, placement, frame.pixel_noise);
   if (around.valid && around.asymmetry > kClearlyHalf && around.side != 0) {
     return around.side > 0 ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
   }
@@ -201,6 +206,21 @@ const CeilingKind* DetectionBuilder::kind_of(const Outline& outline) const {
   return found == catalogue_.fixtures.end() ? nullptr : &*found;
 }
 
+/// A fixture of several lamps of which some may burn alone and look like this.
+const CeilingKind* DetectionBuilder::kind_of_part(const OutlineHypothesis& strip) const {
+  if (strip.burning > 0) {
+    return &catalogue_.fixtures[static_cast<std::size_t>(strip.kind)];
+  }
+  const Outline& outline = strip.outline;
+  const auto found = std::find_if(catalogue_.fixtures.begin(), catalogue_.fixtures.end(), [&](const CeilingKind& kind) {
+    return kind.shape == FixtureShape::kRectangle && kind.lamps >= 2 &&
+           std::abs(kind.length - outline.length) <= kSameLength &&
+           std::abs(kind.width - outline.width) >= kSameWidth &&
+           std::abs(0.5 * kind.width - outline.width) < kSameWidth;
+  });
+  return found == catalogue_.fixtures.end() ? nullptr : &*found;
+}
+
 bool DetectionBuilder::has_dark_half(const CeilingFrame& frame, const Candidate& candidate) const {
   constexpr double kDifference = 15.0;  // [grey] between the halves; two burning tubes both saturate
   constexpr double kAcross = 0.38;      // of the width from the middle: the burning half shines over it
@@ -229,24 +249,23 @@ bool DetectionBuilder::has_dark_half(const CeilingFrame& frame, const Candidate&
 std::optional<Detection> DetectionBuilder::resolve_strip(const CeilingFrame& frame, const Candidate& strip) const {
   const double width = strip.hypothesis.outline.width;
   const CeilingKind* single = kind_of(strip.hypothesis.outline);
-  const auto pair =  // a fixture of two lamps of which this may be one
-      std::find_if(catalogue_.fixtures.begin(), catalogue_.fixtures.end(), [&](const CeilingKind& kind) {
-        return kind.shape == FixtureShape::kRectangle && kind.lamps >= 2 &&
-               std::abs(kind.length - strip.hypothesis.outline.length) <= kSameLength &&
-               std::abs(kind.width - width) >= kSameWidth && std::abs(0.5 * kind.width - width) < kSameWidth;
-      });
+  const CeilingKind* fixture_kind = kind_of_part(strip.hypothesis);
   if (has_dark_half(frame, strip)) {
     return detection_of(strip, DetectionState::kHalf);
   }
-  if (pair == catalogue_.fixtures.end()) {
+  if (fixture_kind == nullptr) {
     return single == nullptr ? std::nullopt : std::optional(detection_of(strip, DetectionState::kLit));
   }
-  const StripReading reading = read_strip(frame, camera_, strip);
+  const StripReading reading = read_strip(frame, camera_, strip, fixture_kind->width - width);
   const int dark_side = reading == StripReading::kDarkOnLeft ? 1 : reading == StripReading::kDarkOnRight ? -1 : 0;
   if (dark_side != 0) {
+    if (fixture_kind->shape == FixtureShape::kSquare && strip.fit.ends_visible() < 2) {
+      return std::nullopt;
+    }
     Candidate fixture = strip;
-    fixture.hypothesis.outline = {FixtureShape::kRectangle, pair->length, pair->width, pair->height};
-    fixture.fit.placement.pose = strip.fit.placement.pose * Pose2{0.0, 0.5 * dark_side * width, 0.0};
+    fixture.hypothesis.outline = {fixture_kind->shape, fixture_kind->length, fixture_kind->width, fixture_kind->height};
+    fixture.fit.placement.pose =
+        strip.fit.placement.pose * Pose2{0.0, 0.5 * dark_side * (fixture_kind->width - width), 0.0};
     fixture.fit.covariance(1, 1) += kSoftMiddle * kSoftMiddle;
     return detection_of(fixture, DetectionState::kHalf);
   }

@@ -70,12 +70,13 @@ double step_at_far_edge(const std::array<double, kDistances>& level) {
   return largest;
 }
 
-/// Mean over some distances; nothing where one of them is out of view.
+/// Mean over some distances, in units [m]; nothing where one of them is out of view.
 std::optional<double> mean_beside(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
-                                  const OutlinePlacement& placement, int side, std::span<const double> distances) {
+                                  const OutlinePlacement& placement, int side, double unit,
+                                  std::span<const double> distances) {
   double sum = 0.0;
-  for (const double widths : distances) {
-    const auto level = level_beside(image, camera, strip, placement, side, widths);
+  for (const double distance : distances) {
+    const auto level = level_beside(image, camera, strip, placement, side, distance * unit / strip.width);
     if (!level) {
       return std::nullopt;
     }
@@ -86,14 +87,14 @@ std::optional<double> mean_beside(const GreyView& image, const CeilingCamera& ca
 
 }  // namespace
 
-int find_darker_half(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
-                     const OutlinePlacement& placement, double pixel_noise) {
-  constexpr std::array kNear{0.45, 0.6, 0.75};  // [widths of the strip]
+int find_darker_side(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
+                     const OutlinePlacement& placement, double dark_width, double pixel_noise) {
+  constexpr std::array kNear{0.45, 0.6, 0.75};  // of the dark width
   constexpr std::array kFar{1.2, 1.35, 1.5};
   int found = 0;
   for (const int side : {1, -1}) {
-    const auto near = mean_beside(image, camera, strip, placement, side, kNear);
-    const auto far = mean_beside(image, camera, strip, placement, side, kFar);
+    const auto near = mean_beside(image, camera, strip, placement, side, dark_width, kNear);
+    const auto far = mean_beside(image, camera, strip, placement, side, dark_width, kFar);
     if (near && far && *near < *far - std::max({kClearlyDarker, 0.1 * *far, pixel_noise})) {
       found += side;
     }

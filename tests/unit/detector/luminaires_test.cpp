@@ -40,5 +40,31 @@ TEST(Luminaires, FindNarrowUnlitOnesOnlyWhereTheyAreWholeInView) {
   }
 }
 
+TEST(Luminaires, FindEachOfARowEndToEnd) {
+  const CeilingKind lamp{.length = 1.0, .width = 0.15, .height = kHeight, .lamps = 1};
+  DrawnCeiling ceiling;
+  for (const double x : {-1.04, 0.0, 1.04}) {  // in view up to 1.08 m
+    ceiling.shapes.push_back({.pose = {x, 0.1, 0.0}, .length = 1.0, .width = 0.15});
+  }
+  ceiling.bloom = 20.0;
+  const auto detections = test::detect(ceiling, test::test_camera(), only(lamp));
+  ASSERT_EQ(detections.size(), 3U);
+  test::expect_at(detections[0], {0.0, 0.1, 0.0}, 5e-3, radians(0.2));
+}
+
+TEST(Luminaires, FindASquareOneOfWhichTwoOfThreeTubesBurn) {
+  const CeilingKind louvre{.shape = FixtureShape::kSquare, .length = 0.6, .width = 0.6, .height = kHeight, .lamps = 3};
+  DrawnCeiling ceiling;
+  DrawnShape square{.pose = {0.1, 0.05, 0.0}, .shape = FixtureShape::kSquare, .length = 0.6, .width = 0.6};
+  square.state = DetectionState::kUnlit;
+  square.darker = 70.0;
+  ceiling.shapes = {square, {.pose = {0.1, 0.15, 0.0}, .length = 0.6, .width = 0.4}};
+  const auto detections = test::detect(ceiling, test::test_camera(), only(louvre));
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_EQ(detections[0].state, DetectionState::kHalf);
+  EXPECT_EQ(detections[0].shape, DetectionShape::kSquare);
+  EXPECT_NEAR((detections[0].robot_from_fixture.position() - square.pose.position()).norm(), 0.0, 0.01);
+}
+
 }  // namespace
 }  // namespace luminav

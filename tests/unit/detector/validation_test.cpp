@@ -43,6 +43,20 @@ TEST(HalfLit, ShowsItsDarkHalfByItsBrightness) {
   EXPECT_EQ(around.side, -1);
 }
 
+TEST(HalfLit, IsDarkOnTheSideWhereItIsDarkerThanFartherOut) {
+  EXPECT_EQ(find_darker_side(half_lit(0.0, 40.0).view(), model(), kStrip, kBurningHalf, 0.15, 1.0), -1);
+  EXPECT_EQ(find_darker_side(half_lit(0.0, 0.0).view(), model(), kStrip, kBurningHalf, 0.15, 1.0), 0);
+}
+
+TEST(HalfLit, IsDarkOnTheSideInViewWhereTheImageEndsBesideTheOther) {
+  test::DrawnCeiling ceiling{.joint_depth = 20.0, .noise = 1.0};
+  const Pose2 pose{0.05, 0.66, 0.0};  // the burning half ends where the view does
+  ceiling.shapes = {{.pose = pose, .state = DetectionState::kHalf, .darker = 40.0, .slats = 30.0}};
+  const OutlinePlacement burning{.pose = {0.05, 0.735, 0.0}};
+  const GreyImage image = test::draw_ceiling(ceiling, test::test_camera(), kHeight);
+  EXPECT_EQ(find_darker_side(image.view(), model(), kStrip, burning, 0.15, 1.0), -1);
+}
+
 TEST(HalfLit, ShowsADarkHalfAsBrightAsTheCeilingByTheGridThatItCovers) {
   const auto [left, right] = look_for_grid_lines(half_lit(20.0, 0.0).view(), model(), kStrip, kBurningHalf, 1.0);
   EXPECT_EQ(left, Beside::kCeiling);
