@@ -69,7 +69,7 @@ void OutlineProposer::propose_whole(const Target& target, const RegionShape& sha
   const double area = round && tolerance.bloom <= 0.0 ? shape.hull_area() : shape.area();  // unlit, a lamp in a ring
   const double of_rectangle = round ? 0.25 * kPi : 1.0;
   const double fill = target.scale * target.scale * area / (seen_length * seen_width * of_rectangle);
-  if (fill < kMinFill) {
+  if (fill < (shape.touches_border() ? kMinFillOfPart : kMinFill)) {
     return;
   }
   OutlineHypothesis& hypothesis = add(target, orientation, e.middle_along(), e.middle_across());
@@ -170,8 +170,10 @@ void OutlineProposer::propose_kind(const Target& target, const RegionShape& shap
     return;
   }
   const std::vector<Orientation>& orientations = shape.orientations();
-  for (std::size_t i = 0; i < orientations.size(); i += bar ? 1 : 2) {  // others look the same at right angles
-    propose_whole(target, shape, orientations[i], tolerance);
+  for (std::size_t i = 0; i < orientations.size(); ++i) {
+    if (bar || i % 2 == 0) {  // others look the same at right angles
+      propose_whole(target, shape, orientations[i], tolerance);
+    }
     if (bar && target.kind->is_fixture && (shape.touches_border() || tolerance.may_be_broken)) {
       propose_cut(target, shape, orientations[i], tolerance);
     }
