@@ -93,9 +93,11 @@ std::optional<Detection> DetectionBuilder::build(const CeilingFrame& frame, cons
   if (!candidate.bright) {
     return detection_of(candidate, DetectionState::kUnlit);
   }
-  return candidate.hypothesis.outline.shape == FixtureShape::kRectangle
-             ? resolve_strip(frame, candidate)
-             : std::optional(detection_of(candidate, DetectionState::kLit));
+  if (candidate.hypothesis.outline.shape == FixtureShape::kRectangle) {
+    return resolve_strip(frame, candidate);
+  }
+  return ends_at_dark_lamps(frame, candidate) ? std::nullopt
+                                              : std::optional(detection_of(candidate, DetectionState::kLit));
 }
 
 DetectionBuilder::Extent DetectionBuilder::lengths_of(const Candidate& candidate, double seen) const {
@@ -204,6 +206,18 @@ const CeilingKind* DetectionBuilder::kind_of(const Outline& outline) const {
            std::abs(kind.width - outline.width) < kSameWidth;
   });
   return found == catalogue_.fixtures.end() ? nullptr : &*found;
+}
+
+/// True when a side of it is where the burning lamps of a larger fixture end: what the border cuts may be these alone.
+bool DetectionBuilder::ends_at_dark_lamps(const CeilingFrame& frame, const Candidate& square) const {
+  const CeilingKind& kind = catalogue_.fixtures[static_cast<std::size_t>(square.hypothesis.kind)];
+  for (int dark = 1; dark < kind.lamps; ++dark) {
+    if (find_darker_side(frame.image, camera_, square.hypothesis.outline, square.fit.placement,
+                         kind.width * dark / kind.lamps, frame.pixel_noise) != 0) {
+      return true;
+    }
+  }
+  return false;
 }
 
 /// A fixture of several lamps of which some may burn alone and look like this.

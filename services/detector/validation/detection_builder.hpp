@@ -30,6 +30,7 @@ class DetectionBuilder {
   [[nodiscard]] bool has_dark_half(const CeilingFrame& frame, const Candidate& candidate) const;
   /// The kind of fixture that looks like this outline when it is whole; a null pointer when there is none.
   [[nodiscard]] const CeilingKind* kind_of(const Outline& outline) const;
+  [[nodiscard]] bool ends_at_dark_lamps(const CeilingFrame& frame, const Candidate& square) const;
   [[nodiscard]] const CeilingKind* kind_of_part(const OutlineHypothesis& strip) const;
   /// Lengths of the kinds that a piece of this width may belong to.
   [[nodiscard]] Extent lengths_of(const Candidate& candidate, double seen) const;
