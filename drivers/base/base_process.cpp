@@ -97,6 +97,16 @@ void BaseOptions::limit(MotionLimits& limits) const {
   }
 }
 
+GuardianParams BaseOptions::apply_to(BaseConfig& config) const {
+  config.device = device.empty() ? config.device : device;
+  config.state_folder = std::filesystem::path(state) / config.robot.name;
+  limit(config.robot.limits);
+  const GuardianParams guarding{.brake_time = brake_time_of(config.robot.limits)};
+  config.guardian_silence = guarding.silence;
+  config.guardian_done_after = done_after_of(guarding);
+  return guarding;
+}
+
 OpenStream open_by_configuration(const std::string& device, int baud) {
   try {
     return stream_opener(device, baud);

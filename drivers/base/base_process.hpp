@@ -1,16 +1,15 @@
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "drivers/base/base_config.hpp"
 #include "drivers/base/base_driver.hpp"
 #include "drivers/base/line/byte_stream.hpp"
 #include "drivers/base/safety/guardian.hpp"
-#include "services/common/configuration/robot_file.hpp"
 #include "services/common/network/command_seal.hpp"
 #include "services/common/process/clock.hpp"
 
@@ -28,6 +27,8 @@ struct BaseOptions {
   std::optional<int> parse(const std::string& process, const std::string& does, int argc, char** argv);
   /// Puts the limit of the command line in force. Throws ConfigurationError.
   void limit(MotionLimits& limits) const;
+  /// Puts all of it in force, and says what the guardian of such a robot is to do. Throws ConfigurationError.
+  GuardianParams apply_to(BaseConfig& config) const;
 };
 
 /// How long a guardian may let the robot brake [s].

@@ -1,9 +1,5 @@
 #include "drivers/create2/create2_config.hpp"
 
-#include <stdexcept>
-
-#include "drivers/base/line/byte_stream.hpp"
-
 namespace luminav {
 
 Create2Config read_create2_config(const std::filesystem::path& robot_file) {
@@ -17,20 +13,13 @@ Create2Config read_create2_config(const std::filesystem::path& robot_file) {
   config.command_timeout = table.number("command_timeout", config.command_timeout, {0.1, 1.0});
   config.supervised = table.number("supervised", config.supervised, {0.0, 600.0});
   table.reject_unknown();
-  if (config.supervised > 0.0 && config.supervised < 2.0) {
-    table.fail("supervised", "must be 0 (off) or 2 to 600 s: a page speaks once a second");
-  }
   if (config.baud != 19200 && config.baud != 115200) {
     table.fail("baud", "must be 19200 or 115200");
   }
   if (!config.robot.sonar.robot_from_sonar.empty()) {
     root.fail("sonar", "must be left out: a Create 2 has no sonars");
   }
-  try {
-    stream_opener(config.device, config.baud);
-  } catch (const std::invalid_argument& error) {
-    table.fail("device", error.what());
-  }
+  check_base_config(table, config, config.baud);
   return config;
 }
 

@@ -1,9 +1,5 @@
 #include "drivers/create2/create2_node.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 #include <luminav/odometry_t.hpp>
 #include <luminav/robot_status_t.hpp>
 
@@ -12,15 +8,7 @@
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kStatusPeriod = 20'000;     // [us] 50 Hz
 constexpr std::int64_t kOdometryPeriod = 100'000;  // [us] 10 Hz of the 67 Hz that the robot sends
-constexpr std::int64_t kLongestGap = 250'000;      // [us] the process slept: what waits is outdated
-constexpr std::int64_t kGuardianPause = 50'000;    // [us] least, after the guardian is done with the line
-
-/// A period later, or from now on when that is long past.
-std::int64_t advanced(std::int64_t due, std::int64_t period, std::int64_t now) {
-  return now - due > 5 * period ? now + period : due + period;
-}
 
 std::int8_t charge_state(int charging_state) {
   switch (charging_state) {
@@ -43,118 +31,51 @@ Create2Node::Create2Node(lcm::LCM& lcm, const Create2Config& config, const Clock
                          std::optional<CommandKey> key)
     : lcm_(lcm),
       config_(config),
-      clock_(clock),
       link_(std::move(open_stream)),
       odometry_({.wheel_base = config.robot.wheel_base}),
-      gate_({config.command_timeout, config.robot.limits.linear, config.robot.limits.angular}),
       writer_(config.robot.limits, config.robot.wheel_base),
-      stop_(config.state_folder),
       power_(config.enable_motors_at_start),
-      life_(config.guardian_silence, config.guardian_done_after),
-      watched_(clock.utime()),
-      subscriber_(lcm, key) {
-  subscriber_.on(channels::kVelocityCommand, &Create2Node::on_velocity_command, this);
-  subscriber_.on(channels::kStop, &Create2Node::on_stop, this);
-  subscriber_.on(channels::kSupervision, &Create2Node::on_supervision, this);
-  subscriber_.on(channels::kMotorsCommand, &Create2Node::on_motors_command, this);
-}
+      desk_(lcm, config, clock, key, *this) {}
 
-void Create2Node::on_velocity_command(const velocity_command_t& message) {
-  const std::int64_t now = wake();
-  if (message.robot != config_.robot.name) {
-    subscriber_.drop("VELOCITY_COMMAND: meant for another robot");
-    return;
-  }
-  const std::string why = gate_.offer({.utime = message.utime,
-                                       .session = message.session,
-                                       .sequence = message.sequence,
-                                       .linear = message.linear_x,
-                                       .sideways = message.linear_y,
-                                       .angular = message.angular_z},
-                                      now);
-  if (!why.empty()) {
-    subscriber_.drop("VELOCITY_COMMAND: " + why);
-    return;
-  }
-  const bool unsupervised = config_.supervised > 0.0 && 1e-6 * static_cast<double>(now - watched_) > config_.supervised;
-  if (unsupervised && (message.linear_x != 0.0 || message.angular_z != 0.0)) {
-    obey_stop(now, now, true, fmt::format("the driver: no page and no operator for {:.0f} s", config_.supervised));
-    return;
-  }
-  command_motion(now);
-}
-
-void Create2Node::on_stop(const stop_t& message) {
-  obey_stop(wake(), message.id, message.engaged != 0, message.sender);
-}
-
-void Create2Node::obey_stop(std::int64_t now, std::int64_t id, bool engaged, const std::string& sender) {
-  if (stop_.request(id, engaged, sender)) {
-    gate_.clear(now);
-    command_motion(now);
-  }
-  stop_.save(now);
-}
-
-void Create2Node::on_motors_command(const motors_command_t& message) {
-  // Each request is repeated by its sender; a late copy of an older one, or a recording, must not undo the newest.
-  if (message.id <= last_motors_command_) {
-    return;
-  }
-  last_motors_command_ = message.id;
-  const std::int64_t now = wake();
-  gate_.clear(now);
-  power_.request(message.enable != 0);
+void Create2Node::switch_motors(std::int64_t now, bool enable) {
+  power_.request(enable);
   if (link_.connected()) {
     link_.send(writer_.halt(now));
   }
 }
 
-std::int64_t Create2Node::wake() {
-  const std::int64_t now = clock_.utime();
-  const bool slept = last_wake_ != 0 && now - last_wake_ > kLongestGap;
-  const bool guardian_acted = life_.guardian_may_have_acted(now);
-  last_wake_ = now;
-  if (slept || guardian_acted) {
-    gate_.clear(now);
-    link_.drop_waiting();
-    if (link_.connected()) {
-      link_.send(writer_.halt(now));
-      link_.flush();
-    }
+void Create2Node::stand_after_gap(std::int64_t now) {
+  link_.drop_waiting();
+  if (link_.connected()) {
+    link_.send(writer_.halt(now));
+    link_.flush();
   }
-  if (guardian_acted) {
-    link_.begin_anew(now, std::max(kGuardianPause, life_.guardian_done_at() - now),
-                     "this driver was held up, its guardian has stopped the robot");
-    life_.forget();
-  }
-  return now;
+}
+
+void Create2Node::begin_anew(std::int64_t now, std::int64_t pause) {
+  link_.begin_anew(now, pause, "this driver was held up, its guardian has stopped the robot");
 }
 
 void Create2Node::poll() {
-  const std::int64_t now = wake();
+  const std::int64_t now = desk_.wake();
   const Create2Events events = link_.poll(now);
   impossible_readings_ += events.undecodable;
   if (events.connected) {
     session_ = 0;  // the wheels may have turned unseen
     power_.on_connected();
     writer_.restart();
-    gate_.clear(now);
+    desk_.gate().clear(now);
   }
   for (const TimedReading& received : events.readings) {
     on_reading(received, now);
   }
   if (!link_.connected()) {
     session_ = 0;
-    gate_.clear(now);  // nobody sees what the robot does
+    desk_.gate().clear(now);  // nobody sees what the robot does
   }
   command_motion(now);
-  if (now >= next_status_) {
-    next_status_ = advanced(next_status_, kStatusPeriod, now);
-    publish_status(now);
-  }
-  stop_.save(now);
-  life_.beat(clock_);
+  publish_status(now);
+  desk_.finish_poll(now);
 }
 
 void Create2Node::on_reading(const TimedReading& received, std::int64_t now) {
@@ -173,7 +94,7 @@ void Create2Node::on_reading(const TimedReading& received, std::int64_t now) {
     odometry_.measure_twist(received.utime);
   }
   if (hazards_.update(last_)) {
-    gate_.clear(now);  // a command from before knows nothing of it
+    desk_.gate().clear(now);  // a command from before knows nothing of it
     link_.send(writer_.halt(now));
   }
   if (const auto mode = power_.update(last_, hazards_, now)) {
@@ -183,11 +104,12 @@ void Create2Node::on_reading(const TimedReading& received, std::int64_t now) {
   if (!PowerSupervisor::has_motors(last_)) {
     writer_.restart();
     if (!hazards_.sees_cliff()) {
-      gate_.clear(now);  // whatever was asked of a robot without motors is not done later
+      desk_.gate().clear(now);  // whatever was asked of a robot without motors is not done later
     }
   }
   if (received.utime >= next_odometry_) {
-    next_odometry_ = advanced(next_odometry_, kOdometryPeriod, received.utime);
+    const bool is_long_past = received.utime - next_odometry_ > 5 * kOdometryPeriod;
+    next_odometry_ = (is_long_past ? received.utime : next_odometry_) + kOdometryPeriod;
     publish_odometry(received.utime);
   }
 }
@@ -197,8 +119,7 @@ void Create2Node::command_motion(std::int64_t now) {
     link_.flush();
     return;
   }
-  const bool stands = stop_.engaged() || standing_still_ || !held_because_.empty();
-  const DriveVelocity wanted = stands ? DriveVelocity{} : gate_.velocity(now);
+  const DriveVelocity wanted = desk_.wanted(now);
   if (hazards_.forbids(wanted)) {
     link_.send(writer_.halt(now));
   } else if (const auto command = writer_.poll(wanted, now)) {
@@ -223,15 +144,13 @@ void Create2Node::publish_odometry(std::int64_t utime) {
 }
 
 void Create2Node::publish_status(std::int64_t now) {
-  robot_status_t message{};
-  message.utime = now;
-  message.robot = config_.robot.name;
+  std::optional<robot_status_t> due = desk_.due_status(now, has_motors());
+  if (!due) {
+    return;
+  }
+  robot_status_t& message = *due;
   message.session = session_;
-  message.sequence = status_sequence_++;
   message.connected = connected() ? 1 : 0;
-  message.stop_engaged = stop_.engaged() ? 1 : 0;
-  message.command_fresh = has_motors() && !stop_.engaged() && gate_.is_fresh(now) ? 1 : 0;
-  message.charge_state = robot_status_t::CHARGE_UNKNOWN;
   if (connected()) {
     message.motors_enabled = has_motors() ? 1 : 0;
     message.stall_left = last_.overcurrent_left ? 1 : 0;
@@ -242,12 +161,6 @@ void Create2Node::publish_status(std::int64_t now) {
     message.linear = odometry_.linear();
     message.angular = odometry_.angular();
   }
-  message.maximum_linear = gate_.params().maximum_linear;
-  message.maximum_angular = gate_.params().maximum_angular;
-  message.deceleration = config_.robot.limits.linear_deceleration;
-  message.stop_id = stop_.id();
-  message.motors_command_id = last_motors_command_;
-  message.commands_refused = gate_.refused();
   message.bad_packets = link_.bad_frames();
   message.impossible_packets = impossible_readings_;
   message.reason = reason(now);
@@ -261,45 +174,30 @@ std::string Create2Node::reason(std::int64_t now) const {
   if (!power_.reason().empty()) {
     return power_.reason();
   }
-  if (stop_.engaged()) {
-    return "stop requested by " + (stop_.sender().empty() ? "somebody" : stop_.sender());
-  }
-  if (!held_because_.empty()) {
-    return held_because_;
-  }
-  if (std::string hazard = hazards_.reason(); !hazard.empty()) {
-    return hazard;
-  }
-  if (last_.overcurrent_left || last_.overcurrent_right) {
-    return last_.overcurrent_left && last_.overcurrent_right ? "both wheels are blocked"
-           : last_.overcurrent_left                          ? "the left wheel is blocked"
-                                                             : "the right wheel is blocked";
-  }
-  return gate_.is_fresh(now) ? "" : "no fresh command";
+  return desk_.reason(now, hazards_.reason(), last_.overcurrent_left, last_.overcurrent_right);
 }
 
 Health Create2Node::health() const {
   constexpr double kLowVoltage = 12.5;  // [V] of a battery of 14.4 V; it switches itself off at about 12
   Health health;
-  health.dropped_inputs = subscriber_.dropped();
+  health.dropped_inputs = desk_.subscriber().dropped();
   if (!connected()) {
     health.fault = true;
     health.reason = link_.trouble();
     return health;
   }
   const bool is_low = last_.voltage > 0.0 && last_.voltage < kLowVoltage;
-  health.reason = !power_.reason().empty()   ? power_.reason()
-                  : !stop_.trouble().empty() ? stop_.trouble()
-                  : is_low                   ? "the battery is low"
-                                             : "";
+  health.reason = !power_.reason().empty()          ? power_.reason()
+                  : !desk_.stop().trouble().empty() ? desk_.stop().trouble()
+                  : is_low                          ? "the battery is low"
+                                                    : "";
   health.degraded = !health.reason.empty();
   return health;
 }
 
 bool Create2Node::stand_still() {
-  standing_still_ = true;
-  constexpr double kStanding = 0.02;  // [m/s] and [rad/s]
-  return !connected() || (std::abs(odometry_.linear()) < kStanding && std::abs(odometry_.angular()) < kStanding);
+  const bool stands = desk_.stand_for_good({odometry_.linear(), odometry_.angular()});
+  return stands || !connected();
 }
 
 std::string Create2Node::describe_line() const {

@@ -14,13 +14,8 @@ int main(int argc, char** argv) {
       return *status;
     }
     Create2Config config = read_create2_config(options.robot_file);
-    config.device = options.device.empty() ? config.device : options.device;
-    config.state_folder = std::filesystem::path(options.state) / config.robot.name;
-    options.limit(config.robot.limits);
+    const GuardianParams guarding = options.apply_to(config);
     const OpenStream opener = open_by_configuration(config.device, config.baud);
-    const GuardianParams guarding{.brake_time = brake_time_of(config.robot.limits)};
-    config.guardian_silence = guarding.silence;
-    config.guardian_done_after = done_after_of(guarding);
     return run_base("create2", options, config.robot.name, guarded_create2(), guarding,
                     [&](lcm::LCM& lcm, const Clock& clock, std::optional<CommandKey> key) {
                       return std::make_unique<Create2Node>(lcm, config, clock, opener, key);

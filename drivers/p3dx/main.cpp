@@ -13,13 +13,8 @@ int main(int argc, char** argv) {
       return *status;
     }
     P3dxConfig config = read_p3dx_config(options.robot_file);
-    config.device = options.device.empty() ? config.device : options.device;
-    config.state_folder = std::filesystem::path(options.state) / config.robot.name;
-    options.limit(config.robot.limits);
+    const GuardianParams guarding = options.apply_to(config);
     const OpenStream opener = open_by_configuration(config.device, config.baud);
-    const GuardianParams guarding{.brake_time = brake_time_of(config.robot.limits)};
-    config.guardian_silence = guarding.silence;
-    config.guardian_done_after = done_after_of(guarding);
     return run_base("p3dx", options, config.robot.name, guarded_arcos(), guarding,
                     [&](lcm::LCM& lcm, const Clock& clock, std::optional<CommandKey> key) {
                       return std::make_unique<P3dxNode>(lcm, config, clock, opener, key);

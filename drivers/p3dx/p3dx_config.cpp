@@ -1,8 +1,5 @@
 #include "drivers/p3dx/p3dx_config.hpp"
 
-#include <stdexcept>
-
-#include "drivers/base/line/byte_stream.hpp"
 #include "drivers/p3dx/arcos/arcos_commands.hpp"
 
 namespace luminav {
@@ -23,9 +20,6 @@ P3dxConfig read_p3dx_config(const std::filesystem::path& robot_file) {
   config.supervised = table.number("supervised", config.supervised, {0.0, 600.0});
   config.distance_factor = table.number("distance_factor", config.distance_factor, {0.0, 10.0});
   table.reject_unknown();
-  if (config.supervised > 0.0 && config.supervised < 2.0) {
-    table.fail("supervised", "must be 0 (off) or 2 to 600 s: a page speaks once a second");
-  }
   for (const char* key : {"baud", "fast_baud"}) {
     const int rate = key == std::string_view("baud") ? config.baud : config.fast_baud;
     const bool stays = rate == 0 && key == std::string_view("fast_baud");
@@ -33,11 +27,7 @@ P3dxConfig read_p3dx_config(const std::filesystem::path& robot_file) {
       table.fail(key, "must be 9600, 19200, 38400, 57600 or 115200");
     }
   }
-  try {
-    stream_opener(config.device, config.baud);
-  } catch (const std::invalid_argument& error) {
-    table.fail("device", error.what());
-  }
+  check_base_config(table, config, config.baud);
   return config;
 }
 
