@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <optional>
 
+#include "services/common/building/building_check.hpp"
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/command_line.hpp"
-#include "services/surveyor/building_check.hpp"
 #include "services/surveyor/building_drawing.hpp"
 
 namespace {

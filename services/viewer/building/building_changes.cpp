@@ -9,9 +9,9 @@
 #include <set>
 #include <utility>
 
+#include "services/common/building/building_check.hpp"
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
-#include "services/surveyor/building_check.hpp"
 
 namespace luminav {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "drivers/simulator/geometry/shapes.hpp"
 #include "services/common/building/lane_map.hpp"
+#include "services/common/building/standing_room.hpp"
 #include "services/common/process/channels.hpp"
-#include "services/surveyor/standing_room.hpp"
 #include "tests/evaluation/judge/map_score.hpp"
 
 namespace luminav {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "services/common/building/building_check.hpp"
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
-#include "services/surveyor/building_check.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace luminav {

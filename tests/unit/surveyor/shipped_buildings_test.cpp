@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
+#include "services/common/building/building_check.hpp"
 #include "services/common/building/map_file.hpp"
-#include "services/surveyor/building_check.hpp"
 
 namespace luminav {
 namespace {

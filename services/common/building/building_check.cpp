@@ -1,4 +1,4 @@
-#include "services/surveyor/building_check.hpp"
+#include "services/common/building/building_check.hpp"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <optional>
 
-#include "services/surveyor/alike_fixtures.hpp"
-#include "services/surveyor/standing_room.hpp"
-#include "services/surveyor/zone_check.hpp"
+#include "services/common/building/alike_fixtures.hpp"
+#include "services/common/building/standing_room.hpp"
+#include "services/common/building/zone_check.hpp"
 
 namespace luminav {
 namespace {

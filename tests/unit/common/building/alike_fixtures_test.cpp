@@ -1,4 +1,4 @@
-#include "services/surveyor/alike_fixtures.hpp"
+#include "services/common/building/alike_fixtures.hpp"
 
 #include <gtest/gtest.h>
 

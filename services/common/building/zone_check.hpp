@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "services/common/building/building_check.hpp"
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/building_file.hpp"
-#include "services/surveyor/building_check.hpp"
 
 namespace luminav {
 

@@ -1,14 +1,13 @@
-#include "services/surveyor/zone_check.hpp"
+#include "services/common/building/zone_check.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <string>
 
 #include "services/common/building/lane_map.hpp"
-#include "services/surveyor/standing_room.hpp"
+#include "services/common/building/standing_room.hpp"
 
 namespace luminav {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/surveyor/standing_room.hpp"
+#include "services/common/building/standing_room.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "services/surveyor/building_check.hpp"
+#include "services/common/building/building_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
