@@ -79,8 +79,8 @@ class ImageReader {
 
   void read(const camera_image_t& message, const Pose2& odom_from_robot, SurveyDrive& drive) {
     const Pose2 since = last_.inverse() * odom_from_robot;
-    const bool is_due = is_first_ || std::hypot(since.x, since.y) >= KeyFrameParams{}.spacing ||
-                        std::abs(since.theta) >= KeyFrameParams{}.turn || message.utime - last_utime_ >= kLookPeriod;
+    const bool is_due = is_first_ || std::hypot(since.x, since.y) >= kKeyFrameSpacing ||
+                        std::abs(since.theta) >= kKeyFrameTurn || message.utime - last_utime_ >= kLookPeriod;
     GreyView view{message.width, message.height, message.data};
     if (!is_due || (message.format == camera_image_t::FORMAT_JPEG && !decode(message, view)) ||
         !detector_.accepts(view)) {

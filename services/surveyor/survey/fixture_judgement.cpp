@@ -10,6 +10,11 @@
 namespace luminav {
 namespace {
 
+constexpr double kMargin = 0.10;        // [m] to the border of the view, within which a fixture ought to be seen
+constexpr double kMinSeenShare = 0.25;  // of the images that ought to have shown it
+constexpr int kMinSeen = 4;             // images
+constexpr double kMaxOverlap = 0.5;     // share of the shorter side by which two fixtures may not overlap
+
 std::set<int> frames_of(const SurveyedFixture& fixture, const std::vector<FixturePass>& passes) {
   std::set<int> frames;
   for (const int pass : fixture.passes) {
@@ -43,8 +48,7 @@ bool overlap(const Fixture& a, const Pose2& world_from_a, const Fixture& b, cons
 }  // namespace
 
 std::vector<JudgedFixture> judge_fixtures(const SurveyEstimate& estimate, const std::vector<KeyFrame>& frames,
-                                          const std::vector<FixturePass>& passes, const SurveyModel& model,
-                                          const JudgementParams& params) {
+                                          const std::vector<FixturePass>& passes, const SurveyModel& model) {
   const CeilingView view(model.robot.camera);
   const auto kind_of = [&](std::size_t f) -> const Fixture& {
     return model.kinds.kinds[static_cast<std::size_t>(estimate.fixtures[f].kind)];
@@ -58,12 +62,12 @@ std::vector<JudgedFixture> judge_fixtures(const SurveyEstimate& estimate, const 
     int seen_whole = 0;
     for (std::size_t i = 0; i < frames.size(); ++i) {
       const Pose2 robot_from_fixture = estimate.poses[i].inverse() * fixture.world_from_fixture;
-      if (view.is_wholly_visible(robot_from_fixture, kind_of(f), params.margin)) {
+      if (view.is_wholly_visible(robot_from_fixture, kind_of(f), kMargin)) {
         ++judged[f].expected;
         seen_whole += seen_in.count(static_cast<int>(i)) > 0 ? 1 : 0;
       }
     }
-    if (judged[f].seen < params.min_seen || seen_whole < params.min_seen_share * judged[f].expected) {
+    if (judged[f].seen < kMinSeen || seen_whole < kMinSeenShare * judged[f].expected) {
       judged[f].judgement = Judgement::kSeldomSeen;
     }
     order[f] = f;
@@ -74,7 +78,7 @@ std::vector<JudgedFixture> judge_fixtures(const SurveyEstimate& estimate, const 
     for (std::size_t k = 0; k < i && judged[order[i]].judgement == Judgement::kFixture; ++k) {
       if (judged[order[k]].judgement == Judgement::kFixture &&
           overlap(kind_of(order[i]), estimate.fixtures[order[i]].world_from_fixture, kind_of(order[k]),
-                  estimate.fixtures[order[k]].world_from_fixture, params.overlap)) {
+                  estimate.fixtures[order[k]].world_from_fixture, kMaxOverlap)) {
         judged[order[i]].judgement = Judgement::kOverlaps;
       }
     }

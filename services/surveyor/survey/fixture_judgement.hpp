@@ -7,13 +7,6 @@
 
 namespace luminav {
 
-struct JudgementParams {
-  double margin = 0.10;          // [m] to the border of the view, within which a fixture ought to be seen
-  double min_seen_share = 0.25;  // of the images that ought to have shown it
-  int min_seen = 4;              // images
-  double overlap = 0.5;          // share of the shorter side by which two fixtures may not overlap
-};
-
 enum class Judgement {
   kFixture,     // hangs there
   kSeldomSeen,  // seen too seldom for how often it ought to have been
@@ -34,8 +27,7 @@ struct JudgedFixture {
 
 /// Judges each fixture by how often it was seen beside how often it was in view, and by those that it overlaps.
 std::vector<JudgedFixture> judge_fixtures(const SurveyEstimate& estimate, const std::vector<KeyFrame>& frames,
-                                          const std::vector<FixturePass>& passes, const SurveyModel& model,
-                                          const JudgementParams& params);
+                                          const std::vector<FixturePass>& passes, const SurveyModel& model);
 
 /// Fills in the uncertainties, from the joint covariance of all fixtures relative to the first pose: what a rigid
 /// motion of the whole map explains is taken out.

@@ -7,6 +7,15 @@
 namespace luminav {
 namespace {
 
+constexpr double kGate = 0.10;                  // [m] between a sighting and where odometry puts the one before,
+constexpr double kGateGrowth = 0.10;            // [m per m] and more the longer that is ago
+constexpr double kGateHeading = radians(20.0);  // [rad] likewise
+constexpr double kMemory = 1.5;                 // [m] driven, after which a fixture out of view has gone,
+constexpr double kMemoryTurn = 0.75 * kPi;      // [rad] or turned
+constexpr double kSizeTolerance = 0.25;         // fraction of a side: a file of kinds may be wrong
+constexpr double kSizeMargin = 0.06;            // [m] beside that: blur, and bloom of a burning lamp
+constexpr int kMinSightings = 3;                // fewer are a mistake of the detector's, or a look from afar
+
 bool shows_all(const FixtureSighting& sighting) {
   return !sighting.clipped && sighting.state != SightingState::kHalf;
 }
@@ -16,12 +25,12 @@ bool shows_an_end(const FixtureSighting& sighting) {
 }
 
 /// How badly a sighting's size fits a kind; more than 1 = not at all.
-double misfit(const FixtureSighting& sighting, const Fixture& kind, const FixturePassParams& params) {
+double misfit(const FixtureSighting& sighting, const Fixture& kind) {
   if (sighting.shape != kind.shape) {
     return std::numeric_limits<double>::infinity();
   }
   const auto side = [&](double seen, double true_length) {
-    return std::abs(seen - true_length) / (params.size_tolerance * true_length + params.size_margin);
+    return std::abs(seen - true_length) / (kSizeTolerance * true_length + kSizeMargin);
   };
   // of one with half its lamps on, the width is that of the lamps
   const double across = sighting.state == SightingState::kHalf ? 0.0 : side(sighting.width, kind.width);
@@ -41,7 +50,7 @@ struct OpenPass {
 
 class PassCollector {
  public:
-  PassCollector(const CeilingKinds& kinds, const FixturePassParams& params) : kinds_(kinds), params_(params) {}
+  explicit PassCollector(const CeilingKinds& kinds) : kinds_(kinds) {}
 
   void add(const KeyFrame& frame, int index) {
     close_those_gone(frame);
@@ -87,7 +96,7 @@ class PassCollector {
     int best = -1;
     double least = 1.0;
     for (std::size_t k = 0; k < kinds_.kinds.size(); ++k) {
-      const double value = misfit(sighting, kinds_.kinds[k], params_);
+      const double value = misfit(sighting, kinds_.kinds[k]);
       if (value < least) {
         least = value;
         best = static_cast<int>(k);
@@ -105,8 +114,8 @@ class PassCollector {
       const double apart = distance(open.odom_from_fixture, seen);
       const double turned =
           std::abs(wrap_modulo(open.odom_from_fixture.theta - seen.theta, symmetry_period(sighting.shape)));
-      const bool is_turned = open.has_theta && sighting.has_theta && turned > params_.gate_heading;
-      const double gate = params_.gate + params_.gate_growth * (travelled - open.travelled);
+      const bool is_turned = open.has_theta && sighting.has_theta && turned > kGateHeading;
+      const double gate = kGate + kGateGrowth * (travelled - open.travelled);
       if (!taken[i] && open.shape == sighting.shape && apart < std::min(least, gate) && !is_turned) {
         least = apart;
         best = static_cast<int>(i);
@@ -117,8 +126,8 @@ class PassCollector {
 
   void close_those_gone(const KeyFrame& frame) {
     const auto has_gone = [&](OpenPass& open) {
-      const bool gone = frame.travelled - open.travelled > params_.memory ||
-                        std::abs(wrap_angle(frame.odom_from_robot.theta - open.heading)) > params_.memory_turn;
+      const bool gone = frame.travelled - open.travelled > kMemory ||
+                        std::abs(wrap_angle(frame.odom_from_robot.theta - open.heading)) > kMemoryTurn;
       if (gone) {
         close(open);
       }
@@ -129,14 +138,14 @@ class PassCollector {
 
   void close(OpenPass& open) {
     FixturePass& pass = open.pass;
-    if (static_cast<int>(pass.sightings.size()) < params_.min_sightings) {
+    if (static_cast<int>(pass.sightings.size()) < kMinSightings) {
       return;
     }
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < kinds_.kinds.size(); ++k) {
       double sum = 0.0;
       for (const PassSighting& seen : pass.sightings) {
-        sum += std::min(3.0, misfit(seen.sighting, kinds_.kinds[k], params_));  // one bad outline outvotes nothing
+        sum += std::min(3.0, misfit(seen.sighting, kinds_.kinds[k]));  // one bad outline outvotes nothing
       }
       if (sum < least) {
         least = sum;
@@ -147,16 +156,14 @@ class PassCollector {
   }
 
   const CeilingKinds& kinds_;
-  FixturePassParams params_;
   std::vector<OpenPass> open_;
   std::vector<FixturePass> passes_;
 };
 
 }  // namespace
 
-std::vector<FixturePass> find_passes(const std::vector<KeyFrame>& frames, const CeilingKinds& kinds,
-                                     const FixturePassParams& params) {
-  PassCollector collector(kinds, params);
+std::vector<FixturePass> find_passes(const std::vector<KeyFrame>& frames, const CeilingKinds& kinds) {
+  PassCollector collector(kinds);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (i > 0 && frames[i].part != frames[i - 1].part) {
       collector.close_all();

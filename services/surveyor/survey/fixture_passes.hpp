@@ -19,21 +19,9 @@ struct FixturePass {
   std::vector<PassSighting> sightings;
 };
 
-struct FixturePassParams {
-  double gate = 0.10;                   // [m] between a sighting and where odometry puts the one before,
-  double gate_growth = 0.10;            // [m per m] and more the longer that is ago
-  double gate_heading = radians(20.0);  // [rad] likewise
-  double memory = 1.5;                  // [m] driven, after which a fixture out of view has gone,
-  double memory_turn = 0.75 * kPi;      // [rad] or turned
-  double size_tolerance = 0.25;         // fraction of a side: a file of kinds may be wrong
-  double size_margin = 0.06;            // [m] beside that: blur, and bloom of a burning lamp
-  int min_sightings = 3;                // fewer are a mistake of the detector's, or a look from afar
-};
-
 /// Joins the sightings of the key frames to passes. Sightings of which neither end is in view say too little of where
 /// the fixture is, and what is of no kind is none: both are left out.
-std::vector<FixturePass> find_passes(const std::vector<KeyFrame>& frames, const CeilingKinds& kinds,
-                                     const FixturePassParams& params);
+std::vector<FixturePass> find_passes(const std::vector<KeyFrame>& frames, const CeilingKinds& kinds);
 
 /// By how much the fixtures of a kind look longer than the file of kinds says: the median over the sightings that show
 /// all of one, as a fraction; 0 where there is none.

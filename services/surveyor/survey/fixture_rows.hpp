@@ -26,15 +26,8 @@ struct FixtureRows {
   std::vector<RowTriple> triples;
 };
 
-struct FixtureRowParams {
-  double min_spacing = 0.8;  // [m] between neighbours
-  double max_spacing = 5.0;  // [m]
-  double in_line = 0.15;     // [m] across the row
-  double evenness = 0.20;    // [m] by which two spacings may differ
-};
-
 /// Rows along and across `estimate.direction`, as an electrician hangs them: each fixture with its nearest neighbour in
 /// line to either side.
-FixtureRows find_rows(const SurveyEstimate& estimate, const FixtureRowParams& params);
+FixtureRows find_rows(const SurveyEstimate& estimate);
 
 }  // namespace luminav

@@ -11,8 +11,6 @@ namespace {
 /// Collects the motion since the key frame before, and says when the next one is due.
 class Approach {
  public:
-  explicit Approach(const KeyFrameParams& params) : params_(params) {}
-
   void add(const Pose2& step) {
     steps_.push_back(step);
     travelled_ += std::hypot(step.x, step.y);
@@ -24,7 +22,7 @@ class Approach {
   }
   [[nodiscard]] bool is_due(const Pose2& odom_from_robot) const {
     const Pose2 since = last_.inverse() * odom_from_robot;
-    return is_first_ || std::hypot(since.x, since.y) >= params_.spacing || std::abs(since.theta) >= params_.turn;
+    return is_first_ || std::hypot(since.x, since.y) >= kKeyFrameSpacing || std::abs(since.theta) >= kKeyFrameTurn;
   }
   KeyFrame take(const OdometryReading& at) {
     KeyFrame frame;
@@ -44,7 +42,6 @@ class Approach {
   }
 
  private:
-  KeyFrameParams params_;
   std::vector<Pose2> steps_;
   Pose2 last_;
   double travelled_ = 0.0;  // [m]
@@ -59,12 +56,11 @@ double signed_length(const Pose2& step) {
 }
 
 std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDescription& camera,
-                                        double ceiling_height, const KeyFrameParams& params,
-                                        const std::vector<std::int64_t>& breaks) {
+                                        double ceiling_height, const std::vector<std::int64_t>& breaks) {
   const CeilingView view(camera);
   const auto offset = static_cast<std::int64_t>(std::lround(1e6 * camera.time_offset));
   std::vector<KeyFrame> frames;
-  Approach approach(params);
+  Approach approach;
   std::size_t next = 0;
   std::size_t next_break = 0;
   for (std::size_t i = 1; i < drive.odometry.size(); ++i) {

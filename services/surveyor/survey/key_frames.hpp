@@ -30,16 +30,13 @@ struct KeyFrame {
   std::vector<FixtureSighting> sightings;  // as a camera without rolling shutter had seen them
 };
 
-struct KeyFrameParams {
-  double spacing = 0.10;       // [m] between two key frames,
-  double turn = radians(4.0);  // [rad] or that
-};
+inline constexpr double kKeyFrameSpacing = 0.10;       // [m] between two key frames,
+inline constexpr double kKeyFrameTurn = radians(4.0);  // [rad] or that
 
 /// Images of the drive at least so far apart, with or without anything in them. `ceiling_height` [m]. A new part begins
 /// where odometry begins anew, and at each of `breaks` [us], in the order of time.
 std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDescription& camera,
-                                        double ceiling_height, const KeyFrameParams& params,
-                                        const std::vector<std::int64_t>& breaks = {});
+                                        double ceiling_height, const std::vector<std::int64_t>& breaks = {});
 
 /// Length [m] of a step of odometry, negative backwards.
 double signed_length(const Pose2& step);

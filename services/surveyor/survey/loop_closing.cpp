@@ -10,6 +10,16 @@
 namespace luminav {
 namespace {
 
+constexpr double kGate = 16.3;                  // chi2(3) at 99.9 %: farther apart two fixtures are two
+constexpr double kOtherGate = 30.0;             // of the next best one, which has to be out of it
+constexpr double kPositionFloor = 0.03;         // [m] 1-sigma that two passes may differ by beyond the estimate's own
+constexpr double kHeadingFloor = radians(1.0);  // [rad] likewise
+constexpr double kMaxShare = 0.25;       // 1-sigma of what a closure spans, over the spacing of the fixtures there
+constexpr double kSureSigma = 0.10;      // [m] below it a closure needs no other one that agrees
+constexpr double kNeighbourhood = 10.0;  // [m] of the drive, in which others have to agree
+constexpr double kAgreement = 0.30;      // [m] between what two closures shift by
+constexpr double kMinSpacing = 0.6;      // [m] between two fixtures' centres
+
 /// Two fixtures compared.
 struct Candidate {
   int first = 0;
@@ -23,8 +33,8 @@ struct Candidate {
 class ClosureSearch {
  public:
   ClosureSearch(const SurveyEstimate& estimate, const Eigen::MatrixXd& covariance, const std::vector<KeyFrame>& frames,
-                const std::vector<FixturePass>& passes, const CeilingKinds& kinds, const LoopClosingParams& params)
-      : estimate_(estimate), covariance_(covariance), frames_(frames), passes_(passes), kinds_(kinds), params_(params) {
+                const std::vector<FixturePass>& passes, const CeilingKinds& kinds)
+      : estimate_(estimate), covariance_(covariance), frames_(frames), passes_(passes), kinds_(kinds) {
     measure_spacing();
   }
 
@@ -44,7 +54,7 @@ class ClosureSearch {
     std::vector<Candidate> clear;
     for (std::size_t j = 0; j < of_fixture.size(); ++j) {
       const std::vector<Candidate>& found = of_fixture[j];
-      if (found.empty() || found.front().nis > params_.gate) {
+      if (found.empty() || found.front().nis > kGate) {
         continue;
       }
       if (is_clear(found, of_fixture)) {
@@ -77,15 +87,15 @@ class ClosureSearch {
         const double apart =
             distance(estimate_.fixtures[i].world_from_fixture, estimate_.fixtures[j].world_from_fixture);
         const double between = std::abs(first_seen(static_cast<int>(i)) - first_seen(static_cast<int>(j)));
-        if (i != j && estimate_.fixtures[i].kind == estimate_.fixtures[j].kind && apart > params_.min_spacing &&
-            between < params_.neighbourhood) {
+        if (i != j && estimate_.fixtures[i].kind == estimate_.fixtures[j].kind && apart > kMinSpacing &&
+            between < kNeighbourhood) {
           spacing_[i] = std::min(spacing_[i], apart);
         }
       }
     }
     std::vector<double> sorted = spacing_;
     std::sort(sorted.begin(), sorted.end());
-    usual_spacing_ = sorted.empty() ? params_.min_spacing : sorted[sorted.size() / 4];
+    usual_spacing_ = sorted.empty() ? kMinSpacing : sorted[sorted.size() / 4];
   }
 
   [[nodiscard]] std::optional<Candidate> compare(int i, int j) const {
@@ -98,13 +108,13 @@ class ClosureSearch {
     const Eigen::Vector3d difference(a.x - b.x, a.y - b.y, wrap_modulo(a.theta - b.theta, symmetry_period(shape)));
     const auto block = [&](int row, int column) { return covariance_.block<3, 3>(3 * row, 3 * column); };
     Eigen::Matrix3d sum = block(i, i) + block(j, j) - block(i, j) - block(j, i);
-    sum.diagonal() += Eigen::Vector3d(std::pow(params_.position_floor, 2), std::pow(params_.position_floor, 2),
-                                      std::pow(params_.heading_floor, 2));
+    sum.diagonal() +=
+        Eigen::Vector3d(std::pow(kPositionFloor, 2), std::pow(kPositionFloor, 2), std::pow(kHeadingFloor, 2));
     Candidate candidate;
     candidate.first = i;
     candidate.second = j;
     candidate.nis = difference.dot(sum.ldlt().solve(difference));
-    if (candidate.nis > params_.other_gate) {
+    if (candidate.nis > kOtherGate) {
       return std::nullopt;
     }
     const Eigen::Matrix2d position = sum.topLeftCorner<2, 2>();
@@ -147,26 +157,25 @@ class ClosureSearch {
     const std::vector<Candidate>& back = of_fixture[static_cast<std::size_t>(best.first)];
     const double spacing = std::min({usual_spacing_, spacing_[static_cast<std::size_t>(best.first)],
                                      spacing_[static_cast<std::size_t>(best.second)]});
-    return back.front().first == best.second && best.sigma <= params_.max_share * spacing && is_alone(found) &&
-           is_alone(back);
+    return back.front().first == best.second && best.sigma <= kMaxShare * spacing && is_alone(found) && is_alone(back);
   }
 
   /// Whether the others within reach are, after all, that same one: passes of one fixture not yet joined.
   [[nodiscard]] bool is_alone(const std::vector<Candidate>& found) const {
     const Pose2& best = fixture(found.front().first).world_from_fixture;
     return std::all_of(found.begin() + 1, found.end(), [&](const Candidate& other) {
-      return distance(fixture(other.first).world_from_fixture, best) < params_.min_spacing;
+      return distance(fixture(other.first).world_from_fixture, best) < kMinSpacing;
     });
   }
 
   [[nodiscard]] bool has_support(const Candidate& candidate, const std::vector<Candidate>& clear) const {
-    if (candidate.sigma <= params_.sure_sigma) {
+    if (candidate.sigma <= kSureSigma) {
       return true;
     }
     return std::any_of(clear.begin(), clear.end(), [&](const Candidate& other) {
       return other.first < other.second && other.second != candidate.second && other.first != candidate.first &&
-             std::abs(other.travelled - candidate.travelled) < params_.neighbourhood &&
-             (other.shift - candidate.shift).norm() < params_.agreement;
+             std::abs(other.travelled - candidate.travelled) < kNeighbourhood &&
+             (other.shift - candidate.shift).norm() < kAgreement;
     });
   }
 
@@ -196,7 +205,6 @@ class ClosureSearch {
   const std::vector<KeyFrame>& frames_;
   const std::vector<FixturePass>& passes_;
   const CeilingKinds& kinds_;
-  LoopClosingParams params_;
   std::vector<double> spacing_;  // [m] per fixture
   double usual_spacing_ = 0.0;   // [m]
 };
@@ -218,9 +226,8 @@ Pose2 placed_by(const FixturePass& pass, const std::vector<Pose2>& poses, const 
 
 LoopClosures find_closures(const SurveyEstimate& estimate, const Eigen::MatrixXd& covariance,
                            const std::vector<KeyFrame>& frames, const std::vector<FixturePass>& passes,
-                           const CeilingKinds& kinds, const std::vector<PassPair>& banned,
-                           const LoopClosingParams& params) {
-  return ClosureSearch(estimate, covariance, frames, passes, kinds, params).search(banned);
+                           const CeilingKinds& kinds, const std::vector<PassPair>& banned) {
+  return ClosureSearch(estimate, covariance, frames, passes, kinds).search(banned);
 }
 
 SurveyEstimate merge(SurveyEstimate estimate, const std::vector<FixturePair>& pairs) {

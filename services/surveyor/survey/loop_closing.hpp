@@ -7,18 +7,6 @@
 
 namespace luminav {
 
-struct LoopClosingParams {
-  double gate = 16.3;                   // chi2(3) at 99.9 %: farther apart two fixtures are two
-  double other_gate = 30.0;             // of the next best one, which has to be out of it
-  double position_floor = 0.03;         // [m] 1-sigma that two passes may differ by beyond the estimate's own
-  double heading_floor = radians(1.0);  // [rad] likewise
-  double max_share = 0.25;              // 1-sigma of what a closure spans, over the spacing of the fixtures there
-  double sure_sigma = 0.10;             // [m] below it a closure needs no other one that agrees
-  double neighbourhood = 10.0;          // [m] of the drive, in which others have to agree
-  double agreement = 0.30;              // [m] between what two closures shift by
-  double min_spacing = 0.6;             // [m] between two fixtures' centres
-};
-
 /// Two fixtures of the estimate that are one.
 struct FixturePair {
   int first = 0;  // index into the estimate's fixtures, seen earlier
@@ -49,8 +37,7 @@ struct LoopClosures {
 /// two.
 LoopClosures find_closures(const SurveyEstimate& estimate, const Eigen::MatrixXd& covariance,
                            const std::vector<KeyFrame>& frames, const std::vector<FixturePass>& passes,
-                           const CeilingKinds& kinds, const std::vector<PassPair>& banned,
-                           const LoopClosingParams& params);
+                           const CeilingKinds& kinds, const std::vector<PassPair>& banned);
 
 /// The estimate with pairs made one fixture each, which lies where the earlier one did.
 SurveyEstimate merge(SurveyEstimate estimate, const std::vector<FixturePair>& pairs);

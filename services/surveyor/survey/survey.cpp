@@ -15,6 +15,13 @@
 namespace luminav {
 namespace {
 
+constexpr double kMinRegularity = 0.7;        // 0..1 of the fixtures' headings, from which right angles are believed
+constexpr double kRightAngle = radians(0.7);  // [rad] 1-sigma by which fixtures hang askew, where they are
+constexpr double kRow = 0.02;                 // [m] 1-sigma of neighbours in a row
+constexpr double kMaxMisfit = 4.5;            // deviations of a sighting that counts
+constexpr double kMaxDisagreement = 0.15;     // [m] by which a pass may differ from its fixture
+constexpr double kMaxTurn = radians(5.0);     // [rad] likewise
+constexpr int kMaxRounds = 12;                // of closing loops
 constexpr double kCoarseRightAngle = radians(6.0);  // [rad] the first pull on a path that has bent on the way
 
 /// Distance driven in each part of the drive.
@@ -61,20 +68,19 @@ SurveyEstimate first_estimate(const Survey& survey, const SurveyModel& model) {
 }
 
 /// Joins what is one, a round of sure closures after the other: each makes the next ones surer.
-void close_loops(Survey& survey, const SurveyModel& model, const SurveyParams& params, const SurveyGraph& graph,
-                 const BuildingPrior& prior) {
+void close_loops(Survey& survey, const SurveyModel& model, const SurveyGraph& graph, const BuildingPrior& prior) {
   std::vector<PassPair> banned;
-  for (int round = 0; round < params.max_rounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const Eigen::MatrixXd covariance = graph.fixture_covariance(survey.estimate, prior);
     const LoopClosures found =
-        find_closures(survey.estimate, covariance, survey.frames, survey.passes, model.kinds, banned, params.closing);
+        find_closures(survey.estimate, covariance, survey.frames, survey.passes, model.kinds, banned);
     survey.doubts = found.doubts;
     if (found.sure.empty()) {
       return;
     }
     survey.estimate = graph.optimise(merge(survey.estimate, found.sure), prior);
     const std::vector<PassPair> wrong =
-        split_what_disagrees(survey.estimate, survey.passes, model.kinds, params.max_disagreement, params.max_turn);
+        split_what_disagrees(survey.estimate, survey.passes, model.kinds, kMaxDisagreement, kMaxTurn);
     if (!wrong.empty()) {
       banned.insert(banned.end(), wrong.begin(), wrong.end());
       survey.estimate = graph.optimise(survey.estimate, prior);
@@ -84,12 +90,12 @@ void close_loops(Survey& survey, const SurveyModel& model, const SurveyParams& p
 
 /// Leaves out sightings that fit nothing: at the border of the view a wrong one always pulls the same way. A pass that
 /// fits badly as a whole is kept: that is for others to judge.
-void drop_outliers(Survey& survey, const SurveyGraph& graph, const SurveyParams& params) {
+void drop_outliers(Survey& survey, const SurveyGraph& graph) {
   const std::vector<std::vector<double>> misfits = graph.misfits(survey.estimate);
   for (std::size_t p = 0; p < survey.passes.size(); ++p) {
     std::vector<PassSighting> kept;
     for (std::size_t i = 0; i < misfits[p].size(); ++i) {
-      if (misfits[p][i] <= params.max_misfit) {
+      if (misfits[p][i] <= kMaxMisfit) {
         kept.push_back(survey.passes[p].sightings[i]);
       }
     }
@@ -100,9 +106,8 @@ void drop_outliers(Survey& survey, const SurveyGraph& graph, const SurveyParams&
 }
 
 /// Moves what is no fixture from the estimate to the list of those dropped. Fixtures change their numbers.
-void drop_what_is_none(Survey& survey, const SurveyModel& model, const SurveyParams& params) {
-  const std::vector<JudgedFixture> judged =
-      judge_fixtures(survey.estimate, survey.frames, survey.passes, model, params.judgement);
+void drop_what_is_none(Survey& survey, const SurveyModel& model) {
+  const std::vector<JudgedFixture> judged = judge_fixtures(survey.estimate, survey.frames, survey.passes, model);
   std::vector<SurveyedFixture> kept;
   std::vector<int> number(judged.size(), -1);
   for (std::size_t f = 0; f < judged.size(); ++f) {
@@ -152,17 +157,16 @@ double regularity_of(const SurveyEstimate& estimate, const CeilingKinds& kinds) 
   return count == 0.0 ? 0.0 : std::abs(sum) / count;
 }
 
-Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model, const SurveyParams& params) {
+Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model) {
   check(drive);
   Survey survey;
-  survey.frames =
-      choose_key_frames(drive, model.robot.camera, model.kinds.ceiling_height, params.key_frames, find_lifts(drive));
+  survey.frames = choose_key_frames(drive, model.robot.camera, model.kinds.ceiling_height, find_lifts(drive));
   if (survey.frames.empty()) {
     throw std::runtime_error("no image of the log falls between two ODOMETRY messages: were their clocks the same?");
   }
-  split_at(survey.frames, find_carries(survey.frames, find_passes(survey.frames, model.kinds, params.passes), model));
+  split_at(survey.frames, find_carries(survey.frames, find_passes(survey.frames, model.kinds), model));
   keep_longest_part(survey);
-  survey.passes = find_passes(survey.frames, model.kinds, params.passes);
+  survey.passes = find_passes(survey.frames, model.kinds);
   if (survey.passes.empty()) {
     throw std::runtime_error(
         fmt::format("no fixture of the {} kinds was seen in {} images over {:.0f} m: do the sizes in the file of kinds "
@@ -176,16 +180,16 @@ Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model, const Su
   survey.estimate = graph.optimise(first_estimate(survey, model), {});
   survey.regularity = regularity_of(survey.estimate, model.kinds);
   BuildingPrior prior;
-  if (survey.regularity >= params.min_regularity) {
+  if (survey.regularity >= kMinRegularity) {
     survey.estimate.direction = dominant_direction(survey.estimate, model.kinds);
     survey.estimate = graph.optimise(survey.estimate, {kCoarseRightAngle});
-    prior.right_angle = params.right_angle;
+    prior.right_angle = kRightAngle;
     survey.estimate = graph.optimise(survey.estimate, prior);
   }
-  close_loops(survey, model, params, graph, prior);
-  drop_outliers(survey, graph, params);
-  drop_what_is_none(survey, model, params);
-  prior.row = params.row;  // not before: passes not yet joined are no row
+  close_loops(survey, model, graph, prior);
+  drop_outliers(survey, graph);
+  drop_what_is_none(survey, model);
+  prior.row = kRow;  // not before: passes not yet joined are no row
   survey.estimate = graph.optimise(survey.estimate, prior);
   straighten(survey.estimate,
              prior.right_angle > 0.0 ? survey.estimate.direction : dominant_direction(survey.estimate, model.kinds));

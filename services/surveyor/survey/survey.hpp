@@ -9,20 +9,6 @@
 
 namespace luminav {
 
-struct SurveyParams {
-  KeyFrameParams key_frames;
-  FixturePassParams passes;
-  LoopClosingParams closing;
-  JudgementParams judgement;
-  double min_regularity = 0.7;        // 0..1 of the fixtures' headings, from which right angles are believed
-  double right_angle = radians(0.7);  // [rad] 1-sigma by which fixtures hang askew, where they are
-  double row = 0.02;                  // [m] 1-sigma of neighbours in a row
-  double max_misfit = 4.5;            // deviations of a sighting that counts
-  double max_disagreement = 0.15;     // [m] by which a pass may differ from its fixture
-  double max_turn = radians(5.0);     // [rad] likewise
-  int max_rounds = 12;                // of closing loops
-};
-
 /// Something that was seen and is not believed to be a fixture.
 struct DroppedFixture {
   SurveyedFixture fixture;
@@ -45,7 +31,7 @@ struct Survey {
 
 /// Makes a map of fixtures from a drive. Throws std::runtime_error, with one plain sentence, for a drive that says
 /// nothing: no odometry, no images, no fixture of any kind. Cost: seconds for a drive of 600 m.
-Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model, const SurveyParams& params);
+Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model);
 
 /// How far headings agree modulo a quarter turn: 1 = all, 0 = they point anywhere.
 double regularity_of(const SurveyEstimate& estimate, const CeilingKinds& kinds);

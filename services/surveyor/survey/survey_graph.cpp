@@ -175,7 +175,7 @@ void SurveyGraph::add_building(Problem& problem, const SurveyEstimate& estimate,
   if (prior.right_angle <= 0.0 || prior.row <= 0.0) {
     return;
   }
-  const FixtureRows rows = find_rows(estimate, {});
+  const FixtureRows rows = find_rows(estimate);
   const auto fixture = [&](int index) { return problem.fixtures[static_cast<std::size_t>(index)].data(); };
   for (const RowPair& pair : rows.pairs) {
     problem.ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<InLineResidual, 1, 3, 3, 1>(

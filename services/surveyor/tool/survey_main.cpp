@@ -82,7 +82,7 @@ int run(const Request& request) {
   const SurveyLog log =
       read_survey_log(request.log, request.robot, model.kinds,
                       request.detections ? SightingSource::kDetections : SightingSource::kImagesElseDetections);
-  Survey survey = survey_drive(log.drive, model, {});
+  Survey survey = survey_drive(log.drive, model);
   const SurveyedPath path(log.drive.odometry, survey.frames, survey.estimate.poses);
   PriorMap map = draw_sonar_map(log.drive.echoes, path, model.robot, extents_of(survey, model.kinds));
   transform(survey.estimate, {-map.geometry.origin.x(), -map.geometry.origin.y(), 0.0});

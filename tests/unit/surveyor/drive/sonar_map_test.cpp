@@ -25,7 +25,7 @@ TEST(SurveyedPath, SharesOutWhatOdometryMissed) {
 TEST(SonarMap, DrawsWallsBesideThePathAndTheFloorBetweenThem) {
   const SurveyModel model = synthetic_model();
   const SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {6.0, 0.0}}, {}, model, {});
-  const std::vector<KeyFrame> frames = choose_key_frames(synthetic.drive, model.robot.camera, 2.8, {});
+  const std::vector<KeyFrame> frames = choose_key_frames(synthetic.drive, model.robot.camera, 2.8);
   std::vector<Pose2> poses;
   for (const KeyFrame& frame : frames) {
     poses.push_back(frame.odom_from_robot);

@@ -14,12 +14,12 @@ const std::vector<Fixture> kCeiling = {fixture_at(1, 2.0, 0.0, 0.5 * kPi), fixtu
 /// Key frames of a drive along x that ends, or is carried elsewhere, at a place.
 std::vector<KeyFrame> frames_of(double from, double to, double y = 0.0) {
   const SurveyModel model = synthetic_model();
-  return choose_key_frames(drive_along({{from, y}, {to, y}}, kCeiling, model, {}).drive, model.robot.camera, 2.8, {});
+  return choose_key_frames(drive_along({{from, y}, {to, y}}, kCeiling, model, {}).drive, model.robot.camera, 2.8);
 }
 
 std::vector<int> carries_in(const std::vector<KeyFrame>& frames) {
   const SurveyModel model = synthetic_model();
-  return find_carries(frames, find_passes(frames, model.kinds, {}), model);
+  return find_carries(frames, find_passes(frames, model.kinds), model);
 }
 
 TEST(CarrySearch, FindsNoneInADriveOfItsOwnWheels) {

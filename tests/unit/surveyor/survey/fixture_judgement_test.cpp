@@ -34,7 +34,7 @@ class FixtureJudgementTest : public testing::Test {
   }
 
   [[nodiscard]] std::vector<JudgedFixture> judge() const {
-    return judge_fixtures(estimate_, frames_, passes_, synthetic_model(), {});
+    return judge_fixtures(estimate_, frames_, passes_, synthetic_model());
   }
 
   std::vector<KeyFrame> frames_;

@@ -11,7 +11,7 @@ const std::vector<Fixture> kRow = {fixture_at(1, 2.0, 0.0, 0.0), fixture_at(2, 5
                                    fixture_at(3, 8.0, 0.0, 0.0)};
 
 std::vector<FixturePass> passes_of(const SyntheticDrive& synthetic, const SurveyModel& model) {
-  return find_passes(choose_key_frames(synthetic.drive, model.robot.camera, 2.8, {}), model.kinds, {});
+  return find_passes(choose_key_frames(synthetic.drive, model.robot.camera, 2.8), model.kinds);
 }
 
 TEST(FixturePasses, AreOneForEachTimeAFixturePassesBy) {

@@ -18,7 +18,7 @@ SurveyEstimate two_rows() {
 }
 
 TEST(FixtureRows, AreFoundAlongAndAcross) {
-  const FixtureRows rows = find_rows(two_rows(), {});
+  const FixtureRows rows = find_rows(two_rows());
   EXPECT_EQ(rows.pairs.size(), 10u);   // three in each row, four between them
   EXPECT_EQ(rows.triples.size(), 4u);  // two in each row
   for (const RowPair& pair : rows.pairs) {
@@ -30,16 +30,16 @@ TEST(FixtureRows, AreFoundAlongAndAcross) {
 TEST(FixtureRows, TurnWithTheBuilding) {
   SurveyEstimate estimate = two_rows();
   transform(estimate, {1.0, -2.0, 0.4});
-  EXPECT_EQ(find_rows(estimate, {}).pairs.size(), 10u);
+  EXPECT_EQ(find_rows(estimate).pairs.size(), 10u);
 }
 
 TEST(FixtureRows, JoinNoOtherKindAndNoUnevenSpacing) {
   SurveyEstimate estimate = two_rows();
   estimate.fixtures[1].kind = 1;
-  EXPECT_EQ(find_rows(estimate, {}).pairs.size(), 7u);  // neither along nor across; the two beside it are 5 m apart
+  EXPECT_EQ(find_rows(estimate).pairs.size(), 7u);  // neither along nor across; the two beside it are 5 m apart
   estimate = two_rows();
   estimate.fixtures[3].world_from_fixture.x += 0.5;
-  EXPECT_EQ(find_rows(estimate, {}).triples.size(), 3u);
+  EXPECT_EQ(find_rows(estimate).triples.size(), 3u);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace luminav {
 namespace {
 
 std::vector<KeyFrame> frames_of(const SurveyDrive& drive) {
-  return choose_key_frames(drive, synthetic_model().robot.camera, 2.8, {});
+  return choose_key_frames(drive, synthetic_model().robot.camera, 2.8);
 }
 
 TEST(KeyFrames, LieApartByTheirSpacingOrATurn) {
@@ -17,8 +17,7 @@ TEST(KeyFrames, LieApartByTheirSpacingOrATurn) {
   ASSERT_GT(frames.size(), 30u);
   for (std::size_t i = 1; i < frames.size(); ++i) {
     const Pose2 step = frames[i - 1].odom_from_robot.inverse() * frames[i].odom_from_robot;
-    EXPECT_TRUE(std::hypot(step.x, step.y) >= KeyFrameParams{}.spacing ||
-                std::abs(step.theta) >= KeyFrameParams{}.turn);
+    EXPECT_TRUE(std::hypot(step.x, step.y) >= kKeyFrameSpacing || std::abs(step.theta) >= kKeyFrameTurn);
   }
 }
 

@@ -26,7 +26,7 @@ class LoopClosingTest : public testing::Test {
   [[nodiscard]] LoopClosures search(double sigma, const std::vector<PassPair>& banned = {}) const {
     const auto size = static_cast<Eigen::Index>(3 * estimate_.fixtures.size());
     const Eigen::MatrixXd covariance = 0.5 * sigma * sigma * Eigen::MatrixXd::Identity(size, size);
-    return find_closures(estimate_, covariance, frames_, passes_, synthetic_model().kinds, banned, {});
+    return find_closures(estimate_, covariance, frames_, passes_, synthetic_model().kinds, banned);
   }
 
   /// A row of three, and the same row again after a way round, shifted by a drift [m].

@@ -16,8 +16,8 @@ class SurveyGraphTest : public testing::Test {
       fixtures_.push_back(fixture_at(i + 1, 2.0 + 2.5 * i, 0.0, i % 2 == 0 ? 0.0 : 0.5 * kPi));
     }
     const SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {17.0, 0.0}}, fixtures_, model_, errors);
-    frames_ = choose_key_frames(synthetic.drive, model_.robot.camera, 2.8, {});
-    passes_ = find_passes(frames_, model_.kinds, {});
+    frames_ = choose_key_frames(synthetic.drive, model_.robot.camera, 2.8);
+    passes_ = find_passes(frames_, model_.kinds);
     estimate_.poses = dead_reckoning(frames_, model_.robot.wheel_base, {});
     for (std::size_t p = 0; p < passes_.size(); ++p) {
       const PassSighting& seen = passes_[p].sightings.front();

@@ -44,7 +44,7 @@ TEST(Survey, DrawsARingOfFixturesThatAllLookAlike) {
   const SurveyModel model = synthetic_model();
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     const SyntheticDrive synthetic = drive_along(kOnceRound, ring(), model, uncalibrated(seed));
-    const Survey survey = survey_drive(synthetic.drive, model, {});
+    const Survey survey = survey_drive(synthetic.drive, model);
     EXPECT_EQ(survey.fixtures.size(), 24u) << "seed " << seed;
     EXPECT_LT(rms_after_alignment(ring(), survey.estimate, synthetic.truth.front()), 0.06) << "seed " << seed;
     EXPECT_TRUE(survey.doubts.empty()) << "seed " << seed;
@@ -55,8 +55,8 @@ TEST(Survey, DrawsARingOfFixturesThatAllLookAlike) {
 TEST(Survey, GivesTheSameForTheSameDrive) {
   const SurveyModel model = synthetic_model();
   const SyntheticDrive synthetic = drive_along(kOnceRound, ring(), model, uncalibrated(4));
-  const Survey first = survey_drive(synthetic.drive, model, {});
-  const Survey second = survey_drive(synthetic.drive, model, {});
+  const Survey first = survey_drive(synthetic.drive, model);
+  const Survey second = survey_drive(synthetic.drive, model);
   ASSERT_EQ(first.fixtures.size(), second.fixtures.size());
   for (std::size_t f = 0; f < first.fixtures.size(); ++f) {
     EXPECT_EQ(first.estimate.fixtures[f].world_from_fixture.x, second.estimate.fixtures[f].world_from_fixture.x);
@@ -67,7 +67,7 @@ TEST(Survey, SaysHowUnsureADriveWithoutALoopIs) {
   const SurveyModel model = synthetic_model();
   const SyntheticDrive synthetic =
       drive_along({{2.0, 0.0}, {20.0, 0.0}, {20.0, 10.0}, {4.0, 10.0}}, ring(), model, uncalibrated(5));
-  const Survey survey = survey_drive(synthetic.drive, model, {});
+  const Survey survey = survey_drive(synthetic.drive, model);
   for (const SurveyedFixture& fixture : survey.estimate.fixtures) {
     EXPECT_EQ(fixture.passes.size(), 1u);
   }
@@ -80,14 +80,14 @@ TEST(Survey, TakesTheLongestPartOfADriveThatWasInterrupted) {
   for (std::size_t i = 0; i < synthetic.drive.odometry.size() / 10; ++i) {
     synthetic.drive.odometry[i].session = 7;
   }
-  const Survey survey = survey_drive(synthetic.drive, model, {});
+  const Survey survey = survey_drive(synthetic.drive, model);
   EXPECT_GT(survey.left_out, 3.0);
   EXPECT_GT(survey.distance, 50.0);
 }
 
 std::string complaint(const SurveyDrive& drive, const SurveyModel& model) {
   try {
-    (void)survey_drive(drive, model, {});
+    (void)survey_drive(drive, model);
   } catch (const std::runtime_error& error) {
     return error.what();
   }

@@ -20,8 +20,8 @@ TEST(WheelGuess, FindsUnequalWheelsFromWhatPassesBy) {
   SyntheticErrors errors;
   errors.wheels.ratio = 0.008;
   const SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {25.0, 0.0}}, row(), model, errors);
-  const auto frames = choose_key_frames(synthetic.drive, model.robot.camera, 2.8, {});
-  const auto passes = find_passes(frames, model.kinds, {});
+  const auto frames = choose_key_frames(synthetic.drive, model.robot.camera, 2.8);
+  const auto passes = find_passes(frames, model.kinds);
   const double wheel_base = model.robot.wheel_base;
   const WheelCorrection wheels = guess_wheels(frames, passes, wheel_base, {});
   EXPECT_NEAR(wheels.ratio, 0.008, 5e-4);
