@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "services/common/configuration/configuration_error.hpp"
@@ -15,16 +14,6 @@ namespace luminav {
 namespace {
 
 constexpr double kSame = 6e-4;  // a file has three or four digits
-
-/// As a TOML basic string.
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    result += c == '"' || c == '\\' ? "\\" : "";
-    result += c;
-  }
-  return result + '"';
-}
 
 /// One table of a file, by the line of its header.
 class EditedTable {
@@ -76,14 +65,6 @@ void remove(const char* what, std::vector<Item>& items, const std::string& name)
   if (const std::optional<std::size_t> found = place_of(what, items, name)) {
     items.erase(items.begin() + static_cast<std::ptrdiff_t>(*found));
   }
-}
-
-std::string polygon_text(const Polygon& polygon) {
-  std::string text;
-  for (const Eigen::Vector2d& corner : polygon) {
-    text += fmt::format("{}[{:.3f}, {:.3f}]", text.empty() ? "" : ", ", corner.x(), corner.y());
-  }
-  return "[" + text + "]";
 }
 
 bool near(double a, double b) {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <set>
-#include <stdexcept>
 
 #include "services/common/configuration/fixture_table.hpp"
+#include "services/common/configuration/toml_lines.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/configuration/whole_file.hpp"
 
@@ -73,19 +73,15 @@ std::string pose_lines(const Pose2& pose) {
   return fmt::format("x = {:.3f}\ny = {:.3f}\ntheta = {:.4f}\n", pose.x, pose.y, pose.theta);
 }
 
-/// As a TOML basic string.
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      result += '\\';
-    }
-    result += c;
-  }
-  return result + '"';
-}
-
 }  // namespace
+
+std::string polygon_text(const Polygon& polygon) {
+  std::string text;
+  for (const Eigen::Vector2d& corner : polygon) {
+    text += fmt::format("{}[{:.3f}, {:.3f}]", text.empty() ? "" : ", ", corner.x(), corner.y());
+  }
+  return "[" + text + "]";
+}
 
 std::string fixture_table(const Fixture& fixture, double ceiling_height) {
   std::string text = fmt::format("\n[[fixture]]\nid = {}\n", fixture.id);
@@ -153,11 +149,9 @@ BuildingSource read_building_source(const std::filesystem::path& file) {
   }
   for (const TomlTable& table : root.tables("element")) {
     building.elements.push_back(read_element(table));
-    source.element_lines.push_back(table.line());
   }
   for (const TomlTable& table : root.tables("window")) {
     building.windows.push_back({read_pose(table), table.number("width", 1.5, {0.1, 100.0})});
-    source.window_lines.push_back(table.line());
     table.reject_unknown();
   }
   for (const TomlTable& table : root.tables("door")) {
@@ -207,11 +201,8 @@ void write_building(const std::filesystem::path& file, const Building& building)
     text += place.has_theta ? fmt::format("theta = {:.4f}\n", place.pose.theta) : "";
   }
   for (const Zone& zone : building.zones) {
-    text += fmt::format("\n[[zone]]\nname = {}\nkind = \"{}\"\npolygon = [", quoted(zone.name), name_of(zone.kind));
-    for (std::size_t i = 0; i < zone.polygon.size(); ++i) {
-      text += fmt::format("{}[{:.3f}, {:.3f}]", i == 0 ? "" : ", ", zone.polygon[i].x(), zone.polygon[i].y());
-    }
-    text += "]\n";
+    text += fmt::format("\n[[zone]]\nname = {}\nkind = \"{}\"\npolygon = {}\n", quoted(zone.name), name_of(zone.kind),
+                        polygon_text(zone.polygon));
     text += zone.kind == ZoneKind::kSlow ? fmt::format("speed = {:.3f}\n", zone.speed) : "";
     text += zone.kind == ZoneKind::kOneWay ? fmt::format("direction = {:.4f}\n", zone.direction) : "";
   }

@@ -16,14 +16,15 @@ Building read_building(const std::filesystem::path& file);
 struct BuildingSource {
   Building building;
   std::vector<int> fixture_lines;
-  std::vector<int> element_lines;
-  std::vector<int> window_lines;
   std::vector<int> door_lines;
   std::vector<int> place_lines;
   std::vector<int> zone_lines;
 };
 /// As read_building.
 BuildingSource read_building_source(const std::filesystem::path& file);
+
+/// The corners as a TOML array of arrays, to the millimetre.
+std::string polygon_text(const Polygon& polygon);
 
 /// The text of a [[fixture]] table, as write_building has it.
 std::string fixture_table(const Fixture& fixture, double ceiling_height);

@@ -61,6 +61,15 @@ bool sets_key(const std::string& line, const std::string& key) {
 
 }  // namespace
 
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    result += c == '"' || c == '\\' ? "\\" : "";
+    result += c;
+  }
+  return result + '"';
+}
+
 TomlLines::TomlLines(const std::string& text) {
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) {

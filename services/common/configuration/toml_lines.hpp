@@ -6,6 +6,9 @@
 
 namespace luminav {
 
+/// A text as a TOML basic string.
+std::string quoted(const std::string& text);
+
 /// The lines of a TOML file that a person wrote, for edits that leave all else as it is, comments included.
 class TomlLines {
  public:

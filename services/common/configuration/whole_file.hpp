@@ -32,7 +32,6 @@ class WholeFile {
 
  private:
   void open();
-  void open_beside(const std::filesystem::path& target);
   [[noreturn]] void fail() const;
 
   std::filesystem::path file_;       // as a person named it
