@@ -8,7 +8,6 @@
 #include "services/controller/following/local_map.hpp"
 #include "services/controller/following/path_follower.hpp"
 #include "services/controller/safety/echo_memory.hpp"
-#include "services/controller/safety/sonar_watch.hpp"
 #include "services/controller/safety/stop_logic.hpp"
 #include "services/controller/search/wander.hpp"
 
@@ -20,7 +19,6 @@ struct ControllerConfig {
   Building building;  // without fixtures: a robot that does not know where it is searches by sonar alone
   PriorMap walls;     // of its map, empty = none
   EchoMemoryParams echo_memory;
-  SonarWatchParams sonar_watch;
   StopLogicParams stop_logic;
   LocalMapParams local_map;
   PathFollowerParams follower;

@@ -38,7 +38,7 @@ ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config, st
       subscriber_(lcm, key),
       controller_(config),
       echoes_(config.robot.sonar, config.echo_memory),
-      sonar_watch_(config.robot.sonar, config.sonar_watch),
+      sonar_watch_(config.robot.sonar),
       touches_(config.robot) {
   subscriber_.on(channels::kPath, &ControllerNode::on_path, this);
   subscriber_.on(channels::kNavigationStatus, &ControllerNode::on_navigation_status, this);
@@ -208,7 +208,7 @@ SonarWatch::Place ControllerNode::look_at_map(std::size_t disc, const Pose2& wor
   if (!has_grid_ || !grid_.geometry.contains(cell) || grid_.prior[grid_.geometry.index(cell)] == Prior::kUnknown) {
     return {};
   }
-  return {true, facing_wall(grid_, world_from_sonar, ring.half_angle, sonar_watch_.params().wall)};
+  return {true, facing_wall(grid_, world_from_sonar, ring.half_angle, SonarWatch::kWall)};
 }
 
 void ControllerNode::on_robot_status(const robot_status_t& message) {

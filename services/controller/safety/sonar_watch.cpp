@@ -6,6 +6,18 @@
 namespace luminav {
 namespace {
 
+constexpr double kDoubt = 3.0;     // pieces of evidence from which a disc is doubted
+constexpr double kLife = 2.0;      // pieces that a range which changes takes back
+constexpr int kDeadDiscs = 2;      // so many leave a gap that no neighbour covers
+constexpr double kSpacing = 0.10;  // [m] or
+constexpr double kTurn = 0.17;     // [rad] between two readings of a disc that say something new
+constexpr double kFarther = 0.4;   // [m] behind a wall that faces it: that was not heard
+constexpr double kSame = 0.005;    // [m] ranges that differ by less are the same: an echo has noise of its own
+constexpr double kAlong = 0.15;    // [m] of own way along its axis, over which a disc's range has to change
+constexpr double kQuietWay =
+    4.0;  // [m] without pose or map: so far no half of a ring is silent between walls and furniture
+constexpr double kQuietTurn = 0.5;  // [m/rad] what turning counts for in it
+
 std::string numbers_of(const std::vector<std::size_t>& discs) {
   std::string text;
   for (std::size_t i = 0; i < discs.size(); ++i) {
@@ -15,9 +27,6 @@ std::string numbers_of(const std::vector<std::size_t>& discs) {
 }
 
 }  // namespace
-
-SonarWatch::SonarWatch(const SonarRing& ring, const SonarWatchParams& params)
-    : ring_(ring), params_(params), discs_(ring.robot_from_sonar.size()) {}
 
 void SonarWatch::forget_motion() {
   for (Disc& disc : discs_) {
@@ -41,11 +50,11 @@ bool SonarWatch::is_new_place(const std::optional<Pose2>& counted, const SonarFi
     return true;
   }
   const Pose2 moved = counted->inverse() * firing.odom_from_robot;
-  return std::hypot(moved.x, moved.y) > params_.spacing || std::abs(moved.theta) > params_.turn;
+  return std::hypot(moved.x, moved.y) > kSpacing || std::abs(moved.theta) > kTurn;
 }
 
 bool SonarWatch::says_the_same(Disc& disc, const SonarFiring& firing) const {
-  if (!firing.has_echo || !disc.same || std::abs(firing.range - disc.same->range) > params_.same) {
+  if (!firing.has_echo || !disc.same || std::abs(firing.range - disc.same->range) > kSame) {
     disc.same.reset();
     if (firing.has_echo) {
       disc.same = firing;
@@ -54,7 +63,7 @@ bool SonarWatch::says_the_same(Disc& disc, const SonarFiring& firing) const {
   }
   const double axis = disc.same->odom_from_robot.theta + ring_.robot_from_sonar[firing.disc].theta;
   const Eigen::Vector2d moved = firing.odom_from_robot.position() - disc.same->odom_from_robot.position();
-  if (std::abs(moved.x() * std::cos(axis) + moved.y() * std::sin(axis)) < params_.along) {
+  if (std::abs(moved.x() * std::cos(axis) + moved.y() * std::sin(axis)) < kAlong) {
     return false;
   }
   disc.same->odom_from_robot = firing.odom_from_robot;
@@ -65,28 +74,28 @@ bool SonarWatch::is_silent_half(std::size_t disc, const SonarFiring& firing, boo
   Half& half = half_of(disc);
   if (half.odom_from_robot) {
     const Pose2 moved = half.odom_from_robot->inverse() * firing.odom_from_robot;
-    half.quiet += std::hypot(moved.x, moved.y) + params_.quiet_turn * std::abs(moved.theta);
+    half.quiet += std::hypot(moved.x, moved.y) + kQuietTurn * std::abs(moved.theta);
   }
   half.odom_from_robot = firing.odom_from_robot;
   half.quiet = firing.has_echo && !is_stuck ? 0.0 : half.quiet;
-  return half.quiet > params_.quiet_way;
+  return half.quiet > kQuietWay;
 }
 
 void SonarWatch::add(const SonarFiring& firing, const Place& place) {
   Disc& disc = discs_[firing.disc];
   // One that was stuck and falls silent changes, too: it may stand before nothing now.
   const bool is_lively =
-      disc.last && (firing.has_echo ? !disc.last->has_echo || std::abs(firing.range - disc.last->range) > params_.same
+      disc.last && (firing.has_echo ? !disc.last->has_echo || std::abs(firing.range - disc.last->range) > kSame
                                     : disc.last->has_echo && disc.is_stuck);
   const bool is_stuck = says_the_same(disc, firing);
   const bool is_half_silent = is_silent_half(firing.disc, firing, is_stuck);
-  const bool is_unheard = place.wall && (!firing.has_echo || firing.range > *place.wall + params_.farther);
+  const bool is_unheard = place.wall && (!firing.has_echo || firing.range > *place.wall + kFarther);
   const bool is_deaf = is_unheard || (!place.is_known && is_half_silent && !firing.has_echo);
   disc.last = firing;
   Half& half = half_of(firing.disc);
   if (is_lively || (place.wall && firing.has_echo && !is_unheard && !is_stuck)) {
-    disc.evidence = std::max(0.0, disc.evidence - params_.life);
-    half.evidence = std::max(0.0, half.evidence - params_.life);
+    disc.evidence = std::max(0.0, disc.evidence - kLife);
+    half.evidence = std::max(0.0, half.evidence - kLife);
   } else if (is_stuck || is_deaf) {
     disc.is_stuck = firing.has_echo;
     count(firing, disc.counted, disc.evidence);
@@ -96,7 +105,7 @@ void SonarWatch::add(const SonarFiring& firing, const Place& place) {
 
 void SonarWatch::count(const SonarFiring& firing, std::optional<Pose2>& counted, double& evidence) const {
   if (is_new_place(counted, firing)) {
-    evidence = std::min(params_.dead, evidence + 1.0);
+    evidence = std::min(kDead, evidence + 1.0);
     counted = firing.odom_from_robot;
   }
 }
@@ -113,10 +122,10 @@ std::vector<std::size_t> SonarWatch::discs_above(double evidence) const {
 
 SonarTrust SonarWatch::trust() const {
   const double halves = ahead_.evidence + back_.evidence;
-  if (halves >= params_.dead || static_cast<int>(discs_above(params_.dead).size()) >= params_.dead_discs) {
+  if (halves >= kDead || static_cast<int>(discs_above(kDead).size()) >= kDeadDiscs) {
     return SonarTrust::kDead;
   }
-  return halves >= params_.doubt || !discs_above(params_.doubt).empty() ? SonarTrust::kDoubted : SonarTrust::kTrusted;
+  return halves >= kDoubt || !discs_above(kDoubt).empty() ? SonarTrust::kDoubted : SonarTrust::kTrusted;
 }
 
 std::string SonarWatch::reason() const {
@@ -124,8 +133,8 @@ std::string SonarWatch::reason() const {
   if (trust == SonarTrust::kTrusted) {
     return "";
   }
-  const bool is_half = ahead_.evidence + back_.evidence >= params_.doubt;
-  const std::vector<std::size_t> discs = discs_above(is_half ? 1.0 : params_.doubt);
+  const bool is_half = ahead_.evidence + back_.evidence >= kDoubt;
+  const std::vector<std::size_t> discs = discs_above(is_half ? 1.0 : kDoubt);
   const bool is_stuck = std::all_of(discs.begin(), discs.end(), [&](std::size_t i) { return discs_[i].is_stuck; });
   return (discs.size() == 1 ? "sonar " : "sonars ") + numbers_of(discs) +
          (is_stuck ? " measured the same while the robot moved" : " heard nothing where walls must be") +

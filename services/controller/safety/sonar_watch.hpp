@@ -9,21 +9,6 @@
 
 namespace luminav {
 
-struct SonarWatchParams {
-  double doubt = 3.0;       // pieces of evidence from which a disc is doubted,
-  double dead = 6.0;        // and from which it counts as dead
-  double life = 2.0;        // pieces that a range which changes takes back
-  int dead_discs = 2;       // so many leave a gap that no neighbour covers
-  double spacing = 0.10;    // [m] or
-  double turn = 0.17;       // [rad] between two readings of a disc that say something new
-  double wall = 3.0;        // [m] up to which a wall that faces a disc must echo
-  double farther = 0.4;     // [m] behind it: the wall was not heard
-  double same = 0.005;      // [m] ranges that differ by less are the same: an echo has noise of its own
-  double along = 0.15;      // [m] of own way along its axis, over which a disc's range has to change
-  double quiet_way = 4.0;   // [m] without pose or map: so far no half of a ring is silent between walls and furniture
-  double quiet_turn = 0.5;  // [m/rad] what turning counts for in it
-};
-
 /// What is to be thought of the ring.
 enum class SonarTrust { kTrusted, kDoubted, kDead };
 
@@ -36,7 +21,10 @@ enum class SonarTrust { kTrusted, kDoubted, kDead };
 /// counts of both halves add up: a ring that is wholly deaf is noticed on half the distance.
 class SonarWatch {
  public:
-  SonarWatch(const SonarRing& ring, const SonarWatchParams& params);
+  static constexpr double kDead = 6.0;  ///< pieces of evidence from which a disc counts as dead
+  static constexpr double kWall = 3.0;  ///< [m] up to which a wall that faces a disc must echo
+
+  explicit SonarWatch(const SonarRing& ring) : ring_(ring), discs_(ring.robot_from_sonar.size()) {}
 
   /// The place of a firing in the building.
   struct Place {
@@ -52,7 +40,6 @@ class SonarWatch {
   /// Plain sentence; "" when trusted.
   [[nodiscard]] std::string reason() const;
   [[nodiscard]] double evidence(std::size_t disc) const { return discs_[disc].evidence; }
-  [[nodiscard]] const SonarWatchParams& params() const { return params_; }
 
  private:
   struct Disc {
@@ -79,7 +66,6 @@ class SonarWatch {
   [[nodiscard]] std::vector<std::size_t> discs_above(double evidence) const;
 
   SonarRing ring_;
-  SonarWatchParams params_;
   std::vector<Disc> discs_;
   Half ahead_;
   Half back_;

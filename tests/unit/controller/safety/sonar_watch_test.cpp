@@ -23,7 +23,7 @@ using Hearing = std::function<double(std::size_t disc, const Pose2& odom_from_ro
 
 /// Drives the ring through a world that is known only by what it hears.
 struct Drive {
-  SonarWatch watch{kRing, {}};
+  SonarWatch watch{kRing};
   Pose2 robot{};
   std::int64_t utime = 1'000'000;
   Hearing hear = [](std::size_t, const Pose2&) { return kRing.maximum_range; };
@@ -229,7 +229,7 @@ RecordedTrust judge_recording(bool has_map, bool is_deaf) {
   for (const double direction : kDirections) {
     ring.robot_from_sonar.push_back({0.0, 0.0, radians(direction)});
   }
-  SonarWatch watch(ring, {});
+  SonarWatch watch(ring);
   const OccupancyGrid grid = real_corridor();
   const auto ranges = numbers_of("measurement.txt");
   const auto poses = numbers_of("poses.txt");
@@ -241,7 +241,7 @@ RecordedTrust judge_recording(bool has_map, bool is_deaf) {
       const double range = is_deaf ? 5.11 : ranges[i][disc + 1] * 1e-3;
       const Pose2 sonar = robot * ring.robot_from_sonar[disc];
       const bool is_known = has_map && sonar.x > 0.4 && sonar.x < 10.5;
-      const auto wall = is_known ? facing_wall(grid, sonar, ring.half_angle, watch.params().wall) : std::nullopt;
+      const auto wall = is_known ? facing_wall(grid, sonar, ring.half_angle, SonarWatch::kWall) : std::nullopt;
       watch.add({disc, static_cast<std::int64_t>(1e3 * ranges[i][0]), range, range < 5.0, robot}, {is_known, wall});
       most = std::max(most, watch.evidence(disc));
       is_trusted = is_trusted && watch.trust() == SonarTrust::kTrusted;
@@ -255,8 +255,8 @@ TEST(SonarWatch, HasNoDoubtOfARealRingInACorridor) {
               judge_recording(false, false).most);
   EXPECT_TRUE(judge_recording(true, false).is_trusted);
   EXPECT_TRUE(judge_recording(false, false).is_trusted);
-  EXPECT_EQ(judge_recording(true, true).most, SonarWatchParams{}.dead);
-  EXPECT_EQ(judge_recording(false, true).most, SonarWatchParams{}.dead);
+  EXPECT_EQ(judge_recording(true, true).most, SonarWatch::kDead);
+  EXPECT_EQ(judge_recording(false, true).most, SonarWatch::kDead);
 }
 
 // --------------------------------------------------------------------------------------------------- walls that face
