@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "services/common/building/distance_transform.hpp"
 #include "services/common/geometry/seconds.hpp"
 #include "services/mapper/sonar/surface_patch.hpp"
 
@@ -27,23 +28,14 @@ constexpr double kSelfEcho = 0.3;             // [m] around the reading that may
 constexpr double kRobotLogOdds = 1.0;         // the robot's own place is certain
 
 std::vector<std::uint8_t> cells_near_walls(const OccupancyGrid& grid, double distance) {
-  const int reach = static_cast<int>(std::floor(distance / grid.geometry.resolution + 1e-9));
-  std::vector<std::uint8_t> near(grid.geometry.size(), 0);
-  for (int row = 0; row < grid.geometry.rows; ++row) {
-    for (int column = 0; column < grid.geometry.columns; ++column) {
-      if (grid.prior[grid.geometry.index({column, row})] != Prior::kOccupied) {
-        continue;
-      }
-      for (int dr = -reach; dr <= reach; ++dr) {
-        for (int dc = -reach; dc <= reach; ++dc) {
-          const Cell cell{column + dc, row + dr};
-          if (std::hypot(dc, dr) * grid.geometry.resolution <= distance + 1e-9 && grid.geometry.contains(cell)) {
-            near[grid.geometry.index(cell)] = 1;
-          }
-        }
-      }
-    }
-  }
+  std::vector<bool> is_wall(grid.prior.size());
+  std::transform(grid.prior.begin(), grid.prior.end(), is_wall.begin(),
+                 [](Prior prior) { return prior == Prior::kOccupied; });
+  const std::vector<float> squared = squared_distances_to(is_wall, static_cast<std::size_t>(grid.geometry.columns));
+  std::vector<std::uint8_t> near(squared.size());
+  std::transform(squared.begin(), squared.end(), near.begin(), [&](float cells) {
+    return std::sqrt(static_cast<double>(cells)) * grid.geometry.resolution <= distance + 1e-9 ? 1 : 0;
+  });
   return near;
 }
 

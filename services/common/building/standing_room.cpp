@@ -1,51 +1,22 @@
 #include "services/common/building/standing_room.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "services/common/building/distance_transform.hpp"
+
 namespace luminav {
-namespace {
-
-/// Only the walls' faces forbid anything: what lies deep inside them needs no disc.
-bool touches_free(const GridGeometry& geometry, const std::vector<bool>& is_free, const Cell& cell) {
-  for (const auto& [dx, dy] : std::array<std::pair<int, int>, 4>{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}}) {
-    const Cell next{cell.column + dx, cell.row + dy};
-    if (geometry.contains(next) && is_free[geometry.index(next)]) {
-      return true;
-    }
-  }
-  return false;
-}
-
-void forbid_around(const GridGeometry& geometry, std::vector<bool>& is_allowed, const Cell& cell, int reach) {
-  for (int dy = -reach; dy <= reach; ++dy) {
-    for (int dx = -reach; dx <= reach; ++dx) {
-      const Cell next{cell.column + dx, cell.row + dy};
-      if (dx * dx + dy * dy <= reach * reach && geometry.contains(next)) {
-        is_allowed[geometry.index(next)] = false;
-      }
-    }
-  }
-}
-
-}  // namespace
 
 StandingRoom::StandingRoom(const PriorMap& map) : geometry_(map.geometry), part_(map.geometry.size(), 0) {
-  const int reach = static_cast<int>(std::ceil(kRobotRadius / geometry_.resolution));
+  const double reach = std::ceil(kRobotRadius / geometry_.resolution);  // [cells]
+  std::vector<bool> is_solid(geometry_.size());
+  std::transform(map.cells.begin(), map.cells.end(), is_solid.begin(), [](Prior cell) { return cell != Prior::kFree; });
+  const std::vector<float> squared = squared_distances_to(is_solid, static_cast<std::size_t>(geometry_.columns));
   std::vector<bool> is_allowed(geometry_.size());
-  for (std::size_t i = 0; i < is_allowed.size(); ++i) {
-    is_allowed[i] = map.cells[i] == Prior::kFree;
-  }
-  const std::vector<bool> is_free = is_allowed;
-  for (int row = 0; row < geometry_.rows; ++row) {
-    for (int column = 0; column < geometry_.columns; ++column) {
-      const Cell cell{column, row};
-      if (!is_free[geometry_.index(cell)] && touches_free(geometry_, is_free, cell)) {
-        forbid_around(geometry_, is_allowed, cell, reach);
-      }
-    }
-  }
+  std::transform(squared.begin(), squared.end(), is_allowed.begin(),
+                 [&](float cells) { return static_cast<double>(cells) > reach * reach; });
   std::size_t largest_size = 0;
   for (std::size_t i = 0; i < part_.size(); ++i) {
     if (is_allowed[i] && part_[i] == 0) {

@@ -27,6 +27,17 @@ class FixtureSamples {
   const Fixture& fixture_;
 };
 
+/// Of a polygon; negative where its corners go clockwise.
+double doubled_area(const std::vector<Eigen::Vector2d>& corners) {
+  double area = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d& a = corners[i];
+    const Eigen::Vector2d& b = corners[(i + 1) % corners.size()];
+    area += a.x() * b.y() - a.y() * b.x();
+  }
+  return area;
+}
+
 }  // namespace
 
 CeilingView::CeilingView(const CameraDescription& camera)
@@ -45,13 +56,7 @@ CeilingView::CeilingView(const CameraDescription& camera)
   if (border_.size() < 4) {
     border_ = wide_border();
   }
-  double area = 0.0;
-  for (std::size_t i = 0; i < border_.size(); ++i) {
-    const Eigen::Vector2d& a = border_[i];
-    const Eigen::Vector2d& b = border_[(i + 1) % border_.size()];
-    area += a.x() * b.y() - a.y() * b.x();
-  }
-  if (area < 0.0) {
+  if (doubled_area(border_) < 0.0) {
     std::reverse(border_.begin(), border_.end());
   }
   for (std::size_t i = 0; i < border_.size(); ++i) {
@@ -135,13 +140,7 @@ double CeilingView::radius(double height) const {
 }
 
 double CeilingView::mean_radius(double height) const {
-  double doubled = 0.0;
-  for (std::size_t i = 0; i < border_.size(); ++i) {
-    const Eigen::Vector2d& a = border_[i];
-    const Eigen::Vector2d& b = border_[(i + 1) % border_.size()];
-    doubled += a.x() * b.y() - a.y() * b.x();
-  }
-  return std::max(0.0, height_above_camera(height)) * std::sqrt(0.5 * doubled / kPi);
+  return std::max(0.0, height_above_camera(height)) * std::sqrt(0.5 * doubled_area(border_) / kPi);
 }
 
 Eigen::Vector2d CeilingView::at_middle_row(const Eigen::Vector2d& point, double height, double linear,
