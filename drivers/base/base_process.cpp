@@ -137,7 +137,7 @@ int run_base(const std::string& process, const BaseOptions& options, const std::
   receive_only(*lcm, network, driver->channels());
   Watch watch(process, *driver, guardian, clock);
   EventLoop loop(*lcm, process, robot, network);
-  loop.belong_to(identify(options.robot_file, ""));
+  loop.belong_to(options.robot_file);
   loop.watch([&] { return driver->descriptor(); }, [&] { watch.poll(); });
   loop.every(20'000, [&] {
     driver->hold(loop.conflict());

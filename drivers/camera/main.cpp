@@ -65,7 +65,7 @@ int run(const Arguments& arguments, const CameraConfig& config, const Clock& clo
   fmt::print("camera: {}\n", source.description());
   std::fflush(stdout);
   EventLoop loop(*lcm, "camera", config.robot, network);
-  loop.belong_to(identify(arguments.robot_file, ""));
+  loop.belong_to(arguments.robot_file);
   loop.watch([&] { return node.descriptor(); }, [&] { node.poll(); });
   if (images) {
     loop.watch([&] { return images->getFileno(); },

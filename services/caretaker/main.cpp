@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
     luminav::CaretakerNode node(*lcm, robot, building, luminav::ledger_file(state, robot.name));
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "caretaker", robot.name, network);
-    loop.belong_to(luminav::identify(robot_file, building_file));
+    loop.belong_to(robot_file);
     loop.follow_building(building_file);
     loop.report_health([&] { return node.health(); });
     constexpr std::int64_t kSavePeriod = 10'000'000;  // [us] of visits that a crash may lose

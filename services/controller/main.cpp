@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     luminav::ControllerNode node(*lcm, config, access.key);
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "controller", config.robot.name, network);
-    loop.belong_to(luminav::identify(robot_file, building_file));
+    loop.belong_to(robot_file);
     loop.follow_building(building_file, [&](const luminav::Building& building) { node.set_zones(building.zones); });
     loop.report_health([&node] { return node.health(); });
     return loop.run();

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
     luminav::DetectorNode node(*lcm, config);
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "detector", config.robot, network);
-    loop.belong_to(luminav::identify(robot_file, building_file));
+    loop.belong_to(robot_file);
     loop.follow_building(building_file);
     loop.report_health([&node] { return node.health(); });
     return loop.run();

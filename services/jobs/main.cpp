@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
     luminav::JobsNode node(*lcm, config, access.key);
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "jobs", config.robot.name, network);
-    loop.belong_to(luminav::identify(robot_file, building_file));
+    loop.belong_to(robot_file);
     loop.follow_building(building_file, [&](const luminav::Building& building) {
       node.set_places(building.places);
       luminav::remember_files(robot_file, building_file);

@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
     luminav::LocalizerNode node(*lcm, std::move(config), access.key);
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "localizer", robot_name, network);
-    loop.belong_to(luminav::identify(robot, building));
+    loop.belong_to(robot);
     loop.follow_building(building);
     loop.report_health([&] { return node.health(); });
     return loop.run();

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
     luminav::MapperNode node(*lcm, config, access.key);
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "mapper", config.robot.name, network);
-    loop.belong_to(luminav::identify(robot_file, building_file));
+    loop.belong_to(robot_file);
     loop.follow_building(building_file);
     loop.report_health([&] { return node.health(); });
     return loop.run();

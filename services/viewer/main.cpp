@@ -128,7 +128,7 @@ int view_robot(const ViewerOptions& options) {
   say_address(options.http, server, options.token_file);
 
   EventLoop loop(*lcm, "viewer", config.robot.name, network);
-  loop.belong_to(identify(options.robot_file, options.building_file));
+  loop.belong_to(options.robot_file);
   loop.follow_building(options.building_file, [&](const Building&) { site.read_again(); });
   loop.report_health([&] { return node.health(); });
   std::string shown_site;

@@ -257,8 +257,8 @@ void EventLoop::check_health() {
   }
 }
 
-void EventLoop::belong_to(SystemFiles files) {
-  files_ = std::move(files);
+void EventLoop::belong_to(const std::filesystem::path& robot_file) {
+  files_ = identify(robot_file, "");
 }
 
 void EventLoop::follow_building(const std::filesystem::path& file, std::function<void(const Building&)> take) {

@@ -56,10 +56,10 @@ class EventLoop {
   /// to change the answer.
   void when_due(std::function<std::optional<std::int64_t>()> left, std::function<void()> callback);
   void report_health(std::function<Health()> health) { health_ = std::move(health); }
-  /// Says in NODE_STATUS which files this process was given, and is at fault as long as another process was given
-  /// others.
-  void belong_to(SystemFiles files);
-  /// Belongs to the building that this file says, now and after its zones or places were changed: when NODE_STATUS of
+  /// Says in NODE_STATUS which robot's file this process was given, and is at fault as long as another process was
+  /// given another. Throws ConfigurationError or std::runtime_error.
+  void belong_to(const std::filesystem::path& robot_file);
+  /// The same of the building that this file says, now and after its zones or places were changed: when NODE_STATUS of
   /// another process has the sum of a newer file, which must be this one. Calls back with it, at once and after each
   /// change. "" = no building. Throws ConfigurationError or std::runtime_error.
   void follow_building(const std::filesystem::path& file, std::function<void(const Building&)> take = {});
