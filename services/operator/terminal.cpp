@@ -5,28 +5,18 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <ctime>
 #include <stdexcept>
 
+#include "services/common/process/clock.hpp"
 #include "services/common/process/interrupts.hpp"
 
 namespace luminav {
-namespace {
-
-std::int64_t clock_us(clockid_t clock) {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
-}
-
-}  // namespace
-
 std::int64_t monotonic_us() {
-  return clock_us(CLOCK_MONOTONIC);
+  return read_clock(CLOCK_MONOTONIC);
 }
 
 std::int64_t new_id() {
-  return clock_us(CLOCK_REALTIME);
+  return read_clock(CLOCK_REALTIME);
 }
 
 void listen_until(lcm::LCM& lcm, std::int64_t end) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <stdexcept>
 
 #include "drivers/camera/sources/pixel_formats.hpp"
@@ -18,12 +17,6 @@ constexpr std::int64_t kLongestDelay = 8'000'000;  // [us]
 constexpr double kSilence = 2.0;           // [s] at least
 constexpr double kSilentFrames = 4.0;      // periods at least
 constexpr double kExposureUnitUs = 100.0;  // of V4L2_CID_EXPOSURE_ABSOLUTE
-
-std::int64_t monotonic_now() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
-}
 
 int rounded_into(const V4l2Range& range, double value) {
   const double steps = std::round((value - range.min) / range.step);
@@ -104,8 +97,9 @@ bool V4l2Camera::apply_exposure() {
 
 std::int64_t V4l2Camera::middle_of(const V4l2Buffer& buffer) const {
   const std::int64_t now = clock_.utime();
-  const std::int64_t age =
-      buffer.stamp_is_monotonic ? std::clamp<std::int64_t>(monotonic_now() - buffer.stamp, 0, 1'000'000) : 0;
+  const std::int64_t age = buffer.stamp_is_monotonic
+                               ? std::clamp<std::int64_t>(read_clock(CLOCK_MONOTONIC) - buffer.stamp, 0, 1'000'000)
+                               : 0;
   const double readout = params_.row_time_us * device_->format().height;
   const double half = 0.5 * (readout + exposure_us_);
   return now - age + std::llround(buffer.stamp_is_monotonic && buffer.stamp_is_start ? half : -half);

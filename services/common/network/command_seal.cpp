@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <array>
-#include <ctime>
 #include <fstream>
 #include <luminav/stop_t.hpp>
 
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/process/channels.hpp"
+#include "services/common/process/clock.hpp"
 
 namespace luminav {
 namespace {
@@ -25,9 +25,7 @@ constexpr std::int64_t kClockSlack = 60'000'000;  // [us] between the clocks of 
 using Tag = std::array<std::uint8_t, kTagSize>;
 
 std::int64_t wall_clock() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
+  return read_clock(CLOCK_REALTIME);
 }
 
 void append_number(std::uint64_t number, std::vector<std::uint8_t>& bytes) {

@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -19,12 +18,6 @@
 
 namespace luminav {
 namespace {
-
-std::int64_t read_clock(clockid_t id) {
-  timespec now{};
-  clock_gettime(id, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
-}
 
 std::filesystem::path offset_file() {
   std::string boot = "unknown";

@@ -1,8 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <ctime>
 
 namespace luminav {
+
+/// [us] by one of the host's clocks, such as CLOCK_MONOTONIC.
+inline std::int64_t read_clock(clockid_t id) {
+  timespec now{};
+  clock_gettime(id, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
+}
 
 /// Where drivers take their time from: the host's clock in a process, a virtual one in a test or an evaluation.
 class Clock {

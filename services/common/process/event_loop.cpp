@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <ctime>
 #include <fstream>
 #include <luminav/node_status_t.hpp>
 #include <stdexcept>
@@ -20,6 +19,7 @@
 #include "services/common/network/lcm_network.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/channels.hpp"
+#include "services/common/process/clock.hpp"
 #include "services/common/process/command_line.hpp"
 
 namespace luminav {
@@ -39,15 +39,7 @@ void on_signal(int) {
 }
 
 std::int64_t now_monotonic() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
-}
-
-std::int64_t now_wall() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
+  return read_clock(CLOCK_MONOTONIC);
 }
 
 std::int64_t cpu_used() {
@@ -74,10 +66,6 @@ std::string host_name() {
   gethostname(name.data(), name.size() - 1);
   return name.data();
 }
-
-}  // namespace
-
-namespace {
 
 /// Asks the kernel before LCM does, which would say it in the words of tools that Debian has no more.
 bool has_route(const MulticastAddress& group) {
@@ -142,7 +130,7 @@ EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot, LcmN
       process_(std::move(process)),
       robot_(std::move(robot)),
       host_(host_name()),
-      instance_(now_wall()),
+      instance_(read_clock(CLOCK_REALTIME)),
       roles_(robot_),
       heard_itself_(now_monotonic()),
       subscriber_(lcm) {
@@ -337,7 +325,7 @@ void EventLoop::publish_status() {
   const std::int64_t cpu = cpu_used();
   const Health health = current_health();
   node_status_t status{};
-  status.utime = now_wall();
+  status.utime = read_clock(CLOCK_REALTIME);
   status.process = process_;
   status.host = host_;
   status.robot = robot_;

@@ -7,7 +7,6 @@
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "services/common/process/clock.hpp"
 #include "services/viewer/http/http_rules.hpp"
 
 namespace luminav {
@@ -27,9 +27,7 @@ constexpr int kLook = 100;               // [ms] between looks at the time
 constexpr int kAcceptedAtOnce = 64;
 
 std::int64_t steady_now() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
+  return read_clock(CLOCK_MONOTONIC);
 }
 
 struct AddressList {
