@@ -1,5 +1,7 @@
 #include "services/viewer/message_json.hpp"
 
+#include <openssl/evp.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -65,18 +67,9 @@ Json detection_json(const fixture_detection_t& seen, const std::optional<Pose2>&
 }  // namespace
 
 std::string to_base64(const std::uint8_t* bytes, std::size_t count) {
-  static constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((count + 2) / 3 * 4);
-  for (std::size_t i = 0; i < count; i += 3) {
-    const std::size_t left = std::min<std::size_t>(3, count - i);
-    const unsigned group = static_cast<unsigned>(bytes[i] << 16) |
-                           (left > 1 ? static_cast<unsigned>(bytes[i + 1] << 8) : 0U) | (left > 2 ? bytes[i + 2] : 0U);
-    text += kLetters[group >> 18];
-    text += kLetters[(group >> 12) & 63U];
-    text += left > 1 ? kLetters[(group >> 6) & 63U] : '=';
-    text += left > 2 ? kLetters[group & 63U] : '=';
-  }
+  std::string text((count + 2) / 3 * 4 + 1, '\0');  // with the NUL that OpenSSL writes behind it
+  const int size = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes, static_cast<int>(count));
+  text.resize(static_cast<std::size_t>(size));
   return text;
 }
 

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <charconv>
 
+#include "services/viewer/http/http_rules.hpp"
+
 namespace luminav {
 namespace {
 
@@ -25,13 +27,6 @@ std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
   return text;
-}
-
-std::string to_lower(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return lower;
 }
 
 void read_request_line(std::string_view line, HttpRequest& request) {

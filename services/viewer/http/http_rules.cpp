@@ -1,6 +1,7 @@
 #include "services/viewer/http/http_rules.hpp"
 
 #include <arpa/inet.h>
+#include <openssl/crypto.h>
 
 #include <algorithm>
 #include <cctype>
@@ -8,13 +9,6 @@
 
 namespace luminav {
 namespace {
-
-std::string to_lower(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return lower;
-}
 
 bool is_address(const std::string& host) {
   in6_addr address{};
@@ -29,15 +23,18 @@ bool is_name(const std::string& host) {
 
 // Takes as long for a wrong first letter as for a wrong last one. A secret that does not exist is nobody's.
 bool is_same_secret(std::string_view expected, std::string_view given) {
-  unsigned char difference = expected.size() == given.size() && !expected.empty() ? 0 : 1;
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    const char letter = i < given.size() ? given[i] : '\0';
-    difference = static_cast<unsigned char>(difference | (expected[i] ^ letter));
-  }
-  return difference == 0;
+  return !expected.empty() && expected.size() == given.size() &&
+         CRYPTO_memcmp(expected.data(), given.data(), expected.size()) == 0;
 }
 
 }  // namespace
+
+std::string to_lower(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return lower;
+}
 
 std::optional<HostAndPort> read_host(std::string_view text) {
   HostAndPort result;

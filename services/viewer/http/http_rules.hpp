@@ -13,6 +13,8 @@ struct HostAndPort {
   friend bool operator==(const HostAndPort&, const HostAndPort&) = default;
 };
 
+/// Hosts and headers' names are the same in any case.
+std::string to_lower(std::string_view text);
 /// Reads "name", "name:port" and "[v6]:port"; nothing for anything else.
 std::optional<HostAndPort> read_host(std::string_view text);
 /// Reads the Origin of a page served over http; nothing for anything else ("null", https, a path).
