@@ -1,8 +1,6 @@
 #include "services/mapper/mapper_config.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"

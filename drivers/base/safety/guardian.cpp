@@ -12,12 +12,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 namespace luminav {
 namespace {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <string_view>
 #include <system_error>
 
 #include "services/common/configuration/building_file.hpp"

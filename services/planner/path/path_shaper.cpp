@@ -1,7 +1,6 @@
 #include "services/planner/path/path_shaper.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace luminav {

@@ -4,7 +4,6 @@
 #include <array>
 #include <functional>
 #include <memory>
-#include <utility>
 
 #include "services/planner/search/grid_steps.hpp"
 

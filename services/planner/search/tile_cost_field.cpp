@@ -1,6 +1,5 @@
 #include "services/planner/search/tile_cost_field.hpp"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <numeric>

@@ -1,6 +1,5 @@
 #include "services/surveyor/survey/straightening.hpp"
 
-#include <algorithm>
 #include <complex>
 
 namespace luminav {

@@ -1,7 +1,5 @@
 #include "drivers/camera/simulated/catalogue/clutter.hpp"
 
-#include <algorithm>
-
 namespace luminav::simulated {
 namespace {
 
