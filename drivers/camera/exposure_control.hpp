@@ -56,7 +56,6 @@ class ExposureControl {
   ExposureSetting update(const GreyView& image, double exposure_us, double gain, double angular);
 
   [[nodiscard]] const ExposureSetting& setting() const { return setting_; }
-  [[nodiscard]] const CeilingBrightness& brightness() const { return brightness_; }
   /// "" or why the range cannot be met, in one plain sentence.
   [[nodiscard]] const std::string& complaint() const { return complaint_; }
 

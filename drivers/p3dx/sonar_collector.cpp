@@ -34,7 +34,6 @@ void SonarCollector::update(const InformationPacket& packet, std::int64_t utime,
     const auto array = static_cast<std::size_t>(reading.disc / kDiscsPerArray);
     const std::size_t later = per_array[array] - ++seen[array];  // readings of this array that were taken after it
     if (reading.disc >= static_cast<int>(discs_.size())) {
-      ++unknown_discs_;
       continue;
     }
     Disc& disc = discs_[static_cast<std::size_t>(reading.disc)];

@@ -19,8 +19,6 @@ class SonarCollector {
   void clear();
   /// All but session and sequence.
   [[nodiscard]] sonar_t message() const;
-  /// Readings of discs that the robot's file does not have.
-  [[nodiscard]] std::int64_t unknown_discs() const { return unknown_discs_; }
 
  private:
   struct Disc {
@@ -32,7 +30,6 @@ class SonarCollector {
   std::vector<Disc> discs_;
   double maximum_range_;
   std::int64_t utime_ = 0;
-  std::int64_t unknown_discs_ = 0;
 };
 
 }  // namespace luminav

@@ -31,7 +31,6 @@ class MapperNode {
   /// What it listens to.
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
   [[nodiscard]] const OccupancyGrid& grid() const { return mapper_->grid(); }
-  [[nodiscard]] const GridMapper& mapper() const { return *mapper_; }
   /// Readings drawn so far.
   [[nodiscard]] std::int64_t integrated() const { return integrated_; }
 

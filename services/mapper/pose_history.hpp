@@ -23,7 +23,6 @@ class PoseHistory {
   void clear() { entries_.clear(); }
 
   [[nodiscard]] std::int64_t newest() const { return entries_.empty() ? 0 : entries_.back().utime; }
-  [[nodiscard]] std::int64_t oldest() const { return entries_.empty() ? 0 : entries_.front().utime; }
   /// The pose at an instant between two entries that are both trusted and not a jump of the estimate apart.
   [[nodiscard]] std::optional<Pose2> trusted_at(std::int64_t utime) const;
 

@@ -1,7 +1,6 @@
 #include "drivers/p3dx/arcos/arcos_packet.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 
@@ -82,16 +81,16 @@ std::optional<PacketView> PacketParser::next() {
     const std::size_t left = buffer_.size() - begin_;
     const void* header = std::memchr(start, kHeader1, left);
     if (header == nullptr) {
-      skip(left);
+      begin_ += left;
       return std::nullopt;
     }
-    skip(static_cast<std::size_t>(static_cast<const std::uint8_t*>(header) - start));
+    begin_ += static_cast<std::size_t>(static_cast<const std::uint8_t*>(header) - start);
     const std::span<const std::uint8_t> rest(buffer_.data() + begin_, buffer_.size() - begin_);
     if (rest.size() < 2) {
       return std::nullopt;
     }
     if (rest[1] != kHeader2) {
-      skip(1);  // FA FA FB: the second FA may be the header
+      ++begin_;  // FA FA FB: the second FA may be the header
       continue;
     }
     if (rest.size() < 3) {
@@ -100,7 +99,7 @@ std::optional<PacketView> PacketParser::next() {
     const std::size_t count = rest[2];
     if (count < kSmallestCount) {
       ++bad_packets_;
-      skip(1);
+      ++begin_;
       continue;
     }
     if (rest.size() < count + 3) {
@@ -109,7 +108,7 @@ std::optional<PacketView> PacketParser::next() {
     const auto sum = static_cast<std::uint16_t>((rest[count + 1] << 8) | rest[count + 2]);
     if (arcos_checksum(rest.subspan(3, count - 2)) != sum) {
       ++bad_packets_;
-      skip(1);
+      ++begin_;
       continue;
     }
     PacketView packet{rest[3], rest.subspan(4, count - kSmallestCount), arrival(base_ + begin_)};
@@ -122,7 +121,7 @@ std::optional<PacketView> PacketParser::next() {
 void PacketParser::give_up_partial() {
   if (has_partial()) {
     ++bad_packets_;
-    skip(1);
+    ++begin_;
   }
 }
 

@@ -9,8 +9,6 @@
 
 namespace luminav {
 
-/// Largest frame of the ARCOS protocol: two header bytes, the count byte and the 255 bytes it can announce.
-inline constexpr std::size_t kLargestFrame = 258;
 /// Largest payload behind the type byte: 255 minus the type and the two bytes of the checksum.
 inline constexpr std::size_t kLargestPayload = 252;
 
@@ -43,11 +41,10 @@ class PacketParser {
   /// caller on whose line nothing comes any more gives it up.
   [[nodiscard]] bool has_partial() const { return begin_ < buffer_.size(); }
   void give_up_partial();
-  /// Forgets all bytes; the counters stay.
+  /// Forgets all bytes; the counter stays.
   void clear();
 
-  [[nodiscard]] std::int64_t bad_packets() const { return bad_packets_; }      // wrong checksum, or cut
-  [[nodiscard]] std::int64_t skipped_bytes() const { return skipped_bytes_; }  // outside of any packet
+  [[nodiscard]] std::int64_t bad_packets() const { return bad_packets_; }  // wrong checksum, or cut
 
  private:
   struct Chunk {
@@ -56,17 +53,12 @@ class PacketParser {
     double byte_time;    // [us]
   };
   [[nodiscard]] std::int64_t arrival(std::uint64_t offset) const;
-  void skip(std::size_t count) {
-    begin_ += count;
-    skipped_bytes_ += static_cast<std::int64_t>(count);
-  }
 
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_ = 0;   // first byte not yet used
   std::uint64_t base_ = 0;  // stream offset of buffer_[0]
   std::deque<Chunk> chunks_;
   std::int64_t bad_packets_ = 0;
-  std::int64_t skipped_bytes_ = 0;
 };
 
 }  // namespace luminav

@@ -19,7 +19,7 @@ void OdometryHistory::add(const OdometryReading& reading) {
     readings_.clear();
   }
   readings_.push_back(reading);
-  while (readings_.size() > 2 && readings_.front().utime < reading.utime - span_us_) {
+  while (readings_.size() > 2 && readings_.front().utime < reading.utime - kSpan) {
     readings_.pop_front();
   }
 }
@@ -34,28 +34,6 @@ std::optional<OdometryReading> OdometryHistory::at(std::int64_t utime) const {
     return *after;
   }
   return interpolate(*(after - 1), *after, utime);
-}
-
-OdometryHistory::Travel OdometryHistory::travel(std::int64_t from_utime, std::int64_t to_utime) const {
-  Travel travel;
-  const auto from = at(from_utime);
-  const auto to = at(to_utime);
-  if (!from || !to) {
-    return travel;
-  }
-  Pose2 last = from->odom_from_robot;
-  const auto add = [&](const Pose2& pose) {
-    travel.distance += distance(last, pose);
-    travel.turn += std::abs(wrap_angle(pose.theta - last.theta));
-    last = pose;
-  };
-  for (const OdometryReading& reading : readings_) {
-    if (reading.utime > from_utime && reading.utime < to_utime) {
-      add(reading.odom_from_robot);
-    }
-  }
-  add(to->odom_from_robot);
-  return travel;
 }
 
 }  // namespace luminav

@@ -29,7 +29,6 @@ class CommandRamp {
   void stop();
   /// What was driven in the end, after the stop logic.
   void restart_from(const DriveTwist& driven);
-  [[nodiscard]] const DriveTwist& current() const { return current_; }
 
  private:
   MotionLimits limits_;

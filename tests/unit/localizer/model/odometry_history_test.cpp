@@ -41,17 +41,7 @@ TEST(OdometryHistory, DropsAllAtANewSession) {
   history.add(reading(1000, 0.0));
   history.add(reading(2000, 5.0, 0.0, 2));
   EXPECT_FALSE(history.at(1500));
-  EXPECT_EQ(history.oldest_utime(), 2000);
-}
-
-TEST(OdometryHistory, AddsUpTurnsThereAndBack) {
-  OdometryHistory history;
-  history.add(reading(0, 0.0, 0.0));
-  history.add(reading(100, 1.0, 0.5));
-  history.add(reading(200, 0.0, 0.0));
-  const auto travel = history.travel(0, 200);
-  EXPECT_NEAR(travel.distance, 2.0, 1e-12);
-  EXPECT_NEAR(travel.turn, 1.0, 1e-12);
+  EXPECT_TRUE(history.at(2000));
 }
 
 TEST(FrameQueue, HoldsAnImageUntilOdometryReachesIt) {
