@@ -9,7 +9,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -147,7 +146,6 @@ void HttpListener::run() {
       }
     }
     std::erase_if(connections_, [](const HttpConnection& connection) { return connection.socket() < 0; });
-    count_endless();
   }
   connections_.clear();
 }
@@ -258,7 +256,6 @@ void HttpListener::answer_all(HttpConnection& connection, std::int64_t now) {
   } catch (const HttpError& error) {
     connection.refuse(error, params_.headers, now);
   }
-  count_endless();
 }
 
 HttpResponse HttpListener::answer(const HttpRequest& request) const {
@@ -279,11 +276,6 @@ bool HttpListener::may_be_endless(const std::string& address) const {
     }
   }
   return of_all < params_.endless && (is_loopback(address) || of_address < params_.endless_per_address);
-}
-
-void HttpListener::count_endless() {
-  endless_ = static_cast<int>(std::count_if(connections_.begin(), connections_.end(),
-                                            [](const HttpConnection& connection) { return connection.is_endless(); }));
 }
 
 }  // namespace luminav

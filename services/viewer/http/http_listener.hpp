@@ -42,8 +42,6 @@ class HttpListener {
   /// Begins to serve.
   void start(Answer answer);
   [[nodiscard]] int port() const { return port_; }
-  /// Answers without an end that are being given.
-  [[nodiscard]] int endless() const { return endless_; }
   /// There may be more for these. May be called from any thread.
   void wake();
 
@@ -55,7 +53,6 @@ class HttpListener {
   void answer_all(HttpConnection& connection, std::int64_t now);
   [[nodiscard]] HttpResponse answer(const HttpRequest& request) const;
   [[nodiscard]] bool may_be_endless(const std::string& address) const;
-  void count_endless();
 
   HttpListenerParams params_;
   Answer answer_;
@@ -64,7 +61,6 @@ class HttpListener {
   int wakeup_ = -1;
   std::atomic<bool> is_ending_{false};
   std::atomic<bool> has_news_{false};
-  std::atomic<int> endless_{0};
   std::list<HttpConnection> connections_;  // oldest first
   std::thread thread_;
 };
