@@ -40,7 +40,7 @@ void make_sensible(luminav_procman::procman_command_t& command, const Command* o
 std::string harmless(std::string text) {
   text.resize(std::min(text.size(), kLongestRefused));
   std::replace_if(
-      text.begin(), text.end(), [](char c) { return c >= 0 && (c < ' ' || c == 0x7f); }, '?');
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
   return text;
 }
 
