@@ -152,6 +152,7 @@ JobPlan read_jobs(const TomlTable& table) {
   plan.count = static_cast<int>(table.integer("count", 0, {0.0, 1000.0}));
   plan.time = table.number("time", plan.time, kDuration);
   plan.kills = static_cast<int>(table.integer("kills", 0, {0.0, 1000.0}));
+  plan.only_guides = table.choice("kinds", "all", {"all", "guides"}) == "guides";
   table.reject_unknown();
   return plan;
 }

@@ -52,6 +52,7 @@ struct JobPlan {
   int count = 0;           // 0 = none: the scenario has goals or drives
   double time = 25'200.0;  // [s] in which they are ordered
   int kills = 0;           // of the job service, at drawn times
+  bool only_guides = false;
 };
 
 struct ScenarioGoal {

@@ -30,6 +30,8 @@ class Visitor {
   [[nodiscard]] const Eigen::Vector2d& position() const { return position_; }
   /// False for one who stands where he is.
   [[nodiscard]] bool follows() const { return habit_.speed > 0.0; }
+  /// He is on his way back, for good.
+  [[nodiscard]] bool has_turned_away() const { return habit_.leaves && followed_ >= habit_.stops_after; }
   /// He turned away, and is out of sight.
   [[nodiscard]] bool is_gone() const { return gone_; }
 

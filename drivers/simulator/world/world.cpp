@@ -280,6 +280,12 @@ void World::remove_bystanders() {
   place_people();
 }
 
+const Visitor* World::visitor() const {
+  const auto found =
+      std::find_if(visitors_.begin(), visitors_.end(), [](const Visitor& visitor) { return visitor.follows(); });
+  return found == visitors_.end() ? nullptr : &*found;
+}
+
 void World::place_people() {
   scene_.set_people(people_.size() + visitors_.size());
   for (std::size_t i = 0; i < visitors_.size(); ++i) {

@@ -70,6 +70,8 @@ class World {
   /// Those who follow go away, or those who stand.
   void remove_visitors();
   void remove_bystanders();
+  /// Who follows it, or is about to; null = nobody.
+  [[nodiscard]] const Visitor* visitor() const;
   /// The robot stands in the dock and its contacts have met.
   [[nodiscard]] bool is_on_charger() const { return docking_ == Docking::kContact; }
 

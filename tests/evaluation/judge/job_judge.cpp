@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "drivers/simulator/arcos/battery.hpp"
 #include "services/common/process/channels.hpp"
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double kTolerance = 0.25;  // [m] of a stop, as of a goal
 constexpr double kReserve = 0.1;     // [V] above what is called empty
+constexpr double kTogether = 2.5;    // [m] from the robot's middle to a visitor who was led there
 
 }  // namespace
 
@@ -48,11 +50,21 @@ void JobJudge::note(Record& record, const job_state_t& job) {
   }
   const char* const going_back = "goes back";
   record.returns += job.sentence.starts_with(going_back) && !before.sentence.starts_with(going_back) ? 1 : 0;
+  if (job.kind == job_t::KIND_GUIDE && job.state != job_state_t::STATE_QUEUED && !record.is_over) {
+    look_at_visitor(record);
+  }
   if (is_over && !record.is_over) {
     record.is_charging = world_.is_on_charger();
   }
   record.is_over = is_over;
   record.last = job;
+}
+
+void JobJudge::look_at_visitor(Record& record) const {
+  const Visitor* visitor = world_.visitor();
+  record.is_deserted = record.is_deserted || (visitor != nullptr && visitor->has_turned_away());
+  record.to_visitor = visitor == nullptr ? std::numeric_limits<double>::infinity()
+                                         : (visitor->position() - world_.state().world_from_robot.position()).norm();
 }
 
 void JobJudge::judge_place(Record& record, const job_state_t& job) const {
@@ -66,6 +78,18 @@ void JobJudge::judge_place(Record& record, const job_state_t& job) const {
   }
 }
 
+std::string JobJudge::guide_complaint(const Record& record) {
+  const bool is_done = record.last.state == job_state_t::STATE_DONE;
+  const std::string& sentence = record.last.sentence;
+  if (is_done && record.to_visitor > kTogether) {
+    return fmt::format("done, but its visitor was {:.1f} m away", record.to_visitor);
+  }
+  if (!is_done && !record.is_deserted) {
+    return fmt::format("not done, its visitor was {:.1f} m away: {}", record.to_visitor, sentence);
+  }
+  return is_done || record.returns > 0 ? "" : "did not go back for its visitor: " + sentence;
+}
+
 std::string JobJudge::complaint(std::int64_t id, const Record& record) const {
   const job_state_t& job = record.last;
   const PlannedJob* plan = people_.ordered(id);
@@ -75,12 +99,12 @@ std::string JobJudge::complaint(std::int64_t id, const Record& record) const {
   if (!record.misplaced.empty()) {
     return record.misplaced;
   }
+  if (job.kind == job_t::KIND_GUIDE) {
+    return guide_complaint(record);
+  }
   const bool is_done = job.state == job_state_t::STATE_DONE;
   if (is_done != (plan == nullptr || plan->is_to_be_done)) {
     return fmt::format("{}: {}", is_done ? "done, but should not be" : "not done", job.sentence);
-  }
-  if (plan != nullptr && plan->visitor.leaves && record.returns == 0) {
-    return fmt::format("did not go back for its visitor: {}", job.sentence);
   }
   if (job.kind == job_t::KIND_HOME && is_done && !record.is_charging) {
     return fmt::format("does not charge: {}", job.sentence);
@@ -96,12 +120,11 @@ JobsResult JobJudge::result() const {
   std::size_t scheduled = 0;
   for (const auto& [id, record] : records_) {
     const job_state_t& job = record.last;
-    const PlannedJob* plan = people_.ordered(id);
     ++result.jobs;
     result.lost += record.is_there ? 0 : 1;
     result.doubled += record.is_revived ? 1 : 0;
     result.returns += record.returns;
-    result.guides_left += plan != nullptr && plan->visitor.leaves ? 1 : 0;
+    result.guides_left += record.is_deserted ? 1 : 0;
     if (job.kind == job_t::KIND_HOME) {
       const bool is_done = job.state == job_state_t::STATE_DONE;
       result.homes += is_done ? 1 : 0;

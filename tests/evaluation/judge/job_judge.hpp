@@ -33,6 +33,8 @@ class JobJudge {
     bool is_there = true;      // in the newest table
     bool is_charging = false;  // by the truth, when it ended
     int returns = 0;           // for its visitor
+    bool is_deserted = false;  // its visitor turned away before it ended
+    double to_visitor = 0.0;   // [m] when it ended
     int tries = 0;             // to drive into the dock
     std::string misplaced{};   // where it said to be and was not
   };
@@ -40,9 +42,11 @@ class JobJudge {
   void on_jobs(const job_status_t& status);
   void on_robot_status(const robot_status_t& status);
   void note(Record& record, const job_state_t& job);
+  void look_at_visitor(Record& record) const;
   void judge_place(Record& record, const job_state_t& job) const;
   /// Why it did not end as it should; "" = it did.
   [[nodiscard]] std::string complaint(std::int64_t id, const Record& record) const;
+  [[nodiscard]] static std::string guide_complaint(const Record& record);
 
   std::vector<Place> places_;
   const JobPeople& people_;

@@ -24,7 +24,7 @@ class Draw {
 
   DrawnJobs run() {
     DrawnJobs drawn;
-    const int tours = scenario_.jobs.count >= 10 ? 2 : 0;
+    const int tours = scenario_.jobs.count >= 10 && !scenario_.jobs.only_guides ? 2 : 0;
     for (int i = 0; i < tours; ++i) {
       drawn.tours.push_back(tour(i));
     }
@@ -66,6 +66,11 @@ class Draw {
     PlannedJob job;
     job.at = random_.uniform(0.0, scenario_.jobs.time);
     job.request.priority = random_.happens(0.2) ? 10 : 0;
+    if (scenario_.jobs.only_guides) {
+      set_stops(job, job_t::KIND_GUIDE, 1);
+      set_visitor(job, index);
+      return job;
+    }
     switch (index % 5) {
       case 0:
       case 2:
@@ -110,7 +115,6 @@ class Draw {
       default:
         job.visitor.stops_after = after;
         job.visitor.leaves = true;
-        job.is_to_be_done = false;
     }
   }
 

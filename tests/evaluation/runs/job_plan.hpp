@@ -17,7 +17,7 @@ struct PlannedJob {
   job_t request{};                   // all but stamp and id
   VisitorHabit visitor{};            // of a guide
   std::array<double, 2> handover{};  // [s] of a carry, until "loaded" and "unloaded" is said; infinite = never
-  bool is_to_be_done = true;         // else it has to end as given up
+  bool is_to_be_done = true;         // else it has to end as given up; of a guide its visitor decides
 };
 
 /// All that is drawn of a scenario's jobs.

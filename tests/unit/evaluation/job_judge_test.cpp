@@ -49,6 +49,23 @@ class JobJudgeTest : public ::testing::Test {
     job.sentence = "as it is";
     return job;
   }
+  static job_state_t guide(int state, const std::string& sentence) {
+    job_state_t guide = job(1001, state);
+    guide.kind = job_t::KIND_GUIDE;
+    guide.sentence = sentence;
+    return guide;
+  }
+  /// The robot drives ahead while it leads somebody, and the job ends.
+  std::vector<std::string> complaints_after_guiding(const VisitorHabit& habit, double seconds, int end,
+                                                    const std::string& meanwhile) {
+    EXPECT_TRUE(world.add_visitor(habit));
+    for (double t = 0.0; t < seconds; t += World::kTick) {
+      world.step({0.5, 0.0, true});
+      say({guide(State::STATE_DRIVING, meanwhile), job(1002, State::STATE_FAILED)});
+    }
+    say({guide(end, "as it is"), job(1002, State::STATE_FAILED)});
+    return judge.result().wrong;
+  }
   void say(std::vector<job_state_t> jobs) {
     status.utime = 1;
     status.jobs = std::move(jobs);
@@ -90,6 +107,31 @@ TEST_F(JobJudgeTest, TellsOfARobotThatStandsElsewhere) {
   say({job(1001, State::STATE_AT_STOP, "there"), job(1002, State::STATE_FAILED)});
   say({job(1001, State::STATE_DONE, "there"), job(1002, State::STATE_FAILED)});
   EXPECT_THAT(judge.result().wrong, ElementsAre(HasSubstr("said to be at there, was 2.00 m from it")));
+}
+
+TEST_F(JobJudgeTest, WantsAGuideToArriveWithItsVisitor) {
+  EXPECT_THAT(complaints_after_guiding({}, 6.0, State::STATE_DONE, "leads"), IsEmpty());
+}
+
+TEST_F(JobJudgeTest, TellsOfAGuideThatArrivesAlone) {
+  EXPECT_THAT(complaints_after_guiding({.speed = 0.01}, 6.0, State::STATE_DONE, "leads"),
+              ElementsAre(HasSubstr("done, but its visitor was 4.")));
+}
+
+TEST_F(JobJudgeTest, TellsOfAVisitorWhoWasGivenUpAndHadNotTurnedAway) {
+  EXPECT_THAT(complaints_after_guiding({.speed = 0.01}, 6.0, State::STATE_FAILED, "goes back for its visitor"),
+              ElementsAre(HasSubstr("not done, its visitor was 4.")));
+}
+
+TEST_F(JobJudgeTest, WantsWhoTurnedAwayGivenUpAfterGoingBack) {
+  EXPECT_THAT(
+      complaints_after_guiding({.stops_after = 0.5, .leaves = true}, 6.0, State::STATE_FAILED, "goes back for him"),
+      IsEmpty());
+}
+
+TEST_F(JobJudgeTest, TellsOfAVisitorForWhomNobodyWentBack) {
+  EXPECT_THAT(complaints_after_guiding({.stops_after = 0.5, .leaves = true}, 6.0, State::STATE_FAILED, "leads"),
+              ElementsAre(HasSubstr("did not go back")));
 }
 
 TEST_F(JobJudgeTest, MissesAJobThatIsGone) {

@@ -45,13 +45,28 @@ TEST(DrawnJobs, AreSixtyOfAllKinds) {
                : std::isfinite(habit.stops_after) ? "stops"
                : habit.speed < 0.5                ? "slower"
                                                   : "keeps up"];
-      EXPECT_EQ(job.is_to_be_done, !habit.leaves);
     }
   }
   EXPECT_EQ(kinds[job_t::KIND_GUIDE], 24);
   EXPECT_EQ(kinds[job_t::KIND_CARRY], 23);
   EXPECT_EQ(kinds[job_t::KIND_HOME], 2);
   EXPECT_EQ(habits.size(), 4U);
+}
+
+TEST(DrawnJobs, AreGuidesAloneWithEachHabitInTurn) {
+  Scenario scenario = eight_hours(1);
+  scenario.jobs.count = 12;
+  scenario.jobs.only_guides = true;
+  const DrawnJobs drawn = draw_jobs(scenario, building());
+  ASSERT_EQ(drawn.jobs.size(), 12U);
+  EXPECT_TRUE(drawn.tours.empty());
+  int leave = 0;
+  for (const PlannedJob& job : drawn.jobs) {
+    EXPECT_EQ(job.request.kind, job_t::KIND_GUIDE);
+    EXPECT_EQ(job.request.stops.size(), 1U);
+    leave += job.visitor.leaves ? 1 : 0;
+  }
+  EXPECT_EQ(leave, 3);
 }
 
 TEST(DrawnJobs, FollowFromTheSeed) {

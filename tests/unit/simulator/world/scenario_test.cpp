@@ -233,14 +233,16 @@ TEST(ScenarioFile, LeavesOpenWhereACarryLeads) {
 }
 
 TEST(ScenarioFile, HasADockABatteryAndJobs) {
-  const Scenario scenario =
-      read("[dock]\nplace = \"desk\"\nreach = 0.1\n[battery]\nvoltage = 11.9\n[jobs]\ncount = 6\nkills = 2\n");
+  const Scenario scenario = read(
+      "[dock]\nplace = \"desk\"\nreach = 0.1\n[battery]\nvoltage = 11.9\n[jobs]\ncount = 6\nkills = 2\n"
+      "kinds = \"guides\"\n");
   ASSERT_TRUE(scenario.dock.has_value());
   EXPECT_EQ(scenario.dock->pose.x, 4.0);
   EXPECT_EQ(scenario.dock->reach, 0.1);
   EXPECT_EQ(scenario.battery_voltage, 11.9);
   EXPECT_EQ(scenario.jobs.count, 6);
   EXPECT_EQ(scenario.jobs.kills, 2);
+  EXPECT_TRUE(scenario.jobs.only_guides);
   EXPECT_FALSE(read("").dock.has_value());
   EXPECT_EQ(read("").jobs.count, 0);
   EXPECT_THAT(error_of("[dock]\nplace = \"roof\"\n"), HasSubstr("must be the name of one of the building's places"));
