@@ -14,14 +14,17 @@ constexpr double kPlannerPatience = 5.0;  // [s] it speaks once a second at leas
 }  // namespace
 
 JobExecutor::JobExecutor(const JobParams& params, JobSite site)
-    : params_(params), site_(std::move(site)), battery_(params.battery), guide_(params.guide) {}
+    : params_(params), site_(std::move(site)), battery_(params.battery), guide_(params.guide, site_.walls) {}
 
 void JobExecutor::load(JobTable table) {
   queue_.restore(std::move(table));
   for (const Job& job : queue_.table().jobs) {
     left_over_.push_back(job.id);
   }
-  const Job* job = queue_.active();
+  Job* job = queue_.active();
+  if (job != nullptr && job->kind == JobKind::kGuide && job->state == JobState::kDriving) {
+    job->goal_id = 0;  // where its visitor was is not kept: it stops, and begins anew with whoever stands there
+  }
   const bool drives = job != nullptr && job->state == JobState::kDriving && job->goal_id != 0;
   const std::optional<DriveTarget> target = drives ? target_of(job->stops[job->stop]) : std::nullopt;
   const std::int64_t open_goal = queue_.table().open_goal;
@@ -220,17 +223,16 @@ void JobExecutor::drive(Job& job, const JobMoment& moment) {
 /// True as long as the visitor, not the place, decides what is done.
 bool JobExecutor::guide(Job& job, const JobMoment& moment) {
   const bool drives = drive_.is_open();
-  if (!drives && drive_.state() != Drive::kArrived) {
+  const bool is_shut = drive_.state() == Drive::kBlocked || drive_.state() == Drive::kStuck;
+  if (!drives && drive_.state() != Drive::kArrived && (guide_.leads() || !is_shut)) {
     return false;
   }
-  switch (guide_.update({moment.seconds, moment.driven, moment.behind, moment.world_from_robot, !drives})) {
+  switch (guide_.update({moment.seconds, moment.driven, moment.echoes, moment.world_from_robot, !drives})) {
     case GuideWatch::Advice::kWait:
       drive_.pause(moment.utime);
       break;
     case GuideWatch::Advice::kLeadOn:
-      if (drives) {
-        drive_.resume(moment.utime);
-      } else if (const auto target = target_of(job.stops[job.stop])) {
+      if (const auto target = target_of(job.stops[job.stop])) {
         drive_.begin(*target, moment.utime);
       }
       return true;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,6 +34,7 @@ struct JobSite {
   std::string home{};        // name of a place; "" = none
   bool has_charger = false;  // there
   std::vector<StoredTour> tours{};
+  std::shared_ptr<const PriorMap> walls{};  // null = no map
 };
 
 /// All that is known at one moment.
@@ -45,7 +47,7 @@ struct JobMoment {
   double voltage = 0.0;                     // [V] 0 = unknown
   Charger charger = Charger::kNotHeard;     // by the robot's own word
   double driven = 0.0;                      // [m] forward since the last moment
-  std::optional<double> behind{};           // [m] nearest echo straight behind it
+  std::vector<Echo> echoes{};               // of its sonars since the last moment
 };
 
 /// The job service without its network: requests and moments in, one goal and the table of jobs out. One job is under

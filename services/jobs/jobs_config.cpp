@@ -1,17 +1,15 @@
 #include "services/jobs/jobs_config.hpp"
 
-#include <cmath>
+#include <memory>
 #include <utility>
 
+#include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
-#include "services/common/geometry/angle.hpp"
 #include "services/jobs/jobs_file.hpp"
 
 namespace luminav {
 namespace {
-
-constexpr double kStraightBehind = radians(25.0);  // [rad] off the robot's axis
 
 void read_params(const TomlTable& table, JobParams& params) {
   table.read("handover_timeout", params.handover_timeout, {5.0, 86400.0});
@@ -43,15 +41,12 @@ JobsConfig read_jobs_config(const std::filesystem::path& robot_file, const std::
   const TomlTable table = root.table("jobs");
   read_params(table, config.params);
   table.reject_unknown();
-  const std::vector<Pose2>& discs = config.robot.sonar.robot_from_sonar;
-  for (std::size_t disc = 0; disc < discs.size(); ++disc) {
-    if (std::abs(wrap_angle(discs[disc].theta - kPi)) < kStraightBehind) {
-      config.rear_sonars.push_back(disc);
-    }
-  }
   Building building = read_building(building_file);
   config.site.building = std::move(building.name);
   config.site.places = std::move(building.places);
+  if (!building.map_file.empty()) {
+    config.site.walls = std::make_shared<const PriorMap>(read_map(building.map_file));
+  }
   const std::filesystem::path beside = building_file.parent_path() / "jobs.toml";
   const bool has_file = !jobs_file.empty() || std::filesystem::exists(beside);
   if (has_file) {

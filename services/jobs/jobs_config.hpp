@@ -14,9 +14,8 @@ struct JobsConfig {
   RobotDescription robot;
   JobParams params;
   JobSite site;
-  std::vector<std::size_t> rear_sonars{};  ///< discs that look straight behind the robot
-  std::filesystem::path state_folder{};    ///< where the table of jobs lies; "" = nowhere
-  std::string boot{};                      ///< id of the machine's start; "" = unknown
+  std::filesystem::path state_folder{};  ///< where the table of jobs lies; "" = nowhere
+  std::string boot{};                    ///< id of the machine's start; "" = unknown
 };
 
 /// Reads table [jobs] of the robot's file, the building's places, and the building's jobs file: `jobs_file`, or

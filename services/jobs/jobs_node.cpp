@@ -18,7 +18,8 @@ constexpr std::int64_t kKeepPeriod = 20'000'000;  // [us] the table is kept anew
 constexpr double kLongestStep = 1.0;              // [s] a clock that jumps is no time that passes
 constexpr std::int64_t kPoseAge = 1'000'000;      // [us] an older pose does not count
 static_assert(JobQueue::kMaxEchoes == job_status_t::MAX_ECHOES);
-constexpr int kFarewells = 3;  // cancellations at the end, of which one arrives
+constexpr std::size_t kMaxEchoes = 100;  // without a tick
+constexpr int kFarewells = 3;            // cancellations at the end, of which one arrives
 
 }  // namespace
 
@@ -79,13 +80,23 @@ void JobsNode::on_pose(const pose_t& message) {
 }
 
 void JobsNode::on_sonar(const sonar_t& message) {
-  behind_.reset();
-  for (const std::size_t disc : config_.rear_sonars) {
-    if (disc < message.range.size() && disc < message.has_echo.size() && message.has_echo[disc] != 0) {
-      const auto range = static_cast<double>(message.range[disc]);
-      behind_ = std::min(behind_.value_or(range), range);
+  const SonarRing& ring = config_.robot.sonar;
+  const std::optional<Pose2> robot = pose_at(message.utime);
+  if (!robot || echoes_.size() > kMaxEchoes) {
+    return;
+  }
+  const std::size_t discs = std::min(ring.robot_from_sonar.size(), message.range.size());
+  for (std::size_t disc = 0; disc < discs; ++disc) {
+    if (message.fresh.at(disc) != 0 && message.has_echo.at(disc) != 0) {
+      echoes_.push_back(
+          {*robot * ring.robot_from_sonar[disc], ring.half_angle, static_cast<double>(message.range[disc])});
     }
   }
+}
+
+std::optional<Pose2> JobsNode::pose_at(std::int64_t utime) const {
+  const bool is_known = pose_ && pose_->state == pose_t::STATE_TRACKING && std::abs(utime - pose_->utime) < kPoseAge;
+  return is_known ? std::optional(world_from_robot(*pose_)) : std::nullopt;
 }
 
 void JobsNode::on_robot_status(const robot_status_t& message) {
@@ -122,16 +133,14 @@ void JobsNode::tick(const robot_status_t& status, double seconds) {
     moment.navigation = navigation_from(*navigation_);
     navigation_.reset();
   }
-  if (pose_ && pose_->state == pose_t::STATE_TRACKING && std::abs(now_ - pose_->utime) < kPoseAge) {
-    moment.world_from_robot = world_from_robot(*pose_);
-  }
+  moment.world_from_robot = pose_at(now_);
   moment.handled = who_handles(status);
   moment.voltage = status.battery_voltage;
   moment.charger = status.charge_state > robot_status_t::CHARGE_BULK   ? Charger::kHasCharged
                    : status.charge_state > robot_status_t::CHARGE_NONE ? Charger::kCharges
                                                                        : Charger::kNotHeard;
   moment.driven = std::max(0.0, status.linear) * seconds;
-  moment.behind = behind_;
+  moment.echoes = std::exchange(echoes_, {});
   executor_.update(moment);
   if (now_ - kept_.utime > kKeepPeriod || now_ < kept_.utime) {
     kept_.utime = now_;

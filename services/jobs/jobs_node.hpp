@@ -45,6 +45,8 @@ class JobsNode {
   void on_robot_status(const robot_status_t& message);
   void on_sonar(const sonar_t& message);
 
+  /// Where the robot is, while it is known.
+  [[nodiscard]] std::optional<Pose2> pose_at(std::int64_t utime) const;
   void go_on_or_ask(std::int64_t utime);
   void tick(const robot_status_t& status, double seconds);
   /// False when the disk takes nothing.
@@ -67,7 +69,7 @@ class JobsNode {
   std::vector<std::uint8_t> last_status_;          // without its stamp
   std::optional<navigation_status_t> navigation_;  // since the last tick
   std::optional<pose_t> pose_;
-  std::optional<double> behind_;  // [m]
+  std::vector<Echo> echoes_;  // since the last tick
   std::string store_error_;
   Subscriber subscriber_;  // last: no handler may run on a half-built node
 };

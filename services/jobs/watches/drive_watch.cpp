@@ -34,10 +34,6 @@ void DriveWatch::pause(std::int64_t utime) {
   ask(DriveAction::kPause, utime);
 }
 
-void DriveWatch::resume(std::int64_t utime) {
-  ask(DriveAction::kResume, utime);
-}
-
 void DriveWatch::forget() {
   state_ = Drive::kNone;
   is_echoed_ = true;

@@ -38,7 +38,7 @@ struct Navigation {
   double distance_left = 0.0;  // [m]
 };
 
-enum class DriveAction { kGo, kCancel, kPause, kResume };
+enum class DriveAction { kGo, kCancel, kPause };
 struct DriveRequest {
   std::int64_t id = 0;
   DriveAction action = DriveAction::kGo;
@@ -55,7 +55,6 @@ class DriveWatch {
   void take_over(const DriveTarget& target, std::int64_t goal_id);
   void cancel(std::int64_t utime);
   void pause(std::int64_t utime);
-  void resume(std::int64_t utime);
   /// Nothing drives any more, or it is no business of ours.
   void forget();
 

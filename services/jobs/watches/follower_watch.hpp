@@ -1,73 +1,63 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <deque>
+#include <memory>
 #include <optional>
+#include <vector>
 
+#include "services/common/building/occupancy_grid.hpp"
 #include "services/common/geometry/pose2.hpp"
 
 namespace luminav {
 
 struct FollowerParams {
-  double reach = 1.5;       // [m] within which somebody behind the robot follows it
-  double lost_after = 2.0;  // [m] of driving without anybody behind, then he is lost
+  double reach = 1.5;       // [m] within which somebody follows the robot
+  double lost_after = 2.0;  // [m] of driving without anybody near, then he is lost
 };
 
-/// Whether somebody follows, by what the sonars hear straight behind. No wall stands where the robot itself has just
-/// driven: an echo from there is somebody. Who stays falls out of reach, and is heard again when he comes after.
+/// One pulse of a disc that came back.
+struct Echo {
+  Pose2 world_from_sonar{};  // when it was heard; x along the disc's axis
+  double half_angle = 0.0;   // [rad] of the cone: it may come from anywhere within
+  double range = 0.0;        // [m]
+};
+
+/// How long the robot has driven alone. Who follows it walks where it has driven, and no wall stands there: an echo
+/// that can come from the robot's own trail, and not from a wall of the map, is somebody. It looks all round, so he is
+/// also heard round a corner, and from the front when the robot comes back for him. Whom it has heard twice it believes
+/// in: discs hear each other's pulses. Who steps off the trail is not heard.
 class FollowerWatch {
  public:
-  explicit FollowerWatch(const FollowerParams& params) : params_(params) {}
+  /// `walls` may be null: then no echo is a wall's.
+  FollowerWatch(const FollowerParams& params, std::shared_ptr<const PriorMap> walls)
+      : params_(params), walls_(std::move(walls)) {}
 
-  /// Somebody stands near it, before it perhaps, and is about to follow.
-  void begin() { *this = FollowerWatch(params_); }
+  /// Somebody stands near the robot and is about to follow.
+  void begin() { *this = FollowerWatch(params_, walls_); }
 
-  /// `range` [m] of the nearest echo behind, nothing = none; `driven` [m] forward since the last time. Without a pose
-  /// nothing is judged.
-  void update(std::optional<double> range, double driven, const std::optional<Pose2>& world_from_robot) {
-    if (!world_from_robot) {
-      return;
-    }
-    unseen_ += driven;
-    remember(world_from_robot->position());
-    if (range && *range <= params_.reach && was_driven(*world_from_robot * Eigen::Vector2d(-kDiscs - *range, 0.0))) {
-      unseen_ = 0.0;
-    }
-  }
-
+  /// `echoes` and what was driven forward [m] since the last time, `seconds` ago; true when they come from somebody
+  /// near. Without a pose nothing is judged.
+  bool update(const std::vector<Echo>& echoes, double seconds, double driven,
+              const std::optional<Pose2>& world_from_robot);
   /// The person himself says that he is there.
-  void see() { unseen_ = 0.0; }
-  [[nodiscard]] bool is_lost() const { return unseen_ > params_.lost_after; }
-  /// He was seen a moment ago.
-  [[nodiscard]] bool is_near() const { return unseen_ <= kMoment; }
+  void see() { alone_ = 0.0; }
+
+  /// [m] driven since somebody was near.
+  [[nodiscard]] double alone() const { return alone_; }
 
  private:
-  static constexpr double kDiscs = 0.25;  // [m] from the robot's middle to the discs behind
-  static constexpr double kCrumb = 0.1;   // [m] between two points of its way
-  static constexpr double kBeside = 0.3;  // [m] that an echo may be off its way
-  static constexpr double kMoment = 0.3;  // [m]
-  static constexpr double kPassed = 1.0;  // [m] until who stands before it is behind it
-  static constexpr std::size_t kCrumbs = 40;
-
-  void remember(const Eigen::Vector2d& point) {
-    if (trail_.empty() || (trail_.back() - point).norm() > kCrumb) {
-      trail_.push_back(point);
-    }
-    if (trail_.size() > kCrumbs) {
-      trail_.pop_front();
-    }
-  }
-  [[nodiscard]] bool was_driven(const Eigen::Vector2d& point) const {
-    for (const Eigen::Vector2d& crumb : trail_) {
-      if ((crumb - point).norm() < kBeside) {
-        return true;
-      }
-    }
-    return false;
-  }
+  void remember(const Eigen::Vector2d& point);
+  /// The point of the trail that an echo can come from [m, world].
+  [[nodiscard]] std::optional<Eigen::Vector2d> find_on_trail(const Echo& echo) const;
+  [[nodiscard]] bool is_wall(const Echo& echo) const;
 
   FollowerParams params_;
-  std::deque<Eigen::Vector2d> trail_;  // [m] world, where the robot was
-  double unseen_ = -kPassed;           // [m] driven since he was seen last
+  std::shared_ptr<const PriorMap> walls_;
+  std::deque<Eigen::Vector2d> trail_;     // [m] world, where the robot was
+  std::optional<Eigen::Vector2d> heard_;  // [m] world, where somebody was heard last
+  double since_heard_ = 0.0;              // [s]
+  double alone_ = 0.0;                    // [m]
 };
 
 }  // namespace luminav

@@ -1,9 +1,23 @@
 #include "services/jobs/watches/guide_watch.hpp"
 
 namespace luminav {
+namespace {
+
+constexpr double kMoment = 0.3;     // [m] driven: he was near a moment ago
+constexpr double kAtPlace = 1.0;    // [m] driven: who was near then has arrived, too
+constexpr double kElsewhere = 2.0;  // [m] from the place that it went back to: he has followed since
+
+}  // namespace
 
 void GuideWatch::begin() {
-  *this = GuideWatch(params_);
+  follower_.begin();
+  phase_ = Phase::kLeading;
+  last_seen_.reset();
+  returned_to_.reset();
+  may_be_alone_ = params_.follower.lost_after + kPassed;
+  waited_ = 0.0;
+  returns_ = 0;
+  shall_wait_ = false;
 }
 
 void GuideWatch::hear(const std::string& word) {
@@ -34,59 +48,80 @@ std::string GuideWatch::sentence() const {
 
 GuideWatch::Advice GuideWatch::update(const GuideMoment& moment) {
   waited_ += moment.seconds;
+  if (follower_.update(moment.echoes, moment.seconds, moment.driven, moment.world_from_robot)) {
+    may_be_alone_ = params_.follower.lost_after;
+  }
   switch (phase_) {
     case Phase::kLeading:
       return lead(moment);
     case Phase::kWaiting:
-      return wait(moment);
+      return wait();
     case Phase::kReturning:
-      if (moment.has_arrived) {
-        enter(Phase::kBeside);
-      }
-      return Advice::kNone;
+      return return_to_him(moment);
     case Phase::kBeside:
-      // he may stand before it, where no sonar tells him from a wall: it leads on, and sees whether he comes
-      if (waited_ < params_.wait) {
-        return Advice::kNone;
-      }
-      follower_.begin();
-      enter(Phase::kLeading);
-      return Advice::kLeadOn;
+      return stand_beside();
   }
   return Advice::kNone;
 }
 
+bool GuideWatch::is_with_it() const {
+  return follower_.alone() < kMoment;
+}
+
 GuideWatch::Advice GuideWatch::lead(const GuideMoment& moment) {
-  follower_.update(moment.behind, moment.driven, moment.world_from_robot);
-  if (follower_.is_near() && moment.world_from_robot) {
+  if (moment.world_from_robot && (is_with_it() || !last_seen_)) {
     last_seen_ = moment.world_from_robot;
   }
-  if (!shall_wait_ && (!follower_.is_lost() || moment.has_arrived)) {
+  if (!shall_wait_ && follower_.alone() <= (moment.has_arrived ? kAtPlace : may_be_alone_)) {
     return Advice::kNone;
   }
   enter(Phase::kWaiting);
   return Advice::kWait;
 }
 
-GuideWatch::Advice GuideWatch::wait(const GuideMoment& moment) {
-  follower_.update(moment.behind, moment.driven, moment.world_from_robot);
+GuideWatch::Advice GuideWatch::wait() {
   if (shall_wait_) {
     waited_ = 0.0;  // until he says that he is there
     return Advice::kNone;
   }
-  if (follower_.is_near()) {
+  if (is_with_it()) {
     enter(Phase::kLeading);
     return Advice::kLeadOn;
   }
-  if (waited_ < params_.wait) {
+  if (waited_ < params_.wait || !last_seen_) {
     return Advice::kNone;
   }
-  if (!last_seen_ || returns_ >= params_.max_returns) {
+  if (returned_to_ && distance(*returned_to_, *last_seen_) > kElsewhere) {
+    returns_ = 0;
+  }
+  if (returns_ >= params_.max_returns) {
     return Advice::kGiveUp;
   }
   ++returns_;
+  returned_to_ = last_seen_;
   enter(Phase::kReturning);
   return Advice::kGoBack;
+}
+
+GuideWatch::Advice GuideWatch::return_to_him(const GuideMoment& moment) {
+  if (is_with_it()) {
+    enter(Phase::kBeside);
+    return Advice::kWait;
+  }
+  if (moment.has_arrived) {
+    enter(Phase::kBeside);
+  }
+  return Advice::kNone;
+}
+
+GuideWatch::Advice GuideWatch::stand_beside() {
+  if (waited_ < params_.wait) {
+    return Advice::kNone;
+  }
+  // he may have stepped off the trail: it leads on, and hears whether he comes
+  may_be_alone_ = follower_.alone() + params_.follower.lost_after + kPassed;
+  enter(Phase::kLeading);
+  return Advice::kLeadOn;
 }
 
 }  // namespace luminav

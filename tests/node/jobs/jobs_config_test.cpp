@@ -31,13 +31,15 @@ std::string complaint(const std::string& text) {
   return "none";
 }
 
-TEST(JobsConfig, ReadsTheShippedRobotAndKnowsItsRearSonars) {
+TEST(JobsConfig, ReadsTheShippedRobotAndTheBuildingsMap) {
   const JobsConfig config =
       read_jobs_config(kLaunch / "robots/p3dx.toml", kLaunch / "buildings/laboratory/building.toml");
   EXPECT_EQ(config.site.building, "laboratory");
   EXPECT_FALSE(config.site.places.empty());
   EXPECT_EQ(config.site.home, "") << "nothing drives home by itself where nobody said so";
-  EXPECT_EQ(config.rear_sonars.size(), 2U);
+  EXPECT_EQ(config.robot.sonar.robot_from_sonar.size(), 16U);
+  ASSERT_NE(config.site.walls, nullptr);
+  EXPECT_EQ(config.site.walls->at({8.5, 2.0}), Prior::kFree);
 }
 
 TEST(JobsConfig, ReadsHomeAndTours) {

@@ -363,18 +363,23 @@ TEST(JobExecutor, WaitsForAVisitorAndGoesBackForHim) {
   const std::int64_t job = robot.add(JobKind::kGuide, {"lab"});
   robot.moment.world_from_robot = Pose2{3.0, 3.0, 0.0};
   robot.run(3.0);
+  bool is_followed = true;
   const auto lead = [&](double seconds) {
     robot.moment.driven = 0.08;
     for (double t = 0.0; t < seconds && robot.navigation.state == Drive::kUnderWay; t += 0.2) {
       robot.moment.world_from_robot->x += robot.moment.driven;
+      robot.moment.echoes.clear();
+      if (is_followed) {
+        robot.moment.echoes.push_back({*robot.moment.world_from_robot * Pose2{-0.25, 0.0, kPi}, 0.26, 0.6});
+      }
       robot.step();
     }
     robot.moment.driven = 0.0;
+    robot.moment.echoes.clear();
   };
-  robot.moment.behind = 1.0;
   lead(10.0);
   EXPECT_EQ(robot.navigation.state, Drive::kUnderWay);
-  robot.moment.behind.reset();
+  is_followed = false;
   lead(8.0);
   EXPECT_EQ(robot.navigation.state, Drive::kPaused);
   EXPECT_THAT(robot.job(job).sentence, HasSubstr("waits for its visitor"));
@@ -384,7 +389,7 @@ TEST(JobExecutor, WaitsForAVisitorAndGoesBackForHim) {
   robot.navigation.state = Drive::kArrived;
   robot.run(12.0);
   EXPECT_THAT(robot.goals, ElementsAre("lab", "", "lab")) << "it leads on, and sees whether he comes";
-  robot.moment.behind = 1.0;
+  is_followed = true;
   lead(4.0);
   robot.arrive();
   robot.run(1.0);

@@ -37,6 +37,23 @@ TEST(LeftOverJobs, SendTheGoalThatNeverCameToThePlanner) {
   EXPECT_EQ(robot.job(job).state, JobState::kDriving);
 }
 
+TEST(LeftOverJobs, BeginAGuideAnewAlsoWhileItWaited) {
+  PretendedRobot before;
+  const std::int64_t job = before.add(JobKind::kGuide, {"lab"});
+  before.run(3.0);
+  before.say(Action::kConfirm, job, "wait");
+  before.run(1.0);
+  ASSERT_EQ(before.navigation.state, Drive::kPaused);
+  PretendedRobot robot;
+  robot.navigation = before.navigation;
+  robot.executor.load(before.executor.table());
+  robot.run(1.0);
+  EXPECT_EQ(robot.navigation.state, Drive::kCancelled);
+  robot.run(3.0);
+  EXPECT_THAT(robot.goals, ElementsAre("lab"));
+  EXPECT_EQ(robot.job(job).state, JobState::kDriving);
+}
+
 TEST(LeftOverJobs, CancelTheDriveOfAJobThatWasCancelledJustBefore) {
   PretendedRobot before;
   const std::int64_t job = before.add(JobKind::kGo, {"lab"});

@@ -68,8 +68,8 @@ class PretendedRobot {
         navigation.state = Drive::kUnderWay;
       } else if (goal->action == DriveAction::kCancel) {
         navigation.state = Drive::kCancelled;
-      } else if (navigation.state == Drive::kUnderWay || navigation.state == Drive::kPaused) {
-        navigation.state = goal->action == DriveAction::kPause ? Drive::kPaused : Drive::kUnderWay;
+      } else if (navigation.state == Drive::kUnderWay) {
+        navigation.state = Drive::kPaused;
       }
     }
     moment.navigation = navigation;
