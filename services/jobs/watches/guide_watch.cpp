@@ -4,7 +4,7 @@ namespace luminav {
 namespace {
 
 constexpr double kMoment = 0.3;     // [m] driven: he was near a moment ago
-constexpr double kAtPlace = 1.0;    // [m] driven: who was near then has arrived, too
+constexpr double kAtPlace = 0.5;    // [m] driven: who was near then has arrived, too
 constexpr double kElsewhere = 2.0;  // [m] from the place that it went back to: he has followed since
 
 }  // namespace
