@@ -53,15 +53,16 @@ bool Visitor::step_aside(double dt, const Pose2& world_from_robot, const IsFree&
   return true;
 }
 
-double Visitor::walk(double step, double direction, std::initializer_list<double> turns, const IsFree& is_free) {
+std::optional<double> Visitor::walk(double step, double direction, std::initializer_list<double> turns,
+                                    const IsFree& is_free) {
   for (const double turn : turns) {
     const Vector2d next = position_ + step * Vector2d(std::cos(direction + turn), std::sin(direction + turn));
     if (is_free(next)) {
       position_ = next;
-      return step;
+      return turn;
     }
   }
-  return 0.0;
+  return std::nullopt;
 }
 
 void Visitor::follow(double dt, const Vector2d& robot, const IsFree& is_free) {
@@ -70,8 +71,12 @@ void Visitor::follow(double dt, const Vector2d& robot, const IsFree& is_free) {
   }
   const Vector2d offset = trail_.front() - position_;
   const double step = std::min(habit_.speed * dt, offset.norm());
-  followed_ +=
-      walk(step, std::atan2(offset.y(), offset.x()), {0.0, 0.25 * kPi, -0.25 * kPi, 0.5 * kPi, -0.5 * kPi}, is_free);
+  const double eighth = side_ * 0.25 * kPi;
+  const std::optional<double> turn =
+      walk(step, std::atan2(offset.y(), offset.x()),
+           {0.0, eighth, 2.0 * eighth, 3.0 * eighth, -eighth, -2.0 * eighth, -3.0 * eighth}, is_free);
+  followed_ += turn ? step : 0.0;
+  side_ = turn && *turn * side_ < 0.0 ? -side_ : side_;  // once round a corner, not to and fro before it
   if (offset.norm() < kCrumb && trail_.size() > 1) {
     trail_.pop_front();
   }

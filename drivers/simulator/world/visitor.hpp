@@ -5,6 +5,7 @@
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "services/common/geometry/pose2.hpp"
@@ -39,8 +40,8 @@ class Visitor {
   using IsFree = std::function<bool(const Eigen::Vector2d&)>;
 
   bool step_aside(double dt, const Pose2& world_from_robot, const IsFree& is_free);
-  /// In the first of the directions [rad] that is free; returns how far [m].
-  double walk(double step, double direction, std::initializer_list<double> turns, const IsFree& is_free);
+  /// In the first of the directions [rad] that is free; returns by how much he turned [rad], nothing = he stands.
+  std::optional<double> walk(double step, double direction, std::initializer_list<double> turns, const IsFree& is_free);
   void follow(double dt, const Eigen::Vector2d& robot, const IsFree& is_free);
   void walk_back(double dt);
 
@@ -48,6 +49,7 @@ class Visitor {
   Eigen::Vector2d position_;             // [m] world
   std::deque<Eigen::Vector2d> trail_;    // [m] of the robot, from him to it
   std::vector<Eigen::Vector2d> walked_;  // [m] his own way
+  double side_ = 1.0;                    // on which he walks round what is in his way: 1 left, -1 right
   double followed_ = 0.0;                // [m]
   double stood_ = 0.0;                   // [s] since he stopped
   double left_ = 0.0;                    // [m] since he turned away

@@ -88,6 +88,19 @@ TEST(Visitor, StepsAsideForARobotThatComesBack) {
   EXPECT_LT(h.world.state().world_from_robot.x, stood.x() - 0.5) << "it got past him";
 }
 
+TEST(Visitor, WalksRoundWhatIsInHisWay) {
+  for (const double open_side : {1.0, -1.0}) {  // of a wall across his way
+    Visitor visitor({}, {0.0, 0.0});
+    const auto is_free = [&](const Eigen::Vector2d& point) {
+      return point.x() < 1.8 || point.x() > 2.8 || point.y() * open_side > 1.0;
+    };
+    for (int i = 0; i < 2000; ++i) {
+      visitor.step(0.01, {i == 0 ? 4.0 : 5.2, 0.0, 0.0}, is_free);
+    }
+    EXPECT_GT(visitor.position().x(), 3.5);
+  }
+}
+
 TEST(Visitor, IsNotWhereThereIsNoRoom) {
   World world(1, exact_truth(map_from_text({"###", "#.#", "###"}, 1.0), {1.5, 1.5, 0.0}));
   EXPECT_FALSE(world.add_visitor({}));
