@@ -396,6 +396,24 @@ TEST(JobExecutor, WaitsForAVisitorAndGoesBackForHim) {
   EXPECT_EQ(robot.job(job).state, JobState::kDone);
 }
 
+TEST(JobExecutor, GoesBackForAVisitorAsFarAsItGets) {
+  PretendedRobot robot;
+  const std::int64_t job = robot.add(JobKind::kGuide, {"lab"});
+  robot.moment.world_from_robot = Pose2{3.0, 3.0, 0.0};
+  robot.run(3.0);
+  robot.moment.driven = 4.0;
+  robot.step();
+  robot.moment.driven = 0.0;
+  robot.run(11.0);
+  ASSERT_THAT(robot.goals, ElementsAre("lab", ""));
+  robot.navigation.state = Drive::kBlocked;
+  robot.run(1.0);
+  EXPECT_EQ(robot.job(job).state, JobState::kDriving) << "nobody is asked about a door for that";
+  EXPECT_THAT(robot.job(job).sentence, HasSubstr("waits where"));
+  robot.run(11.0);
+  EXPECT_THAT(robot.goals, ElementsAre("lab", "", "lab"));
+}
+
 TEST(JobExecutor, StartsAScheduledTourOnceADay) {
   PretendedRobot robot;
   const LocalTime at{.day = 4, .weekday = 2, .second = 34203};
