@@ -73,7 +73,9 @@ bool is_possible(const grid_tile_t& tile) {
   const bool inside = tile.tile_column >= 0 && tile.tile_row >= 0 &&
                       tile.tile_column <= (tile.columns - 1) / kTileSide &&
                       tile.tile_row <= (tile.rows - 1) / kTileSide;
-  return sizes && numbers && inside && tile.size >= 0 && static_cast<std::size_t>(tile.size) <= tile.data.size();
+  const bool session = tile.map_session >= 0;  // sessions are subtracted
+  return session && sizes && numbers && inside && tile.size >= 0 &&
+         static_cast<std::size_t>(tile.size) <= tile.data.size();
 }
 
 GridGeometry geometry_of(const grid_tile_t& tile) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 
 #include "services/common/process/lcm_conversions.hpp"
 
@@ -42,6 +44,14 @@ TEST(TileMap, KeepsTheWholeMapUntilThatOfANewSessionIsWhole) {
   map.add(tile_of(3, 1, Prior::kOccupied));
   EXPECT_TRUE(map.is_complete());
   EXPECT_EQ(map.grid().prior.front(), Prior::kOccupied);
+}
+
+TEST(TileMap, RefusesASessionThatNoClockGives) {
+  TileMap map;
+  map.add(tile_of(2, 0, Prior::kFree));
+  EXPECT_EQ(map.add(tile_of(std::numeric_limits<std::int64_t>::min() + 2, 0, Prior::kOccupied)),
+            TileMap::Result::kRefused);
+  EXPECT_EQ(map.grid().prior.front(), Prior::kFree);
 }
 
 }  // namespace
