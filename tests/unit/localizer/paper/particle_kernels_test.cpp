@@ -56,9 +56,9 @@ TEST(ParticleKernels, GiveTheSameBytesOnEveryMachine) {
 }
 
 TEST(ParticleKernels, SineAndCosineAreRightToFloat) {
-  std::vector<float> theta;
-  for (int i = 0; i < 4096; ++i) {
-    theta.push_back(-6.5F + 13.0F * static_cast<float>(i) / 4096.0F);
+  std::vector<float> theta(4096);
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    theta[i] = -6.5F + 13.0F * static_cast<float>(i) / 4096.0F;
   }
   std::vector<float> cosine(theta.size());
   std::vector<float> sine(theta.size());
