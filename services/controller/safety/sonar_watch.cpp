@@ -14,8 +14,8 @@ constexpr double kTurn = 0.17;     // [rad] between two readings of a disc that 
 constexpr double kFarther = 0.4;   // [m] behind a wall that faces it: that was not heard
 constexpr double kSame = 0.005;    // [m] ranges that differ by less are the same: an echo has noise of its own
 constexpr double kAlong = 0.15;    // [m] of own way along its axis, over which a disc's range has to change
-constexpr double kQuietWay =
-    4.0;  // [m] without pose or map: so far no half of a ring is silent between walls and furniture
+// Without pose or map: so far no half of a ring is silent between walls and furniture.
+constexpr double kQuietWay = 4.0;   // [m]
 constexpr double kQuietTurn = 0.5;  // [m/rad] what turning counts for in it
 
 std::string numbers_of(const std::vector<std::size_t>& discs) {
