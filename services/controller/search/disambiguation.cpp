@@ -9,7 +9,8 @@ namespace luminav {
 namespace {
 
 constexpr double kReach = 10.0;        // [m] around the robot places are looked at
-constexpr double kStep = 0.2;          // [m] between them
+constexpr double kStep = 0.2;          // [m] between the places of a path, so that doors are found
+constexpr double kLook = 0.4;          // [m] between those that are looked at: what is seen from them changes slowly
 constexpr int kMax = 48;               // alternatives looked at
 constexpr double kFlattening = 0.5;    // power of the weights: all rivals have to go, the unlikely ones too
 constexpr double kSeenAndNot = 0.55;   // what it tells when a fixture is seen that the rival has not, 1 = everything
@@ -20,6 +21,11 @@ constexpr double kMinWorth = 0.02;     // less is not worth the drive
 constexpr double kHeadStart = 1.5;     // [m] added to each distance, so that a little worth close by does not win
 constexpr double kFaithfulness = 2.0;  // what another place must be better than where it is heading
 constexpr double kRoomAtStart = 0.4;   // [m] around it there is room, whatever the sonars heard
+
+bool is_looked_at(const Eigen::Vector2d& place) {
+  const Eigen::Array2d looks = place.array() / kLook;
+  return ((looks - looks.round()).abs() < 0.25 * kStep / kLook).all();
+}
 
 }  // namespace
 
@@ -114,7 +120,7 @@ std::optional<std::vector<Eigen::Vector2d>> Disambiguation::path(const SearchPla
       break;
     }
     const Eigen::Vector2d here = lattice.place_of(visit->node);
-    if (!map.is_near_trail(here)) {
+    if (is_looked_at(here) && !map.is_near_trail(here)) {
       const double value = worth(here, poses, map, views);
       const bool is_where_it_heads = places.heading_for && (here - *places.heading_for).norm() < 2.0 * kStep;
       const double score = value * (is_where_it_heads ? kFaithfulness : 1.0) / (visit->distance + kHeadStart);
