@@ -42,10 +42,13 @@ void WheelWatch::look(Wheel& wheel, double asked, double counted, double passed)
 }
 
 /// A robot that is held or carried counts nothing on either side: its odometry is right, and it may go on afterwards.
+/// While the other wheel is not told to turn nobody knows which it is: such time counts half.
 void WheelWatch::judge(Wheel& wheel, const Wheel& other, const char* name, double passed) {
   if (wheel.turns_so) {
     wheel.dead = 0.0;
-  } else if (wheel.must_turn && other.must_turn && other.turns_so) {
+  } else if (wheel.must_turn && !other.must_turn) {
+    wheel.dead += 0.5 * passed;
+  } else if (wheel.must_turn && other.turns_so) {
     wheel.dead += passed;
   }
   if (fault_.empty() && wheel.dead > params_.dead_after) {

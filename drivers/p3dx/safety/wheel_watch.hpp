@@ -21,7 +21,7 @@ struct WheelWatchParams {
 
 /// Compares what each wheel is told with what its encoder counts. The robot holds its speed by the encoders: where one
 /// is dead, or counts backwards, it drives that wheel faster and faster, and the odometry turns where the robot
-/// doesn't. A wheel is dead while the other one obeys: with both silent the robot is held, carried, or without power.
+/// doesn't. A wheel is dead unless both are silent: then the robot is held, carried, or without power.
 class WheelWatch {
  public:
   explicit WheelWatch(const WheelWatchParams& params) : params_(params) {}
@@ -39,7 +39,7 @@ class WheelWatch {
   struct Wheel {
     bool must_turn = false;  // fast enough, as it was told
     bool turns_so = false;   // counted, and in that direction
-    double dead = 0.0;       // [s] told to turn, and not counted so, while the other one was
+    double dead = 0.0;       // [s] told to turn, and not counted so, though nothing says that the robot is held
     double running = 0.0;    // [s] told to stand, and counted
   };
   void look(Wheel& wheel, double asked, double counted, double passed) const;

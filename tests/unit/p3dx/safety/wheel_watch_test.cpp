@@ -54,6 +54,15 @@ TEST_F(WheelWatchTest, AddsUpTheTimesInWhichADeadEncoderShouldHaveCounted) {
   EXPECT_EQ(watch_.fault(), "the right wheel is told to turn and its encoder does not count it");
 }
 
+TEST_F(WheelWatchTest, NamesADeadEncoderLaterWhileTheOtherWheelIsToldToStand) {
+  const DriveVelocity about_the_left{0.1, 0.1 / 0.165};
+  drive(3.0, about_the_left, 0.0, 0.2);
+  drive(1.7, about_the_left, 0.0, 0.0);
+  EXPECT_EQ(watch_.fault(), "") << "it may be held";
+  drive(0.3, about_the_left, 0.0, 0.0);
+  EXPECT_EQ(watch_.fault(), "the right wheel is told to turn and its encoder does not count it");
+}
+
 TEST_F(WheelWatchTest, LetsARobotGoOnThatWasCarried) {
   drive(5.0, {0.4, 0.0}, 0.4, 0.4);
   drive(10.0, {0.4, 0.0}, 0.0, 0.0);
