@@ -134,6 +134,8 @@ await expectStatus('/api/building', {version, action: 'undo'}, 200, 'with nothin
 await expectStatus('/api/watch', {}, 200, 'at last');
 const order = async () => (await (await fetch(`${address}/api/processes`)).json()).order;
 for (let tries = 0; tries < 100 && !await order(); ++tries) await sleep(100);
+const undone = async () => (await (await fetch(`${address}/api/building`)).json()).orders.length > 0;
+for (let tries = 0; tries < 100 && !await undone(); ++tries) await sleep(100);
 await readAll();
 for (const owner of Object.keys(schemas).filter((name) => !OF_LOGS.has(name))) {
   for (const property of new Set(described(schemas[owner], owner))) {
