@@ -16,6 +16,7 @@ constexpr double kEchoed = 0.15;           // [s] ROBOT_STATUS knows of a comman
 constexpr double kMotorsReady = 1.0;       // [s] after they came on
 constexpr double kObeyed = 0.5;            // of the speed that was asked for
 constexpr double kFaster = 1.1;            // of a limit: overshoot of the base's own speed loop
+constexpr double kSpeedOver = 0.5;         // [s] speeds are averaged: one alone has the jitter of the stamps it is from
 
 bool is_engaged(std::int64_t since) {
   return since != 0;
@@ -110,14 +111,29 @@ void MotionWatch::hear(const odometry_t& message) {
     if (is_told && age(motors_since_, message.utime) > coasting) {
       clauses_.unpowered.judge(!moves, fmt::format("{:.2f} m/s, {:.2f} rad/s", message.linear, message.angular));
     }
+    speeds_ = {};
     return;  // somebody may push it
   }
-  const bool is_within = std::abs(message.linear) <= kFaster * status_->maximum_linear + kStandingLinear &&
-                         std::abs(message.angular) <= kFaster * status_->maximum_angular + kStandingAngular;
-  clauses_.limits.judge(is_within, fmt::format("{:.2f} m/s, {:.2f} rad/s of {:.2f} and {:.2f}", message.linear,
-                                               message.angular, status_->maximum_linear, status_->maximum_angular));
+  judge_limits(message);
   judge_standing(message, moves);
   judge_moving(message);
+}
+
+void MotionWatch::judge_limits(const odometry_t& message) {
+  speeds_.since = speeds_.count == 0 ? message.utime : speeds_.since;
+  speeds_.linear += message.linear;
+  speeds_.angular += message.angular;
+  ++speeds_.count;
+  if (age(speeds_.since, message.utime) < kSpeedOver) {
+    return;
+  }
+  const double linear = speeds_.linear / speeds_.count;
+  const double angular = speeds_.angular / speeds_.count;
+  const bool is_within = std::abs(linear) <= kFaster * status_->maximum_linear + kStandingLinear &&
+                         std::abs(angular) <= kFaster * status_->maximum_angular + kStandingAngular;
+  clauses_.limits.judge(is_within, fmt::format("{:.2f} m/s, {:.2f} rad/s of {:.2f} and {:.2f}", linear, angular,
+                                               status_->maximum_linear, status_->maximum_angular));
+  speeds_ = {};
 }
 
 void MotionWatch::judge_standing(const odometry_t& message, bool moves) {

@@ -34,9 +34,16 @@ class MotionWatch {
     Clause refused{"ROBOT_STATUS: commands_refused counts what is old, repeated or sideways"};
     Clause stop{"STOP: it brakes and stands, whatever is commanded"};
   };
+  struct Speeds {
+    std::int64_t since = 0;  // [us] of the first
+    int count = 0;
+    double linear = 0.0;   // [m/s] their sum
+    double angular = 0.0;  // [rad/s] likewise
+  };
   [[nodiscard]] double braking_time(double linear, double angular) const;  // [s]
   [[nodiscard]] double time_to_brake() const;                              // [s] from what it does and is told now
   [[nodiscard]] double age(std::int64_t since, std::int64_t now) const;    // [s]
+  void judge_limits(const odometry_t& message);
   void judge_standing(const odometry_t& message, bool moves);
   void judge_moving(const odometry_t& message);
   void judge_refusals(const robot_status_t& message);
@@ -51,6 +58,7 @@ class MotionWatch {
   std::int64_t released_at_ = 0;    // [us]
   std::int64_t unsound_since_ = 0;  // [us] first command to be refused that no ROBOT_STATUS was held against
   std::int64_t refused_before_ = 0;
+  Speeds speeds_;
   double brake_ = 0.0;  // [s] it needs from its speed at the last command or STOP
   Clauses clauses_;
 };
