@@ -108,6 +108,24 @@ TEST(MotionWatch, ForgivesABaseThatIsPushedWithItsMotorsOff) {
   EXPECT_EQ(watch.clauses()[1].verdict(), Verdict::kNotSeen);
 }
 
+/// A base that may turn by 1 rad/s, and does for two seconds, but for so many of the ODOMETRYs that say 1.2.
+Clause turns_too_fast(int many) {
+  MotionWatch watch{RobotDescription{}};
+  for (int i = 0; i < 100; ++i) {
+    watch.hear(status_at(kStart + i * kTick));
+    odometry_t odometry{};
+    odometry.utime = kStart + i * kTick;
+    odometry.angular = i < many ? 1.2 : 1.0;
+    watch.hear(odometry);
+  }
+  return watch.clauses()[3];
+}
+
+TEST(MotionWatch, HoldsABaseToItsLimitsOverHalfASecond) {
+  EXPECT_EQ(turns_too_fast(5).verdict(), Verdict::kHolds) << "stamps jitter";
+  EXPECT_EQ(turns_too_fast(50).verdict(), Verdict::kBroken);
+}
+
 stop_t stop_of(std::int64_t id, bool engaged) {
   stop_t stop{};
   stop.id = id;
