@@ -3,6 +3,7 @@
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -62,11 +63,24 @@ int open_device(const std::string& device) {
   return descriptor;
 }
 
+bool is_pseudo_terminal(int descriptor) {
+  constexpr unsigned kFirst = 136;  // majors in the kernel's list of devices
+  constexpr unsigned kLast = 143;
+  struct stat status {};
+  return fstat(descriptor, &status) == 0 && major(status.st_rdev) >= kFirst && major(status.st_rdev) <= kLast;
+}
+
+/// Keeps out programs that ask for no lock. A pseudo terminal would stay closed to all but root until its other end is
+/// closed, too: a driver that was started again could not open it.
+bool keep_others_out(int descriptor) {
+  return is_pseudo_terminal(descriptor) || ioctl(descriptor, TIOCEXCL) == 0;
+}
+
 }  // namespace
 
 SerialStream::SerialStream(const std::string& device, int baud) : DescriptorStream(open_device(device)) {
   speed_of(baud);
-  if (ioctl(descriptor(), TIOCEXCL) != 0 || !set_baud(baud)) {
+  if (!keep_others_out(descriptor()) || !set_baud(baud)) {
     throw std::runtime_error(device + ": cannot be set to " + std::to_string(baud) + " baud: " + std::strerror(errno));
   }
 }
