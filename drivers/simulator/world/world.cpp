@@ -212,7 +212,7 @@ void World::move_doors() {
 void World::walk_people() {
   for (std::size_t i = 0; i < people_.size(); ++i) {
     const Vector2d& here = people_[i].position();
-    people_[i].step(kTick, [&](const Vector2d& next) {
+    people_[i].step(kTick, [&](const Vector2d& next, bool is_beside_line) {
       if (!state_.carried) {
         const double gap = distance(footprint_, next) - kPersonRadius;
         if (gap < kPersonGap && gap < distance(footprint_, here) - kPersonRadius) {
@@ -224,6 +224,9 @@ void World::walk_people() {
           return Obstruction::kDoor;
         }
       }
+      if (is_beside_line && !stands_clear(next, 0.0)) {
+        return Obstruction::kWall;
+      }
       return Obstruction::kNone;
     });
     scene_.set_person(i, people_[i].position());
@@ -234,6 +237,10 @@ bool World::is_free(const Vector2d& point, double room) const {
   if (!state_.carried && distance(footprint_, point) - kPersonRadius < kPersonGap) {
     return false;
   }
+  return stands_clear(point, room);
+}
+
+bool World::stands_clear(const Vector2d& point, double room) const {
   const double side = 2.0 * (kPersonRadius + room);
   const Separation separation = scene_.separation(rectangle({point.x(), point.y(), 0.0}, side, side));
   return separation.to(SolidKind::kWall) > 0.0 && separation.to(SolidKind::kBox) > 0.0;

@@ -102,6 +102,8 @@ class World {
   void walk_visitors();
   /// Somebody could stand there, with so much room [m] to all sides.
   [[nodiscard]] bool is_free(const Eigen::Vector2d& point, double room = 0.0) const;
+  /// Likewise of walls and boxes alone.
+  [[nodiscard]] bool stands_clear(const Eigen::Vector2d& point, double room) const;
   void place_people();
   void dock();
   void carry();

@@ -1,19 +1,39 @@
 #include "services/common/building/distance_transform.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace luminav {
 namespace {
+
+constexpr float kNone = std::numeric_limits<float>::infinity();  // and one more is the same
+
+/// Squared distances to the nearest solid cell of the same column: down all rows, then up.
+std::vector<float> along_columns(const std::vector<bool>& is_solid, std::size_t columns) {
+  std::vector<float> distances(is_solid.size());
+  const std::size_t size = distances.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    distances[i] = is_solid[i] ? 0.0F : i < columns ? kNone : distances[i - columns] + 1.0F;
+  }
+  for (std::size_t i = size; i-- > 0;) {
+    if (i + columns < size) {
+      distances[i] = std::min(distances[i], distances[i + columns] + 1.0F);
+    }
+  }
+  for (float& distance : distances) {
+    distance = distance < kNone ? distance * distance : kNoSolidCell;
+  }
+  return distances;
+}
 
 /// Transforms lines of one length: lower envelope of the parabolas f[q] + (p - q)^2.
 class LineTransform {
  public:
   explicit LineTransform(std::size_t length) : f_(length), apexes_(length), bounds_(length + 1) {}
 
-  /// Replaces the values of a line, each `stride` behind the one before.
-  void run(float* values, std::size_t stride) {
+  void run(float* values) {
     for (std::size_t q = 0; q < f_.size(); ++q) {
-      f_[q] = static_cast<double>(values[q * stride]);
+      f_[q] = static_cast<double>(values[q]);
     }
     find_envelope();
     std::size_t k = 0;
@@ -22,7 +42,7 @@ class LineTransform {
         ++k;
       }
       const double offset = static_cast<double>(p) - static_cast<double>(apexes_[k]);
-      values[p * stride] = static_cast<float>(f_[apexes_[k]] + offset * offset);
+      values[p] = static_cast<float>(f_[apexes_[k]] + offset * offset);
     }
   }
 
@@ -56,18 +76,10 @@ class LineTransform {
 }  // namespace
 
 std::vector<float> squared_distances_to(const std::vector<bool>& is_solid, std::size_t columns) {
-  std::vector<float> squared(is_solid.size());
-  for (std::size_t i = 0; i < squared.size(); ++i) {
-    squared[i] = is_solid[i] ? 0.0F : kNoSolidCell;
-  }
-  const std::size_t rows = columns == 0 ? 0 : squared.size() / columns;
-  LineTransform along_column(rows);
-  for (std::size_t column = 0; column < columns && rows > 0; ++column) {
-    along_column.run(squared.data() + column, columns);
-  }
+  std::vector<float> squared = along_columns(is_solid, columns);
   LineTransform along_row(columns);
-  for (std::size_t row = 0; row < rows; ++row) {
-    along_row.run(squared.data() + row * columns, 1);
+  for (std::size_t i = 0; i < squared.size(); i += columns) {
+    along_row.run(squared.data() + i);
   }
   return squared;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/common/building/distance_transform.hpp"
+
 namespace luminav {
 namespace {
 
@@ -59,19 +61,16 @@ CeilingForecast::CeilingForecast(const Building& building, const PriorMap& walls
                      });
   }
   floor_ = walls.geometry;
-  room_.assign(walls.cells.size(), Room::kOpen);
-  for (std::size_t i = 0; i < walls.cells.size(); ++i) {
-    if (walls.cells[i] != Prior::kFree) {
-      room_[i] = Room::kNone;
-    }
-    if (walls.cells[i] == Prior::kOccupied) {
-      const Cell cell{static_cast<int>(i % static_cast<std::size_t>(floor_.columns)),
-                      static_cast<int>(i / static_cast<std::size_t>(floor_.columns))};
-      for_cells_within(floor_, floor_.centre_of(cell), std::max(clearance, kBesideWall),
-                       [&](std::size_t near, double distance) {
-                         room_[near] = std::min(room_[near], distance <= clearance ? Room::kNone : Room::kBesideWall);
-                       });
-    }
+  std::vector<bool> is_wall(walls.cells.size());
+  std::transform(walls.cells.begin(), walls.cells.end(), is_wall.begin(),
+                 [](Prior prior) { return prior == Prior::kOccupied; });
+  const std::vector<float> squared = squared_distances_to(is_wall, static_cast<std::size_t>(floor_.columns));
+  room_.resize(squared.size());
+  for (std::size_t i = 0; i < room_.size(); ++i) {
+    const double distance = std::sqrt(static_cast<double>(squared[i])) * floor_.resolution;
+    room_[i] = walls.cells[i] != Prior::kFree || distance <= clearance ? Room::kNone
+               : distance <= kBesideWall                               ? Room::kBesideWall
+                                                                       : Room::kOpen;
   }
 }
 

@@ -163,14 +163,16 @@ TEST(World, LetsPeopleWalkToAndFroAndStopBeforeTheRobot) {
   World world(kSeed, truth);
   run(world, kStand, 1.0);
   EXPECT_NEAR(world.people()[0].centre.x(), 1.8, 0.01);
-  run(world, kStand, 6.0);
+  run(world, kStand, 3.5);
   // 0.1 m before the rear of the robot, within one step
   EXPECT_NEAR(5.0 - 0.301 - (world.people()[0].centre.x() + kPersonRadius), 0.1, 0.009);
   EXPECT_GE(world.state().clearance, 0.1);
   EXPECT_EQ(world.contacts().contacts(), 0);
-  run(world, kStand, 4.0);
-  EXPECT_LT(world.people()[0].centre.x(), 3.5);               // lost patience and went back
-  EXPECT_NEAR(world.people()[1].centre.x(), 3.0 - 1.0, 0.1);  // 11 m of to and fro
+  run(world, kStand, 5.0);
+  EXPECT_LT(world.people()[0].centre.y(), 2.5);  // gives way
+  run(world, kStand, 7.0);
+  EXPECT_LT(world.people()[0].centre.x(), 3.5);          // lost patience and went back
+  EXPECT_NEAR(world.people()[1].centre.x(), 1.42, 0.1);  // 16.5 m of to and fro
 }
 
 TEST(World, LetsAPersonGoOnWhenTheRobotClearsTheWay) {
