@@ -33,7 +33,7 @@ struct JobSite {
   std::vector<Place> places{};
   std::string home{};        // name of a place; "" = none
   bool has_charger = false;  // there
-  std::vector<StoredTour> tours{};
+  std::vector<Tour> tours{};
   std::shared_ptr<const PriorMap> walls{};  // null = no map
 };
 
@@ -93,7 +93,7 @@ class JobExecutor {
   [[nodiscard]] std::string objection_to_stops(const std::vector<JobStop>& stops) const;
   [[nodiscard]] std::vector<JobStop> stops_of(const JobRequest& request) const;
   [[nodiscard]] const Place* place_called(const std::string& name) const;
-  [[nodiscard]] const StoredTour* tour_called(const std::string& name) const;
+  [[nodiscard]] const Tour* tour_called(const std::string& name) const;
   [[nodiscard]] std::optional<DriveTarget> target_of(const JobStop& stop) const;
 
   // driving

@@ -11,11 +11,11 @@
 namespace luminav {
 namespace {
 
-constexpr std::size_t kMaxStops = 20;
-constexpr std::size_t kMaxText = 200;     // [bytes] of what is said at a stop: all jobs fit into one datagram
-constexpr double kFarthest = 10'000.0;    // [m]
-constexpr double kLongestPause = 3600.0;  // [s]
-constexpr double kBeforeHome = 0.7;       // [m] from there straight in
+constexpr std::size_t kMaxStops = kMaxTourStops;
+constexpr std::size_t kMaxText = kMaxTourText;  // of what is said at a stop: all jobs fit into one datagram
+constexpr double kFarthest = 10'000.0;          // [m]
+constexpr double kLongestPause = kLongestTourPause;
+constexpr double kBeforeHome = 0.7;  // [m] from there straight in
 
 std::string say(std::int64_t id) {
   return fmt::format("job {}", id);
@@ -55,9 +55,9 @@ const Place* JobExecutor::place_called(const std::string& name) const {
   return found == site_.places.end() ? nullptr : &*found;
 }
 
-const StoredTour* JobExecutor::tour_called(const std::string& name) const {
+const Tour* JobExecutor::tour_called(const std::string& name) const {
   const auto found =
-      std::find_if(site_.tours.begin(), site_.tours.end(), [&](const StoredTour& t) { return t.name == name; });
+      std::find_if(site_.tours.begin(), site_.tours.end(), [&](const Tour& t) { return t.name == name; });
   return found == site_.tours.end() ? nullptr : &*found;
 }
 
@@ -133,7 +133,7 @@ std::string JobExecutor::objection_to(const JobRequest& request) const {
   }
   if (request.kind == JobKind::kTour && !request.tour.empty() && tour_called(request.tour) == nullptr) {
     std::vector<std::string> names;
-    for (const StoredTour& tour : site_.tours) {
+    for (const Tour& tour : site_.tours) {
       names.push_back(tour.name);
     }
     return fmt::format("no tour \"{}\" in {}; known: {}", request.tour, site_.building, fmt::join(names, ", "));
@@ -147,7 +147,9 @@ std::vector<JobStop> JobExecutor::stops_of(const JobRequest& request) const {
     stops[0].confirm = "loaded";
     stops[1].confirm = "unloaded";
   } else if (request.kind == JobKind::kTour && !request.tour.empty()) {
-    stops = tour_called(request.tour)->stops;
+    for (const TourStop& stop : tour_called(request.tour)->stops) {
+      stops.push_back({.place = stop.place, .pause = stop.pause, .text = stop.text});
+    }
   } else if (request.kind == JobKind::kHome) {
     const Place& home = *place_called(site_.home);
     if (site_.has_charger && home.has_theta) {  // straight in, and once more when the contacts were missed
@@ -238,7 +240,7 @@ void JobExecutor::cancel(Job& job, std::int64_t utime) {
 }
 
 void JobExecutor::tell_time(const LocalTime& now, std::int64_t utime) {
-  for (const StoredTour* tour : due_tours(site_.tours, now, table().toured)) {
+  for (const Tour* tour : due_tours(site_.tours, now, table().toured)) {
     const bool is_there = std::any_of(table().jobs.begin(), table().jobs.end(),
                                       [&](const Job& job) { return !job.is_over() && job.tour == tour->name; });
     queue_.start_tour(tour->name, now.day);

@@ -6,7 +6,7 @@
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
-#include "services/jobs/jobs_file.hpp"
+#include "services/common/tours/jobs_file.hpp"
 
 namespace luminav {
 namespace {
@@ -42,15 +42,16 @@ JobsConfig read_jobs_config(const std::filesystem::path& robot_file, const std::
   read_params(table, config.params);
   table.reject_unknown();
   Building building = read_building(building_file);
+  // one that somebody names must be there
+  JobsFile jobs = jobs_file.empty() ? read_jobs_file(jobs_file_of(building_file), building)
+                                    : read_jobs_source(jobs_file, building).jobs;
+  config.site.home = std::move(jobs.home);
+  config.site.has_charger = jobs.has_charger;
+  config.site.tours = std::move(jobs.tours);
   config.site.building = std::move(building.name);
   config.site.places = std::move(building.places);
   if (!building.map_file.empty()) {
     config.site.walls = std::make_shared<const PriorMap>(read_map(building.map_file));
-  }
-  const std::filesystem::path beside = building_file.parent_path() / "jobs.toml";
-  const bool has_file = !jobs_file.empty() || std::filesystem::exists(beside);
-  if (has_file) {
-    read_jobs_file(jobs_file.empty() ? beside : jobs_file, config.site);
   }
   return config;
 }
