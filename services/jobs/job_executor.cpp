@@ -93,7 +93,7 @@ void JobExecutor::update(const JobMoment& moment) {
 // ---------------------------------------------------------------------------------------------------- which job
 
 void JobExecutor::look_after_battery(const JobMoment& moment) {
-  const Place* home = place_called(site_.home);
+  const Place* home = place_called(site_.jobs.home);
   if (home == nullptr) {
     return;
   }
@@ -290,7 +290,7 @@ void JobExecutor::stay(Job& job, const JobMoment& moment) {
   const bool is_last = job.stop + 1 == job.stops.size();
   if (!stop.confirm.empty()) {
     wait_for_word(job, stop);
-  } else if (job.kind == JobKind::kHome && site_.has_charger && is_last) {
+  } else if (job.kind == JobKind::kHome && site_.jobs.has_charger && is_last) {
     wait_for_charger(job, moment);
   } else if (waited_ >= stop.pause) {
     go_on(job);

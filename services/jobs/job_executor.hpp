@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
+#include "services/common/tours/jobs_file.hpp"
 #include "services/jobs/job_queue.hpp"
 #include "services/jobs/tour_schedule.hpp"
 #include "services/jobs/watches/battery_watch.hpp"
@@ -31,9 +32,7 @@ struct JobParams {
 struct JobSite {
   std::string building{};
   std::vector<Place> places{};
-  std::string home{};        // name of a place; "" = none
-  bool has_charger = false;  // there
-  std::vector<Tour> tours{};
+  JobsFile jobs{};                          // home and stored tours
   std::shared_ptr<const PriorMap> walls{};  // null = no map
 };
 
@@ -58,6 +57,8 @@ class JobExecutor {
 
   /// The building's places are others now. A job that is on its way to one goes on to where that was.
   void set_places(std::vector<Place> places) { site_.places = std::move(places); }
+  /// Home and stored tours are these now. A job that was taken goes on as it was.
+  void set_jobs(JobsFile jobs);
   /// Acts on a request, once.
   void take(const JobRequest& request, std::int64_t utime);
   /// A new job could not be kept: it is as if it had never come, and its sender is told why.

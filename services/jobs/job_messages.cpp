@@ -147,7 +147,7 @@ job_status_t status_from(const JobExecutor& executor) {
     status.objections.push_back(cut(echo.objection));
   }
   status.echo_count = static_cast<std::int32_t>(status.echo_ids.size());
-  for (const Tour& tour : executor.site().tours) {
+  for (const Tour& tour : executor.site().jobs.tours) {
     status.tours.push_back(cut(tour.name));
   }
   status.tour_count = static_cast<std::int32_t>(status.tours.size());

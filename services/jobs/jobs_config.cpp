@@ -43,11 +43,8 @@ JobsConfig read_jobs_config(const std::filesystem::path& robot_file, const std::
   table.reject_unknown();
   Building building = read_building(building_file);
   // one that somebody names must be there
-  JobsFile jobs = jobs_file.empty() ? read_jobs_file(jobs_file_of(building_file), building)
-                                    : read_jobs_source(jobs_file, building).jobs;
-  config.site.home = std::move(jobs.home);
-  config.site.has_charger = jobs.has_charger;
-  config.site.tours = std::move(jobs.tours);
+  config.site.jobs = jobs_file.empty() ? read_jobs_file(jobs_file_of(building_file), building)
+                                       : read_jobs_source(jobs_file, building).jobs;
   config.site.building = std::move(building.name);
   config.site.places = std::move(building.places);
   if (!building.map_file.empty()) {

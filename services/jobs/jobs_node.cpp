@@ -150,6 +150,11 @@ void JobsNode::tick(const robot_status_t& status, double seconds) {
   publish_status(now_);
 }
 
+void JobsNode::set_jobs(const JobsFile& jobs) {
+  executor_.set_jobs(jobs);
+  publish_status(std::max<std::int64_t>(now_, 1));
+}
+
 void JobsNode::tell_time(const LocalTime& now) {
   if (now_ != told_) {  // a robot that is silent misses its tours
     executor_.tell_time(now, now_);

@@ -30,6 +30,8 @@ class JobsNode {
 
   /// The building's places are others now.
   void set_places(const std::vector<Place>& places) { executor_.set_places(places); }
+  /// Home and stored tours are others now.
+  void set_jobs(const JobsFile& jobs);
   /// The time of day where the robot is: a clock belongs to `main`.
   void tell_time(const LocalTime& now);
   /// The service is ended in order: the robot stands, and jobs that are left over ask before they go on.

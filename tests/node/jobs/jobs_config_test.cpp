@@ -15,7 +15,7 @@ TEST(JobsConfig, ReadsTheShippedRobotAndTheBuildingsMap) {
       read_jobs_config(kLaunch / "robots/p3dx.toml", kLaunch / "buildings/laboratory/building.toml");
   EXPECT_EQ(config.site.building, "laboratory");
   EXPECT_FALSE(config.site.places.empty());
-  EXPECT_EQ(config.site.home, "") << "nothing drives home by itself where nobody said so";
+  EXPECT_EQ(config.site.jobs.home, "") << "nothing drives home by itself where nobody said so";
   EXPECT_EQ(config.robot.sonar.robot_from_sonar.size(), 16U);
   ASSERT_NE(config.site.walls, nullptr);
   EXPECT_EQ(config.site.walls->at({8.5, 2.0}), Prior::kFree);
@@ -27,9 +27,9 @@ TEST(JobsConfig, ReadsTheJobsFileBesideTheBuildings) {
       "building.toml", "name = \"hut\"\nceiling_height = 2.8\n[[place]]\nname = \"dock\"\nx = 1.0\ny = 2.0\n");
   folder.write("jobs.toml", "home = \"dock\"\n[[tour]]\nname = \"t\"\n[[tour.stop]]\nplace = \"dock\"\n");
   const JobSite site = read_jobs_config(kLaunch / "robots/p3dx.toml", building).site;
-  EXPECT_EQ(site.home, "dock");
-  ASSERT_EQ(site.tours.size(), 1U);
-  EXPECT_EQ(site.tours[0].name, "t");
+  EXPECT_EQ(site.jobs.home, "dock");
+  ASSERT_EQ(site.jobs.tours.size(), 1U);
+  EXPECT_EQ(site.jobs.tours[0].name, "t");
 }
 
 TEST(JobsConfig, DemandsAJobsFileThatSomebodyNames) {

@@ -205,7 +205,14 @@ TEST(JobsNode, FitsIntoOneDatagramHoweverMuchIsSaid) {
       world.send(cancel);
     }
   }
+  JobsFile jobs;
+  for (std::size_t i = 0; i < kMaxTours; ++i) {
+    jobs.tours.push_back({.name = std::to_string(i) + std::string(58, 't')});
+  }
+  world.node->set_jobs(jobs);
+  world.deliver();
   EXPECT_EQ(world.status.count, 30);
+  EXPECT_EQ(world.status.tour_count, 50);
   EXPECT_LT(world.status.getEncodedSize(), 65'000);
 }
 
