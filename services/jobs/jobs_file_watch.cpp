@@ -6,15 +6,13 @@ namespace luminav {
 
 std::optional<JobsFile> JobsFileWatch::look(const Building& building) {
   try {
-    Written written{};
-    if (std::filesystem::exists(file_)) {
-      written = {std::filesystem::last_write_time(file_), std::filesystem::file_size(file_)};
-    }
-    if (written == written_ && objection_.empty()) {
+    const auto stamp = file_.stamp();
+    if (has_looked_ && stamp == stamp_ && objection_.empty()) {
       return std::nullopt;
     }
-    written_ = written;
-    JobsFile jobs = read_jobs_file(file_, building);
+    has_looked_ = true;
+    stamp_ = stamp;
+    JobsFile jobs = read_jobs_file(file_.file(), building);
     objection_.clear();
     return jobs;
   } catch (const std::exception& error) {

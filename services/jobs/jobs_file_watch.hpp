@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "services/common/configuration/file_versions.hpp"
 #include "services/common/tours/jobs_file.hpp"
 
 namespace luminav {
@@ -22,10 +22,9 @@ class JobsFileWatch {
   [[nodiscard]] const std::string& objection() const { return objection_; }
 
  private:
-  using Written = std::pair<std::filesystem::file_time_type, std::uintmax_t>;
-
-  std::filesystem::path file_;
-  std::optional<Written> written_;  // when it was read last, and its size
+  FileVersions file_;
+  bool has_looked_ = false;
+  decltype(std::declval<FileVersions>().stamp()) stamp_;  // of what was read last
   std::string objection_;
 };
 

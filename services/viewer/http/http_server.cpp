@@ -243,7 +243,13 @@ struct HttpServer::Servers {
       }
       return context.site->order(read_building_order(body), now());
     };
-    for (const char* name : {"map", "process", "files", "building"}) {
+    actions["tours"].act = [this, now](const std::string& body) {
+      if (context.tours == nullptr) {
+        throw RequestError("this viewer edits no tours");
+      }
+      return context.tours->order(read_tour_order(body), now());
+    };
+    for (const char* name : {"map", "process", "files", "building", "tours"}) {
       actions[name].role = [](const std::string&) { return Role::kAdminister; };
     }
     actions["steering"].act = [this, now](const std::string& body) {
@@ -312,7 +318,7 @@ struct HttpServer::Servers {
   [[nodiscard]] std::shared_ptr<const Building> building() const {
     // else one that nobody owns here
     return context.site != nullptr
-               ? context.site->building()
+               ? context.site->contents()
                : std::shared_ptr<const Building>(std::shared_ptr<const Building>(), &context.building);
   }
 
