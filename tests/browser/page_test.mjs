@@ -39,6 +39,17 @@ function sayBuilding(more = {}) {
   viewer.say('building', site);
 }
 
+const morning = {name: 'morning', at: '09:30', days: ['Mo', 'Tu', 'We', 'Th', 'Fr'],
+  stops: [{place: 'lift', pause: 20, text: 'The lift is from 1931.'}, {place: 'office-7', pause: 0, text: ''}]};
+const noon = {name: 'noon', days: ['Mo', 'Tu', 'We', 'Th', 'Fr', 'Sa', 'Su'], stops: [{place: 'office-3', pause: 0, text: ''}]};
+let tours = {};
+// What the viewer says of the stored tours.
+function sayTours(more = {}) {
+  tours = {...tours, orders: [], ...more};
+  viewer.say('tours', tours);
+}
+const done = () => ({orders: [{id: viewer.edits, fate: 'done', said: '', found: []}]});
+
 let page;
 const textOf = (selector) => page.$eval(selector, (element) => element.innerText);
 const says = (selector, pattern) => page.waitForFunction(([where, text]) => {
@@ -308,6 +319,88 @@ const steps = {
     await press('#ask-close');
   },
 
+  async 'a tour is written, saved when the check was read, and moved'(name, theme) {
+    sayJobs([]);
+    sayTours({version: 'c1', tours: [morning], undo: null, objection: ''});
+    await page.waitForSelector('#tours-edit', {state: 'visible'});
+    await press('#tours-edit');
+    await says('#tours-list', /morning[^]*09:30 Mo–Fr · lift, office-7/);
+    assert(await page.isDisabled('#tours-undo'), 'there is nothing to undo');
+    await press('#tours-new');
+    await says('#tours-hint', /needs a name/);
+    await page.fill('#tours-name', 'evening');
+    await says('#tours-hint', /needs a stop/);
+    for (const [i, place] of ['lift', 'office-7', 'office-3'].entries()) {
+      await press('#tours-add');
+      await page.selectOption(`#tours-stops [data-tour="place ${i}"]`, place);
+    }
+    await page.fill('#tours-stops [data-tour="pause 0"]', '20');
+    await page.fill('#tours-stops [data-tour="text 0"]', 'Good evening.');
+    await press('#tours-stops [data-tour="stop up 2"]');
+    await press('#tours-stops [data-tour="stop leave 2"]');
+    await page.fill('#tours-at', '17:45');
+    await says('#tours-alone', /without anybody/);
+    for (const day of ['Sa', 'Su']) await press(`#tours-days [data-tour="day ${day}"]`);
+    await page.locator('#tours-card').scrollIntoViewIfNeeded();
+    await look('tours-form', name, theme);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    let since = viewer.heard.length;
+    await press('#tours-save');
+    const sent = JSON.parse((await hears('/api/tours', since)).replace('/api/tours ', ''));
+    assert.deepEqual(sent, {action: 'set_tour', version: 'c1', tour: {name: 'evening', at: '17:45', days: ['Mo', 'Tu', 'We', 'Th', 'Fr'],
+      stops: [{place: 'lift', pause: 20, text: 'Good evening.'}, {place: 'office-3'}]}});
+    sayTours({orders: [{id: viewer.edits, fate: 'asks', said: '', found: ['place "lift" at (1.00, 2.00): no way leads there']}]});
+    await says('#tours-said', /Checking finds:[^]*no way leads there/);
+    since = viewer.heard.length;
+    await press('#tours-save');
+    assert.match(await hears('/api/tours', since), /"accept":true/);
+    sayTours({version: 'c2', tours: [morning, sent.tour], undo: 'jobs-before-2026-01-31-153000.toml', ...done()});
+    await says('#notes', /Saved in the building's jobs file/);
+    await says('#tours-list', /evening/);
+    await look('tours', name, theme);
+    await says('#notes', /does the process jobs run/);  // it knows morning alone
+    since = viewer.heard.length;
+    await press('[data-tour="down morning"]');
+    assert.deepEqual(JSON.parse((await hears('/api/tours', since)).replace('/api/tours ', '')), {action: 'move_tour', name: 'morning', version: 'c2'});
+    sayTours({version: 'c3', tours: [noon, morning], ...done()});
+    since = viewer.heard.length;
+    await press('[data-tour="up morning"]');
+    assert.match(await hears('/api/tours', since), /"name":"morning","before":"noon"/);
+    sayTours({version: 'c4', tours: [morning], ...done()});
+    await says('#notes', /The robot goes by it/);
+  },
+
+  async 'two people who edit a tour at once lose nothing'(name, theme) {
+    await press('#tours-list .name');
+    await page.fill('#tours-stops [data-tour="text 1"]', 'The last office.');
+    sayTours({version: 'd1', tours: [morning, noon]});
+    await says('#tours-hint', /Somebody else has changed/);
+    viewer.refusal = {path: '/api/tours', status: 409, error: 'somebody else has changed the tours meanwhile: look at them, and save again'};
+    await press('#tours-save');
+    await says('#tours-said', /look at them, and save again/);
+    assert.equal(await page.inputValue('#tours-stops [data-tour="text 1"]'), 'The last office.', 'the draft is lost');
+    await look('tours-stale', name, theme);
+    viewer.refusal = null;
+    let since = viewer.heard.length;
+    await press('#tours-save');
+    assert.match(await hears('/api/tours', since), /"name":"morning".*The last office.*"name":"morning".*"version":"d1"/);
+    sayTours({version: 'd2', ...done()});
+    await page.waitForSelector('#tours-form', {state: 'hidden'});
+    await press('#tours-list .name');
+    since = viewer.heard.length;
+    await press('#tours-remove');
+    assert.match(await hears('/api/tours', since), /"action":"remove_tour","name":"morning"/);
+    sayTours({version: 'd3', tours: [noon], ...done()});
+    await page.waitForSelector('#tours-form', {state: 'hidden'});
+    await press('#tours-undo');
+    since = viewer.heard.length;
+    await press('#tours-undo');
+    assert.match(await hears('/api/tours', since), /\{"action":"undo","version":"d3"\}/);
+    sayTours({orders: [{id: viewer.edits, fate: 'refused', said: 'the version before differs in more than tours', found: []}]});
+    await says('#notes', /differs in more than tours/);
+    await press('#tours-close');
+  },
+
   async 'recordings and maps are listed, fetched, and deleted when asked twice'(name, theme) {
     const recording = {name: 'drive-2026-01-31.lcm.00', files: ['drive-2026-01-31.lcm.00'], bytes: 1_520_000, modified: 1769850000, growing: false};
     viewer.files = {recordings: [{...recording, name: 'drive-2026-02-01.lcm.00', growing: true}, recording],
@@ -424,11 +517,12 @@ const steps = {
     await page.waitForSelector('#jobs-card', {state: 'visible'});
     await press('#job-kinds button');
     sayBuilding();
+    sayTours({version: 'e1', tours: [morning, noon]});
     await page.waitForSelector('#edit', {state: 'visible'});
     await page.evaluate(axe);
     // on a busy machine the viewer may have been silent for a moment, and what is old is pale
     await page.waitForFunction(() => !document.body.classList.contains('stale'));
-    for (const open of ['', '#edit', '#edit-zone', '#layers-button', '#help-button']) {
+    for (const open of ['', '#edit', '#edit-zone', '#tours-edit', '#tours-list .name', '#layers-button', '#help-button']) {
       if (open) await press(open);
       const found = await page.evaluate(() => globalThis.axe.run().then(({violations}) => violations.map(({id, nodes}) =>
         `${id}: ${nodes.map((element) => element.html.slice(0, 120)).join(' | ')}`)));

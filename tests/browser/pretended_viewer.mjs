@@ -66,7 +66,7 @@ export class PretendedViewer {
         return;
       }
       response.end(path === '/api/watch' ? JSON.stringify({may_command: this.mayCommand})
-        : path === '/api/building' ? `{"id":${++this.edits}}` : '{"id":7}');
+        : ['/api/building', '/api/tours'].includes(path) ? `{"id":${++this.edits}}` : '{"id":7}');
     });
   }
 

@@ -48,7 +48,7 @@ export class Jobs {
       : isSecond ? t`From ${stops[0]}: where to?` : t`Where is it fetched?`;
     const names = kind === 'tour' ? this.tours : this.places;
     $('job-choices').replaceChildren(...names.map((name) => button(`choice ${name}`, name, () => this.take(name))));
-    $('job-choices').dataset.empty = kind === 'tour' ? t`No tours are stored: a file jobs.toml beside the building's has them.` : '';
+    $('job-choices').dataset.empty = kind === 'tour' ? t`No tours are stored yet: Edit tours makes one.` : '';
     $('job-search').hidden = names.length <= MANY_PLACES;
     $('job-search').value = '';
     ($('job-search').hidden ? $('job-choices').firstChild : $('job-search'))?.focus({preventScroll: true});

@@ -24,6 +24,7 @@ import {Steering} from './steering.js';
 import {Stop} from './stop.js';
 import {speak, t, translated} from './texts.js';
 import {Tiles} from './tiles.js';
+import {Tours} from './tours.js';
 import {Trails} from './trails.js';
 
 speak(document.getElementById('language-button'));
@@ -47,6 +48,7 @@ const steering = new Steering({stick: $('stick'), knob: $('knob'), keysButton: $
 new Kept({details: $('kept'), list: $('kept').querySelector('ul')}, ask);
 $('kept').querySelector('ul').dataset.empty = t`nothing yet`;
 const jobs = new Jobs(ask, note);
+const tours = new Tours({note, known: () => jobs.tours});
 const stop = new Stop(ask, (number) => nameOf(NAVIGATION, number));
 
 let building = null;
@@ -99,6 +101,7 @@ commands.settings.then(() => fetch('building.json')).then((answer) => answer.jso
 function showPlaces(places) {
   goals.setPlaces(places);
   jobs.setPlaces(places);
+  tours.setPlaces(places);
 }
 
 // Somebody may have changed zones and places since.
@@ -136,6 +139,7 @@ connection.addEventListener('processes', ({detail}) => guarded(t`the processes`,
 }));
 connection.addEventListener('path', ({detail}) => { path = detail; redraw(); });
 connection.addEventListener('jobs', ({detail}) => guarded(t`the jobs`, () => jobs.show(detail)));
+connection.addEventListener('tours', ({detail}) => guarded(t`the tours`, () => tours.show(detail)));
 connection.addEventListener('building', ({detail}) => guarded(t`the building`, () => { site = detail; takeSite(); }));
 connection.addEventListener('tile', ({detail}) => guarded(t`the map`, () => tiles.take(detail)));
 connection.addEventListener('picture', ({detail}) => guarded(t`the camera`, () => picture.show(detail)));
