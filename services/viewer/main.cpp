@@ -14,6 +14,7 @@
 #include "services/common/tours/jobs_file.hpp"
 #include "services/launcher/network.hpp"
 #include "services/viewer/address/page_addresses.hpp"
+#include "services/viewer/address/qr_code.hpp"
 #include "services/viewer/http/http_rules.hpp"
 #include "services/viewer/http/http_server.hpp"
 #include "services/viewer/http/metrics.hpp"

@@ -529,6 +529,86 @@ const steps = {
       assert.deepEqual(found, [], `${name}, ${theme}, ${open}`);
     }
   },
+
+  async 'a scanned code offers its job, and moves nothing before the tap'(name, theme) {
+    const scan = async (query) => {
+      await page.goto(`${viewer.address.split('#')[0]}?${query}#token=0123456789abcdef`);
+      await page.waitForSelector('#offer', {state: 'visible'});
+      await says('#doing', /Stands still/);
+    };
+    const orders = (since) => viewer.heard.slice(since).filter((request) => request.startsWith('/api/jobs'));
+    let since = viewer.heard.length;
+    await scan('job=guide&place=lift');
+    await says('#offer-choices', /Guide me to lift/);
+    await look('offer-guide', name, theme);
+    const [box, footer] = [await bounds('#offer-choices button'), await bounds('footer')];
+    assert(box.bottom < footer.top || box.right < footer.left, 'the offer lies behind the STOP bar');
+    assert.deepEqual(orders(since), [], 'opening the address orders');
+    await press('#offer-choices button');
+    await hears('/api/jobs {"action":"add","kind":"guide","stops":[{"place":"lift"}]}', since);
+    await page.waitForSelector('#offer', {state: 'hidden'});
+    assert.doesNotMatch(page.url(), /job=/, 'a reload would offer it again');
+
+    since = viewer.heard.length;
+    await scan('job=load&place=lift');
+    await says('#offer-text', /Where shall it bring it/);
+    await look('offer-load', name, theme);
+    await press('#offer-choices button:text-is("office-7")');
+    await hears('/api/jobs {"action":"add","kind":"carry","stops":[{"place":"lift"},{"place":"office-7"}]}', since);
+
+    since = viewer.heard.length;
+    await scan('job=unload&place=office-7');
+    await says('#offer-text', /Where is it fetched/);
+    sayJobs([job({state: 'at_stop', stop: 1, waits_for: 'unloaded', sentence: 'is at office-7 and waits for "unloaded"'})]);
+    await says('#offer-text', /is here and waits for you/);
+    await press('#offer-choices button:text-is("It is unloaded")');
+    await hears('/api/jobs {"action":"confirm","job":1764184500123456,"word":"unloaded"}', since);
+
+    await scan('job=guide&place=attic');
+    await says('#offer-text', /no place of that name/);
+    assert.equal(await page.$$eval('#offer-choices button', (buttons) => buttons.length), 0);
+    viewer.mayCommand = false;
+    await scan('job=guide&place=lift');
+    await says('#offer-text', /holds no token/);
+    viewer.mayCommand = true;
+    await press('#offer-close');
+    await page.waitForSelector('#offer', {state: 'hidden'});
+    sayJobs([]);
+  },
+
+  async 'codes are printed without a token unless somebody says so'(name, theme) {
+    let since = viewer.heard.length;
+    await page.locator('a[href="print.html"]').click();
+    await says('#warning', /may administer and is not printed/);
+    assert(await page.isHidden('#share'));
+    await page.selectOption('#place', 'lift');
+    await page.fill('#address', 'http://robot:8080/');
+    await page.keyboard.press('Tab');
+    await hears('/qr.svg http://robot:8080/?job=guide&place=lift', since);
+    await says('#sheets', /lift[^]*Guide me to lift[^]*Load here: lift[^]*Unload here: lift/);
+    assert.doesNotMatch(viewer.heard.slice(since).join(), /qr.svg[^,]*token/);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    await page.evaluate(axe);
+    assert.deepEqual(await page.evaluate(() => globalThis.axe.run().then(({violations}) => violations.map(({id}) => id))), []);
+    viewer.role = 'drive';
+    await page.goto(page.url().replace(/print.html.*/, 'print.html?place=office-7'));
+    since = viewer.heard.length;
+    await page.check('#with-token');
+    await hears('/qr.svg http://127.0.0.1', since);
+    assert.match(viewer.heard.at(-1), /job=(guide|load|unload)&place=office-7#token=0123456789abcdef$/);
+    await look('print', name, theme);
+    if (name === 'desktop') {
+      await page.emulateMedia({media: 'print'});
+      assert(await page.isHidden('#settings'), 'the settings are printed');
+      await page.setViewportSize({width: 720, height: 1000});
+      await look('print-paper', name, theme);
+      await page.emulateMedia({media: null});
+      await page.setViewportSize(SCREENS.desktop.viewport);
+    }
+    viewer.role = 'administer';
+    await page.goto(viewer.address);
+    await says('#doing', /Stands still/);
+  },
 };
 
 let failure = null;

@@ -33,6 +33,7 @@ struct HttpOptions {
 ///
 ///   GET  /events              server-sent events, see ViewerNode; 503 when 40 clients listen, or ten of one machine
 ///   GET  /building.json, /settings.json, the page
+///   GET  /qr.svg?text=TEXT    a QR code, for paper
 ///   GET  /camera.jpg[?sequence=N]  the newest picture, or that one; 404 when it is not there any more
 ///   GET  /api/..., /metrics   the newest of the events and the like, for programs
 ///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose, /api/map, /api/steering, /api/process

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <memory>
 
+#include "services/viewer/http/query.hpp"
 #include "services/viewer/message_json.hpp"
 
 namespace luminav {
@@ -62,18 +63,6 @@ std::vector<std::string> plain_files(const fs::path& folder, bool (*is_meant)(st
     }
   }
   return names;
-}
-
-std::string_view value_of(std::string_view query, std::string_view key) {
-  while (!query.empty()) {
-    const std::size_t end = std::min(query.find('&'), query.size());
-    const std::string_view pair = query.substr(0, end);
-    if (pair.size() > key.size() && pair.starts_with(key) && pair[key.size()] == '=') {
-      return pair.substr(key.size() + 1);
-    }
-    query.remove_prefix(std::min(end + 1, query.size()));
-  }
-  return "";
 }
 
 }  // namespace

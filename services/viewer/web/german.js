@@ -146,6 +146,35 @@ export const GERMAN = {
   "Saved in the building's jobs file.": 'In der Auftragsdatei des Gebäudes gespeichert.',
   'The job service has not taken it over yet: does the process jobs run?':
     'Der Auftragsdienst hat es noch nicht übernommen: läuft der Prozess jobs?',
+  "Codes to print, for visitors' phones": 'Codes zum Drucken, für die Telefone von Besuchern',
+  'Codes to print': 'Codes zum Drucken',
+  'A sheet for each place. Who scans a code sees the job on his phone, and orders it there by one tap; nothing drives before that.':
+    'Ein Blatt für jeden Ort. Wer einen Code scannt, sieht den Auftrag auf seinem Telefon und erteilt ihn dort mit einem Tippen; vorher fährt nichts.',
+  'Place': 'Ort',
+  'Address as phones reach it': 'Adresse, wie Telefone sie erreichen',
+  'With the token to drive: whoever scans or photographs a code may drive the robot until the token is changed':
+    'Mit dem Token zum Fahren: wer einen Code scannt oder fotografiert, darf den Roboter fahren, bis das Token geändert wird',
+  'Print': 'Drucken',
+  'Back to the robot': 'Zurück zum Roboter',
+  'Guide me to {}': 'Führe mich zu: {}',
+  'Load here: {}': 'Hier beladen: {}',
+  'It comes to {} and is loaded here. Where shall it bring it?': 'Er kommt zu {} und wird hier beladen. Wohin soll er es bringen?',
+  'It is loaded': 'Er ist beladen',
+  'Unload here: {}': 'Hier entladen: {}',
+  'It brings something to {}. Where is it fetched?': 'Er bringt etwas zu {}. Wo holt er es?',
+  'It is unloaded': 'Er ist entladen',
+  'This building has no place of that name any more.': 'Einen Ort dieses Namens hat das Gebäude nicht mehr.',
+  'The code holds no token, or an old one: this page may look and press STOP, no more.':
+    'Der Code enthält kein Token oder ein altes: diese Seite darf zusehen und STOP drücken, sonst nichts.',
+  'The robot is here and waits for you.': 'Der Roboter ist hier und wartet auf Sie.',
+  "This page was opened on the robot's own machine: put the address here that phones use, as scripts/view --listen prints it.":
+    'Diese Seite wurde auf der Maschine des Roboters geöffnet: hier die Adresse eintragen, die Telefone benutzen, wie scripts/view --listen sie ausgibt.',
+  'The codes hold no token, so visitors may look and press STOP, no more. The token of this page may administer and is not printed: open this page with one to drive (scripts/view --drive-token-file).':
+    'Die Codes enthalten kein Token, Besucher dürfen also zusehen und STOP drücken, sonst nichts. Das Token dieser Seite darf verwalten und wird nicht gedruckt: diese Seite mit einem zum Fahren öffnen (scripts/view --drive-token-file).',
+  'The codes hold no token, so visitors may look and press STOP, no more. Open this page with a token to drive (scripts/view --drive-token-file).':
+    'Die Codes enthalten kein Token, Besucher dürfen also zusehen und STOP drücken, sonst nichts. Diese Seite mit einem Token zum Fahren öffnen (scripts/view --drive-token-file).',
+  'all places': 'alle Orte',
+  'Scan with your phone, then tap: the robot comes.': 'Mit dem Telefon scannen, dann tippen: der Roboter kommt.',
   'Mo': 'Mo',
   'Tu': 'Di',
   'We': 'Mi',

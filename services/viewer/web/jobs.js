@@ -20,7 +20,7 @@ function button(key, text, press, look = '') {
 export class Jobs {
   // `ask(subject, send, what)` sends a request and reports; `note(subject, text, tone)` says something.
   constructor(ask, note) {
-    Object.assign(this, {ask, note, places: [], tours: [], order: null, sent: new Map(), shown: ''});
+    Object.assign(this, {ask, note, places: [], tours: [], queue: [], order: null, sent: new Map(), shown: ''});
     for (const kind of ['guide', 'carry', 'tour', 'home']) {
       $('job-kinds').append(button(kind, translated(JOB_KINDS[kind]), () => this.begin(kind)));
     }
@@ -77,6 +77,7 @@ export class Jobs {
 
   show({jobs, requests, tours}) {
     this.tours = tours;
+    this.queue = jobs;
     $('jobs-card').hidden = false;
     for (const {id, objection} of requests) {
       if (this.sent.delete(id) && objection) this.note('job', objection, 'bad');
