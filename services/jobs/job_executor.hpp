@@ -76,6 +76,10 @@ class JobExecutor {
   [[nodiscard]] const JobQueue& queue() const { return queue_; }
   [[nodiscard]] const JobTable& table() const { return queue_.table(); }
   [[nodiscard]] const JobSite& site() const { return site_; }
+  /// The job under way; null = none.
+  [[nodiscard]] const Job* active() const { return queue_.active(); }
+  /// How its visitor follows, while it guides.
+  [[nodiscard]] const GuideWatch& guide() const { return guide_; }
   /// To be published until the planner echoes it.
   [[nodiscard]] std::optional<DriveRequest> goal() const { return drive_.request(); }
   /// Gives the drive up, and says by what id; nothing when nothing drives.

@@ -40,6 +40,7 @@ JobsConfig read_jobs_config(const std::filesystem::path& robot_file, const std::
   config.robot = read_robot(root);
   const TomlTable table = root.table("jobs");
   read_params(table, config.params);
+  config.speech = table.choice("speech", "off", {"off", "en", "de"});
   table.reject_unknown();
   Building building = read_building(building_file);
   // one that somebody names must be there

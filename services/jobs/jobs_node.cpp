@@ -31,6 +31,9 @@ JobsNode::JobsNode(lcm::LCM& lcm, const JobsConfig& config, std::optional<Comman
       store_(config.state_folder),
       kept_{config.boot, config.site.building},
       subscriber_(lcm, key) {
+  if (config.speech != "off") {
+    speech_.emplace(config.speech == "de" ? SpeechLanguage::kGerman : SpeechLanguage::kEnglish);
+  }
   if (std::optional<StoredJobs> stored = store_.recall()) {
     executor_.load(std::move(stored->table));
     kept_ = stored->kept;
@@ -142,6 +145,9 @@ void JobsNode::tick(const robot_status_t& status, double seconds) {
   moment.driven = std::max(0.0, status.linear) * seconds;
   moment.echoes = std::exchange(echoes_, {});
   executor_.update(moment);
+  if (std::optional<std::string> sentence = speech_ ? speech_->next(executor_) : std::nullopt) {
+    sentence_ = std::move(*sentence);
+  }
   if (now_ - kept_.utime > kKeepPeriod || now_ < kept_.utime) {
     kept_.utime = now_;
   }

@@ -9,6 +9,7 @@
 #include <luminav/sonar_t.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/common/process/event_loop.hpp"
@@ -17,6 +18,7 @@
 #include "services/jobs/job_executor.hpp"
 #include "services/jobs/job_store.hpp"
 #include "services/jobs/jobs_config.hpp"
+#include "services/jobs/speech/job_speech.hpp"
 
 namespace luminav {
 
@@ -32,6 +34,8 @@ class JobsNode {
   void set_places(const std::vector<Place>& places) { executor_.set_places(places); }
   /// Home and stored tours are others now.
   void set_jobs(const JobsFile& jobs);
+  /// What the robot is to say aloud now; "" = nothing. A voice belongs to `main`.
+  std::string take_sentence() { return std::exchange(sentence_, ""); }
   /// The time of day where the robot is: a clock belongs to `main`.
   void tell_time(const LocalTime& now);
   /// The service is ended in order: the robot stands, and jobs that are left over ask before they go on.
@@ -73,7 +77,9 @@ class JobsNode {
   std::optional<pose_t> pose_;
   std::vector<Echo> echoes_;  // since the last tick
   std::string store_error_;
-  Subscriber subscriber_;  // last: no handler may run on a half-built node
+  std::optional<JobSpeech> speech_;  // while it is on
+  std::string sentence_;             // that is due
+  Subscriber subscriber_;            // last: no handler may run on a half-built node
 };
 
 }  // namespace luminav

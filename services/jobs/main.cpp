@@ -1,5 +1,9 @@
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <optional>
 
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
@@ -8,6 +12,7 @@
 #include "services/jobs/jobs_config.hpp"
 #include "services/jobs/jobs_file_watch.hpp"
 #include "services/jobs/jobs_node.hpp"
+#include "services/jobs/speech/speaker.hpp"
 
 namespace {
 
@@ -27,6 +32,16 @@ luminav::Health health_of(const luminav::JobsNode& node, const luminav::JobsFile
     health.reason = jobs.objection();
   }
   return health;
+}
+
+void speak(luminav::JobsNode& node, luminav::Speaker& speaker) {
+  if (const std::string sentence = node.take_sentence(); !sentence.empty()) {
+    speaker.say(sentence);
+  }
+  speaker.tick();
+  if (const std::string complaint = speaker.take_complaint(); !complaint.empty()) {
+    fmt::print(stderr, "jobs: {}\n", complaint);
+  }
 }
 
 }  // namespace
@@ -68,6 +83,12 @@ int main(int argc, char** argv) {
           node.tell_time(local_time());
         },
         500'000);
+    std::optional<luminav::Speaker> speaker;
+    if (config.speech != "off") {
+      speaker.emplace(luminav::espeak_command(config.speech));
+      loop.every(
+          100'000, [&] { speak(node, *speaker); }, 50'000);
+    }
     const int status = loop.run();
     if (status == 0) {  // somebody wanted an end
       node.end();

@@ -46,6 +46,8 @@ class GuideWatch {
   [[nodiscard]] std::string sentence() const;
   /// It drives to the place, not back to its visitor.
   [[nodiscard]] bool leads() const { return phase_ == Phase::kLeading; }
+  /// It stands and waits for its visitor.
+  [[nodiscard]] bool stands() const { return phase_ == Phase::kWaiting || phase_ == Phase::kBeside; }
 
  private:
   enum class Phase { kLeading, kWaiting, kReturning, kBeside };
