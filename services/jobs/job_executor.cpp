@@ -48,6 +48,12 @@ void JobExecutor::ask_for_left_over(const std::string& why) {
   note_goal();
 }
 
+std::optional<double> JobExecutor::speed_limit() const {
+  const Job* job = active();
+  const bool guides = job != nullptr && job->kind == JobKind::kGuide && job->state == JobState::kDriving;
+  return guides && drive_.is_open() ? std::optional(guide_.max_speed()) : std::nullopt;
+}
+
 std::optional<DriveRequest> JobExecutor::end() {
   if (!drive_.is_open()) {
     return std::nullopt;

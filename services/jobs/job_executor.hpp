@@ -82,6 +82,8 @@ class JobExecutor {
   [[nodiscard]] const GuideWatch& guide() const { return guide_; }
   /// To be published until the planner echoes it.
   [[nodiscard]] std::optional<DriveRequest> goal() const { return drive_.request(); }
+  /// How fast the robot may drive for the job under way [m/s]; nothing = as fast as it does.
+  [[nodiscard]] std::optional<double> speed_limit() const;
   /// Gives the drive up, and says by what id; nothing when nothing drives.
   std::optional<DriveRequest> end();
 

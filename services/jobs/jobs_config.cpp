@@ -26,6 +26,7 @@ void read_params(const TomlTable& table, JobParams& params) {
     table.fail("battery_low", "must be below battery_enough and battery_charging");
   }
   GuideParams& guide = params.guide;
+  table.read("guide_speed", guide.speed, {0.15, 2.0});
   table.read("follower_wait", guide.wait, {1.0, 600.0});
   table.read("follower_reach", guide.follower.reach, {0.5, 5.0});
   table.read("follower_lost", guide.follower.lost_after, {0.5, 20.0});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <luminav/speed_limit_t.hpp>
 #include <utility>
 
 #include "services/common/geometry/seconds.hpp"
@@ -153,6 +154,7 @@ void JobsNode::tick(const robot_status_t& status, double seconds) {
   }
   keep();
   publish_goal();
+  publish_speed_limit();
   publish_status(now_);
 }
 
@@ -195,6 +197,16 @@ void JobsNode::end() {
 void JobsNode::publish_goal() {
   if (const std::optional<DriveRequest> request = executor_.goal(); request && now_ != 0) {
     commands_.publish(channels::kGoal, goal_from(*request, now_));
+  }
+}
+
+void JobsNode::publish_speed_limit() {
+  if (const std::optional<double> max_speed = executor_.speed_limit()) {
+    speed_limit_t limit{};
+    limit.utime = now_;
+    limit.max_speed = *max_speed;
+    limit.sender = "jobs";
+    commands_.publish(channels::kSpeedLimit, limit);
   }
 }
 

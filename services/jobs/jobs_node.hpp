@@ -58,6 +58,7 @@ class JobsNode {
   /// False when the disk takes nothing.
   bool keep();
   void publish_goal();
+  void publish_speed_limit();
   void publish_status(std::int64_t utime);
 
   lcm::LCM& lcm_;

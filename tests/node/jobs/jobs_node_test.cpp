@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <luminav/goal_t.hpp>
 #include <luminav/job_status_t.hpp>
+#include <luminav/speed_limit_t.hpp>
 #include <memory>
 
 #include "services/common/process/channels.hpp"
@@ -33,6 +34,7 @@ class JobsWorld {
     start();
     inbox_.on(channels::kGoal, &JobsWorld::on_goal, this);
     inbox_.on(channels::kJobStatus, &JobsWorld::on_job_status, this);
+    inbox_.on(channels::kSpeedLimit, &JobsWorld::on_speed_limit, this);
   }
 
   void start() { node = std::make_unique<JobsNode>(lcm, config_); }
@@ -104,6 +106,7 @@ class JobsWorld {
   std::vector<goal_t> goals;  // that the planner took up
   job_status_t status{};
   int statuses = 0;
+  std::vector<speed_limit_t> limits;
 
  private:
   void on_goal(const goal_t& goal) {
@@ -120,6 +123,7 @@ class JobsWorld {
       }
     }
   }
+  void on_speed_limit(const speed_limit_t& message) { limits.push_back(message); }
   void on_job_status(const job_status_t& message) {
     status = message;
     ++statuses;
@@ -214,6 +218,33 @@ TEST(JobsNode, FitsIntoOneDatagramHoweverMuchIsSaid) {
   EXPECT_EQ(world.status.count, 30);
   EXPECT_EQ(world.status.tour_count, 50);
   EXPECT_LT(world.status.getEncodedSize(), 65'000);
+}
+
+TEST(JobsNode, LimitsTheSpeedWhileItGuidesAndNotElse) {
+  JobsWorld world;
+  world.run(3.0);
+  world.carry(500);
+  world.run(3.0);
+  EXPECT_TRUE(world.limits.empty());
+  job_t cancel = world.request(job_t::ACTION_CANCEL, 501);
+  cancel.job = 500;
+  world.send(cancel);
+  job_t guide = world.request(job_t::ACTION_ADD, 502);
+  guide.kind = job_t::KIND_GUIDE;
+  guide.stops.resize(1);
+  guide.stops[0].place = "lab";
+  guide.count = 1;
+  world.send(guide);
+  world.run(5.0);
+  ASSERT_GT(world.limits.size(), 5U);
+  EXPECT_DOUBLE_EQ(world.limits.back().max_speed, 0.4);
+  EXPECT_EQ(world.limits.back().sender, "jobs");
+  EXPECT_LT(world.utime - world.limits.back().utime, 300'000) << "it is repeated";
+  world.navigation.state = navigation_status_t::STATE_ARRIVED;
+  world.run(1.0);
+  const std::size_t told = world.limits.size();
+  world.run(2.0);
+  EXPECT_EQ(world.limits.size(), told);
 }
 
 TEST(JobsNode, GoesOnAfterACrashAndAsksAfterAnOrderlyEnd) {
