@@ -84,6 +84,10 @@ class JobExecutor {
   [[nodiscard]] std::optional<DriveRequest> goal() const { return drive_.request(); }
   /// How fast the robot may drive for the job under way [m/s]; nothing = as fast as it does.
   [[nodiscard]] std::optional<double> speed_limit() const;
+  /// The picture that is to be kept now; nothing = none.
+  [[nodiscard]] std::optional<PhotoWish> wanted_photo() const;
+  /// It is kept, or cannot be.
+  void end_photo() { has_photo_ = true; }
   /// Gives the drive up, and says by what id; nothing when nothing drives.
   std::optional<DriveRequest> end();
 
@@ -128,6 +132,7 @@ class JobExecutor {
   GuideWatch guide_;
   std::vector<std::int64_t> left_over_;  // ids of the jobs that were loaded
   double waited_ = 0.0;                  // [s] at a stop or for an answer
+  bool has_photo_ = false;               // of the stop at which it stands
   double untouched_ = 0.0;               // [s] that nobody has handled the robot
   double planner_silent_ = 0.0;          // [s]
   double idle_ = 0.0;                    // [s] without a job

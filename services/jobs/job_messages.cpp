@@ -93,7 +93,7 @@ std::optional<JobRequest> request_from(const job_t& message) {
   request.tour = message.tour;
   for (const job_stop_t& stop : message.stops) {
     request.stops.push_back(
-        {stop.place, {stop.x, stop.y, wrap_angle(stop.theta)}, stop.has_theta != 0, stop.pause, stop.text, ""});
+        {stop.place, {stop.x, stop.y, wrap_angle(stop.theta)}, stop.has_theta != 0, stop.pause, stop.text});
   }
   request.word = message.word;
   request.sender = message.sender;

@@ -152,7 +152,7 @@ std::vector<JobStop> JobExecutor::stops_of(const JobRequest& request) const {
     stops[1].confirm = "unloaded";
   } else if (request.kind == JobKind::kTour && !request.tour.empty()) {
     for (const TourStop& stop : tour_called(request.tour)->stops) {
-      stops.push_back({.place = stop.place, .pause = stop.pause, .text = stop.text});
+      stops.push_back({.place = stop.place, .pause = stop.pause, .text = stop.text, .photo = stop.photo});
     }
   } else if (request.kind == JobKind::kHome) {
     const Place& home = *place_called(site_.jobs.home);

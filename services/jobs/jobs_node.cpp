@@ -30,6 +30,7 @@ JobsNode::JobsNode(lcm::LCM& lcm, const JobsConfig& config, std::optional<Comman
       commands_(lcm, key),
       executor_(config.params, config.site),
       store_(config.state_folder),
+      photos_(config.state_folder.empty() ? std::filesystem::path() : config.state_folder / "photos"),
       kept_{config.boot, config.site.building},
       subscriber_(lcm, key) {
   if (config.speech != "off") {
@@ -51,8 +52,8 @@ JobsNode::JobsNode(lcm::LCM& lcm, const JobsConfig& config, std::optional<Comman
 Health JobsNode::health() const {
   Health health;
   health.dropped_inputs = subscriber_.dropped();
-  health.degraded = !store_error_.empty();
-  health.reason = store_error_;
+  health.degraded = !store_error_.empty() || !photo_error_.empty();
+  health.reason = store_error_.empty() ? photo_error_ : store_error_;
   return health;
 }
 
@@ -96,6 +97,40 @@ void JobsNode::on_sonar(const sonar_t& message) {
           {*robot * ring.robot_from_sonar[disc], ring.half_angle, static_cast<double>(message.range[disc])});
     }
   }
+}
+
+std::vector<std::string> JobsNode::channels() const {
+  std::vector<std::string> channels = subscriber_.channels();
+  if (camera_) {
+    channels.emplace_back(channels::kCameraImage);
+  }
+  return channels;
+}
+
+// Fifteen pictures a second are nobody's business here but where one is to be kept.
+void JobsNode::listen_for_pictures() {
+  const bool wants = executor_.wanted_photo().has_value();
+  if (wants && !camera_) {
+    pictures_since_ = now_;
+    camera_.emplace(lcm_);
+    camera_->on(channels::kCameraImage, &JobsNode::on_camera_image, this);
+  } else if (!wants) {
+    camera_.reset();
+  }
+}
+
+void JobsNode::on_camera_image(const camera_image_t& message) {
+  const std::optional<PhotoWish> wish = executor_.wanted_photo();
+  if (!wish || message.utime < pictures_since_) {
+    return;  // one that was taken on the way
+  }
+  try {
+    photos_.keep(message, *wish, pose_at(message.utime));
+    photo_error_.clear();
+  } catch (const std::exception& error) {
+    photo_error_ = error.what();
+  }
+  executor_.end_photo();
 }
 
 std::optional<Pose2> JobsNode::pose_at(std::int64_t utime) const {
@@ -152,6 +187,7 @@ void JobsNode::tick(const robot_status_t& status, double seconds) {
   if (now_ - kept_.utime > kKeepPeriod || now_ < kept_.utime) {
     kept_.utime = now_;
   }
+  listen_for_pictures();
   keep();
   publish_goal();
   publish_speed_limit();

@@ -83,6 +83,16 @@ int main(int argc, char** argv) {
           node.tell_time(local_time());
         },
         500'000);
+    bool hears_pictures = false;
+    loop.every(
+        200'000,
+        [&] {
+          if (node.wants_pictures() != hears_pictures) {  // the kernel keeps them away else
+            hears_pictures = !hears_pictures;
+            luminav::receive_only(*lcm, network, node.channels());
+          }
+        },
+        100'000);
     std::optional<luminav::Speaker> speaker;
     if (config.speech != "off") {
       speaker.emplace(luminav::espeak_command(config.speech));

@@ -90,7 +90,9 @@ struct ViewerOptions {
   HttpOptions http;
   ViewerConfig config;
 
-  [[nodiscard]] KeptFiles files() const { return {state, state / config.robot.name}; }
+  [[nodiscard]] KeptFiles files() const {
+    return {state, state / config.robot.name, state / config.robot.name / "photos"};
+  }
 };
 
 /// What both kinds of view have; the pages get it from the board.

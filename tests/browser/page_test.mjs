@@ -210,6 +210,12 @@ const steps = {
     await page.locator('#jobs-card').scrollIntoViewIfNeeded();
     await look('jobs', name, theme);
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    viewer.files.photos = [{name: '1764184500500000-4-0'}, {name: '1764184500600000-99-0'}];
+    sayJobs([job({state: 'asking', stop: 1, sentence: question, question, answers: ['opened', 'give up']}),
+      job({id: 4, kind: 'guide', state: 'done', position: -1, sentence: 'done, at office-3', stops: ['office-3']})]);
+    await says('#job-list', /Picture: office-3/);
+    assert.deepEqual(await page.$$eval('#job-list a', (links) => links.map((link) => link.getAttribute('href'))), ['api/file?kind=photo&name=1764184500500000-4-0.jpg']);
+    viewer.files.photos = [];
     since = viewer.heard.length;
     await press('#job-list button:text-is("opened")');
     await hears('/api/jobs {"action":"answer","job":1764184500123456,"word":"opened"}', since);
@@ -336,6 +342,7 @@ const steps = {
     }
     await page.fill('#tours-stops [data-tour="pause 0"]', '20');
     await page.fill('#tours-stops [data-tour="text 0"]', 'Good evening.');
+    await page.check('#tours-stops [data-tour="photo 2"]');
     await press('#tours-stops [data-tour="stop up 2"]');
     await press('#tours-stops [data-tour="stop leave 2"]');
     await page.fill('#tours-at', '17:45');
@@ -348,7 +355,7 @@ const steps = {
     await press('#tours-save');
     const sent = JSON.parse((await hears('/api/tours', since)).replace('/api/tours ', ''));
     assert.deepEqual(sent, {action: 'set_tour', version: 'c1', tour: {name: 'evening', at: '17:45', days: ['Mo', 'Tu', 'We', 'Th', 'Fr'],
-      stops: [{place: 'lift', pause: 20, text: 'Good evening.'}, {place: 'office-3'}]}});
+      stops: [{place: 'lift', pause: 20, text: 'Good evening.'}, {place: 'office-3', photo: true}]}});
     sayTours({orders: [{id: viewer.edits, fate: 'asks', said: '', found: ['place "lift" at (1.00, 2.00): no way leads there']}]});
     await says('#tours-said', /Checking finds:[^]*no way leads there/);
     since = viewer.heard.length;
@@ -403,7 +410,7 @@ const steps = {
 
   async 'recordings and maps are listed, fetched, and deleted when asked twice'(name, theme) {
     const recording = {name: 'drive-2026-01-31.lcm.00', files: ['drive-2026-01-31.lcm.00'], bytes: 1_520_000, modified: 1769850000, growing: false};
-    viewer.files = {recordings: [{...recording, name: 'drive-2026-02-01.lcm.00', growing: true}, recording],
+    viewer.files = {photos: [], recordings: [{...recording, name: 'drive-2026-02-01.lcm.00', growing: true}, recording],
       maps: [{name: 'map', files: ['map.yaml', 'map.pgm'], bytes: 900, modified: 1769850000, growing: false}]};
     await press('#kept summary');
     await says('#kept', /drive-2026-01-31.lcm.00\s+1.5 MB.*2026/);

@@ -20,7 +20,7 @@ export const standing = () => ({
 export class PretendedViewer {
   constructor(source, building = hut) {
     Object.assign(this, {web: `${source}/services/viewer/web`, building, state: standing(), answers: true, mayCommand: true, role: 'administer', heard: [],
-      refusal: null, edits: 0, picture: null, files: {recordings: [], maps: []}, streams: new Set()});
+      refusal: null, edits: 0, picture: null, files: {recordings: [], maps: [], photos: []}, streams: new Set()});
   }
 
   async listen() {

@@ -10,7 +10,7 @@ const {Validator} = await import(require.resolve('@seriousme/openapi-schema-vali
 
 // the laboratory has no zones, and no stored tours
 const NOT_HERE = new Set([...['name', 'kind', 'polygon', 'speed', 'direction'].map((key) => `Zone.${key}`),
-  ...['name', 'at', 'days', 'stops'].map((key) => `Tour.${key}`), ...['place', 'pause', 'text'].map((key) => `TourStop.${key}`)]);
+  ...['name', 'at', 'days', 'stops'].map((key) => `Tour.${key}`), ...['place', 'pause', 'text', 'photo'].map((key) => `TourStop.${key}`)]);
 const EDITED = ['/api/building', '/api/tours'];
 
 // Only where a log is shown; tests/browser/playback_test.mjs compares it there.

@@ -24,6 +24,7 @@ TourStop read_stop(const TomlTable& table, const Building& building) {
   check_place(table, "place", building, stop.place);
   stop.pause = table.number("pause", 0.0, {0.0, kLongestTourPause});
   stop.text = table.text("text", "");
+  stop.photo = table.boolean("photo", false);
   if (stop.text.size() > kMaxTourText) {
     table.fail("text", fmt::format("must be {} bytes at most", kMaxTourText));
   }

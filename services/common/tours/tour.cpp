@@ -28,7 +28,7 @@ std::optional<int> number(std::string_view digits) {
 }
 
 bool is_same(const TourStop& a, const TourStop& b) {
-  return a.place == b.place && std::abs(a.pause - b.pause) < kSamePause && a.text == b.text;
+  return a.place == b.place && std::abs(a.pause - b.pause) < kSamePause && a.text == b.text && a.photo == b.photo;
 }
 
 bool is_same(const Tour& a, const Tour& b) {

@@ -16,6 +16,7 @@ struct TourStop {
   std::string place{};  ///< of the building
   double pause = 0.0;   ///< [s] to stay there
   std::string text{};   ///< for people there
+  bool photo = false;   ///< the camera's picture there is kept
 };
 
 /// A tour of the building's jobs file.

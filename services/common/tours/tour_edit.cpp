@@ -63,6 +63,9 @@ void write(const TourStop& stop, const TourStop& old, TomlLines& lines, std::siz
   if (stop.text != old.text) {
     set(lines, header, "text", stop.text.empty() ? std::nullopt : std::optional(quoted(stop.text)));
   }
+  if (stop.photo != old.photo) {
+    set(lines, header, "photo", stop.photo ? std::optional<std::string>("true") : std::nullopt);
+  }
 }
 
 template <typename Item>

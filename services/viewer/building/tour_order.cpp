@@ -22,11 +22,12 @@ const Json& list(const Json& object, const char* key, std::size_t max) {
 }
 
 TourStop read_stop(const Json& item) {
-  check_item(item, "stops", {"place", "pause", "text"});
+  check_item(item, "stops", {"place", "pause", "text", "photo"});
   TourStop stop;
   stop.place = text(item, "place");
   stop.pause = item.contains("pause") ? number(item, "pause", 0.0, kLongestTourPause) : 0.0;
   stop.text = item.contains("text") ? line(item, "text", kMaxTourText) : "";
+  stop.photo = item.contains("photo") && boolean(item, "photo");
   return stop;
 }
 
@@ -59,7 +60,7 @@ Tour read_tour(const Json& item) {
 Json json_of(const Tour& tour) {
   Json stops = Json::array();
   for (const TourStop& stop : tour.stops) {
-    stops.push_back({{"place", stop.place}, {"pause", stop.pause}, {"text", stop.text}});
+    stops.push_back({{"place", stop.place}, {"pause", stop.pause}, {"text", stop.text}, {"photo", stop.photo}});
   }
   Json days = Json::array();
   for (std::size_t day = 0; day < tour.days.size(); ++day) {

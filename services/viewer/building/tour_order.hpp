@@ -15,10 +15,10 @@ struct TourOrder {
   TourEdit edit{};  // unless it undoes
 };
 
-/// {"version", "action": "set_tour", "tour": {"name", "stops": [{"place", "pause"?, "text"?}, ...], "at"?: "09:30",
-/// "days"?: ["Mo", ...]}, "name"?: which one it replaces, "accept"?}; "remove_tour" with "name"; "move_tour" with
-/// "name" and "before"?: the one before which it is to stand, else the last; "undo". Throws RequestError, as those in
-/// request_text.hpp do.
+/// {"version", "action": "set_tour", "tour": {"name", "stops": [{"place", "pause"?, "text"?, "photo"?}, ...], "at"?:
+/// "09:30", "days"?: ["Mo", ...]}, "name"?: which one it replaces, "accept"?}; "remove_tour" with "name"; "move_tour"
+/// with "name" and "before"?: the one before which it is to stand, else the last; "undo". Throws RequestError, as those
+/// in request_text.hpp do.
 TourOrder read_tour_order(const std::string& body);
 
 /// A list of tours, as an order has them.

@@ -175,6 +175,8 @@ export const GERMAN = {
     'Die Codes enthalten kein Token, Besucher dürfen also zusehen und STOP drücken, sonst nichts. Diese Seite mit einem Token zum Fahren öffnen (scripts/view --drive-token-file).',
   'all places': 'alle Orte',
   'Scan with your phone, then tap: the robot comes.': 'Mit dem Telefon scannen, dann tippen: der Roboter kommt.',
+  "keep the camera's picture there": 'das Bild der Kamera dort behalten',
+  'Picture: {}': 'Bild: {}',
   'Mo': 'Mo',
   'Tu': 'Di',
   'We': 'Mi',

@@ -39,7 +39,7 @@ export function daysText(days) {
 }
 
 const written = ({name, at, days, stops}) => ({name, ...(at ? {at} : {}), ...(at && days.length < DAYS.length ? {days} : {}),
-  stops: stops.map(({place, pause, text}) => ({place, ...(pause ? {pause} : {}), ...(text ? {text} : {})}))});
+  stops: stops.map(({place, pause, text, photo}) => ({place, ...(pause ? {pause} : {}), ...(text ? {text} : {}), ...(photo ? {photo} : {})}))});
 
 export class Tours {
   // `note(subject, text, tone, seconds)` says something; `known()`: the names of the tours that the job service has.
@@ -169,7 +169,7 @@ export class Tours {
 
   addStop() {
     const {stops} = this.draft.item;
-    stops.push({place: '', pause: 0, text: ''});
+    stops.push({place: '', pause: 0, text: '', photo: false});
     this.change({stops});
     this.listStops();
     $('tours-stops').lastChild.querySelector('select').focus();
@@ -204,7 +204,11 @@ export class Tours {
     const leave = tool(`stop leave ${i}`, '✕', t`Remove stop ${i + 1}`, () => { stops.splice(i, 1); this.change({}); this.listStops(); });
     up.disabled = i === 0;
     down.disabled = i === stops.length - 1;
-    return make('li', {}, make('div', {className: 'row'}, place, up, down, leave), make('div', {className: 'row'}, pause, text));
+    const photo = make('input', {type: 'checkbox', checked: stop.photo});
+    photo.dataset.tour = `photo ${i}`;
+    photo.addEventListener('change', () => { stop.photo = photo.checked; this.change({}); });
+    return make('li', {}, make('div', {className: 'row'}, place, up, down, leave), make('div', {className: 'row'}, pause, text),
+      make('label', {className: 'check'}, photo, t`keep the camera's picture there`));
   }
 
   objection() {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <luminav/camera_image_t.hpp>
 #include <luminav/goal_t.hpp>
 #include <luminav/job_status_t.hpp>
 #include <luminav/speed_limit_t.hpp>
@@ -245,6 +246,67 @@ TEST(JobsNode, LimitsTheSpeedWhileItGuidesAndNotElse) {
   const std::size_t told = world.limits.size();
   world.run(2.0);
   EXPECT_EQ(world.limits.size(), told);
+}
+
+TEST(JobsNode, KeepsAPictureOfAStopThatWantsOne) {
+  const TemporaryFolder folder;
+  JobsWorld world(laboratory(folder.path()));
+  JobsFile jobs;
+  jobs.tours = {{.name = "round", .stops = {{.place = "lab", .photo = true}, {.place = "office"}}}};
+  world.node->set_jobs(jobs);
+  const auto take_picture = [&] {
+    camera_image_t image{};
+    image.utime = world.utime;
+    image.format = camera_image_t::FORMAT_JPEG;
+    image.data = {1, 2, 3};
+    image.size = 3;
+    world.lcm.publish(channels::kCameraImage, &image);
+    world.deliver();
+  };
+  const auto count = [&] {
+    std::size_t files = 0;
+    const auto photos = folder.path() / "photos";
+    if (std::filesystem::exists(photos)) {
+      for (const auto& entry : std::filesystem::directory_iterator(photos)) {
+        files += entry.path().extension() == ".jpg" ? 1 : 0;
+      }
+    }
+    return files;
+  };
+  job_t tour = world.request(job_t::ACTION_ADD, 500);
+  tour.kind = job_t::KIND_TOUR;
+  tour.tour = "round";
+  world.run(3.0);
+  world.send(tour);
+  world.run(3.0);
+  take_picture();
+  EXPECT_FALSE(world.node->wants_pictures()) << "on the way";
+  world.navigation.state = navigation_status_t::STATE_ARRIVED;
+  world.run(0.6);
+  EXPECT_TRUE(world.node->wants_pictures()) << "it waits for one, although the stop has no pause";
+  EXPECT_EQ(count(), 0U);
+  take_picture();
+  take_picture();
+  EXPECT_EQ(count(), 1U);
+  world.run(1.0);
+  EXPECT_FALSE(world.node->wants_pictures());
+  EXPECT_EQ(world.status.jobs[0].stop, 1);
+}
+
+TEST(JobsNode, GoesOnWithoutAPictureWhereTheCameraIsSilent) {
+  JobsWorld world;
+  JobsFile jobs;
+  jobs.tours = {{.name = "round", .stops = {{.place = "lab", .photo = true}, {.place = "office"}}}};
+  world.node->set_jobs(jobs);
+  job_t tour = world.request(job_t::ACTION_ADD, 500);
+  tour.kind = job_t::KIND_TOUR;
+  tour.tour = "round";
+  world.run(3.0);
+  world.send(tour);
+  world.arrive();
+  EXPECT_EQ(world.status.jobs[0].stop, 0);
+  world.run(4.0);
+  EXPECT_EQ(world.status.jobs[0].stop, 1);
 }
 
 TEST(JobsNode, GoesOnAfterACrashAndAsksAfterAnOrderlyEnd) {

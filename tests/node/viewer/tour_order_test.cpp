@@ -71,9 +71,11 @@ TEST(TourOrder, RefusesWhatIsNoTour) {
 }
 
 TEST(TourOrder, ReadsTheToursThatItWrites) {
-  const std::vector<Tour> tours = {
-      {.name = "a \"b\"", .stops = {{"lift", 2.5, "ä"}, {"door", 0.0, ""}}, .at = 60, .days = *read_days("Tu-Th")},
-      {.name = "c", .stops = {{"lift", 0.0, ""}}}};
+  const std::vector<Tour> tours = {{.name = "a \"b\"",
+                                    .stops = {{"lift", 2.5, "ä", true}, {"door", 0.0, ""}},
+                                    .at = 60,
+                                    .days = *read_days("Tu-Th")},
+                                   {.name = "c", .stops = {{"lift", 0.0, ""}}}};
   const auto written = nlohmann::json::parse(tours_json(tours));
   std::vector<Tour> read;
   for (const auto& tour : written) {

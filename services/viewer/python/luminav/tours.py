@@ -18,9 +18,10 @@ class TourStop:
     place: str
     pause: float = 0.0  # [s] to stay there
     text: str = ""  # for people there
+    photo: bool = False  # the camera's picture there is kept
 
     def write(self) -> Mapping[str, Any]:
-        return {"place": self.place, "pause": self.pause, "text": self.text}
+        return {"place": self.place, "pause": self.pause, "text": self.text, "photo": self.photo}
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Tour:
 
     @staticmethod
     def read(told: Mapping[str, Any]) -> Tour:
-        stops = tuple(TourStop(stop["place"], stop.get("pause", 0.0), stop.get("text", "")) for stop in told["stops"])
+        stops = tuple(TourStop(stop["place"], stop.get("pause", 0.0), stop.get("text", ""), stop.get("photo", False)) for stop in told["stops"])
         return Tour(told["name"], stops, told.get("at"), tuple(told.get("days", DAYS)))
 
     def write(self) -> Mapping[str, Any]:

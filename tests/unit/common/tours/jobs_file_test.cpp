@@ -44,6 +44,7 @@ days = "Mo-Fr"
 place = "lift"
 pause = 20
 text = "The lift."
+photo = true
 [[tour.stop]]
 place = "dock"
 )");
@@ -56,8 +57,10 @@ place = "dock"
   ASSERT_EQ(tour.stops.size(), 2U);
   EXPECT_EQ(tour.stops[0].pause, 20.0);
   EXPECT_EQ(tour.stops[0].text, "The lift.");
+  EXPECT_TRUE(tour.stops[0].photo);
+  EXPECT_FALSE(tour.stops[1].photo);
   EXPECT_EQ(source.lines[0].tour, 3);
-  EXPECT_THAT(source.lines[0].stops, ElementsAre(7, 11));
+  EXPECT_THAT(source.lines[0].stops, ElementsAre(7, 12));
 }
 
 TEST(JobsFile, SaysNothingWhereItIsNot) {

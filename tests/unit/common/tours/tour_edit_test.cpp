@@ -94,9 +94,9 @@ TEST(TourEdit, KeepsTheLinesOfStopsThatMove) {
 
 TEST(TourEdit, AddsAndRemovesStops) {
   Tour longer = tour(0);
-  longer.stops.insert(longer.stops.begin() + 1, {"door", 2.5, "A \"door\"."});
+  longer.stops.insert(longer.stops.begin() + 1, {"door", 2.5, "A \"door\".", true});
   const std::string text = edited({.name = "morning", .tour = longer});
-  EXPECT_THAT(text, HasSubstr("place = \"door\"\npause = 2.5\ntext = \"A \\\"door\\\".\"\n"));
+  EXPECT_THAT(text, HasSubstr("place = \"door\"\npause = 2.5\ntext = \"A \\\"door\\\".\"\nphoto = true\n"));
   EXPECT_THAT(text, HasSubstr("pause = 20           # s"));
   Tour shorter = tour(0);
   shorter.stops.erase(shorter.stops.begin());
