@@ -35,6 +35,12 @@ const Pose2& place_of(const ControlInput& input) {
   return by_ceiling ? *input.world_from_robot : input.odom_from_robot;
 }
 
+/// The same arc, slower.
+DriveTwist at_speed(double speed, const DriveTwist& twist) {
+  const double share = speed / std::abs(twist.linear);
+  return {share * twist.linear, share * twist.angular};
+}
+
 bool is_still(const DriveTwist& twist) {
   return std::abs(twist.linear) < 0.02 && std::abs(twist.angular) < 0.04;
 }
@@ -120,8 +126,18 @@ DriveTwist Controller::by_zones(const DriveTwist& wanted, const ControlInput& in
   if (output.reason.empty()) {
     output.reason = "slow zone " + zone->name;
   }
-  const double share = zone->speed / speed;
-  return {share * wanted.linear, share * wanted.angular};  // the same arc
+  return at_speed(zone->speed, wanted);
+}
+
+DriveTwist Controller::by_limit(const DriveTwist& wanted, const std::optional<SpeedLimit>& limit,
+                                ControlOutput& output) {
+  if (!limit || std::abs(wanted.linear) <= limit->max_speed) {
+    return wanted;
+  }
+  if (output.reason.empty()) {
+    output.reason = "slow for " + limit->sender;
+  }
+  return at_speed(limit->max_speed, wanted);
 }
 
 void Controller::keep_out_of_zones(const ControlInput& input, StopVerdict& verdict) const {
@@ -159,7 +175,8 @@ ControlOutput Controller::step(const ControlInput& input) {
   look_for_people(input.now);
   leave_what_it_touches(input);
   const double unknown = obstacles_.min_unknown_distance(10.0);
-  const DriveTwist wanted = by_zones(with_care(wish(input, output), unknown), input, output);
+  const DriveTwist allowed = by_zones(with_care(wish(input, output), unknown), input, output);
+  const DriveTwist wanted = by_limit(allowed, input.speed_limit, output);
   DriveTwist smooth = input.is_again ? ramp_.step_again(wanted) : ramp_.step(wanted, input.duration);
   if (escape_ && wanted.linear != 0.0) {
     // the arc that was found free, from the first step on: turning speeds up faster than driving

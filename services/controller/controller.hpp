@@ -8,6 +8,7 @@
 #include "services/controller/following/local_map.hpp"
 #include "services/controller/following/path_follower.hpp"
 #include "services/controller/following/progress_monitor.hpp"
+#include "services/controller/following/speed_limit.hpp"
 #include "services/controller/safety/escape.hpp"
 #include "services/controller/safety/stop_logic.hpp"
 #include "services/controller/safety/turn_search.hpp"
@@ -44,6 +45,7 @@ struct ControlInput {
   std::optional<Pose2> world_from_robot;  // only while TRACKING
   const OccupancyGrid* grid = nullptr;    // nothing received yet: nullptr
   DriveTwist teleoperation;
+  std::optional<SpeedLimit> speed_limit;      // that somebody asks for
   std::vector<ObstaclePoint> echoes;          // robot frame
   std::vector<ObstaclePoint> remembered;      // echoes with a longer memory, for choosing a direction while wandering
   std::vector<SonarFiring> firings;           // newest of each disc, while wandering
@@ -85,6 +87,8 @@ class Controller {
   void look_around(const ControlInput& input);
   /// What slow and one-way zones leave of a wish.
   [[nodiscard]] DriveTwist by_zones(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const;
+  /// No faster than somebody asks for, whoever drives.
+  static DriveTwist by_limit(const DriveTwist& wanted, const std::optional<SpeedLimit>& limit, ControlOutput& output);
   /// Where the outline reaches into a keep-out zone of a possible pose, leaves only what leads no deeper.
   void keep_out_of_zones(const ControlInput& input, StopVerdict& verdict) const;
   void look_for_people(std::int64_t now);

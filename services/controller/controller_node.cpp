@@ -50,6 +50,7 @@ ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config, st
   subscriber_.on(channels::kRobotStatus, &ControllerNode::on_robot_status, this);
   subscriber_.on(channels::kStop, &ControllerNode::on_stop, this);
   subscriber_.on(channels::kTeleopCommand, &ControllerNode::on_teleop_command, this);
+  subscriber_.on(channels::kSpeedLimit, &ControllerNode::on_speed_limit, this);
 }
 
 Health ControllerNode::health() const {
@@ -256,6 +257,13 @@ void ControllerNode::on_teleop_command(const teleop_command_t& message) {
   }
 }
 
+void ControllerNode::on_speed_limit(const speed_limit_t& message) {
+  const bool is_awake = newest_tick_ != 0;  // before that no stamp can be judged
+  if (is_awake && !speed_limit_.take({message.utime, message.max_speed, message.sender.substr(0, 30)}, newest_tick_)) {
+    subscriber_.drop("SPEED_LIMIT: a speed that nobody drives by, or a stamp of another time");
+  }
+}
+
 std::optional<std::string> ControllerNode::reason_not_to_trust_pose() const {
   if (!pose_ || odometry_.empty() || pose_->session != odometry_.newest().session) {
     return "the localizer has not spoken yet";
@@ -369,6 +377,7 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
   input.now = utime;
   input.is_again = utime == last_control_;
   input.duration = last_control_ == 0 ? config_.period : std::clamp(seconds_between(last_control_, utime), 0.001, 0.2);
+  input.speed_limit = speed_limit_.at(utime);
   choose_task(utime, input);
   if (const std::optional<Pose2> place = odometry_.odom_from_robot_at(utime)) {
     input.odom_from_robot = *place;

@@ -9,6 +9,7 @@
 #include <luminav/pose_t.hpp>
 #include <luminav/robot_status_t.hpp>
 #include <luminav/sonar_t.hpp>
+#include <luminav/speed_limit_t.hpp>
 #include <luminav/stop_t.hpp>
 #include <luminav/teleop_command_t.hpp>
 #include <optional>
@@ -52,6 +53,7 @@ class ControllerNode {
   void on_robot_status(const robot_status_t& message);
   void on_stop(const stop_t& message);
   void on_teleop_command(const teleop_command_t& message);
+  void on_speed_limit(const speed_limit_t& message);
 
   void tick(std::int64_t utime);
   void control(std::int64_t utime);
@@ -94,6 +96,7 @@ class ControllerNode {
   std::optional<robot_status_t> status_;
   std::optional<teleop_command_t> teleop_;
   std::int64_t teleop_until_ = 0;  // [us] a person drove until then
+  HeldSpeedLimit speed_limit_;
   StopRequests stops_;
 
   std::int64_t session_ = 0;  // [us] of the first message answered

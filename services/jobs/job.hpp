@@ -21,7 +21,15 @@ struct JobStop {
   bool has_theta = false;
   double pause = 0.0;     ///< [s] to stay there
   std::string text{};     ///< for people there
+  bool photo = false;     ///< the camera's picture there is kept
   std::string confirm{};  ///< word that somebody must say before it goes on: "loaded", "unloaded"; "" = none
+};
+
+/// A picture that is to be kept: of which stop of which job.
+struct PhotoWish {
+  std::int64_t job = 0;
+  std::size_t stop = 0;
+  std::string place{};
 };
 
 /// What a person must decide.

@@ -9,6 +9,7 @@
 namespace luminav {
 namespace {
 
+constexpr double kPhotoPatience = 3.0;    // [s] for a picture of the camera, which takes 15 a second
 constexpr double kPlannerPatience = 5.0;  // [s] it speaks once a second at least
 
 }  // namespace
@@ -46,6 +47,18 @@ void JobExecutor::ask_for_left_over(const std::string& why) {
   queue_.deactivate();
   drive_.forget();
   note_goal();
+}
+
+std::optional<double> JobExecutor::speed_limit() const {
+  const Job* job = active();
+  const bool guides = job != nullptr && job->kind == JobKind::kGuide && job->state == JobState::kDriving;
+  return guides && drive_.is_open() ? std::optional(guide_.max_speed()) : std::nullopt;
+}
+
+std::optional<PhotoWish> JobExecutor::wanted_photo() const {
+  const Job* job = active();
+  const bool wants = job != nullptr && job->state == JobState::kAtStop && job->stops[job->stop].photo && !has_photo_;
+  return wants ? std::optional(PhotoWish{job->id, job->stop, name_of(job->stops[job->stop])}) : std::nullopt;
 }
 
 std::optional<DriveRequest> JobExecutor::end() {
@@ -93,7 +106,7 @@ void JobExecutor::update(const JobMoment& moment) {
 // ---------------------------------------------------------------------------------------------------- which job
 
 void JobExecutor::look_after_battery(const JobMoment& moment) {
-  const Place* home = place_called(site_.home);
+  const Place* home = place_called(site_.jobs.home);
   if (home == nullptr) {
     return;
   }
@@ -209,6 +222,7 @@ void JobExecutor::drive(Job& job, const JobMoment& moment) {
     case Drive::kArrived:
       job.state = JobState::kAtStop;
       job.sentence = fmt::format("is at {}", place);
+      has_photo_ = false;
       waited_ = 0.0;
       break;
     case Drive::kNone:
@@ -290,9 +304,9 @@ void JobExecutor::stay(Job& job, const JobMoment& moment) {
   const bool is_last = job.stop + 1 == job.stops.size();
   if (!stop.confirm.empty()) {
     wait_for_word(job, stop);
-  } else if (job.kind == JobKind::kHome && site_.has_charger && is_last) {
+  } else if (job.kind == JobKind::kHome && site_.jobs.has_charger && is_last) {
     wait_for_charger(job, moment);
-  } else if (waited_ >= stop.pause) {
+  } else if (waited_ >= stop.pause && !(wanted_photo() && waited_ < kPhotoPatience)) {
     go_on(job);
   }
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
+#include "services/common/tours/jobs_file.hpp"
 #include "services/jobs/job_queue.hpp"
 #include "services/jobs/tour_schedule.hpp"
 #include "services/jobs/watches/battery_watch.hpp"
@@ -31,9 +32,7 @@ struct JobParams {
 struct JobSite {
   std::string building{};
   std::vector<Place> places{};
-  std::string home{};        // name of a place; "" = none
-  bool has_charger = false;  // there
-  std::vector<StoredTour> tours{};
+  JobsFile jobs{};                          // home and stored tours
   std::shared_ptr<const PriorMap> walls{};  // null = no map
 };
 
@@ -58,6 +57,8 @@ class JobExecutor {
 
   /// The building's places are others now. A job that is on its way to one goes on to where that was.
   void set_places(std::vector<Place> places) { site_.places = std::move(places); }
+  /// Home and stored tours are these now. A job that was taken goes on as it was.
+  void set_jobs(JobsFile jobs);
   /// Acts on a request, once.
   void take(const JobRequest& request, std::int64_t utime);
   /// A new job could not be kept: it is as if it had never come, and its sender is told why.
@@ -75,8 +76,18 @@ class JobExecutor {
   [[nodiscard]] const JobQueue& queue() const { return queue_; }
   [[nodiscard]] const JobTable& table() const { return queue_.table(); }
   [[nodiscard]] const JobSite& site() const { return site_; }
+  /// The job under way; null = none.
+  [[nodiscard]] const Job* active() const { return queue_.active(); }
+  /// How its visitor follows, while it guides.
+  [[nodiscard]] const GuideWatch& guide() const { return guide_; }
   /// To be published until the planner echoes it.
   [[nodiscard]] std::optional<DriveRequest> goal() const { return drive_.request(); }
+  /// How fast the robot may drive for the job under way [m/s]; nothing = as fast as it does.
+  [[nodiscard]] std::optional<double> speed_limit() const;
+  /// The picture that is to be kept now; nothing = none.
+  [[nodiscard]] std::optional<PhotoWish> wanted_photo() const;
+  /// It is kept, or cannot be.
+  void end_photo() { has_photo_ = true; }
   /// Gives the drive up, and says by what id; nothing when nothing drives.
   std::optional<DriveRequest> end();
 
@@ -93,7 +104,7 @@ class JobExecutor {
   [[nodiscard]] std::string objection_to_stops(const std::vector<JobStop>& stops) const;
   [[nodiscard]] std::vector<JobStop> stops_of(const JobRequest& request) const;
   [[nodiscard]] const Place* place_called(const std::string& name) const;
-  [[nodiscard]] const StoredTour* tour_called(const std::string& name) const;
+  [[nodiscard]] const Tour* tour_called(const std::string& name) const;
   [[nodiscard]] std::optional<DriveTarget> target_of(const JobStop& stop) const;
 
   // driving
@@ -121,6 +132,7 @@ class JobExecutor {
   GuideWatch guide_;
   std::vector<std::int64_t> left_over_;  // ids of the jobs that were loaded
   double waited_ = 0.0;                  // [s] at a stop or for an answer
+  bool has_photo_ = false;               // of the stop at which it stands
   double untouched_ = 0.0;               // [s] that nobody has handled the robot
   double planner_silent_ = 0.0;          // [s]
   double idle_ = 0.0;                    // [s] without a job

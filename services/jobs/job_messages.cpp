@@ -93,7 +93,7 @@ std::optional<JobRequest> request_from(const job_t& message) {
   request.tour = message.tour;
   for (const job_stop_t& stop : message.stops) {
     request.stops.push_back(
-        {stop.place, {stop.x, stop.y, wrap_angle(stop.theta)}, stop.has_theta != 0, stop.pause, stop.text, ""});
+        {stop.place, {stop.x, stop.y, wrap_angle(stop.theta)}, stop.has_theta != 0, stop.pause, stop.text});
   }
   request.word = message.word;
   request.sender = message.sender;
@@ -147,7 +147,7 @@ job_status_t status_from(const JobExecutor& executor) {
     status.objections.push_back(cut(echo.objection));
   }
   status.echo_count = static_cast<std::int32_t>(status.echo_ids.size());
-  for (const StoredTour& tour : executor.site().tours) {
+  for (const Tour& tour : executor.site().jobs.tours) {
     status.tours.push_back(cut(tour.name));
   }
   status.tour_count = static_cast<std::int32_t>(status.tours.size());

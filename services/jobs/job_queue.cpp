@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace luminav {
 
@@ -73,9 +74,13 @@ std::int64_t JobQueue::free_id(std::int64_t utime) const {
   return id;
 }
 
-Job* JobQueue::find(std::int64_t id) {
+const Job* JobQueue::find(std::int64_t id) const {
   const auto found = std::find_if(table_.jobs.begin(), table_.jobs.end(), [&](const Job& job) { return job.id == id; });
   return id == 0 || found == table_.jobs.end() ? nullptr : &*found;
+}
+
+Job* JobQueue::find(std::int64_t id) {
+  return const_cast<Job*>(std::as_const(*this).find(id));
 }
 
 Job* JobQueue::next() {

@@ -47,7 +47,9 @@ class JobQueue {
   [[nodiscard]] std::int64_t free_id(std::int64_t utime) const;
 
   [[nodiscard]] Job* find(std::int64_t id);
+  [[nodiscard]] const Job* find(std::int64_t id) const;
   [[nodiscard]] Job* active() { return find(table_.active); }
+  [[nodiscard]] const Job* active() const { return find(table_.active); }
   /// The one whose turn it is: of the queued ones that with the highest priority, then the oldest; null = none.
   [[nodiscard]] Job* next();
   void activate(const Job& job) { table_.active = job.id; }

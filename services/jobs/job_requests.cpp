@@ -11,11 +11,11 @@
 namespace luminav {
 namespace {
 
-constexpr std::size_t kMaxStops = 20;
-constexpr std::size_t kMaxText = 200;     // [bytes] of what is said at a stop: all jobs fit into one datagram
-constexpr double kFarthest = 10'000.0;    // [m]
-constexpr double kLongestPause = 3600.0;  // [s]
-constexpr double kBeforeHome = 0.7;       // [m] from there straight in
+constexpr std::size_t kMaxStops = kMaxTourStops;
+constexpr std::size_t kMaxText = kMaxTourText;  // of what is said at a stop: all jobs fit into one datagram
+constexpr double kFarthest = 10'000.0;          // [m]
+constexpr double kLongestPause = kLongestTourPause;
+constexpr double kBeforeHome = 0.7;  // [m] from there straight in
 
 std::string say(std::int64_t id) {
   return fmt::format("job {}", id);
@@ -55,10 +55,10 @@ const Place* JobExecutor::place_called(const std::string& name) const {
   return found == site_.places.end() ? nullptr : &*found;
 }
 
-const StoredTour* JobExecutor::tour_called(const std::string& name) const {
+const Tour* JobExecutor::tour_called(const std::string& name) const {
   const auto found =
-      std::find_if(site_.tours.begin(), site_.tours.end(), [&](const StoredTour& t) { return t.name == name; });
-  return found == site_.tours.end() ? nullptr : &*found;
+      std::find_if(site_.jobs.tours.begin(), site_.jobs.tours.end(), [&](const Tour& t) { return t.name == name; });
+  return found == site_.jobs.tours.end() ? nullptr : &*found;
 }
 
 std::optional<DriveTarget> JobExecutor::target_of(const JobStop& stop) const {
@@ -80,6 +80,10 @@ void JobExecutor::take(const JobRequest& request, std::int64_t utime) {
 void JobExecutor::withdraw(std::int64_t request, const std::string& objection) {
   queue_.withdraw(request);
   queue_.echo(request, objection);
+}
+
+void JobExecutor::set_jobs(JobsFile jobs) {
+  site_.jobs = std::move(jobs);
 }
 
 std::string JobExecutor::act_on(const JobRequest& request, std::int64_t utime) {
@@ -128,12 +132,12 @@ std::string JobExecutor::objection_to(const JobRequest& request) const {
     return fmt::format("a job of the kind {} has {} stops, not {}", name_of(request.kind),
                        min == max ? fmt::format("{}", min) : fmt::format("{} to {}", min, max), request.stops.size());
   }
-  if (request.kind == JobKind::kHome && place_called(site_.home) == nullptr) {
+  if (request.kind == JobKind::kHome && place_called(site_.jobs.home) == nullptr) {
     return fmt::format("{} has no home: its jobs file names none", site_.building);
   }
   if (request.kind == JobKind::kTour && !request.tour.empty() && tour_called(request.tour) == nullptr) {
     std::vector<std::string> names;
-    for (const StoredTour& tour : site_.tours) {
+    for (const Tour& tour : site_.jobs.tours) {
       names.push_back(tour.name);
     }
     return fmt::format("no tour \"{}\" in {}; known: {}", request.tour, site_.building, fmt::join(names, ", "));
@@ -147,10 +151,12 @@ std::vector<JobStop> JobExecutor::stops_of(const JobRequest& request) const {
     stops[0].confirm = "loaded";
     stops[1].confirm = "unloaded";
   } else if (request.kind == JobKind::kTour && !request.tour.empty()) {
-    stops = tour_called(request.tour)->stops;
+    for (const TourStop& stop : tour_called(request.tour)->stops) {
+      stops.push_back({.place = stop.place, .pause = stop.pause, .text = stop.text, .photo = stop.photo});
+    }
   } else if (request.kind == JobKind::kHome) {
-    const Place& home = *place_called(site_.home);
-    if (site_.has_charger && home.has_theta) {  // straight in, and once more when the contacts were missed
+    const Place& home = *place_called(site_.jobs.home);
+    if (site_.jobs.has_charger && home.has_theta) {  // straight in, and once more when the contacts were missed
       stops.push_back({"", home.pose * Pose2{-kBeforeHome, 0.0, 0.0}, true});
     }
     stops.push_back({.place = home.name, .pose = home.pose, .has_theta = home.has_theta});
@@ -238,7 +244,7 @@ void JobExecutor::cancel(Job& job, std::int64_t utime) {
 }
 
 void JobExecutor::tell_time(const LocalTime& now, std::int64_t utime) {
-  for (const StoredTour* tour : due_tours(site_.tours, now, table().toured)) {
+  for (const Tour* tour : due_tours(site_.jobs.tours, now, table().toured)) {
     const bool is_there = std::any_of(table().jobs.begin(), table().jobs.end(),
                                       [&](const Job& job) { return !job.is_over() && job.tour == tour->name; });
     queue_.start_tour(tour->name, now.day);

@@ -19,7 +19,8 @@ constexpr double kFresh = 120.0;  // [s] since the table was kept last: its peop
 
 Json json_of(const JobStop& stop) {
   return {{"place", stop.place},         {"x", stop.pose.x},    {"y", stop.pose.y},  {"theta", stop.pose.theta},
-          {"has_theta", stop.has_theta}, {"pause", stop.pause}, {"text", stop.text}, {"confirm", stop.confirm}};
+          {"has_theta", stop.has_theta}, {"pause", stop.pause}, {"text", stop.text}, {"photo", stop.photo},
+          {"confirm", stop.confirm}};
 }
 
 JobStop stop_from(const Json& json) {
@@ -29,6 +30,7 @@ JobStop stop_from(const Json& json) {
   stop.has_theta = json.at("has_theta");
   stop.pause = json.at("pause");
   stop.text = json.at("text");
+  stop.photo = json.value("photo", false);  // a table of a version before photos has none
   stop.confirm = json.at("confirm");
   return stop;
 }

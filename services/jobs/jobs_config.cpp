@@ -6,7 +6,7 @@
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
-#include "services/jobs/jobs_file.hpp"
+#include "services/common/tours/jobs_file.hpp"
 
 namespace luminav {
 namespace {
@@ -26,6 +26,7 @@ void read_params(const TomlTable& table, JobParams& params) {
     table.fail("battery_low", "must be below battery_enough and battery_charging");
   }
   GuideParams& guide = params.guide;
+  table.read("guide_speed", guide.speed, {0.15, 2.0});
   table.read("follower_wait", guide.wait, {1.0, 600.0});
   table.read("follower_reach", guide.follower.reach, {0.5, 5.0});
   table.read("follower_lost", guide.follower.lost_after, {0.5, 20.0});
@@ -40,17 +41,16 @@ JobsConfig read_jobs_config(const std::filesystem::path& robot_file, const std::
   config.robot = read_robot(root);
   const TomlTable table = root.table("jobs");
   read_params(table, config.params);
+  config.speech = table.choice("speech", "off", {"off", "en", "de"});
   table.reject_unknown();
   Building building = read_building(building_file);
+  // one that somebody names must be there
+  config.site.jobs = jobs_file.empty() ? read_jobs_file(jobs_file_of(building_file), building)
+                                       : read_jobs_source(jobs_file, building).jobs;
   config.site.building = std::move(building.name);
   config.site.places = std::move(building.places);
   if (!building.map_file.empty()) {
     config.site.walls = std::make_shared<const PriorMap>(read_map(building.map_file));
-  }
-  const std::filesystem::path beside = building_file.parent_path() / "jobs.toml";
-  const bool has_file = !jobs_file.empty() || std::filesystem::exists(beside);
-  if (has_file) {
-    read_jobs_file(jobs_file.empty() ? beside : jobs_file, config.site);
   }
   return config;
 }

@@ -14,6 +14,7 @@ struct JobsConfig {
   RobotDescription robot;
   JobParams params;
   JobSite site;
+  std::string speech = "off";            // language in which espeak-ng says aloud what a job tells people
   std::filesystem::path state_folder{};  ///< where the table of jobs lies; "" = nowhere
   std::string boot{};                    ///< id of the machine's start; "" = unknown
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <luminav/speed_limit_t.hpp>
 #include <utility>
 
 #include "services/common/geometry/seconds.hpp"
@@ -29,8 +30,12 @@ JobsNode::JobsNode(lcm::LCM& lcm, const JobsConfig& config, std::optional<Comman
       commands_(lcm, key),
       executor_(config.params, config.site),
       store_(config.state_folder),
+      photos_(config.state_folder.empty() ? std::filesystem::path() : config.state_folder / "photos"),
       kept_{config.boot, config.site.building},
       subscriber_(lcm, key) {
+  if (config.speech != "off") {
+    speech_.emplace(config.speech == "de" ? SpeechLanguage::kGerman : SpeechLanguage::kEnglish);
+  }
   if (std::optional<StoredJobs> stored = store_.recall()) {
     executor_.load(std::move(stored->table));
     kept_ = stored->kept;
@@ -47,8 +52,8 @@ JobsNode::JobsNode(lcm::LCM& lcm, const JobsConfig& config, std::optional<Comman
 Health JobsNode::health() const {
   Health health;
   health.dropped_inputs = subscriber_.dropped();
-  health.degraded = !store_error_.empty();
-  health.reason = store_error_;
+  health.degraded = !store_error_.empty() || !photo_error_.empty();
+  health.reason = store_error_.empty() ? photo_error_ : store_error_;
   return health;
 }
 
@@ -92,6 +97,40 @@ void JobsNode::on_sonar(const sonar_t& message) {
           {*robot * ring.robot_from_sonar[disc], ring.half_angle, static_cast<double>(message.range[disc])});
     }
   }
+}
+
+std::vector<std::string> JobsNode::channels() const {
+  std::vector<std::string> channels = subscriber_.channels();
+  if (camera_) {
+    channels.emplace_back(channels::kCameraImage);
+  }
+  return channels;
+}
+
+// Fifteen pictures a second are nobody's business here but where one is to be kept.
+void JobsNode::listen_for_pictures() {
+  const bool wants = executor_.wanted_photo().has_value();
+  if (wants && !camera_) {
+    pictures_since_ = now_;
+    camera_.emplace(lcm_);
+    camera_->on(channels::kCameraImage, &JobsNode::on_camera_image, this);
+  } else if (!wants) {
+    camera_.reset();
+  }
+}
+
+void JobsNode::on_camera_image(const camera_image_t& message) {
+  const std::optional<PhotoWish> wish = executor_.wanted_photo();
+  if (!wish || message.utime < pictures_since_) {
+    return;  // one that was taken on the way
+  }
+  try {
+    photos_.keep(message, *wish, pose_at(message.utime));
+    photo_error_.clear();
+  } catch (const std::exception& error) {
+    photo_error_ = error.what();
+  }
+  executor_.end_photo();
 }
 
 std::optional<Pose2> JobsNode::pose_at(std::int64_t utime) const {
@@ -142,12 +181,22 @@ void JobsNode::tick(const robot_status_t& status, double seconds) {
   moment.driven = std::max(0.0, status.linear) * seconds;
   moment.echoes = std::exchange(echoes_, {});
   executor_.update(moment);
+  if (std::optional<std::string> sentence = speech_ ? speech_->next(executor_) : std::nullopt) {
+    sentence_ = std::move(*sentence);
+  }
   if (now_ - kept_.utime > kKeepPeriod || now_ < kept_.utime) {
     kept_.utime = now_;
   }
+  listen_for_pictures();
   keep();
   publish_goal();
+  publish_speed_limit();
   publish_status(now_);
+}
+
+void JobsNode::set_jobs(const JobsFile& jobs) {
+  executor_.set_jobs(jobs);
+  publish_status(std::max<std::int64_t>(now_, 1));
 }
 
 void JobsNode::tell_time(const LocalTime& now) {
@@ -184,6 +233,16 @@ void JobsNode::end() {
 void JobsNode::publish_goal() {
   if (const std::optional<DriveRequest> request = executor_.goal(); request && now_ != 0) {
     commands_.publish(channels::kGoal, goal_from(*request, now_));
+  }
+}
+
+void JobsNode::publish_speed_limit() {
+  if (const std::optional<double> max_speed = executor_.speed_limit()) {
+    speed_limit_t limit{};
+    limit.utime = now_;
+    limit.max_speed = *max_speed;
+    limit.sender = "jobs";
+    commands_.publish(channels::kSpeedLimit, limit);
   }
 }
 

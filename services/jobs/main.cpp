@@ -1,12 +1,18 @@
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <optional>
 
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/jobs/jobs_config.hpp"
+#include "services/jobs/jobs_file_watch.hpp"
 #include "services/jobs/jobs_node.hpp"
+#include "services/jobs/speech/speaker.hpp"
 
 namespace {
 
@@ -16,6 +22,26 @@ luminav::LocalTime local_time() {
   localtime_r(&now, &local);
   return {local.tm_year * 366 + local.tm_yday, (local.tm_wday + 6) % 7,
           3600 * local.tm_hour + 60 * local.tm_min + local.tm_sec};
+}
+
+/// A jobs file that cannot be read leaves home and tours as they were.
+luminav::Health health_of(const luminav::JobsNode& node, const luminav::JobsFileWatch& jobs) {
+  luminav::Health health = node.health();
+  if (!health.degraded && !jobs.objection().empty()) {
+    health.degraded = true;
+    health.reason = jobs.objection();
+  }
+  return health;
+}
+
+void speak(luminav::JobsNode& node, luminav::Speaker& speaker) {
+  if (const std::string sentence = node.take_sentence(); !sentence.empty()) {
+    speaker.say(sentence);
+  }
+  speaker.tick();
+  if (const std::string complaint = speaker.take_complaint(); !complaint.empty()) {
+    fmt::print(stderr, "jobs: {}\n", complaint);
+  }
 }
 
 }  // namespace
@@ -39,13 +65,40 @@ int main(int argc, char** argv) {
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "jobs", config.robot.name, network);
     loop.belong_to(robot_file);
+    luminav::Building known;
+    luminav::JobsFileWatch jobs(jobs_file.empty() ? luminav::jobs_file_of(building_file)
+                                                  : std::filesystem::path(jobs_file));
     loop.follow_building(building_file, [&](const luminav::Building& building) {
+      known = building;
       node.set_places(building.places);
       luminav::remember_files(robot_file, building_file);
     });
-    loop.report_health([&] { return node.health(); });
+    loop.report_health([&] { return health_of(node, jobs); });
     loop.every(
-        1'000'000, [&] { node.tell_time(local_time()); }, 500'000);
+        1'000'000,
+        [&] {
+          if (const auto changed = jobs.look(known)) {
+            node.set_jobs(*changed);
+          }
+          node.tell_time(local_time());
+        },
+        500'000);
+    bool hears_pictures = false;
+    loop.every(
+        200'000,
+        [&] {
+          if (node.wants_pictures() != hears_pictures) {  // the kernel keeps them away else
+            hears_pictures = !hears_pictures;
+            luminav::receive_only(*lcm, network, node.channels());
+          }
+        },
+        100'000);
+    std::optional<luminav::Speaker> speaker;
+    if (config.speech != "off") {
+      speaker.emplace(luminav::espeak_command(config.speech));
+      loop.every(
+          100'000, [&] { speak(node, *speaker); }, 50'000);
+    }
     const int status = loop.run();
     if (status == 0) {  // somebody wanted an end
       node.end();

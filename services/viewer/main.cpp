@@ -11,8 +11,10 @@
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
+#include "services/common/tours/jobs_file.hpp"
 #include "services/launcher/network.hpp"
 #include "services/viewer/address/page_addresses.hpp"
+#include "services/viewer/address/qr_code.hpp"
 #include "services/viewer/http/http_rules.hpp"
 #include "services/viewer/http/http_server.hpp"
 #include "services/viewer/http/metrics.hpp"
@@ -79,6 +81,7 @@ std::string token_of(const std::filesystem::path& file) {
 struct ViewerOptions {
   std::string robot_file;
   std::string building_file;
+  std::string jobs_file;
   std::string url;
   std::string procman_url = launcher::default_procman_url();
   std::string log;              // shown instead of a running robot; "" = none
@@ -87,7 +90,9 @@ struct ViewerOptions {
   HttpOptions http;
   ViewerConfig config;
 
-  [[nodiscard]] KeptFiles files() const { return {state, state / config.robot.name}; }
+  [[nodiscard]] KeptFiles files() const {
+    return {state, state / config.robot.name, state / config.robot.name / "photos"};
+  }
 };
 
 /// What both kinds of view have; the pages get it from the board.
@@ -98,6 +103,14 @@ struct Shown {
 
 void show_processes(Shown& shown, const ProcessDesk& processes) {
   shown.board.put(SnapshotBoard::Lane::kLive, "processes", server_sent_event("processes", processes.json()));
+}
+
+/// What was not put on the board before.
+void show_news(Shown& shown, const std::string& subject, std::string json, std::string& before) {
+  if (json != before) {
+    shown.board.put(SnapshotBoard::Lane::kLive, subject, server_sent_event(subject, json));
+    before = std::move(json);
+  }
 }
 
 /// Why nobody may edit the building here and now; "" = he may.
@@ -122,25 +135,29 @@ int view_robot(const ViewerOptions& options) {
   ProcessDesk processes(*procman, *lcm, access.key);
   ViewerNode node(*lcm, config, clock, shown.board, shown.pictures, desk, helm);
   Metrics metrics(*lcm);
-  BuildingDesk site(options.building_file);
+  BuildingDesk site(BuildingChanges(options.building_file, options.jobs_file));
+  TourDesk tours(TourChanges(options.jobs_file, options.building_file));
   const HttpServer server(options.http, {shown.board, shown.pictures, desk, helm, processes, clock, config.building,
-                                         config.robot, nullptr, options.files(), &site});
+                                         config.robot, nullptr, options.files(), &site, &tours});
   say_address(options.http, server, options.token_file);
 
   EventLoop loop(*lcm, "viewer", config.robot.name, network);
   loop.belong_to(options.robot_file);
-  loop.follow_building(options.building_file, [&](const Building&) { site.read_again(); });
+  loop.follow_building(options.building_file, [&](const Building&) {
+    site.read_again();
+    tours.read_again();
+  });
   loop.report_health([&] { return node.health(); });
-  std::string shown_site;
+  std::string shown_site, shown_tours;
   loop.every(100'000, [&] {
     if (site.take_news()) {
       loop.building_has_changed();
     }
-    site.object(objection_to_edits(loop, node, options.http.host_name));
-    if (std::string json = site.json(); json != shown_site) {
-      shown.board.put(SnapshotBoard::Lane::kLive, "building", server_sent_event("building", json));
-      shown_site = std::move(json);
-    }
+    const std::string objection = objection_to_edits(loop, node, options.http.host_name);
+    site.object(objection);
+    tours.object(objection);
+    show_news(shown, "building", site.json(), shown_site);
+    show_news(shown, "tours", tours.json(), shown_tours);
     node.show();
   });
   loop.every(200'000, [&] {
@@ -154,6 +171,7 @@ int view_robot(const ViewerOptions& options) {
              });
   loop.every(50'000, [&] { processes.tick(launcher::Instant::read()); });
   loop.every(1'000'000, [&] {
+    tours.look();
     node.show_processes();
     show_processes(shown, processes);
     shown.board.put(SnapshotBoard::Lane::kAsked, "metrics", metrics.text(clock.utime()));
@@ -197,6 +215,8 @@ int view(int argc, char** argv) {
   std::int64_t command_port = -1;
   CommandLine line("viewer", "Shows in any browser what the robot believes, and takes goals and stops.");
   line.robot_file(options.robot_file).building_file(options.building_file).lcm_url(options.url);
+  line.text("--jobs", options.jobs_file,
+            "the stored tours, as of the process jobs; default: jobs.toml beside the building's file");
   line.text("--listen", http.listen,
             "address to serve on; others than 127.0.0.1 reach beyond this machine and demand a token")
       .integer("--port", port, "of the page, 0 = any free one")
@@ -220,6 +240,7 @@ int view(int argc, char** argv) {
   http.port = static_cast<int>(port);
   http.command_port = static_cast<int>(command_port);
   http.host_name = host_name();
+  options.jobs_file = options.jobs_file.empty() ? jobs_file_of(options.building_file).string() : options.jobs_file;
   options.config = read_viewer_config(options.robot_file, options.building_file);
   options.state = state;
   options.token_file = token_file.empty() ? options.state / options.config.robot.name / "viewer_token"

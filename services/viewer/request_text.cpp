@@ -197,16 +197,23 @@ ProcessOrder read_process_order(const std::string& body) {
   throw RequestError("action: must be start, stop or restart");
 }
 
+std::optional<FileOrder::Kind> read_file_kind(std::string_view word) {
+  return word == "recording" ? std::optional(FileOrder::Kind::kRecording)
+         : word == "map"     ? std::optional(FileOrder::Kind::kMap)
+         : word == "photo"   ? std::optional(FileOrder::Kind::kPhoto)
+                             : std::nullopt;
+}
+
 FileOrder read_file_order(const std::string& body) {
   const Json object = read_object(body, {"action", "kind", "name"});
   if (text(object, "action") != "delete") {
     throw RequestError("action: must be delete");
   }
-  const std::string kind = text(object, "kind");
-  if (kind != "recording" && kind != "map") {
-    throw RequestError("kind: must be recording or map");
+  const std::optional<FileOrder::Kind> kind = read_file_kind(text(object, "kind"));
+  if (!kind) {
+    throw RequestError("kind: must be recording, map or photo");
   }
-  return {kind == "map" ? FileOrder::Kind::kMap : FileOrder::Kind::kRecording, text(object, "name")};
+  return {*kind, text(object, "name")};
 }
 
 PlaybackOrder read_playback_order(const std::string& body) {

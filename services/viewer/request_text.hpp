@@ -38,9 +38,9 @@ struct ProcessOrder {
 };
 std::string_view name_of(ProcessOrder::Action action);
 
-/// A recording or a saved map that is to be deleted.
+/// A recording, a saved map or a photo that is to be deleted.
 struct FileOrder {
-  enum class Kind { kRecording, kMap };
+  enum class Kind { kRecording, kMap, kPhoto };
   Kind kind = Kind::kRecording;
   std::string name;
 };
@@ -77,6 +77,8 @@ ProcessOrder read_process_order(const std::string& body);
 /// {"playing"?: true | false, "speed"?: 0.5 to 16, "position"?: [s]}, at least one of them.
 PlaybackOrder read_playback_order(const std::string& body);
 /// {"action": "delete", "kind": "recording" | "map", "name"}.
+/// "recording", "map" or "photo"; nothing for anything else.
+std::optional<FileOrder::Kind> read_file_kind(std::string_view word);
 FileOrder read_file_order(const std::string& body);
 
 }  // namespace luminav

@@ -39,6 +39,17 @@ function sayBuilding(more = {}) {
   viewer.say('building', site);
 }
 
+const morning = {name: 'morning', at: '09:30', days: ['Mo', 'Tu', 'We', 'Th', 'Fr'],
+  stops: [{place: 'lift', pause: 20, text: 'The lift is from 1931.'}, {place: 'office-7', pause: 0, text: ''}]};
+const noon = {name: 'noon', days: ['Mo', 'Tu', 'We', 'Th', 'Fr', 'Sa', 'Su'], stops: [{place: 'office-3', pause: 0, text: ''}]};
+let tours = {};
+// What the viewer says of the stored tours.
+function sayTours(more = {}) {
+  tours = {...tours, orders: [], ...more};
+  viewer.say('tours', tours);
+}
+const done = () => ({orders: [{id: viewer.edits, fate: 'done', said: '', found: []}]});
+
 let page;
 const textOf = (selector) => page.$eval(selector, (element) => element.innerText);
 const says = (selector, pattern) => page.waitForFunction(([where, text]) => {
@@ -199,6 +210,12 @@ const steps = {
     await page.locator('#jobs-card').scrollIntoViewIfNeeded();
     await look('jobs', name, theme);
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    viewer.files.photos = [{name: '1764184500500000-4-0'}, {name: '1764184500600000-99-0'}];
+    sayJobs([job({state: 'asking', stop: 1, sentence: question, question, answers: ['opened', 'give up']}),
+      job({id: 4, kind: 'guide', state: 'done', position: -1, sentence: 'done, at office-3', stops: ['office-3']})]);
+    await says('#job-list', /Picture: office-3/);
+    assert.deepEqual(await page.$$eval('#job-list a', (links) => links.map((link) => link.getAttribute('href'))), ['api/file?kind=photo&name=1764184500500000-4-0.jpg']);
+    viewer.files.photos = [];
     since = viewer.heard.length;
     await press('#job-list button:text-is("opened")');
     await hears('/api/jobs {"action":"answer","job":1764184500123456,"word":"opened"}', since);
@@ -308,9 +325,92 @@ const steps = {
     await press('#ask-close');
   },
 
+  async 'a tour is written, saved when the check was read, and moved'(name, theme) {
+    sayJobs([]);
+    sayTours({version: 'c1', tours: [morning], undo: null, objection: ''});
+    await page.waitForSelector('#tours-edit', {state: 'visible'});
+    await press('#tours-edit');
+    await says('#tours-list', /morning[^]*09:30 Mo–Fr · lift, office-7/);
+    assert(await page.isDisabled('#tours-undo'), 'there is nothing to undo');
+    await press('#tours-new');
+    await says('#tours-hint', /needs a name/);
+    await page.fill('#tours-name', 'evening');
+    await says('#tours-hint', /needs a stop/);
+    for (const [i, place] of ['lift', 'office-7', 'office-3'].entries()) {
+      await press('#tours-add');
+      await page.selectOption(`#tours-stops [data-tour="place ${i}"]`, place);
+    }
+    await page.fill('#tours-stops [data-tour="pause 0"]', '20');
+    await page.fill('#tours-stops [data-tour="text 0"]', 'Good evening.');
+    await page.check('#tours-stops [data-tour="photo 2"]');
+    await press('#tours-stops [data-tour="stop up 2"]');
+    await press('#tours-stops [data-tour="stop leave 2"]');
+    await page.fill('#tours-at', '17:45');
+    await says('#tours-alone', /without anybody/);
+    for (const day of ['Sa', 'Su']) await press(`#tours-days [data-tour="day ${day}"]`);
+    await page.locator('#tours-card').scrollIntoViewIfNeeded();
+    await look('tours-form', name, theme);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    let since = viewer.heard.length;
+    await press('#tours-save');
+    const sent = JSON.parse((await hears('/api/tours', since)).replace('/api/tours ', ''));
+    assert.deepEqual(sent, {action: 'set_tour', version: 'c1', tour: {name: 'evening', at: '17:45', days: ['Mo', 'Tu', 'We', 'Th', 'Fr'],
+      stops: [{place: 'lift', pause: 20, text: 'Good evening.'}, {place: 'office-3', photo: true}]}});
+    sayTours({orders: [{id: viewer.edits, fate: 'asks', said: '', found: ['place "lift" at (1.00, 2.00): no way leads there']}]});
+    await says('#tours-said', /Checking finds:[^]*no way leads there/);
+    since = viewer.heard.length;
+    await press('#tours-save');
+    assert.match(await hears('/api/tours', since), /"accept":true/);
+    sayTours({version: 'c2', tours: [morning, sent.tour], undo: 'jobs-before-2026-01-31-153000.toml', ...done()});
+    await says('#notes', /Saved in the building's jobs file/);
+    await says('#tours-list', /evening/);
+    await look('tours', name, theme);
+    await says('#notes', /does the process jobs run/);  // it knows morning alone
+    since = viewer.heard.length;
+    await press('[data-tour="down morning"]');
+    assert.deepEqual(JSON.parse((await hears('/api/tours', since)).replace('/api/tours ', '')), {action: 'move_tour', name: 'morning', version: 'c2'});
+    sayTours({version: 'c3', tours: [noon, morning], ...done()});
+    since = viewer.heard.length;
+    await press('[data-tour="up morning"]');
+    assert.match(await hears('/api/tours', since), /"name":"morning","before":"noon"/);
+    sayTours({version: 'c4', tours: [morning], ...done()});
+    await says('#notes', /The robot goes by it/);
+  },
+
+  async 'two people who edit a tour at once lose nothing'(name, theme) {
+    await press('#tours-list .name');
+    await page.fill('#tours-stops [data-tour="text 1"]', 'The last office.');
+    sayTours({version: 'd1', tours: [morning, noon]});
+    await says('#tours-hint', /Somebody else has changed/);
+    viewer.refusal = {path: '/api/tours', status: 409, error: 'somebody else has changed the tours meanwhile: look at them, and save again'};
+    await press('#tours-save');
+    await says('#tours-said', /look at them, and save again/);
+    assert.equal(await page.inputValue('#tours-stops [data-tour="text 1"]'), 'The last office.', 'the draft is lost');
+    await look('tours-stale', name, theme);
+    viewer.refusal = null;
+    let since = viewer.heard.length;
+    await press('#tours-save');
+    assert.match(await hears('/api/tours', since), /"name":"morning".*The last office.*"name":"morning".*"version":"d1"/);
+    sayTours({version: 'd2', ...done()});
+    await page.waitForSelector('#tours-form', {state: 'hidden'});
+    await press('#tours-list .name');
+    since = viewer.heard.length;
+    await press('#tours-remove');
+    assert.match(await hears('/api/tours', since), /"action":"remove_tour","name":"morning"/);
+    sayTours({version: 'd3', tours: [noon], ...done()});
+    await page.waitForSelector('#tours-form', {state: 'hidden'});
+    await press('#tours-undo');
+    since = viewer.heard.length;
+    await press('#tours-undo');
+    assert.match(await hears('/api/tours', since), /\{"action":"undo","version":"d3"\}/);
+    sayTours({orders: [{id: viewer.edits, fate: 'refused', said: 'the version before differs in more than tours', found: []}]});
+    await says('#notes', /differs in more than tours/);
+    await press('#tours-close');
+  },
+
   async 'recordings and maps are listed, fetched, and deleted when asked twice'(name, theme) {
     const recording = {name: 'drive-2026-01-31.lcm.00', files: ['drive-2026-01-31.lcm.00'], bytes: 1_520_000, modified: 1769850000, growing: false};
-    viewer.files = {recordings: [{...recording, name: 'drive-2026-02-01.lcm.00', growing: true}, recording],
+    viewer.files = {photos: [], recordings: [{...recording, name: 'drive-2026-02-01.lcm.00', growing: true}, recording],
       maps: [{name: 'map', files: ['map.yaml', 'map.pgm'], bytes: 900, modified: 1769850000, growing: false}]};
     await press('#kept summary');
     await says('#kept', /drive-2026-01-31.lcm.00\s+1.5 MB.*2026/);
@@ -424,16 +524,97 @@ const steps = {
     await page.waitForSelector('#jobs-card', {state: 'visible'});
     await press('#job-kinds button');
     sayBuilding();
+    sayTours({version: 'e1', tours: [morning, noon]});
     await page.waitForSelector('#edit', {state: 'visible'});
     await page.evaluate(axe);
     // on a busy machine the viewer may have been silent for a moment, and what is old is pale
     await page.waitForFunction(() => !document.body.classList.contains('stale'));
-    for (const open of ['', '#edit', '#edit-zone', '#layers-button', '#help-button']) {
+    for (const open of ['', '#edit', '#edit-zone', '#tours-edit', '#tours-list .name', '#layers-button', '#help-button']) {
       if (open) await press(open);
       const found = await page.evaluate(() => globalThis.axe.run().then(({violations}) => violations.map(({id, nodes}) =>
         `${id}: ${nodes.map((element) => element.html.slice(0, 120)).join(' | ')}`)));
       assert.deepEqual(found, [], `${name}, ${theme}, ${open}`);
     }
+  },
+
+  async 'a scanned code offers its job, and moves nothing before the tap'(name, theme) {
+    const scan = async (query) => {
+      await page.goto(`${viewer.address.split('#')[0]}?${query}#token=0123456789abcdef`);
+      await page.waitForSelector('#offer', {state: 'visible'});
+      await says('#doing', /Stands still/);
+    };
+    const orders = (since) => viewer.heard.slice(since).filter((request) => request.startsWith('/api/jobs'));
+    let since = viewer.heard.length;
+    await scan('job=guide&place=lift');
+    await says('#offer-choices', /Guide me to lift/);
+    await look('offer-guide', name, theme);
+    const [box, footer] = [await bounds('#offer-choices button'), await bounds('footer')];
+    assert(box.bottom < footer.top || box.right < footer.left, 'the offer lies behind the STOP bar');
+    assert.deepEqual(orders(since), [], 'opening the address orders');
+    await press('#offer-choices button');
+    await hears('/api/jobs {"action":"add","kind":"guide","stops":[{"place":"lift"}]}', since);
+    await page.waitForSelector('#offer', {state: 'hidden'});
+    assert.doesNotMatch(page.url(), /job=/, 'a reload would offer it again');
+
+    since = viewer.heard.length;
+    await scan('job=load&place=lift');
+    await says('#offer-text', /Where shall it bring it/);
+    await look('offer-load', name, theme);
+    await press('#offer-choices button:text-is("office-7")');
+    await hears('/api/jobs {"action":"add","kind":"carry","stops":[{"place":"lift"},{"place":"office-7"}]}', since);
+
+    since = viewer.heard.length;
+    await scan('job=unload&place=office-7');
+    await says('#offer-text', /Where is it fetched/);
+    sayJobs([job({state: 'at_stop', stop: 1, waits_for: 'unloaded', sentence: 'is at office-7 and waits for "unloaded"'})]);
+    await says('#offer-text', /is here and waits for you/);
+    await press('#offer-choices button:text-is("It is unloaded")');
+    await hears('/api/jobs {"action":"confirm","job":1764184500123456,"word":"unloaded"}', since);
+
+    await scan('job=guide&place=attic');
+    await says('#offer-text', /no place of that name/);
+    assert.equal(await page.$$eval('#offer-choices button', (buttons) => buttons.length), 0);
+    viewer.mayCommand = false;
+    await scan('job=guide&place=lift');
+    await says('#offer-text', /holds no token/);
+    viewer.mayCommand = true;
+    await press('#offer-close');
+    await page.waitForSelector('#offer', {state: 'hidden'});
+    sayJobs([]);
+  },
+
+  async 'codes are printed without a token unless somebody says so'(name, theme) {
+    let since = viewer.heard.length;
+    await page.locator('a[href="print.html"]').click();
+    await says('#warning', /may administer and is not printed/);
+    assert(await page.isHidden('#share'));
+    await page.selectOption('#place', 'lift');
+    await page.fill('#address', 'http://robot:8080/');
+    await page.keyboard.press('Tab');
+    await hears('/qr.svg http://robot:8080/?job=guide&place=lift', since);
+    await says('#sheets', /lift[^]*Guide me to lift[^]*Load here: lift[^]*Unload here: lift/);
+    assert.doesNotMatch(viewer.heard.slice(since).join(), /qr.svg[^,]*token/);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, 'wider than the window');
+    await page.evaluate(axe);
+    assert.deepEqual(await page.evaluate(() => globalThis.axe.run().then(({violations}) => violations.map(({id}) => id))), []);
+    viewer.role = 'drive';
+    await page.goto(page.url().replace(/print.html.*/, 'print.html?place=office-7'));
+    since = viewer.heard.length;
+    await page.check('#with-token');
+    await hears('/qr.svg http://127.0.0.1', since);
+    assert.match(viewer.heard.at(-1), /job=(guide|load|unload)&place=office-7#token=0123456789abcdef$/);
+    await look('print', name, theme);
+    if (name === 'desktop') {
+      await page.emulateMedia({media: 'print'});
+      assert(await page.isHidden('#settings'), 'the settings are printed');
+      await page.setViewportSize({width: 720, height: 1000});
+      await look('print-paper', name, theme);
+      await page.emulateMedia({media: null});
+      await page.setViewportSize(SCREENS.desktop.viewport);
+    }
+    viewer.role = 'administer';
+    await page.goto(viewer.address);
+    await says('#doing', /Stands still/);
   },
 };
 

@@ -19,8 +19,8 @@ export const standing = () => ({
 
 export class PretendedViewer {
   constructor(source, building = hut) {
-    Object.assign(this, {web: `${source}/services/viewer/web`, building, state: standing(), answers: true, mayCommand: true, heard: [],
-      refusal: null, edits: 0, picture: null, files: {recordings: [], maps: []}, streams: new Set()});
+    Object.assign(this, {web: `${source}/services/viewer/web`, building, state: standing(), answers: true, mayCommand: true, role: 'administer', heard: [],
+      refusal: null, edits: 0, picture: null, files: {recordings: [], maps: [], photos: []}, streams: new Set()});
   }
 
   async listen() {
@@ -34,7 +34,7 @@ export class PretendedViewer {
   say(name, data) { for (const stream of this.streams) stream.write(`event: ${name}\ndata: ${JSON.stringify(data)}\n\n`); }
 
   answer(request, response) {
-    const path = request.url === '/' ? '/index.html' : request.url.split('?')[0];
+    const path = request.url.split('?')[0].replace(/^\/$/, '/index.html');
     if (path === '/events') {
       response.writeHead(200, {'Content-Type': 'text/event-stream'});
       this.streams.add(response);
@@ -42,7 +42,12 @@ export class PretendedViewer {
       request.on('close', () => { clearInterval(timer); this.streams.delete(response); });
     } else if (path.startsWith('/api/')) this.obey(path, request, response);
     else if (path === '/building.json') response.end(JSON.stringify(this.building));
-    else if (path === '/settings.json') response.end(JSON.stringify({command_port: this.server.address().port, needs_token: true}));
+    else if (path === '/settings.json') response.end(JSON.stringify({command_port: this.server.address().port, needs_token: true, role: this.role}));
+    else if (path === '/qr.svg') {
+      this.heard.push(`/qr.svg ${new URL(request.url, 'http://viewer').searchParams.get('text')}`);
+      response.writeHead(200, {'Content-Type': 'image/svg+xml'});
+      response.end('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1"><path d="M0 0h1v1H0z"/></svg>');
+    }
     else if (path === '/camera.jpg' && this.picture) response.end(this.picture);
     else if (readdirSync(this.web).includes(path.slice(1))) {
       response.writeHead(200, {'Content-Type': types[path.split('.').at(-1)]});
@@ -66,7 +71,7 @@ export class PretendedViewer {
         return;
       }
       response.end(path === '/api/watch' ? JSON.stringify({may_command: this.mayCommand})
-        : path === '/api/building' ? `{"id":${++this.edits}}` : '{"id":7}');
+        : ['/api/building', '/api/tours'].includes(path) ? `{"id":${++this.edits}}` : '{"id":7}');
     });
   }
 

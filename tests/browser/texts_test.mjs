@@ -45,7 +45,7 @@ function keysOf(code) {
 
 // What the markup says: its texts and the attributes that are read out.
 function markupOf(html) {
-  const body = html.slice(html.indexOf('<body>')).replace(/<!--.*?-->/gs, '');
+  const body = html.slice(html.indexOf('<body')).replace(/<!--.*?-->/gs, '');
   // a text goes on over line ends, but not over tags
   const whole = body.split(/<[^>]*>/).map((text) => text.trim().replace(/\s+/g, ' ')).filter(Boolean);
   return [...whole, ...[...body.matchAll(/\s(?:title|aria-label|placeholder)="([^"]*)"/g)].map((found) => found[1])]
@@ -53,7 +53,8 @@ function markupOf(html) {
 }
 
 const SAME = /^[^\p{L}]*$|^(Luminav|STOP|[\d.]+×)$/u;  // the same in every language
-const used = new Set(markupOf(readFileSync(`${web}/index.html`, 'utf8')).filter((text) => !SAME.test(text)));
+const pages = readdirSync(web).filter((name) => name.endsWith('.html'));
+const used = new Set(pages.flatMap((name) => markupOf(readFileSync(`${web}/${name}`, 'utf8'))).filter((text) => !SAME.test(text)));
 for (const file of readdirSync(web).filter((name) => name.endsWith('.js') && !['texts.js', 'german.js'].includes(name))) {
   const code = readFileSync(`${web}/${file}`, 'utf8').replace(/^\s*\/\/.*$/gm, '');
   for (const key of keysOf(code)) used.add(key);
@@ -61,7 +62,7 @@ for (const file of readdirSync(web).filter((name) => name.endsWith('.js') && !['
 const names = await load('names.js');
 const {LAYERS} = await load('layers.js');
 const {MEANINGS} = await load('legend.js');
-const lists = [names.POSE, names.NAVIGATION, names.CONTROL, names.NODE, names.SUBJECTS, Object.values(names.JOB_KINDS), Object.values(names.ZONE_KINDS), names.JOB_WORDS, names.ACTIONS, names.CONDITIONS, names.EVERYBODY, names.EXPERTS,
+const lists = [names.POSE, names.NAVIGATION, names.CONTROL, names.NODE, names.SUBJECTS, Object.values(names.JOB_KINDS), Object.values(names.ZONE_KINDS), names.JOB_WORDS, names.DAYS, names.ACTIONS, names.CONDITIONS, names.EVERYBODY, names.EXPERTS,
   LAYERS.map(([, label]) => label), Object.values(MEANINGS).map(([, , meaning]) => meaning)];
 for (const word of lists.flat()) used.add(word);
 

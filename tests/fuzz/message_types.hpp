@@ -23,6 +23,7 @@
 #include <luminav/robot_status_t.hpp>
 #include <luminav/sim_truth_t.hpp>
 #include <luminav/sonar_t.hpp>
+#include <luminav/speed_limit_t.hpp>
 #include <luminav/stop_t.hpp>
 #include <luminav/supervision_t.hpp>
 #include <luminav/teleop_command_t.hpp>
@@ -49,7 +50,7 @@ using AllMessageTypes =
                  luminav_procman::procman_command_desired_t, luminav_procman::procman_command_status_t,
                  luminav_procman::procman_command_t, luminav_procman::procman_deputy_info_t,
                  luminav_procman::procman_discovery_t, luminav_procman::procman_orders_t,
-                 luminav_procman::procman_output_t, robot_status_t, sim_truth_t, sonar_t, stop_t, supervision_t,
-                 teleop_command_t, tile_request_t, velocity_command_t>;
+                 luminav_procman::procman_output_t, robot_status_t, sim_truth_t, sonar_t, speed_limit_t, stop_t,
+                 supervision_t, teleop_command_t, tile_request_t, velocity_command_t>;
 
 }  // namespace luminav

@@ -36,7 +36,7 @@ const std::map<std::string, Interface>& interfaces() {
         {c::kPath, c::kNavigationStatus, c::kTileRequest}}},
       {"controller",
        {{c::kPath, c::kNavigationStatus, c::kGridTile, c::kPose, c::kHypotheses, c::kOdometry, c::kSonar,
-         c::kRobotStatus, c::kStop, c::kTeleopCommand},
+         c::kRobotStatus, c::kStop, c::kTeleopCommand, c::kSpeedLimit},
         {c::kVelocityCommand, c::kControlStatus}}}};
   return all;
 }

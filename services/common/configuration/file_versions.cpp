@@ -21,6 +21,13 @@ std::string version_of(std::string_view text) {
   return fmt::format("{:016x}", static_cast<std::uint64_t>(FileSum().add(text).value()));
 }
 
+std::optional<std::pair<fs::file_time_type, std::uintmax_t>> FileVersions::stamp() const {
+  std::error_code error;
+  const fs::file_time_type time = fs::last_write_time(file_, error);
+  const std::uintmax_t size = error ? 0 : fs::file_size(file_, error);
+  return error ? std::nullopt : std::optional(std::pair(time, size));
+}
+
 std::string FileVersions::read() const {
   return read_whole_file(file_);
 }

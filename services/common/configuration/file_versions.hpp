@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,6 +18,8 @@ class FileVersions {
   explicit FileVersions(std::filesystem::path file) : file_(std::move(file)) {}
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  /// When it was written last, and its size: another one is another file. Nothing where there is none.
+  [[nodiscard]] std::optional<std::pair<std::filesystem::file_time_type, std::uintmax_t>> stamp() const;
   /// Throws std::runtime_error when it cannot be read.
   [[nodiscard]] std::string read() const;
   /// Keeps what it says under a name with the date of `utime` [us], which it returns, and writes the text. Throws

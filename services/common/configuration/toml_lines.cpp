@@ -139,6 +139,27 @@ void TomlLines::erase(Table table) {
                lines_.begin() + static_cast<std::ptrdiff_t>(table.end));
 }
 
+TomlLines::Table TomlLines::with_comments(Table table) const {
+  while (table.begin > 0 && says_nothing(lines_[table.begin - 1]) && !is_blank(table.begin - 1)) {
+    --table.begin;
+  }
+  return table;
+}
+
+bool TomlLines::is_blank(std::size_t line) const {
+  return trimmed(lines_[line]).empty();
+}
+
+std::vector<std::string> TomlLines::lines(Table table) const {
+  return {lines_.begin() + static_cast<std::ptrdiff_t>(table.begin),
+          lines_.begin() + static_cast<std::ptrdiff_t>(table.end)};
+}
+
+void TomlLines::replace(Table table, const std::vector<std::string>& lines) {
+  erase(table);
+  lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(table.begin), lines.begin(), lines.end());
+}
+
 std::string TomlLines::text() const {
   std::string text;
   for (const std::string& line : lines_) {

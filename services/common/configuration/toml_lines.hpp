@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace luminav {
@@ -13,6 +14,7 @@ std::string quoted(const std::string& text);
 class TomlLines {
  public:
   explicit TomlLines(const std::string& text);
+  explicit TomlLines(std::vector<std::string> lines) : lines_(std::move(lines)) {}
 
   /// A table's lines: its header up to behind the last one that belongs to it and says something.
   struct Table {
@@ -34,6 +36,13 @@ class TomlLines {
   /// Removes a table, what its lines say included.
   void erase(Table table);
   void append(const std::string& line) { lines_.push_back(line); }
+
+  /// The table with the comments that stand right above it.
+  [[nodiscard]] Table with_comments(Table table) const;
+  [[nodiscard]] bool is_blank(std::size_t line) const;
+  [[nodiscard]] std::vector<std::string> lines(Table table) const;
+  /// Puts other lines in the place of these; an empty range is where they go in.
+  void replace(Table table, const std::vector<std::string>& lines);
 
   [[nodiscard]] std::string text() const;
 

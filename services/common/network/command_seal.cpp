@@ -54,9 +54,10 @@ Tag make_tag(const CommandKey& key, const std::string& channel, std::span<const 
 }
 
 bool is_command_channel(const std::string& channel) {
-  for (const char* command : {channels::kVelocityCommand, channels::kStop, channels::kMotorsCommand, channels::kGoal,
-                              channels::kInitialPose, channels::kMapCommand, channels::kTeleopCommand,
-                              channels::kSupervision, channels::kJob, channels::kProcmanOrders}) {
+  for (const char* command :
+       {channels::kVelocityCommand, channels::kStop, channels::kMotorsCommand, channels::kGoal, channels::kInitialPose,
+        channels::kMapCommand, channels::kTeleopCommand, channels::kSupervision, channels::kSpeedLimit, channels::kJob,
+        channels::kProcmanOrders}) {
     if (channel == command) {
       return true;
     }

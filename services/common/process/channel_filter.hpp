@@ -25,7 +25,7 @@ void receive_from_peers_only(lcm::LCM& lcm, const LcmNetwork& network);
 
 /// Lets the kernel drop, beside strangers' messages, what comes on other channels than these and NODE_STATUS, by which
 /// a process hears itself: every process gets all that is said on the network, and most of it is for others. To be
-/// called once all is subscribed. Returns whether a socket was found to filter.
+/// called once all is subscribed, and again when that is other channels. Returns whether a socket was found to filter.
 bool receive_only(lcm::LCM& lcm, const LcmNetwork& network, std::vector<std::string> channels);
 
 }  // namespace luminav

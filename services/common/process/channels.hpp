@@ -22,6 +22,7 @@ inline constexpr const char* kStop = "STOP";
 inline constexpr const char* kSupervision = "SUPERVISION";
 inline constexpr const char* kMotorsCommand = "MOTORS_COMMAND";
 inline constexpr const char* kTeleopCommand = "TELEOP_COMMAND";
+inline constexpr const char* kSpeedLimit = "SPEED_LIMIT";
 inline constexpr const char* kInitialPose = "INITIAL_POSE";
 inline constexpr const char* kJob = "JOB";
 inline constexpr const char* kJobStatus = "JOB_STATUS";

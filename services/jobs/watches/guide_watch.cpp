@@ -1,10 +1,13 @@
 #include "services/jobs/watches/guide_watch.hpp"
 
+#include <algorithm>
+
 namespace luminav {
 namespace {
 
 constexpr double kMoment = 0.3;     // [m] driven: he was near a moment ago
 constexpr double kAtPlace = 0.5;    // [m] driven: who was near then has arrived, too
+constexpr double kSlowest = 0.4;    // share of its speed that is left when it is about to wait
 constexpr double kElsewhere = 2.0;  // [m] from the place that it went back to: he has followed since
 
 }  // namespace
@@ -62,6 +65,11 @@ GuideWatch::Advice GuideWatch::update(const GuideMoment& moment) {
       return stand_beside();
   }
   return Advice::kNone;
+}
+
+double GuideWatch::max_speed() const {
+  const double alone = std::clamp((follower_.alone() - kMoment) / (may_be_alone_ - kMoment), 0.0, 1.0);
+  return params_.speed * (1.0 - alone * (1.0 - kSlowest));
 }
 
 bool GuideWatch::is_with_it() const {

@@ -12,6 +12,7 @@ namespace luminav {
 
 struct GuideParams {
   FollowerParams follower{};
+  double speed = 0.4;   // [m/s] at which it leads at most; slower the longer nobody was heard behind it
   double wait = 10.0;   // [s] for a visitor who fell back, before it goes back for him, and beside him after that
   int max_returns = 2;  // that it goes back for him to one place, then it gives up
 };
@@ -46,6 +47,10 @@ class GuideWatch {
   [[nodiscard]] std::string sentence() const;
   /// It drives to the place, not back to its visitor.
   [[nodiscard]] bool leads() const { return phase_ == Phase::kLeading; }
+  /// How fast it may drive now [m/s]: a visitor who falls back can catch up.
+  [[nodiscard]] double max_speed() const;
+  /// It stands and waits for its visitor.
+  [[nodiscard]] bool stands() const { return phase_ == Phase::kWaiting || phase_ == Phase::kBeside; }
 
  private:
   enum class Phase { kLeading, kWaiting, kReturning, kBeside };

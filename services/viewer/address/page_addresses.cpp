@@ -4,7 +4,6 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
-#include <qrencode.h>
 
 #include <array>
 #include <memory>
@@ -33,30 +32,6 @@ std::vector<std::string> reachable_addresses(const std::string& listen) {
     }
   }
   return addresses;
-}
-
-std::string qr_code(const std::string& text) {
-  const std::unique_ptr<QRcode, decltype(&QRcode_free)> code(
-      QRcode_encodeString(text.c_str(), 0, QR_ECLEVEL_L, QR_MODE_8, 1), QRcode_free);
-  if (code == nullptr) {
-    return "";
-  }
-  constexpr int kMargin = 2;  // [modules] half of what the standard asks for; phones read it
-  const auto is_black = [&](int column, int row) {
-    const bool is_inside = column >= 0 && row >= 0 && column < code->width && row < code->width;
-    return is_inside && (code->data[row * code->width + column] & 1) != 0;
-  };
-  std::string lines;
-  for (int row = -kMargin; row < code->width + kMargin; row += 2) {
-    lines += "\033[30;107m";
-    for (int column = -kMargin; column < code->width + kMargin; ++column) {
-      const bool upper = is_black(column, row);
-      const bool lower = is_black(column, row + 1);
-      lines += upper && lower ? "█" : upper ? "▀" : lower ? "▄" : " ";
-    }
-    lines += "\033[0m\n";
-  }
-  return lines;
 }
 
 }  // namespace luminav

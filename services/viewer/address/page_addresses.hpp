@@ -9,8 +9,4 @@ namespace luminav {
 /// cards for 0.0.0.0, else that one. A phone seldom knows a host by its name.
 std::vector<std::string> reachable_addresses(const std::string& listen);
 
-/// The text as a QR code for a terminal, two modules a letter, black on white whatever the terminal's colours are; ""
-/// for a text that is too long for one.
-std::string qr_code(const std::string& text);
-
 }  // namespace luminav

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "services/common/geometry/angle.hpp"
@@ -15,18 +14,6 @@ using Json = nlohmann::json;
 
 constexpr double kFarthest = 10'000.0;  // [m]
 constexpr std::size_t kMaxCorners = 100;
-constexpr std::size_t kMaxName = 60;  // [bytes]
-
-/// Nothing that could end a line of the file, or that nobody could see.
-std::string read_name(const Json& object, const char* key) {
-  std::string name = text(object, key);
-  const bool is_printable =
-      std::all_of(name.begin(), name.end(), [](unsigned char letter) { return letter >= ' ' && letter != 0x7f; });
-  if (name.empty() || name.size() > kMaxName || !is_printable || name.front() == ' ' || name.back() == ' ') {
-    throw RequestError(fmt::format("{}: must be a name of 1 to {} letters", key, kMaxName));
-  }
-  return name;
-}
 
 Polygon read_polygon(const Json& zone) {
   const auto found = zone.find("polygon");
@@ -50,7 +37,7 @@ Polygon read_polygon(const Json& zone) {
 Zone read_zone(const Json& item) {
   check_item(item, "zone", {"name", "kind", "polygon", "speed", "direction"});
   Zone zone;
-  zone.name = read_name(item, "name");
+  zone.name = name(item, "name");
   zone.kind = static_cast<ZoneKind>(choice(item, "kind", {"keep-out", "slow", "one-way", "quiet"}));
   zone.polygon = read_polygon(item);
   zone.speed = zone.kind == ZoneKind::kSlow ? number(item, "speed", 0.05, 2.0) : zone.speed;
@@ -61,20 +48,12 @@ Zone read_zone(const Json& item) {
 Place read_place(const Json& item) {
   check_item(item, "place", {"name", "x", "y", "theta"});
   Place place;
-  place.name = read_name(item, "name");
+  place.name = name(item, "name");
   place.pose.x = number(item, "x", -kFarthest, kFarthest);
   place.pose.y = number(item, "y", -kFarthest, kFarthest);
   place.has_theta = item.contains("theta");
   place.pose.theta = place.has_theta ? wrap_angle(number(item, "theta", -7.0, 7.0)) : 0.0;
   return place;
-}
-
-const Json& part(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  if (found == object.end()) {
-    throw RequestError(fmt::format("{}: is missing", key));
-  }
-  return *found;
 }
 
 }  // namespace

@@ -76,6 +76,20 @@ std::optional<HostAndPort> read_origin(std::string_view text) {
   return read_host(text.substr(kScheme.size()));
 }
 
+std::string_view name_of(Role role) {
+  switch (role) {
+    case Role::kAnybody:
+      return "anybody";
+    case Role::kLook:
+      return "look";
+    case Role::kDrive:
+      return "drive";
+    case Role::kAdminister:
+      return "administer";
+  }
+  return "";
+}
+
 bool is_loopback(std::string_view host) {
   const std::string text(host);
   in_addr address{};

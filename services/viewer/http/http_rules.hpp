@@ -23,6 +23,9 @@ std::optional<HostAndPort> read_origin(std::string_view text);
 /// What somebody may do; each may what those before may.
 enum class Role { kAnybody, kLook, kDrive, kAdminister };
 
+/// "anybody", "look", ...
+std::string_view name_of(Role role);
+
 /// The secrets that tell who may what. Without `administer` everybody may do everything; without `drive` or `look`
 /// nobody has that role, and without `look` everybody may look.
 struct Tokens {
@@ -47,12 +50,12 @@ class AccessRules {
   [[nodiscard]] std::optional<std::string> objection_to_origin(std::string_view host, std::string_view origin) const;
   /// The same for what needs a role.
   [[nodiscard]] std::optional<std::string> objection_to_token(std::string_view token, Role needed) const;
+  /// What somebody with this token may do.
+  [[nodiscard]] Role role_of(std::string_view token) const;
   /// True for the page's own origin.
   [[nodiscard]] bool is_own_page(std::string_view host, std::string_view origin) const;
 
  private:
-  [[nodiscard]] Role role_of(std::string_view token) const;
-
   std::string listen_;
   std::string own_name_;
   int page_port_;

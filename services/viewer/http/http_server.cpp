@@ -10,8 +10,10 @@
 #include <optional>
 #include <sstream>
 
+#include "services/viewer/address/qr_code.hpp"
 #include "services/viewer/http/http_listener.hpp"
 #include "services/viewer/http/http_rules.hpp"
+#include "services/viewer/http/query.hpp"
 #include "services/viewer/http/readings.hpp"
 #include "services/viewer/http/web_files.hpp"
 #include "services/viewer/message_json.hpp"
@@ -122,17 +124,17 @@ struct HttpServer::Servers {
     readings = board_readings(context.board, context.clock, [this] { return building(); });
     readings["/events"] = [this](const HttpRequest&) { return events(); };
     readings["/camera.jpg"] = [this](const HttpRequest& request) { return picture(request.query); };
-    const auto always = [this](const std::string& path, const HttpResponse& response) {
-      readings[path] = [response](const HttpRequest&) { return response; };
-    };
     readings["/building.json"] = [this](const HttpRequest&) {
       return text_answer(to_json(*building(), context.robot));
     };
-    always("/settings.json",
-           text_answer(fmt::format(R"({{"command_port":{},"needs_token":{},"needs_token_to_look":{},"robot":{},)"
-                                   R"("shows_log":{}}})",
-                                   commands.port(), !options.tokens.administer.empty(), !options.tokens.look.empty(),
-                                   nlohmann::json(context.robot.name).dump(), context.log != nullptr)));
+    readings["/settings.json"] = [this](const HttpRequest& request) {
+      return text_answer(fmt::format(
+          R"({{"command_port":{},"needs_token":{},"needs_token_to_look":{},"role":"{}","robot":{},"shows_log":{}}})",
+          commands.port(), !options.tokens.administer.empty(), !options.tokens.look.empty(),
+          name_of(rules->role_of(request.header(kTokenHeader))), nlohmann::json(context.robot.name).dump(),
+          context.log != nullptr));
+    };
+    readings["/qr.svg"] = [](const HttpRequest& request) { return code(request.query); };
     readings["/api/files"] = [this](const HttpRequest&) { return text_answer(context.files.json()); };
     readings["/api/file"] = [this](const HttpRequest& request) {
       return context.files.fetch(request.query).value_or(refusal(404, "there is no such file"));
@@ -162,6 +164,16 @@ struct HttpServer::Servers {
       return found->second;
     }
     return text_answer(read_file(fmt::format("{}/{}", options.web_folder, name->second)), found->second.type);
+  }
+
+  // What a page prints: text=... as a QR code.
+  [[nodiscard]] static HttpResponse code(const std::string& query) {
+    constexpr std::size_t kMaxText = 500;  // [bytes] of an address; phones read a larger code badly
+    const std::optional<std::string> text = decoded(value_of(query, "text"));
+    if (!text || text->empty() || text->size() > kMaxText) {
+      return refusal(400, fmt::format("text: must be 1 to {} bytes", kMaxText));
+    }
+    return text_answer(qr_picture(*text), content_type_of(".svg"));
   }
 
   // With sequence=N that very one: what was found in it is drawn over it.
@@ -243,7 +255,13 @@ struct HttpServer::Servers {
       }
       return context.site->order(read_building_order(body), now());
     };
-    for (const char* name : {"map", "process", "files", "building"}) {
+    actions["tours"].act = [this, now](const std::string& body) {
+      if (context.tours == nullptr) {
+        throw RequestError("this viewer edits no tours");
+      }
+      return context.tours->order(read_tour_order(body), now());
+    };
+    for (const char* name : {"map", "process", "files", "building", "tours"}) {
       actions[name].role = [](const std::string&) { return Role::kAdminister; };
     }
     actions["steering"].act = [this, now](const std::string& body) {
@@ -312,7 +330,7 @@ struct HttpServer::Servers {
   [[nodiscard]] std::shared_ptr<const Building> building() const {
     // else one that nobody owns here
     return context.site != nullptr
-               ? context.site->building()
+               ? context.site->contents()
                : std::shared_ptr<const Building>(std::shared_ptr<const Building>(), &context.building);
   }
 

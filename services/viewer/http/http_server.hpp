@@ -7,7 +7,7 @@
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/process/clock.hpp"
-#include "services/viewer/building/building_desk.hpp"
+#include "services/viewer/building/edit_desk.hpp"
 #include "services/viewer/helm.hpp"
 #include "services/viewer/http/http_rules.hpp"
 #include "services/viewer/http/kept_files.hpp"
@@ -33,15 +33,17 @@ struct HttpOptions {
 ///
 ///   GET  /events              server-sent events, see ViewerNode; 503 when 40 clients listen, or ten of one machine
 ///   GET  /building.json, /settings.json, the page
+///   GET  /qr.svg?text=TEXT    a QR code, for paper
 ///   GET  /camera.jpg[?sequence=N]  the newest picture, or that one; 404 when it is not there any more
 ///   GET  /api/..., /metrics   the newest of the events and the like, for programs
 ///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose, /api/map, /api/steering, /api/process
 ///                             JSON, see request_text.hpp; answers {"id": N}, or {"error": why} with 400 for what is
 ///                             none, 403 for who may not, 503 when the network takes nothing. A STOP needs no token,
-///                             its release a driver's; map, process, files and building need an
-///                             administrator's.
+///                             its release a driver's; map, process, files, building and tours need
+///                             an administrator's.
 ///   GET  /api/file?kind=recording|map&name=NAME  one of the files that GET /api/files lists; POST there deletes one
 ///   GET, POST /api/building   zones and places, and edits of them, see building_order.hpp; 409 for an old version's
+///   GET, POST /api/tours      stored tours, and edits of them, see tour_order.hpp
 ///   GET, POST /api/playback   the log that is shown, and how; 404 when it is a running robot. A log takes no other
 ///                             command: 403.
 ///   POST /api/watch           a person has the page in view; answers {"may_command": the token may drive}
@@ -62,6 +64,7 @@ class HttpServer {
     LogPlayer* log = nullptr;  // which is shown instead of a running robot
     KeptFiles files = {};
     BuildingDesk* site = nullptr;  // takes edits of the building, which it then has; none: `building` stays as it is
+    TourDesk* tours = nullptr;     // takes edits of the stored tours
   };
 
   /// Binds both ports and starts to serve; throws std::runtime_error when one of them is taken.

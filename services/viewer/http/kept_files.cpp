@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <fstream>
 #include <memory>
 
+#include "services/viewer/http/query.hpp"
 #include "services/viewer/message_json.hpp"
 
 namespace luminav {
@@ -15,9 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kPiece = 64 * 1024;                                 // [bytes] held of a file that is sent
-constexpr std::chrono::seconds kGrowing{3};                               // the recorder writes ten times a second
-constexpr std::array<std::string_view, 2> kMapParts = {".yaml", ".pgm"};  // as the mapper writes them
+constexpr std::size_t kPiece = 64 * 1024;                             // [bytes] held of a file that is sent
+constexpr std::chrono::seconds kGrowing{3};                           // the recorder writes ten times a second
+const std::vector<std::string_view> kMapParts = {".yaml", ".pgm"};    // as the mapper writes them
+const std::vector<std::string_view> kPhotoParts = {".jpg", ".json"};  // as the job service does
 
 bool is_of(std::string_view text, std::string_view more) {
   return std::all_of(text.begin(), text.end(), [&](unsigned char letter) {
@@ -39,8 +40,8 @@ bool is_recording_name(std::string_view name) {
   return (behind.empty() || is_numbered) && name.front() != '.' && is_of(name.substr(0, end), "-_.");
 }
 
-bool is_map_part(std::string_view name) {
-  return std::any_of(kMapParts.begin(), kMapParts.end(), [&](std::string_view part) {
+bool is_part(std::string_view name, const std::vector<std::string_view>& parts) {
+  return std::any_of(parts.begin(), parts.end(), [&](std::string_view part) {
     return name.size() > part.size() && name.size() < 200 && name.ends_with(part) &&
            is_of(name.substr(0, name.size() - part.size()), "-_");
   });
@@ -52,35 +53,35 @@ bool is_plain_file(const fs::path& file) {
   return fs::is_regular_file(fs::symlink_status(file, error));
 }
 
-std::vector<std::string> plain_files(const fs::path& folder, bool (*is_meant)(std::string_view)) {
+bool is_name(FileOrder::Kind kind, std::string_view name) {
+  switch (kind) {
+    case FileOrder::Kind::kRecording:
+      return is_recording_name(name);
+    case FileOrder::Kind::kMap:
+      return is_part(name, kMapParts);
+    case FileOrder::Kind::kPhoto:
+      return is_part(name, kPhotoParts);
+  }
+  return false;
+}
+
+std::vector<std::string> plain_files(const fs::path& folder, FileOrder::Kind kind) {
   std::vector<std::string> names;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (is_meant(name) && is_plain_file(entry->path())) {
+    if (is_name(kind, name) && is_plain_file(entry->path())) {
       names.push_back(name);
     }
   }
   return names;
 }
 
-std::string_view value_of(std::string_view query, std::string_view key) {
-  while (!query.empty()) {
-    const std::size_t end = std::min(query.find('&'), query.size());
-    const std::string_view pair = query.substr(0, end);
-    if (pair.size() > key.size() && pair.starts_with(key) && pair[key.size()] == '=') {
-      return pair.substr(key.size() + 1);
-    }
-    query.remove_prefix(std::min(end + 1, query.size()));
-  }
-  return "";
-}
-
 }  // namespace
 
 std::vector<KeptFiles::Item> KeptFiles::recordings() const {
   std::vector<Item> items;
-  for (const std::string& name : plain_files(recordings_, is_recording_name)) {
+  for (const std::string& name : plain_files(recordings_, FileOrder::Kind::kRecording)) {
     std::error_code gone;
     const fs::path file = recordings_ / name;
     const auto written = fs::last_write_time(file, gone);
@@ -99,28 +100,40 @@ std::vector<KeptFiles::Item> KeptFiles::recordings() const {
   return items;
 }
 
-std::vector<KeptFiles::Item> KeptFiles::maps() const {
+std::vector<KeptFiles::Item> KeptFiles::sets(FileOrder::Kind kind, const std::vector<std::string_view>& parts) const {
   std::vector<Item> items;
-  for (const std::string& yaml : plain_files(maps_, is_map_part)) {
-    const std::string name = fs::path(yaml).stem().string();
-    if (name + std::string(kMapParts.front()) != yaml ||
-        !is_plain_file(maps_ / (name + std::string(kMapParts.back())))) {
+  const fs::path& where = folder(kind);
+  for (const std::string& first : plain_files(where, kind)) {
+    const std::string name = fs::path(first).stem().string();
+    const bool is_whole = std::all_of(parts.begin(), parts.end(), [&](std::string_view part) {
+      return is_plain_file(where / (name + std::string(part)));
+    });
+    if (name + std::string(parts.front()) != first || !is_whole) {
       continue;
     }
     Item item;
     item.name = name;
     std::error_code gone;
-    for (const std::string_view part : kMapParts) {
+    for (const std::string_view part : parts) {
       item.files.push_back(name + std::string(part));
-      item.bytes += fs::file_size(maps_ / item.files.back(), gone);
+      item.bytes += fs::file_size(where / item.files.back(), gone);
     }
-    const auto since = std::chrono::file_clock::to_sys(fs::last_write_time(maps_ / yaml, gone)).time_since_epoch();
+    const auto since = std::chrono::file_clock::to_sys(fs::last_write_time(where / first, gone)).time_since_epoch();
     item.modified = std::chrono::duration_cast<std::chrono::seconds>(since).count();
     if (!gone) {
       items.push_back(std::move(item));
     }
   }
   return items;
+}
+
+std::vector<KeptFiles::Item> KeptFiles::items(FileOrder::Kind kind) const {
+  return kind == FileOrder::Kind::kRecording ? recordings()
+                                             : sets(kind, kind == FileOrder::Kind::kMap ? kMapParts : kPhotoParts);
+}
+
+const fs::path& KeptFiles::folder(FileOrder::Kind kind) const {
+  return kind == FileOrder::Kind::kRecording ? recordings_ : kind == FileOrder::Kind::kMap ? maps_ : photos_;
 }
 
 std::string KeptFiles::list_json(std::vector<Item> items) {
@@ -141,18 +154,17 @@ std::string KeptFiles::list_json(std::vector<Item> items) {
 }
 
 std::string KeptFiles::json() const {
-  return fmt::format(R"({{"recordings":{},"maps":{}}})", list_json(recordings()), list_json(maps()));
+  return fmt::format(R"({{"recordings":{},"maps":{},"photos":{}}})", list_json(recordings()),
+                     list_json(items(FileOrder::Kind::kMap)), list_json(items(FileOrder::Kind::kPhoto)));
 }
 
 std::optional<HttpResponse> KeptFiles::fetch(std::string_view query) const {
-  const std::string_view kind = value_of(query, "kind");
+  const std::optional<FileOrder::Kind> kind = read_file_kind(value_of(query, "kind"));
   const std::string name(value_of(query, "name"));
-  const bool is_recording = kind == "recording" && is_recording_name(name);
-  const bool is_map = kind == "map" && is_map_part(name);
-  const fs::path file = (is_recording ? recordings_ : maps_) / name;
-  if (!(is_recording || is_map) || !is_plain_file(file)) {
+  if (!kind || !is_name(*kind, name) || !is_plain_file(folder(*kind) / name)) {
     return std::nullopt;
   }
+  const fs::path file = folder(*kind) / name;
   const auto stream = std::make_shared<std::ifstream>(file, std::ios::binary);
   std::error_code error;
   const std::uintmax_t size = fs::file_size(file, error);
@@ -160,8 +172,10 @@ std::optional<HttpResponse> KeptFiles::fetch(std::string_view query) const {
     return std::nullopt;
   }
   HttpResponse response;
-  response.type = "application/octet-stream";
-  response.headers = {{"Content-Disposition", fmt::format("attachment; filename=\"{}\"", name)}};
+  const bool is_picture = name.ends_with(kPhotoParts.front());  // which a browser shows
+  response.type = is_picture ? "image/jpeg" : "application/octet-stream";
+  response.headers = {
+      {"Content-Disposition", fmt::format("{}; filename=\"{}\"", is_picture ? "inline" : "attachment", name)}};
   if (size == 0) {
     return response;
   }
@@ -177,10 +191,10 @@ std::optional<HttpResponse> KeptFiles::fetch(std::string_view query) const {
 }
 
 void KeptFiles::remove(const FileOrder& order) const {
-  const std::vector<Item> items = order.kind == FileOrder::Kind::kRecording ? recordings() : maps();
+  const std::vector<Item> known = items(order.kind);
   const auto found =
-      std::find_if(items.begin(), items.end(), [&](const Item& item) { return item.name == order.name; });
-  if (found == items.end()) {
+      std::find_if(known.begin(), known.end(), [&](const Item& item) { return item.name == order.name; });
+  if (found == known.end()) {
     throw RequestError("name: there is none of that name");
   }
   if (found->is_growing) {
@@ -188,7 +202,7 @@ void KeptFiles::remove(const FileOrder& order) const {
   }
   for (const std::string& file : found->files) {
     std::error_code error;
-    if (!fs::remove((order.kind == FileOrder::Kind::kRecording ? recordings_ : maps_) / file, error) || error) {
+    if (!fs::remove(folder(order.kind) / file, error) || error) {
       throw RequestError("it cannot be deleted: " + error.message());
     }
   }

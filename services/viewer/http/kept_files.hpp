@@ -12,17 +12,17 @@
 
 namespace luminav {
 
-/// The recordings and saved maps of this machine, to be listed, fetched and deleted. Only regular files of their two
-/// folders with names as recorder and mapper give them: no request reaches anything else. Thread-safe, for it keeps
-/// nothing but the folders' names.
+/// The recordings, saved maps and photos of this machine, to be listed, fetched and deleted. Only regular files of
+/// their folders with names as recorder, mapper and job service give them: no request reaches anything else.
+/// Thread-safe, for it keeps nothing but the folders' names.
 class KeptFiles {
  public:
   KeptFiles() = default;
-  /// Neither folder needs to be there.
-  KeptFiles(std::filesystem::path recordings, std::filesystem::path maps)
-      : recordings_(std::move(recordings)), maps_(std::move(maps)) {}
+  /// None of the folders needs to be there.
+  KeptFiles(std::filesystem::path recordings, std::filesystem::path maps, std::filesystem::path photos)
+      : recordings_(std::move(recordings)), maps_(std::move(maps)), photos_(std::move(photos)) {}
 
-  /// {"recordings": [...], "maps": [...]}, the newest first.
+  /// {"recordings": [...], "maps": [...], "photos": [...]}, the newest first.
   [[nodiscard]] std::string json() const;
   /// A file to be sent piece by piece; nothing where there is none. `query` as "kind=recording&name=NAME".
   [[nodiscard]] std::optional<HttpResponse> fetch(std::string_view query) const;
@@ -32,17 +32,21 @@ class KeptFiles {
  private:
   struct Item {
     std::string name;
-    std::vector<std::string> files;  // of a map the yaml and the picture
+    std::vector<std::string> files;  // of a map the yaml and the picture, of a photo what is known of it, too
     std::uintmax_t bytes = 0;
     std::int64_t modified = 0;  // [s] since the epoch
     bool is_growing = false;    // was written to just now
   };
   static std::string list_json(std::vector<Item> items);
   [[nodiscard]] std::vector<Item> recordings() const;
-  [[nodiscard]] std::vector<Item> maps() const;
+  /// Of one name each: a file that ends in the first of these, and one for each of the others.
+  [[nodiscard]] std::vector<Item> sets(FileOrder::Kind kind, const std::vector<std::string_view>& parts) const;
+  [[nodiscard]] std::vector<Item> items(FileOrder::Kind kind) const;
+  [[nodiscard]] const std::filesystem::path& folder(FileOrder::Kind kind) const;
 
   std::filesystem::path recordings_;
   std::filesystem::path maps_;
+  std::filesystem::path photos_;
 };
 
 }  // namespace luminav

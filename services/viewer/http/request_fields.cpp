@@ -72,6 +72,33 @@ std::string text(const Json& object, const char* key) {
   return found->get<std::string>();
 }
 
+std::string line(const Json& object, const char* key, std::size_t max_bytes) {
+  std::string said = text(object, key);
+  const bool is_printable =
+      std::all_of(said.begin(), said.end(), [](unsigned char letter) { return letter >= ' ' && letter != 0x7f; });
+  if (said.size() > max_bytes || !is_printable) {
+    throw RequestError(fmt::format("{}: must be one line of {} bytes at most", key, max_bytes));
+  }
+  return said;
+}
+
+std::string name(const Json& object, const char* key) {
+  constexpr std::size_t kMaxName = 60;  // [bytes]
+  std::string said = line(object, key, kMaxName);
+  if (said.empty() || said.front() == ' ' || said.back() == ' ') {
+    throw RequestError(fmt::format("{}: must be a name of 1 to {} letters", key, kMaxName));
+  }
+  return said;
+}
+
+const Json& part(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end()) {
+    throw RequestError(fmt::format("{}: is missing", key));
+  }
+  return *found;
+}
+
 void check_item(const Json& item, const char* list, std::initializer_list<std::string_view> known) {
   if (!item.is_object()) {
     throw RequestError(fmt::format("{}: each must be an object", list));

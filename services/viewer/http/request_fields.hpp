@@ -20,6 +20,12 @@ double number(const nlohmann::json& object, const char* key, double min, double 
 std::int64_t integer(const nlohmann::json& object, const char* key, std::int64_t min, std::int64_t max);
 bool boolean(const nlohmann::json& object, const char* key);
 std::string text(const nlohmann::json& object, const char* key);
+/// A text of a single line, which may end no line of a file; "" is one.
+std::string line(const nlohmann::json& object, const char* key, std::size_t max_bytes);
+/// The name of something, which people can read.
+std::string name(const nlohmann::json& object, const char* key);
+/// The value of a key that must be there.
+const nlohmann::json& part(const nlohmann::json& object, const char* key);
 /// The place of a word in a list, which is the number on the wire.
 std::int8_t choice(const nlohmann::json& object, const char* key, std::initializer_list<std::string_view> words);
 

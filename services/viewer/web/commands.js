@@ -13,12 +13,16 @@ const token = (() => {
 
 let commandBase = '';     // '' = the page's port
 let hasAnswered = false;  // the port of its own: then one slow answer is no reason to leave it
+export const ownToken = token;
 export const settings = fetch('settings.json').then((answer) => answer.json()).then((said) => {
   commandBase = `${location.protocol}//${location.hostname}:${said.command_port}`;
   // What a page shows and listens to has no headers; the viewer heeds the cookie for that alone.
   if (said.needs_token_to_look && token) document.cookie = `luminav_token=${token}; path=/; SameSite=Strict`;
   return said;
 }).catch(() => ({}));
+
+// What this page may: "anybody", "look", "drive" or "administer".
+export const ownRole = () => fetch('settings.json', {headers: token ? {'X-Luminav-Token': token} : {}}).then((answer) => answer.json());
 
 async function post(base, name, body, {type = 'application/json', patience = 3000, withToken = true} = {}) {
   const headers = {'Content-Type': type};
@@ -65,6 +69,7 @@ export const initialPose = (x, y, theta) => command('initial_pose', {x, y, theta
 export const map = (action) => command('map', {action});
 export const job = (body) => command('jobs', body);
 export const building = (order) => command('building', order);
+export const tours = (order) => command('tours', order);
 export const remove = (kind, name) => command('files', {action: 'delete', kind, name});
 export const playback = (order) => command('playback', order);
 export const process = (name, action) => command('process', {name, action});

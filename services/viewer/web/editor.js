@@ -3,13 +3,12 @@
 import * as commands from './commands.js';
 import {corners, crosses, drawDraft, gripsOf, isInside, middleOf} from './drafts.js';
 import {ZONE_KINDS} from './names.js';
+import {Orders, askTwice, say} from './orders.js';
 import {t, translated} from './texts.js';
 
 const $ = (id) => document.getElementById(id);
 const PLACE_PX = 20;         // a tap as near as that to a place means the place
-const PATIENCE_MS = 20_000;  // checking a large building takes seconds
 const IN_FORCE_MS = 3000;    // by then every process has spoken
-const DOUBT_MS = 5000;
 const STALE = t`somebody else has changed the building meanwhile: look at it, and save again`;
 const rounded = (value) => Math.round(value * 100) / 100;
 const turned = (angle) => Math.atan2(Math.sin(angle), Math.cos(angle));
@@ -23,7 +22,17 @@ const written = {
 export class Editor {
   // `note(subject, text, tone, seconds)` says something; `turn(isOn)`: taps on the map are for this one, or no longer.
   constructor({view, note, redraw, turn}) {
-    Object.assign(this, {view, note, redraw, turn, isOn: false, site: null, draft: null, waiting: null});
+    Object.assign(this, {view, note, redraw, turn, isOn: false, site: null, draft: null});
+    this.orders = new Orders(commands.building, STALE, {
+      begin: () => { say('edit', t`Is being checked …`); this.hint(); },
+      done: (order) => this.finish(order),
+      asks: (order, found) => {
+        this.refuse(t`Checking the building finds:`, found);
+        if (this.draft) this.draft.accepts = order.action;  // pressed again it means yes
+        this.hint();
+      },
+      refused: (why) => this.refuse(translated(why)),
+    });
     for (const [kind, word] of Object.entries(ZONE_KINDS)) $('edit-kind').append(new Option(translated(word), kind));
     view.addEventListener('tap', ({detail: [x, y]}) => { if (this.isOn) this.tap(x, y); });
     view.addEventListener('grip', ({detail: {grip, at}}) => this.pull(grip, at));
@@ -31,21 +40,19 @@ export class Editor {
     $('edit-close').addEventListener('click', () => this.open(false));
     $('edit-zone').addEventListener('click', () => this.begin('zone', '', {name: '', kind: 'keep-out', polygon: [], speed: 0.2, direction: 0}));
     $('edit-place').addEventListener('click', () => this.begin('place', '', {name: '', x: undefined, y: undefined, theta: undefined}));
-    $('edit-undo').addEventListener('click', () => this.undo());
+    askTwice($('edit-undo'), t`Really undo it?`, () => this.send({action: 'undo'}));
     $('edit-cancel').addEventListener('click', () => this.setDraft(null));
     $('edit-back').addEventListener('click', () => { this.draft.item.polygon.splice(this.draft.corner, 1); this.changed(); });
     $('edit-remove').addEventListener('click', () => this.remove());
     $('edit-form').addEventListener('submit', (event) => { event.preventDefault(); this.save(); });
     for (const field of ['name', 'kind', 'speed', 'heading', 'corners']) $(`edit-${field}`).addEventListener('input', () => this.read(field));
-    setInterval(() => this.complain(), 1000);
   }
 
   // What the viewer says of the building.
   show(site) {
     this.site = site;
     $('edit').hidden = false;
-    const outcome = this.waiting && site.orders.find(({id}) => id === this.waiting.id);
-    if (outcome && outcome.fate !== 'waiting') this.conclude(outcome);
+    this.orders.look(site.orders);
     this.list();
     this.hint();
   }
@@ -140,7 +147,7 @@ export class Editor {
 
   setDraft(draft) {
     this.draft = draft;
-    this.waiting = null;
+    this.orders.forget();
     $('edit-start').hidden = Boolean(draft);
     $('edit-form').hidden = !draft;
     if (draft) {
@@ -158,7 +165,7 @@ export class Editor {
     this.redraw();
     if (!draft) return;
     draft.accepts = '';
-    this.say('');
+    say('edit', '');
     const {what, item, name} = draft;
     const isZone = what === 'zone';
     const heading = isZone ? item.direction : item.theta;
@@ -217,14 +224,14 @@ export class Editor {
   hint() {
     if (!this.draft) return;
     const {what, name, version} = this.draft;
-    const isOld = version !== this.site.version && !this.waiting;
+    const isOld = version !== this.site.version && !this.orders.waiting;
     const how = what === 'place' ? t`Drag the point, or tap where it is to be.` : name ? t`Drag corners; drag the dot of an edge for a new corner, the cross to move all.`
       : t`Tap more corners, or drag them.`;
     $('edit-hint').textContent = `${isOld ? `${t`Somebody else has changed the building meanwhile.`} ` : ''}${this.objection() || how}`;
-    $('edit-save').disabled = Boolean(this.objection() || this.waiting);
+    $('edit-save').disabled = Boolean(this.objection() || this.orders.waiting);
     $('edit-save').textContent = this.draft.accepts === `set_${what}` ? t`Save all the same` : t`Save`;
     $('edit-remove').textContent = this.draft.accepts === `remove_${what}` ? t`Delete all the same` : t`Delete`;
-    $('edit-remove').disabled = Boolean(this.waiting);
+    $('edit-remove').disabled = Boolean(this.orders.waiting);
   }
 
   // ---- saving
@@ -236,70 +243,26 @@ export class Editor {
 
   remove() { this.send({action: `remove_${this.draft.what}`}); }
 
-  undo() {
-    const button = $('edit-undo');
-    const isSure = button.classList.contains('urgent');
-    const reset = () => { button.textContent = t`Undo last change`; button.classList.remove('urgent'); };
-    clearTimeout(this.doubt);
-    if (isSure) {
-      reset();
-      this.send({action: 'undo'});
-    } else {
-      button.textContent = t`Really undo it?`;
-      button.classList.add('urgent');
-      this.doubt = setTimeout(reset, DOUBT_MS);
-    }
-  }
-
-  async send(body) {
+  send(body) {
     const {draft} = this;
-    const order = {...body, version: draft?.version ?? this.site.version, ...(draft?.name ? {name: draft.name} : {}),
-      ...(draft?.accepts === body.action ? {accept: true} : {})};
-    this.waiting = {id: 0, since: performance.now(), body: order};
-    this.say(t`Is being checked …`);
-    this.hint();
-    try {
-      const id = await commands.building(order);
-      if (!this.waiting) return;
-      this.waiting.id = id;
-      this.show(this.site);
-    } catch (error) {
-      this.refuse(error.status === 409 ? STALE : error.message);
-    }
+    this.orders.send({...body, version: draft?.version ?? this.site.version, ...(draft?.name ? {name: draft.name} : {}),
+      ...(draft?.accepts === body.action ? {accept: true} : {})});
   }
 
-  conclude({fate, said, found}) {
-    const {body} = this.waiting;
+  finish({action}) {
     this.showCard();
-    if (fate === 'done') {
-      this.setDraft(null);
-      this.note('building', body.action === 'undo' ? t`The last change is undone.` : t`Saved in the building's file.`, '', 4);
-      setTimeout(() => this.note('building', this.site.objection || t`The robot goes by it.`, this.site.objection ? 'bad' : '', 4), IN_FORCE_MS);
-    } else if (fate === 'asks') {
-      this.refuse(t`Checking the building finds:`, found);
-      if (this.draft) this.draft.accepts = body.action;  // pressed again it means yes
-      this.hint();
-    } else this.refuse(translated(said));
+    this.setDraft(null);
+    this.note('building', action === 'undo' ? t`The last change is undone.` : t`Saved in the building's file.`, '', 4);
+    setTimeout(() => this.note('building', this.site.objection || t`The robot goes by it.`, this.site.objection ? 'bad' : '', 4), IN_FORCE_MS);
   }
 
   // The draft stays; what is saved next is for the building as it is now.
   refuse(why, found = []) {
-    this.waiting = null;
     this.showCard();
     if (this.draft) this.draft.version = this.site.version;
-    this.say(why, found);
+    say('edit', why, found);
     if (!this.draft) this.note('building', why, 'bad');
     this.hint();
-  }
-
-  say(text, found = []) {
-    $('edit-said').hidden = !text;
-    $('edit-said-text').textContent = text;
-    $('edit-found').replaceChildren(...found.map((what) => Object.assign(document.createElement('li'), {textContent: what})));
-  }
-
-  complain() {
-    if (this.waiting && performance.now() - this.waiting.since > PATIENCE_MS) this.refuse(t`No answer from the viewer.`);
   }
 
   draw(context, colours) {

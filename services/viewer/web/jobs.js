@@ -20,7 +20,7 @@ function button(key, text, press, look = '') {
 export class Jobs {
   // `ask(subject, send, what)` sends a request and reports; `note(subject, text, tone)` says something.
   constructor(ask, note) {
-    Object.assign(this, {ask, note, places: [], tours: [], order: null, sent: new Map(), shown: ''});
+    Object.assign(this, {ask, note, places: [], tours: [], queue: [], photos: [], last: null, order: null, sent: new Map(), shown: ''});
     for (const kind of ['guide', 'carry', 'tour', 'home']) {
       $('job-kinds').append(button(kind, translated(JOB_KINDS[kind]), () => this.begin(kind)));
     }
@@ -48,7 +48,7 @@ export class Jobs {
       : isSecond ? t`From ${stops[0]}: where to?` : t`Where is it fetched?`;
     const names = kind === 'tour' ? this.tours : this.places;
     $('job-choices').replaceChildren(...names.map((name) => button(`choice ${name}`, name, () => this.take(name))));
-    $('job-choices').dataset.empty = kind === 'tour' ? t`No tours are stored: a file jobs.toml beside the building's has them.` : '';
+    $('job-choices').dataset.empty = kind === 'tour' ? t`No tours are stored yet: Edit tours makes one.` : '';
     $('job-search').hidden = names.length <= MANY_PLACES;
     $('job-search').value = '';
     ($('job-search').hidden ? $('job-choices').firstChild : $('job-search'))?.focus({preventScroll: true});
@@ -75,17 +75,22 @@ export class Jobs {
 
   // ---- what became of it
 
-  show({jobs, requests, tours}) {
+  show(said) {
+    const {jobs, requests, tours} = said;
+    this.last = {...said, requests: []};
     this.tours = tours;
+    this.queue = jobs;
     $('jobs-card').hidden = false;
     for (const {id, objection} of requests) {
       if (this.sent.delete(id) && objection) this.note('job', objection, 'bad');
     }
     const waiting = jobs.filter(({position}) => position >= 0);
     const over = jobs.filter(({position}) => position < 0).slice(0, SHOWN_OVER);
-    const said = JSON.stringify([waiting, over]);
-    if (said === this.shown) return;
-    this.shown = said;
+    const stops = JSON.stringify(jobs.map(({id, stop, state}) => [id, stop, state]));
+    if (stops !== this.stops) { this.stops = stops; this.renewPhotos(); }
+    const shown = JSON.stringify([waiting, over]);
+    if (shown === this.shown) return;
+    this.shown = shown;
     const focused = document.activeElement?.dataset.job;
     $('job-list').replaceChildren(...waiting.map((job) => this.line(job)), ...over.map((job) => this.line(job)));
     if (focused) [...$('job-list').querySelectorAll('[data-job]')].find(({dataset}) => dataset.job === focused)?.focus({preventScroll: true});
@@ -107,6 +112,26 @@ export class Jobs {
     }
   }
 
+  // Pictures that were kept at its stops, by their names: STAMP-JOB-STOP.
+  photosOf({id, stops}) {
+    return this.photos.filter((name) => name.split('-')[1] === String(id)).map((name) => {
+      const link = Object.assign(document.createElement('a'), {href: `api/file?kind=photo&name=${name}.jpg`, target: '_blank',
+        textContent: t`Picture: ${stops[Number(name.split('-')[2])] ?? ''}`, className: 'photo'});
+      link.dataset.job = `photo ${name}`;
+      return link;
+    });
+  }
+
+  // They come to be while a job is at a stop, or goes on from there.
+  async renewPhotos() {
+    const said = await fetch('api/files').then((answer) => answer.json()).catch(() => null);
+    const names = said?.photos?.map(({name}) => name).sort() ?? [];
+    if (names.join() === this.photos.join()) return;
+    this.photos = names;
+    this.shown = '';
+    if (this.last) this.show(this.last);
+  }
+
   line(job) {
     const line = document.createElement('li');
     line.dataset.state = job.state;
@@ -114,6 +139,7 @@ export class Jobs {
     const sentence = Object.assign(document.createElement('p'), {textContent: job.sentence});
     line.append(title, sentence);
     if (job.text) line.append(Object.assign(document.createElement('p'), {textContent: job.text, className: 'said'}));
+    line.append(...this.photosOf(job));
     if (job.position < 0) return line;
     const row = Object.assign(document.createElement('div'), {className: 'row'});
     const say = (action, word, look = '') => button(`${job.id} ${action} ${word}`, translated(word), () => this.send({action, job: job.id, word}), look);

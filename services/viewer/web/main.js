@@ -15,6 +15,7 @@ import {MEANINGS, explain, mark} from './legend.js';
 import {download, mapPicture} from './map_picture.js';
 import {MapView} from './map_view.js';
 import {NAVIGATION, nameOf} from './names.js';
+import {Offer} from './offer.js';
 import {Panels, note} from './panels.js';
 import {Particles} from './particles.js';
 import {Playback} from './playback.js';
@@ -24,6 +25,7 @@ import {Steering} from './steering.js';
 import {Stop} from './stop.js';
 import {speak, t, translated} from './texts.js';
 import {Tiles} from './tiles.js';
+import {Tours} from './tours.js';
 import {Trails} from './trails.js';
 
 speak(document.getElementById('language-button'));
@@ -47,7 +49,10 @@ const steering = new Steering({stick: $('stick'), knob: $('knob'), keysButton: $
 new Kept({details: $('kept'), list: $('kept').querySelector('ul')}, ask);
 $('kept').querySelector('ul').dataset.empty = t`nothing yet`;
 const jobs = new Jobs(ask, note);
+const tours = new Tours({note, known: () => jobs.tours});
 const stop = new Stop(ask, (number) => nameOf(NAVIGATION, number));
+
+const offer = new Offer({send: (body) => jobs.send(body), jobs: () => jobs.queue, mayCommand: () => stop.mayCommand});
 
 let building = null;
 let site = null;  // zones and places, as they are now
@@ -99,6 +104,8 @@ commands.settings.then(() => fetch('building.json')).then((answer) => answer.jso
 function showPlaces(places) {
   goals.setPlaces(places);
   jobs.setPlaces(places);
+  tours.setPlaces(places);
+  offer.setPlaces(places);
 }
 
 // Somebody may have changed zones and places since.
@@ -121,6 +128,7 @@ connection.addEventListener('state', ({detail}) => {
   if (isFollowing && Number.isFinite(pose?.x) && Number.isFinite(pose?.y) && ages.POSE < STALE_S) view.centre = [pose.x, pose.y];
   panels.show(state, building);
   jobs.watch(ages);
+  offer.render();
   guarded(t`what became of requests`, () => showRequests(state.requests));
   redraw();
 });
@@ -135,7 +143,8 @@ connection.addEventListener('processes', ({detail}) => guarded(t`the processes`,
   happenings.watchProcesses(detail);
 }));
 connection.addEventListener('path', ({detail}) => { path = detail; redraw(); });
-connection.addEventListener('jobs', ({detail}) => guarded(t`the jobs`, () => jobs.show(detail)));
+connection.addEventListener('jobs', ({detail}) => guarded(t`the jobs`, () => { jobs.show(detail); offer.render(); }));
+connection.addEventListener('tours', ({detail}) => guarded(t`the tours`, () => tours.show(detail)));
 connection.addEventListener('building', ({detail}) => guarded(t`the building`, () => { site = detail; takeSite(); }));
 connection.addEventListener('tile', ({detail}) => guarded(t`the map`, () => tiles.take(detail)));
 connection.addEventListener('picture', ({detail}) => guarded(t`the camera`, () => picture.show(detail)));

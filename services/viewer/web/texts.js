@@ -41,10 +41,11 @@ export function eachText(root, visit) {
   }
 }
 
-// Puts the markup into the reader's language; `button` switches to the other one.
+// Puts the markup into the reader's language; `button`, if any, switches to the other one.
 export function speak(button) {
   document.documentElement.lang = language;
   if (table) eachText(document.body, (text, put) => { if (table[text]) put(table[text]); });
+  if (!button) return;
   const other = language === 'en' ? 'de' : 'en';
   Object.assign(button, {textContent: other.toUpperCase(), lang: other, title: other === 'de' ? 'Deutsch' : 'English'});
   button.setAttribute('aria-label', button.title);

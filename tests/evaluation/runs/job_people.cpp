@@ -42,7 +42,7 @@ const PlannedJob* JobPeople::ordered(std::int64_t id) const {
 
 bool JobPeople::is_finished() const {
   const auto last_tour = std::max_element(drawn_.tours.begin(), drawn_.tours.end(),
-                                          [](const StoredTour& a, const StoredTour& b) { return *a.at < *b.at; });
+                                          [](const Tour& a, const Tour& b) { return *a.at < *b.at; });
   const double all_started = last_tour == drawn_.tours.end() ? 0.0 : *last_tour->at - kMorning + 5.0;
   return ordered_.size() == drawn_.jobs.size() && open_.empty() && elapsed_ > all_started && status_ &&
          std::all_of(status_->jobs.begin(), status_->jobs.end(), is_over);

@@ -52,8 +52,8 @@ class Draw {
     return chosen;
   }
 
-  StoredTour tour(int index) {
-    StoredTour tour;
+  Tour tour(int index) {
+    Tour tour;
     tour.name = fmt::format("tour {}", index + 1);
     tour.at = kMorning + static_cast<int>(random_.uniform(60.0, scenario_.jobs.time));
     for (const std::string& place : places(4)) {

@@ -22,9 +22,9 @@ struct PlannedJob {
 
 /// All that is drawn of a scenario's jobs.
 struct DrawnJobs {
-  std::vector<PlannedJob> jobs{};   // by time
-  std::vector<StoredTour> tours{};  // that start by themselves
-  std::vector<double> kills{};      // [s] since the start, of the job service, by time
+  std::vector<PlannedJob> jobs{};  // by time
+  std::vector<Tour> tours{};       // that start by themselves
+  std::vector<double> kills{};     // [s] since the start, of the job service, by time
 };
 
 /// Time of day [s] at which a run begins.

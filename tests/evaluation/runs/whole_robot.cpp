@@ -107,9 +107,9 @@ struct WholeRobot::Parts {
     JobsConfig config = read_jobs_config(scenario.robot_file, scenario.building_file);
     config.state_folder = jobs_folder->path();
     config.boot = "the same";
-    config.site.home = scenario.dock ? scenario.dock->place : "";
-    config.site.has_charger = scenario.dock.has_value();
-    config.site.tours = draw_jobs(scenario, believed).tours;
+    config.site.jobs.home = scenario.dock ? scenario.dock->place : "";
+    config.site.jobs.has_charger = scenario.dock.has_value();
+    config.site.jobs.tours = draw_jobs(scenario, believed).tours;
     return config;
   }
 

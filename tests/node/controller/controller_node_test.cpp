@@ -40,6 +40,13 @@ class ControllerNodeTest : public ::testing::Test {
     message.sender = sender;
     loop_.lcm().publish(channels::kStop, &message);
   }
+  void limit_speed(double max_speed) {
+    speed_limit_t message{};
+    message.utime = loop_.utime();
+    message.max_speed = max_speed;
+    message.sender = "jobs";
+    loop_.lcm().publish(channels::kSpeedLimit, &message);
+  }
   void teleoperate(int sequence, double linear, double angular) {
     teleop_command_t message{};
     message.utime = loop_.utime();
@@ -123,6 +130,36 @@ TEST_F(ControllerNodeTest, LeavesAPoseToTheNextTickWhereItStands) {
   const velocity_command_t before = loop_.command_message();
   correct_pose(loop_.utime() - 60'000, 0.3);
   EXPECT_EQ(loop_.command_message().sequence, before.sequence);
+}
+
+TEST_F(ControllerNodeTest, DrivesNoFasterThanSomebodyAsksForAndForgetsItInASecond) {
+  drive_off();
+  const double free = loop_.command_message().linear_x;
+  for (int i = 0; i < 5; ++i) {
+    limit_speed(0.15);
+    run(0.2);
+  }
+  EXPECT_LE(loop_.command_message().linear_x, 0.15 + 1e-9);
+  EXPECT_EQ(loop_.status().reason, "slow for jobs");
+  limit_speed(2.0);  // upwards it moves nothing
+  run(1.0);
+  EXPECT_NEAR(loop_.command_message().linear_x, free, 0.1);
+  limit_speed(0.15);
+  run(0.9);
+  EXPECT_LE(loop_.command_message().linear_x, 0.15 + 1e-9);
+  run(1.1);
+  EXPECT_GT(loop_.command_message().linear_x, 0.2) << "who asked has fallen silent";
+}
+
+TEST_F(ControllerNodeTest, HearsNoSpeedLimitThatNobodyDrivesBy) {
+  drive_off();
+  const std::int64_t dropped = loop_.node().health().dropped_inputs;
+  for (const double speed : {0.0, -0.2, 100.0}) {
+    limit_speed(speed);
+  }
+  run(0.5);
+  EXPECT_EQ(loop_.node().health().dropped_inputs, dropped + 3);
+  EXPECT_GT(loop_.command_message().linear_x, 0.2);
 }
 
 TEST_F(ControllerNodeTest, StaysStoppedWhateverPicturesTell) {

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <luminav/camera_image_t.hpp>
 #include <luminav/goal_t.hpp>
 #include <luminav/job_status_t.hpp>
+#include <luminav/speed_limit_t.hpp>
 #include <memory>
 
 #include "services/common/process/channels.hpp"
@@ -33,6 +35,7 @@ class JobsWorld {
     start();
     inbox_.on(channels::kGoal, &JobsWorld::on_goal, this);
     inbox_.on(channels::kJobStatus, &JobsWorld::on_job_status, this);
+    inbox_.on(channels::kSpeedLimit, &JobsWorld::on_speed_limit, this);
   }
 
   void start() { node = std::make_unique<JobsNode>(lcm, config_); }
@@ -104,6 +107,7 @@ class JobsWorld {
   std::vector<goal_t> goals;  // that the planner took up
   job_status_t status{};
   int statuses = 0;
+  std::vector<speed_limit_t> limits;
 
  private:
   void on_goal(const goal_t& goal) {
@@ -120,6 +124,7 @@ class JobsWorld {
       }
     }
   }
+  void on_speed_limit(const speed_limit_t& message) { limits.push_back(message); }
   void on_job_status(const job_status_t& message) {
     status = message;
     ++statuses;
@@ -205,8 +210,103 @@ TEST(JobsNode, FitsIntoOneDatagramHoweverMuchIsSaid) {
       world.send(cancel);
     }
   }
+  JobsFile jobs;
+  for (std::size_t i = 0; i < kMaxTours; ++i) {
+    jobs.tours.push_back({.name = std::to_string(i) + std::string(58, 't')});
+  }
+  world.node->set_jobs(jobs);
+  world.deliver();
   EXPECT_EQ(world.status.count, 30);
+  EXPECT_EQ(world.status.tour_count, 50);
   EXPECT_LT(world.status.getEncodedSize(), 65'000);
+}
+
+TEST(JobsNode, LimitsTheSpeedWhileItGuidesAndNotElse) {
+  JobsWorld world;
+  world.run(3.0);
+  world.carry(500);
+  world.run(3.0);
+  EXPECT_TRUE(world.limits.empty());
+  job_t cancel = world.request(job_t::ACTION_CANCEL, 501);
+  cancel.job = 500;
+  world.send(cancel);
+  job_t guide = world.request(job_t::ACTION_ADD, 502);
+  guide.kind = job_t::KIND_GUIDE;
+  guide.stops.resize(1);
+  guide.stops[0].place = "lab";
+  guide.count = 1;
+  world.send(guide);
+  world.run(5.0);
+  ASSERT_GT(world.limits.size(), 5U);
+  EXPECT_DOUBLE_EQ(world.limits.back().max_speed, 0.4);
+  EXPECT_EQ(world.limits.back().sender, "jobs");
+  EXPECT_LT(world.utime - world.limits.back().utime, 300'000) << "it is repeated";
+  world.navigation.state = navigation_status_t::STATE_ARRIVED;
+  world.run(1.0);
+  const std::size_t told = world.limits.size();
+  world.run(2.0);
+  EXPECT_EQ(world.limits.size(), told);
+}
+
+TEST(JobsNode, KeepsAPictureOfAStopThatWantsOne) {
+  const TemporaryFolder folder;
+  JobsWorld world(laboratory(folder.path()));
+  JobsFile jobs;
+  jobs.tours = {{.name = "round", .stops = {{.place = "lab", .photo = true}, {.place = "office"}}}};
+  world.node->set_jobs(jobs);
+  const auto take_picture = [&] {
+    camera_image_t image{};
+    image.utime = world.utime;
+    image.format = camera_image_t::FORMAT_JPEG;
+    image.data = {1, 2, 3};
+    image.size = 3;
+    world.lcm.publish(channels::kCameraImage, &image);
+    world.deliver();
+  };
+  const auto count = [&] {
+    std::size_t files = 0;
+    const auto photos = folder.path() / "photos";
+    if (std::filesystem::exists(photos)) {
+      for (const auto& entry : std::filesystem::directory_iterator(photos)) {
+        files += entry.path().extension() == ".jpg" ? 1 : 0;
+      }
+    }
+    return files;
+  };
+  job_t tour = world.request(job_t::ACTION_ADD, 500);
+  tour.kind = job_t::KIND_TOUR;
+  tour.tour = "round";
+  world.run(3.0);
+  world.send(tour);
+  world.run(3.0);
+  take_picture();
+  EXPECT_FALSE(world.node->wants_pictures()) << "on the way";
+  world.navigation.state = navigation_status_t::STATE_ARRIVED;
+  world.run(0.6);
+  EXPECT_TRUE(world.node->wants_pictures()) << "it waits for one, although the stop has no pause";
+  EXPECT_EQ(count(), 0U);
+  take_picture();
+  take_picture();
+  EXPECT_EQ(count(), 1U);
+  world.run(1.0);
+  EXPECT_FALSE(world.node->wants_pictures());
+  EXPECT_EQ(world.status.jobs[0].stop, 1);
+}
+
+TEST(JobsNode, GoesOnWithoutAPictureWhereTheCameraIsSilent) {
+  JobsWorld world;
+  JobsFile jobs;
+  jobs.tours = {{.name = "round", .stops = {{.place = "lab", .photo = true}, {.place = "office"}}}};
+  world.node->set_jobs(jobs);
+  job_t tour = world.request(job_t::ACTION_ADD, 500);
+  tour.kind = job_t::KIND_TOUR;
+  tour.tour = "round";
+  world.run(3.0);
+  world.send(tour);
+  world.arrive();
+  EXPECT_EQ(world.status.jobs[0].stop, 0);
+  world.run(4.0);
+  EXPECT_EQ(world.status.jobs[0].stop, 1);
 }
 
 TEST(JobsNode, GoesOnAfterACrashAndAsksAfterAnOrderlyEnd) {

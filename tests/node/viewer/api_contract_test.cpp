@@ -18,6 +18,8 @@ using ::testing::UnorderedElementsAreArray;
 using Json = nlohmann::json;
 using Statuses = std::set<int>;
 
+const std::filesystem::path kBuilding = LUMINAV_SOURCE_DIR "/launch/buildings/laboratory/building.toml";
+
 Json description() {
   for (const WebFile& file : web_files()) {
     if (file.name == "openapi.json") {
@@ -39,8 +41,8 @@ class ApiContractTest : public ::testing::Test {
     helm_.on_robot_status(status);
   }
   void serve() {
-    const HttpServer::Context context{board_,    pictures_, desk_,   helm_, processes_, clock_,
-                                      building_, robot_,    nullptr, {},    site_.get()};
+    const HttpServer::Context context{board_,    pictures_, desk_,   helm_, processes_,  clock_,
+                                      building_, robot_,    nullptr, {},    site_.get(), tours_.get()};
     server_ = std::make_unique<HttpServer>(options_, context);
   }
   [[nodiscard]] httplib::Client client() const { return httplib::Client("127.0.0.1", server_->port()); }
@@ -55,7 +57,7 @@ class ApiContractTest : public ::testing::Test {
     board_.clear(SnapshotBoard::Lane::kLive);
     board_.clear(SnapshotBoard::Lane::kAsked);
     seen.insert(client().Get(path + "?sequence=99")->status);  // which only the camera's picture heeds
-    for (const char* subject : {"state", "nodes", "processes", "path", "hypotheses", "jobs", "building"}) {
+    for (const char* subject : {"state", "nodes", "processes", "path", "hypotheses", "jobs", "building", "tours"}) {
       board_.put(SnapshotBoard::Lane::kLive, subject, server_sent_event(subject, "{}"));
     }
     board_.put(SnapshotBoard::Lane::kAsked, "metrics", "luminav_battery_volts 12\n");
@@ -114,6 +116,7 @@ class ApiContractTest : public ::testing::Test {
   Building building_;
   RobotDescription robot_;
   std::unique_ptr<BuildingDesk> site_;
+  std::unique_ptr<TourDesk> tours_;
   HttpOptions options_;
   std::unique_ptr<HttpServer> server_;
 };
@@ -133,7 +136,8 @@ TEST_F(ApiContractTest, EachErrorOfTheServerStandsInTheDescriptionAndTheOtherWay
   const Json all = description();
   ASSERT_FALSE(all["paths"].empty());
   // no example is for a version of it
-  site_ = std::make_unique<BuildingDesk>(LUMINAV_SOURCE_DIR "/launch/buildings/laboratory/building.toml");
+  site_ = std::make_unique<BuildingDesk>(BuildingChanges(kBuilding, jobs_file_of(kBuilding)));
+  tours_ = std::make_unique<TourDesk>(TourChanges(jobs_file_of(kBuilding), kBuilding));
   serve();
   for (const auto& [path, operations] : all["paths"].items()) {
     for (const auto& [method, operation] : operations.items()) {

@@ -1,4 +1,4 @@
-#include "services/viewer/building/building_desk.hpp"
+#include "services/viewer/building/edit_desk.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,6 @@
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/file_versions.hpp"
 #include "services/common/configuration/whole_file.hpp"
-#include "services/viewer/building/building_changes.hpp"
 #include "services/viewer/request_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -67,9 +66,11 @@ class BuildingDeskTest : public testing::Test {
     return folder / "mine/building.toml";
   }
 
+  [[nodiscard]] BuildingChanges changes() const { return {file_, jobs_file_of(file_)}; }
+
   TemporaryFolder folder_;
   std::filesystem::path file_ = copy_of_laboratory(folder_.path());
-  std::unique_ptr<BuildingDesk> desk_ = std::make_unique<BuildingDesk>(file_);
+  std::unique_ptr<BuildingDesk> desk_ = std::make_unique<BuildingDesk>(changes());
 };
 
 TEST_F(BuildingDeskTest, SavesAnEditKeepsTheVersionBeforeAndTakesItBack) {
@@ -79,7 +80,7 @@ TEST_F(BuildingDeskTest, SavesAnEditKeepsTheVersionBeforeAndTakesItBack) {
   EXPECT_TRUE(desk_->take_news());
   EXPECT_FALSE(desk_->take_news());
   EXPECT_EQ(read_building(file_).zones.back().name, "wet floor");
-  EXPECT_EQ(desk_->building()->zones.back().name, "wet floor");
+  EXPECT_EQ(desk_->contents()->zones.back().name, "wet floor");
   EXPECT_EQ(shown()["zones"].back()["speed"], 0.2);
   EXPECT_THAT(files(), ElementsAre("building-before-2026-01-31-120000.toml", "building.toml", "map.pgm", "map.yaml"));
   EXPECT_EQ(shown()["undo"], "building-before-2026-01-31-120000.toml");
@@ -115,7 +116,7 @@ TEST_F(BuildingDeskTest, OverwritesNobodysEdit) {
 }
 
 TEST_F(BuildingDeskTest, TwoViewersOfOneFileSaveOneEditOfTwo) {
-  BuildingDesk other(file_);
+  BuildingDesk other(changes());
   const std::string seen = version();
   other.order({.version = seen, .edit = zone_edit("yours")}, kNoon);
   const Json mine = outcome(BuildingOrder{.version = seen, .edit = zone_edit("mine")});
@@ -151,7 +152,7 @@ TEST_F(BuildingDeskTest, KeepsPlacesThatJobsNeed) {
                                                           places[1].name + "\"\n");
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_THAT(outcome({.kind = BuildingEdit::Kind::kRemovePlace, .name = places[i].name})["said"],
-                HasSubstr("jobs.toml"));
+                HasSubstr("change that first"));
   }
   EXPECT_EQ(outcome({.kind = BuildingEdit::Kind::kRemovePlace, .name = places[2].name})["fate"], "done");
 }
@@ -169,7 +170,7 @@ TEST_F(BuildingDeskTest, SavesNothingIntoAFileThatTheProcessesHaveNot) {
   write_whole_file(file_, by_hand);
   EXPECT_THAT(outcome(zone_edit("a"))["said"], HasSubstr("start the system anew first"));
   desk_->read_again();
-  EXPECT_EQ(desk_->building()->fixtures.size() + 1, read_building(file_).fixtures.size());
+  EXPECT_EQ(desk_->contents()->fixtures.size() + 1, read_building(file_).fixtures.size());
   EXPECT_EQ(read_whole_file(file_), by_hand);
 }
 

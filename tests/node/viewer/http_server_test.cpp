@@ -141,7 +141,7 @@ TEST_F(HttpServerTest, SendsALargeRecordingWholeAndDeletesItForWhoMay) {
   std::filesystem::last_write_time(folder / "drive-1.lcm",
                                    std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
   HttpServer::Context shown = context();
-  shown.files = KeptFiles(folder, folder / "p3dx");
+  shown.files = KeptFiles(folder, folder / "p3dx", folder / "p3dx/photos");
   HttpOptions options;
   options.port = options.command_port = 0;
   options.tokens.administer = "secret";

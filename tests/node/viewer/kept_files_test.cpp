@@ -46,8 +46,27 @@ class KeptFilesTest : public ::testing::Test {
   [[nodiscard]] Json list() const { return Json::parse(files_.json()); }
 
   fs::path folder_;
-  KeptFiles files_{folder_, folder_ / "p3dx"};
+  KeptFiles files_{folder_, folder_ / "p3dx", folder_ / "p3dx/photos"};
 };
+
+TEST_F(KeptFilesTest, ShowsPhotosThatAreWhole) {
+  fs::create_directories(folder_ / "p3dx/photos");
+  write("p3dx/photos/1769860800000000-17-2.jpg", 9, std::chrono::hours(1));
+  write("p3dx/photos/1769860800000000-17-2.json", 5, std::chrono::hours(1));
+  write("p3dx/photos/1769860900000000-17-3.jpg", 9, std::chrono::hours(1));  // is being written
+  const Json photos = list()["photos"];
+  ASSERT_EQ(photos.size(), 1U);
+  EXPECT_EQ(photos[0]["name"], "1769860800000000-17-2");
+  const std::optional<HttpResponse> picture = files_.fetch("kind=photo&name=1769860800000000-17-2.jpg");
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(picture->type, "image/jpeg");
+  EXPECT_EQ(all_of(*picture), std::string(9, 'p'));
+  for (const char* wrong : {"kind=photo&name=../viewer_token", "kind=photo&name=map.yaml", "kind=map&name=a.jpg"}) {
+    EXPECT_FALSE(files_.fetch(wrong)) << wrong;
+  }
+  files_.remove({Kind::kPhoto, "1769860800000000-17-2"});
+  EXPECT_TRUE(list()["photos"].empty());
+}
 
 TEST_F(KeptFilesTest, ListsRecordingsAndMapsTheNewestFirst) {
   const Json recordings = list()["recordings"];
@@ -104,7 +123,8 @@ TEST_F(KeptFilesTest, KeepsARecordingThatIsBeingWritten) {
 }
 
 TEST(KeptFiles, OfFoldersThatAreNotThereAreNone) {
-  EXPECT_EQ(KeptFiles("/no/such/folder", "/no/such/folder/p3dx").json(), R"({"recordings":[],"maps":[]})");
+  EXPECT_EQ(KeptFiles("/no/such/folder", "/no/such/folder/p3dx", "/no/such/photos").json(),
+            R"({"recordings":[],"maps":[],"photos":[]})");
 }
 
 }  // namespace

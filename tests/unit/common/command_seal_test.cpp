@@ -69,9 +69,9 @@ TEST(CommandSeal, LetsOnlyTheKeyMoveOrChangeSomething) {
   CommandPublisher strangers(wire.lcm, key_of(2));
   CommandPublisher open(wire.lcm);
   SealGuard guard(key_of(1));
-  for (const char* channel :
-       {channels::kVelocityCommand, channels::kMotorsCommand, channels::kGoal, channels::kInitialPose,
-        channels::kMapCommand, channels::kTeleopCommand, channels::kSupervision, channels::kProcmanOrders}) {
+  for (const char* channel : {channels::kVelocityCommand, channels::kMotorsCommand, channels::kGoal,
+                              channels::kInitialPose, channels::kMapCommand, channels::kTeleopCommand,
+                              channels::kSupervision, channels::kSpeedLimit, channels::kProcmanOrders}) {
     EXPECT_EQ(guard.judge(channel, wire.bytes_of(ours, channel, goal())), "") << channel;
     EXPECT_THAT(guard.judge(channel, wire.bytes_of(strangers, channel, goal())), HasSubstr("another key")) << channel;
     EXPECT_THAT(guard.judge(channel, wire.bytes_of(open, channel, goal())), HasSubstr("without a key")) << channel;

@@ -16,6 +16,22 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using Action = JobRequest::Action;
 
+TEST(JobExecutor, DrivesAStoredTourThatWasChangedMeanwhileFromItsNextStartOn) {
+  PretendedRobot robot;
+  JobRequest request;
+  request.kind = JobKind::kTour;
+  request.tour = "morning";
+  EXPECT_EQ(robot.ask(request), "");
+  JobsFile jobs = PretendedRobot::site().jobs;
+  jobs.tours = {{.name = "evening", .stops = {{.place = "dock", .text = "Good night."}}}};
+  robot.executor.set_jobs(jobs);
+  EXPECT_EQ(robot.executor.table().jobs[0].stops.size(), 2U) << "one that was taken stays as it was";
+  EXPECT_THAT(robot.ask(request), HasSubstr("no tour \"morning\" in laboratory; known: evening"));
+  request.tour = "evening";
+  EXPECT_EQ(robot.ask(request), "");
+  EXPECT_EQ(robot.executor.table().jobs[1].stops[0].text, "Good night.");
+}
+
 TEST(JobExecutor, DrivesToAPlaceAndSaysThatItIsDone) {
   PretendedRobot robot;
   const std::int64_t job = robot.add(JobKind::kGo, {"lab"});

@@ -16,9 +16,11 @@ class PretendedRobot {
     return {
         .building = "laboratory",
         .places = {{"lab", {1.0, 2.0, 0.0}, false}, {"office", {8.0, 2.0, 1.0}, true}, {"dock", {5.0, 0.0, 0.0}, true}},
-        .home = "dock",
-        .has_charger = true,
-        .tours = {{.name = "morning", .stops = {{.place = "lab", .pause = 5.0}, {.place = "office"}}, .at = 34200}}};
+        .jobs = {
+            .home = "dock",
+            .has_charger = true,
+            .tours = {
+                {.name = "morning", .stops = {{.place = "lab", .pause = 5.0}, {.place = "office"}}, .at = 34200}}}};
   }
 
   explicit PretendedRobot(const JobParams& params = {}) : executor(params, site()) {}

@@ -6,6 +6,7 @@ import time
 from types import TracebackType
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Set, Type, Union
 
+from . import tours
 from .connection import Connection, Event
 from .errors import RobotError
 from .grid import Map
@@ -133,6 +134,28 @@ class Robot:
     def home(self, priority: int = 0) -> Job:
         """Lets it drive home, and see whether it charges there."""
         return self._add("home", [], priority)
+
+    @property
+    def stored_tours(self) -> Dict[str, tours.Tour]:
+        """The tours of the building's jobs file, in its order."""
+        return tours.read_all(self._connection)
+
+    def store_tour(self, tour: tours.Tour, replacing: str = "", accept: bool = False) -> None:
+        """Stores a new tour, or puts it in the place of one. Raises Refused with what checking finds wrong; with `accept` it is stored all
+        the same. The robot knows it a second later. What the file said before is kept."""
+        name = {"name": replacing} if replacing else {}
+        tours.edit(self._connection, {"action": "set_tour", "tour": tour.write(), "accept": accept, **name})
+
+    def move_tour(self, name: str, before: str = "") -> None:
+        """Puts a stored tour before another one; "" = at the end."""
+        tours.edit(self._connection, {"action": "move_tour", "name": name, **({"before": before} if before else {})})
+
+    def delete_tour(self, name: str) -> None:
+        tours.edit(self._connection, {"action": "remove_tour", "name": name})
+
+    def undo_tours(self) -> None:
+        """Takes the last change of the stored tours back."""
+        tours.edit(self._connection, {"action": "undo"})
 
     def _add(self, kind: str, stops: Iterable[Target], priority: int, more: Mapping[str, Any] = {}) -> Job:
         body = {"action": "add", "kind": kind, "stops": [job_stop(stop) for stop in stops], "priority": priority, **more}

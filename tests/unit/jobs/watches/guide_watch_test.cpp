@@ -43,6 +43,21 @@ TEST(GuideWatch, LeadsAsLongAsSomebodyKeepsHisDistance) {
   EXPECT_TRUE(walk.guide.leads());
 }
 
+TEST(GuideWatch, SlowsDownForAVisitorWhoFallsBack) {
+  Walk walk;
+  walk.walk(10.0, [](double) { return 1.0; });
+  EXPECT_DOUBLE_EQ(walk.guide.max_speed(), 0.4) << "at walking pace as long as he is there";
+  double before = 0.4;
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(walk.walk(1.4, [](double) { return -1.0; }), Advice::kNone);
+    EXPECT_LT(walk.guide.max_speed(), before);
+    before = walk.guide.max_speed();
+  }
+  EXPECT_GT(before, 0.16);
+  walk.walk(1.0, [](double) { return 1.0; });
+  EXPECT_DOUBLE_EQ(walk.guide.max_speed(), 0.4) << "he has caught up";
+}
+
 TEST(GuideWatch, TakesAWallThatFallsBackForNobody) {
   Walk walk;
   EXPECT_EQ(walk.walk(20.0, [](double x) { return 0.5 + x; }), Advice::kWait);

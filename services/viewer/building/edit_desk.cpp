@@ -1,4 +1,4 @@
-#include "services/viewer/building/building_desk.hpp"
+#include "services/viewer/building/edit_desk.hpp"
 
 #include <fmt/format.h>
 
@@ -26,12 +26,14 @@ std::string json_list(const std::vector<std::string>& texts) {
 
 }  // namespace
 
-BuildingDesk::BuildingDesk(const std::filesystem::path& file) : changes_(file) {
+template <typename Changes>
+EditDesk<Changes>::EditDesk(Changes changes) : changes_(std::move(changes)) {
   read_again();
   thread_ = std::thread([this] { work(); });
 }
 
-BuildingDesk::~BuildingDesk() {
+template <typename Changes>
+EditDesk<Changes>::~EditDesk() {
   {
     const std::lock_guard lock(mutex_);
     is_ending_ = true;
@@ -40,18 +42,20 @@ BuildingDesk::~BuildingDesk() {
   thread_.join();
 }
 
-std::shared_ptr<const Building> BuildingDesk::building() const {
+template <typename Changes>
+auto EditDesk<Changes>::contents() const -> std::shared_ptr<const Contents> {
   const std::lock_guard lock(mutex_);
-  return building_;
+  return contents_;
 }
 
-std::int64_t BuildingDesk::order(BuildingOrder order, std::int64_t now) {
+template <typename Changes>
+std::int64_t EditDesk<Changes>::order(Order order, std::int64_t now) {
   const std::lock_guard lock(mutex_);
   if (!objection_.empty()) {
     throw RequestError(objection_);
   }
   if (order.version != version_) {
-    throw StaleVersion("somebody else has changed the building meanwhile: look at it, and save again");
+    throw StaleVersion(Changes::kStale);
   }
   if (pending_.size() >= kMaxPending) {
     throw RequestError("too many edits are waiting");
@@ -62,36 +66,53 @@ std::int64_t BuildingDesk::order(BuildingOrder order, std::int64_t now) {
   return last_id_;
 }
 
-void BuildingDesk::object(std::string why) {
+template <typename Changes>
+void EditDesk<Changes>::object(std::string why) {
   const std::lock_guard lock(mutex_);
   objection_ = std::move(why);
 }
 
-void BuildingDesk::read_again() {
+template <typename Changes>
+void EditDesk<Changes>::read_again() {
   const std::lock_guard reading(reading_);
   const FileVersions& versions = changes_.versions();
   std::string text;
   try {
-    text = versions.read();
+    text = changes_.text();
   } catch (const std::runtime_error&) {
     return;  // what was read before is shown on, and each edit says what is wrong
   }
-  std::optional<Building> building = changes_.read();
+  std::optional<Contents> contents = changes_.read();
   std::string undo = versions.newest_before().filename().string();
   const std::lock_guard lock(mutex_);
-  if (building) {
-    building_ = std::make_shared<const Building>(std::move(*building));
+  if (contents) {
+    contents_ = std::make_shared<const Contents>(std::move(*contents));
     version_ = version_of(text);
     undo_ = std::move(undo);
   }
 }
 
-bool BuildingDesk::take_news() {
+template <typename Changes>
+void EditDesk<Changes>::look() {
+  const auto stamp = changes_.versions().stamp();
+  {
+    const std::lock_guard lock(mutex_);
+    if (stamp == stamp_) {
+      return;
+    }
+    stamp_ = stamp;
+  }
+  read_again();
+}
+
+template <typename Changes>
+bool EditDesk<Changes>::take_news() {
   const std::lock_guard lock(mutex_);
   return std::exchange(has_news_, false);
 }
 
-void BuildingDesk::work() {
+template <typename Changes>
+void EditDesk<Changes>::work() {
   for (;;) {
     Pending next;
     {
@@ -106,16 +127,17 @@ void BuildingDesk::work() {
         outcomes_.pop_front();
       }
     }
-    BuildingOutcome what = changes_.carry_out(next.order, next.id);
+    EditOutcome what = changes_.carry_out(next.order, next.id);
     read_again();
     const std::lock_guard lock(mutex_);
     pending_.pop_front();
-    has_news_ = has_news_ || what.fate == BuildingOutcome::Fate::kDone;
+    has_news_ = has_news_ || what.fate == EditOutcome::Fate::kDone;
     outcomes_.back().what = std::move(what);
   }
 }
 
-std::string BuildingDesk::json() const {
+template <typename Changes>
+std::string EditDesk<Changes>::json() const {
   const std::lock_guard lock(mutex_);
   std::string orders;
   for (const Outcome& outcome : outcomes_) {
@@ -123,10 +145,12 @@ std::string BuildingDesk::json() const {
                           name_of(outcome.what.fate), to_json(std::string_view(outcome.what.said)),
                           json_list(outcome.what.found));
   }
-  return fmt::format(R"({{"version":"{}","zones":{},"places":{},"undo":{},"objection":{},"orders":[{}]}})", version_,
-                     zones_json(*building_), places_json(*building_),
-                     undo_.empty() ? "null" : to_json(std::string_view(undo_)), to_json(std::string_view(objection_)),
-                     orders);
+  return fmt::format(R"({{"version":"{}",{},"undo":{},"objection":{},"orders":[{}]}})", version_,
+                     Changes::members_of(*contents_), undo_.empty() ? "null" : to_json(std::string_view(undo_)),
+                     to_json(std::string_view(objection_)), orders);
 }
+
+template class EditDesk<BuildingChanges>;
+template class EditDesk<TourChanges>;
 
 }  // namespace luminav
