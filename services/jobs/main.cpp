@@ -1,24 +1,13 @@
-#include <ctime>
 #include <fstream>
 
+#include "services/common/calendar/local_time.hpp"
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
+#include "services/common/process/clock.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/jobs/jobs_config.hpp"
 #include "services/jobs/jobs_node.hpp"
-
-namespace {
-
-luminav::LocalTime local_time() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  return {local.tm_year * 366 + local.tm_yday, (local.tm_wday + 6) % 7,
-          3600 * local.tm_hour + 60 * local.tm_min + local.tm_sec};
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   return luminav::run_guarded("jobs", [&] {
@@ -45,7 +34,7 @@ int main(int argc, char** argv) {
     });
     loop.report_health([&] { return node.health(); });
     loop.every(
-        1'000'000, [&] { node.tell_time(local_time()); }, 500'000);
+        1'000'000, [&] { node.tell_time(luminav::local_time(luminav::read_clock(CLOCK_REALTIME))); }, 500'000);
     const int status = loop.run();
     if (status == 0) {  // somebody wanted an end
       node.end();

@@ -6,7 +6,6 @@
 namespace luminav {
 namespace {
 
-using Days = std::array<bool, 7>;
 constexpr int kHalfPastNine = 9 * 3600 + 30 * 60;
 
 std::vector<StoredTour> one_tour() {
@@ -15,23 +14,6 @@ std::vector<StoredTour> one_tour() {
 
 bool is_due(const LocalTime& now, const std::map<std::string, int>& started = {}) {
   return !due_tours(one_tour(), now, started).empty();
-}
-
-TEST(TourSchedule, ReadsTimesOfDay) {
-  EXPECT_EQ(read_time_of_day("09:30"), kHalfPastNine);
-  EXPECT_EQ(read_time_of_day("0:05"), 300);
-  for (const char* wrong : {"", "9", "24:00", "9:60", "-1:00", "9:3x", "09:30:00", "1e1:00"}) {
-    EXPECT_FALSE(read_time_of_day(wrong)) << wrong;
-  }
-}
-
-TEST(TourSchedule, ReadsDays) {
-  EXPECT_EQ(read_days("Mo-Fr"), (Days{true, true, true, true, true, false, false}));
-  EXPECT_EQ(read_days("Sa, Su"), (Days{false, false, false, false, false, true, true}));
-  EXPECT_EQ(read_days("Sa-Mo"), (Days{true, false, false, false, false, true, true}));
-  for (const char* wrong : {"", "Mon", "Mo-", "Mo-Xx", "Mo Fr"}) {
-    EXPECT_FALSE(read_days(wrong)) << wrong;
-  }
 }
 
 TEST(TourSchedule, StartsATourAtItsTimeOnItsDays) {
