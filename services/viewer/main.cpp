@@ -137,7 +137,7 @@ int view_robot(const ViewerOptions& options) {
       loop.building_has_changed();
     }
     site.object(objection_to_edits(loop, node, options.http.host_name));
-    if (std::string json = site.json(); json != shown_site) {
+    if (std::string json = site.json(local_time(clock.utime())); json != shown_site) {
       shown.board.put(SnapshotBoard::Lane::kLive, "building", server_sent_event("building", json));
       shown_site = std::move(json);
     }

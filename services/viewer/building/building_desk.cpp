@@ -115,7 +115,7 @@ void BuildingDesk::work() {
   }
 }
 
-std::string BuildingDesk::json() const {
+std::string BuildingDesk::json(const LocalTime& now) const {
   const std::lock_guard lock(mutex_);
   std::string orders;
   for (const Outcome& outcome : outcomes_) {
@@ -124,7 +124,7 @@ std::string BuildingDesk::json() const {
                           json_list(outcome.what.found));
   }
   return fmt::format(R"({{"version":"{}","zones":{},"places":{},"undo":{},"objection":{},"orders":[{}]}})", version_,
-                     zones_json(*building_), places_json(*building_),
+                     zones_json(*building_, now), places_json(*building_),
                      undo_.empty() ? "null" : to_json(std::string_view(undo_)), to_json(std::string_view(objection_)),
                      orders);
 }

@@ -44,8 +44,9 @@ class BuildingDesk {
   void read_again();
   /// True once after the file was changed by an order.
   bool take_news();
-  /// {"version", "zones", "places", "undo", "objection", "orders": what became of the last ones}.
-  [[nodiscard]] std::string json() const;
+  /// {"version", "zones", "places", "undo", "objection", "orders": what became of the last ones}, with the zones that
+  /// are in force at a time of day.
+  [[nodiscard]] std::string json(const LocalTime& now) const;
 
  private:
   struct Pending {
