@@ -6,8 +6,11 @@
 #include <limits>
 #include <optional>
 
+#include "services/common/configuration/configuration_error.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/planner/goals/goal_store.hpp"
 #include "tests/node/planner/planner_world.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/support/time_zone.hpp"
 
 namespace luminav {
@@ -322,6 +325,20 @@ TEST(PlannerNode, DrivesOutOfAKeepOutZoneAndSaysSo) {
   EXPECT_LT(std::abs(world.robot.y - 3.0), 0.8) << "straight to the nearest edge";
   EXPECT_EQ(world.status.cause, "");
   EXPECT_TRUE(world.run_until_state(20.0, Status::STATE_ARRIVED));
+}
+
+TEST(PlannerConfig, ReadsTheSideToKeepAndRefusesAnyOther) {
+  const TemporaryFolder folder;
+  const std::string launch = std::string(LUMINAV_SOURCE_DIR) + "/launch/";
+  const auto read = [&](const std::string& planner) {
+    const auto robot =
+        folder.write("robot.toml", read_whole_file(launch + "robots/p3dx.toml") + "\n[planner]\n" + planner);
+    return read_planner_config(robot, launch + "buildings/laboratory/building.toml").route.shaping.keep_side;
+  };
+  EXPECT_EQ(read(""), KeepSide::kNone);
+  EXPECT_EQ(read("keep_side = \"right\"\n"), KeepSide::kRight);
+  EXPECT_EQ(read("keep_side = \"left\"\n"), KeepSide::kLeft);
+  EXPECT_THROW(read("keep_side = \"middle\"\n"), ConfigurationError);
 }
 
 // The first ten minutes of PlannerWorld's clock: it begins at 00:16:40 of Thursday, 1 January 1970.
