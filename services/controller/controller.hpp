@@ -69,7 +69,7 @@ class Controller {
   explicit Controller(const ControllerConfig& config);
 
   void set_path(const FollowedPath& path) { follower_.set_path(path); }
-  /// Obeys these of the building from the next step on.
+  /// Obeys these from the next step on.
   void set_zones(const std::vector<Zone>& zones);
   ControlOutput step(const ControlInput& input);
   /// The odometry jumped.

@@ -18,6 +18,7 @@ struct ControllerConfig {
   RobotDescription robot;
   Building building;  // without fixtures: a robot that does not know where it is searches by sonar alone
   PriorMap walls;     // of its map, empty = none
+  LocalClock local_clock = universal_time;  // by which zones have hours; of a process that of its machine
   EchoMemoryParams echo_memory;
   StopLogicParams stop_logic;
   LocalMapParams local_map;

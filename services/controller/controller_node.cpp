@@ -36,6 +36,7 @@ ControllerNode::ControllerNode(lcm::LCM& lcm, const ControllerConfig& config, st
       config_(config),
       commands_(lcm, key),
       subscriber_(lcm, key),
+      zones_(config.building.zones, config.local_clock),
       controller_(config),
       echoes_(config.robot.sonar, config.echo_memory),
       sonar_watch_(config.robot.sonar),
@@ -59,6 +60,11 @@ Health ControllerNode::health() const {
   health.degraded = sonar_watch_.trust() != SonarTrust::kTrusted;
   health.reason = health.degraded ? sonar_watch_.reason() : subscriber_.last_reason();
   return health;
+}
+
+void ControllerNode::set_zones(const std::vector<Zone>& zones) {
+  zones_.set(zones);
+  controller_.set_zones(zones_.in_force());
 }
 
 void ControllerNode::on_path(const path_t& message) {
@@ -411,6 +417,9 @@ void ControllerNode::control(std::int64_t utime) {
 
 void ControllerNode::tick(std::int64_t utime) {
   newest_tick_ = utime;
+  if (zones_.tell(utime)) {
+    controller_.set_zones(zones_.in_force());
+  }
   if (session_ == 0) {
     session_ = utime;
   }

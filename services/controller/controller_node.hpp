@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "services/common/building/zone_timetable.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/stamp_guard.hpp"
 #include "services/common/process/stop_requests.hpp"
@@ -37,7 +38,7 @@ class ControllerNode {
   ControllerNode(lcm::LCM& lcm, const ControllerConfig& config, std::optional<CommandKey> key = {});
 
   /// The building's zones are these from now on.
-  void set_zones(const std::vector<Zone>& zones) { controller_.set_zones(zones); }
+  void set_zones(const std::vector<Zone>& zones);
   [[nodiscard]] Health health() const;
   /// What it listens to.
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
@@ -77,6 +78,7 @@ class ControllerNode {
   ControllerConfig config_;
   CommandPublisher commands_;
   Subscriber subscriber_;
+  ZoneTimetable zones_;
   Controller controller_;
   EchoMemory echoes_;
   SonarWatch sonar_watch_;

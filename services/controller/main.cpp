@@ -17,7 +17,8 @@ int main(int argc, char** argv) {
     if (const auto status = command_line.parse(argc, argv)) {
       return *status;
     }
-    const luminav::ControllerConfig config = luminav::read_controller_config(robot_file, building_file);
+    luminav::ControllerConfig config = luminav::read_controller_config(robot_file, building_file);
+    config.local_clock = luminav::local_time;
     const luminav::NetworkAccess access = luminav::read_network_access(robot_file);
     const luminav::LcmNetwork network = access.on(url);
     const auto lcm = luminav::open_lcm(network);

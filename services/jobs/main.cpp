@@ -1,12 +1,13 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <optional>
 
+#include "services/common/calendar/local_time.hpp"
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
+#include "services/common/process/clock.hpp"
 #include "services/common/process/command_line.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/jobs/jobs_config.hpp"
@@ -15,14 +16,6 @@
 #include "services/jobs/speech/speaker.hpp"
 
 namespace {
-
-luminav::LocalTime local_time() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  return {local.tm_year * 366 + local.tm_yday, (local.tm_wday + 6) % 7,
-          3600 * local.tm_hour + 60 * local.tm_min + local.tm_sec};
-}
 
 /// A jobs file that cannot be read leaves home and tours as they were.
 luminav::Health health_of(const luminav::JobsNode& node, const luminav::JobsFileWatch& jobs) {
@@ -80,7 +73,7 @@ int main(int argc, char** argv) {
           if (const auto changed = jobs.look(known)) {
             node.set_jobs(*changed);
           }
-          node.tell_time(local_time());
+          node.tell_time(luminav::local_time(luminav::read_clock(CLOCK_REALTIME)));
         },
         500'000);
     bool hears_pictures = false;

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
     }
     luminav::PlannerConfig config = luminav::read_planner_config(robot_file, building_file);
     config.state_folder = std::filesystem::path(state) / config.robot.name;
+    config.local_clock = luminav::local_time;
     std::ifstream("/proc/sys/kernel/random/boot_id") >> config.boot;
     const luminav::NetworkAccess access = luminav::read_network_access(robot_file);
     const luminav::LcmNetwork network = access.on(url);

@@ -24,6 +24,7 @@ void read_route(const TomlTable& table, const RobotDescription& robot, RoutePlan
   space.unknown_is_free = table.choice("unknown", "blocked", {"blocked", "free"}) == "free";
   space.disputed_is_free = table.choice("disputed", "blocked", {"blocked", "free"}) == "free";
   table.read("escape_radius", route.escape_radius, {0.0, 3.0});
+  route.shaping.keep_side = side_called(table.choice("keep_side", "none", {"none", "right", "left"}));
   route.body_radius = inscribed;
 }
 

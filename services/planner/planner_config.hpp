@@ -16,11 +16,12 @@ struct PlannerConfig {
   RobotDescription robot;
   RoutePlannerParams route;
   GoalParams goals;
-  std::vector<Door> doors;             ///< for sentences: a blocked door is called one
-  std::string building;                ///< its name; "" = not told, then any place is taken as it comes
-  std::vector<Place> places;           ///< of the building: a goal that names another one is for another building
-  std::filesystem::path state_folder;  ///< where the goal list survives a restart; "" = nowhere
-  std::string boot;                    ///< id of the machine's start; "" = unknown
+  std::vector<Door> doors;                  ///< for sentences: a blocked door is called one
+  std::string building;                     ///< its name; "" = not told, then any place is taken as it comes
+  std::vector<Place> places;                ///< of the building: a goal that names another one is for another building
+  std::filesystem::path state_folder;       ///< where the goal list survives a restart; "" = nowhere
+  std::string boot;                         ///< id of the machine's start; "" = unknown
+  LocalClock local_clock = universal_time;  ///< by which zones have hours; of a process that of its machine
 };
 
 /// Reads table [planner] of the robot's file and doors, places and zones of the building. Throws ConfigurationError.

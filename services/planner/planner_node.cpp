@@ -46,6 +46,7 @@ GoalRequest request_from(const goal_t& message) {
 PlannerNode::PlannerNode(lcm::LCM& lcm, const PlannerConfig& config, std::optional<CommandKey> key)
     : lcm_(lcm),
       config_(config),
+      zones_(config.route.space.zones, config.local_clock),
       executor_(config.goals, config.route, config.doors),
       store_(config.state_folder),
       accepted_{},
@@ -67,9 +68,9 @@ Health PlannerNode::health() const {
 
 void PlannerNode::set_building(const Building& building) {
   config_.places = building.places;
-  if (!are_same_zones(config_.route.space.zones, building.zones)) {
-    config_.route.space.zones = building.zones;
-    executor_.set_zones(building.zones);
+  if (!are_same_zones(zones_.all(), building.zones)) {
+    zones_.set(building.zones);
+    executor_.set_zones(zones_.in_force());
     publish_path(now_);
   }
 }
@@ -102,9 +103,10 @@ std::string PlannerNode::objection_to(const goal_t& goal) const {
         pose.wait < 0.0) {
       return "a pose of the goal is not a number, or lies impossibly far away";
     }
-    if (const Zone* zone = find_zone(config_.route.space.zones, ZoneKind::kKeepOut, {pose.x, pose.y})) {
-      return fmt::format("{} lies in {}, which is a keep-out zone",
-                         pose.place.empty() ? fmt::format("({:.1f}, {:.1f})", pose.x, pose.y) : pose.place, zone->name);
+    if (const Zone* zone = find_zone(zones_.in_force(), ZoneKind::kKeepOut, {pose.x, pose.y})) {
+      return fmt::format("{} lies in {}, which is a keep-out zone{}",
+                         pose.place.empty() ? fmt::format("({:.1f}, {:.1f})", pose.x, pose.y) : pose.place, zone->name,
+                         until_of(*zone));
     }
     if (!is_of_this_building(pose)) {
       return fmt::format("{} has no place {} at ({:.1f}, {:.1f}): who asked has another building", config_.building,
@@ -335,6 +337,9 @@ void PlannerNode::tick(std::int64_t utime) {
     return;  // the other of the two streams is ahead
   }
   now_ = utime;
+  if (zones_.tell(utime)) {
+    executor_.set_zones(zones_.in_force());
+  }
   if (!stored_goal_checked_) {
     resume_stored_goal(utime);
   }

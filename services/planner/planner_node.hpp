@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "services/common/building/zone_timetable.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/stamp_guard.hpp"
 #include "services/common/process/subscriber.hpp"
@@ -57,6 +58,7 @@ class PlannerNode {
 
   lcm::LCM& lcm_;
   PlannerConfig config_;
+  ZoneTimetable zones_;
   GoalExecutor executor_;
   GoalStore store_;
   TileMap map_;

@@ -154,10 +154,11 @@ int view_robot(const ViewerOptions& options) {
       loop.building_has_changed();
     }
     const std::string objection = objection_to_edits(loop, node, options.http.host_name);
+    const LocalTime now = local_time(clock.utime());
     site.object(objection);
     tours.object(objection);
-    show_news(shown, "building", site.json(), shown_site);
-    show_news(shown, "tours", tours.json(), shown_tours);
+    show_news(shown, "building", site.json(now), shown_site);
+    show_news(shown, "tours", tours.json(now), shown_tours);
     node.show();
   });
   loop.every(200'000, [&] {

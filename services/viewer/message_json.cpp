@@ -332,7 +332,7 @@ Json places_of(const Building& building) {
   return places;
 }
 
-Json zones_of(const Building& building) {
+Json zones_of(const Building& building, const std::optional<LocalTime>& now) {
   Json zones = Json::array();
   for (const Zone& zone : building.zones) {
     Json item = {{"name", zone.name}, {"kind", name_of(zone.kind)}, {"polygon", Json::array()}};
@@ -344,6 +344,15 @@ Json zones_of(const Building& building) {
     } else if (zone.kind == ZoneKind::kOneWay) {
       item["direction"] = rounded(zone.direction);
     }
+    if (const std::string span = span_text(zone.hours); !span.empty()) {
+      item["hours"] = span;
+    }
+    if (const std::string days = days_text(zone.hours.days); !days.empty()) {
+      item["days"] = days;
+    }
+    if (now) {
+      item["in_force"] = hold(zone.hours, *now);
+    }
     zones.push_back(item);
   }
   return zones;
@@ -351,8 +360,8 @@ Json zones_of(const Building& building) {
 
 }  // namespace
 
-std::string zones_json(const Building& building) {
-  return write(zones_of(building));
+std::string zones_json(const Building& building, const LocalTime& now) {
+  return write(zones_of(building, now));
 }
 
 std::string places_json(const Building& building) {
@@ -385,7 +394,7 @@ std::string to_json(const Building& building, const RobotDescription& robot) {
     json["windows"].push_back({{"pose", pose_array(window.world_from_window)}, {"width", window.width}});
   }
   json["places"] = places_of(building);
-  json["zones"] = zones_of(building);
+  json["zones"] = zones_of(building, std::nullopt);
   Json footprint = Json::array();
   for (const Eigen::Vector2d& corner : robot.footprint) {
     footprint.push_back({corner.x(), corner.y()});

@@ -46,8 +46,8 @@ std::string to_json(const hypotheses_t& message);
 /// The cells stay compressed as they came, in base64: the browser inflates them.
 std::string to_json(const grid_tile_t& message);
 
-/// The lists of a building's zones and places.
-std::string zones_json(const Building& building);
+/// The lists of a building's zones, with which of them are in force at a time of day, and of its places.
+std::string zones_json(const Building& building, const LocalTime& now);
 std::string places_json(const Building& building);
 
 /// Building and robot.

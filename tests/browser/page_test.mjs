@@ -87,6 +87,12 @@ const drag = async (from, to) => {
   await page.mouse.move(...await at(...to), {steps: 4});
   await page.mouse.up();
 };
+const colourAt = (x, y) => page.$eval('#map', (canvas, [u, v]) => {
+  const [centreX, centreY, scale] = canvas.dataset.view.split(' ').map(Number);
+  const dots = canvas.width / canvas.clientWidth;
+  const [px, py] = [canvas.width / 2 + (u - centreX) * scale * dots, canvas.height / 2 - (v - centreY) * scale * dots];
+  return String(canvas.getContext('2d').getImageData(px, py, 1, 1).data);
+}, [x, y]);
 const look = (title, name, theme) => page.screenshot({path: `${folder}/pictures/${title}-${name}-${theme}.png`});
 const press = (selector) => page.click(selector);
 
@@ -251,6 +257,8 @@ const steps = {
     await page.fill('#edit-name', 'wet floor');
     await page.selectOption('#edit-kind', 'slow');
     await page.fill('#edit-speed', '0.15');
+    await page.fill('#edit-hours', '08:00-12:00');
+    await page.fill('#edit-days', 'Mo-Fr');
     await tap(2.35, 1.2);  // beside a corner a finger still taps the map
     await page.waitForFunction(() => document.querySelector('#edit-corners').value.split('\n').length === 5);
     await press('#edit-back');
@@ -266,7 +274,7 @@ const steps = {
     await press('#edit-save');
     const sent = JSON.parse((await hears('/api/building', since)).replace('/api/building ', ''));
     assert.deepEqual({...sent, zone: {...sent.zone, polygon: sent.zone.polygon.length}},
-      {action: 'set_zone', zone: {name: 'wet floor', kind: 'slow', polygon: 5, speed: 0.15}, version: 'a1'});
+      {action: 'set_zone', zone: {name: 'wet floor', kind: 'slow', polygon: 5, speed: 0.15, hours: '08:00-12:00', days: 'Mo-Fr'}, version: 'a1'});
     sayBuilding({orders: [{id: viewer.edits, fate: 'asks', said: '', found: ['slow zone "wet floor" overlaps slow zone "ramp": the lower speed holds']}]});
     await says('#edit-said', /Checking the building finds:[^]*the lower speed holds/);
     await look('edit-asks', name, theme);
@@ -278,6 +286,16 @@ const steps = {
     await says('#notes', /Saved in the building's file/);
     await says('#edit-list', /wet floor/);
     await says('#notes', /The robot goes by it/);
+    const inForce = await colourAt(1, 0.8);
+    sayBuilding({zones: [stairs, {...sent.zone, in_force: false}]});
+    await page.waitForSelector('#edit-list .resting:text-is("wet floor")');
+    assert.match(await page.getAttribute('#edit-list .resting', 'title'), /drive slowly, Mo-Fr 08:00-12:00/);
+    for (let i = 0; i < 40 && await colourAt(1, 0.8) === inForce; ++i) await page.waitForTimeout(50);
+    assert.notEqual(await colourAt(1, 0.8), inForce, 'a zone outside its hours is drawn like the others');
+    await look('edit-resting', name, theme);
+    await press('#edit-list .resting');
+    assert.equal(await page.inputValue('#edit-hours'), '08:00-12:00');
+    await press('#edit-cancel');
   },
 
   async 'two people who edit at once lose nothing'(name, theme) {

@@ -92,11 +92,14 @@ ReplayNodes::ReplayNodes(const ReplayNodesConfig& config) : parts_(std::make_uni
     p.mapper = std::make_unique<MapperNode>(p.lcm, read_mapper_config(config.robot_file, config.building_file));
   }
   if (config.nodes.contains("planner")) {
-    p.planner = std::make_unique<PlannerNode>(p.lcm, read_planner_config(config.robot_file, config.building_file));
+    PlannerConfig planner = read_planner_config(config.robot_file, config.building_file);
+    planner.local_clock = ahead_of_universal(config.utc_offset);
+    p.planner = std::make_unique<PlannerNode>(p.lcm, planner);
   }
   if (config.nodes.contains("controller")) {
-    p.controller =
-        std::make_unique<ControllerNode>(p.lcm, read_controller_config(config.robot_file, config.building_file));
+    ControllerConfig controller = read_controller_config(config.robot_file, config.building_file);
+    controller.local_clock = ahead_of_universal(config.utc_offset);
+    p.controller = std::make_unique<ControllerNode>(p.lcm, controller);
   }
 }
 

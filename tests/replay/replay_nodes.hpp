@@ -22,7 +22,8 @@ struct ReplayNodesConfig {
   std::filesystem::path building_file;
   std::set<std::string> nodes;
   std::optional<std::uint64_t> localizer_seed;  // nothing: the localizer's own
-  double camera_shift = 0.0;  // [m] the detector believes its camera that much too far ahead; for tests
+  double camera_shift = 0.0;    // [m] the detector believes its camera that much too far ahead; for tests
+  std::int64_t utc_offset = 0;  // [s] of the time of day where the log was recorded, by which zones have hours
 };
 
 /// Today's nodes on one memq:// handle, without a state folder: nothing of an earlier run gets in, nothing is kept.

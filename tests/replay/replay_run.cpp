@@ -37,7 +37,8 @@ class Replay {
   explicit Replay(const ReplayOptions& options)
       : options_(options),
         chosen_(nodes_for(options)),
-        nodes_({options.robot_file, options.building_file, chosen_, options.localizer_seed, options.camera_shift}),
+        nodes_({options.robot_file, options.building_file, chosen_, options.localizer_seed, options.camera_shift,
+                options.utc_offset}),
         writer_(options.out_file) {
     report_.nodes = chosen_;
     nodes_.lcm().subscribe(".*", &Replay::on_message, this);

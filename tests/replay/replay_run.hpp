@@ -35,7 +35,8 @@ struct ReplayOptions {
   std::string out_file;         // "" = none is written, the checksum is the same
   bool keep_inputs = false;     // the new log holds the inputs and the truth too, so it can be replayed itself
   std::optional<std::uint64_t> localizer_seed;
-  double camera_shift = 0.0;  // [m] see ReplayNodesConfig; without a detector the recorded detections are shifted
+  double camera_shift = 0.0;    // [m] see ReplayNodesConfig; without a detector the recorded detections are shifted
+  std::int64_t utc_offset = 0;  // [s] see ReplayNodesConfig
   ReplayTolerances tolerances;
   bool show_progress = false;  // on stderr
 };

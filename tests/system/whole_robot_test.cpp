@@ -7,7 +7,10 @@
 #include <map>
 #include <string>
 
+#include "services/common/configuration/building_file.hpp"
 #include "tests/evaluation/runs/scenario_run.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/time_zone.hpp"
 
 namespace luminav {
 namespace {
@@ -83,6 +86,23 @@ TEST(WholeRobot, DrivesToANearGoalWithoutContact) {
   EXPECT_EQ(report.confident_wrong_s, 0.0);
   ASSERT_EQ(report.goals.size(), 1U);
   EXPECT_LT(report.goals[0].error_m, 0.25);
+}
+
+TEST(WholeRobot, KeepsTheHoursOfZonesOnEveryMachine) {
+  const TemporaryFolder folder;
+  Scenario scenario = read_scenario(kFolder + "near_goal.toml");
+  Building building = read_building(scenario.building_file);
+  building.zones = {{.name = "yard", .polygon = {{8.0, 5.8}, {9.2, 5.8}, {9.2, 7.0}, {8.0, 7.0}}}};
+  building.zones[0].hours = {8 * 3600, 9 * 3600, *read_days("Mo")};
+  scenario.building_file = folder.path() / "building.toml";
+  write_building(scenario.building_file, building);
+  for (const char* zone : {"UTC0", "CET-1", "EST5"}) {
+    const TimeZone here(zone);
+    const RunReport report = run_scenario(scenario, {});
+    ASSERT_EQ(report.goals.size(), 1U);
+    EXPECT_TRUE(report.goals[0].refused) << zone;
+    EXPECT_EQ(report.goals[0].cause, "(8.6, 6.4) lies in yard, which is a keep-out zone until 09:00") << zone;
+  }
 }
 
 TEST(WholeRobot, ArrivesThoughEveryServiceDiesOnTheWay) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "services/common/calendar/hours.hpp"
 #include "services/common/geometry/angle.hpp"
 #include "services/common/geometry/polygon.hpp"
 #include "services/common/geometry/pose2.hpp"
@@ -119,12 +120,19 @@ inline const char* name_of(ZoneKind kind) {
 
 /// An area of the floor with a rule of its own, such as the head of a stair.
 struct Zone {
-  std::string name;
+  std::string name{};
   ZoneKind kind = ZoneKind::kKeepOut;
-  Polygon polygon;         // [m] world
+  Polygon polygon{};       // [m] world
   double speed = 0.2;      // [m/s] in a slow zone
   double direction = 0.0;  // [rad] world, in which a one-way zone is driven through
+  Hours hours{};           // outside of which it does not exist
+  std::string until{};     // of one in force: when its hours end; "" = never, or nobody has told the time
 };
+
+/// For a sentence that ends with a zone: " until 12:00".
+inline std::string until_of(const Zone& zone) {
+  return zone.until.empty() ? "" : " until " + zone.until;
+}
 
 /// The first zone of a kind that has a point [m, world] inside; nullptr = none.
 inline const Zone* find_zone(const std::vector<Zone>& zones, ZoneKind kind, const Eigen::Vector2d& point) {

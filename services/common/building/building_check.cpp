@@ -303,10 +303,50 @@ class BuildingInspector {
   std::vector<BuildingFinding> findings_;
 };
 
+/// The building at a time when no zone with hours is in force.
+BuildingSource without_hours(const BuildingSource& source) {
+  BuildingSource result = source;
+  for (std::size_t i = result.building.zones.size(); i-- > 0;) {
+    if (!are_always(result.building.zones[i].hours)) {
+      result.building.zones.erase(result.building.zones.begin() + static_cast<std::ptrdiff_t>(i));
+      result.zone_lines.erase(result.zone_lines.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+  return result;
+}
+
+bool is_among(const std::vector<BuildingFinding>& findings, const BuildingFinding& finding) {
+  return std::any_of(findings.begin(), findings.end(), [&](const BuildingFinding& other) {
+    return other.line == finding.line && other.text == finding.text;
+  });
+}
+
+/// What is wrong at some hours is an error only if it is wrong at all of them.
+void forgive_what_passes(const std::vector<BuildingFinding>& lasting, std::vector<BuildingFinding>& findings) {
+  for (BuildingFinding& finding : findings) {
+    if (finding.kind == FindingKind::kError && !is_among(lasting, finding)) {
+      finding.kind = FindingKind::kWarning;
+      finding.text += ", while zones with hours are in force";
+    }
+  }
+  for (const BuildingFinding& finding : lasting) {
+    if (finding.kind == FindingKind::kError && !is_among(findings, finding)) {
+      findings.insert(findings.begin(), finding);
+    }
+  }
+  std::stable_sort(findings.begin(), findings.end(), [](const BuildingFinding& a, const BuildingFinding& b) {
+    return b.line == 0 ? a.line > 0 : a.line > 0 && a.line < b.line;
+  });
+}
+
 }  // namespace
 
 std::vector<BuildingFinding> check_building(const BuildingSource& source, const PriorMap* map) {
-  return BuildingInspector(source, map).inspect();
+  std::vector<BuildingFinding> findings = BuildingInspector(source, map).inspect();
+  if (const BuildingSource lasting = without_hours(source); lasting.zone_lines.size() < source.zone_lines.size()) {
+    forgive_what_passes(BuildingInspector(lasting, map).inspect(), findings);
+  }
+  return findings;
 }
 
 }  // namespace luminav

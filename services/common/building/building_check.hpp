@@ -24,8 +24,8 @@ struct BuildingFinding {
 /// What a surveyor would object to: fixtures that overlap, hang in a wall or outside the map, sizes that no shop sells,
 /// doors that are walls, places nobody can stand on, that no way leads to or that lie in a keep-out zone, places and
 /// doors beside what the map does not know, zones that contradict each other or cut the floor in two, and fixtures that
-/// the robot cannot tell apart by their surroundings. `map` may be null (a building without a map). In the order of the
-/// file's lines.
+/// the robot cannot tell apart by their surroundings. All zones count as in force; what only those with hours take away
+/// is a warning. `map` may be null (a building without a map). In the order of the file's lines.
 std::vector<BuildingFinding> check_building(const BuildingSource& source, const PriorMap* map);
 
 }  // namespace luminav

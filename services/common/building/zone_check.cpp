@@ -56,6 +56,7 @@ class ZoneInspector {
       : source_(source), building_(source.building), map_(map) {}
 
   std::vector<BuildingFinding> inspect() {
+    note_hours();
     check_pairs();
     if (map_ != nullptr && !building_.zones.empty()) {
       check_places_on_map();
@@ -71,7 +72,17 @@ class ZoneInspector {
     findings_.push_back({kind, source_.zone_lines[zone], std::move(text)});
   }
   [[nodiscard]] std::string title(std::size_t zone) const {
-    return fmt::format("{} zone \"{}\"", name_of(building_.zones[zone].kind), building_.zones[zone].name);
+    const std::string hours = text_of(building_.zones[zone].hours);
+    return fmt::format("{} zone \"{}\"{}", name_of(building_.zones[zone].kind), building_.zones[zone].name,
+                       hours.empty() ? "" : " (" + hours + ")");
+  }
+
+  void note_hours() {
+    for (std::size_t i = 0; i < building_.zones.size(); ++i) {
+      if (!are_always(building_.zones[i].hours)) {
+        add(FindingKind::kNote, i, title(i) + " has hours; here it is judged as if it were always in force");
+      }
+    }
   }
 
   void check_pairs() {
@@ -85,7 +96,7 @@ class ZoneInspector {
                           source_.zone_lines[j]));
         }
         const std::string why = contradiction(zone, other);
-        if (!why.empty() && overlap(zone.polygon, other.polygon)) {
+        if (!why.empty() && meet(zone.hours, other.hours) && overlap(zone.polygon, other.polygon)) {
           add(FindingKind::kWarning, i,
               fmt::format("{} overlaps {} (line {}): {}", title(i), title(j), source_.zone_lines[j], why));
         }

@@ -79,7 +79,7 @@ bool is_same(const Polygon& a, const Polygon& b) {
 bool is_same(const Zone& a, const Zone& b) {
   return a.name == b.name && a.kind == b.kind && is_same(a.polygon, b.polygon) &&
          (a.kind != ZoneKind::kSlow || near(a.speed, b.speed)) &&
-         (a.kind != ZoneKind::kOneWay || near(wrap_angle(a.direction - b.direction), 0.0));
+         (a.kind != ZoneKind::kOneWay || near(wrap_angle(a.direction - b.direction), 0.0)) && a.hours == b.hours;
 }
 
 bool is_same(const Pose2& a, const Pose2& b) {
@@ -120,16 +120,15 @@ void write(const Zone& zone, const Zone* old, EditedTable table) {
   if (old == nullptr || !is_same(old->polygon, zone.polygon)) {  // else it stays as somebody has laid it out
     table.set("polygon", polygon_text(zone.polygon));
   }
-  if (zone.kind == ZoneKind::kSlow) {
-    table.set("speed", fmt::format("{:.3f}", zone.speed));
-  } else {
-    table.erase("speed");
-  }
-  if (zone.kind == ZoneKind::kOneWay) {
-    table.set("direction", fmt::format("{:.4f}", zone.direction));
-  } else {
-    table.erase("direction");
-  }
+  const auto set_or_erase = [&](const char* key, bool has, const std::string& value) {
+    has ? table.set(key, value) : table.erase(key);
+  };
+  set_or_erase("speed", zone.kind == ZoneKind::kSlow, fmt::format("{:.3f}", zone.speed));
+  set_or_erase("direction", zone.kind == ZoneKind::kOneWay, fmt::format("{:.4f}", zone.direction));
+  const std::string span = span_text(zone.hours);
+  const std::string days = days_text(zone.hours.days);
+  set_or_erase("hours", !span.empty(), quoted(span));
+  set_or_erase("days", !days.empty(), quoted(days));
 }
 
 void write(const Place& place, const Place* /*old*/, EditedTable table) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <set>
+#include <tuple>
 
 #include "services/common/configuration/fixture_table.hpp"
 #include "services/common/configuration/toml_lines.hpp"
@@ -42,6 +43,25 @@ CeilingElement read_element(const TomlTable& table) {
   return element;
 }
 
+Hours read_hours(const TomlTable& table) {
+  Hours hours;
+  if (table.has("hours")) {
+    const auto span = read_span(table.text("hours"));
+    if (!span) {
+      table.fail("hours", "must be two times of day that differ, as 08:00-12:00 or, over midnight, 22:00-06:00");
+    }
+    std::tie(hours.begin, hours.end) = *span;
+  }
+  if (table.has("days")) {
+    const auto days = read_days(table.text("days"));
+    if (!days) {
+      table.fail("days", "must be days as Mo-Fr or Tu,Sa");
+    }
+    hours.days = *days;
+  }
+  return hours;
+}
+
 Zone read_zone(const TomlTable& table) {
   Zone zone;
   zone.name = table.text("name");
@@ -65,6 +85,7 @@ Zone read_zone(const TomlTable& table) {
   if (zone.kind == ZoneKind::kOneWay) {
     zone.direction = wrap_angle(table.number("direction", kHeading));
   }
+  zone.hours = read_hours(table);
   table.reject_unknown();
   return zone;
 }
@@ -205,6 +226,10 @@ void write_building(const std::filesystem::path& file, const Building& building)
                         polygon_text(zone.polygon));
     text += zone.kind == ZoneKind::kSlow ? fmt::format("speed = {:.3f}\n", zone.speed) : "";
     text += zone.kind == ZoneKind::kOneWay ? fmt::format("direction = {:.4f}\n", zone.direction) : "";
+    const std::string span = span_text(zone.hours);
+    const std::string days = days_text(zone.hours.days);
+    text += span.empty() ? "" : fmt::format("hours = \"{}\"\n", span);
+    text += days.empty() ? "" : fmt::format("days = \"{}\"\n", days);
   }
   write_whole_file(file, text);
 }

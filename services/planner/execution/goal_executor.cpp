@@ -97,7 +97,7 @@ void GoalExecutor::set_zones(const std::vector<Zone>& zones) {
   if (phase_ == GoalPhase::kFollowing || phase_ == GoalPhase::kHolding) {
     path_.stand_still(stops_, now_);
     last_plan_ = 0;
-    plan_anew("the building's zones were changed");
+    plan_anew("other zones are in force");
   }
 }
 

@@ -41,7 +41,7 @@ class GoalExecutor {
 
   /// The map changed; the grid must outlive the next update. `received` of `tiles` are there.
   void map_changed(const OccupancyGrid& grid, int received, int tiles) { map_.change(grid, received, tiles); }
-  /// The building's zones are others now: a robot under way stands until a path by these is found.
+  /// Other zones are in force now: a robot under way stands until a path by these is found.
   void set_zones(const std::vector<Zone>& zones);
   void update(const Situation& situation);
 

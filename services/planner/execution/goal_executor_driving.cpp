@@ -222,7 +222,9 @@ void GoalExecutor::update_following(const Situation& situation) {
   report_.state = waits ? NavigationState::kWaiting : NavigationState::kFollowing;
   const Zone* const zone = find_zone(map_.params().space.zones, ZoneKind::kKeepOut, robot);
   const std::string leaves =
-      zone == nullptr ? "" : fmt::format("inside the keep-out zone {}: driving out by the shortest way", zone->name);
+      zone == nullptr
+          ? ""
+          : fmt::format("inside the keep-out zone {}{}: driving out by the shortest way", zone->name, until_of(*zone));
   report_.cause = !situation.can_move ? situation.cannot_move : waits.value_or(leaves);
   check_arrival(situation);
   if (phase_ == GoalPhase::kFollowing) {

@@ -67,7 +67,7 @@ std::string RouteMap::zones_in_the_way(const RouteRequest& request) const {
                       lane.is_against(points[i - 1], points[i]);
     }
     if (is_in_the_way) {
-      names += fmt::format("{}{} zone {}", names.empty() ? "" : ", ", name_of(zone.kind), zone.name);
+      names += fmt::format("{}{} zone {}{}", names.empty() ? "" : ", ", name_of(zone.kind), zone.name, until_of(zone));
     }
   }
   return names;

@@ -20,7 +20,7 @@ class RouteMap {
 
   /// Takes over a new state of the grid, which must outlive the next one. `received` of `tiles` are there.
   void change(const OccupancyGrid& grid, int received, int tiles);
-  /// Plans by these of the building from now on.
+  /// Plans by these from now on.
   void set_zones(const std::vector<Zone>& zones);
   [[nodiscard]] bool is_complete() const { return grid_ != nullptr && received_ >= tiles_; }
   [[nodiscard]] int received() const { return received_; }
@@ -40,8 +40,8 @@ class RouteMap {
   [[nodiscard]] Route plan(const RouteRequest& request) { return planner_.plan(request); }
   /// Plans over the building's map alone: what sonars have drawn may go away.
   [[nodiscard]] Route plan_by_building(const RouteRequest& request) const;
-  /// The zones through which a path by the building's map would lead if there were none, as "keep-out zone stairs,
-  /// one-way zone lane"; "" where no path leads without them either.
+  /// The zones through which a path by the building's map would lead if there were none, as "keep-out zone yard
+  /// until 12:00, one-way zone lane"; "" where no path leads without them either.
   [[nodiscard]] std::string zones_in_the_way(const RouteRequest& request) const;
   /// Plans round the given obstacles and what the evidence is sure of: cells above `occupied_log_odds`, not widened
   /// beyond the robot's body.

@@ -8,9 +8,11 @@ namespace {
 
 constexpr double kAboutJoint = 4.0;  // [m] to both sides of where two sections meet
 
-/// How far [m] from a chain anything may matter to its shape: a band is relaxed twice, and looks at the cells around.
+/// How far [m] from a chain anything may matter to its shape: a band is relaxed twice, and looks at the cells around;
+/// who keeps to a side looks at the whole corridor.
 double reach_of(const PathShapingParams& params, const GridGeometry& geometry) {
-  return 2.0 * params.smoothing_rounds * params.push + 4.0 * geometry.resolution;
+  return 2.0 * params.smoothing_rounds * params.push + 4.0 * geometry.resolution +
+         (params.keep_side == KeepSide::kNone ? 0.0 : kSideReach);
 }
 
 }  // namespace

@@ -229,7 +229,10 @@ Polyline shape_path(const ConfigurationSpace& space, const PathShapingParams& pa
   }
   relax(space, {rounds, params.tension, params.push}, band);
   const Polyline shaped = resampled(band, params.spacing);
-  return is_clear(space, shaped) || !is_clear(space, straight) ? shaped : divided(straight, params.spacing);
+  if (is_clear(space, shaped)) {
+    return keep_to_side(space, params.keep_side, shaped);
+  }
+  return is_clear(space, straight) ? divided(straight, params.spacing) : shaped;
 }
 
 }  // namespace luminav

@@ -106,7 +106,7 @@ nlohmann::json report_of(const Route& route, const ConfigurationSpace& space, do
 int main(int argc, char** argv) {
   return run_guarded("plan", [&] {
     std::vector<std::string> arguments;
-    std::string json_file, png_file, mode = "modern";
+    std::string json_file, png_file, mode = "modern", side = "none";
     double resolution = 0.1, tolerance = 0.15, radius = 0.30;
     bool unknown_free = false;
     CommandLine options("plan", "Plans a way on a map of the ROS map_server format.");
@@ -117,12 +117,14 @@ int main(int argc, char** argv) {
         .number("--resolution", resolution, "cell [m] that the map is brought to")
         .number("--tolerance", tolerance, "[m] a blocked goal may be missed by")
         .number("--radius", radius, "[m] to keep from obstacles at least")
+        .text("--keep-side", side, "none, right or left: of corridors wide enough for two")
         .flag("--unknown-free", unknown_free, "plan through what the map does not know");
     if (const auto status = options.parse(argc, argv)) {
       return *status;
     }
     const RouteRequest request = read_request(arguments, tolerance);
     check_option("--mode", mode, {"paper", "modern"});
+    check_option("--keep-side", side, {"none", "right", "left"});
     check_option("--resolution", resolution, {0.01, 1.0});
     check_option("--tolerance", tolerance, {0.0, 100.0});
     check_option("--radius", radius, {0.0, 14.0 * resolution});  // as the configuration space allows
@@ -133,6 +135,7 @@ int main(int argc, char** argv) {
     params.mode = mode == "paper" ? PlannerMode::kPaper : PlannerMode::kModern;
     params.space.hard_radius = radius;
     params.space.unknown_is_free = unknown_free;
+    params.shaping.keep_side = side_called(side);
     RoutePlanner planner(params);
     const auto begin = std::chrono::steady_clock::now();
     planner.set_grid(grid, {});

@@ -96,8 +96,8 @@ EditOutcome BuildingChanges::carry_out(const BuildingOrder& order, std::int64_t 
   }
 }
 
-std::string BuildingChanges::members_of(const Building& building) {
-  return fmt::format(R"("zones":{},"places":{})", zones_json(building), places_json(building));
+std::string BuildingChanges::members_of(const Building& building, const LocalTime& now) {
+  return fmt::format(R"("zones":{},"places":{})", zones_json(building, now), places_json(building));
 }
 
 EditOutcome BuildingChanges::undo(const Building& building, std::int64_t utime) const {

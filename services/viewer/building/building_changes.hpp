@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "services/common/building/building.hpp"
+#include "services/common/calendar/local_time.hpp"
 #include "services/common/configuration/file_versions.hpp"
 #include "services/viewer/building/building_order.hpp"
 #include "services/viewer/building/edit_outcome.hpp"
@@ -33,8 +34,8 @@ class BuildingChanges {
   /// `utime` [us] dates the version that is kept.
   [[nodiscard]] EditOutcome carry_out(const BuildingOrder& order, std::int64_t utime) const;
 
-  /// "zones" and "places", as JSON.
-  static std::string members_of(const Building& building);
+  /// "zones", with those that are in force, and "places", as JSON.
+  static std::string members_of(const Building& building, const LocalTime& now);
 
  private:
   [[nodiscard]] EditOutcome undo(const Building& building, std::int64_t utime) const;

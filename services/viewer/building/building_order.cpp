@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "services/common/geometry/angle.hpp"
 #include "services/viewer/http/request_fields.hpp"
@@ -34,14 +35,34 @@ Polygon read_polygon(const Json& zone) {
   return polygon;
 }
 
+Hours read_hours(const Json& zone) {
+  Hours hours;
+  if (zone.contains("hours")) {
+    const auto span = read_span(text(zone, "hours"));
+    if (!span) {
+      throw RequestError("hours: must be two times of day that differ, as 08:00-12:00 or 22:00-06:00");
+    }
+    std::tie(hours.begin, hours.end) = *span;
+  }
+  if (zone.contains("days")) {
+    const auto days = read_days(text(zone, "days"));
+    if (!days) {
+      throw RequestError("days: must be days as Mo-Fr or Tu,Sa");
+    }
+    hours.days = *days;
+  }
+  return hours;
+}
+
 Zone read_zone(const Json& item) {
-  check_item(item, "zone", {"name", "kind", "polygon", "speed", "direction"});
+  check_item(item, "zone", {"name", "kind", "polygon", "speed", "direction", "hours", "days"});
   Zone zone;
   zone.name = name(item, "name");
   zone.kind = static_cast<ZoneKind>(choice(item, "kind", {"keep-out", "slow", "one-way", "quiet"}));
   zone.polygon = read_polygon(item);
   zone.speed = zone.kind == ZoneKind::kSlow ? number(item, "speed", 0.05, 2.0) : zone.speed;
   zone.direction = zone.kind == ZoneKind::kOneWay ? wrap_angle(number(item, "direction", -7.0, 7.0)) : 0.0;
+  zone.hours = read_hours(item);
   return zone;
 }
 

@@ -16,9 +16,9 @@ struct BuildingOrder {
 };
 
 /// {"version", "action": "set_zone", "zone": {"name", "kind", "polygon": [[x, y], ...], "speed"? of a slow one,
-/// "direction"? of a one-way one}, "name"?: which one it replaces, "accept"?}; with "remove_zone" and "remove_place"
-/// just "name"; "set_place" with "place": {"name", "x", "y", "theta"?}; "undo". Throws RequestError, as those in
-/// request_text.hpp do.
+/// "direction"? of a one-way one, "hours"?, "days"? as in the building's file}, "name"?: which one it replaces,
+/// "accept"?}; with "remove_zone" and "remove_place" just "name"; "set_place" with "place": {"name", "x", "y",
+/// "theta"?}; "undo". Throws RequestError, as those in request_text.hpp do.
 BuildingOrder read_building_order(const std::string& body);
 
 }  // namespace luminav

@@ -137,7 +137,7 @@ void EditDesk<Changes>::work() {
 }
 
 template <typename Changes>
-std::string EditDesk<Changes>::json() const {
+std::string EditDesk<Changes>::json(const LocalTime& now) const {
   const std::lock_guard lock(mutex_);
   std::string orders;
   for (const Outcome& outcome : outcomes_) {
@@ -146,7 +146,7 @@ std::string EditDesk<Changes>::json() const {
                           json_list(outcome.what.found));
   }
   return fmt::format(R"({{"version":"{}",{},"undo":{},"objection":{},"orders":[{}]}})", version_,
-                     Changes::members_of(*contents_), undo_.empty() ? "null" : to_json(std::string_view(undo_)),
+                     Changes::members_of(*contents_, now), undo_.empty() ? "null" : to_json(std::string_view(undo_)),
                      to_json(std::string_view(objection_)), orders);
 }
 

@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "services/common/calendar/local_time.hpp"
 #include "services/viewer/building/building_changes.hpp"
 #include "services/viewer/building/tour_changes.hpp"
 
@@ -50,8 +51,9 @@ class EditDesk {
   void look();
   /// True once after the file was changed by an order.
   bool take_news();
-  /// {"version", what the file holds, "undo", "objection", "orders": what became of the last ones}.
-  [[nodiscard]] std::string json() const;
+  /// {"version", what the file holds, "undo", "objection", "orders": what became of the last ones}, with what is in
+  /// force at a time of day.
+  [[nodiscard]] std::string json(const LocalTime& now) const;
 
  private:
   struct Pending {

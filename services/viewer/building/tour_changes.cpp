@@ -23,7 +23,7 @@ EditOutcome refused(std::string why) {
   return {Fate::kRefused, std::move(why)};
 }
 
-bool share_a_day(const Weekdays& a, const Weekdays& b) {
+bool share_a_day(const Days& a, const Days& b) {
   for (std::size_t day = 0; day < a.size(); ++day) {
     if (a.at(day) && b.at(day)) {
       return true;
@@ -77,7 +77,7 @@ std::optional<std::vector<Tour>> TourChanges::read() const {
   }
 }
 
-std::string TourChanges::members_of(const std::vector<Tour>& tours) {
+std::string TourChanges::members_of(const std::vector<Tour>& tours, const LocalTime& /*now*/) {
   return fmt::format(R"("tours":{})", tours_json(tours));
 }
 

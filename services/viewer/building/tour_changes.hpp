@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "services/common/calendar/local_time.hpp"
 #include "services/common/configuration/file_versions.hpp"
 #include "services/common/tours/jobs_file.hpp"
 #include "services/viewer/building/edit_outcome.hpp"
@@ -33,8 +34,8 @@ class TourChanges {
   [[nodiscard]] std::optional<std::vector<Tour>> read() const;
   /// `utime` [us] dates the version that is kept.
   [[nodiscard]] EditOutcome carry_out(const TourOrder& order, std::int64_t utime) const;
-  /// "tours", as JSON.
-  static std::string members_of(const std::vector<Tour>& tours);
+  /// "tours", as JSON, the same at any time of day.
+  static std::string members_of(const std::vector<Tour>& tours, const LocalTime& now);
 
  private:
   [[nodiscard]] EditOutcome change(const TourOrder& order, std::int64_t utime) const;

@@ -31,8 +31,8 @@ TourStop read_stop(const Json& item) {
   return stop;
 }
 
-Weekdays read_weekdays(const Json& item) {
-  Weekdays days{};
+Days read_weekdays(const Json& item) {
+  Days days{};
   for (const Json& day : list(item, "days", kDays)) {
     const Json named = {{"days", day}};
     days.at(static_cast<std::size_t>(choice(named, "days", {"Mo", "Tu", "We", "Th", "Fr", "Sa", "Su"}))) = true;
@@ -64,7 +64,7 @@ Json json_of(const Tour& tour) {
   }
   Json days = Json::array();
   for (std::size_t day = 0; day < tour.days.size(); ++day) {
-    Weekdays one{};
+    Days one{};
     one.at(day) = true;
     if (tour.days.at(day)) {
       days.push_back(days_text(one));

@@ -2,7 +2,7 @@
 // is saved or given up, whatever others save meanwhile.
 import * as commands from './commands.js';
 import {corners, crosses, drawDraft, gripsOf, isInside, middleOf} from './drafts.js';
-import {ZONE_KINDS} from './names.js';
+import {ZONE_KINDS, hoursOf} from './names.js';
 import {Orders, askTwice, say} from './orders.js';
 import {t, translated} from './texts.js';
 
@@ -14,8 +14,8 @@ const rounded = (value) => Math.round(value * 100) / 100;
 const turned = (angle) => Math.atan2(Math.sin(angle), Math.cos(angle));
 
 const written = {
-  zone: ({name, kind, polygon, speed, direction}) => ({name, kind, polygon: polygon.map((corner) => corner.map(rounded)),
-    ...(kind === 'slow' ? {speed} : {}), ...(kind === 'one-way' ? {direction: turned(direction)} : {})}),
+  zone: ({name, kind, polygon, speed, direction, hours, days}) => ({name, kind, polygon: polygon.map((corner) => corner.map(rounded)),
+    ...(kind === 'slow' ? {speed} : {}), ...(kind === 'one-way' ? {direction: turned(direction)} : {}), ...(hours ? {hours} : {}), ...(days ? {days} : {})}),
   place: ({name, x, y, theta}) => ({name, x: rounded(x), y: rounded(y), ...(theta === undefined ? {} : {theta: turned(theta)})}),
 };
 
@@ -45,7 +45,7 @@ export class Editor {
     $('edit-back').addEventListener('click', () => { this.draft.item.polygon.splice(this.draft.corner, 1); this.changed(); });
     $('edit-remove').addEventListener('click', () => this.remove());
     $('edit-form').addEventListener('submit', (event) => { event.preventDefault(); this.save(); });
-    for (const field of ['name', 'kind', 'speed', 'heading', 'corners']) $(`edit-${field}`).addEventListener('input', () => this.read(field));
+    for (const field of ['name', 'kind', 'speed', 'heading', 'hours', 'days', 'corners']) $(`edit-${field}`).addEventListener('input', () => this.read(field));
   }
 
   // What the viewer says of the building.
@@ -84,15 +84,16 @@ export class Editor {
     $('edit-undo').disabled = !undo;
     $('edit-undo').title = undo ?? '';
     const items = [...zones.map((item) => ['zone', item]), ...places.map((item) => ['place', item])];
-    const names = JSON.stringify(items.map(([what, {name, kind}]) => [what, name, kind]));
+    const names = JSON.stringify(items.map(([what, {name, kind, hours, days, in_force}]) => [what, name, kind, hours, days, in_force]));
     if (names === this.listed) return;
     this.listed = names;
     const focused = document.activeElement?.dataset.edit;
     $('edit-list').replaceChildren(...items.map(([what, item]) => {
       const chip = Object.assign(document.createElement('button'), {type: 'button', textContent: item.name,
-        title: what === 'zone' ? translated(ZONE_KINDS[item.kind]) : t`place`});
+        title: what === 'zone' ? [translated(ZONE_KINDS[item.kind]), hoursOf(item)].filter(Boolean).join(', ') : t`place`});
       chip.dataset.edit = `${what} ${item.name}`;
       chip.dataset.kind = item.kind ?? 'place';
+      chip.classList.toggle('resting', item.in_force === false);
       chip.addEventListener('click', () => this.choose(what, item.name));
       return chip;
     }));
@@ -151,10 +152,12 @@ export class Editor {
     $('edit-start').hidden = Boolean(draft);
     $('edit-form').hidden = !draft;
     if (draft) {
-      const {name, kind, speed} = draft.item;
+      const {name, kind, speed, hours, days} = draft.item;
       $('edit-name').value = name;
       $('edit-kind').value = kind ?? 'keep-out';
       $('edit-speed').value = speed ?? '';
+      $('edit-hours').value = hours ?? '';
+      $('edit-days').value = days ?? '';
     }
     this.changed();
   }
@@ -169,7 +172,8 @@ export class Editor {
     const {what, item, name} = draft;
     const isZone = what === 'zone';
     const heading = isZone ? item.direction : item.theta;
-    for (const [id, isShown] of [['kind', isZone], ['speed', item.kind === 'slow'], ['heading', !isZone || item.kind === 'one-way']]) {
+    for (const [id, isShown] of [['kind', isZone], ['speed', item.kind === 'slow'], ['heading', !isZone || item.kind === 'one-way'],
+      ['hours', isZone], ['days', isZone]]) {
       $(`edit-${id}`).closest('label').hidden = !isShown;
     }
     $('edit-heading-word').textContent = isZone ? t`Direction, degrees` : t`Heading, degrees`;
@@ -188,6 +192,7 @@ export class Editor {
     if (field === 'name') item.name = value;
     if (field === 'kind') item.kind = value;
     if (field === 'speed') item.speed = Number(value);
+    if (field === 'hours' || field === 'days') item[field] = value;
     if (field === 'heading') item[draft.what === 'zone' ? 'direction' : 'theta'] = draft.what === 'zone' ? degrees ?? 0 : degrees;
     if (field === 'corners') {
       const points = value.split('\n').map((line) => line.trim().split(/[\s,;]+/).map(Number)).filter((point) => point.length === 2 && point.every(Number.isFinite));

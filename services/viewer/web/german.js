@@ -472,7 +472,8 @@ export const GERMAN = {
     'was die Sonare sahen und keine Karte kennt; bläulich: dort sahen sie nichts',
   'lamps on the ceiling: filled while the camera sees them, grey if unlit': 'Leuchten an der Decke: gefüllt, solange die Kamera sie sieht, grau, wenn sie aus sind',
   'vents, smoke detectors and the like': 'Lüfter, Rauchmelder und dergleichen',
-  'red: it never enters; amber: it drives slowly, one way or does not wander': 'rot: dort fährt er nie hin; gelb: dort fährt er langsam, in einer Richtung oder sucht nicht umher',
+  'red: it never enters; amber: it drives slowly, one way or does not wander; pale: not at this hour':
+    'rot: dort fährt er nie hin; gelb: dort fährt er langsam, in einer Richtung oder sucht nicht umher; blass: nicht um diese Zeit',
   'places with a name: tap one to go there': 'Orte mit Namen: antippen, um hinzufahren',
   'what the camera takes for a lamp, where the robot believes to be; dashed: unlit':
     'was die Kamera für eine Leuchte hält, von der geglaubten Pose aus; gestrichelt: aus',
@@ -496,6 +497,11 @@ export const GERMAN = {
   'Name': 'Name',
   'Rule': 'Regel',
   'Speed, m/s': 'Tempo, m/s',
+  'Hours': 'Uhrzeit',
+  'Left empty: the whole day. 22:00-06:00 lasts over midnight.': 'Leer: den ganzen Tag. 22:00-06:00 geht über Mitternacht.',
+  'Days': 'Tage',
+  'Mo-Fr': 'Mo-Fr',
+  'Mo, Tu, We, Th, Fr, Sa, Su. Left empty: every day.': 'Auf Englisch: Mo, Tu, We, Th, Fr, Sa, Su. Leer: jeden Tag.',
   'Save': 'Sichern',
   'Cancel': 'Abbrechen',
   'Remove corner': 'Ecke weg',

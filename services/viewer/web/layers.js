@@ -1,4 +1,8 @@
 // What is drawn on the map, one function per layer, from the ground up.
+import {hoursOf} from './names.js';
+
+const RESTING = 0.35;  // share of its colour that is left of a zone outside its hours
+
 export const LAYERS = [
   ['walls', 'Walls', true], ['evidence', 'Sonar evidence', true], ['fixtures', 'Light fixtures', true],
   ['ceiling', 'Vents and detectors', false], ['zones', 'Zones', true], ['places', 'Places', true], ['detections', 'Seen on the ceiling', true],
@@ -92,11 +96,12 @@ export function drawZones(context, view, building, colours) {
   context.lineWidth = 2;
   for (const zone of building.zones) {
     const colour = zone.kind === 'keep-out' ? colours.keepOut : colours.slowZone;
+    const strength = zone.in_force === false ? RESTING : 1;
     trace(context, view, zone.polygon, true);
-    context.globalAlpha = 0.15;
+    context.globalAlpha = 0.15 * strength;
     context.fillStyle = colour;
     context.fill();
-    context.globalAlpha = 1;
+    context.globalAlpha = strength;
     context.strokeStyle = colour;
     context.stroke();
     if (view.scale < 12) continue;
@@ -104,7 +109,9 @@ export function drawZones(context, view, building, colours) {
     const [px, py] = view.toScreen(Math.min(...zone.polygon.map(([x]) => x)), Math.max(...zone.polygon.map(([, y]) => y)));
     context.fillStyle = colour;
     context.fillText(zone.name, px + 4, py + 14);
+    context.fillText(hoursOf(zone), px + 4, py + 28);
   }
+  context.globalAlpha = 1;
 }
 
 export function drawPlaces(context, view, building, colours) {

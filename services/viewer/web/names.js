@@ -16,6 +16,8 @@ export const JOB_WORDS = ['loaded', 'unloaded', 'here', 'wait', 'opened', 'go ro
 export const ZONE_KINDS = {'keep-out': 'never enter', slow: 'drive slowly', 'one-way': 'one way only', quiet: 'no wandering'};
 // As a jobs file has them.
 export const DAYS = ['Mo', 'Tu', 'We', 'Th', 'Fr', 'Sa', 'Su'];
+// "Mo-Fr 08:00-12:00"; "" = always.
+export const hoursOf = ({days, hours}) => [days, hours].filter(Boolean).join(' ');
 export const ACTIONS = ['start', 'stop', 'restart'];
 export const CONDITIONS = ['stopped', 'starting', 'ready', 'degraded', 'fault', 'silent', 'stopping', 'restarting', 'failed', 'gave up', 'refused', 'unknown'];
 // Facts about the robot: for everybody, and what only experts want to know.

@@ -31,9 +31,12 @@ constexpr double kPathSlack = 0.5;  // [m] of turning round at both ends
 
 }  // namespace
 
-ZoneJudge::ZoneJudge(lcm::LCM& lcm, std::vector<Zone> zones, const WorldTruth& world)
-    : zones_(std::move(zones)), world_(world), progress_(zones_.size()), subscriber_(lcm) {
-  if (!zones_.empty()) {
+ZoneJudge::ZoneJudge(lcm::LCM& lcm, std::vector<Zone> zones, LocalClock local_clock, const WorldTruth& world)
+    : zones_(std::move(zones), std::move(local_clock)),
+      world_(world),
+      progress_(zones_.all().size()),
+      subscriber_(lcm) {
+  if (!zones_.all().empty()) {
     subscriber_.on(channels::kPose, &ZoneJudge::on_pose, this);
     subscriber_.on(channels::kSimTruth, &ZoneJudge::on_truth, this);
   }
@@ -53,6 +56,10 @@ void ZoneJudge::on_truth(const sim_truth_t& truth) {
   }
   const double seconds = 1e-6 * static_cast<double>(std::min(truth.utime - last_truth_, 2 * kEvery));
   last_truth_ = truth.utime;
+  if (zones_.tell(truth.utime)) {
+    was_outside_ = false;                                      // of one that has just begun
+    tracking_since_ = tracking_since_ == 0 ? 0 : truth.utime;  // it brakes for a slow one
+  }
   if (tracking_since_ == 0 || truth.carried) {
     was_outside_ = false;
     inside_ = 0.0;
@@ -62,7 +69,7 @@ void ZoneJudge::on_truth(const sim_truth_t& truth) {
   const Pose2 robot{truth.x, truth.y, truth.theta};
   judge_keep_out(robot, seconds);
   judge_lanes(robot);
-  for (const Zone& zone : zones_) {
+  for (const Zone& zone : zones_.in_force()) {
     if (zone.kind == ZoneKind::kSlow && contains(zone.polygon, robot.position()) &&
         truth.utime - tracking_since_ > kBraking) {
       result_.over_speed_m_s = std::max(result_.over_speed_m_s, std::abs(truth.linear) - zone.speed);
@@ -72,7 +79,7 @@ void ZoneJudge::on_truth(const sim_truth_t& truth) {
 
 void ZoneJudge::judge_keep_out(const Pose2& robot, double seconds) {
   double depth = 0.0;
-  for (const Zone& zone : zones_) {
+  for (const Zone& zone : zones_.in_force()) {
     const bool is_near =
         contains(zone.polygon, robot.position()) || distance_to_edge(zone.polygon, robot.position()) < kNear;
     if (zone.kind == ZoneKind::kKeepOut && is_near) {
@@ -89,9 +96,9 @@ void ZoneJudge::judge_keep_out(const Pose2& robot, double seconds) {
 }
 
 void ZoneJudge::judge_lanes(const Pose2& robot) {
-  for (std::size_t i = 0; i < zones_.size(); ++i) {
-    const Zone& zone = zones_[i];
-    if (zone.kind != ZoneKind::kOneWay || !contains(zone.polygon, robot.position())) {
+  for (std::size_t i = 0; i < zones_.all().size(); ++i) {
+    const Zone& zone = zones_.all()[i];
+    if (!zones_.is_in_force(i) || zone.kind != ZoneKind::kOneWay || !contains(zone.polygon, robot.position())) {
       progress_[i].reset();
       continue;
     }
@@ -102,7 +109,8 @@ void ZoneJudge::judge_lanes(const Pose2& robot) {
 }
 
 double ZoneJudge::shortest(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
-  return octile_length(with_keep_out(world_.walls, zones_), from, to, kRadius, LaneMap(zones_, world_.walls.geometry));
+  const std::vector<Zone>& zones = zones_.in_force();
+  return octile_length(with_keep_out(world_.walls, zones), from, to, kRadius, LaneMap(zones, world_.walls.geometry));
 }
 
 void ZoneJudge::compare(double driven, double shortest) {
@@ -113,7 +121,7 @@ void ZoneJudge::compare(double driven, double shortest) {
 }
 
 std::optional<ZoneResult> ZoneJudge::result() const {
-  return zones_.empty() ? std::nullopt : std::optional(result_);
+  return zones_.all().empty() ? std::nullopt : std::optional(result_);
 }
 
 std::string ZoneJudge::failure(const std::vector<GoalResult>& goals) const {
@@ -133,10 +141,10 @@ std::string ZoneJudge::failure(const std::vector<GoalResult>& goals) const {
     return fmt::format("drove {:.1f} m, {:.2f} times the shortest allowed way", result_.path_m, result_.path_ratio);
   }
   for (const GoalResult& goal : goals) {
-    const bool is_named = std::any_of(zones_.begin(), zones_.end(), [&](const Zone& zone) {
+    const bool is_named = std::any_of(zones_.all().begin(), zones_.all().end(), [&](const Zone& zone) {
       return goal.cause.find(zone.name) != std::string::npos;
     });
-    if (!zones_.empty() && goal.expect_refused && goal.refused && !is_named) {
+    if (!zones_.all().empty() && goal.expect_refused && goal.refused && !is_named) {
       return "refused without naming a zone: " + goal.cause;
     }
   }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "drivers/simulator/world/world_truth.hpp"
-#include "services/common/building/building.hpp"
+#include "services/common/building/zone_timetable.hpp"
 #include "services/common/process/subscriber.hpp"
 #include "tests/evaluation/report/run_report.hpp"
 
@@ -18,9 +18,11 @@ namespace luminav {
 /// Watches by the truth how a robot that knows where it is keeps the rules of the building's zones.
 class ZoneJudge {
  public:
-  ZoneJudge(lcm::LCM& lcm, std::vector<Zone> zones, const WorldTruth& world);
+  /// By `local_clock` zones have hours.
+  ZoneJudge(lcm::LCM& lcm, std::vector<Zone> zones, LocalClock local_clock, const WorldTruth& world);
 
-  /// Length [m] of the shortest way that the zones allow, for a robot that needs 0.4 m to each side; negative: none.
+  /// Length [m] of the shortest way that the zones in force allow, for a robot that needs 0.4 m to each side; negative:
+  /// none.
   [[nodiscard]] double shortest(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
   /// A goal was reached by a way of `driven` [m] that the shortest allowed one is to be compared with.
   void compare(double driven, double shortest);
@@ -35,7 +37,7 @@ class ZoneJudge {
   void judge_keep_out(const Pose2& robot, double seconds);
   void judge_lanes(const Pose2& robot);
 
-  std::vector<Zone> zones_;
+  ZoneTimetable zones_;
   WorldTruth world_;
   ZoneResult result_;
   std::int64_t tracking_since_ = 0;              // [us] 0 = it is not

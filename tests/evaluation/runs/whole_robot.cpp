@@ -114,10 +114,14 @@ struct WholeRobot::Parts {
   }
 
   void tell_time() {
-    const std::int64_t passed = clock.utime() - began;
-    if (jobs && passed % 1'000'000 == 0) {
-      jobs->tell_time({0, 0, kMorning + static_cast<int>(passed / 1'000'000)});
+    if (jobs && (clock.utime() - began) % 1'000'000 == 0) {
+      jobs->tell_time(local_time(clock.utime()));
     }
+  }
+
+  [[nodiscard]] LocalTime local_time(std::int64_t utime) const {
+    constexpr std::int64_t kMonday = 4 * 86'400;  // [s] since the epoch: the first one
+    return universal_time(1'000'000 * (kMonday + kMorning) + utime - began);
   }
 
   [[nodiscard]] std::unique_ptr<BaseBoard> make_board() const {
@@ -186,11 +190,13 @@ struct WholeRobot::Parts {
       planner.reset();
       PlannerConfig config = read_planner_config(scenario.robot_file, scenario.building_file);
       override_mode(config.route.mode, options.mode);
+      config.local_clock = [this](std::int64_t utime) { return local_time(utime); };
       planner = std::make_unique<PlannerNode>(lcm, config);
     } else if (process == "controller") {
       controller.reset();
-      controller =
-          std::make_unique<ControllerNode>(lcm, read_controller_config(scenario.robot_file, scenario.building_file));
+      ControllerConfig config = read_controller_config(scenario.robot_file, scenario.building_file);
+      config.local_clock = [this](std::int64_t utime) { return local_time(utime); };
+      controller = std::make_unique<ControllerNode>(lcm, config);
     } else if (process == "jobs" && jobs_folder) {
       jobs.reset();
       jobs = std::make_unique<JobsNode>(lcm, jobs_config());
@@ -254,6 +260,10 @@ const RobotDescription& WholeRobot::believed_robot() const {
 }
 std::int64_t WholeRobot::utime() const {
   return parts_->clock.utime();
+}
+
+LocalTime WholeRobot::local_time(std::int64_t utime) const {
+  return parts_->local_time(utime);
 }
 
 void WholeRobot::step() {

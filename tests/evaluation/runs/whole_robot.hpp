@@ -9,6 +9,7 @@
 #include "drivers/simulator/world/world.hpp"
 #include "drivers/simulator/world/world_truth.hpp"
 #include "services/common/building/building.hpp"
+#include "services/common/calendar/local_time.hpp"
 
 namespace luminav {
 
@@ -35,6 +36,8 @@ class WholeRobot {
   [[nodiscard]] const Building& believed_building() const;
   [[nodiscard]] const RobotDescription& believed_robot() const;
   [[nodiscard]] std::int64_t utime() const;  // [us]
+  /// The time of day in the building: it begins on a Monday at eight, on every machine.
+  [[nodiscard]] LocalTime local_time(std::int64_t utime) const;
 
   /// Time goes on by 10 ms.
   void step();

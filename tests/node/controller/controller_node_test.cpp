@@ -455,6 +455,33 @@ TEST(KeepOutZones, HoldFromTheMomentWhenTheyAreDrawn) {
   EXPECT_GT(world.truth().x, 2.0);
 }
 
+TEST(KeepOutZones, HoldInTheirHoursAlone) {
+  for (const bool begins : {true, false}) {
+    ControllerConfig config = read_controller_config(std::string(LUMINAV_SOURCE_DIR) + "/launch/robots/p3dx.toml");
+    KinematicWorld world(config.robot, kHall);
+    world.place_robot({1.0, 1.5, 0.0});
+    config.local_clock = [start = std::optional<std::int64_t>()](std::int64_t utime) mutable {
+      start = start.value_or(utime);
+      return LocalTime{0, 0, 10 * 3600 + static_cast<int>((utime - *start) / 1'000'000)};
+    };
+    constexpr int kSoon = 10 * 3600 + 3;
+    config.building.zones = {{.name = "yard",
+                              .polygon = {{3.0, 0.4}, {4.0, 0.4}, {4.0, 2.4}, {3.0, 2.4}},
+                              .hours = begins ? Hours{kSoon, 12 * 3600} : Hours{8 * 3600, kSoon}}};
+    ClosedLoop loop(world, config);
+    for (int i = 0; i < 600; ++i) {
+      teleop_command_t message{};
+      message.utime = loop.utime();
+      message.session = 5;
+      message.sequence = i;
+      message.linear = 0.4;
+      loop.lcm().publish(channels::kTeleopCommand, &message);
+      loop.tick();
+    }
+    EXPECT_EQ(world.truth().x < 3.0 - 0.2, begins) << world.truth().x;
+  }
+}
+
 // ------------------------------------------------------------------------------------------------ senses that are dead
 
 // 18 x 2.4 m outside, 1.8 m wide inside

@@ -6,8 +6,12 @@
 #include <limits>
 #include <optional>
 
+#include "services/common/configuration/configuration_error.hpp"
+#include "services/common/configuration/whole_file.hpp"
 #include "services/planner/goals/goal_store.hpp"
 #include "tests/node/planner/planner_world.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/time_zone.hpp"
 
 namespace luminav {
 namespace {
@@ -321,6 +325,93 @@ TEST(PlannerNode, DrivesOutOfAKeepOutZoneAndSaysSo) {
   EXPECT_LT(std::abs(world.robot.y - 3.0), 0.8) << "straight to the nearest edge";
   EXPECT_EQ(world.status.cause, "");
   EXPECT_TRUE(world.run_until_state(20.0, Status::STATE_ARRIVED));
+}
+
+TEST(PlannerConfig, ReadsTheSideToKeepAndRefusesAnyOther) {
+  const TemporaryFolder folder;
+  const std::string launch = std::string(LUMINAV_SOURCE_DIR) + "/launch/";
+  const auto read = [&](const std::string& planner) {
+    const auto robot =
+        folder.write("robot.toml", read_whole_file(launch + "robots/p3dx.toml") + "\n[planner]\n" + planner);
+    return read_planner_config(robot, launch + "buildings/laboratory/building.toml").route.shaping.keep_side;
+  };
+  EXPECT_EQ(read(""), KeepSide::kNone);
+  EXPECT_EQ(read("keep_side = \"right\"\n"), KeepSide::kRight);
+  EXPECT_EQ(read("keep_side = \"left\"\n"), KeepSide::kLeft);
+  EXPECT_THROW(read("keep_side = \"middle\"\n"), ConfigurationError);
+}
+
+// The first ten minutes of PlannerWorld's clock: it begins at 00:16:40 of Thursday, 1 January 1970.
+constexpr Hours kFromNextMinute{17 * 60, 12 * 3600};
+constexpr Hours kUntilNextMinute{12 * 3600, 17 * 60};
+const Polygon kBeforeTheDoor = {{5.6, 2.0}, {6.8, 2.0}, {6.8, 4.4}, {5.6, 4.4}};
+
+PlannerConfig with_hours(const Polygon& polygon, const Hours& hours) {
+  PlannerConfig config;
+  config.route.space.zones = {{.name = "yard", .polygon = polygon, .hours = hours}};
+  return config;
+}
+
+TEST(PlannerNode, SaysUntilWhenAZoneRefusesAGoal) {
+  PlannerWorld inside(with_hours({{8.0, 3.0}, {10.0, 3.0}, {10.0, 5.0}}, kUntilNextMinute));
+  inside.run(1.0);
+  inside.go(1, 9.5, 3.5);
+  EXPECT_EQ(inside.status.cause, "(9.5, 3.5) lies in yard, which is a keep-out zone until 00:17");
+  PlannerWorld behind(with_hours(kBeforeTheDoor, kUntilNextMinute));
+  behind.run(1.0);
+  behind.go(1, 9.0, 4.0);
+  ASSERT_TRUE(behind.run_until_state(5.0, Status::STATE_NO_PATH)) << behind.status.cause;
+  EXPECT_THAT(behind.status.cause, HasSubstr("in the way: keep-out zone yard until 00:17"));
+}
+
+TEST(PlannerNode, DrivesThroughAZoneThatIsOver) {
+  PlannerWorld world(with_hours(kBeforeTheDoor, kUntilNextMinute));
+  world.run(25.0);
+  world.go(1, 9.0, 4.0);
+  EXPECT_TRUE(world.run_until_state(40.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
+TEST(PlannerNode, GivesUpWhatAZoneShutsOffThatBeginsWhileItDrives) {
+  PlannerWorld world(with_hours(kBeforeTheDoor, kFromNextMinute));
+  world.run(19.0);
+  world.go(1, 9.0, 4.0);
+  ASSERT_TRUE(world.run_until_state(0.5, Status::STATE_FOLLOWING)) << world.status.cause;
+  ASSERT_TRUE(world.run_until_state(1.0, Status::STATE_NO_PATH)) << world.status.cause;
+  EXPECT_THAT(world.status.cause, HasSubstr("keep-out zone yard until 12:00"));
+  EXPECT_EQ(world.path.count, 0);
+}
+
+TEST(PlannerNode, GoesOnByANewPathWhenAZoneBeginsElsewhere) {
+  PlannerWorld world(with_hours({{9.0, 0.5}, {11.0, 0.5}, {11.0, 1.5}}, kFromNextMinute));
+  world.run(19.0);
+  world.go(1, 9.0, 4.0);
+  const std::int32_t sequence = world.path.sequence;
+  ASSERT_TRUE(world.run_until(2.0, [&] { return world.path.sequence > sequence; }));
+  EXPECT_GT(world.path.count, 1) << "it does not stand meanwhile";
+  EXPECT_EQ(world.status.state, Status::STATE_FOLLOWING);
+}
+
+TEST(PlannerNode, DrivesOutOfAZoneThatBeginsRoundIt) {
+  PlannerWorld world(with_hours({{0.5, 1.0}, {2.8, 1.0}, {2.8, 5.0}, {0.5, 5.0}}, kFromNextMinute));
+  world.run(19.8);
+  world.go(1, 4.5, 1.0);
+  ASSERT_TRUE(world.run_until(2.0, [&] { return !world.status.cause.empty(); }));
+  EXPECT_EQ(world.status.cause, "inside the keep-out zone yard until 12:00: driving out by the shortest way");
+  EXPECT_TRUE(world.run_until_state(20.0, Status::STATE_ARRIVED)) << world.status.cause;
+}
+
+TEST(PlannerNode, KeepsTheHoursOfItsOwnClockWhereverTheMachineStands) {
+  const TimeZone berlin("CET-1");
+  PlannerWorld world(with_hours({{8.0, 3.0}, {10.0, 3.0}, {10.0, 5.0}}, kUntilNextMinute));
+  world.run(1.0);
+  world.go(1, 9.5, 3.5);
+  EXPECT_THAT(world.status.cause, HasSubstr("until 00:17"));
+  PlannerConfig of_a_process = with_hours({{8.0, 3.0}, {10.0, 3.0}, {10.0, 5.0}}, kUntilNextMinute);
+  of_a_process.local_clock = local_time;
+  PlannerWorld there(of_a_process);
+  there.run(1.0);
+  there.go(1, 9.5, 3.5);
+  EXPECT_NE(there.status.state, Status::STATE_NO_PATH) << "there it is a quarter past one: " << there.status.cause;
 }
 
 TEST(PlannerNode, ObeysZonesThatAreDrawnWhileItDrives) {

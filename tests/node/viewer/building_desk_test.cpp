@@ -32,7 +32,7 @@ BuildingEdit zone_edit(const std::string& name, const Polygon& polygon = kSquare
 
 class BuildingDeskTest : public testing::Test {
  protected:
-  [[nodiscard]] Json shown() const { return Json::parse(desk_->json()); }
+  [[nodiscard]] Json shown() const { return Json::parse(desk_->json(universal_time(kNoon))); }
   [[nodiscard]] std::string version() const { return shown()["version"]; }
 
   /// Orders it, and waits for what becomes of it.
@@ -122,7 +122,7 @@ TEST_F(BuildingDeskTest, TwoViewersOfOneFileSaveOneEditOfTwo) {
   const Json mine = outcome(BuildingOrder{.version = seen, .edit = zone_edit("mine")});
   Json yours;
   do {
-    yours = Json::parse(other.json())["orders"];
+    yours = Json::parse(other.json(universal_time(kNoon)))["orders"];
   } while (yours.empty() || yours.back()["fate"] == "waiting");
   yours = yours.back();
   EXPECT_NE(mine["fate"] == "done", yours["fate"] == "done");

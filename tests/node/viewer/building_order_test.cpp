@@ -37,6 +37,15 @@ TEST(BuildingOrder, ReadsAZoneWithItsRule) {
   EXPECT_EQ(order.edit.zone.polygon.size(), 3U);
 }
 
+TEST(BuildingOrder, ReadsTheHoursOfAZone) {
+  const std::string zone = R"({"name":"a","kind":"quiet","polygon":[[0,0],[1,0],[1,1]])";
+  EXPECT_TRUE(are_always(read_building_order(zone_order(zone + "}")).edit.zone.hours));
+  EXPECT_EQ(read_building_order(zone_order(zone + R"(,"hours":"22:00-06:00","days":"Fr"})")).edit.zone.hours,
+            (Hours{22 * 3600, 6 * 3600, *read_days("Fr")}));
+  EXPECT_THAT(objection_to(zone_order(zone + R"(,"hours":"25:00-26:00"})")), HasSubstr("hours: must be two times"));
+  EXPECT_THAT(objection_to(zone_order(zone + R"(,"days":"Di"})")), HasSubstr("days: must be days as Mo-Fr"));
+}
+
 TEST(BuildingOrder, ReadsPlacesRemovalsAndAnUndo) {
   const BuildingOrder place =
       read_building_order(R"({"version":"1","action":"set_place","place":{"name":"lift","x":1.5,"y":2}})");

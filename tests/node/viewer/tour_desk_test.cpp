@@ -46,7 +46,7 @@ class TourDeskTest : public testing::Test {
     desk_ = std::make_unique<TourDesk>(changes());
   }
   [[nodiscard]] TourChanges changes() const { return {file_, building_file_}; }
-  [[nodiscard]] static Json shown(const TourDesk& desk) { return Json::parse(desk.json()); }
+  [[nodiscard]] static Json shown(const TourDesk& desk) { return Json::parse(desk.json({})); }
   [[nodiscard]] Json shown() const { return shown(*desk_); }
   [[nodiscard]] std::string version() const { return shown()["version"]; }
   [[nodiscard]] std::string text() const { return read_whole_file(file_); }

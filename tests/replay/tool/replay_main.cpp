@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "services/common/building/map_file.hpp"
+#include "services/common/calendar/local_time.hpp"
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/configuration/toml_table.hpp"
@@ -74,6 +75,7 @@ int replay(int argc, char** argv) {
   std::string report_file;
   std::string picture;
   std::string seed;
+  std::string offset = "+0000";  // whatever this machine's is: a log gives the same answers everywhere
   std::vector<std::string> tolerances;
   CommandLine line("replay",
                    "Feeds a recorded log to today's nodes, as fast as they go, and says how their answers differ.");
@@ -97,6 +99,7 @@ int replay(int argc, char** argv) {
             "and map "
             "[share], exact=1 (same bytes as recorded)")
       .text("--seed", seed, "of the localizer; default its own")
+      .text("--utc-offset", offset, "as +0100, of the time of day where the log was recorded: zones may have hours")
       .number("--shift-camera", options.camera_shift, "[m] spoils the detections on purpose, to see the verdict fail");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
@@ -118,6 +121,11 @@ int replay(int argc, char** argv) {
     }
     options.localizer_seed = value;
   }
+  const std::optional<std::int64_t> utc_offset = read_utc_offset(offset);
+  if (!utc_offset) {
+    throw ConfigurationError(fmt::format("--utc-offset {}: must be as +0100", offset));
+  }
+  options.utc_offset = *utc_offset;
   if (!options.out_file.empty() && std::filesystem::exists(options.out_file) &&
       !is_written_in_place(options.out_file)) {
     throw std::runtime_error(fmt::format("{}: exists already, logs are never overwritten", options.out_file));

@@ -11,8 +11,8 @@ namespace {
 
 /// A hall of 10 x 4 m in which a robot of 0.4 x 0.4 m drives; the zone of its middle is 2 x 4 m.
 struct Hall {
-  explicit Hall(ZoneKind kind)
-      : judge(lcm, {{"zone", kind, rectangle({5.0, 2.0, 0.0}, 2.0, 4.0), 0.2, 0.0}}, world()) {}
+  explicit Hall(ZoneKind kind, const Hours& hours = {})
+      : judge(lcm, {{"zone", kind, rectangle({5.0, 2.0, 0.0}, 2.0, 4.0), 0.2, 0.0, hours}}, universal_time, world()) {}
 
   static WorldTruth world() {
     WorldTruth world;
@@ -79,6 +79,19 @@ TEST(ZoneJudge, SeesWhoIsTooFastOrDrivesAgainstALane) {
   lane.be_at(5.2);
   EXPECT_NEAR(lane.judge.result()->against_m, 0.3, 1e-6);
   EXPECT_NE(lane.judge.failure({}), "");
+}
+
+TEST(ZoneJudge, AsksNothingOutsideAZonesHoursAndTimeToLeaveWhenTheyBegin) {
+  constexpr int kSoon = 3;  // [s] after midnight
+  Hall hall(ZoneKind::kKeepOut, {kSoon, 12 * 3600});
+  while (hall.utime < 3'500'000) {
+    hall.be_at(5.0);
+  }
+  EXPECT_EQ(hall.judge.failure({}), "");
+  EXPECT_NEAR(hall.judge.result()->leaving_s, 0.6, 0.15);
+  hall.be_at(3.0);
+  hall.be_at(5.0);
+  EXPECT_NE(hall.judge.failure({}), "") << "it has left, and is in again";
 }
 
 TEST(ZoneJudge, ComparesWaysWithTheShortestAllowedOne) {

@@ -191,8 +191,21 @@ TEST(BuildingJson, HoldsBuildingAndRobot) {
   EXPECT_TRUE(json["places"][1].contains("theta"));
   EXPECT_EQ(json["zones"][0]["kind"], "keep-out");
   EXPECT_EQ(json["zones"][0]["polygon"], nlohmann::json::parse("[[1.0, 2.0], [3.0, 2.0], [3.0, 4.0]]"));
+  EXPECT_FALSE(json["zones"][0].contains("hours"));
   EXPECT_EQ(json["robot"]["footprint"].size(), 3U);
   EXPECT_DOUBLE_EQ(json["robot"]["sonars"][0][2], 0.5);
+}
+
+TEST(BuildingJson, SaysTheHoursOfZonesAndWhichAreInForce) {
+  Building building;
+  building.zones = {{.name = "yard", .hours = {8 * 3600, 12 * 3600, *read_days("Mo-Fr")}}, {.name = "stairs"}};
+  const Json in_the_morning = Json::parse(zones_json(building, {0, 0, 9 * 3600}));
+  EXPECT_EQ(in_the_morning[0]["hours"], "08:00-12:00");
+  EXPECT_EQ(in_the_morning[0]["days"], "Mo-Fr");
+  EXPECT_EQ(in_the_morning[0]["in_force"], true);
+  const Json at_noon = Json::parse(zones_json(building, {0, 0, 12 * 3600}));
+  EXPECT_EQ(at_noon[0]["in_force"], false);
+  EXPECT_EQ(at_noon[1]["in_force"], true);
 }
 
 }  // namespace

@@ -149,6 +149,44 @@ TEST(BuildingCheck, SaysWhatAKeepOutZoneCutsOff) {
   EXPECT_THAT(halves, Not(Contains(Field(&BuildingFinding::text, HasSubstr("small")))));
 }
 
+TEST(BuildingCheck, SaysWhichZonesHaveHoursAndForgivesWhatTheyTakeAway) {
+  const std::string places =
+      "[[place]]\nname = \"landing\"\nx = 8.5\ny = 3.0\n"
+      "[[place]]\nname = \"cellar\"\nx = 11.2\ny = 3.0\n";
+  const std::string zone = "[[zone]]\nname = \"yard\"\npolygon = [[8, 0], [9, 0], [9, 10], [8, 10]]\n";
+  const auto findings = findings_of(places + zone + "hours = \"08:00-12:00\"\ndays = \"Mo-Fr\"\n");
+  EXPECT_THAT(findings,
+              Contains(finding(FindingKind::kNote, 11, "keep-out zone \"yard\" (Mo-Fr 08:00-12:00) has hours")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kWarning, 3, "no goal there is taken, while zones with hours")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kWarning, 7, "no way leads there from most of the building, w")));
+  EXPECT_THAT(findings, Not(Contains(finding(FindingKind::kError, 11, ""))));
+  const auto always = findings_of(places + zone);
+  EXPECT_THAT(always, Contains(finding(FindingKind::kError, 3, "no goal there is taken")));
+  EXPECT_THAT(always, Not(Contains(Field(&BuildingFinding::text, HasSubstr("hours")))));
+}
+
+TEST(BuildingCheck, ForgivesNoZoneWithoutHoursBesideOneThatHasSome) {
+  const auto findings = findings_of(
+      "[[place]]\nname = \"cellar\"\nx = 11.2\ny = 3.0\n"
+      "[[zone]]\nname = \"stairs\"\npolygon = [[8, 0], [9, 0], [9, 10], [8, 10]]\n"
+      "[[zone]]\nname = \"yard\"\npolygon = [[9.2, 0], [9.6, 0], [9.6, 10], [9.2, 10]]\ndays = \"Sa\"\n");
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 3, "no way leads there")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 7, "keep-out zone \"stairs\" cuts off")));
+  EXPECT_EQ(findings.back().line, 0) << "what is said of the whole comes last";
+}
+
+TEST(BuildingCheck, LetsZonesContradictEachOtherThatNeverMeet) {
+  const auto with = [](const char* hours) {
+    return findings_of(
+        "[[zone]]\nname = \"in\"\nkind = \"one-way\"\ndirection = 0\nhours = \"08:00-12:00\"\n"
+        "polygon = [[8, 1], [9, 1], [9, 3], [8, 3]]\n"
+        "[[zone]]\nname = \"out\"\nkind = \"one-way\"\ndirection = 3.1416\nhours = \"" +
+        std::string(hours) + "\"\npolygon = [[8, 1], [9, 1], [9, 3], [8, 3]]\n");
+  };
+  EXPECT_THAT(with("12:00-18:00"), Not(Contains(Field(&BuildingFinding::text, HasSubstr("overlaps")))));
+  EXPECT_THAT(with("11:00-18:00"), Contains(Field(&BuildingFinding::text, HasSubstr("overlaps"))));
+}
+
 TEST(BuildingCheck, SaysWhatOneWayZonesLetNobodyOutOf) {
   const auto with = [](const char* direction) {
     return findings_of(

@@ -87,6 +87,17 @@ TEST_F(BuildingEditTest, ChangesAZoneInItsPlaceAndKeepsTheCommentsOfWhatStays) {
   EXPECT_THAT(moved, HasSubstr("# The stairs go down here.\n[[zone]]"));
 }
 
+TEST_F(BuildingEditTest, GivesAZoneHoursAndTakesThemAway) {
+  Zone zone = source_of(kHut).building.zones.front();
+  zone.hours = {8 * 3600, 12 * 3600, *read_days("Mo-Fr")};
+  EXPECT_THAT(edited({.kind = BuildingEdit::Kind::kSetZone, .name = "stairs", .zone = zone}),
+              HasSubstr("hours = \"08:00-12:00\"\ndays = \"Mo-Fr\"\n"));
+  zone.hours = {.days = *read_days("Sa")};
+  EXPECT_THAT(edited({.kind = BuildingEdit::Kind::kSetZone, .name = "stairs", .zone = zone}), Not(HasSubstr("hours")));
+  zone.hours = {};
+  EXPECT_THAT(edited({.kind = BuildingEdit::Kind::kSetZone, .name = "stairs", .zone = zone}), Not(HasSubstr("days")));
+}
+
 TEST_F(BuildingEditTest, MovesAPlaceAndTakesItsHeadingAway) {
   const std::string text =
       edited({.kind = BuildingEdit::Kind::kSetPlace, .name = "desk", .place = {"bench", {3.25, 4.5, 0.0}, false}});

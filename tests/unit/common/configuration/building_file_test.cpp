@@ -30,6 +30,9 @@ TEST(BuildingFile, KeepsZonesThroughWritingAndReading) {
                     {"foyer", ZoneKind::kSlow, {{5.0, 2.0}, {9.0, 2.0}, {9.0, 4.0}, {5.0, 4.0}}, 0.15},
                     {"ramp", ZoneKind::kOneWay, {{1.0, 6.0}, {3.0, 6.0}, {3.0, 8.0}}, 0.2, -1.25},
                     {"ward", ZoneKind::kQuiet, {{5.0, 6.0}, {9.0, 6.0}, {9.0, 8.0}}}};
+  building.zones[1].hours = {22 * 3600, 6 * 3600, *read_days("Mo-Fr")};
+  building.zones[2].hours = {.days = *read_days("Sa")};
+  building.zones[3].hours = {8 * 3600, 12 * 3600 + 1800};
   write_building(folder.path() / "building.toml", building);
   const Building read = read_building(folder.path() / "building.toml");
   ASSERT_EQ(read.zones.size(), building.zones.size());
@@ -39,6 +42,7 @@ TEST(BuildingFile, KeepsZonesThroughWritingAndReading) {
     EXPECT_EQ(read.zones[i].polygon, building.zones[i].polygon);
     EXPECT_EQ(read.zones[i].speed, building.zones[i].speed);
     EXPECT_EQ(read.zones[i].direction, building.zones[i].direction);
+    EXPECT_EQ(read.zones[i].hours, building.zones[i].hours) << read.zones[i].name;
   }
 }
 
@@ -56,6 +60,22 @@ TEST(BuildingFile, RefusesZonesThatAreNoAreas) {
   EXPECT_THAT(refusal_of("name = \"a\"\nspeed = 0.2\n" + square), HasSubstr("speed")) << "only slow ones have one";
   EXPECT_THAT(refusal_of("name = \"a\"\nkind = \"one-way\"\n" + square), HasSubstr("direction"));
   EXPECT_THAT(refusal_of("name = \"a\"\nkind = \"quiet\"\ndirection = 0\n" + square), HasSubstr("direction"));
+}
+
+TEST(BuildingFile, RefusesHoursOfAZoneThatNoClockShows) {
+  using testing::AllOf;
+  using testing::HasSubstr;
+  const std::string zone = "name = \"a\"\npolygon = [[0, 0], [1, 0], [1, 1]]\n";
+  EXPECT_EQ(refusal_of(zone + "hours = \"22:00-06:00\"\ndays = \"Mo, We-Fr\"\n"), "");
+  for (const char* hours : {"25:00-26:00", "08:00-08:00", "8 to 12", "", "08:00-12:00-14:00"}) {
+    EXPECT_THAT(refusal_of(zone + "hours = \"" + hours + "\"\n"),
+                AllOf(HasSubstr("building.toml:6"), HasSubstr("hours"), HasSubstr("two times of day that differ")));
+  }
+  for (const char* days : {"Monday", "Mo-", ""}) {
+    EXPECT_THAT(refusal_of(zone + "days = \"" + days + "\"\n"),
+                AllOf(HasSubstr("building.toml:6"), HasSubstr("days"), HasSubstr("as Mo-Fr")));
+  }
+  EXPECT_THAT(refusal_of(zone + "hours = 8\n"), HasSubstr("hours"));
 }
 
 Fixture read_kind(const std::string& text) {
