@@ -8,7 +8,8 @@
 namespace luminav {
 namespace {
 
-constexpr double kNarrowest = 1.0;    // [m] of room for the middle of the robot: two of 0.45 m pass each other
+constexpr double kNarrowest = 0.7;    // [m] of room for the middle of the robot: from here on a little to the side,
+constexpr double kForTwo = 1.0;       // [m] and from here on wholly: two of 0.45 m pass each other
 constexpr double kWidest = 3.6;       // [m] what is wider is a hall, where nobody expects a side to be kept
 constexpr double kShare = 1.0 / 6.0;  // of that room to the near side, the other one's to the far side
 constexpr double kAlong = 1.5;        // [m] before and behind: a door that stands open there is no end of the corridor
@@ -59,9 +60,9 @@ std::vector<double> wishes_of(const std::vector<Room>& rooms, std::size_t window
       width.push_back(rooms[k].near + rooms[k].far);
     }
     const double corridor = median(width);
-    if (corridor >= kNarrowest && corridor <= kWidest) {
-      wishes[i] = std::max(0.0, std::min(rooms[i].near, median(near)) - kShare * corridor);
-    }
+    const double share =
+        corridor <= kWidest ? std::clamp((corridor - kNarrowest) / (kForTwo - kNarrowest), 0.0, 1.0) : 0.0;
+    wishes[i] = share * std::max(0.0, std::min(rooms[i].near, median(near)) - kShare * corridor);
   }
   return wishes;
 }

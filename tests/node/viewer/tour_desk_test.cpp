@@ -55,7 +55,8 @@ class TourDeskTest : public testing::Test {
   Json outcome(TourDesk& desk, TourOrder order) {
     const std::int64_t id = desk.order(std::move(order), kNoon);
     for (;;) {
-      for (const Json& known : shown(desk)["orders"]) {
+      const Json all = shown(desk);
+      for (const Json& known : all["orders"]) {
         if (known["id"] == id && known["fate"] != "waiting") {
           return known;
         }

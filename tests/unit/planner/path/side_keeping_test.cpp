@@ -51,12 +51,23 @@ TEST(KeepToSide, KeepsEndsSpacingAndNearlyTheLength) {
 }
 
 TEST(KeepToSide, ChangesNothingWhereTwoCannotPassOrNoWallsAre) {
-  const Polyline narrow = line(2.0, 18.0, 0.9);
-  EXPECT_EQ(keep_to_side(space_of(empty_room(20.0, 1.4)), KeepSide::kRight, narrow), narrow);
+  const Polyline narrow = line(2.0, 18.0, 0.75);
+  EXPECT_EQ(keep_to_side(space_of(empty_room(20.0, 1.1)), KeepSide::kRight, narrow), narrow);
   const Polyline hall = line(2.0, 18.0, 4.0);
   EXPECT_EQ(keep_to_side(space_of(empty_room(20.0, 8.0)), KeepSide::kRight, hall), hall);
   const Polyline any = line(2.0, 18.0);
   EXPECT_EQ(keep_to_side(space_of(empty_room(20.0, 2.4)), KeepSide::kNone, any), any);
+}
+
+TEST(KeepToSide, GoesTheLessToTheSideTheNarrowerACorridorIs) {
+  double last = 0.02;
+  for (const double width : {1.4, 1.6, 2.0}) {
+    const double middle = 0.2 + 0.5 * width;
+    const Polyline path = keep_to_side(space_of(empty_room(20.0, width)), KeepSide::kRight, line(2.0, 18.0, middle));
+    const double offset = middle - y_at(path, 10.0);
+    EXPECT_GT(offset, last) << width;
+    last = offset;
+  }
 }
 
 TEST(KeepToSide, DrivesStraightOnPastADoorThatStandsOpen) {
