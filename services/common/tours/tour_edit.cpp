@@ -118,9 +118,7 @@ class EditedFile {
 
   void remove(std::size_t index) {
     const std::vector<int>& stops = source_.lines[index].stops;
-    for (auto stop = stops.rbegin(); stop != stops.rend(); ++stop) {
-      lines_.erase(stop_at(*stop));
-    }
+    std::for_each(stops.rbegin(), stops.rend(), [&](int stop) { lines_.erase(stop_at(stop)); });
     lines_.erase(lines_.table_at(header_at(source_.lines[index].tour, "[[tour]]")));
   }
 

@@ -22,8 +22,9 @@ inline KeepSide side_called(std::string_view word) {
 inline constexpr double kSideReach = 4.0;
 
 /// Moves a shaped path of evenly spaced points towards one side of the corridors: where two can pass to a sixth of the
-/// room that the robot's middle has there, and less where it is narrower, or where a door or a thing narrows it. The ends stay,
-/// what is clear stays clear, and no path becomes more than 5 % longer: one that would keeps half as far to the side.
+/// room that the robot's middle has there, and less where it is narrower, or where a door or a thing narrows it. The
+/// ends stay, what is clear stays clear, and no path becomes more than 5 % longer: one that would keeps half as far to
+/// the side.
 Polyline keep_to_side(const ConfigurationSpace& space, KeepSide side, const Polyline& path);
 
 }  // namespace luminav

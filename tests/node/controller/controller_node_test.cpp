@@ -411,6 +411,17 @@ TEST_F(ControllerNodeTest, StandsStillWhenThePathIsTakenAway) {
 
 // ----------------------------------------------------------------------------------------------------------- zones
 
+/// A person's hand on the stick, at one tick of many.
+void steer_ahead(ClosedLoop& loop, int tick) {
+  teleop_command_t message{};
+  message.utime = loop.utime();
+  message.session = 5;
+  message.sequence = tick;
+  message.linear = 0.4;
+  loop.lcm().publish(channels::kTeleopCommand, &message);
+  loop.tick();
+}
+
 TEST(KeepOutZones, HoldAPersonWhoSteersAlsoWhenTheLocalizerFallsSilent) {
   for (const bool is_silent : {false, true}) {
     ControllerConfig config = read_controller_config(std::string(LUMINAV_SOURCE_DIR) + "/launch/robots/p3dx.toml");
@@ -420,13 +431,7 @@ TEST(KeepOutZones, HoldAPersonWhoSteersAlsoWhenTheLocalizerFallsSilent) {
     ClosedLoop loop(world, config);
     for (int i = 0; i < 600; ++i) {
       loop.drops_pose = is_silent && i > 50;
-      teleop_command_t message{};
-      message.utime = loop.utime();
-      message.session = 5;
-      message.sequence = i;
-      message.linear = 0.4;
-      loop.lcm().publish(channels::kTeleopCommand, &message);
-      loop.tick();
+      steer_ahead(loop, i);
     }
     EXPECT_LT(world.truth().x, 3.0 - 0.2) << is_silent;
     EXPECT_GT(world.truth().x, 2.0) << is_silent;
@@ -443,13 +448,7 @@ TEST(KeepOutZones, HoldFromTheMomentWhenTheyAreDrawn) {
       ASSERT_GT(world.twist().linear, 0.2);
       loop.node().set_zones({{"stairs", ZoneKind::kKeepOut, {{3.0, 0.4}, {4.0, 0.4}, {4.0, 2.4}, {3.0, 2.4}}}});
     }
-    teleop_command_t message{};
-    message.utime = loop.utime();
-    message.session = 5;
-    message.sequence = i;
-    message.linear = 0.4;
-    loop.lcm().publish(channels::kTeleopCommand, &message);
-    loop.tick();
+    steer_ahead(loop, i);
   }
   EXPECT_LT(world.truth().x, 3.0 - 0.2);
   EXPECT_GT(world.truth().x, 2.0);
@@ -470,13 +469,7 @@ TEST(KeepOutZones, HoldInTheirHoursAlone) {
                               .hours = begins ? Hours{kSoon, 12 * 3600} : Hours{8 * 3600, kSoon}}};
     ClosedLoop loop(world, config);
     for (int i = 0; i < 600; ++i) {
-      teleop_command_t message{};
-      message.utime = loop.utime();
-      message.session = 5;
-      message.sequence = i;
-      message.linear = 0.4;
-      loop.lcm().publish(channels::kTeleopCommand, &message);
-      loop.tick();
+      steer_ahead(loop, i);
     }
     EXPECT_EQ(world.truth().x < 3.0 - 0.2, begins) << world.truth().x;
   }
