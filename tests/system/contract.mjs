@@ -9,7 +9,7 @@ const Ajv = require('ajv/dist/2020').default;
 const {Validator} = await import(require.resolve('@seriousme/openapi-schema-validator'));
 
 // the laboratory has no zones, and no stored tours
-const NOT_HERE = new Set([...['name', 'kind', 'polygon', 'speed', 'direction'].map((key) => `Zone.${key}`),
+const NOT_HERE = new Set([...['name', 'kind', 'polygon', 'speed', 'direction', 'hours', 'days', 'in_force'].map((key) => `Zone.${key}`),
   ...['name', 'at', 'days', 'stops'].map((key) => `Tour.${key}`), ...['place', 'pause', 'text', 'photo'].map((key) => `TourStop.${key}`)]);
 const EDITED = ['/api/building', '/api/tours'];
 
