@@ -104,6 +104,7 @@ export function drawZones(context, view, building, colours) {
     context.globalAlpha = strength;
     context.strokeStyle = colour;
     context.stroke();
+    context.globalAlpha = 1;
     if (view.scale < 12) continue;
     if (zone.kind === 'one-way') drawDirection(context, view, zone);
     const [px, py] = view.toScreen(Math.min(...zone.polygon.map(([x]) => x)), Math.max(...zone.polygon.map(([, y]) => y)));
@@ -111,7 +112,6 @@ export function drawZones(context, view, building, colours) {
     context.fillText(zone.name, px + 4, py + 14);
     context.fillText(hoursOf(zone), px + 4, py + 28);
   }
-  context.globalAlpha = 1;
 }
 
 export function drawPlaces(context, view, building, colours) {
