@@ -99,12 +99,6 @@ std::size_t LampLedger::size() const {
   return count;
 }
 
-void LampLedger::forget_strangers_near(const Eigen::Vector2d& place, double radius) {
-  std::erase_if(strangers_, [&](const StrangerVisit& visit) {
-    return (visit.world_from_fixture.position() - place).norm() < radius;
-  });
-}
-
 std::string LampLedger::to_json() const {
   json fixtures = json::array();
   for (const auto& [id, visits] : fixtures_) {

@@ -26,9 +26,6 @@ class LampLedger {
   /// The end of the newest visit [us]; 0 = none.
   [[nodiscard]] std::int64_t newest() const { return newest_; }
   [[nodiscard]] std::size_t size() const;
-  /// Drops what was seen of a fixture or stranger before its place in the file was changed.
-  void forget(int id) { fixtures_.erase(id); }
-  void forget_strangers_near(const Eigen::Vector2d& place, double radius);
 
   [[nodiscard]] std::string to_json() const;
   /// Throws std::runtime_error when it is not what to_json writes.

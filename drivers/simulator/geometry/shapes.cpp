@@ -80,10 +80,6 @@ double distance(const Polygon& polygon, const Vector2d& point) {
   return inside ? 0.0 : std::sqrt(min);
 }
 
-double distance_to_segment(const Vector2d& point, const Vector2d& a, const Vector2d& b) {
-  return std::sqrt(squared_distance_to_segment(point, a, b));
-}
-
 std::optional<RayHit> cast_ray(const Vector2d& origin, const Vector2d& direction, const Polygon& polygon) {
   // Cyrus and Beck 1978: the ray enters a convex polygon through the last edge whose outside it leaves.
   double enter = -std::numeric_limits<double>::infinity();

@@ -23,7 +23,6 @@ Polygon transform(const Pose2& a_from_b, const Polygon& in_b);
 /// [m], 0 when they touch or overlap.
 double distance(const Polygon& a, const Polygon& b);
 double distance(const Polygon& polygon, const Eigen::Vector2d& point);
-double distance_to_segment(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 
 /// Where a ray meets a surface.
 struct RayHit {

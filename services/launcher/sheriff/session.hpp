@@ -25,8 +25,6 @@ class Session {
   std::optional<bool> run_script(ScriptRun& script, bool show);
   /// A line that stays, above the table.
   void print(const std::string& line);
-  /// The last state of the table stays on the screen.
-  void leave_table() { lines_on_screen_ = 0; }
   void show_table();
 
  private:

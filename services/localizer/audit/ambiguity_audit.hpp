@@ -52,8 +52,6 @@ class AmbiguityAudit {
   [[nodiscard]] const std::vector<AuditPlace>& places() const { return places_; }
   [[nodiscard]] const AuditParams& params() const { return params_; }
   [[nodiscard]] double view_radius() const { return view_radius_; }
-  /// Motions of the plane under which some place has a alias.
-  [[nodiscard]] std::size_t motions() const { return motions_.size(); }
   /// Which aliases are possible where: ResolvingWalk finds the ways on it. In large buildings those are left out that
   /// are refuted soonest.
   [[nodiscard]] const RivalGround& ground() const { return ground_; }

@@ -55,7 +55,6 @@ class TrackingSupervisor {
   [[nodiscard]] const std::string& reason() const { return reason_; }
   /// The filter follows a pose.
   [[nodiscard]] bool has_leader() const { return leader_id_ != 0; }
-  [[nodiscard]] int leader_id() const { return leader_id_; }
   [[nodiscard]] bool is_suspected() const { return !suspicion_.empty(); }
   [[nodiscard]] bool is_recalled() const { return is_recalled_; }
 
