@@ -23,9 +23,9 @@
 #include "services/common/process/subscriber.hpp"
 #include "services/controller/controller.hpp"
 #include "services/controller/controller_config.hpp"
-#include "services/controller/recent_odometry.hpp"
-#include "services/controller/safety/sonar_watch.hpp"
-#include "services/controller/safety/touch_memory.hpp"
+#include "services/controller/inputs/held_teleoperation.hpp"
+#include "services/controller/inputs/obstacle_input.hpp"
+#include "services/controller/inputs/pose_input.hpp"
 
 namespace luminav {
 
@@ -44,6 +44,21 @@ class ControllerNode {
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
 
  private:
+  struct PlannerState {
+    std::optional<navigation_status_t> newest;
+    std::int64_t heard = 0;  // [us] newest tick when it came
+  };
+  /// VELOCITY_COMMAND's.
+  struct CommandStream {
+    std::int64_t session = 0;  // [us] of the first message answered
+    std::int32_t sequence = 0;
+  };
+  struct Times {
+    std::int64_t tick = 0;     // [us] newest
+    std::int64_t control = 0;  // [us] last step
+    std::int64_t status = 0;   // [us] last CONTROL_STATUS
+  };
+
   void on_path(const path_t& message);
   void on_navigation_status(const navigation_status_t& message);
   void on_grid_tile(const grid_tile_t& message);
@@ -60,19 +75,13 @@ class ControllerNode {
   void control(std::int64_t utime);
   void publish_command(std::int64_t utime);
   void publish_status(std::int64_t utime);
-  void restart_odometry(const odometry_t& first);
-  /// What the building's map leads a disc of a robot that stands there to expect.
-  [[nodiscard]] SonarWatch::Place look_at_map(std::size_t disc, const Pose2& world_from_robot) const;
   /// Remembers what blocks the wheels now, or presses a bumper, and did not before.
   void feel(const robot_status_t& status);
 
+  [[nodiscard]] std::optional<PlacedGrid> placed_grid() const;
   [[nodiscard]] ControlInput input_at(std::int64_t utime);
   void choose_task(std::int64_t utime, ControlInput& input) const;
   [[nodiscard]] std::optional<std::string> reason_to_halt(std::int64_t utime) const;
-  [[nodiscard]] std::optional<std::string> reason_not_to_trust_pose() const;
-  [[nodiscard]] std::optional<Pose2> world_from_odom() const;
-  /// Where the robot may be, while its pose is not known.
-  [[nodiscard]] std::vector<PoseAlternative> possible_poses() const;
 
   lcm::LCM& lcm_;
   ControllerConfig config_;
@@ -80,33 +89,20 @@ class ControllerNode {
   Subscriber subscriber_;
   ZoneTimetable zones_;
   Controller controller_;
-  EchoMemory echoes_;
-  SonarWatch sonar_watch_;
-  TouchMemory touches_;
-  OccupancyGrid grid_;
-  std::int64_t map_session_ = 0;
-  bool has_grid_ = false;
-
-  StampGuard odometry_guard_;
+  PoseInput pose_;
+  ObstacleInput obstacles_;
+  std::optional<OccupancyGrid> grid_;
+  std::int64_t map_session_ = 0;  // of it
+  PlannerState navigation_;
   StampGuard status_guard_;
-  RecentOdometry odometry_;
-  std::optional<pose_t> pose_;
-  std::vector<PoseAlternative> alternatives_;   // of the newest HYPOTHESES
-  std::optional<Pose2> known_world_from_odom_;  // when it was known last
-  std::optional<navigation_status_t> navigation_;
-  std::int64_t navigation_heard_ = 0;  // [us] newest tick when it came
   std::optional<robot_status_t> status_;
-  std::optional<teleop_command_t> teleop_;
-  std::int64_t teleop_until_ = 0;  // [us] a person drove until then
+  HeldTeleoperation teleoperation_;
   HeldSpeedLimit speed_limit_;
   StopRequests stops_;
 
-  std::int64_t session_ = 0;  // [us] of the first message answered
-  std::int32_t command_sequence_ = 0;
+  CommandStream stream_;
+  Times times_;
   std::int32_t status_sequence_ = 0;
-  std::int64_t newest_tick_ = 0;     // [us]
-  std::int64_t last_control_ = 0;    // [us]
-  std::int64_t last_published_ = 0;  // [us] CONTROL_STATUS
   ControlOutput output_;
 };
 

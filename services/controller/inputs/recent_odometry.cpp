@@ -1,4 +1,4 @@
-#include "services/controller/recent_odometry.hpp"
+#include "services/controller/inputs/recent_odometry.hpp"
 
 #include <algorithm>
 #include <iterator>
