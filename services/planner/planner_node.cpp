@@ -1,45 +1,27 @@
 #include "services/planner/planner_node.hpp"
 
 #include <fmt/format.h>
-#include <luminav/navigation_status_t.hpp>
-#include <luminav/path_t.hpp>
-#include <luminav/tile_request_t.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <luminav/tile_request_t.hpp>
 
 #include "services/common/configuration/building_edit.hpp"
-#include "services/common/geometry/seconds.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
+#include "services/planner/planner_messages.hpp"
 
 namespace luminav {
 namespace {
 
-constexpr double kPoseAge = 1.0;     // [s] an older pose does not count
-constexpr double kControlAge = 2.0;  // [s] a controller silent for longer does not count
 constexpr std::int64_t kActivePeriod =
     95'000;  // [us] NAVIGATION_STATUS at 10 Hz with a goal; below the 100 ms of ODOMETRY
 constexpr std::int64_t kIdlePeriod = 950'000;       // [us] and at 1 Hz without
 constexpr std::int64_t kPathPeriod = 950'000;       // [us] PATH is repeated: a datagram may get lost
 constexpr std::int64_t kRequestPeriod = 2'000'000;  // [us] between TILE_REQUESTs
-constexpr std::int64_t kKeepPeriod = 20'000'000;    // [us] a goal is kept anew: how long ago tells whether it goes on
 constexpr std::size_t kRememberedIds = 32;
 constexpr std::size_t kMaxRequested = 200;
 constexpr int kMaxStops = 1000;
-
-GoalRequest request_from(const goal_t& message) {
-  GoalRequest request;
-  request.id = message.id;
-  for (const goal_pose_t& pose : message.poses) {
-    request.stops.push_back({pose.place, {pose.x, pose.y, wrap_angle(pose.theta)}, pose.has_theta != 0, pose.wait});
-  }
-  request.loop = message.loop != 0;
-  request.policy = static_cast<FailurePolicy>(message.policy);
-  request.tolerance = message.tolerance;
-  request.heading_tolerance = message.heading_tolerance;
-  return request;
-}
 
 }  // namespace
 
@@ -48,8 +30,7 @@ PlannerNode::PlannerNode(lcm::LCM& lcm, const PlannerConfig& config, std::option
       config_(config),
       zones_(config.route.space.zones, config.local_clock),
       executor_(config.goals, config.route, config.doors),
-      store_(config.state_folder),
-      accepted_{},
+      keeper_(config.state_folder, {config.boot, config.building}),
       subscriber_(lcm, key) {
   subscriber_.on(channels::kGoal, &PlannerNode::on_goal, this);
   subscriber_.on(channels::kGridTile, &PlannerNode::on_grid_tile, this);
@@ -61,8 +42,8 @@ PlannerNode::PlannerNode(lcm::LCM& lcm, const PlannerConfig& config, std::option
 Health PlannerNode::health() const {
   Health health;
   health.dropped_inputs = subscriber_.dropped();
-  health.degraded = !store_error_.empty();
-  health.reason = store_error_;
+  health.reason = keeper_.error();
+  health.degraded = !health.reason.empty();
   return health;
 }
 
@@ -133,7 +114,7 @@ void PlannerNode::on_goal(const goal_t& goal) {
     return;
   }
   act_on(goal, now_);
-  executor_.update(situation(now_));  // a robot that knows where it is does not search first
+  executor_.update(situation_.at(now_));  // a robot that knows where it is does not search first
   publish_path(now_);
   publish_status(now_);
 }
@@ -151,7 +132,7 @@ void PlannerNode::act_on(const goal_t& goal, std::int64_t now) {
         executor_.refuse(goal.id, objection, now);
         break;
       }
-      accepted_ = goal;
+      keeper_.accept(goal);
       executor_.start(request_from(goal), now);
       break;
     }
@@ -167,59 +148,34 @@ void PlannerNode::act_on(const goal_t& goal, std::int64_t now) {
     default:
       subscriber_.drop(fmt::format("GOAL with unknown action {}", static_cast<int>(goal.action)));
   }
-  keep_goal();
+  keeper_.update(progress(), now_);
 }
 
-void PlannerNode::keep(bool asks) {
-  StoredGoal stored{accepted_, executor_.stop_index(), asks, {config_.boot, config_.building, now_}};
-  store_.keep(stored);
-  kept_ = std::move(stored);
-}
-
-void PlannerNode::keep_goal() {
-  try {
-    if (!executor_.is_active()) {
-      if (kept_) {
-        store_.forget();
-        kept_.reset();
-      }
-    } else if (!kept_ || kept_->goal.id != accepted_.id || kept_->pose_index != executor_.stop_index() ||
-               kept_->asks != executor_.is_paused() || now_ - kept_->kept.utime > kKeepPeriod ||
-               now_ < kept_->kept.utime) {
-      keep(executor_.is_paused());
-    }
-    store_error_.clear();
-  } catch (const std::exception& error) {
-    store_error_ = error.what();
-  }
+GoalProgressNow PlannerNode::progress() const {
+  return {executor_.is_active(), executor_.stop_index(), executor_.is_paused()};
 }
 
 void PlannerNode::end() {
-  try {
-    if (executor_.is_active()) {
-      keep(true);
-    }
-  } catch (const std::exception& error) {
-    store_error_ = error.what();
-  }
+  keeper_.end(progress(), now_);
 }
 
 void PlannerNode::resume_stored_goal(std::int64_t now) {
   stored_goal_checked_ = true;
-  const std::optional<StoredGoal> stored = store_.recall();
+  const std::optional<StoredGoal> stored = keeper_.recall();
   if (!stored || executor_.is_active() || !objection_to(stored->goal).empty()) {
     return;
   }
-  accepted_ = stored->goal;
-  done_ids_.push_back(accepted_.id);
+  const goal_t& goal = stored->goal;
+  keeper_.accept(goal);
+  done_ids_.push_back(goal.id);
   const std::string objection = objection_to_resuming(*stored, {config_.boot, config_.building, now});
   if (objection.empty()) {
-    executor_.resume_at(request_from(accepted_), stored->pose_index, now);
+    executor_.resume_at(request_from(goal), stored->pose_index, now);
   } else if (stored->kept.building != config_.building) {
-    kept_ = stored;  // its coordinates mean nothing here
-    executor_.refuse(accepted_.id, "a kept goal is dropped: " + objection, now);
+    keeper_.leave(*stored);  // its coordinates mean nothing here
+    executor_.refuse(goal.id, "a kept goal is dropped: " + objection, now);
   } else {
-    executor_.show_paused(request_from(accepted_), stored->pose_index, objection, now);
+    executor_.show_paused(request_from(goal), stored->pose_index, objection, now);
   }
 }
 
@@ -243,94 +199,37 @@ void PlannerNode::on_pose(const pose_t& pose) {
     subscriber_.drop("POSE: impossible");
     return;
   }
-  if (pose_ && pose.utime == pose_->utime) {
-    pose_ = pose;  // corrected by a picture, no new tick
-    return;
-  }
-  const StampGuard::Verdict verdict = pose_stamps_.check(pose.utime);
-  if (verdict == StampGuard::Verdict::kOld) {
+  const SituationInput::Verdict verdict = situation_.take(pose);
+  if (verdict.is_refused) {
     subscriber_.drop("POSE older than the last");
     return;
   }
-  if (verdict == StampGuard::Verdict::kNewSession) {
-    now_ = 0;
-  }
-  pose_ = pose;
-  tick(pose.utime);
+  heed(verdict, pose.utime);
 }
 
 void PlannerNode::on_robot_status(const robot_status_t& status) {
-  const StampGuard::Verdict verdict = robot_stamps_.check(status.utime);
-  if (status.utime <= 0 || verdict == StampGuard::Verdict::kOld) {
+  const SituationInput::Verdict verdict = situation_.take(status);
+  if (verdict.is_refused) {
     subscriber_.drop("ROBOT_STATUS older than the last");
     return;
   }
-  if (verdict == StampGuard::Verdict::kNewSession) {
+  heed(verdict, status.utime);
+}
+
+void PlannerNode::heed(const SituationInput::Verdict& verdict, std::int64_t utime) {
+  if (verdict.is_new_session) {
     now_ = 0;
   }
-  // kept until the next tick: a touch may be over by then, and the controller about to leave
-  const bool begins = is_blocked(status) && !(robot_ && is_blocked(*robot_));
-  const bool follows = control_ && control_->state == control_status_t::STATE_FOLLOWING;
-  has_touched_ = has_touched_ || (begins && follows);
-  robot_ = status;
-  // POSE is the better tick: it is what the plan is made from
-  if (!pose_ || status.utime - pose_->utime > 150'000 || status.utime < pose_->utime - 1'000'000) {
-    tick(status.utime);
+  if (verdict.is_tick) {
+    tick(utime);
   }
 }
 
 void PlannerNode::on_control_status(const control_status_t& status) {
-  if (!all_finite({status.seconds_without_progress}) ||
-      control_stamps_.check(status.utime) == StampGuard::Verdict::kOld) {
-    // the controller answers ODOMETRY and ROBOT_STATUS, two of its words may carry one stamp
-    if (control_ && status.utime == control_->utime && status.sequence > control_->sequence) {
-      control_ = status;
-    }
-    return;
-  }
-  control_ = status;
-  control_heard_ = now_;
+  situation_.take(status, now_);
 }
 
 // ---------------------------------------------------------------------------------------------------- the tick
-
-Situation PlannerNode::situation(std::int64_t now) const {
-  Situation moment;
-  moment.now = now;
-  moment.has_touched = has_touched_;
-  if (!pose_ || seconds_between(pose_->utime, now) > kPoseAge || pose_->utime - now > 1'000'000) {
-    moment.localization = "no pose from the localizer for more than a second";
-  } else {
-    moment.tracking = pose_->state == pose_t::STATE_TRACKING;
-    moment.world_from_robot = world_from_robot(*pose_);
-    moment.localization = pose_->reason;
-  }
-  if (robot_) {
-    const char* why = !robot_->connected        ? "the robot does not answer"
-                      : robot_->stop_engaged    ? "a stop is engaged"
-                      : robot_->stop_button     ? "the button on the robot is pressed"
-                      : !robot_->motors_enabled ? "the motors are off"
-                                                : nullptr;
-    moment.can_move = why == nullptr;
-    moment.cannot_move = why == nullptr ? "" : why;
-  }
-  if (control_ && seconds_between(control_heard_, now) <= kControlAge) {
-    ControlReport report;
-    report.at_goal = control_->state == control_status_t::STATE_AT_GOAL;
-    report.yielding = control_->state == control_status_t::STATE_YIELDING;
-    report.stuck = control_->state == control_status_t::STATE_STUCK;
-    report.follows = control_->state == control_status_t::STATE_FOLLOWING;
-    report.path_sequence = control_->path_sequence;
-    report.seconds_without_progress = control_->seconds_without_progress;
-    report.reason = control_->reason;
-    if (control_->stop_engaged && moment.can_move) {
-      moment.can_move = false;
-      moment.cannot_move = "a stop is engaged";
-    }
-    moment.control = report;
-  }
-  return moment;
-}
 
 void PlannerNode::tick(std::int64_t utime) {
   if (utime < now_) {
@@ -347,25 +246,24 @@ void PlannerNode::tick(std::int64_t utime) {
     act_on(*waiting_goal_, utime);
     waiting_goal_.reset();
   }
-  if (control_heard_ > utime || control_heard_ == 0) {
-    control_heard_ = utime;
-  }
+  situation_.begin_tick(utime);
   request_tiles(utime);
-  executor_.update(situation(utime));
-  has_touched_ = false;
-  keep_goal();
+  executor_.update(situation_.at(utime));
+  situation_.end_tick();
+  keeper_.update(progress(), now_);
   publish_path(utime);
   publish_status(utime);
 }
 
 void PlannerNode::request_tiles(std::int64_t now) {
-  if (map_.is_complete() || (last_request_ != 0 && now >= last_request_ && now - last_request_ < kRequestPeriod)) {
+  const std::int64_t last = tile_requests_.last;
+  if (map_.is_complete() || (last != 0 && now >= last && now - last < kRequestPeriod)) {
     return;
   }
-  last_request_ = now;
+  tile_requests_.last = now;
   tile_request_t request{};
   request.utime = now;
-  request.id = ++request_id_;
+  request.id = ++tile_requests_.id;
   map_.missing(kMaxRequested, request.tile_column, request.tile_row);
   request.count = static_cast<std::int32_t>(request.tile_column.size());  // none known yet: all of them
   lcm_.publish(channels::kTileRequest, &request);
@@ -373,57 +271,28 @@ void PlannerNode::request_tiles(std::int64_t now) {
 
 void PlannerNode::publish_path(std::int64_t now) {
   const GoalPath& path = executor_.path();
-  const bool is_new = path.sequence != published_sequence_;
-  const bool is_due = executor_.is_active() && (now < last_path_ || now - last_path_ >= kPathPeriod);
+  const bool is_new = path.sequence != published_.path_sequence;
+  const bool is_due = executor_.is_active() && (now < published_.path_at || now - published_.path_at >= kPathPeriod);
   if (path.sequence == 0 || (!is_new && !is_due)) {
     return;
   }
-  published_sequence_ = path.sequence;
-  last_path_ = now;
-  path_t message{};
-  message.utime = now;
-  message.goal_id = path.goal_id;
-  message.pose_index = path.stop_index;
-  message.sequence = path.sequence;
-  message.tolerance = path.tolerance;
-  message.has_theta = path.has_theta;
-  message.theta = path.theta;
-  message.heading_tolerance = path.heading_tolerance;
-  message.count = static_cast<std::int32_t>(path.points.size());
-  for (const Eigen::Vector2d& point : path.points) {
-    message.x.push_back(static_cast<float>(point.x()));
-    message.y.push_back(static_cast<float>(point.y()));
-  }
+  published_.path_sequence = path.sequence;
+  published_.path_at = now;
+  const path_t message = path_message(path, now);
   lcm_.publish(channels::kPath, &message);
 }
 
 void PlannerNode::publish_status(std::int64_t now) {
   const NavigationReport& report = executor_.report();
-  const bool is_new = report.state != published_state_ || report.goal_id != published_goal_;
+  const bool is_new = report.state != published_.state || report.goal_id != published_.goal_id;
   const std::int64_t period = executor_.is_active() ? kActivePeriod : kIdlePeriod;
-  if (!is_new && now >= last_status_ && now - last_status_ < period) {
+  if (!is_new && now >= published_.status_at && now - published_.status_at < period) {
     return;
   }
-  published_state_ = report.state;
-  published_goal_ = report.goal_id;
-  last_status_ = now;
-  navigation_status_t message{};
-  message.utime = now;
-  message.goal_id = report.goal_id;
-  message.pose_index = report.stop_index;
-  message.pose_count = report.stop_count;
-  message.state = static_cast<std::int8_t>(report.state);
-  message.cause = report.cause;
-  if (report.target) {
-    message.has_target = 1;
-    message.x = report.target->pose.x;
-    message.y = report.target->pose.y;
-    message.has_theta = report.target->has_theta;
-    message.theta = report.target->pose.theta;
-  }
-  message.distance_left = report.distance_left;
-  message.path_sequence = executor_.path().sequence;
-  message.replans = report.replans;
+  published_.state = report.state;
+  published_.goal_id = report.goal_id;
+  published_.status_at = now;
+  const navigation_status_t message = navigation_message(report, executor_.path(), now);
   lcm_.publish(channels::kNavigationStatus, &message);
 }
 

@@ -13,11 +13,11 @@
 
 #include "services/common/building/zone_timetable.hpp"
 #include "services/common/process/event_loop.hpp"
-#include "services/common/process/stamp_guard.hpp"
 #include "services/common/process/subscriber.hpp"
 #include "services/planner/execution/goal_executor.hpp"
-#include "services/planner/goals/goal_store.hpp"
+#include "services/planner/goals/goal_keeper.hpp"
 #include "services/planner/planner_config.hpp"
+#include "services/planner/situation_input.hpp"
 #include "services/planner/space/tile_map.hpp"
 
 namespace luminav {
@@ -37,53 +37,50 @@ class PlannerNode {
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
 
  private:
+  struct TileRequests {
+    std::int64_t last = 0;  // [us]
+    std::int64_t id = 0;
+  };
+  /// What was said last, and when [us].
+  struct Published {
+    std::int64_t path_at = 0;
+    int path_sequence = 0;
+    std::int64_t status_at = 0;
+    NavigationState state = NavigationState::kIdle;
+    std::int64_t goal_id = 0;
+  };
+
   void on_goal(const goal_t& goal);
   void on_grid_tile(const grid_tile_t& tile);
   void on_pose(const pose_t& pose);
   void on_control_status(const control_status_t& status);
   void on_robot_status(const robot_status_t& status);
 
+  void heed(const SituationInput::Verdict& verdict, std::int64_t utime);
   void tick(std::int64_t utime);
   void act_on(const goal_t& goal, std::int64_t now);
   [[nodiscard]] std::string objection_to(const goal_t& goal) const;
   /// Points without a name are of any building.
   [[nodiscard]] bool is_of_this_building(const goal_pose_t& pose) const;
-  [[nodiscard]] Situation situation(std::int64_t now) const;
+  [[nodiscard]] GoalProgressNow progress() const;
   void request_tiles(std::int64_t now);
   void publish_path(std::int64_t now);
   void publish_status(std::int64_t now);
-  void keep_goal();
-  void keep(bool asks);
   void resume_stored_goal(std::int64_t now);
 
   lcm::LCM& lcm_;
   PlannerConfig config_;
   ZoneTimetable zones_;
   GoalExecutor executor_;
-  GoalStore store_;
+  GoalKeeper keeper_;
   TileMap map_;
-  StampGuard pose_stamps_;
-  StampGuard robot_stamps_;
-  StampGuard control_stamps_;
-  std::optional<pose_t> pose_;
-  std::optional<robot_status_t> robot_;
-  bool has_touched_ = false;  // something, forwards on its path, since the last tick
-  std::optional<control_status_t> control_;
-  std::int64_t control_heard_ = 0;      // [us] of our ticks
+  TileRequests tile_requests_;
+  SituationInput situation_;
   std::int64_t now_ = 0;                // [us] newest stamp of POSE and ROBOT_STATUS
   std::deque<std::int64_t> done_ids_;   // requests acted on lately: repeats are no new requests
   std::optional<goal_t> waiting_goal_;  // came before any stamp of the robot
-  goal_t accepted_;                     // as it came, for the store
   bool stored_goal_checked_ = false;
-  std::int64_t last_request_ = 0;  // [us] TILE_REQUEST
-  std::int64_t request_id_ = 0;
-  std::int64_t last_status_ = 0;  // [us]
-  std::int64_t last_path_ = 0;    // [us]
-  int published_sequence_ = 0;
-  NavigationState published_state_ = NavigationState::kIdle;
-  std::int64_t published_goal_ = 0;
-  std::optional<StoredGoal> kept_;  // as it lies in the store
-  std::string store_error_;
+  Published published_;
   Subscriber subscriber_;  // last: no handler may run on a half-built node
 };
 
