@@ -80,8 +80,7 @@ void MapperNode::start_map(const PriorMap& prior, std::int64_t session) {
   mapper_ = std::make_unique<GridMapper>(config_.grid, prior, discs);
   const int tiles = mapper_->grid().tile_columns() * mapper_->grid().tile_rows();
   schedule_ = std::make_unique<TileSchedule>(config_.tiles, tiles);
-  revisions_.assign(static_cast<std::size_t>(tiles), 0);
-  sent_hash_.assign(static_cast<std::size_t>(tiles), 0);
+  sent_.assign(static_cast<std::size_t>(tiles), {});
   map_session_ = session;
 }
 
@@ -188,15 +187,14 @@ void MapperNode::send_tiles(std::int64_t utime) {
 void MapperNode::send_tile(int tile, std::int64_t utime) {
   const OccupancyGrid& grid = mapper_->grid();
   grid_tile_t message = encode_tile(grid, tile % grid.tile_columns(), tile / grid.tile_columns());
-  const auto i = static_cast<std::size_t>(tile);
+  SentTile& sent = sent_[static_cast<std::size_t>(tile)];
   const std::uint64_t hash = hash_of(message);
-  if (hash != sent_hash_[i]) {
-    sent_hash_[i] = hash;
-    ++revisions_[i];
+  if (hash != sent.hash) {
+    sent = {sent.revision + 1, hash};
   }
   message.utime = utime;
   message.map_session = map_session_;
-  message.revision = revisions_[i];
+  message.revision = sent.revision;
   message.map_command_id = map_command_id_;
   message.map_command_result = map_command_result_;
   lcm_.publish(channels::kGridTile, &message);

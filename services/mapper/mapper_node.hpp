@@ -35,6 +35,10 @@ class MapperNode {
   [[nodiscard]] std::int64_t integrated() const { return integrated_; }
 
  private:
+  struct SentTile {
+    std::int32_t revision = 0;
+    std::uint64_t hash = 0;  // of its content when the revision was raised last
+  };
   struct PendingReading {
     int disc = 0;
     std::int64_t utime = 0;  // [us]
@@ -58,8 +62,7 @@ class MapperNode {
   MapperConfig config_;
   std::unique_ptr<GridMapper> mapper_;
   std::unique_ptr<TileSchedule> schedule_;
-  std::vector<std::int32_t> revisions_;   // of each tile
-  std::vector<std::uint64_t> sent_hash_;  // of each tile's content when its revision was last raised
+  std::vector<SentTile> sent_;
   PoseHistory poses_;
   StampGuard pose_stamps_;
   StampGuard sonar_stamps_;

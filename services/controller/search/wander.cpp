@@ -32,16 +32,16 @@ void Wander::clear() {
   failures_.clear();
   last_step_ = 0;
   decided_at_.reset();
-  is_turning_ = is_turning_to_path_ = false;
-  turn_left_ = 0.0;
+  turn_.is_to_new_heading = turn_.is_to_path = false;
+  turn_.left = 0.0;
   heading_.reset();
   map_.clear();
-  path_.clear();
-  planned_ = approached_ = 0;
+  path_.points.clear();
+  path_.planned = path_.approached = 0;
   driven_ = faded_at_ = 0.0;
   last_place_.reset();
   began_at_.reset();
-  stayed_at_.reset();
+  stay_.place.reset();
   repulsive_.setZero();
 }
 
@@ -82,11 +82,11 @@ void Wander::note_failure(std::int64_t now, const Pose2& odom_from_robot, double
 }
 
 void Wander::give_up(std::int64_t now, const Pose2& odom_from_robot) {
-  note_failure(now, odom_from_robot, is_turning_ ? target_ : odom_from_robot.theta);
-  if (!path_.empty()) {
+  note_failure(now, odom_from_robot, turn_.is_to_new_heading ? turn_.target : odom_from_robot.theta);
+  if (!path_.points.empty()) {
     end_path(odom_from_robot.position());
   }
-  is_turning_ = is_turning_to_path_ = false;
+  turn_.is_to_new_heading = turn_.is_to_path = false;
   heading_.reset();
   decided_at_.reset();
 }
@@ -117,65 +117,66 @@ void Wander::decide(bool is_blocked, std::int64_t now, const Pose2& odom_from_ro
   if (best == 0.0) {
     return;
   }
-  is_turning_ = true;
-  target_ = wrap_angle(odom_from_robot.theta + best);
-  turn_sign_ = turn_side(best, obstacles);
+  turn_.is_to_new_heading = true;
+  turn_.target = wrap_angle(odom_from_robot.theta + best);
+  turn_.sign = turn_side(best, obstacles);
 }
 
 void Wander::plan(const WanderInput& input) {
   const std::int64_t now = input.now;
-  if (planned_ != 0 && seconds_between(planned_, now) < params_.plan_every) {
+  if (path_.planned != 0 && seconds_between(path_.planned, now) < params_.plan_every) {
     return;
   }
-  planned_ = now;
+  path_.planned = now;
   const Eigen::Vector2d place = input.odom_from_robot.position();
-  auto path = disambiguation_.path({place, *began_at_, path_.empty() ? std::nullopt : std::optional(path_.back())},
-                                   input.alternatives, map_);
+  auto path = disambiguation_.path(
+      {place, *began_at_, path_.points.empty() ? std::nullopt : std::optional(path_.points.back())}, input.alternatives,
+      map_);
   if (!path && driven_ > params_.look_around) {
     path = map_.path_to_new_ground(place);
   }
   if (!path || path->empty()) {
-    path_.clear();
+    path_.points.clear();
     return;
   }
   const double left = 0.1 * static_cast<double>(path->size());
-  const bool is_elsewhere = path_.empty() || (path->back() - path_.back()).norm() > 1.0;
-  is_turning_to_path_ = is_turning_to_path_ && !is_elsewhere;  // the short way round may be the other one now
-  if (is_elsewhere || left < path_left_ - 0.2) {
-    approached_ = now;
-    path_left_ = left;
+  const bool is_elsewhere = path_.points.empty() || (path->back() - path_.points.back()).norm() > 1.0;
+  turn_.is_to_path = turn_.is_to_path && !is_elsewhere;  // the short way round may be the other one now
+  if (is_elsewhere || left < path_.left - 0.2) {
+    path_.approached = now;
+    path_.left = left;
   }
-  path_ = std::move(*path);
-  if (seconds_between(approached_, now) > kApproachWithin || stays(now, place)) {
+  path_.points = std::move(*path);
+  if (seconds_between(path_.approached, now) > kApproachWithin || stays(now, place)) {
     end_path(place);
   }
 }
 
 bool Wander::stays(std::int64_t now, const Eigen::Vector2d& place) {
-  if (!stayed_at_ || (place - *stayed_at_).norm() > kStayWithin) {
-    stayed_at_ = place;
-    stayed_since_ = now;
+  if (!stay_.place || (place - *stay_.place).norm() > kStayWithin) {
+    stay_.place = place;
+    stay_.since = now;
   }
-  if (seconds_between(stayed_since_, now) <= kMaxStay) {
+  if (seconds_between(stay_.since, now) <= kMaxStay) {
     return false;
   }
-  stayed_at_.reset();
+  stay_.place.reset();
   return true;
 }
 
 // The path leads nowhere. Some pose that is possible may have a door where a wall stands, and many places behind it:
 // what is narrow or unknown in front of the robot is no path for any of them.
 void Wander::end_path(const Eigen::Vector2d& place) {
-  for (const Eigen::Vector2d& point : path_) {
+  for (const Eigen::Vector2d& point : path_.points) {
     const double ahead = (point - place).norm();
     if (ahead > kDeadEndFrom && ahead < kDeadEndUntil &&
         (map_.ground_at(point) != Ground::kFree || map_.stands_within(point, kSearchClearance))) {
       map_.shut(point);
     }
   }
-  map_.block(path_.back());
-  path_.clear();
-  planned_ = 0;
+  map_.block(path_.points.back());
+  path_.points.clear();
+  path_.planned = 0;
 }
 
 DriveTwist Wander::step(const WanderInput& input) {
@@ -193,35 +194,35 @@ DriveTwist Wander::step(const WanderInput& input) {
     map_.fade();
   }
   plan(input);
-  turn_left_ = 0.0;
-  return path_.empty() ? explore(duration, input) : follow_path(duration, input);
+  turn_.left = 0.0;
+  return path_.points.empty() ? explore(duration, input) : follow_path(duration, input);
 }
 
 DriveTwist Wander::follow_path(double duration, const WanderInput& input) {
-  is_turning_ = false;
+  turn_.is_to_new_heading = false;
   decided_at_.reset();
   const Eigen::Vector2d place = input.odom_from_robot.position();
   std::size_t nearest = 0;
-  for (std::size_t i = 1; i < path_.size(); ++i) {
-    nearest = (path_[i] - place).norm() < (path_[nearest] - place).norm() ? i : nearest;
+  for (std::size_t i = 1; i < path_.points.size(); ++i) {
+    nearest = (path_.points[i] - place).norm() < (path_.points[nearest] - place).norm() ? i : nearest;
   }
   std::size_t ahead = nearest;
-  while (ahead + 1 < path_.size() && (path_[ahead] - place).norm() < kLookAhead) {
+  while (ahead + 1 < path_.points.size() && (path_.points[ahead] - place).norm() < kLookAhead) {
     ++ahead;
   }
-  const Eigen::Vector2d target = input.odom_from_robot.inverse() * path_[ahead];
+  const Eigen::Vector2d target = input.odom_from_robot.inverse() * path_.points[ahead];
   const double direction = std::atan2(target.y(), target.x());
-  if (!is_turning_to_path_ && std::abs(direction) > kTurnFrom) {
-    is_turning_to_path_ = true;
-    turn_sign_ = turn_side(direction, input.obstacles);
-    takes_long_turn_ = turn_sign_ * direction < 0.0;
+  if (!turn_.is_to_path && std::abs(direction) > kTurnFrom) {
+    turn_.is_to_path = true;
+    turn_.sign = turn_side(direction, input.obstacles);
+    turn_.is_long = turn_.sign * direction < 0.0;
   }
-  is_turning_to_path_ = is_turning_to_path_ && std::abs(direction) > kTurnUntil;
-  if (is_turning_to_path_) {
+  turn_.is_to_path = turn_.is_to_path && std::abs(direction) > kTurnUntil;
+  if (turn_.is_to_path) {
     heading_.reset();
     // what lies behind changes sides with every step: once begun, the turn goes on in the same direction
-    const double sign = std::abs(direction) < 0.5 * kPi && !takes_long_turn_ ? direction : turn_sign_;
-    turn_left_ = direction;
+    const double sign = std::abs(direction) < 0.5 * kPi && !turn_.is_long ? direction : turn_.sign;
+    turn_.left = direction;
     return {0.0, std::copysign(params_.angular, sign)};
   }
   return steer(direction, duration, input);
@@ -229,18 +230,18 @@ DriveTwist Wander::follow_path(double duration, const WanderInput& input) {
 
 DriveTwist Wander::explore(double duration, const WanderInput& input) {
   const Pose2& odom_from_robot = input.odom_from_robot;
-  is_turning_to_path_ = false;
-  if (is_turning_) {
+  turn_.is_to_path = false;
+  if (turn_.is_to_new_heading) {
     heading_.reset();
-    const double error = wrap_angle(target_ - odom_from_robot.theta);
+    const double error = wrap_angle(turn_.target - odom_from_robot.theta);
     if (std::abs(error) < radians(8.0)) {
-      is_turning_ = false;
+      turn_.is_to_new_heading = false;
       decided_at_ = odom_from_robot.position();
     } else {
-      turn_left_ = error;
+      turn_.left = error;
       const double rate = std::clamp(1.6 * std::abs(error), 0.15, params_.angular);
       // near the end the sign is the error's own, before that the chosen one
-      return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_sign_ * params_.angular};
+      return {0.0, std::abs(error) < radians(60.0) ? std::copysign(rate, error) : turn_.sign * params_.angular};
     }
   }
   const double ahead = free_distance(0.0, kReach, input.obstacles.points(), params_.heading.free_heading);
@@ -251,7 +252,7 @@ DriveTwist Wander::explore(double duration, const WanderInput& input) {
   const bool has_gone_far = !decided_at_ || (*decided_at_ - odom_from_robot.position()).norm() > kDecideEvery;
   if (is_blocked || has_gone_far) {
     decide(is_blocked, input.now, odom_from_robot, input.remembered);
-    if (is_turning_) {
+    if (turn_.is_to_new_heading) {
       return {};
     }
   }

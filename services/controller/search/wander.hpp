@@ -56,13 +56,33 @@ class Wander {
   /// The current direction did not work: the stop logic refused it.
   void give_up(std::int64_t now, const Pose2& odom_from_robot);
   /// Rest of the turn on the spot that it wishes for [rad]; 0 = none.
-  [[nodiscard]] double turn_left() const { return turn_left_; }
+  [[nodiscard]] double turn_left() const { return turn_.left; }
 
  private:
   struct Failure {
     std::int64_t utime = 0;
     Eigen::Vector2d place;  // [m] odom
     double heading = 0.0;   // [rad] odom
+  };
+  struct PathToNewGround {
+    std::vector<Eigen::Vector2d> points;  // [m] odom; empty: none that it knows
+    std::int64_t planned = 0;             // [us]
+    std::int64_t approached = 0;          // [us] when it last came nearer to the end
+    double left = 0.0;                    // [m] least until then
+  };
+  /// Near a place since then.
+  struct Stay {
+    std::optional<Eigen::Vector2d> place;  // [m] odom
+    std::int64_t since = 0;                // [us]
+  };
+  /// On the spot.
+  struct Turn {
+    bool is_to_new_heading = false;
+    double target = 0.0;  // [rad] odom, of that
+    bool is_to_path = false;
+    bool is_long = false;  // the long way round to the path
+    double sign = 1.0;
+    double left = 0.0;  // [rad]
   };
   using Square = std::pair<int, int>;
   [[nodiscard]] Square square_at(const Eigen::Vector2d& place) const;
@@ -91,20 +111,11 @@ class Wander {
   double faded_at_ = 0.0;                      // [m] of it
   std::optional<Eigen::Vector2d> last_place_;  // [m] odom
   std::optional<Eigen::Vector2d> began_at_;    // [m] odom, where it began to look
-  std::vector<Eigen::Vector2d> path_;          // [m] odom, to new ground; empty: none that it knows
-  std::int64_t planned_ = 0;                   // [us]
-  std::int64_t approached_ = 0;                // [us] when it last came nearer to the end of its path
-  double path_left_ = 0.0;                     // [m] least until then
-  std::optional<Eigen::Vector2d> stayed_at_;   // [m] odom: near there it has been since
-  std::int64_t stayed_since_ = 0;              // [us]
+  PathToNewGround path_;
+  Stay stay_;
   std::int64_t last_step_ = 0;                 // [us]
   std::optional<Eigen::Vector2d> decided_at_;  // [m] odom, place of the last decision
-  bool is_turning_ = false;
-  double target_ = 0.0;  // [rad] odom, of the turn
-  double turn_sign_ = 1.0;
-  bool is_turning_to_path_ = false;
-  bool takes_long_turn_ = false;  // of that turn
-  double turn_left_ = 0.0;        // [rad] of a turn on the spot
+  Turn turn_;
   Eigen::Vector2d repulsive_ = Eigen::Vector2d::Zero();
 };
 
