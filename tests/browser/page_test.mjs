@@ -547,11 +547,18 @@ const steps = {
     await page.waitForSelector('#edit', {state: 'visible'});
     await page.evaluate(axe);
     // on a busy machine the viewer may have been silent for a moment, and what is old is pale
-    await page.waitForFunction(() => !document.body.classList.contains('stale'));
+    const findings = () => page.evaluate(async () => {
+      const {violations} = await globalThis.axe.run();
+      return document.body.classList.contains('stale') ? null
+        : violations.map(({id, nodes}) => `${id}: ${nodes.map((element) => element.html.slice(0, 120)).join(' | ')}`);
+    });
     for (const open of ['', '#edit', '#edit-zone', '#tours-edit', '#tours-list .name', '#layers-button', '#help-button']) {
       if (open) await press(open);
-      const found = await page.evaluate(() => globalThis.axe.run().then(({violations}) => violations.map(({id, nodes}) =>
-        `${id}: ${nodes.map((element) => element.html.slice(0, 120)).join(' | ')}`)));
+      let found = null;
+      while (!found) {
+        await page.waitForFunction(() => !document.body.classList.contains('stale'));
+        found = await findings();
+      }
       assert.deepEqual(found, [], `${name}, ${theme}, ${open}`);
     }
   },

@@ -37,16 +37,19 @@ class WheelWatch {
 
  private:
   struct Wheel {
+    bool is_told = false;    // to turn at all
     bool must_turn = false;  // fast enough, as it was told
     bool turns_so = false;   // counted, and in that direction
     double dead = 0.0;       // [s] told to turn, and not counted so, though nothing says that the robot is held
     double running = 0.0;    // [s] told to stand, and counted
   };
+  void look_for_hands(double passed);
   void look(Wheel& wheel, double asked, double counted, double passed) const;
   void judge(Wheel& wheel, const Wheel& other, const char* name, double passed);
 
   WheelWatchParams params_;
   std::array<Wheel, 2> wheels_;
+  double held_ = 0.0;       // [s] for which the robot still counts as held or carried
   std::int64_t utime_ = 0;  // [us] of the last packet; 0 = none
   std::string fault_;
 };

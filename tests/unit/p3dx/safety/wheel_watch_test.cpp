@@ -71,6 +71,19 @@ TEST_F(WheelWatchTest, LetsARobotGoOnThatWasCarried) {
   EXPECT_EQ(watch_.fault(), "");
 }
 
+TEST_F(WheelWatchTest, LetsARobotGoOnThatLookedAboutWhileItWasCarried) {
+  drive(2.0, {0.4, 0.0}, 0.4, 0.4);
+  for (int i = 0; i < 6; ++i) {
+    drive(0.5, {0.3, 0.0}, 0.0, 0.0);
+    drive(0.9, {0.1, 0.1 / 0.165}, 0.0, 0.0);  // about the left wheel
+  }
+  drive(5.0, {0.08, 0.75}, 0.0, 0.0);  // the left wheel slowly back
+  EXPECT_EQ(watch_.fault(), "");
+  drive(2.0, {0.4, 0.0}, 0.4, 0.4);
+  drive(2.0, {0.1, 0.1 / 0.165}, 0.0, 0.0);
+  EXPECT_NE(watch_.fault(), "") << "put down again it counts as before";
+}
+
 TEST_F(WheelWatchTest, NamesAWheelThatCountsBackwards) {
   drive(1.6, {0.3, 0.0}, 0.3, -0.3);
   EXPECT_EQ(watch_.fault(), "the right wheel is told to turn and its encoder does not count it");
