@@ -72,7 +72,14 @@ const stopsBy = async (action, patience = 3000) => {
   for (let waited = 0; waited < patience && stops() === before; waited += 50) await page.waitForTimeout(50);
   return stops() > before;
 };
-const stopsNotBy = async (action) => !await stopsBy(action, 300);
+const stopsNotBy = async (action) => {
+  // the page says a STOP again until it is obeyed: of an earlier one, on a busy machine
+  for (let i = 0, last = -1; i < 10 && last !== stops(); ++i) {
+    last = stops();
+    await page.waitForTimeout(300);
+  }
+  return !await stopsBy(action, 300);
+};
 const bounds = (selector) => page.$eval(selector, (element) => element.getBoundingClientRect().toJSON());
 const at = (x, y) => page.$eval('#map', (canvas, [u, v]) => {
   scrollTo(0, 0);  // a press further down may have moved the map out of sight
