@@ -208,6 +208,7 @@ class CommanderThread {
   void on_status(const robot_status_t& message) {
     velocity_command_t command{};
     command.utime = message.utime;
+    command.robot = message.robot;
     command.session = 1;
     command.sequence = ++sequence_;
     command.linear_x = 0.001 * (100 + sequence_ % 100);
@@ -263,8 +264,13 @@ void command_over_multicast_to_tcp(benchmark::State& state) {
       next_poll = clock.utime() + 10'000;
     }
   };
+  const std::int64_t begun = clock.utime();
   while (written.mm_s == 0) {
     turn();  // connects, and obeys for the first time
+    if (clock.utime() - begun > 10'000'000) {
+      state.SkipWithError("the driver obeys no command");
+      return;
+    }
   }
   std::vector<double> latencies;  // [us]
   for (auto _ : state) {
