@@ -202,9 +202,7 @@ RunReport run_scenario(const Scenario& scenario, const ScenarioRunOptions& optio
   }
   RunJudge judge(robot.lcm(), scenario, robot.world());
   const DriveJudge drive_judge(robot.lcm(), robot.world());
-  ZoneJudge zone_judge(
-      robot.lcm(), robot.believed_building().zones, [&](std::int64_t utime) { return robot.local_time(utime); },
-      robot.world());
+  ZoneJudge zone_judge(robot.lcm(), robot.believed_building().zones, robot.local_clock(), robot.world());
   Mission mission(robot.lcm(), scenario, options.patrol);
   const RunLog log(robot.lcm());
   const Tracer tracer(robot.lcm(), judge);

@@ -123,6 +123,9 @@ struct WholeRobot::Parts {
     constexpr std::int64_t kMonday = 4 * 86'400;  // [s] since the epoch: the first one
     return universal_time(1'000'000 * (kMonday + kMorning) + utime - began);
   }
+  [[nodiscard]] LocalClock local_clock() const {
+    return [this](std::int64_t utime) { return local_time(utime); };
+  }
 
   [[nodiscard]] std::unique_ptr<BaseBoard> make_board() const {
     if (scenario.base == "create2") {
@@ -190,12 +193,12 @@ struct WholeRobot::Parts {
       planner.reset();
       PlannerConfig config = read_planner_config(scenario.robot_file, scenario.building_file);
       override_mode(config.route.mode, options.mode);
-      config.local_clock = [this](std::int64_t utime) { return local_time(utime); };
+      config.local_clock = local_clock();
       planner = std::make_unique<PlannerNode>(lcm, config);
     } else if (process == "controller") {
       controller.reset();
       ControllerConfig config = read_controller_config(scenario.robot_file, scenario.building_file);
-      config.local_clock = [this](std::int64_t utime) { return local_time(utime); };
+      config.local_clock = local_clock();
       controller = std::make_unique<ControllerNode>(lcm, config);
     } else if (process == "jobs" && jobs_folder) {
       jobs.reset();
@@ -262,8 +265,8 @@ std::int64_t WholeRobot::utime() const {
   return parts_->clock.utime();
 }
 
-LocalTime WholeRobot::local_time(std::int64_t utime) const {
-  return parts_->local_time(utime);
+LocalClock WholeRobot::local_clock() const {
+  return parts_->local_clock();
 }
 
 void WholeRobot::step() {

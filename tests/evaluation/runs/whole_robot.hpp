@@ -37,7 +37,7 @@ class WholeRobot {
   [[nodiscard]] const RobotDescription& believed_robot() const;
   [[nodiscard]] std::int64_t utime() const;  // [us]
   /// The time of day in the building: it begins on a Monday at eight, on every machine.
-  [[nodiscard]] LocalTime local_time(std::int64_t utime) const;
+  [[nodiscard]] LocalClock local_clock() const;
 
   /// Time goes on by 10 ms.
   void step();

@@ -58,6 +58,22 @@ ReplayTolerances parse_tolerances(const std::vector<std::string>& settings) {
   return tolerances;
 }
 
+std::uint64_t parse_seed(const std::string& text) {
+  std::istringstream number(text);
+  std::uint64_t value = 0;
+  if (!(number >> value) || !number.eof()) {
+    throw ConfigurationError(fmt::format("--seed {}: must be a whole number of at least 0", text));
+  }
+  return value;
+}
+
+std::int64_t parse_utc_offset(const std::string& text) {
+  if (const std::optional<std::int64_t> offset = read_utc_offset(text)) {
+    return *offset;
+  }
+  throw ConfigurationError(fmt::format("--utc-offset {}: must be as +0100", text));
+}
+
 void draw(const std::string& png_file, const ReplayOptions& options, const ReplayReport& report) {
   const Building building = read_building(options.building_file);
   if (building.map_file.empty()) {
@@ -114,18 +130,9 @@ int replay(int argc, char** argv) {
   options.tolerances = parse_tolerances(tolerances);
   options.show_progress = isatty(STDERR_FILENO) != 0;
   if (!seed.empty()) {
-    std::istringstream number(seed);
-    std::uint64_t value = 0;
-    if (!(number >> value) || !number.eof()) {
-      throw ConfigurationError(fmt::format("--seed {}: must be a whole number of at least 0", seed));
-    }
-    options.localizer_seed = value;
+    options.localizer_seed = parse_seed(seed);
   }
-  const std::optional<std::int64_t> utc_offset = read_utc_offset(offset);
-  if (!utc_offset) {
-    throw ConfigurationError(fmt::format("--utc-offset {}: must be as +0100", offset));
-  }
-  options.utc_offset = *utc_offset;
+  options.utc_offset = parse_utc_offset(offset);
   if (!options.out_file.empty() && std::filesystem::exists(options.out_file) &&
       !is_written_in_place(options.out_file)) {
     throw std::runtime_error(fmt::format("{}: exists already, logs are never overwritten", options.out_file));
