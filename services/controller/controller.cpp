@@ -94,6 +94,7 @@ void Controller::look_around(const ControlInput& input) {
   quiet_ = nullptr;
   if (input.world_from_robot) {
     zones = zones_.add_edges(*input.world_from_robot, config_.local_map.radius, walls);
+    zones_.note_progress(input.world_from_robot->position());
   } else {
     for (const PoseAlternative& alternative : input.alternatives) {
       const Pose2 world_from_robot = alternative.world_from_odom * input.odom_from_robot;

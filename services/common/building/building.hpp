@@ -141,11 +141,15 @@ inline const Zone* find_zone(const std::vector<Zone>& zones, ZoneKind kind, cons
   return found == zones.end() ? nullptr : &*found;
 }
 
+/// The direction of a one-way zone, a unit vector in the world frame.
+inline Eigen::Vector2d direction_of(const Zone& zone) {
+  return {std::cos(zone.direction), std::sin(zone.direction)};
+}
+
 /// True if a movement, of any length, goes against a one-way zone. Straight across is allowed, and `slack` of the
 /// movement's length.
 inline bool goes_against(const Zone& zone, const Eigen::Vector2d& movement, double slack = 0.02) {
-  const Eigen::Vector2d direction(std::cos(zone.direction), std::sin(zone.direction));
-  return movement.dot(direction) < -slack * movement.norm();
+  return movement.dot(direction_of(zone)) < -slack * movement.norm();
 }
 
 /// What is known of a building. Poses in the world frame.

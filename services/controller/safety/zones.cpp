@@ -19,6 +19,8 @@ Zones::Zones(const std::vector<Zone>& zones, Polygon outline) : outline_(std::mo
   for (const Zone& zone : zones) {
     if (zone.kind == ZoneKind::kKeepOut) {
       keep_out_.push_back({zone, edge_points(zone.polygon, kSpacing)});
+    } else if (zone.kind == ZoneKind::kOneWay) {
+      lanes_.push_back({zone, std::nullopt});
     } else {
       others_.push_back(zone);
     }
@@ -90,12 +92,29 @@ bool Zones::is_line_free(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
   });
 }
 
+void Zones::note_progress(const Eigen::Vector2d& robot) {
+  for (Lane& lane : lanes_) {
+    if (!contains(lane.zone.polygon, robot)) {
+      lane.farthest.reset();
+      continue;
+    }
+    const double along = robot.dot(direction_of(lane.zone));
+    lane.farthest = std::max(lane.farthest.value_or(along), along);
+  }
+}
+
 const Zone* Zones::against(const Pose2& world_from_robot, double linear) const {
-  constexpr double kSlack = 0.5;  // no path leads against: this is room to steer by, back to a door that it passed
+  // no path leads against: this is room to steer by, back to a door that it passed
+  constexpr double kSlack = 0.5;
+  constexpr double kRoom = 0.05;  // [m]
   const Eigen::Vector2d movement =
       linear * Eigen::Vector2d(std::cos(world_from_robot.theta), std::sin(world_from_robot.theta));
-  const Zone* const zone = find_zone(others_, ZoneKind::kOneWay, world_from_robot.position());
-  return zone != nullptr && goes_against(*zone, movement, kSlack) ? zone : nullptr;
+  const auto lane = std::find_if(lanes_.begin(), lanes_.end(), [&](const Lane& each) {
+    const bool has_room =
+        each.farthest.value_or(0.0) - world_from_robot.position().dot(direction_of(each.zone)) < kRoom;
+    return each.farthest && goes_against(each.zone, movement, has_room ? kSlack : 0.02);
+  });
+  return lane == lanes_.end() ? nullptr : &lane->zone;
 }
 
 const Zone* Zones::quiet_at(const Pose2& world_from_robot) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,10 @@ class Zones {
   [[nodiscard]] std::string keep_out_at(const Pose2& world_from_robot) const;
   /// True if a straight piece [m, world] keeps `distance` [m] from all keep-out zones.
   [[nodiscard]] bool is_line_free(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double distance) const;
+  /// Notes where the robot [m, world] is: how far it has come along the one-way zones that it is in.
+  void note_progress(const Eigen::Vector2d& robot);
   /// The one-way zone that the robot is in and against which it would drive, forwards or (where negative) backwards, or
-  /// nullptr.
+  /// nullptr. Back by 5 cm, and no steeper than 30 degrees, is room to steer by.
   [[nodiscard]] const Zone* against(const Pose2& world_from_robot, double linear) const;
   /// The quiet zone in which the robot is, or nullptr.
   [[nodiscard]] const Zone* quiet_at(const Pose2& world_from_robot) const;
@@ -41,11 +44,16 @@ class Zones {
     Zone zone;
     std::vector<Eigen::Vector2d> edge;  // [m] world, 5 cm apart
   };
+  struct Lane {
+    Zone zone;
+    std::optional<double> farthest;  // [m] along its direction, since the robot came in
+  };
   [[nodiscard]] double depth_inside(const Zone& zone, const Pose2& world_from_robot) const;
 
   Polygon outline_;
   double reach_ = 0.0;  // [m] from the middle of the robot to its farthest corner
   std::vector<KeepOut> keep_out_;
+  std::vector<Lane> lanes_;
   std::vector<Zone> others_;
 };
 

@@ -102,7 +102,7 @@ void ZoneJudge::judge_lanes(const Pose2& robot) {
       progress_[i].reset();
       continue;
     }
-    const double along = robot.position().dot(Eigen::Vector2d(std::cos(zone.direction), std::sin(zone.direction)));
+    const double along = robot.position().dot(direction_of(zone));
     progress_[i] = std::max(progress_[i].value_or(along), along);
     result_.against_m = std::max(result_.against_m, *progress_[i] - along);
   }

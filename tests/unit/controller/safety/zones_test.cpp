@@ -160,6 +160,24 @@ TEST(Zones, LetNoRobotDriveAgainstAOneWayZoneButByHand) {
   EXPECT_TRUE(drives(-0.5 * kPi, ControlTask::kTeleop));
 }
 
+TEST(Zones, GiveARobotFiveCentimetresAgainstAOneWayZoneToSteerBy) {
+  Zones zones({{"lane", ZoneKind::kOneWay, kStairs, 0.2, 0.5 * kPi}}, testing::test_robot().footprint);
+  const auto is_against = [&](double y, double theta) {
+    zones.note_progress({3.0, y});
+    return zones.against({3.0, y, theta}, 0.3) != nullptr;
+  };
+  EXPECT_FALSE(is_against(0.0, -0.4)) << "a little back, to a door";
+  EXPECT_TRUE(is_against(0.0, -0.6)) << "too steep";
+  EXPECT_FALSE(is_against(-0.04, -0.4));
+  EXPECT_TRUE(is_against(-0.06, -0.4)) << "and no more";
+  EXPECT_FALSE(is_against(-0.06, 0.0)) << "across it may";
+  EXPECT_TRUE(is_against(0.5, -0.6));
+  EXPECT_TRUE(is_against(0.44, -0.4)) << "counted from as far as it came";
+  zones.note_progress({0.0, 0.0});
+  EXPECT_FALSE(is_against(0.0, -0.4)) << "it left and came in again";
+  EXPECT_EQ(zones.against({0.0, 0.0, -0.5 * kPi}, 0.3), nullptr) << "outside";
+}
+
 TEST(Zones, LookRoundInsteadOfWanderingWhereItIsQuiet) {
   ControllerConfig config = with_zone(ZoneKind::kQuiet);
   config.building.search = SearchManner::kWander;
