@@ -72,19 +72,8 @@ void ControllerNode::on_navigation_status(const navigation_status_t& message) {
 }
 
 void ControllerNode::on_grid_tile(const grid_tile_t& message) {
-  if (!is_possible(message)) {
-    subscriber_.drop("GRID_TILE: impossible size or place");
-    return;
-  }
-  if (pose_.is_on_another_floor(message.floor)) {
-    return;
-  }
-  if (!grid_ || message.map_session != map_session_ || !(geometry_of(message) == grid_->geometry)) {
-    grid_.emplace(geometry_of(message));
-    map_session_ = message.map_session;
-  }
-  if (!apply_tile(message, *grid_)) {
-    subscriber_.drop("GRID_TILE: does not decompress to a tile");
+  if (!pose_.is_on_another_floor(message.floor) && map_.add(message) == TileMap::Result::kRefused) {
+    subscriber_.drop("GRID_TILE that does not fit");
   }
 }
 
@@ -127,7 +116,8 @@ void ControllerNode::on_odometry(const odometry_t& message) {
 
 std::optional<PlacedGrid> ControllerNode::placed_grid() const {
   const std::optional<Pose2> world_from_odom = pose_.world_from_odom();
-  return grid_ && world_from_odom ? std::optional(PlacedGrid{*grid_, *world_from_odom}) : std::nullopt;
+  return map_.received() > 0 && world_from_odom ? std::optional(PlacedGrid{map_.grid(), *world_from_odom})
+                                                : std::nullopt;
 }
 
 void ControllerNode::on_sonar(const sonar_t& message) {
@@ -267,7 +257,7 @@ ControlInput ControllerNode::input_at(std::int64_t utime) {
     if (const std::optional<Pose2> world = pose_.world_from_odom()) {
       input.world_from_robot = *world * *place;
       pose_.remember(*world);
-      input.grid = grid_ ? &*grid_ : nullptr;
+      input.grid = map_.received() > 0 ? &map_.grid() : nullptr;
     }
     input.alternatives = pose_.possible();
     obstacles_.describe(utime, *place, input);

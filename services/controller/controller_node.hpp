@@ -21,6 +21,7 @@
 #include "services/common/process/stamp_guard.hpp"
 #include "services/common/process/stop_requests.hpp"
 #include "services/common/process/subscriber.hpp"
+#include "services/common/tiles/tile_map.hpp"
 #include "services/controller/controller.hpp"
 #include "services/controller/controller_config.hpp"
 #include "services/controller/inputs/held_teleoperation.hpp"
@@ -91,8 +92,7 @@ class ControllerNode {
   Controller controller_;
   PoseInput pose_;
   ObstacleInput obstacles_;
-  std::optional<OccupancyGrid> grid_;
-  std::int64_t map_session_ = 0;  // of it
+  TileMap map_;
   PlannerState navigation_;
   StampGuard status_guard_;
   std::optional<robot_status_t> status_;

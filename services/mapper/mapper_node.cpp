@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <functional>
+#include <string_view>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/geometry/seconds.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 #include "services/mapper/evidence_file.hpp"
 
 namespace luminav {
@@ -19,14 +22,6 @@ constexpr const char* kEvidenceFile = "evidence.bin";
 constexpr const char* kDefaultMap = "map";
 constexpr int kMaxCells = 4096;           // per axis, as GRID_TILE's receivers accept
 constexpr std::size_t kMaxPending = 256;  // 16 discs x 16: half a second without POSE is not worth keeping
-
-std::uint64_t hash_of(const grid_tile_t& tile) {  // FNV-1a over the compressed cells
-  std::uint64_t hash = 1469598103934665603ULL;
-  for (std::int32_t i = 0; i < tile.size; ++i) {
-    hash = (hash ^ tile.data[static_cast<std::size_t>(i)]) * 1099511628211ULL;
-  }
-  return hash;
-}
 
 /// True for the name of a map: a request from the network never names a file.
 bool is_map_name(const std::string& text) {
@@ -186,18 +181,22 @@ void MapperNode::send_tiles(std::int64_t utime) {
 
 void MapperNode::send_tile(int tile, std::int64_t utime) {
   const OccupancyGrid& grid = mapper_->grid();
-  grid_tile_t message = encode_tile(grid, tile % grid.tile_columns(), tile / grid.tile_columns());
+  const int column = tile % grid.tile_columns();
+  const int row = tile / grid.tile_columns();
+  const TileLayers layers = tile_layers(grid, column, row);
+  const std::uint64_t hash =
+      std::hash<std::string_view>()({reinterpret_cast<const char*>(layers.data()), layers.size()});
   SentTile& sent = sent_[static_cast<std::size_t>(tile)];
-  const std::uint64_t hash = hash_of(message);
-  if (hash != sent.hash) {
-    sent = {sent.revision + 1, hash};
+  if (sent.message.revision == 0 || hash != sent.hash) {
+    const std::int32_t revision = sent.message.revision + 1;
+    sent = {encode_tile(grid.geometry, column, row, layers), hash};
+    sent.message.revision = revision;
   }
-  message.utime = utime;
-  message.map_session = map_session_;
-  message.revision = sent.revision;
-  message.map_command_id = map_command_id_;
-  message.map_command_result = map_command_result_;
-  lcm_.publish(channels::kGridTile, &message);
+  sent.message.utime = utime;
+  sent.message.map_session = map_session_;
+  sent.message.map_command_id = map_command_id_;
+  sent.message.map_command_result = map_command_result_;
+  lcm_.publish(channels::kGridTile, &sent.message);
 }
 
 void MapperNode::on_tile_request(const tile_request_t& request) {

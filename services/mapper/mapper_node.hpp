@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <lcm/lcm-cpp.hpp>
+#include <luminav/grid_tile_t.hpp>
 #include <luminav/map_command_t.hpp>
 #include <luminav/pose_t.hpp>
 #include <luminav/sonar_t.hpp>
@@ -36,8 +37,8 @@ class MapperNode {
 
  private:
   struct SentTile {
-    std::int32_t revision = 0;
-    std::uint64_t hash = 0;  // of its content when the revision was raised last
+    grid_tile_t message{};
+    std::uint64_t hash = 0;  // of its cells: a tile is packed anew only when they have changed
   };
   struct PendingReading {
     int disc = 0;

@@ -14,11 +14,11 @@
 #include "services/common/building/zone_timetable.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/subscriber.hpp"
+#include "services/common/tiles/tile_map.hpp"
 #include "services/planner/execution/goal_executor.hpp"
 #include "services/planner/goals/goal_keeper.hpp"
 #include "services/planner/planner_config.hpp"
 #include "services/planner/situation_input.hpp"
-#include "services/planner/space/tile_map.hpp"
 
 namespace luminav {
 

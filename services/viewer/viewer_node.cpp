@@ -10,6 +10,7 @@
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
 #include "services/common/process/running_system.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 #include "services/viewer/message_json.hpp"
 
 namespace luminav {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "services/common/process/channels.hpp"
-#include "services/common/process/lcm_conversions.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 #include "services/controller/controller_node.hpp"
 #include "services/launcher/deputy/deputy.hpp"
 #include "services/launcher/sheriff/sheriff.hpp"

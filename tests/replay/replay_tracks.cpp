@@ -3,6 +3,7 @@
 #include "services/common/log/log_message.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 #include "tests/replay/replay_verdict.hpp"
 
 namespace luminav {

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <luminav/grid_tile_t.hpp>
 #include <luminav/odometry_t.hpp>
 #include <luminav/pose_t.hpp>
 #include <luminav/robot_status_t.hpp>
 
-#include "services/common/building/occupancy_grid.hpp"
 #include "services/common/geometry/pose2.hpp"
 
 namespace luminav {
@@ -33,17 +31,5 @@ inline double position_sigma(const pose_t& message) {
 inline bool is_blocked(const robot_status_t& message) {
   return message.stall_left || message.stall_right || message.bumpers_front != 0 || message.bumpers_rear != 0;
 }
-
-/// One tile of a grid with geometry and data filled in; stamps, sessions and revision are the sender's.
-grid_tile_t encode_tile(const OccupancyGrid& grid, int tile_column, int tile_row);
-
-/// Writes a tile into a grid of the same geometry. False, and nothing written, when it does not fit or does not
-/// decompress to what it should.
-[[nodiscard]] bool apply_tile(const grid_tile_t& tile, OccupancyGrid& grid);
-
-/// Geometry of the whole grid that a tile belongs to; nothing when it is impossible (more than 4096 x 4096 cells, no
-/// finite origin, resolution outside 0.01..1 m).
-[[nodiscard]] bool is_possible(const grid_tile_t& tile);
-GridGeometry geometry_of(const grid_tile_t& tile);
 
 }  // namespace luminav

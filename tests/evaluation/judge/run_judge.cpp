@@ -7,6 +7,7 @@
 
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 #include "tests/evaluation/judge/map_score.hpp"
 
 namespace luminav {

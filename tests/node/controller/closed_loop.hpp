@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "services/common/process/channels.hpp"
-#include "services/common/process/lcm_conversions.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 #include "services/controller/controller_node.hpp"
 #include "tests/unit/controller/grid_planner.hpp"
 #include "tests/unit/controller/kinematic_world.hpp"

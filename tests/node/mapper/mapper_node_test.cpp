@@ -13,7 +13,7 @@
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/process/channels.hpp"
-#include "services/common/process/lcm_conversions.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 #include "services/mapper/mapper_config.hpp"
 
 namespace luminav {

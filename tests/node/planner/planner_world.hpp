@@ -16,8 +16,8 @@
 
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/process/channels.hpp"
-#include "services/common/process/lcm_conversions.hpp"
 #include "services/common/process/subscriber.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 #include "services/planner/planner_node.hpp"
 
 namespace luminav {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "services/common/process/channels.hpp"
-#include "services/common/process/lcm_conversions.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 
 namespace luminav {
 namespace {

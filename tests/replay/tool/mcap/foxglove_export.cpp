@@ -21,6 +21,7 @@
 #include "services/common/log/log_message.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 #include "tests/replay/tool/mcap/foxglove_schemas.hpp"
 #include "tests/replay/tool/mcap/json_messages.hpp"
 

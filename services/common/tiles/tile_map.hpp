@@ -26,6 +26,7 @@ class TileMap {
   void missing(std::size_t max, std::vector<std::int32_t>& columns, std::vector<std::int32_t>& rows) const;
 
  private:
+  void begin(const GridGeometry& geometry, std::int64_t session);
   OccupancyGrid grid_;
   std::optional<OccupancyGrid> before_;  // of the session before, until this one's is whole
   std::int64_t session_ = 0;

@@ -3,7 +3,7 @@
 #include <limits>
 #include <random>
 
-#include "services/common/process/lcm_conversions.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 
 namespace luminav {
 namespace {

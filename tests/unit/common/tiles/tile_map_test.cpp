@@ -1,4 +1,4 @@
-#include "services/planner/space/tile_map.hpp"
+#include "services/common/tiles/tile_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "services/common/process/lcm_conversions.hpp"
+#include "services/common/tiles/tile_codec.hpp"
 
 namespace luminav {
 namespace {
@@ -52,6 +52,25 @@ TEST(TileMap, RefusesASessionThatNoClockGives) {
   EXPECT_EQ(map.add(tile_of(std::numeric_limits<std::int64_t>::min() + 2, 0, Prior::kOccupied)),
             TileMap::Result::kRefused);
   EXPECT_EQ(map.grid().prior.front(), Prior::kFree);
+}
+
+TEST(TileMap, ForgetsNothingForATileThatDoesNotDecompress) {
+  TileMap map;
+  for (const int column : {0, 1}) {
+    EXPECT_EQ(map.add(tile_of(5, column, Prior::kFree)), TileMap::Result::kChanged);
+  }
+  grid_tile_t broken = tile_of(6, 0, Prior::kOccupied);
+  std::fill(broken.data.begin(), broken.data.end(), std::uint8_t{7});
+  EXPECT_EQ(map.add(broken), TileMap::Result::kRefused);
+  EXPECT_TRUE(map.is_complete());
+  EXPECT_EQ(map.grid().prior.front(), Prior::kFree);
+  grid_tile_t next = tile_of(5, 0, Prior::kOccupied);
+  next.revision = 2;
+  EXPECT_EQ(map.add(next), TileMap::Result::kChanged) << "the map goes on";
+  EXPECT_EQ(map.grid().prior.front(), Prior::kOccupied);
+  next.revision = -1;
+  next.map_session = 7;
+  EXPECT_EQ(map.add(next), TileMap::Result::kRefused);
 }
 
 }  // namespace
