@@ -108,14 +108,29 @@ void Controller::look_around(const ControlInput& input) {
   obstacles_.set(input.echoes, walls, zones);
 }
 
-DriveTwist Controller::by_zones(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const {
-  if (!input.world_from_robot || wanted.linear == 0.0) {
+DriveTwist Controller::by_lanes(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const {
+  constexpr double kTooSlow = 0.03;                            // [m/s] to get anywhere
+  const bool is_by_hand = input.task == ControlTask::kTeleop;  // who steers may have a reason
+  if (!input.world_from_robot || wanted.linear == 0.0 || is_by_hand) {
     return wanted;
   }
-  const Zone* const lane = zones_.against(*input.world_from_robot, wanted.linear);
-  if (lane != nullptr && input.task != ControlTask::kTeleop) {  // who steers by hand may have a reason
-    output.reason = "not against the one-way zone " + lane->name;
-    return {0.0, wanted.angular};
+  const auto room = zones_.room_against(*input.world_from_robot, wanted.linear);
+  if (!room) {
+    return wanted;
+  }
+  const double deceleration = config_.robot.limits.linear_deceleration;
+  const double reaction = config_.stop_logic.reaction_time;
+  const double speed = deceleration * (std::sqrt(reaction * reaction + 2.0 * room->distance / deceleration) - reaction);
+  if (speed >= std::abs(wanted.linear)) {
+    return wanted;
+  }
+  output.reason = "not against the one-way zone " + room->zone->name;
+  return speed < kTooSlow ? DriveTwist{0.0, wanted.angular} : at_speed(speed, wanted);
+}
+
+DriveTwist Controller::by_slow_zones(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const {
+  if (!input.world_from_robot || wanted.linear == 0.0) {
+    return wanted;
   }
   const double speed = std::abs(wanted.linear);
   const double braking =
@@ -176,7 +191,8 @@ ControlOutput Controller::step(const ControlInput& input) {
   look_for_people(input.now);
   leave_what_it_touches(input);
   const double unknown = obstacles_.min_unknown_distance(10.0);
-  const DriveTwist allowed = by_zones(with_care(wish(input, output), unknown), input, output);
+  const DriveTwist onward = by_lanes(with_care(wish(input, output), unknown), input, output);
+  const DriveTwist allowed = by_slow_zones(onward, input, output);
   const DriveTwist wanted = by_limit(allowed, input.speed_limit, output);
   DriveTwist smooth = input.is_again ? ramp_.step_again(wanted) : ramp_.step(wanted, input.duration);
   if (escape_ && wanted.linear != 0.0) {

@@ -85,8 +85,11 @@ class Controller {
   void enter(ControlTask task, const ControlInput& input);
   /// Takes up what stands around the robot, and where it must not go.
   void look_around(const ControlInput& input);
-  /// What slow and one-way zones leave of a wish.
-  [[nodiscard]] DriveTwist by_zones(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const;
+  /// What one-way zones leave of a wish: against one the robot drives as fast as it can still stop within its room.
+  [[nodiscard]] DriveTwist by_lanes(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const;
+  /// What slow zones leave of it.
+  [[nodiscard]] DriveTwist by_slow_zones(const DriveTwist& wanted, const ControlInput& input,
+                                         ControlOutput& output) const;
   /// No faster than somebody asks for, whoever drives.
   static DriveTwist by_limit(const DriveTwist& wanted, const std::optional<SpeedLimit>& limit, ControlOutput& output);
   /// Where the outline reaches into a keep-out zone of a possible pose, leaves only what leads no deeper.

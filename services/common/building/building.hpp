@@ -146,10 +146,12 @@ inline Eigen::Vector2d direction_of(const Zone& zone) {
   return {std::cos(zone.direction), std::sin(zone.direction)};
 }
 
-/// True if a movement, of any length, goes against a one-way zone. Straight across is allowed, and `slack` of the
-/// movement's length.
-inline bool goes_against(const Zone& zone, const Eigen::Vector2d& movement, double slack = 0.02) {
-  return movement.dot(direction_of(zone)) < -slack * movement.norm();
+/// What goes back by less of its length counts as straight across, which is allowed.
+inline constexpr double kLaneAcross = 0.02;
+
+/// True if a movement, of any length, goes against a one-way zone.
+inline bool goes_against(const Zone& zone, const Eigen::Vector2d& movement) {
+  return movement.dot(direction_of(zone)) < -kLaneAcross * movement.norm();
 }
 
 /// What is known of a building. Poses in the world frame.

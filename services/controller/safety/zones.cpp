@@ -103,18 +103,23 @@ void Zones::note_progress(const Eigen::Vector2d& robot) {
   }
 }
 
-const Zone* Zones::against(const Pose2& world_from_robot, double linear) const {
-  // no path leads against: this is room to steer by, back to a door that it passed
-  constexpr double kSlack = 0.5;
-  constexpr double kRoom = 0.05;  // [m]
-  const Eigen::Vector2d movement =
-      linear * Eigen::Vector2d(std::cos(world_from_robot.theta), std::sin(world_from_robot.theta));
-  const auto lane = std::find_if(lanes_.begin(), lanes_.end(), [&](const Lane& each) {
-    const bool has_room =
-        each.farthest.value_or(0.0) - world_from_robot.position().dot(direction_of(each.zone)) < kRoom;
-    return each.farthest && goes_against(each.zone, movement, has_room ? kSlack : 0.02);
-  });
-  return lane == lanes_.end() ? nullptr : &lane->zone;
+std::optional<Zones::LaneRoom> Zones::room_against(const Pose2& world_from_robot, double linear) const {
+  // no path leads against: this is room to steer by, round a post or back to a door that it passed
+  constexpr double kSteepest = 0.5;  // sine of 30 degrees
+  constexpr double kRoom = 0.06;     // [m]
+  std::optional<LaneRoom> least;
+  for (const Lane& lane : lanes_) {
+    const double back = (linear < 0.0 ? 1.0 : -1.0) * std::cos(world_from_robot.theta - lane.zone.direction);
+    if (!lane.farthest || back <= kLaneAcross) {
+      continue;
+    }
+    const double lost = *lane.farthest - world_from_robot.position().dot(direction_of(lane.zone));
+    const double distance = back > kSteepest ? 0.0 : std::max(0.0, kRoom - lost) / back;
+    if (!least || distance < least->distance) {
+      least = {&lane.zone, distance};
+    }
+  }
+  return least;
 }
 
 const Zone* Zones::quiet_at(const Pose2& world_from_robot) const {

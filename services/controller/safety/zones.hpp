@@ -30,9 +30,14 @@ class Zones {
   [[nodiscard]] bool is_line_free(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double distance) const;
   /// Notes where the robot [m, world] is: how far it has come along the one-way zones that it is in.
   void note_progress(const Eigen::Vector2d& robot);
-  /// The one-way zone that the robot is in and against which it would drive, forwards or (where negative) backwards, or
-  /// nullptr. Back by 5 cm, and no steeper than 30 degrees, is room to steer by.
-  [[nodiscard]] const Zone* against(const Pose2& world_from_robot, double linear) const;
+  /// A one-way zone, and how far [m] the robot may still drive against it.
+  struct LaneRoom {
+    const Zone* zone = nullptr;
+    double distance = 0.0;
+  };
+  /// The one-way zone that the robot is in and against which it would drive, forwards or (where negative) backwards;
+  /// nothing where there is none. Who drives back no steeper than 30 degrees has 6 cm from as far as he came.
+  [[nodiscard]] std::optional<LaneRoom> room_against(const Pose2& world_from_robot, double linear) const;
   /// The quiet zone in which the robot is, or nullptr.
   [[nodiscard]] const Zone* quiet_at(const Pose2& world_from_robot) const;
   /// The slow zone with the least speed at the robot or up to `ahead` [m] before it (behind it, where negative), or

@@ -8,6 +8,7 @@
 #include <limits>
 #include <luminav/goal_t.hpp>
 #include <luminav/initial_pose_t.hpp>
+#include <luminav/job_t.hpp>
 #include <luminav/map_command_t.hpp>
 #include <luminav/motors_command_t.hpp>
 #include <luminav/stop_t.hpp>
@@ -86,7 +87,26 @@ void Stranger::say(const std::string& channel, const Message& message) {
   say_bytes(channel, payload);
 }
 
+const std::vector<Stranger::Order>& Stranger::orders() {
+  static const std::vector<Order> kOrders = {{channels::kVelocityCommand, &Stranger::drive},
+                                             {channels::kTeleopCommand, &Stranger::steer},
+                                             {channels::kInitialPose, &Stranger::guess_pose},
+                                             {channels::kMapCommand, &Stranger::save_map},
+                                             {channels::kJob, &Stranger::ask_for_job},
+                                             {channels::kGoal, &Stranger::set_goal},
+                                             {channels::kStop, &Stranger::release_stop},
+                                             {channels::kMotorsCommand, &Stranger::disable_motors},
+                                             {channels::kProcmanOrders, &Stranger::order_processes}};
+  return kOrders;
+}
+
 void Stranger::command_everything(std::int64_t utime) {
+  for (const Order& order : orders()) {
+    give(order, utime);
+  }
+}
+
+void Stranger::drive(std::int64_t utime) {
   say(channels::kVelocityCommand, velocity_command_t{.utime = utime,
                                                      .robot = "p3dx",
                                                      .session = utime - 100'000,
@@ -94,11 +114,17 @@ void Stranger::command_everything(std::int64_t utime) {
                                                      .linear_x = 0.5,
                                                      .linear_y = 0.0,
                                                      .angular_z = 0.0});
+}
+
+void Stranger::steer(std::int64_t utime) {
   say(channels::kTeleopCommand, teleop_command_t{.utime = utime,
                                                  .session = utime - 100'000,
                                                  .sequence = static_cast<std::int32_t>(sequence_),
                                                  .linear = 0.5,
                                                  .angular = 0.0});
+}
+
+void Stranger::set_goal(std::int64_t utime) {
   goal_t goal{};
   goal.utime = goal.id = utime;
   goal.action = goal_t::ACTION_GO;
@@ -107,22 +133,50 @@ void Stranger::command_everything(std::int64_t utime) {
   goal.poses[0].x = 8.0;
   goal.poses[0].y = 6.0;
   say(channels::kGoal, goal);
+}
+
+void Stranger::ask_for_job(std::int64_t utime) {
+  job_t job{};
+  job.utime = job.id = utime;
+  job.action = job_t::ACTION_ADD;
+  job.kind = job_t::KIND_GO;
+  job.count = 1;
+  job.stops.resize(1);
+  job.stops[0].x = 8.0;
+  job.stops[0].y = 6.0;
+  job.sender = "stranger";
+  say(channels::kJob, job);
+}
+
+void Stranger::release_stop(std::int64_t utime) {
   stop_t release{};
   release.utime = release.id = utime;
   release.sender = "stranger";
   say(channels::kStop, release);
+}
+
+void Stranger::disable_motors(std::int64_t utime) {
   motors_command_t motors{};
   motors.utime = motors.id = utime;
   say(channels::kMotorsCommand, motors);
+}
+
+void Stranger::guess_pose(std::int64_t utime) {
   initial_pose_t pose{};
   pose.utime = pose.id = utime;
   pose.covariance[0] = pose.covariance[4] = pose.covariance[8] = 0.01;
   say(channels::kInitialPose, pose);
+}
+
+void Stranger::save_map(std::int64_t utime) {
   map_command_t map{};
   map.utime = map.id = utime;
   map.action = map_command_t::ACTION_SAVE;
   map.path = "intruder";
   say(channels::kMapCommand, map);
+}
+
+void Stranger::order_processes(std::int64_t utime) {
   luminav_procman::procman_orders_t orders{};
   orders.utime = utime;
   orders.deputy_id = "robot";

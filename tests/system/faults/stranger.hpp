@@ -20,8 +20,16 @@ class Stranger {
   Stranger& operator=(const Stranger&) = delete;
   ~Stranger();
 
-  /// Everything that might move, change, stop or kill something, each by multicast and by unicast, as if it answered
-  /// messages stamped `utime` [us]. Stopping the robot is left out: that is everybody's right.
+  /// A message that might move, change, stop or kill something.
+  struct Order {
+    std::string channel;
+    void (Stranger::*give)(std::int64_t utime);
+  };
+  /// All of them. Stopping the robot is left out: that is everybody's right.
+  static const std::vector<Order>& orders();
+  /// Gives an order by multicast and by unicast, as if it answered messages stamped `utime` [us].
+  void give(const Order& order, std::int64_t utime) { (this->*order.give)(utime); }
+  /// Gives all orders.
   void command_everything(std::int64_t utime);
   /// Asks the robot to stand.
   void engage_stop(std::int64_t utime);
@@ -32,6 +40,15 @@ class Stranger {
   [[nodiscard]] std::int64_t sent() const { return sent_; }
 
  private:
+  void drive(std::int64_t utime);
+  void steer(std::int64_t utime);
+  void ask_for_job(std::int64_t utime);
+  void set_goal(std::int64_t utime);
+  void release_stop(std::int64_t utime);
+  void disable_motors(std::int64_t utime);
+  void guess_pose(std::int64_t utime);
+  void save_map(std::int64_t utime);
+  void order_processes(std::int64_t utime);
   template <typename Message>
   void say(const std::string& channel, const Message& message);
   void say_bytes(const std::string& channel, const std::vector<std::uint8_t>& payload);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "services/controller/controller.hpp"
 #include "services/controller/following/speed_law.hpp"
 #include "tests/unit/controller/test_robot.hpp"
@@ -160,22 +163,25 @@ TEST(Zones, LetNoRobotDriveAgainstAOneWayZoneButByHand) {
   EXPECT_TRUE(drives(-0.5 * kPi, ControlTask::kTeleop));
 }
 
-TEST(Zones, GiveARobotFiveCentimetresAgainstAOneWayZoneToSteerBy) {
+TEST(Zones, GiveARobotSixCentimetresAgainstAOneWayZoneToSteerBy) {
   Zones zones({{"lane", ZoneKind::kOneWay, kStairs, 0.2, 0.5 * kPi}}, testing::test_robot().footprint);
-  const auto is_against = [&](double y, double theta) {
+  const auto room = [&](double y, double theta) {
     zones.note_progress({3.0, y});
-    return zones.against({3.0, y, theta}, 0.3) != nullptr;
+    const auto found = zones.room_against({3.0, y, theta}, 0.3);
+    return found ? found->distance : std::numeric_limits<double>::infinity();
   };
-  EXPECT_FALSE(is_against(0.0, -0.4)) << "a little back, to a door";
-  EXPECT_TRUE(is_against(0.0, -0.6)) << "too steep";
-  EXPECT_FALSE(is_against(-0.04, -0.4));
-  EXPECT_TRUE(is_against(-0.06, -0.4)) << "and no more";
-  EXPECT_FALSE(is_against(-0.06, 0.0)) << "across it may";
-  EXPECT_TRUE(is_against(0.5, -0.6));
-  EXPECT_TRUE(is_against(0.44, -0.4)) << "counted from as far as it came";
+  EXPECT_NEAR(room(0.0, -0.4), 0.06 / std::sin(0.4), 1e-9) << "a little back, to a door";
+  EXPECT_EQ(room(0.0, -0.6), 0.0) << "too steep";
+  EXPECT_NEAR(room(-0.04, -0.4), 0.02 / std::sin(0.4), 1e-9);
+  EXPECT_EQ(room(-0.08, -0.4), 0.0) << "and no more";
+  EXPECT_TRUE(std::isinf(room(-0.08, 0.0))) << "across it may";
+  EXPECT_EQ(zones.room_against({3.0, -0.08, kPi - 0.4}, -0.3)->distance, 0.0) << "backwards as forwards";
+  EXPECT_TRUE(std::isinf(room(0.5, 0.4)));
+  EXPECT_EQ(room(0.42, -0.4), 0.0) << "counted from as far as it came";
   zones.note_progress({0.0, 0.0});
-  EXPECT_FALSE(is_against(0.0, -0.4)) << "it left and came in again";
-  EXPECT_EQ(zones.against({0.0, 0.0, -0.5 * kPi}, 0.3), nullptr) << "outside";
+  EXPECT_GT(room(0.0, -0.4), 0.1) << "it left and came in again";
+  zones.note_progress({0.0, 0.0});
+  EXPECT_FALSE(zones.room_against({0.0, 0.0, -0.5 * kPi}, 0.3)) << "outside";
 }
 
 TEST(Zones, LookRoundInsteadOfWanderingWhereItIsQuiet) {
