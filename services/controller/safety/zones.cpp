@@ -10,6 +10,17 @@ namespace {
 
 constexpr double kSpacing = 0.05;  // [m] between points of an edge: the margin before a wall is as wide
 
+/// How far [m] a zone is ahead, where `sign` is 1, or behind; nothing where it is farther than anybody brakes.
+std::optional<double> distance_ahead(const Zone& zone, const Pose2& world_from_robot, double sign) {
+  constexpr int kSteps = 20;
+  for (int i = 0; i <= kSteps; ++i) {
+    if (contains(zone.polygon, world_from_robot * Eigen::Vector2d(sign * kSpacing * i, 0.0))) {
+      return kSpacing * i;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Zones::Zones(const std::vector<Zone>& zones, Polygon outline) : outline_(std::move(outline)) {
@@ -55,13 +66,24 @@ double Zones::depth_inside(const Zone& zone, const Pose2& world_from_robot) cons
   return overlap_depth(outline, zone.polygon, kSpacing);
 }
 
+double Zones::depth_of_edge(const Zone& zone, const Pose2& world_from_robot) const {
+  return contains(zone.polygon, world_from_robot.position()) ? 0.0 : depth_inside(zone, world_from_robot);
+}
+
+double Zones::depth(const Pose2& world_from_robot) const {
+  double depth = 0.0;
+  for (const KeepOut& area : keep_out_) {
+    depth = std::max(depth, depth_of_edge(area.zone, world_from_robot));
+  }
+  return depth;
+}
+
 DriveTwist Zones::no_deeper(const Pose2& world_from_robot, const DriveTwist& twist) const {
   constexpr double kAhead = 0.3;    // [s]
   constexpr double kAsDeep = 1e-4;  // [m] rounding: what is let through adds up, step by step
   DriveTwist kept = twist;
   for (const KeepOut& area : keep_out_) {
-    const double depth =
-        contains(area.zone.polygon, world_from_robot.position()) ? 0.0 : depth_inside(area.zone, world_from_robot);
+    const double depth = depth_of_edge(area.zone, world_from_robot);
     if (depth == 0.0) {
       continue;
     }
@@ -107,14 +129,19 @@ std::optional<Zones::LaneRoom> Zones::room_against(const Pose2& world_from_robot
   // no path leads against: this is room to steer by, round a post or back to a door that it passed
   constexpr double kSteepest = 0.5;  // sine of 30 degrees
   constexpr double kRoom = 0.06;     // [m]
+  const double sign = linear < 0.0 ? -1.0 : 1.0;
   std::optional<LaneRoom> least;
   for (const Lane& lane : lanes_) {
-    const double back = (linear < 0.0 ? 1.0 : -1.0) * std::cos(world_from_robot.theta - lane.zone.direction);
-    if (!lane.farthest || back <= kLaneAcross) {
+    const double back = -sign * std::cos(world_from_robot.theta - lane.zone.direction);
+    const std::optional<double> entry =
+        back > kLaneAcross ? distance_ahead(lane.zone, world_from_robot, sign) : std::nullopt;
+    if (!entry) {
       continue;
     }
-    const double lost = *lane.farthest - world_from_robot.position().dot(direction_of(lane.zone));
-    const double distance = back > kSteepest ? 0.0 : std::max(0.0, kRoom - lost) / back;
+    const double along = world_from_robot.position().dot(direction_of(lane.zone));
+    const double room =
+        lane.farthest && back > kSteepest ? 0.0 : std::max(0.0, kRoom - lane.farthest.value_or(along) + along);
+    const double distance = *entry + room / back;
     if (!least || distance < least->distance) {
       least = {&lane.zone, distance};
     }

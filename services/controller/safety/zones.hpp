@@ -20,6 +20,8 @@ class Zones {
   /// Adds the edges of all keep-out zones within `radius` [m] of the robot, in its frame, and returns how many points
   /// these are. A zone that the outline reaches into has no edge: the robot may leave it, see `no_deeper`.
   std::size_t add_edges(const Pose2& world_from_robot, double radius, std::vector<Eigen::Vector2d>& points) const;
+  /// How deep [m] the outline reaches into a keep-out zone; 0 for a robot whose middle is inside.
+  [[nodiscard]] double depth(const Pose2& world_from_robot) const;
   /// What of a twist leads no deeper into a keep-out zone that the outline reaches into: all of it, its straight or its
   /// turning part, or nothing. A robot whose middle is inside may go anywhere: the shortest way out may lead round a
   /// pillar.
@@ -35,8 +37,9 @@ class Zones {
     const Zone* zone = nullptr;
     double distance = 0.0;
   };
-  /// The one-way zone that the robot is in and against which it would drive, forwards or (where negative) backwards;
-  /// nothing where there is none. Who drives back no steeper than 30 degrees has 6 cm from as far as he came.
+  /// The one-way zone against which the robot would drive, forwards or (where negative) backwards, in it or within a
+  /// metre; nothing where there is none. It has 6 cm back from the edge and from as far as it came, inside no steeper
+  /// than 30 degrees.
   [[nodiscard]] std::optional<LaneRoom> room_against(const Pose2& world_from_robot, double linear) const;
   /// The quiet zone in which the robot is, or nullptr.
   [[nodiscard]] const Zone* quiet_at(const Pose2& world_from_robot) const;
@@ -54,6 +57,8 @@ class Zones {
     std::optional<double> farthest;  // [m] along its direction, since the robot came in
   };
   [[nodiscard]] double depth_inside(const Zone& zone, const Pose2& world_from_robot) const;
+  /// The same, but 0 for a robot whose middle is inside.
+  [[nodiscard]] double depth_of_edge(const Zone& zone, const Pose2& world_from_robot) const;
 
   Polygon outline_;
   double reach_ = 0.0;  // [m] from the middle of the robot to its farthest corner

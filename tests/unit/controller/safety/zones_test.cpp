@@ -125,6 +125,25 @@ TEST(Zones, HoldAPersonToEachPoseThatIsPossible) {
   EXPECT_GT(input.odom_from_robot.x, 1.0) << "and no more than that";
 }
 
+TEST(Zones, AreLeftByARobotThatMayReachIntoOneBeforeItLooksRound) {
+  ControllerConfig config = with_zone(ZoneKind::kKeepOut);
+  config.building.search = SearchManner::kWander;
+  Controller controller(config);
+  ControlInput input;
+  input.task = ControlTask::kWander;
+  input.alternatives = {{Pose2{}, 0.02}, {Pose2{30.0, 0.0, 0.0}, 0.98}};
+  input.ages = {0.05, 0.05, 0.2, 0.2, false, false};
+  input.odom_from_robot = {4.11, 0.0, 0.0};
+  for (int i = 1; i <= 10; ++i) {  // as long as one arc takes
+    input.now = 1'000'000 + 50'000 * i;
+    const ControlOutput output = controller.step(input);
+    EXPECT_EQ(output.reason, "leaving a keep-out zone that it may reach into");
+    EXPECT_EQ(output.twist.angular, 0.0);
+    input.odom_from_robot = input.odom_from_robot * drive_arc(output.twist, 0.05);
+  }
+  EXPECT_GT(input.odom_from_robot.x, 4.12);
+}
+
 TEST(Zones, LeaveALineFreeThatKeepsItsDistance) {
   const Zones zones({{"stairs", ZoneKind::kKeepOut, kStairs, 0.2}}, testing::test_robot().footprint);
   EXPECT_FALSE(zones.is_line_free({1.0, -2.0}, {5.0, 1.0}, 0.25)) << "through it";
@@ -182,6 +201,8 @@ TEST(Zones, GiveARobotSixCentimetresAgainstAOneWayZoneToSteerBy) {
   EXPECT_GT(room(0.0, -0.4), 0.1) << "it left and came in again";
   zones.note_progress({0.0, 0.0});
   EXPECT_FALSE(zones.room_against({0.0, 0.0, -0.5 * kPi}, 0.3)) << "outside";
+  zones.note_progress({3.0, 1.5});
+  EXPECT_NEAR(zones.room_against({3.0, 1.52, -0.5 * kPi}, 0.3)->distance, 0.58, 0.05) << "before it";
 }
 
 TEST(Zones, LookRoundInsteadOfWanderingWhereItIsQuiet) {
