@@ -55,7 +55,7 @@ StopRequests read_kept(const std::filesystem::path& file) {
 
 std::string write(const std::filesystem::path& file, const std::string& line) {
   try {
-    std::filesystem::create_directories(file.parent_path());
+    make_folders(file.parent_path());
     write_whole_file(file, line);
     return "";
   } catch (const std::exception& error) {

@@ -147,6 +147,14 @@ void write_whole_file(const std::filesystem::path& file, std::string_view bytes,
   whole.finish(durability);
 }
 
+void make_folders(const std::filesystem::path& folder) {
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    make_folders(folder.parent_path());
+    std::filesystem::create_directory(folder);
+    sync_folder_of(folder);
+  }
+}
+
 void keep_standard_output_for_files() {
   if (g_standard_output == STDOUT_FILENO) {
     std::fflush(stdout);

@@ -44,6 +44,9 @@ class WholeFile {
 void write_whole_file(const std::filesystem::path& file, std::string_view bytes,
                       Durability durability = Durability::kSynced);
 
+/// As std::filesystem::create_directories, and what it makes is on the disk: a synced file in it stays where it is.
+void make_folders(const std::filesystem::path& folder);
+
 /// Keeps standard output for what is written to "-": all that is printed from now on goes to standard error.
 void keep_standard_output_for_files();
 

@@ -12,14 +12,16 @@ namespace {
 constexpr std::int64_t kMemory = 3'000'000;  // [us] three times as long as a process is silent
 
 /// The roles that only one process may play for a robot, and how several are called.
-constexpr std::array<std::pair<const char*, const char*>, 8> kRoles = {{{"p3dx", "drivers"},
-                                                                        {"create2", "drivers"},
-                                                                        {"camera", "cameras"},
-                                                                        {"detector", "detectors"},
-                                                                        {"localizer", "localizers"},
-                                                                        {"mapper", "mappers"},
-                                                                        {"planner", "planners"},
-                                                                        {"controller", "controllers"}}};
+constexpr std::array<std::pair<const char*, const char*>, 10> kRoles = {{{"p3dx", "drivers"},
+                                                                         {"create2", "drivers"},
+                                                                         {"camera", "cameras"},
+                                                                         {"detector", "detectors"},
+                                                                         {"localizer", "localizers"},
+                                                                         {"mapper", "mappers"},
+                                                                         {"planner", "planners"},
+                                                                         {"controller", "controllers"},
+                                                                         {"jobs", "job services"},
+                                                                         {"simulator", "simulators"}}};
 
 const char* name_of_several(const std::string& process) {
   for (const auto& [role, several] : kRoles) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -49,6 +50,13 @@ TEST_F(HostClockTest, TakesNobodyElsesOffset) {
 
   std::filesystem::remove(file_);
   ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
+  EXPECT_THROW(HostClock(), std::runtime_error);
+}
+
+TEST_F(HostClockTest, TakesNoOffsetFromAFileOfAnotherUser) {
+  if (chown(file_.c_str(), getuid() + 1, getgid()) != 0) {
+    GTEST_SKIP() << "only root may give a file away";
+  }
   EXPECT_THROW(HostClock(), std::runtime_error);
 }
 

@@ -1,7 +1,9 @@
 #include "services/common/process/event_loop.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "services/common/process/channels.hpp"
@@ -119,6 +121,46 @@ TEST(EventLoop, CallsBackWhenNoTimeIsLeft) {
   world.loop.every(10'000, [&] { left = left ? 0 : 10'000; });
   world.loop.run();
   EXPECT_EQ(called, (std::vector<int>{1, 1}));
+}
+
+TEST(EventLoop, IsDegradedWhileItHearsNotEvenItself) {
+  const TemporaryFolder folder;
+  const std::string log = (folder.path() / "said.lcm").string();
+  {
+    lcm::LCM lcm("file://" + log + "?mode=w");  // takes what is said, and nothing is ever heard
+    EventLoop loop(lcm, "controller", "p3dx");
+    int rounds = 0;
+    loop.every(3'700'000, [&] {
+      if (rounds++ > 0) {
+        loop.stop();
+      }
+    });
+    loop.run();
+  }
+  std::vector<node_status_t> said;
+  lcm::LogFile file(log, "r");
+  for (const lcm::LogEvent* event = file.readNextEvent(); event != nullptr; event = file.readNextEvent()) {
+    ASSERT_GT(said.emplace_back().decode(event->data, 0, event->datalen), 0);
+  }
+  ASSERT_GE(said.size(), 2U);
+  EXPECT_EQ(said.front().state, node_status_t::STATE_READY) << "it may not have spoken yet";
+  EXPECT_EQ(said.back().state, node_status_t::STATE_DEGRADED);
+  EXPECT_EQ(said.back().reason, "hears not even itself on the network: its interface is gone");
+}
+
+TEST(EventLoop, LetsItsProcessHaveHalfAGigabyte) {
+#ifdef LUMINAV_SANITIZED
+  GTEST_SKIP() << "sanitizers need more and get it";
+#endif
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_DATA, &before), 0);
+  const rlimit as_much_as_may_be{before.rlim_max, before.rlim_max};  // other tests have limited it already
+  ASSERT_EQ(setrlimit(RLIMIT_DATA, &as_much_as_may_be), 0);
+  const LoopWorld world;
+  rlimit limited{};
+  EXPECT_EQ(getrlimit(RLIMIT_DATA, &limited), 0);
+  setrlimit(RLIMIT_DATA, &before);
+  EXPECT_EQ(limited.rlim_cur, std::min<rlim_t>(before.rlim_max, 512 << 20));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
-// What a disk keeps of a WholeFile when the power goes between any two of its system calls, which the linker leads
-// through here (--wrap). Linux promises only this: a file's bytes are kept once it is synced, a name once its folder
-// is.
+// What a disk keeps of a WholeFile, and so of the software stop, when the power goes between any two of its system
+// calls, which the linker leads through here (--wrap). Linux promises only this: a file's bytes are kept once it is
+// synced, a name once its folder is.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/base/safety/stop_latch.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -116,6 +118,55 @@ TEST(PowerCut, LeavesTheBeginningOfTheNewFileAtWorstWhereNoDiskMayHoldUpADrive) 
     for (const std::string& content : contents) {
       EXPECT_TRUE(content == "old" || std::string("new").starts_with(content)) << '"' << content << '"';
     }
+  }
+}
+
+/// Asks for a stop, or for its end, and waits until it is kept.
+void request(StopLatch& latch, std::int64_t id, bool engaged) {
+  latch.request(id, engaged, "viewer");
+  latch.save(0);
+  latch.finish_saving();
+  EXPECT_EQ(latch.trouble(), "");
+}
+
+/// The id of the last request that a driver knows which finds this in its folder; 0 = it cannot read it.
+std::int64_t id_kept_in(const std::string& content) {
+  const TemporaryFolder folder;
+  folder.write("stop", content);
+  return StopLatch(folder.path()).id();
+}
+
+TEST(PowerCut, LeavesTheLastOrTheNewRequestOfAStop) {
+  const TemporaryFolder folder;
+  StopLatch latch(folder.path());
+  request(latch, 1, true);
+  for (const std::int64_t id : {2, 3}) {
+    const auto kept = cut_everywhere(folder.path() / "stop", [&] { request(latch, id, id == 3); });
+    for (const std::set<std::string>& contents : kept) {
+      for (const std::string& content : contents) {
+        EXPECT_THAT(id_kept_in(content), testing::AnyOf(id - 1, id)) << '"' << content << '"';
+      }
+    }
+    ASSERT_EQ(kept.back().size(), 1U) << "written is written";
+    EXPECT_EQ(id_kept_in(*kept.back().begin()), id);
+  }
+}
+
+TEST(PowerCut, LeavesTheFoldersThatAreMadeForTheFirstStop) {
+  const TemporaryFolder folder;
+  StopLatch latch(folder.path() / "state/p3dx");
+  g_calls.clear();
+  request(latch, 1, true);
+  std::set<ino_t> synced;
+  for (const Call& call : g_calls) {
+    if (call.kind == Call::Kind::kSyncFolder) {
+      synced.insert(call.file);
+    }
+  }
+  for (const char* with_a_new_name : {"", "state", "state/p3dx"}) {
+    FileStatus status{};
+    ASSERT_EQ(stat((folder.path() / with_a_new_name).c_str(), &status), 0);
+    EXPECT_TRUE(synced.contains(status.st_ino)) << '"' << with_a_new_name << '"';
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 namespace luminav {
 namespace {
 
@@ -25,6 +27,20 @@ TEST(RoleWatch, NamesTwoControllersThatAreHeardInTurn) {
   EXPECT_EQ(watch.conflict(13 * kSecond), "two controllers on this network: desk, robot");
   EXPECT_EQ(watch.conflict_of("controller", 13 * kSecond), "two controllers on this network: desk, robot");
   EXPECT_EQ(watch.conflict_of("localizer", 13 * kSecond), "");
+}
+
+TEST(RoleWatch, NamesTwoOfEachThatOnlyOneMayPlay) {
+  const std::map<std::string, std::string> several = {
+      {"p3dx", "drivers"},         {"create2", "drivers"},     {"camera", "cameras"},   {"detector", "detectors"},
+      {"localizer", "localizers"}, {"mapper", "mappers"},      {"planner", "planners"}, {"controller", "controllers"},
+      {"jobs", "job services"},    {"simulator", "simulators"}};
+  for (const auto& [process, name] : several) {
+    RoleWatch watch("p3dx");
+    for (const std::int64_t instance : {1, 2, 1}) {
+      watch.hear(status(process, "robot", instance), 10 * kSecond);
+    }
+    EXPECT_EQ(watch.conflict(11 * kSecond), "two " + name + " on this network, both on robot");
+  }
 }
 
 TEST(RoleWatch, SaysSoWhenBothAreOnOneMachine) {
@@ -61,7 +77,9 @@ TEST(RoleWatch, MindsNeitherOtherRobotsNorWhatMayRunTwice) {
   RoleWatch watch("p3dx");
   for (int i = 0; i < 3; ++i) {
     for (const std::int64_t instance : {1, 2}) {
-      watch.hear(status("viewer", "desk", instance), 10 * kSecond);
+      for (const char* process : {"viewer", "caretaker", "deputy"}) {
+        watch.hear(status(process, "desk", instance), 10 * kSecond);
+      }
       node_status_t other = status("controller", "desk", instance);
       other.robot = "another";
       watch.hear(other, 10 * kSecond);

@@ -78,6 +78,18 @@ TEST(BuildingFile, RefusesHoursOfAZoneThatNoClockShows) {
   EXPECT_THAT(refusal_of(zone + "hours = 8\n"), HasSubstr("hours"));
 }
 
+TEST(BuildingFile, SaysHowARobotMaySearch) {
+  const TemporaryFolder folder;
+  const auto search_of = [&](const std::string& line) {
+    return read_building(folder.write("building.toml", kHead + line)).search;
+  };
+  EXPECT_EQ(search_of(""), SearchManner::kTurn);
+  EXPECT_EQ(search_of("search = \"wander\"\n"), SearchManner::kWander);
+  EXPECT_EQ(search_of("search = \"turn\"\n"), SearchManner::kTurn);
+  EXPECT_EQ(search_of("search = \"stand\"\n"), SearchManner::kStand);
+  EXPECT_THROW((void)search_of("search = \"run\"\n"), ConfigurationError);
+}
+
 Fixture read_kind(const std::string& text) {
   const TemporaryFolder folder;
   return read_fixture_kind(TomlTable::load(folder.write("fixture.toml", text)), 2.7);
