@@ -409,24 +409,21 @@ void Controller::leave_what_it_touches(const ControlInput& input) {
 // To turn there may lead deeper, for one of the poses that are possible for as long as the robot stands: straight on or
 // back leads out.
 void Controller::leave_zones(const ControlInput& input) {
-  constexpr double kSpeed = 0.1;         // [m/s]
-  constexpr double kDuration = 0.5;      // [s]
-  constexpr double kWorthwhile = 0.002;  // [m] less deep
+  constexpr double kSpeed = 0.1;     // [m/s]
+  constexpr double kDuration = 0.5;  // [s]
   if (escape_ || input.task != ControlTask::kWander || input.world_from_robot || !may_travel(input.task)) {
     return;
   }
   std::vector<Pose2> inside;
   for (const PoseAlternative& alternative : input.alternatives) {
     const Pose2 world_from_robot = alternative.world_from_odom * input.odom_from_robot;
-    if (alternative.weight >= kPossible && zones_.depth(world_from_robot) > 0.0) {
+    if (alternative.weight >= kPossible && zones_.reaches_in(world_from_robot)) {
       inside.push_back(world_from_robot);
     }
   }
   for (const double speed : {kSpeed, -kSpeed}) {
     const EscapeMove::Arc out{{speed, 0.0}, kDuration};
-    const auto leads_out = [&](const Pose2& pose) {
-      return zones_.depth(pose * drive_arc(out.twist, out.duration)) < zones_.depth(pose) - kWorthwhile;
-    };
+    const auto leads_out = [&](const Pose2& pose) { return zones_.leads_out(pose, out.twist); };
     const auto is_no_deeper = [&](const Pose2& pose) { return zones_.no_deeper(pose, out.twist).linear == speed; };
     const bool may_drive = speed > 0.0 || may_back(input.ages, config_.stop_logic);
     if (may_drive && std::any_of(inside.begin(), inside.end(), leads_out) &&

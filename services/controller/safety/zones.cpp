@@ -10,6 +10,17 @@ namespace {
 
 constexpr double kSpacing = 0.05;  // [m] between points of an edge: the margin before a wall is as wide
 
+constexpr double kAhead = 0.3;  // [s] for which a twist is looked at
+
+/// Whether the robot's middle gets away from a zone. Beside a corner the outline may reach in a little deeper
+/// meanwhile.
+bool leads_away(const Zone& zone, const Pose2& world_from_robot, const DriveTwist& twist) {
+  constexpr double kSteepest = 0.3;  // of what is driven
+  const double gained = distance_to_edge(zone.polygon, (world_from_robot * drive_arc(twist, kAhead)).position()) -
+                        distance_to_edge(zone.polygon, world_from_robot.position());
+  return gained > kSteepest * kAhead * std::abs(twist.linear) && twist.linear != 0.0;
+}
+
 /// How far [m] a zone is ahead, where `sign` is 1, or behind; nothing where it is farther than anybody brakes.
 std::optional<double> distance_ahead(const Zone& zone, const Pose2& world_from_robot, double sign) {
   constexpr int kSteps = 20;
@@ -70,16 +81,18 @@ double Zones::depth_of_edge(const Zone& zone, const Pose2& world_from_robot) con
   return contains(zone.polygon, world_from_robot.position()) ? 0.0 : depth_inside(zone, world_from_robot);
 }
 
-double Zones::depth(const Pose2& world_from_robot) const {
-  double depth = 0.0;
-  for (const KeepOut& area : keep_out_) {
-    depth = std::max(depth, depth_of_edge(area.zone, world_from_robot));
-  }
-  return depth;
+bool Zones::reaches_in(const Pose2& world_from_robot) const {
+  return std::any_of(keep_out_.begin(), keep_out_.end(),
+                     [&](const KeepOut& area) { return depth_of_edge(area.zone, world_from_robot) > 0.0; });
+}
+
+bool Zones::leads_out(const Pose2& world_from_robot, const DriveTwist& twist) const {
+  return std::any_of(keep_out_.begin(), keep_out_.end(), [&](const KeepOut& area) {
+    return depth_of_edge(area.zone, world_from_robot) > 0.0 && leads_away(area.zone, world_from_robot, twist);
+  });
 }
 
 DriveTwist Zones::no_deeper(const Pose2& world_from_robot, const DriveTwist& twist) const {
-  constexpr double kAhead = 0.3;    // [s]
   constexpr double kAsDeep = 1e-4;  // [m] rounding: what is let through adds up, step by step
   DriveTwist kept = twist;
   for (const KeepOut& area : keep_out_) {
@@ -89,7 +102,8 @@ DriveTwist Zones::no_deeper(const Pose2& world_from_robot, const DriveTwist& twi
     }
     const std::array<DriveTwist, 4> parts = {{kept, {kept.linear, 0.0}, {0.0, kept.angular}, {}}};
     kept = *std::find_if(parts.begin(), parts.end(), [&](const DriveTwist& part) {
-      return depth_inside(area.zone, world_from_robot * drive_arc(part, kAhead)) <= depth + kAsDeep;
+      return depth_inside(area.zone, world_from_robot * drive_arc(part, kAhead)) <= depth + kAsDeep ||
+             leads_away(area.zone, world_from_robot, part);
     });
   }
   return kept;
