@@ -28,12 +28,20 @@ std::string name_of(const JobStop& stop) {
   return stop.place.empty() ? fmt::format("({:.1f}, {:.1f})", stop.pose.x, stop.pose.y) : stop.place;
 }
 
+std::int64_t JobQueue::newest_id() const {
+  std::int64_t newest = table_.echoes.empty() ? 0 : table_.echoes.back().id;
+  for (const Job& job : table_.jobs) {
+    newest = std::max(newest, job.id);
+  }
+  return newest;
+}
+
 bool JobQueue::is_known(std::int64_t request) const {
   const std::vector<RequestEcho>& echoes = table_.echoes;
   const auto by_id = [](const RequestEcho& echo, std::int64_t id) { return echo.id < id; };
   const auto found = std::lower_bound(echoes.begin(), echoes.end(), request, by_id);
   const bool is_echoed = found != echoes.end() && found->id == request;
-  const bool is_too_old = echoes.size() == kMaxEchoes && found == echoes.begin();
+  const bool is_too_old = (echoes.size() == kMaxEchoes && found == echoes.begin()) || newest_id() - request > kMaxAge;
   const bool is_job =
       std::any_of(table_.jobs.begin(), table_.jobs.end(), [&](const Job& j) { return j.id == request; });
   return is_echoed || is_too_old || is_job;

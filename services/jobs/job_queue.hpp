@@ -30,12 +30,14 @@ class JobQueue {
  public:
   static constexpr std::size_t kMaxWaiting = 20;
   static constexpr std::size_t kMaxOver = 10;
-  static constexpr std::size_t kMaxEchoes = 32;  // as job_status_t says
+  static constexpr std::size_t kMaxEchoes = 32;         // as job_status_t says
+  static constexpr std::int64_t kMaxAge = 600'000'000;  // [us] likewise; ids are taken from the clock
 
   [[nodiscard]] const JobTable& table() const { return table_; }
   void restore(JobTable table) { table_ = std::move(table); }
 
-  /// Acted on already, or older than all that is remembered: its sender has long given up.
+  /// Acted on already, or older than all that is remembered, or ten minutes older than the newest of it: its sender has
+  /// long given up, and whoever plays a log sends it once more.
   [[nodiscard]] bool is_known(std::int64_t request) const;
   void echo(std::int64_t request, const std::string& objection);
 
@@ -64,6 +66,9 @@ class JobQueue {
   [[nodiscard]] std::vector<const Job*> in_order() const;
 
  private:
+  /// Of all requests and jobs that are remembered; 0 = none are.
+  [[nodiscard]] std::int64_t newest_id() const;
+
   JobTable table_;
 };
 

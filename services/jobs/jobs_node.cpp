@@ -18,7 +18,7 @@ constexpr std::int64_t kStatusPeriod = 950'000;   // [us] JOB_STATUS is repeated
 constexpr std::int64_t kKeepPeriod = 20'000'000;  // [us] the table is kept anew: how long ago tells whether it goes on
 constexpr double kLongestStep = 1.0;              // [s] a clock that jumps is no time that passes
 constexpr std::int64_t kPoseAge = 1'000'000;      // [us] an older pose does not count
-static_assert(JobQueue::kMaxEchoes == job_status_t::MAX_ECHOES);
+static_assert(JobQueue::kMaxEchoes == job_status_t::MAX_ECHOES && JobQueue::kMaxAge == job_status_t::MAX_AGE);
 constexpr std::size_t kMaxEchoes = 100;  // without a tick
 constexpr int kFarewells = 3;            // cancellations at the end, of which one arrives
 

@@ -134,8 +134,15 @@ void LocalizerNode::on_initial_pose(const initial_pose_t& message) {
     subscriber_.drop("INITIAL_POSE: not a pose of any building");
     return;
   }
-  localizer_->add_guess(
-      {message.id, {{message.x, message.y, wrap_angle(message.theta)}, to_matrix(message.covariance)}});
+  if (message.id == guess_id_) {
+    return;  // repeated until the echo arrives
+  }
+  if (message.id < guess_id_) {
+    subscriber_.drop("INITIAL_POSE from before the last one");
+    return;
+  }
+  guess_id_ = message.id;
+  localizer_->add_guess({{message.x, message.y, wrap_angle(message.theta)}, to_matrix(message.covariance)});
 }
 
 void LocalizerNode::recall_pose(const odometry_t& odometry) {
@@ -188,7 +195,7 @@ void LocalizerNode::publish_pose(const LocalizerEstimate& estimate) {
   pose.distance_since_fixture = estimate.distance_since_fixture;
   pose.has_nis = estimate.has_nis ? 1 : 0;
   pose.nis = estimate.nis;
-  pose.initial_pose_id = estimate.initial_pose_id;
+  pose.initial_pose_id = guess_id_;
   lcm_.publish(channels::kPose, &pose);
   ++pose.sequence;
 }

@@ -64,6 +64,7 @@ class LocalizerNode {
   std::int64_t hypotheses_utime_ = 0;  // [us] of the last HYPOTHESES
   std::int64_t last_frame_ = 0;        // [us] of odometry when the newest image was heard of
   odometry_t odometry_{};              // the newest; stamp 0 = none yet
+  std::int64_t guess_id_ = 0;          // of the last INITIAL_POSE taken up
   Subscriber subscriber_;              // last: handlers may run as soon as it exists
 };
 

@@ -116,16 +116,12 @@ void ModernLocalizer::recall(const PoseBelief& belief) {
   supervisor_.recall();
 }
 
-void ModernLocalizer::add_guess(const PoseGuess& guess) {
-  if (guess.id == guess_id_) {
-    return;
-  }
-  guess_id_ = guess.id;
+void ModernLocalizer::add_guess(const PoseBelief& guess) {
   bank_.begin_step();
   if (supervisor_.is_tracking()) {
-    supervisor_.add_rival(guess.belief);
+    supervisor_.add_rival(guess);
   } else {
-    bank_.add_guess(guess.belief, params_.rules.log_prior_of_guess);
+    bank_.add_guess(guess, params_.rules.log_prior_of_guess);
   }
   bank_.tidy();
   decide({});
@@ -331,7 +327,6 @@ LocalizerEstimate ModernLocalizer::estimate() const {
   estimate.fixture_utime = fixture_utime_;
   estimate.has_nis = has_nis_;
   estimate.nis = nis_;
-  estimate.initial_pose_id = guess_id_;
   const Pose2 ahead = since_filter();
   estimate.distance_since_fixture = odometer_ - odometer_at_fixture_ + std::hypot(ahead.x, ahead.y);
   if (supervisor_.has_leader()) {

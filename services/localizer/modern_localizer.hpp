@@ -39,7 +39,7 @@ class ModernLocalizer final : public Localizer {
   void add_frame(const SightingFrame& frame) override;
   void add_sonar(const SonarScan& scan) override;
   void add_base_state(const BaseState& state) override;
-  void add_guess(const PoseGuess& guess) override;
+  void add_guess(const PoseBelief& guess) override;
   void recall(const PoseBelief& belief) override;
   [[nodiscard]] LocalizerEstimate estimate() const override;
   [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t max) const override;
@@ -102,7 +102,6 @@ class ModernLocalizer final : public Localizer {
   double odometer_at_fixture_ = 0.0;  // [m]
   double nis_ = 0.0;
   bool has_nis_ = false;
-  std::int64_t guess_id_ = 0;
 };
 
 }  // namespace luminav

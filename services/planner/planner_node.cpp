@@ -162,20 +162,22 @@ void PlannerNode::end() {
 void PlannerNode::resume_stored_goal(std::int64_t now) {
   stored_goal_checked_ = true;
   const std::optional<StoredGoal> stored = keeper_.recall();
-  if (!stored || executor_.is_active() || !objection_to(stored->goal).empty()) {
+  if (!stored || executor_.is_active()) {
     return;
   }
   const goal_t& goal = stored->goal;
   keeper_.accept(goal);
   done_ids_.push_back(goal.id);
-  const std::string objection = objection_to_resuming(*stored, {config_.boot, config_.building, now});
-  if (objection.empty()) {
-    executor_.resume_at(request_from(goal), stored->pose_index, now);
-  } else if (stored->kept.building != config_.building) {
-    keeper_.leave(*stored);  // its coordinates mean nothing here
+  const std::string why_ask = objection_to_resuming(*stored, {config_.boot, config_.building, now});
+  const bool is_elsewhere = stored->kept.building != config_.building;  // its coordinates mean nothing here
+  const std::string objection = is_elsewhere ? why_ask : objection_to(goal);
+  if (!objection.empty()) {
+    keeper_.leave(*stored);
     executor_.refuse(goal.id, "a kept goal is dropped: " + objection, now);
+  } else if (why_ask.empty()) {
+    executor_.resume_at(request_from(goal), stored->pose_index, now);
   } else {
-    executor_.show_paused(request_from(goal), stored->pose_index, objection, now);
+    executor_.show_paused(request_from(goal), stored->pose_index, why_ask, now);
   }
 }
 

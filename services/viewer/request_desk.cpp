@@ -104,8 +104,12 @@ void RequestDesk::on_job_status(const job_status_t& message) {
   const auto& ids = message.echo_ids;
   std::erase_if(pending_jobs_,
                 [&](const job_t& job) { return std::find(ids.begin(), ids.end(), job.id) != ids.end(); });
-  if (!ids.empty()) {  // below all that it knows it acts on nothing: somebody's clock is ahead of ours
-    last_id_ = std::max(last_id_, *std::max_element(ids.begin(), ids.end()));
+  // far below what it knows it acts on nothing: somebody's clock is ahead of ours, or the robot's is
+  for (const std::int64_t id : ids) {
+    last_id_ = std::max(last_id_, id);
+  }
+  for (const job_state_t& job : message.jobs) {
+    last_id_ = std::max(last_id_, job.id);
   }
 }
 

@@ -10,12 +10,6 @@
 
 namespace luminav {
 
-/// A guess of the pose from outside.
-struct PoseGuess {
-  std::int64_t id = 0;
-  PoseBelief belief;
-};
-
 /// What the robot's base says of itself, as far as it matters here.
 struct BaseState {
   std::int64_t utime = 0;  // [us]
@@ -32,7 +26,8 @@ class Localizer {
   virtual void add_frame(const SightingFrame& frame) = 0;
   virtual void add_sonar(const SonarScan& scan) = 0;
   virtual void add_base_state(const BaseState& state) = 0;
-  virtual void add_guess(const PoseGuess& guess) = 0;
+  /// A pose from outside that is to be weighed against what is seen.
+  virtual void add_guess(const PoseBelief& guess) = 0;
   /// A pose from before a restart, carried to now by odometry. Held for true once the first sighting agrees.
   virtual void recall(const PoseBelief& belief) = 0;
 

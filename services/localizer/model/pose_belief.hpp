@@ -36,8 +36,7 @@ struct LocalizerEstimate {
   std::int64_t fixture_utime = 0;       // [us] of the last image whose sightings were used
   double distance_since_fixture = 0.0;  // [m]
   bool has_nis = false;
-  double nis = 0.0;                  // normalised innovation squared per degree of freedom, running mean
-  std::int64_t initial_pose_id = 0;  // of the last guess taken up
+  double nis = 0.0;  // normalised innovation squared per degree of freedom, running mean
 };
 
 /// Square root of the mean position variance [m].

@@ -56,23 +56,19 @@ void PaperLocalizer::add_frame(const SightingFrame& frame) {
   }
 }
 
-void PaperLocalizer::add_guess(const PoseGuess& guess) {
-  if (guess.id == guess_id_) {
-    return;
-  }
-  guess_id_ = guess.id;
+void PaperLocalizer::add_guess(const PoseBelief& guess) {
   if (is_kalman_) {
-    if (agree(guess.belief, belief_)) {
+    if (agree(guess, belief_)) {
       return;
     }
     give_up("a pose was given that is not the one followed");  // the particles of both will tell
-    filter_.gather(guess.belief, params_.handover.gathered_share);
+    filter_.gather(guess, params_.handover.gathered_share);
     return;
   }
   clusters_.clear();
   candidate_.reset();
   confidence_.restart();  // what was seen so far spoke of another pose
-  follow(guess.belief, "a pose was given");
+  follow(guess, "a pose was given");
 }
 
 /// The Kalman filter starts; until what is seen speaks for the pose it is not trusted.
@@ -246,7 +242,6 @@ LocalizerEstimate PaperLocalizer::estimate() const {
   estimate.distance_since_fixture = odometer_ - odometer_at_fixture_;
   estimate.has_nis = has_nis_;
   estimate.nis = nis_;
-  estimate.initial_pose_id = guess_id_;
   Pose2 ahead;
   if (filter_odometry_ && !queue_.history().is_empty()) {
     ahead = filter_odometry_->odom_from_robot.inverse() * queue_.history().newest().odom_from_robot;

@@ -48,7 +48,7 @@ class PaperLocalizer final : public Localizer {
   void add_frame(const SightingFrame& frame) override;
   void add_sonar(const SonarScan&) override {}
   void add_base_state(const BaseState&) override {}
-  void add_guess(const PoseGuess& guess) override;
+  void add_guess(const PoseBelief& guess) override;
   void recall(const PoseBelief& belief) override { follow(belief, "the pose from before the restart"); }
   [[nodiscard]] LocalizerEstimate estimate() const override;
   [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t max) const override;
@@ -96,7 +96,6 @@ class PaperLocalizer final : public Localizer {
   bool has_nis_ = false;
   std::int64_t fixture_utime_ = 0;
   double odometer_at_fixture_ = 0.0;
-  std::int64_t guess_id_ = 0;
 };
 
 }  // namespace luminav

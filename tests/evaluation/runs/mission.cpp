@@ -93,16 +93,19 @@ void Mission::on_truth(const sim_truth_t& truth) {
   }
 }
 
+// Ids grow: ours must be newer than that of whoever came before. Whoever comes after it is right.
 void Mission::tell_start(const sim_truth_t& truth) {
-  const std::int64_t id = first_utime_;
+  const std::int64_t echo = pose_ ? pose_->initial_pose_id : 0;
   const std::int64_t utime = truth.utime;
-  if ((pose_ && pose_->initial_pose_id == id) || utime - first_utime_ > 60'000'000 ||
-      (utime - first_utime_) % kRepeat >= 10'000) {
+  if (start_id_ == 0) {
+    start_id_ = std::max(first_utime_, echo + 1);
+  }
+  if (echo >= start_id_ || utime - first_utime_ > 60'000'000 || (utime - first_utime_) % kRepeat >= 10'000) {
     return;
   }
   initial_pose_t message{};
   message.utime = utime;
-  message.id = id;
+  message.id = start_id_;
   message.x = truth.x;
   message.y = truth.y;
   message.theta = truth.theta;

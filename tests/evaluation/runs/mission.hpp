@@ -69,6 +69,7 @@ class Mission {
   std::vector<Pose2> request_poses_;
   std::vector<double> driven_;      // [m] for each requested goal
   std::int64_t first_utime_ = 0;    // [us]
+  std::int64_t start_id_ = 0;       // of the INITIAL_POSE that tells a known start; 0 = not told yet
   std::int64_t goal_id_ = 0;        // 0 = the current goal is not requested yet
   std::int64_t requested_at_ = 0;   // [us]
   std::int64_t last_sent_ = 0;      // [us]

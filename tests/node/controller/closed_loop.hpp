@@ -107,6 +107,7 @@ class ClosedLoop {
   bool motors = true;
   bool drops_pose = false;
   bool drops_sonar = false;
+  bool drops_plan = false;         // NAVIGATION_STATUS and PATH
   std::set<std::size_t> deaf;      // discs that hear nothing, on time
   std::optional<double> stuck_at;  // [m] all discs say this
 
@@ -190,7 +191,7 @@ class ClosedLoop {
     }
   }
   void plan() {
-    if (goal_id_ == 0) {
+    if (goal_id_ == 0 || drops_plan) {
       return;
     }
     if (!is_localizing_ && (next_plan_ == 0 || (mission_.replan_every > 0.0 && utime_ >= next_plan_))) {

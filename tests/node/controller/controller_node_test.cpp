@@ -101,6 +101,18 @@ TEST_F(ControllerNodeTest, FollowsAndArrivesOnce) {
   EXPECT_DOUBLE_EQ(loop_.command_message().linear_x, 0.0);
 }
 
+TEST_F(ControllerNodeTest, FollowsItsPathForThreeSecondsAfterThePlannersLastWord) {
+  drive_off();
+  loop_.drops_plan = true;
+  run(2.7);
+  EXPECT_GT(loop_.command_message().linear_x, 0.2) << "one that crashed is back by then";
+  run(1.3);  // and it brakes from 0.5 m/s
+  expect_standing("the planner is silent");
+  loop_.drops_plan = false;
+  run(1.0);
+  EXPECT_GT(loop_.command_message().linear_x, 0.1);
+}
+
 TEST_F(ControllerNodeTest, AnswersAPoseThatAPictureCorrectedAtOnce) {
   drive_off();
   for (int ticks = 0; ticks < 2; ++ticks) {  // with a step of control at the newest tick, and without

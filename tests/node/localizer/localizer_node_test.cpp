@@ -453,6 +453,31 @@ TEST_F(LocalizerNodeTest, TakesAGuessAsAHypothesisAndEchoesItsId) {
   EXPECT_NEAR(poses_.back().x, 4.0, 1e-9);
 }
 
+TEST_F(LocalizerNodeTest, DropsAGuessFromBeforeTheLastOne) {
+  send_odometry(1'000'000);
+  initial_pose_t guess{};
+  guess.utime = 1'000'000;
+  guess.id = 78;
+  guess.x = 4.0;
+  guess.y = 3.0;
+  guess.covariance[0] = guess.covariance[4] = guess.covariance[8] = 0.01;
+  lcm_.publish(channels::kInitialPose, &guess);
+  lcm_.publish(channels::kInitialPose, &guess);  // repeated until the echo arrives: no fault
+  handle_all();
+  EXPECT_EQ(node_.health().dropped_inputs, 0);
+  guess.id = 77;
+  guess.x = 2.0;
+  guess.covariance[0] = guess.covariance[4] = guess.covariance[8] = 1e-4;
+  lcm_.publish(channels::kInitialPose, &guess);
+  handle_all();
+  send_odometry(1'100'000);
+  EXPECT_EQ(node_.health().dropped_inputs, 1);
+  EXPECT_EQ(poses_.back().initial_pose_id, 78);
+  EXPECT_NEAR(poses_.back().x, 4.0, 1e-9);
+  ASSERT_FALSE(hypotheses_.empty());
+  EXPECT_EQ(node_.localizer().hypotheses(10).size(), 1U) << "nor does it stay as one of the possible poses";
+}
+
 TEST_F(LocalizerNodeTest, RefusesAGuessBeyondEveryBuilding) {
   send_odometry(1'000'000);
   initial_pose_t guess{};

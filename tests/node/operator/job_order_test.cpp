@@ -81,5 +81,28 @@ TEST_F(JobOrderTest, TakesAnotherIdWhereItsOwnIsBelowAllThatAreKnown) {
   EXPECT_EQ(order.id(), full.back() + 1);
 }
 
+TEST_F(JobOrderTest, TakesAnotherIdWhereItsOwnIsTooOldForTheService) {
+  JobOrder order(lcm_, request(500));
+  tick(order);
+  echo({500 + job_status_t::MAX_AGE + 1});
+  tick(order);
+  EXPECT_EQ(ids_.back(), 500 + job_status_t::MAX_AGE + 2);
+  EXPECT_EQ(order.id(), 500 + job_status_t::MAX_AGE + 2);
+}
+
+TEST_F(JobOrderTest, TakesAnotherIdWhereTheRobotsOwnJobIsMuchNewer) {
+  JobOrder order(lcm_, request(500));
+  tick(order);
+  job_status_t status{};
+  status.utime = 1;
+  status.count = 1;
+  status.jobs.resize(1);
+  status.jobs[0].id = 500 + job_status_t::MAX_AGE + 1;  // a tour by the robot's clock
+  lcm_.publish(channels::kJobStatus, &status);
+  drain();
+  tick(order);
+  EXPECT_EQ(ids_.back(), 500 + job_status_t::MAX_AGE + 2);
+}
+
 }  // namespace
 }  // namespace luminav

@@ -725,6 +725,19 @@ class KeptGoal : public ::testing::Test {
     EXPECT_TRUE(after_->run_until_state(30.0, Status::STATE_ARRIVED));
   }
 
+  /// It says why, and nobody's word brings it back.
+  void expect_dropped(const std::string& why) {
+    PlannerWorld& world = start_anew();
+    EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
+    EXPECT_THAT(world.status.cause, HasSubstr("a kept goal is dropped: "));
+    EXPECT_THAT(world.status.cause, HasSubstr(why));
+    EXPECT_EQ(world.path.count, 0);
+    world.act(20, goal_t::ACTION_RESUME);
+    world.run(3.0);
+    EXPECT_EQ(world.path.count, 0);
+    EXPECT_FALSE(std::filesystem::exists(config_.state_folder / "goal.bin"));
+  }
+
   PlannerConfig config_ = [] {
     PlannerConfig config;
     config.state_folder = std::filesystem::path(LUMINAV_BINARY_DIR) / "node_planner_state";
@@ -797,14 +810,25 @@ TEST_F(KeptGoal, AsksAgainWhenItCrashesWhileItAsks) {
 
 TEST_F(KeptGoal, IsDroppedInAnotherBuilding) {
   config_.building = "office";
-  PlannerWorld& world = start_anew();
-  EXPECT_EQ(world.status.state, Status::STATE_NO_PATH);
-  EXPECT_THAT(world.status.cause, HasSubstr("building \"laboratory\", this is \"office\""));
-  EXPECT_EQ(world.path.count, 0);
-  world.act(9, goal_t::ACTION_RESUME);
-  world.run(3.0);
-  EXPECT_EQ(world.path.count, 0);
-  EXPECT_FALSE(std::filesystem::exists(config_.state_folder / "goal.bin"));
+  expect_dropped("building \"laboratory\", this is \"office\"");
+}
+
+TEST_F(KeptGoal, IsDroppedWhereAZoneForbidsItMeanwhile) {
+  config_.route.space.zones = {{"stairs", ZoneKind::kKeepOut, {{3.5, 1.0}, {4.5, 1.0}, {4.5, 2.0}, {3.5, 2.0}}}};
+  expect_dropped("(4.0, 1.5) lies in stairs, which is a keep-out zone");
+}
+
+TEST_F(KeptGoal, IsDroppedWhereItsPlaceIsNoMore) {
+  before_->act(9, goal_t::ACTION_CANCEL);
+  goal_t goal = before_->goal(10, {{4.0, 1.5}});
+  goal.poses[0].place = "dock";
+  before_.reset();
+  config_.places = {{"dock", {4.0, 1.5, 0.0}, false}};
+  before_.emplace(config_);
+  before_->send(goal);
+  ASSERT_TRUE(before_->run_until_state(5.0, Status::STATE_FOLLOWING));
+  config_.places.clear();
+  expect_dropped("has no place dock");
 }
 
 TEST_F(KeptGoal, IsNoneWhereTheFileIsDamaged) {

@@ -93,6 +93,15 @@ TEST_F(RequestDeskTest, NumbersItsJobsAboveThoseOfSomebodyWhoseClockIsAhead) {
   EXPECT_GT(desk_.send(job_t{}, kStart), kStart + 3'600'000'000);
 }
 
+TEST_F(RequestDeskTest, NumbersItsJobsAboveThoseThatNobodyRequested) {
+  job_status_t status{};
+  status.count = 1;
+  status.jobs.resize(1);
+  status.jobs[0].id = kStart + 3'600'000'000;  // a tour by the robot's clock
+  desk_.on_job_status(status);
+  EXPECT_GT(desk_.send(job_t{}, kStart), kStart + 3'600'000'000);
+}
+
 TEST_F(RequestDeskTest, RefusesPlacesOfAnotherBuildingButNeverAStop) {
   desk_.object("building laboratory, but planner@desk has office");
   goal_t go{};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <luminav/initial_pose_t.hpp>
+#include <luminav/pose_t.hpp>
 #include <vector>
 
 #include "services/common/process/channels.hpp"
@@ -97,6 +98,38 @@ TEST(Mission, TellsAKnownStartAlsoWhereItWasDrawn) {
   EXPECT_EQ(told.all.front().x, 2.0);
   EXPECT_EQ(told.all.front().y, 3.0);
   EXPECT_EQ(told.all.front().theta, 0.5);
+}
+
+TEST(Mission, TellsItsStartAboveTheGuessThatTheLocalizerHasTakenUp) {
+  lcm::LCM lcm("memq://");
+  Scenario scenario;
+  scenario.goals = {goal_with_heading(0.0)};
+  scenario.start_known = true;
+  Mission mission(lcm, scenario);
+  ToldPoses told;
+  lcm.subscribe(channels::kInitialPose, &ToldPoses::add, &told);
+  pose_t pose{};
+  pose.utime = kTick;
+  pose.initial_pose_id = 3'600'000'000;  // of somebody whose clock is an hour ahead
+  lcm.publish(channels::kPose, &pose);
+  sim_truth_t truth{};
+  for (truth.utime = kTick; truth.utime < 100 * kTick; truth.utime += kTick) {
+    lcm.publish(channels::kSimTruth, &truth);
+    while (lcm.handleTimeout(0) > 0) {
+    }
+  }
+  ASSERT_FALSE(told.all.empty());
+  EXPECT_GT(told.all.front().id, pose.initial_pose_id);
+  EXPECT_EQ(told.all.back().id, told.all.front().id);
+  const std::size_t count = told.all.size();
+  pose.initial_pose_id = told.all.back().id + 1;  // a person who tells after it stands
+  lcm.publish(channels::kPose, &pose);
+  for (; truth.utime < 200 * kTick; truth.utime += kTick) {
+    lcm.publish(channels::kSimTruth, &truth);
+    while (lcm.handleTimeout(0) > 0) {
+    }
+  }
+  EXPECT_EQ(told.all.size(), count);
 }
 
 TEST(Mission, AsksForNoHeadingWhereTheGoalHasNone) {

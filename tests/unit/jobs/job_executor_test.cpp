@@ -1,5 +1,6 @@
 #include "services/jobs/job_executor.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -66,7 +67,8 @@ TEST(JobExecutor, TakesAConfirmationForTheJobThatWaitsAlone) {
   const std::int64_t first = robot.add(JobKind::kCarry, {"lab", "office"});
   const std::int64_t second = robot.add(JobKind::kCarry, {"office", "lab"});
   robot.arrive();
-  EXPECT_THAT(robot.say(Action::kConfirm, second, "loaded"), HasSubstr("job 101 waits for \"loaded\""));
+  EXPECT_THAT(robot.say(Action::kConfirm, second, "loaded"),
+              HasSubstr(fmt::format("job {} waits for \"loaded\"", first)));
   EXPECT_THAT(robot.say(Action::kConfirm, first, "unloaded"), HasSubstr("waits for \"loaded\", not for \"unloaded\""));
   EXPECT_THAT(robot.say(Action::kConfirm, 77, "loaded"), HasSubstr("there is no job 77"));
   EXPECT_EQ(robot.job(first).state, JobState::kAtStop);

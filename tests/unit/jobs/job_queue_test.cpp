@@ -64,6 +64,30 @@ TEST(JobQueue, ActsOnARepeatedRequestOnce) {
   EXPECT_EQ(robot.executor.table().echoes.size(), JobQueue::kMaxEchoes);
 }
 
+TEST(JobQueue, ActsOnNoRequestThatIsTenMinutesOlderThanTheNewest) {
+  constexpr std::int64_t kNewest = 1'764'184'500'000'000;
+  JobQueue queue;
+  EXPECT_FALSE(queue.is_known(1)) << "nothing is newer yet";
+  queue.echo(kNewest, "");
+  queue.echo(kNewest - JobQueue::kMaxAge, "");
+  EXPECT_FALSE(queue.is_known(kNewest - JobQueue::kMaxAge + 1));
+  EXPECT_TRUE(queue.is_known(kNewest - JobQueue::kMaxAge - 1));
+  EXPECT_TRUE(queue.is_known(kNewest - 86'400'000'000)) << "a log of yesterday is played";
+  EXPECT_FALSE(queue.is_known(kNewest + 86'400'000'000));
+}
+
+TEST(JobQueue, MeasuresTheAgeOfARequestByItsOwnJobsToo) {
+  PretendedRobot robot;
+  robot.moment.utime = 1'764'184'500'000'000;
+  robot.executor.tell_time({.day = 4, .weekday = 2, .second = 34203}, robot.moment.utime);
+  ASSERT_EQ(robot.executor.table().jobs.size(), 1U) << "the morning's tour, which nobody requested";
+  JobRequest recorded;
+  recorded.id = robot.moment.utime - JobQueue::kMaxAge - 1;
+  recorded.stops = {{.place = "lab"}};
+  EXPECT_EQ(robot.ask(recorded), "not echoed");
+  EXPECT_EQ(robot.executor.table().jobs.size(), 1U);
+}
+
 TEST(JobQueue, RefusesWhatItCannotHold) {
   PretendedRobot robot;
   robot.moment.handled = "the motors are off";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,7 +30,7 @@ class PretendedRobot {
   /// Sends a request; returns what the service objects to.
   std::string ask(JobRequest request) {
     if (request.id == 0) {
-      request.id = ++last_id;
+      request.id = new_id();
     }
     last_id = std::max(last_id, request.id);
     executor.take(request, moment.utime);
@@ -42,7 +43,7 @@ class PretendedRobot {
   }
   std::int64_t add(JobKind kind, const std::vector<std::string>& places, int priority = 0) {
     JobRequest request;
-    request.id = ++last_id;
+    request.id = new_id();
     request.kind = kind;
     request.priority = priority;
     for (const std::string& place : places) {
@@ -108,6 +109,13 @@ class PretendedRobot {
   std::vector<std::string> goals;  // places that the planner was sent to; "" = a point
   bool is_deaf = false;            // the planner
   std::int64_t last_id = 100;
+
+ private:
+  /// From the clock, as people's are.
+  std::int64_t new_id() {
+    last_id = std::max(last_id + 1, moment.utime);
+    return last_id;
+  }
 };
 
 }  // namespace luminav

@@ -171,7 +171,7 @@ TEST(HypothesisBank, APoseThatExplainsNothingKeepsTheRightOneBesideItNotOut) {
   SyntheticWorld world(hall.building, hall.walls, robot(), standing_at(start));
   ModernLocalizer localizer(hall.building, hall.walls, robot(), ErrorParams{}, {});
   const PoseBelief beside{{5.1 + 0.2, 4.8 - 0.15, 0.3}, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()};
-  localizer.add_guess({1, beside});
+  localizer.add_guess(beside);
   for (int step = 0; step < 60; ++step) {
     const SyntheticWorld::Output output = world.step();
     if (output.frame) {

@@ -75,7 +75,7 @@ TEST_F(PaperLocalizerTest, GoesBackToTheParticleFilterWhenCarriedAway) {
 
 TEST_F(PaperLocalizerTest, TrustsAGivenPoseOnceAFixtureSpeaksForIt) {
   (void)drive(0.5, [] { return false; });
-  localizer_->add_guess({1, {world_->truth(), 0.01 * Eigen::Matrix3d::Identity()}});
+  localizer_->add_guess({world_->truth(), 0.01 * Eigen::Matrix3d::Identity()});
   EXPECT_EQ(localizer_->estimate().estimator, EstimatorKind::kKalmanFilter);
   EXPECT_FALSE(is_tracking());
   EXPECT_TRUE(drive(60.0, [&] { return is_right(); }));
@@ -84,7 +84,7 @@ TEST_F(PaperLocalizerTest, TrustsAGivenPoseOnceAFixtureSpeaksForIt) {
 TEST_F(PaperLocalizerTest, LeavesAGivenPoseThatIsWrong) {
   (void)drive(0.5, [] { return false; });
   const Pose2 truth = world_->truth();
-  localizer_->add_guess({1, {{truth.x + 1.2, truth.y, truth.theta + 0.7}, 0.01 * Eigen::Matrix3d::Identity()}});
+  localizer_->add_guess({{truth.x + 1.2, truth.y, truth.theta + 0.7}, 0.01 * Eigen::Matrix3d::Identity()});
   EXPECT_TRUE(drive(60.0, [&] { return localizer_->estimate().estimator != EstimatorKind::kKalmanFilter; }));
 }
 
@@ -92,11 +92,10 @@ TEST_F(PaperLocalizerTest, WeighsAGuessAlsoWhileTracking) {
   ASSERT_TRUE(drive(600.0, [&] { return is_right(); }));
   const Pose2 truth = world_->truth();
   const Eigen::Matrix3d sharp = 0.01 * Eigen::Matrix3d::Identity();
-  localizer_->add_guess({1, {truth, sharp}});
+  localizer_->add_guess({truth, sharp});
   EXPECT_TRUE(is_tracking()) << "a guess that agrees changes nothing";
-  localizer_->add_guess({2, {{truth.x + 2.0, truth.y, truth.theta}, sharp}});
+  localizer_->add_guess({{truth.x + 2.0, truth.y, truth.theta}, sharp});
   EXPECT_FALSE(is_tracking());
-  EXPECT_EQ(localizer_->estimate().initial_pose_id, 2);
   EXPECT_FALSE(localizer_->estimate().reason.empty());
 }
 
