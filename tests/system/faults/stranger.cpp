@@ -16,6 +16,7 @@
 #include <luminav/velocity_command_t.hpp>
 #include <luminav_procman/procman_orders_t.hpp>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 
 #include "services/common/process/channels.hpp"
@@ -180,7 +181,7 @@ void Stranger::order_processes(std::int64_t utime) {
   luminav_procman::procman_orders_t orders{};
   orders.utime = utime;
   orders.deputy_id = "robot";
-  orders.sheriff_id = "zzz-stranger";
+  orders.sheriff_id = "stranger:1:" + std::to_string(utime);  // who started last is in command
   say(channels::kProcmanOrders, orders);
 }
 
