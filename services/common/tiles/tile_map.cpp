@@ -16,8 +16,9 @@ TileMap::Result TileMap::add(const grid_tile_t& tile) {
   if (is_of_another_map && tile.map_session < session_ && session_ - tile.map_session < 60'000'000) {
     return Result::kRefused;
   }
-  const int columns = (geometry.columns + kTileSide - 1) / kTileSide;
-  const auto index = static_cast<std::size_t>(tile.tile_row * columns + tile.tile_column);
+  const auto columns = static_cast<std::size_t>((geometry.columns + kTileSide - 1) / kTileSide);
+  const std::size_t index =
+      static_cast<std::size_t>(tile.tile_row) * columns + static_cast<std::size_t>(tile.tile_column);
   if (!is_of_another_map && tile.revision <= revisions_[index]) {
     return tile.revision == revisions_[index] ? Result::kUnchanged : Result::kRefused;
   }
