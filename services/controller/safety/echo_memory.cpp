@@ -9,6 +9,7 @@ namespace luminav {
 namespace {
 
 constexpr double kKeepNear = 2.5;               // [s] an echo within `kNear`, where sonar may be blind to it
+constexpr double kKeepRepeated = 2.5;           // [s] what a disc heard that repeats itself, until that is found out
 constexpr double kNear = 0.45;                  // [m] from the disc
 constexpr double kRemember = 8.0;               // [s] for choosing a direction; what stands near, for stopping too
 constexpr double kSpacing = 0.06;               // [m] between the points that stand for an arc
@@ -17,6 +18,8 @@ constexpr double kWallTolerance = 0.15;         // [m] an arc with a mapped wall
 constexpr double kRefuteAngle = radians(25.0);  // [rad] between the axes of two firings: farther echoes clear no more
 constexpr double kSamePlace = 0.08;             // [m] between two firings of a disc that see the same
 constexpr double kSameHeading = radians(6.0);   // [rad]
+constexpr double kSameRange = 0.005;            // [m] ranges that differ by less are the same: an echo has noise
+constexpr double kAlong = 0.03;                 // [m] of own motion along its axis: a disc's range has to change
 constexpr double kMinApproach = 0.25;           // [m/s] slower than this is noise
 constexpr double kMaxApproach = 1.4;            // [m/s] a brisk walk
 constexpr double kStandsAfter = 0.5;            // [s] what was heard there this long ago stands
@@ -74,6 +77,18 @@ double EchoMemory::approach_speed(const SonarFiring& firing) const {
   return speed < kMinApproach || speed > kMaxApproach ? 0.0 : speed;
 }
 
+// Does the disc say what it said, though the robot has moved along its axis since? It may be stuck: then its echo moves
+// on with the robot, and must not refute what it heard before.
+bool EchoMemory::repeats_itself(const SonarFiring& firing) const {
+  const SonarFiring& last = newest_[firing.disc];
+  if (last.utime == 0 || !last.has_echo || !firing.has_echo || std::abs(firing.range - last.range) > kSameRange) {
+    return false;
+  }
+  const double axis = last.odom_from_robot.theta + ring_.robot_from_sonar[firing.disc].theta;
+  const Eigen::Vector2d moved = firing.odom_from_robot.position() - last.odom_from_robot.position();
+  return std::abs(moved.x() * std::cos(axis) + moved.y() * std::sin(axis)) > kAlong;
+}
+
 // Is one of its points where another echo came from a while ago? Somebody who walks has gone on since.
 bool EchoMemory::was_heard_before(const Echo& echo) const {
   return std::any_of(echoes_.begin(), echoes_.end(), [&](const Echo& older) {
@@ -123,16 +138,28 @@ void EchoMemory::remember_less_beside(const std::vector<Eigen::Vector2d>& gone) 
   }
 }
 
+void EchoMemory::keep_longer(std::size_t disc) {
+  for (Echo& echo : echoes_) {
+    if (echo.disc == disc) {
+      echo.keep = std::max(echo.keep, kKeepRepeated);
+    }
+  }
+}
+
 void EchoMemory::add(const SonarFiring& firing, const WallTest& is_wall) {
   if (firing.disc >= newest_.size() || firing.utime <= newest_[firing.disc].utime) {
     return;
   }
-  const double oldest = std::max({params_.keep, kKeepNear, kRemember});
+  const double oldest = std::max({params_.keep, kKeepNear, kKeepRepeated, kRemember});
   std::erase_if(echoes_, [&](const Echo& echo) {
     return echo.points_in_odom.empty() || seconds_between(echo.utime, firing.utime) > oldest;
   });
   const bool last_had_echo = newest_[firing.disc].has_echo;
-  refute(firing);
+  if (repeats_itself(firing)) {
+    keep_longer(firing.disc);
+  } else {
+    refute(firing);
+  }
   if (firing.has_echo) {
     Echo echo;
     echo.disc = firing.disc;

@@ -71,6 +71,8 @@ class EchoMemory {
                                                      double longest_near) const;
   [[nodiscard]] bool was_heard_before(const Echo& echo) const;
   [[nodiscard]] double approach_speed(const SonarFiring& firing) const;
+  [[nodiscard]] bool repeats_itself(const SonarFiring& firing) const;
+  void keep_longer(std::size_t disc);
   void refute(const SonarFiring& firing);
   /// Forgets sooner what other echoes, from other headings and by other discs, say of places [m, odom] where something
   /// has gone: as soon as what never stood.
