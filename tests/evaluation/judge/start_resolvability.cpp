@@ -1,6 +1,9 @@
 #include "tests/evaluation/judge/start_resolvability.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <string>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
@@ -12,8 +15,19 @@ namespace {
 constexpr std::size_t kMaxFixtures = 1000;  // beyond, the audit takes longer than all runs
 constexpr double kNearEnough = 0.75;        // [m] from the start to the next place: it may stand nearer to a wall
 
-RivalGround audited_ground(const std::filesystem::path& building_file, const std::filesystem::path& robot_file) {
-  const Building building = read_building(building_file);
+/// What an audit depends on. A mission's zones, places and doors are no part of it: two hundred of them share the
+/// ceilings of eight buildings.
+std::string audit_key(const Building& building, const std::filesystem::path& robot_file) {
+  std::string key = fmt::format("{} {} {}", robot_file.string(), building.map_file, building.ceiling_height);
+  for (const Fixture& fixture : building.fixtures) {
+    const Pose2& pose = fixture.world_from_fixture;
+    key += fmt::format(" {} {} {} {} {} {} {} {} {};", fixture.id, static_cast<int>(fixture.shape), pose.x, pose.y,
+                       pose.theta, fixture.length, fixture.width, fixture.height, fixture.lamps);
+  }
+  return key;
+}
+
+RivalGround audited_ground(const Building& building, const std::filesystem::path& robot_file) {
   if (building.fixtures.empty() || building.fixtures.size() > kMaxFixtures) {
     return {};
   }
@@ -25,13 +39,14 @@ RivalGround audited_ground(const std::filesystem::path& building_file, const std
 
 double StartResolvability::distance(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
                                     const Eigen::Vector2d& start) {
+  const Building building = read_building(building_file);
   Audit* audit = nullptr;
   {
     const std::lock_guard lock(mutex_);
-    audit = &audits_[{building_file, robot_file}];
+    audit = &audits_[audit_key(building, robot_file)];
   }
-  // outside of the lock: who asks for another building need not wait
-  std::call_once(audit->is_made, [&] { audit->ground = audited_ground(building_file, robot_file); });
+  // outside of the lock: who asks for another ceiling need not wait
+  std::call_once(audit->is_made, [&] { audit->ground = audited_ground(building, robot_file); });
   const std::vector<Eigen::Vector2d>& points = audit->ground.points;
   const auto nearest = std::min_element(
       points.begin(), points.end(),

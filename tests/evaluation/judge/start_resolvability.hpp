@@ -4,15 +4,15 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
-#include <utility>
+#include <string>
 #include <vector>
 
 #include "services/localizer/audit/ambiguity_audit.hpp"
 
 namespace luminav {
 
-/// How far a robot must drive at least until the ceiling tells its pose, as scripts/audit has it. A building is audited
-/// once for all runs in it, which takes longer than many of them; any thread may ask.
+/// How far a robot must drive at least until the ceiling tells its pose, as scripts/audit has it. A ceiling is audited
+/// once for all runs below it, which takes longer than many of them; any thread may ask.
 class StartResolvability {
  public:
   /// Length [m] of the shortest walk on which a start's last twin is refuted, whatever its heading. Infinite: never;
@@ -20,6 +20,8 @@ class StartResolvability {
   /// Throws ConfigurationError for files that cannot be used.
   [[nodiscard]] double distance(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
                                 const Eigen::Vector2d& start);
+  /// Number of ceilings that were audited.
+  [[nodiscard]] std::size_t audits() const { return audits_.size(); }
 
  private:
   struct Audit {
@@ -27,7 +29,7 @@ class StartResolvability {
     RivalGround ground;
   };
   std::mutex mutex_;
-  std::map<std::pair<std::filesystem::path, std::filesystem::path>, Audit> audits_;  // by building's and robot's file
+  std::map<std::string, Audit> audits_;  // by what an audit depends on
 };
 
 }  // namespace luminav
