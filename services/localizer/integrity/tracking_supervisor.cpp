@@ -137,7 +137,9 @@ bool TrackingSupervisor::resume_tracking(const SightingFrame& frame) {
 }
 
 bool TrackingSupervisor::may_declare(const Hypothesis& best, const SightingFrame& frame) const {
-  const int enough_fixtures = best.id == leader_id_ ? needed_fixtures_ : rules_.enter_fixtures;
+  // who says where the robot is has seen as much as one fixture shows
+  const int told = best.log_prior > 0.0 ? 1 : 0;
+  const int enough_fixtures = best.id == leader_id_ ? needed_fixtures_ : rules_.enter_fixtures - told;
   return is_far_ahead() && static_cast<int>(best.confirmed.size()) >= enough_fixtures && !frame.sightings.empty() &&
          best.last_match == frame.utime && largest_position_sigma(best.belief.covariance) < rules_.enter_position_sigma;
 }
