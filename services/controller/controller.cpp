@@ -163,7 +163,9 @@ void Controller::keep_out_of_zones(const ControlInput& input, StopVerdict& verdi
   } else {
     for (const PoseAlternative& alternative : input.alternatives) {
       if (alternative.weight >= kPossible) {
-        verdict.twist = zones_.no_deeper(alternative.world_from_odom * input.odom_from_robot, verdict.twist);
+        const DriveTwist kept = zones_.no_deeper(alternative.world_from_odom * input.odom_from_robot, verdict.twist);
+        // to turn on the spot takes the robot's middle nowhere, and without it a search ends at a zone's edge for good
+        verdict.twist = kept.linear != 0.0 ? kept : DriveTwist{0.0, verdict.twist.angular};
       }
     }
   }
@@ -190,7 +192,6 @@ ControlOutput Controller::step(const ControlInput& input) {
   }
   look_for_people(input.now);
   leave_what_it_touches(input);
-  leave_zones(input);
   const double unknown = obstacles_.min_unknown_distance(10.0);
   const DriveTwist onward = by_lanes(with_care(wish(input, output), unknown), input, output);
   const DriveTwist allowed = by_slow_zones(onward, input, output);
@@ -403,35 +404,6 @@ void Controller::leave_what_it_touches(const ControlInput& input) {
                          stop_logic_.is_free(back.twist, back.duration, obstacles_);
   if (input.ages.front_bumper && !escape_ && may_leave) {
     escape_ = Escape{{{back}, "backing from what it touched"}, input.now};
-  }
-}
-
-// To turn there may lead deeper, for one of the poses that are possible for as long as the robot stands: straight on or
-// back leads out.
-void Controller::leave_zones(const ControlInput& input) {
-  constexpr double kSpeed = 0.1;     // [m/s]
-  constexpr double kDuration = 0.5;  // [s]
-  if (escape_ || input.task != ControlTask::kWander || input.world_from_robot || !may_travel(input.task)) {
-    return;
-  }
-  std::vector<Pose2> inside;
-  for (const PoseAlternative& alternative : input.alternatives) {
-    const Pose2 world_from_robot = alternative.world_from_odom * input.odom_from_robot;
-    if (alternative.weight >= kPossible && zones_.reaches_in(world_from_robot)) {
-      inside.push_back(world_from_robot);
-    }
-  }
-  for (const double speed : {kSpeed, -kSpeed}) {
-    const EscapeMove::Arc out{{speed, 0.0}, kDuration};
-    const auto leads_out = [&](const Pose2& pose) { return zones_.leads_out(pose, out.twist); };
-    const auto is_no_deeper = [&](const Pose2& pose) { return zones_.no_deeper(pose, out.twist).linear == speed; };
-    const bool may_drive = speed > 0.0 || may_back(input.ages, config_.stop_logic);
-    if (may_drive && std::any_of(inside.begin(), inside.end(), leads_out) &&
-        std::all_of(inside.begin(), inside.end(), is_no_deeper) &&
-        stop_logic_.is_free(out.twist, out.duration, obstacles_)) {
-      escape_ = Escape{{{out}, "leaving a keep-out zone that it may reach into"}, input.now};
-      return;
-    }
   }
 }
 

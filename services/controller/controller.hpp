@@ -107,8 +107,6 @@ class Controller {
   [[nodiscard]] std::optional<DriveTwist> escape_twist(std::int64_t now) const;
   /// What a bumper feels it leaves at once, the way it came.
   void leave_what_it_touches(const ControlInput& input);
-  /// Out of a keep-out zone that the outline reaches into at a pose that is possible while it searches.
-  void leave_zones(const ControlInput& input);
   void begin_escape(const ControlInput& input, bool by_unknown, ControlOutput& output);
   /// Returns the seconds since the last progress. While escapes go in circles `output` counts from the first of them.
   double judge_progress(const ControlInput& input, const StopVerdict& verdict, ControlOutput& output);

@@ -81,17 +81,6 @@ double Zones::depth_of_edge(const Zone& zone, const Pose2& world_from_robot) con
   return contains(zone.polygon, world_from_robot.position()) ? 0.0 : depth_inside(zone, world_from_robot);
 }
 
-bool Zones::reaches_in(const Pose2& world_from_robot) const {
-  return std::any_of(keep_out_.begin(), keep_out_.end(),
-                     [&](const KeepOut& area) { return depth_of_edge(area.zone, world_from_robot) > 0.0; });
-}
-
-bool Zones::leads_out(const Pose2& world_from_robot, const DriveTwist& twist) const {
-  return std::any_of(keep_out_.begin(), keep_out_.end(), [&](const KeepOut& area) {
-    return depth_of_edge(area.zone, world_from_robot) > 0.0 && leads_away(area.zone, world_from_robot, twist);
-  });
-}
-
 DriveTwist Zones::no_deeper(const Pose2& world_from_robot, const DriveTwist& twist) const {
   constexpr double kAsDeep = 1e-4;  // [m] rounding: what is let through adds up, step by step
   DriveTwist kept = twist;

@@ -20,10 +20,6 @@ class Zones {
   /// Adds the edges of all keep-out zones within `radius` [m] of the robot, in its frame, and returns how many points
   /// these are. A zone that the outline reaches into has no edge: the robot may leave it, see `no_deeper`.
   std::size_t add_edges(const Pose2& world_from_robot, double radius, std::vector<Eigen::Vector2d>& points) const;
-  /// True if the outline reaches into a keep-out zone and the robot's middle is outside.
-  [[nodiscard]] bool reaches_in(const Pose2& world_from_robot) const;
-  /// True if it does and a twist leads the middle away from there.
-  [[nodiscard]] bool leads_out(const Pose2& world_from_robot, const DriveTwist& twist) const;
   /// What of a twist leads no deeper into a keep-out zone that the outline reaches into, or out of it: all of it, its
   /// straight or its turning part, or nothing. A robot whose middle is inside may go anywhere: the shortest way out may
   /// lead round a pillar.
