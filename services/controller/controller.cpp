@@ -105,7 +105,7 @@ void Controller::look_around(const ControlInput& input) {
       }
     }
   }
-  obstacles_.set(input.echoes, walls, zones);
+  obstacles_.set(input.echoes, walls, zones, input.world_from_robot ? ZoneEdge::kCertain : ZoneEdge::kPossible);
 }
 
 DriveTwist Controller::by_lanes(const DriveTwist& wanted, const ControlInput& input, ControlOutput& output) const {

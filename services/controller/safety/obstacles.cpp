@@ -4,12 +4,13 @@
 
 namespace luminav {
 
-void Obstacles::set(std::span<const ObstaclePoint> measured, std::span<const Eigen::Vector2d> walls,
-                    std::size_t zones) {
+void Obstacles::set(std::span<const ObstaclePoint> measured, std::span<const Eigen::Vector2d> walls, std::size_t zones,
+                    ZoneEdge edge) {
   points_.assign(measured.begin(), measured.end());
   measured_ = measured.size();
   for (std::size_t i = 0; i < walls.size(); ++i) {
-    points_.push_back({.position = walls[i], .is_known = true, .is_zone = i + zones >= walls.size()});
+    points_.push_back(
+        {.position = walls[i], .is_known = true, .zone_edge = i + zones >= walls.size() ? edge : ZoneEdge::kNone});
   }
   measure();
 }

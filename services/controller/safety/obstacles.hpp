@@ -3,12 +3,18 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "services/controller/safety/footprint.hpp"
 
 namespace luminav {
+
+/// Whether an obstacle is the edge of a keep-out zone, which nobody hears: of the robot's pose, or of one of several
+/// that are possible. The latter stops no turn on the spot: it takes the robot's middle nowhere, and begins each
+/// search.
+enum class ZoneEdge : std::uint8_t { kNone, kCertain, kPossible };
 
 /// Something the robot must not touch, in the robot frame.
 struct ObstaclePoint {
@@ -17,7 +23,7 @@ struct ObstaclePoint {
   double age = 0.0;                                    // [s] since it was measured
   bool is_known = false;                               // the building's map has it
   bool has_stood = false;                              // something was heard there before: it doesn't walk
-  bool is_zone = false;                                // the edge of a keep-out zone, which nobody hears
+  ZoneEdge zone_edge = ZoneEdge::kNone;
 };
 
 /// All that stands around the robot in one step of control: what was measured, then the walls of the building's map.
@@ -29,9 +35,10 @@ class Obstacles {
     set(measured, {});
   }
 
-  /// Replaces all before. Walls are points [m] in the robot frame; the last `zones` of them are edges of keep-out
-  /// zones.
-  void set(std::span<const ObstaclePoint> measured, std::span<const Eigen::Vector2d> walls, std::size_t zones = 0);
+  /// Replaces all before. Walls are points [m] in the robot frame; the last `zones` of them are edges of keep-out zones
+  /// of the kind given.
+  void set(std::span<const ObstaclePoint> measured, std::span<const Eigen::Vector2d> walls, std::size_t zones = 0,
+           ZoneEdge edge = ZoneEdge::kCertain);
   /// Obstacles as they are seen from another place.
   [[nodiscard]] Obstacles seen_from(const Pose2& there_from_here) const;
 

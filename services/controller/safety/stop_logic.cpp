@@ -22,9 +22,9 @@ std::string describe(const ObstaclePoint& obstacle) {
                       : side > 0.0                      ? "on the left"
                                                         : "on the right";
   std::snprintf(text.data(), text.size(), "%s %s, %.2f m from the wheel axis",
-                obstacle.is_zone    ? "edge of a keep-out zone"
-                : obstacle.is_known ? "wall"
-                                    : "something",
+                obstacle.zone_edge != ZoneEdge::kNone ? "edge of a keep-out zone"
+                : obstacle.is_known                   ? "wall"
+                                                      : "something",
                 where, obstacle.position.norm());
   return text.data();
 }
@@ -82,6 +82,9 @@ std::optional<std::size_t> StopLogic::first_obstruction(const DriveTwist& twist,
   const double widest_margin = std::max(params_.margin, params_.known_margin);
   obstacles.visit_within(sweep + widest_margin + longest_own_distance, [&](std::size_t index) {
     const ObstaclePoint& obstacle = obstacles.points()[index];
+    if (obstacle.zone_edge == ZoneEdge::kPossible && twist.linear == 0.0) {
+      return;
+    }
     const double own_distance = obstacle.approach * (obstacle.age + until_still);
     const double whole_margin = obstacle.is_known ? params_.known_margin : params_.margin;
     if (footprint_.distance_from_box(obstacle.position) > sweep + whole_margin + own_distance) {

@@ -57,6 +57,16 @@ TEST(StopLogic, StandsWhereTheSonarsOfARobotThatHasThemAreSilent) {
   EXPECT_FALSE(may_back(ages, {}));
 }
 
+TEST(StopLogic, TurnsBesideTheEdgeOfAZoneThatIsOnlyPossible) {
+  const std::vector<Eigen::Vector2d> beside_its_tail{{-0.20, 0.24}};
+  for (const ZoneEdge edge : {ZoneEdge::kCertain, ZoneEdge::kPossible}) {
+    Obstacles obstacles = around();
+    obstacles.set({}, beside_its_tail, 1, edge);
+    EXPECT_EQ(kLogic.is_free({0.0, -0.5}, 1.0, obstacles), edge == ZoneEdge::kPossible);
+    EXPECT_FALSE(kLogic.is_free({-0.2, -0.5}, 1.0, obstacles)) << "who drives there may touch it";
+  }
+}
+
 TEST(StopLogic, StopsBeforeAWallAhead) {
   const auto ahead = wall({0.29, -0.1}, {0.29, 0.1});
   const StopVerdict verdict = kLogic.judge({0.5, 0.0}, around(ahead), fresh());
