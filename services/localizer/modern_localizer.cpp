@@ -24,19 +24,15 @@ constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 
 ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
                                  const ErrorParams& errors, const ModernLocalizerParams& params)
-    : building_(building),
-      map_(building.fixtures),
-      view_(robot.camera),
-      walls_(walls),
-      wheel_base_(robot.wheel_base),
+    : model_(building, walls, robot, errors),
       params_(params),
-      bank_(map_, view_, walls_, building.ceiling_height, robot.wheel_base, robot.sonar, errors, params.hypotheses),
-      filter_(std::max(0.2, building.ceiling_height - robot.camera.mounting.z),
-              {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors, params.tracking),
-      monitor_(map_, view_, building.ceiling_height, params.rules),
+      bank_(model_, params.hypotheses),
+      filter_(model_.height_above_camera(), {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base,
+              errors, params.tracking),
+      monitor_(model_.fixtures, model_.view, model_.ceiling_height, params.rules),
       displacement_(robot.wheel_base, params.rules),
       rush_(robot.wheel_base, params.rules),
-      supervisor_(map_, tracks_, bank_, filter_, monitor_, params.rules),
+      supervisor_(model_.fixtures, tracks_, bank_, filter_, monitor_, params.rules),
       echoes_(robot.sonar, {params.hypotheses.sonar_test_distance, params.hypotheses.sonar_turn,
                             params.hypotheses.sonar_surface, params.hypotheses.sonar_looks}) {}
 
@@ -161,7 +157,7 @@ SightingFrame ModernLocalizer::usable_sightings(const SightingFrame& frame, cons
   for (const FixtureSighting& sighting : frame.sightings) {
     if (sighting.fit >= kMinFit && usable.sightings.size() < kMaxSightings) {
       usable.sightings.push_back(
-          view_.without_rolling_shutter(sighting, building_.ceiling_height, odometry.linear, odometry.angular));
+          model_.view.without_rolling_shutter(sighting, model_.ceiling_height, odometry.linear, odometry.angular));
     }
   }
   return usable;
@@ -201,7 +197,7 @@ void ModernLocalizer::wait_for_rest(const SightingFrame& frame, const OdometryRe
   images_unmatched_ = is_displaced_ ? images_unmatched_ : 0;
   is_displaced_ = true;
   if (is_followed()) {
-    const std::vector<FixtureMatch> matches = match_sightings(filter_, map_, frame, odometry, params_.tracking.gate);
+    const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
     images_unmatched_ = matches.empty() ? images_unmatched_ + 1 : 0;
     correct_filter(frame, matches, odometry);
   }
@@ -222,7 +218,7 @@ void ModernLocalizer::begin_at_rest() {
 
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
                             const OdometryReading& odometry) {
-  const std::vector<FixtureMatch> matches = match_sightings(filter_, map_, frame, odometry, params_.tracking.gate);
+  const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
   if (supervisor_.is_recalled()) {
     supervisor_.judge_recalled_pose(objects, matches);
     if (!supervisor_.has_leader()) {
@@ -246,13 +242,18 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
   }
 }
 
+std::vector<FixtureMatch> ModernLocalizer::find_matches(const TrackingFilter& filter, const SightingFrame& frame,
+                                                        const OdometryReading& odometry) const {
+  return match_sightings(filter, model_.fixtures, frame, odometry, params_.tracking.gate);
+}
+
 std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const SightingFrame& frame,
                                              const std::vector<FixtureMatch>& matches,
                                              const OdometryReading& odometry) const {
   std::vector<double> nis;
   for (const FixtureMatch& match : matches) {
     const FixtureSighting& sighting = frame.sightings[match.sighting];
-    const Fixture& fixture = map_[match.fixture];
+    const Fixture& fixture = model_.fixtures[match.fixture];
     if (filter.innovate(sighting, match.fixture, fixture, odometry.linear, odometry.angular).nis >
         params_.tracking.gate) {
       filter.widen(kFixtureSurprise);
@@ -278,8 +279,7 @@ void ModernLocalizer::decide(const SightingFrame& frame) {
   // While a round goes on some poses have not seen its image: no more can be said than without one.
   const bool has_image = frame.utime != 0 && !bank_.is_busy();
   if (supervisor_.decide(has_image ? bank_.frame() : SightingFrame{}, odometer_ - odometer_at_fixture_)) {
-    correct_filter(frame, match_sightings(filter_, map_, frame, *filter_odometry_, params_.tracking.gate),
-                   *filter_odometry_);
+    correct_filter(frame, find_matches(filter_, frame, *filter_odometry_), *filter_odometry_);
   }
 }
 
@@ -307,7 +307,7 @@ void ModernLocalizer::look_ahead(LocalizerEstimate& estimate) const {
     OdometryReading there = newest;
     there.odom_from_robot = newest.odom_from_robot * ahead.step;
     const SightingFrame frame = usable_sightings(waiting, there);
-    const std::vector<FixtureMatch> matches = match_sightings(filter, map_, frame, there, params_.tracking.gate);
+    const std::vector<FixtureMatch> matches = find_matches(filter, frame, there);
     if (!matches.empty()) {
       correct(filter, frame, matches, there);
       estimate.fixture_utime = waiting.utime;
@@ -335,7 +335,7 @@ LocalizerEstimate ModernLocalizer::estimate() const {
   } else if (!bank_.hypotheses().empty()) {
     estimate.estimator = EstimatorKind::kHypotheses;
     estimate.belief = bank_.belief_now(0);
-    predict(estimate.belief, ahead, odometry_noise(ahead, wheel_base_, ErrorParams{}));
+    predict(estimate.belief, ahead, odometry_noise(ahead, model_.wheel_base, ErrorParams{}));
   }
   if (estimate.state == LocalizerState::kTracking) {
     look_ahead(estimate);

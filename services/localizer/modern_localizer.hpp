@@ -16,6 +16,7 @@
 #include "services/localizer/integrity/tracking_supervisor.hpp"
 #include "services/localizer/model/frame_queue.hpp"
 #include "services/localizer/model/localizer.hpp"
+#include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/model/odometry_gap.hpp"
 #include "services/localizer/tracking/fixture_matching.hpp"
 #include "services/localizer/tracking/tracking_filter.hpp"
@@ -62,6 +63,8 @@ class ModernLocalizer final : public Localizer {
   void listen(std::int64_t until_utime);
   [[nodiscard]] SightingFrame usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const;
   void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
+  [[nodiscard]] std::vector<FixtureMatch> find_matches(const TrackingFilter& filter, const SightingFrame& frame,
+                                                       const OdometryReading& odometry) const;
   /// Returns the normalised innovation squared of each match.
   std::vector<double> correct(TrackingFilter& filter, const SightingFrame& frame,
                               const std::vector<FixtureMatch>& matches, const OdometryReading& odometry) const;
@@ -74,11 +77,7 @@ class ModernLocalizer final : public Localizer {
   void decide(const SightingFrame& frame);
   [[nodiscard]] Pose2 since_filter() const;
 
-  Building building_;
-  FixtureMap map_;
-  CeilingView view_;
-  WallField walls_;
-  double wheel_base_;  // [m]
+  ObservationModel model_;
   ModernLocalizerParams params_;
   FrameQueue queue_;
   ObjectTracks tracks_;

@@ -22,18 +22,10 @@ double log_of_normal_tail(double deviations) {
 
 }  // namespace
 
-HypothesisBank::HypothesisBank(const FixtureMap& map, const CeilingView& view, const WallField& walls,
-                               double ceiling_height, double wheel_base, const SonarRing& sonar,
-                               const ErrorParams& errors, const HypothesisParams& params)
-    : map_(map),
-      view_(view),
-      walls_(walls),
-      ceiling_height_(ceiling_height),
-      wheel_base_(wheel_base),
-      sonar_(sonar),
-      errors_(errors),
+HypothesisBank::HypothesisBank(const ObservationModel& model, const HypothesisParams& params)
+    : model_(model),
       params_(params),
-      seeding_(map_, view_, walls_, ceiling_height, wheel_base, errors_, params_),
+      seeding_(model, params_),
       ranking_(params_),
       budget_(params.work),
       lag_(kNoMotion) {}
@@ -58,7 +50,7 @@ void HypothesisBank::clear() {
 
 void HypothesisBank::advance(const Pose2& delta) {
   has_moved_ = true;
-  predict(lag_, delta, odometry_noise_with_systematics(delta, wheel_base_, errors_));
+  predict(lag_, delta, odometry_noise_with_systematics(delta, model_.wheel_base, model_.errors));
   const double distance = std::hypot(delta.x, delta.y);
   distance_ += distance;
   distance_since_correction_ += distance + 0.5 * std::abs(delta.theta);
@@ -118,11 +110,11 @@ void HypothesisBank::wait() {
 
 void HypothesisBank::begin_round() {
   round_.echoes = std::exchange(echoes_, {});
-  if (!walls_.has_walls() || hypotheses_.empty()) {
+  if (!model_.walls.has_walls() || hypotheses_.empty()) {
     round_.echoes.clear();
   }
   round_best_sonar_ = -1e18;
-  const bool has_stretch = std::exchange(has_stretch_, false) && walls_.has_walls() && hypotheses_.size() > 1;
+  const bool has_stretch = std::exchange(has_stretch_, false) && model_.walls.has_walls() && hypotheses_.size() > 1;
   round_.stretch = has_stretch ? trail_.points() : std::vector<Eigen::Vector2d>{};
   round_.has_moved = std::exchange(has_moved_, false);
   round_.step = std::exchange(lag_, kNoMotion);
@@ -147,8 +139,7 @@ void HypothesisBank::begin_round() {
     for (const ObjectTrack& object : round_.forgotten) {
       null_settled_ += misfit(object);
     }
-    comparer_.emplace(round_.frame, round_.odometry.linear, round_.odometry.angular, map_, view_, ceiling_height_,
-                      errors_, params_);
+    comparer_.emplace(round_.frame, round_.odometry.linear, round_.odometry.angular, model_, params_);
   }
   next_ = 0;
   phase_ = Phase::kCompare;
@@ -192,8 +183,8 @@ void HypothesisBank::visit(Hypothesis& hypothesis) const {
     move(hypothesis);
   }
   if (!round_.echoes.empty()) {
-    hypothesis.sonar +=
-        params_.sonar_weight * log_likelihood_of_echoes(hypothesis.belief, round_.echoes, walls_, sonar_.half_angle);
+    hypothesis.sonar += params_.sonar_weight * log_likelihood_of_echoes(hypothesis.belief, round_.echoes, model_.walls,
+                                                                        model_.sonar_half_angle);
   }
   if (round_.has_image) {
     compare(hypothesis);
@@ -202,14 +193,14 @@ void HypothesisBank::visit(Hypothesis& hypothesis) const {
 
 void HypothesisBank::move(Hypothesis& hypothesis) const {
   predict(hypothesis.belief, round_.step.pose, round_.step.covariance);
-  if (walls_.has_walls() && round_.distance > 0.0) {
+  if (model_.walls.has_walls() && round_.distance > 0.0) {
     // probability that the robot's middle is at least 0.1 m from the next wall cell, as it must be
-    const double room = walls_.distance_to_wall(hypothesis.belief.pose.position()) - 0.10;
+    const double room = model_.walls.distance_to_wall(hypothesis.belief.pose.position()) - 0.10;
     const double sigma = std::max(0.05, position_sigma(hypothesis.belief.covariance));
     hypothesis.walls += log_of_normal_tail(room / sigma) * round_.distance / params_.wall_test_distance;
   }
   if (!round_.stretch.empty()) {
-    hypothesis.walls += log_likelihood_of_trail(hypothesis.belief, round_.stretch, walls_);
+    hypothesis.walls += log_likelihood_of_trail(hypothesis.belief, round_.stretch, model_.walls);
   }
 }
 
@@ -234,8 +225,8 @@ void HypothesisBank::correct(Hypothesis& hypothesis, const FrameComparison& comp
     }
     hypothesis.last_match = round_.frame.utime;
     const FixtureSighting& sighting = round_.frame.sightings[i];
-    const Fixture& fixture = map_[comparison.fixture_of_sighting[i]];
-    Eigen::Matrix3d white = white_sighting_covariance(sighting, fixture, errors_);
+    const Fixture& fixture = model_.fixtures[comparison.fixture_of_sighting[i]];
+    Eigen::Matrix3d white = white_sighting_covariance(sighting, fixture, model_.errors);
     if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
       white(2, 2) += kNoAngle;
     }

@@ -5,9 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "services/common/ceiling/ceiling_view.hpp"
-#include "services/common/ceiling/fixture_map.hpp"
-#include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/hypotheses/evidence_round.hpp"
 #include "services/localizer/hypotheses/frame_comparison.hpp"
 #include "services/localizer/hypotheses/hypothesis.hpp"
@@ -16,8 +13,7 @@
 #include "services/localizer/hypotheses/sonar_evidence.hpp"
 #include "services/localizer/hypotheses/trajectory_check.hpp"
 #include "services/localizer/hypotheses/work_budget.hpp"
-#include "services/localizer/model/error_model.hpp"
-#include "services/localizer/model/wall_field.hpp"
+#include "services/localizer/model/observation_model.hpp"
 
 namespace luminav {
 
@@ -30,9 +26,8 @@ namespace luminav {
 /// it.
 class HypothesisBank {
  public:
-  /// Everything given by reference must outlive this.
-  HypothesisBank(const FixtureMap& map, const CeilingView& view, const WallField& walls, double ceiling_height,
-                 double wheel_base, const SonarRing& sonar, const ErrorParams& errors, const HypothesisParams& params);
+  /// The model must outlive this.
+  HypothesisBank(const ObservationModel& model, const HypothesisParams& params);
   HypothesisBank(const HypothesisBank&) = delete;
   HypothesisBank& operator=(const HypothesisBank&) = delete;
 
@@ -96,13 +91,7 @@ class HypothesisBank {
   [[nodiscard]] Pose2 standing(std::size_t index, const Pose2& now) const;
   [[nodiscard]] bool awaits_visit(std::size_t index) const { return phase_ == Phase::kCompare && index >= next_; }
 
-  const FixtureMap& map_;
-  const CeilingView& view_;
-  const WallField& walls_;
-  double ceiling_height_;  // [m]
-  double wheel_base_;      // [m]
-  SonarRing sonar_;
-  ErrorParams errors_;
+  const ObservationModel& model_;
   HypothesisParams params_;
   std::vector<Hypothesis> hypotheses_;
   double null_settled_ = 0.0;
