@@ -29,7 +29,7 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       bank_(model_, params.hypotheses),
       filter_(model_.height_above_camera(), {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base,
               errors, params.tracking),
-      monitor_(model_.fixtures, model_.view, model_.ceiling_height, params.rules),
+      monitor_(model_, params.rules),
       displacement_(robot.wheel_base, params.rules),
       rush_(robot.wheel_base, params.rules),
       supervisor_(model_.fixtures, tracks_, bank_, filter_, monitor_, params.rules),
