@@ -92,7 +92,7 @@ void ModernLocalizer::add_sonar(const SonarScan& scan) {
     return;
   }
   // a fixture in view tells better, and at once, whether the robot is carried
-  const bool sees_fixture = scan.utime - fixture_utime_ < kFixtureInView;
+  const bool sees_fixture = scan.utime - corrections_.utime() < kFixtureInView;
   const bool is_kidnapped = surroundings_.look(scan, queue_.history().newest().odom_from_robot);
   if (is_kidnapped && !sees_fixture && supervisor_.has_leader() && !is_displaced_) {
     supervisor_.suspect(
@@ -141,10 +141,7 @@ void ModernLocalizer::listen(std::int64_t until_utime) {
   if (bank_.is_busy() || bank_.hypotheses().empty()) {
     return;
   }
-  if (bank_.beginnings() != listens_since_) {
-    listens_since_ = bank_.beginnings();
-    echoes_.forget_places();  // nobody in the new list has heard them
-  }
+  echoes_.begin_for(bank_.beginnings());
   const std::vector<PlacedEcho> echoes = echoes_.take(until_utime, queue_.history(), bank_.max_echoes());
   if (!echoes.empty()) {
     bank_.listen(echoes);
@@ -167,7 +164,7 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   advance(timed.odometry);
   const SightingFrame frame = usable_sightings(timed.frame, timed.odometry);
   const std::vector<int> objects = tracks_.update(frame, timed.odometry.odom_from_robot, odometer_);
-  is_rushing_ = rush_.look(frame, timed.odometry.odom_from_robot);
+  const bool is_rushing = rush_.look(frame, timed.odometry.odom_from_robot);
   if (displacement_.look(frame, objects, tracks_, timed.odometry.odom_from_robot)) {
     wait_for_rest(frame, timed.odometry);
     return;
@@ -180,14 +177,14 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   bank_.observe(frame, objects, tracks_, timed.odometry, odometer_);
   if (supervisor_.has_leader()) {
     monitor_.allow_kidnapping(!motors_enabled_);
-    track(frame, objects, timed.odometry);
+    track(frame, objects, timed.odometry, is_rushing);
     supervisor_.favour_predicting_pose();
   }
   if (!supervisor_.is_tracking()) {
     bank_.seed(tracks_);
   }
   bank_.tidy();
-  if (fixture_utime_ == frame.utime) {
+  if (corrections_.utime() == frame.utime) {
     supervisor_.keep_leader_at_filter(frame);
   }
   decide(frame);
@@ -217,7 +214,7 @@ void ModernLocalizer::begin_at_rest() {
 }
 
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
-                            const OdometryReading& odometry) {
+                            const OdometryReading& odometry, bool is_rushing) {
   const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
   if (supervisor_.is_recalled()) {
     supervisor_.judge_recalled_pose(objects, matches);
@@ -226,10 +223,10 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
     }
   }
   const auto contradiction = monitor_.look(frame, objects, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
-                                           odometer_ - odometer_at_fixture_, supervisor_.is_suspected());
+                                           distance_since_fixture(), supervisor_.is_suspected());
   if (contradiction) {
     supervisor_.suspect(*contradiction);
-  } else if (is_rushing_ && matches.empty() && !supervisor_.is_suspected()) {
+  } else if (is_rushing && matches.empty() && !supervisor_.is_suspected()) {
     supervisor_.suspect(
         {"what is seen rushes past faster than the wheels turn", params_.rules.log_prior_after_misfit, true});
   }
@@ -265,20 +262,13 @@ std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const Sight
 
 void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                                      const OdometryReading& odometry) {
-  for (const double nis : correct(filter_, frame, matches, odometry)) {
-    nis_ = has_nis_ ? nis_ + 0.02 * (nis / 3.0 - nis_) : nis / 3.0;
-    has_nis_ = true;
-  }
-  if (!matches.empty()) {
-    fixture_utime_ = frame.utime;
-    odometer_at_fixture_ = odometer_;
-  }
+  corrections_.add(frame.utime, odometer_, correct(filter_, frame, matches, odometry));
 }
 
 void ModernLocalizer::decide(const SightingFrame& frame) {
   // While a round goes on some poses have not seen its image: no more can be said than without one.
   const bool has_image = frame.utime != 0 && !bank_.is_busy();
-  if (supervisor_.decide(has_image ? bank_.frame() : SightingFrame{}, odometer_ - odometer_at_fixture_)) {
+  if (supervisor_.decide(has_image ? bank_.frame() : SightingFrame{}, distance_since_fixture())) {
     correct_filter(frame, find_matches(filter_, frame, *filter_odometry_), *filter_odometry_);
   }
 }
@@ -324,11 +314,11 @@ LocalizerEstimate ModernLocalizer::estimate() const {
   LocalizerEstimate estimate;
   estimate.state = supervisor_.state();
   estimate.reason = supervisor_.reason();
-  estimate.fixture_utime = fixture_utime_;
-  estimate.has_nis = has_nis_;
-  estimate.nis = nis_;
+  estimate.fixture_utime = corrections_.utime();
+  estimate.has_nis = corrections_.mean_nis().has_value();
+  estimate.nis = corrections_.mean_nis().value_or(0.0);
   const Pose2 ahead = since_filter();
-  estimate.distance_since_fixture = odometer_ - odometer_at_fixture_ + std::hypot(ahead.x, ahead.y);
+  estimate.distance_since_fixture = distance_since_fixture() + std::hypot(ahead.x, ahead.y);
   if (supervisor_.has_leader()) {
     estimate.estimator = EstimatorKind::kKalmanFilter;
     estimate.belief = filter_.belief_after(ahead);
