@@ -13,8 +13,6 @@ namespace luminav {
 namespace {
 
 constexpr std::int64_t kHypothesesPeriod = 200'000;  // [us]
-constexpr std::int64_t kMemoryPeriod = 1'000'000;    // [us]
-constexpr std::int64_t kMemoryPatience = 5'000'000;  // [us] in doubt after which a pose is forgotten
 constexpr std::int64_t kSilence = 1'000'000;         // [us]
 constexpr std::int64_t kMaxAhead = 500'000;          // [us] of an image before the newest odometry
 constexpr double kFarthestGuess = 1e5;               // [m] no building is larger
@@ -29,7 +27,7 @@ LocalizerNode::LocalizerNode(lcm::LCM& lcm, LocalizerConfig config, std::optiona
       config_(std::move(config)),
       localizer_(make_localizer(config_)),
       wheels_(config_.wheels, config_.robot.wheel_base),
-      memory_(config_.state_dir),
+      memory_(config_.state_dir, config_.building),
       subscriber_(lcm, key) {
   config_.walls = {};
   subscriber_.on<odometry_t>(channels::kOdometry, &LocalizerNode::on_odometry, this);
@@ -54,20 +52,22 @@ void LocalizerNode::on_odometry(const odometry_t& message) {
     --odometry_session_;
     detection_stamps_ = {};
     sonar_stamps_ = {};
-    memory_.forget();  // what it holds belongs to the old stream
-    is_remembered_ = false;
-    remembered_utime_ = 0;
+    memory_.restart();
   }
   if (verdict == StampGuard::Verdict::kNewSession || message.session != wheels_session_) {
     wheels_.restart();
     wheels_session_ = message.session;
   }
   odometry_ = message;
-  recall_pose(message);
-  localizer_->add_odometry({message.utime, message.session + odometry_session_,
-                            wheels_.correct(odom_from_robot(message)), message.linear, message.angular});
+  const OdometryReading reading{message.utime, message.session, odom_from_robot(message), message.linear,
+                                message.angular};
+  if (const auto belief = memory_.recall(reading)) {
+    localizer_->recall(*belief);
+  }
+  localizer_->add_odometry({reading.utime, reading.session + odometry_session_,
+                            wheels_.correct(reading.odom_from_robot), reading.linear, reading.angular});
   const LocalizerEstimate estimate = localizer_->estimate();
-  remember_pose(message, estimate);
+  memory_.remember(reading, estimate);
   publish_pose(estimate);
   if (std::abs(message.utime - hypotheses_utime_) >= kHypothesesPeriod) {
     hypotheses_utime_ = message.utime;
@@ -145,37 +145,6 @@ void LocalizerNode::on_initial_pose(const initial_pose_t& message) {
   localizer_->add_guess({{message.x, message.y, wrap_angle(message.theta)}, to_matrix(message.covariance)});
 }
 
-void LocalizerNode::recall_pose(const odometry_t& odometry) {
-  if (is_recalled_) {
-    return;
-  }
-  is_recalled_ = true;
-  const auto remembered = memory_.load();
-  if (!remembered || remembered->building != config_.building.name ||
-      remembered->fixtures != static_cast<int>(config_.building.fixtures.size())) {
-    return;
-  }
-  if (const auto belief = carry_forward(*remembered, odometry.session, odom_from_robot(odometry))) {
-    localizer_->recall(*belief);
-    is_remembered_ = true;
-    remembered_utime_ = odometry.utime;
-  }
-}
-
-void LocalizerNode::remember_pose(const odometry_t& odometry, const LocalizerEstimate& estimate) {
-  if (estimate.state != LocalizerState::kTracking) {
-    if (is_remembered_ && odometry.utime - remembered_utime_ > kMemoryPatience) {
-      memory_.forget();  // better none than one that is in doubt
-      is_remembered_ = false;
-    }
-  } else if (odometry.utime - remembered_utime_ >= kMemoryPeriod) {
-    remembered_utime_ = odometry.utime;
-    is_remembered_ = true;
-    memory_failed_ = !memory_.save({config_.building.name, static_cast<int>(config_.building.fixtures.size()),
-                                    odometry.session, odom_from_robot(odometry), estimate.belief});
-  }
-}
-
 void LocalizerNode::publish_pose(const LocalizerEstimate& estimate) {
   pose_t& pose = pose_;
   pose.utime = odometry_.utime;
@@ -233,7 +202,7 @@ Health LocalizerNode::health() const {
   } else if (odometry_.utime - localizer_->last_frame_used() > kSilence) {
     health.degraded = true;
     health.reason = "no image was used for more than a second: their stamps do not fit ODOMETRY's";
-  } else if (memory_failed_) {
+  } else if (memory_.has_failed()) {
     health.reason = "the pose cannot be written to " + config_.state_dir;
   } else if (subscriber_.dropped() > 0) {
     health.reason = subscriber_.last_reason();

@@ -41,8 +41,6 @@ class LocalizerNode {
   void on_sonar(const sonar_t& message);
   void on_robot_status(const robot_status_t& message);
   void on_initial_pose(const initial_pose_t& message);
-  void recall_pose(const odometry_t& odometry);
-  void remember_pose(const odometry_t& odometry, const LocalizerEstimate& estimate);
   void publish_pose(const LocalizerEstimate& estimate);
   void publish_hypotheses(std::int64_t utime);
 
@@ -52,10 +50,6 @@ class LocalizerNode {
   CorrectedOdometry wheels_;
   std::int64_t wheels_session_ = 0;
   PoseMemory memory_;
-  bool is_recalled_ = false;           // the memory was looked at
-  bool is_remembered_ = false;         // the memory holds a pose
-  bool memory_failed_ = false;         // the last pose could not be written
-  std::int64_t remembered_utime_ = 0;  // [us] of the pose written last
   StampGuard odometry_stamps_;
   StampGuard detection_stamps_;
   StampGuard sonar_stamps_;

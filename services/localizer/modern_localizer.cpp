@@ -24,19 +24,15 @@ constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 
 ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
                                  const ErrorParams& errors, const ModernLocalizerParams& params)
-    : building_(building),
-      map_(building.fixtures),
-      view_(robot.camera),
-      walls_(walls),
-      wheel_base_(robot.wheel_base),
+    : model_(building, walls, robot, errors),
       params_(params),
-      bank_(map_, view_, walls_, building.ceiling_height, robot.wheel_base, robot.sonar, errors, params.hypotheses),
-      filter_(std::max(0.2, building.ceiling_height - robot.camera.mounting.z),
-              {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base, errors, params.tracking),
-      monitor_(map_, view_, building.ceiling_height, params.rules),
+      bank_(model_, params.hypotheses),
+      filter_(model_.height_above_camera(), {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base,
+              errors, params.tracking),
+      monitor_(model_, params.rules),
       displacement_(robot.wheel_base, params.rules),
       rush_(robot.wheel_base, params.rules),
-      supervisor_(map_, tracks_, bank_, filter_, monitor_, params.rules),
+      supervisor_(model_.fixtures, tracks_, bank_, filter_, monitor_, params.rules),
       echoes_(robot.sonar, {params.hypotheses.sonar_test_distance, params.hypotheses.sonar_turn,
                             params.hypotheses.sonar_surface, params.hypotheses.sonar_looks}) {}
 
@@ -96,7 +92,7 @@ void ModernLocalizer::add_sonar(const SonarScan& scan) {
     return;
   }
   // a fixture in view tells better, and at once, whether the robot is carried
-  const bool sees_fixture = scan.utime - fixture_utime_ < kFixtureInView;
+  const bool sees_fixture = scan.utime - corrections_.utime() < kFixtureInView;
   const bool is_kidnapped = surroundings_.look(scan, queue_.history().newest().odom_from_robot);
   if (is_kidnapped && !sees_fixture && supervisor_.has_leader() && !is_displaced_) {
     supervisor_.suspect(
@@ -145,10 +141,7 @@ void ModernLocalizer::listen(std::int64_t until_utime) {
   if (bank_.is_busy() || bank_.hypotheses().empty()) {
     return;
   }
-  if (bank_.beginnings() != listens_since_) {
-    listens_since_ = bank_.beginnings();
-    echoes_.forget_places();  // nobody in the new list has heard them
-  }
+  echoes_.begin_for(bank_.beginnings());
   const std::vector<PlacedEcho> echoes = echoes_.take(until_utime, queue_.history(), bank_.max_echoes());
   if (!echoes.empty()) {
     bank_.listen(echoes);
@@ -161,7 +154,7 @@ SightingFrame ModernLocalizer::usable_sightings(const SightingFrame& frame, cons
   for (const FixtureSighting& sighting : frame.sightings) {
     if (sighting.fit >= kMinFit && usable.sightings.size() < kMaxSightings) {
       usable.sightings.push_back(
-          view_.without_rolling_shutter(sighting, building_.ceiling_height, odometry.linear, odometry.angular));
+          model_.view.without_rolling_shutter(sighting, model_.ceiling_height, odometry.linear, odometry.angular));
     }
   }
   return usable;
@@ -171,7 +164,7 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   advance(timed.odometry);
   const SightingFrame frame = usable_sightings(timed.frame, timed.odometry);
   const std::vector<int> objects = tracks_.update(frame, timed.odometry.odom_from_robot, odometer_);
-  is_rushing_ = rush_.look(frame, timed.odometry.odom_from_robot);
+  const bool is_rushing = rush_.look(frame, timed.odometry.odom_from_robot);
   if (displacement_.look(frame, objects, tracks_, timed.odometry.odom_from_robot)) {
     wait_for_rest(frame, timed.odometry);
     return;
@@ -184,14 +177,14 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   bank_.observe(frame, objects, tracks_, timed.odometry, odometer_);
   if (supervisor_.has_leader()) {
     monitor_.allow_kidnapping(!motors_enabled_);
-    track(frame, objects, timed.odometry);
+    track(frame, objects, timed.odometry, is_rushing);
     supervisor_.favour_predicting_pose();
   }
   if (!supervisor_.is_tracking()) {
     bank_.seed(tracks_);
   }
   bank_.tidy();
-  if (fixture_utime_ == frame.utime) {
+  if (corrections_.utime() == frame.utime) {
     supervisor_.keep_leader_at_filter(frame);
   }
   decide(frame);
@@ -201,7 +194,7 @@ void ModernLocalizer::wait_for_rest(const SightingFrame& frame, const OdometryRe
   images_unmatched_ = is_displaced_ ? images_unmatched_ : 0;
   is_displaced_ = true;
   if (is_followed()) {
-    const std::vector<FixtureMatch> matches = match_sightings(filter_, map_, frame, odometry, params_.tracking.gate);
+    const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
     images_unmatched_ = matches.empty() ? images_unmatched_ + 1 : 0;
     correct_filter(frame, matches, odometry);
   }
@@ -221,8 +214,8 @@ void ModernLocalizer::begin_at_rest() {
 }
 
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
-                            const OdometryReading& odometry) {
-  const std::vector<FixtureMatch> matches = match_sightings(filter_, map_, frame, odometry, params_.tracking.gate);
+                            const OdometryReading& odometry, bool is_rushing) {
+  const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
   if (supervisor_.is_recalled()) {
     supervisor_.judge_recalled_pose(objects, matches);
     if (!supervisor_.has_leader()) {
@@ -230,10 +223,10 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
     }
   }
   const auto contradiction = monitor_.look(frame, objects, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
-                                           odometer_ - odometer_at_fixture_, supervisor_.is_suspected());
+                                           distance_since_fixture(), supervisor_.is_suspected());
   if (contradiction) {
     supervisor_.suspect(*contradiction);
-  } else if (is_rushing_ && matches.empty() && !supervisor_.is_suspected()) {
+  } else if (is_rushing && matches.empty() && !supervisor_.is_suspected()) {
     supervisor_.suspect(
         {"what is seen rushes past faster than the wheels turn", params_.rules.log_prior_after_misfit, true});
   }
@@ -246,13 +239,18 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
   }
 }
 
+std::vector<FixtureMatch> ModernLocalizer::find_matches(const TrackingFilter& filter, const SightingFrame& frame,
+                                                        const OdometryReading& odometry) const {
+  return match_sightings(filter, model_.fixtures, frame, odometry, params_.tracking.gate);
+}
+
 std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const SightingFrame& frame,
                                              const std::vector<FixtureMatch>& matches,
                                              const OdometryReading& odometry) const {
   std::vector<double> nis;
   for (const FixtureMatch& match : matches) {
     const FixtureSighting& sighting = frame.sightings[match.sighting];
-    const Fixture& fixture = map_[match.fixture];
+    const Fixture& fixture = model_.fixtures[match.fixture];
     if (filter.innovate(sighting, match.fixture, fixture, odometry.linear, odometry.angular).nis >
         params_.tracking.gate) {
       filter.widen(kFixtureSurprise);
@@ -264,22 +262,14 @@ std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const Sight
 
 void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                                      const OdometryReading& odometry) {
-  for (const double nis : correct(filter_, frame, matches, odometry)) {
-    nis_ = has_nis_ ? nis_ + 0.02 * (nis / 3.0 - nis_) : nis / 3.0;
-    has_nis_ = true;
-  }
-  if (!matches.empty()) {
-    fixture_utime_ = frame.utime;
-    odometer_at_fixture_ = odometer_;
-  }
+  corrections_.add(frame.utime, odometer_, correct(filter_, frame, matches, odometry));
 }
 
 void ModernLocalizer::decide(const SightingFrame& frame) {
   // While a round goes on some poses have not seen its image: no more can be said than without one.
   const bool has_image = frame.utime != 0 && !bank_.is_busy();
-  if (supervisor_.decide(has_image ? bank_.frame() : SightingFrame{}, odometer_ - odometer_at_fixture_)) {
-    correct_filter(frame, match_sightings(filter_, map_, frame, *filter_odometry_, params_.tracking.gate),
-                   *filter_odometry_);
+  if (supervisor_.decide(has_image ? bank_.frame() : SightingFrame{}, distance_since_fixture())) {
+    correct_filter(frame, find_matches(filter_, frame, *filter_odometry_), *filter_odometry_);
   }
 }
 
@@ -307,7 +297,7 @@ void ModernLocalizer::look_ahead(LocalizerEstimate& estimate) const {
     OdometryReading there = newest;
     there.odom_from_robot = newest.odom_from_robot * ahead.step;
     const SightingFrame frame = usable_sightings(waiting, there);
-    const std::vector<FixtureMatch> matches = match_sightings(filter, map_, frame, there, params_.tracking.gate);
+    const std::vector<FixtureMatch> matches = find_matches(filter, frame, there);
     if (!matches.empty()) {
       correct(filter, frame, matches, there);
       estimate.fixture_utime = waiting.utime;
@@ -324,18 +314,18 @@ LocalizerEstimate ModernLocalizer::estimate() const {
   LocalizerEstimate estimate;
   estimate.state = supervisor_.state();
   estimate.reason = supervisor_.reason();
-  estimate.fixture_utime = fixture_utime_;
-  estimate.has_nis = has_nis_;
-  estimate.nis = nis_;
+  estimate.fixture_utime = corrections_.utime();
+  estimate.has_nis = corrections_.mean_nis().has_value();
+  estimate.nis = corrections_.mean_nis().value_or(0.0);
   const Pose2 ahead = since_filter();
-  estimate.distance_since_fixture = odometer_ - odometer_at_fixture_ + std::hypot(ahead.x, ahead.y);
+  estimate.distance_since_fixture = distance_since_fixture() + std::hypot(ahead.x, ahead.y);
   if (supervisor_.has_leader()) {
     estimate.estimator = EstimatorKind::kKalmanFilter;
     estimate.belief = filter_.belief_after(ahead);
   } else if (!bank_.hypotheses().empty()) {
     estimate.estimator = EstimatorKind::kHypotheses;
     estimate.belief = bank_.belief_now(0);
-    predict(estimate.belief, ahead, odometry_noise(ahead, wheel_base_, ErrorParams{}));
+    predict(estimate.belief, ahead, odometry_noise(ahead, model_.wheel_base, ErrorParams{}));
   }
   if (estimate.state == LocalizerState::kTracking) {
     look_ahead(estimate);

@@ -16,7 +16,9 @@
 #include "services/localizer/integrity/tracking_supervisor.hpp"
 #include "services/localizer/model/frame_queue.hpp"
 #include "services/localizer/model/localizer.hpp"
+#include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/model/odometry_gap.hpp"
+#include "services/localizer/tracking/correction_record.hpp"
 #include "services/localizer/tracking/fixture_matching.hpp"
 #include "services/localizer/tracking/tracking_filter.hpp"
 
@@ -61,7 +63,11 @@ class ModernLocalizer final : public Localizer {
   void advance(const OdometryReading& odometry);
   void listen(std::int64_t until_utime);
   [[nodiscard]] SightingFrame usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const;
-  void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
+  /// With `is_rushing` something in the image rushes past.
+  void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry,
+             bool is_rushing);
+  [[nodiscard]] std::vector<FixtureMatch> find_matches(const TrackingFilter& filter, const SightingFrame& frame,
+                                                       const OdometryReading& odometry) const;
   /// Returns the normalised innovation squared of each match.
   std::vector<double> correct(TrackingFilter& filter, const SightingFrame& frame,
                               const std::vector<FixtureMatch>& matches, const OdometryReading& odometry) const;
@@ -73,12 +79,10 @@ class ModernLocalizer final : public Localizer {
   void bridge(const std::string& why, const OdometryGap& gap);
   void decide(const SightingFrame& frame);
   [[nodiscard]] Pose2 since_filter() const;
+  /// Way [m] that bank and filter went since the filter matched a fixture.
+  [[nodiscard]] double distance_since_fixture() const { return corrections_.distance_since(odometer_); }
 
-  Building building_;
-  FixtureMap map_;
-  CeilingView view_;
-  WallField walls_;
-  double wheel_base_;  // [m]
+  ObservationModel model_;
   ModernLocalizerParams params_;
   FrameQueue queue_;
   ObjectTracks tracks_;
@@ -90,18 +94,13 @@ class ModernLocalizer final : public Localizer {
   SonarChange surroundings_;
   TrackingSupervisor supervisor_;
   EchoCollector echoes_;
-  int listens_since_ = 0;                           // which list of hypotheses hears the echoes
   std::optional<OdometryReading> filter_odometry_;  // where bank and filter stand
   double odometer_ = 0.0;                           // [m]
+  CorrectionRecord corrections_;                    // of the filter
 
-  bool is_rushing_ = false;    // something rushes past in the last image
   bool is_displaced_ = false;  // somebody moved the robot at the last image
   int images_unmatched_ = 0;   // then, in a row, without a fixture that the filter predicted
   bool motors_enabled_ = true;
-  std::int64_t fixture_utime_ = 0;
-  double odometer_at_fixture_ = 0.0;  // [m]
-  double nis_ = 0.0;
-  bool has_nis_ = false;
 };
 
 }  // namespace luminav

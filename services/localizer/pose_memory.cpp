@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/configuration/whole_file.hpp"
@@ -13,16 +14,53 @@
 namespace luminav {
 namespace {
 
-constexpr double kFarthest = 5.0;             // [m] driven without this process
-constexpr double kUnseenDistance = 0.05;      // [m per m] odometry's error, whatever way it took
-constexpr double kMinPosition = 0.05;         // [m] 1-sigma added
-constexpr double kMinHeading = radians(3.0);  // [rad]
-constexpr double kUnseenTurn = radians(5.0);  // [rad per m] of unseen way
+constexpr std::int64_t kPeriod = 1'000'000;    // [us]
+constexpr std::int64_t kPatience = 5'000'000;  // [us] in doubt after which a pose is forgotten
+constexpr double kFarthest = 5.0;              // [m] driven without this process
+constexpr double kUnseenDistance = 0.05;       // [m per m] odometry's error, whatever way it took
+constexpr double kMinPosition = 0.05;          // [m] 1-sigma added
+constexpr double kMinHeading = radians(3.0);   // [rad]
+constexpr double kUnseenTurn = radians(5.0);   // [rad per m] of unseen way
 
 }  // namespace
 
-PoseMemory::PoseMemory(const std::filesystem::path& folder)
-    : file_(folder.empty() ? std::filesystem::path() : folder / "localizer_pose.toml") {}
+PoseMemory::PoseMemory(const std::filesystem::path& folder, const Building& building)
+    : file_(folder.empty() ? std::filesystem::path() : folder / "localizer_pose.toml"),
+      building_(building.name),
+      fixtures_(static_cast<int>(building.fixtures.size())) {}
+
+std::optional<PoseBelief> PoseMemory::recall(const OdometryReading& odometry) {
+  if (std::exchange(is_recalled_, true)) {
+    return std::nullopt;
+  }
+  const auto remembered = load();
+  if (!remembered || remembered->building != building_ || remembered->fixtures != fixtures_) {
+    return std::nullopt;
+  }
+  const auto belief = carry_forward(*remembered, odometry.session, odometry.odom_from_robot);
+  if (belief) {
+    is_remembered_ = true;
+    saved_utime_ = odometry.utime;
+  }
+  return belief;
+}
+
+void PoseMemory::remember(const OdometryReading& odometry, const LocalizerEstimate& estimate) {
+  if (estimate.state != LocalizerState::kTracking) {
+    if (is_remembered_ && odometry.utime - saved_utime_ > kPatience) {
+      forget();  // better none than one that is in doubt
+    }
+  } else if (odometry.utime - saved_utime_ >= kPeriod) {
+    saved_utime_ = odometry.utime;
+    is_remembered_ = true;
+    has_failed_ = !save({building_, fixtures_, odometry.session, odometry.odom_from_robot, estimate.belief});
+  }
+}
+
+void PoseMemory::restart() {
+  forget();
+  saved_utime_ = 0;
+}
 
 std::optional<RememberedPose> PoseMemory::load() const {
   std::error_code error;
@@ -81,7 +119,8 @@ bool PoseMemory::save(const RememberedPose& pose) const {
   return true;
 }
 
-void PoseMemory::forget() const {
+void PoseMemory::forget() {
+  is_remembered_ = false;
   std::error_code error;
   if (!file_.empty()) {
     std::filesystem::remove(file_, error);

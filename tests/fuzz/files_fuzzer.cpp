@@ -89,7 +89,7 @@ const std::array<std::function<void(const std::string&)>, 13> kReaders = {
       OccupancyGrid grid({0.1, {0.0, 0.0}, 64, 64});
       (void)read_evidence(write("evidence.bin", text), grid);
     },
-    [](const std::string& text) { (void)(write("localizer_pose.toml", text), PoseMemory(folder().path()).load()); },
+    [](const std::string& text) { (void)(write("localizer_pose.toml", text), PoseMemory(folder().path(), {}).load()); },
     [](const std::string& text) {
       std::filesystem::create_directories(folder().path() / "p3dx");
       write("stop", text);

@@ -60,6 +60,13 @@ void EchoCollector::clear() {
   forget_places();
 }
 
+void EchoCollector::begin_for(int list) {
+  if (list != list_) {
+    list_ = list;
+    forget_places();
+  }
+}
+
 void EchoCollector::forget_places() {
   places_.clear();
   surfaces_.clear();

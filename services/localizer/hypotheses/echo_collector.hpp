@@ -35,8 +35,9 @@ class EchoCollector {
   void add(const SonarScan& scan);
   /// Forgets the echoes and where they were heard: relative motion across now is unknown.
   void clear();
-  /// Makes every place and surface new evidence again, for hypotheses that have not heard it.
-  void forget_places();
+  /// Which list of hypotheses hears what is taken from now on: to another one than before, which has heard nothing yet,
+  /// every place and surface is new evidence again.
+  void begin_for(int list);
   void advance(const Pose2& delta);
   /// Returns at most `max` echoes of the last second before `utime` [us], the newest of each disc, in the robot frame
   /// of that instant, and at most `max` passages: two readings in a row before it that went farther, as beside a
@@ -54,6 +55,8 @@ class EchoCollector {
   };
   static constexpr int kNoSector = -1;
 
+  void forget_places();
+
   /// A disc's readings of the last second in the robot frame of `now`, the newest first.
   [[nodiscard]] std::vector<PlacedEcho> place_readings(int disc, std::int64_t utime, const OdometryReading& now,
                                                        const OdometryHistory& history) const;
@@ -63,6 +66,7 @@ class EchoCollector {
 
   SonarRing sonar_;
   EchoRules rules_;
+  int list_ = 0;                           // that hears them
   std::vector<SonarEcho> echoes_;          // silent ones too
   std::vector<std::int64_t> heard_utime_;  // [us] last echo, by disc; 0 = none yet
   std::vector<Pose2> places_;              // odom, of the latest collections

@@ -10,9 +10,19 @@
 
 namespace luminav {
 
+/// What the robot did between the beginnings of two rounds.
+struct RoundMotion {
+  bool has_moved = false;
+  PoseBelief step{{}, Eigen::Matrix3d::Zero()};  // in the robot frame at the first
+  double distance = 0.0;                         // [m] of it
+  bool settles = false;                          // the scene before is over: relative motion to it is unknown
+};
+
 /// What all hypotheses are compared with in one round: an image, and what was driven and heard since the round before.
 /// It stays as it is until the last of them has seen it, however many images pass meanwhile.
 struct EvidenceRound {
+  static constexpr int kMaxImages = 2;  // that one stands for: chance is not averaged out as by many
+
   bool has_image = false;
   SightingFrame frame;
   OdometryReading odometry;              // at the image's time
@@ -25,10 +35,7 @@ struct EvidenceRound {
   int images = 1;                        // likewise, whatever they show
   std::vector<PlacedEcho> echoes;        // in the robot frame of the image
   std::vector<Eigen::Vector2d> stretch;  // driven last [m, robot frame of the image]
-  bool has_moved = false;
-  PoseBelief step;        // motion since the round before, in the robot frame there
-  double distance = 0.0;  // [m] of it
-  bool settles = false;   // the scene before is over: relative motion to it is unknown
+  RoundMotion motion;                    // since the round before
 };
 
 }  // namespace luminav

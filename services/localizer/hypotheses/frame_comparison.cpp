@@ -10,19 +10,13 @@ constexpr double kStranger = -2.0;  // log-likelihood of what is known to be see
 
 }  // namespace
 
-FrameComparer::FrameComparer(const SightingFrame& frame, double linear, double angular, const FixtureMap& map,
-                             const CeilingView& view, double ceiling_height, const ErrorParams& errors,
+FrameComparer::FrameComparer(const SightingFrame& frame, double linear, double angular, const ObservationModel& model,
                              const HypothesisParams& params)
-    : frame_(frame),
-      map_(map),
-      view_(view),
-      errors_(errors),
-      params_(params),
-      view_radius_(view.radius(ceiling_height)) {
-  const double height_above_camera = std::max(0.2, view.height_above_camera(ceiling_height));
+    : frame_(frame), model_(model), params_(params), reach_(model.reach()) {
   systematic_.reserve(frame.sightings.size());
   for (const FixtureSighting& sighting : frame.sightings) {
-    systematic_.push_back(systematic_sighting_covariance(sighting, height_above_camera, linear, angular, errors));
+    systematic_.push_back(
+        systematic_sighting_covariance(sighting, model.height_above_camera(), linear, angular, model.errors));
   }
 }
 
@@ -33,7 +27,7 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   result.innovations.resize(frame_.sightings.size());
   thread_local std::vector<int> near;
   near.clear();
-  map_.find_near(belief.pose.position(), view_radius_ + 1.0, near);
+  model_.fixtures.find_near(belief.pose.position(), reach_, near);
   thread_local std::vector<Pair> pairs;
   pairs.clear();
   find_pairs(belief, near, pairs);
@@ -56,7 +50,7 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   }
   for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
     if (result.fixture_of_sighting[i] < 0 &&
-        map_.is_stranger(belief.pose * frame_.sightings[i].robot_from_fixture.position())) {
+        model_.fixtures.is_stranger(belief.pose * frame_.sightings[i].robot_from_fixture.position())) {
       result.log_likelihood[i] = kStranger;
     }
   }
@@ -69,12 +63,12 @@ void FrameComparer::find_pairs(const PoseBelief& belief, const std::vector<int>&
     const FixtureSighting& sighting = frame_.sightings[i];
     const Eigen::Vector2d place = belief.pose * sighting.robot_from_fixture.position();
     for (const int index : near) {
-      const Fixture& fixture = map_[index];
+      const Fixture& fixture = model_.fixtures[index];
       if ((fixture.world_from_fixture.position() - place).squaredNorm() > 2.25 ||
           !fits_kind_and_size(sighting, fixture, KindGate{})) {
         continue;
       }
-      const Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, errors_) + systematic_[i];
+      const Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, model_.errors) + systematic_[i];
       const Innovation innovation = innovate(belief, sighting, fixture, noise);
       if (innovation.nis < params_.gate) {
         pairs.push_back({i, index,
@@ -90,11 +84,11 @@ void FrameComparer::expect(const PoseBelief& belief, const std::vector<int>& nea
   const Pose2 robot_from_world = belief.pose.inverse();
   const PointTransform to_robot(robot_from_world);
   for (const int index : near) {
-    const Fixture& fixture = map_[index];
+    const Fixture& fixture = model_.fixtures[index];
     const Eigen::Vector2d centre = to_robot * fixture.world_from_fixture.position();
     const Pose2 robot_from_fixture{centre.x(), centre.y(),
                                    wrap_angle(robot_from_world.theta + fixture.world_from_fixture.theta)};
-    if (map_.is_doubted(index) || !view_.is_wholly_visible(robot_from_fixture, fixture, margin)) {
+    if (model_.fixtures.is_doubted(index) || !model_.view.is_wholly_visible(robot_from_fixture, fixture, margin)) {
       continue;
     }
     result.expected.push_back(index);

@@ -3,10 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "services/common/ceiling/ceiling_view.hpp"
-#include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/hypotheses/hypothesis.hpp"
-#include "services/localizer/model/error_model.hpp"
+#include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/model/sighting_model.hpp"
 
@@ -25,8 +23,7 @@ struct FrameComparison {
 class FrameComparer {
  public:
   /// Linear [m/s] and angular [rad/s] twist of the robot at the image's time; everything given must outlive this.
-  FrameComparer(const SightingFrame& frame, double linear, double angular, const FixtureMap& map,
-                const CeilingView& view, double ceiling_height, const ErrorParams& errors,
+  FrameComparer(const SightingFrame& frame, double linear, double angular, const ObservationModel& model,
                 const HypothesisParams& params);
 
   [[nodiscard]] FrameComparison compare(const PoseBelief& belief) const;
@@ -44,11 +41,9 @@ class FrameComparer {
   void expect(const PoseBelief& belief, const std::vector<int>& near, FrameComparison& result) const;
 
   const SightingFrame& frame_;
-  const FixtureMap& map_;
-  const CeilingView& view_;
-  const ErrorParams& errors_;
+  const ObservationModel& model_;
   const HypothesisParams& params_;
-  double view_radius_;  // [m]
+  double reach_;  // [m] of the view, see ObservationModel
   std::vector<Eigen::Matrix3d> systematic_;
 };
 

@@ -68,6 +68,24 @@ double score_of(const Hypothesis& hypothesis, double best_sonar, const Hypothesi
   return log_posterior;
 }
 
+void NullHypothesis::see(std::span<const ObjectTrack> scene, std::span<const ObjectTrack> forgotten,
+                         const HypothesisParams& params) {
+  const auto misfit = [&](const ObjectTrack& object) {
+    return params.misfit * std::min(1.0, static_cast<double>(object.frames) / params.frames_for_full_vote);
+  };
+  active_score_ = 0.0;
+  for (const ObjectTrack& object : scene) {
+    active_score_ += misfit(object);
+  }
+  for (const ObjectTrack& object : forgotten) {
+    closed_score_ += misfit(object);
+  }
+}
+
+void NullHypothesis::settle() {
+  closed_score_ += std::exchange(active_score_, 0.0);
+}
+
 bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params) {
   return distance(a, b) < params.merge_distance && std::abs(wrap_angle(a.theta - b.theta)) < params.merge_angle;
 }

@@ -8,11 +8,8 @@
 namespace luminav {
 namespace {
 
-constexpr int kMaxImages = 2;          // that one stands for: chance is not averaged out as by many
 constexpr int kLongestRound = 8;       // [steps] of hearing echoes; beyond it some are left out
 constexpr std::size_t kFewEchoes = 3;  // that are always heard
-
-const PoseBelief kNoMotion{{}, Eigen::Matrix3d::Zero()};
 
 double log_of_normal_tail(double deviations) {
   // log of the normal distribution function; below -5 nothing is told apart any more
@@ -22,56 +19,22 @@ double log_of_normal_tail(double deviations) {
 
 }  // namespace
 
-HypothesisBank::HypothesisBank(const FixtureMap& map, const CeilingView& view, const WallField& walls,
-                               double ceiling_height, double wheel_base, const SonarRing& sonar,
-                               const ErrorParams& errors, const HypothesisParams& params)
-    : map_(map),
-      view_(view),
-      walls_(walls),
-      ceiling_height_(ceiling_height),
-      wheel_base_(wheel_base),
-      sonar_(sonar),
-      errors_(errors),
+HypothesisBank::HypothesisBank(const ObservationModel& model, const HypothesisParams& params)
+    : model_(model),
       params_(params),
-      seeding_(map_, view_, walls_, ceiling_height, wheel_base, errors_, params_),
+      seeding_(model, params_),
       ranking_(params_),
       budget_(params.work),
-      lag_(kNoMotion) {}
+      pending_(model, params.decorrelation_distance) {}
 
 void HypothesisBank::clear() {
   ++beginnings_;
   hypotheses_.clear();
-  null_settled_ = 0.0;
-  null_active_ = 0.0;
+  null_ = {};
   best_sonar_ = 0.0;
-  trail_.clear();
   phase_ = Phase::kIdle;
   seeding_.abort();
-  has_moved_ = false;
-  lag_ = kNoMotion;
-  distance_ = 0.0;
-  settles_ = false;
-  has_stretch_ = false;
-  echoes_.clear();
-  forgotten_.clear();
-}
-
-void HypothesisBank::advance(const Pose2& delta) {
-  has_moved_ = true;
-  predict(lag_, delta, odometry_noise_with_systematics(delta, wheel_base_, errors_));
-  const double distance = std::hypot(delta.x, delta.y);
-  distance_ += distance;
-  distance_since_correction_ += distance + 0.5 * std::abs(delta.theta);
-  has_stretch_ |= trail_.advance(delta);
-}
-
-void HypothesisBank::bridge(const Pose2& step, const Eigen::Matrix3d& noise) {
-  trail_.clear();
-  has_stretch_ = false;
-  has_moved_ = true;
-  predict(lag_, step, noise);
-  settles_ = true;
-  distance_since_correction_ += params_.decorrelation_distance;
+  pending_.clear();
 }
 
 std::size_t HypothesisBank::max_echoes() const {
@@ -79,14 +42,9 @@ std::size_t HypothesisBank::max_echoes() const {
                                   std::max<std::size_t>(1, kUnitsPerEcho * hypotheses_.size()));
 }
 
-void HypothesisBank::listen(const std::vector<PlacedEcho>& echoes) {
-  echoes_ = echoes;
-}
-
 void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting,
                              ObjectTracks& tracks, const OdometryReading& odometry, double odometer) {
-  ++images_;
-  forgotten_.insert(forgotten_.end(), tracks.forgotten().begin(), tracks.forgotten().end());
+  pending_.add_image(tracks.forgotten());
   if (phase_ == Phase::kIdle) {
     const std::vector<ObjectTrack> before = std::exchange(round_.objects, tracks.objects());
     round_.images_of_sighting.clear();
@@ -95,7 +53,7 @@ void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>&
       const auto known =
           std::find_if(before.begin(), before.end(), [&](const ObjectTrack& o) { return o.id == object.id; });
       const int images = object.frames - (known == before.end() ? 0 : known->frames);
-      round_.images_of_sighting.push_back(std::clamp(images, 1, kMaxImages));
+      round_.images_of_sighting.push_back(std::clamp(images, 1, EvidenceRound::kMaxImages));
     }
     round_.has_image = true;
     round_.frame = frame;
@@ -117,38 +75,20 @@ void HypothesisBank::wait() {
 }
 
 void HypothesisBank::begin_round() {
-  round_.echoes = std::exchange(echoes_, {});
-  if (!walls_.has_walls() || hypotheses_.empty()) {
+  pending_.hand_over(round_);
+  if (!model_.walls.has_walls() || hypotheses_.empty()) {
     round_.echoes.clear();
   }
+  if (!model_.walls.has_walls() || hypotheses_.size() <= 1) {
+    round_.stretch.clear();
+  }
   round_best_sonar_ = -1e18;
-  const bool has_stretch = std::exchange(has_stretch_, false) && walls_.has_walls() && hypotheses_.size() > 1;
-  round_.stretch = has_stretch ? trail_.points() : std::vector<Eigen::Vector2d>{};
-  round_.has_moved = std::exchange(has_moved_, false);
-  round_.step = std::exchange(lag_, kNoMotion);
-  round_.distance = std::exchange(distance_, 0.0);
-  round_.settles = std::exchange(settles_, false);
-  if (round_.settles) {
-    null_settled_ += std::exchange(null_active_, 0.0);
+  if (round_.motion.settles) {
+    null_.settle();
   }
   if (round_.has_image) {
-    round_.images = std::min(std::exchange(images_, 0), kMaxImages);
-    round_.forgotten = std::exchange(forgotten_, {});
-    // Constant errors are drawn anew only every `decorrelation_distance`: between, an image counts for its share of it.
-    round_.share = std::clamp(distance_since_correction_ / params_.decorrelation_distance, 0.02, 1.0);
-    distance_since_correction_ = 0.0;
-    const auto misfit = [&](const ObjectTrack& object) {
-      return params_.misfit * std::min(1.0, static_cast<double>(object.frames) / params_.frames_for_full_vote);
-    };
-    null_active_ = 0.0;
-    for (const ObjectTrack& object : round_.objects) {
-      null_active_ += misfit(object);
-    }
-    for (const ObjectTrack& object : round_.forgotten) {
-      null_settled_ += misfit(object);
-    }
-    comparer_.emplace(round_.frame, round_.odometry.linear, round_.odometry.angular, map_, view_, ceiling_height_,
-                      errors_, params_);
+    null_.see(round_.objects, round_.forgotten, params_);
+    comparer_.emplace(round_.frame, round_.odometry.linear, round_.odometry.angular, model_, params_);
   }
   next_ = 0;
   phase_ = Phase::kCompare;
@@ -185,15 +125,15 @@ bool HypothesisBank::may_lead(const Hypothesis& hypothesis) const {
 }
 
 void HypothesisBank::visit(Hypothesis& hypothesis) const {
-  if (round_.settles) {
+  if (round_.motion.settles) {
     settle_all(hypothesis, params_);
   }
-  if (round_.has_moved) {
+  if (round_.motion.has_moved) {
     move(hypothesis);
   }
   if (!round_.echoes.empty()) {
-    hypothesis.sonar +=
-        params_.sonar_weight * log_likelihood_of_echoes(hypothesis.belief, round_.echoes, walls_, sonar_.half_angle);
+    hypothesis.sonar += params_.sonar_weight * log_likelihood_of_echoes(hypothesis.belief, round_.echoes, model_.walls,
+                                                                        model_.sonar_half_angle);
   }
   if (round_.has_image) {
     compare(hypothesis);
@@ -201,15 +141,15 @@ void HypothesisBank::visit(Hypothesis& hypothesis) const {
 }
 
 void HypothesisBank::move(Hypothesis& hypothesis) const {
-  predict(hypothesis.belief, round_.step.pose, round_.step.covariance);
-  if (walls_.has_walls() && round_.distance > 0.0) {
+  predict(hypothesis.belief, round_.motion.step.pose, round_.motion.step.covariance);
+  if (model_.walls.has_walls() && round_.motion.distance > 0.0) {
     // probability that the robot's middle is at least 0.1 m from the next wall cell, as it must be
-    const double room = walls_.distance_to_wall(hypothesis.belief.pose.position()) - 0.10;
+    const double room = model_.walls.distance_to_wall(hypothesis.belief.pose.position()) - 0.10;
     const double sigma = std::max(0.05, position_sigma(hypothesis.belief.covariance));
-    hypothesis.walls += log_of_normal_tail(room / sigma) * round_.distance / params_.wall_test_distance;
+    hypothesis.walls += log_of_normal_tail(room / sigma) * round_.motion.distance / params_.wall_test_distance;
   }
   if (!round_.stretch.empty()) {
-    hypothesis.walls += log_likelihood_of_trail(hypothesis.belief, round_.stretch, walls_);
+    hypothesis.walls += log_likelihood_of_trail(hypothesis.belief, round_.stretch, model_.walls);
   }
 }
 
@@ -234,8 +174,8 @@ void HypothesisBank::correct(Hypothesis& hypothesis, const FrameComparison& comp
     }
     hypothesis.last_match = round_.frame.utime;
     const FixtureSighting& sighting = round_.frame.sightings[i];
-    const Fixture& fixture = map_[comparison.fixture_of_sighting[i]];
-    Eigen::Matrix3d white = white_sighting_covariance(sighting, fixture, errors_);
+    const Fixture& fixture = model_.fixtures[comparison.fixture_of_sighting[i]];
+    Eigen::Matrix3d white = white_sighting_covariance(sighting, fixture, model_.errors);
     if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
       white(2, 2) += kNoAngle;
     }
@@ -263,7 +203,7 @@ void HypothesisBank::spawn_next() {
   }
   while (!seeding_.is_complete() && !budget_.is_spent()) {
     for (Hypothesis& hypothesis : seeding_.next(hypotheses_, budget_)) {
-      hypothesis.closed_score = null_settled_;
+      hypothesis.closed_score = null_.closed_score();
       if (score_of(hypothesis, best_sonar_, params_) >= min_log_posterior_) {
         add(std::move(hypothesis));
       }
@@ -281,7 +221,7 @@ void HypothesisBank::add(Hypothesis hypothesis) {
 void HypothesisBank::add_guess(const PoseBelief& belief, double log_prior) {
   Hypothesis guess;
   guess.belief = belief;
-  guess.closed_score = null_settled_;
+  guess.closed_score = null_.closed_score();
   guess.sonar = best_sonar_;
   guess.log_prior = log_prior;
   guess.belief.pose = standing(hypotheses_.size(), belief.pose);
@@ -294,30 +234,30 @@ void HypothesisBank::place(std::size_t index, const PoseBelief& belief) {
 }
 
 Pose2 HypothesisBank::standing(std::size_t index, const Pose2& now) const {
-  Pose2 pose = has_moved_ ? now * lag_.pose.inverse() : now;
-  if (awaits_visit(index) && round_.has_moved) {
-    pose = pose * round_.step.pose.inverse();
+  Pose2 pose = pending_.motion().has_moved ? now * pending_.motion().step.pose.inverse() : now;
+  if (awaits_visit(index) && round_.motion.has_moved) {
+    pose = pose * round_.motion.step.pose.inverse();
   }
   return pose;
 }
 
 PoseBelief HypothesisBank::belief_now(std::size_t index) const {
   PoseBelief belief = hypotheses_[index].belief;
-  if (awaits_visit(index) && round_.has_moved) {
-    predict(belief, round_.step.pose, round_.step.covariance);
+  if (awaits_visit(index) && round_.motion.has_moved) {
+    predict(belief, round_.motion.step.pose, round_.motion.step.covariance);
   }
-  if (has_moved_) {
-    predict(belief, lag_.pose, lag_.covariance);
+  if (pending_.motion().has_moved) {
+    predict(belief, pending_.motion().step.pose, pending_.motion().step.covariance);
   }
   return belief;
 }
 
 Pose2 HypothesisBank::pose_now(std::size_t index) const {
   Pose2 pose = hypotheses_[index].belief.pose;
-  if (awaits_visit(index) && round_.has_moved) {
-    pose = pose * round_.step.pose;
+  if (awaits_visit(index) && round_.motion.has_moved) {
+    pose = pose * round_.motion.step.pose;
   }
-  return has_moved_ ? pose * lag_.pose : pose;
+  return pending_.motion().has_moved ? pose * pending_.motion().step.pose : pose;
 }
 
 void HypothesisBank::tidy() {

@@ -5,19 +5,15 @@
 #include <optional>
 #include <vector>
 
-#include "services/common/ceiling/ceiling_view.hpp"
-#include "services/common/ceiling/fixture_map.hpp"
-#include "services/common/configuration/robot_file.hpp"
+#include "services/localizer/hypotheses/evidence_collector.hpp"
 #include "services/localizer/hypotheses/evidence_round.hpp"
 #include "services/localizer/hypotheses/frame_comparison.hpp"
 #include "services/localizer/hypotheses/hypothesis.hpp"
 #include "services/localizer/hypotheses/hypothesis_ranking.hpp"
 #include "services/localizer/hypotheses/hypothesis_seeding.hpp"
 #include "services/localizer/hypotheses/sonar_evidence.hpp"
-#include "services/localizer/hypotheses/trajectory_check.hpp"
 #include "services/localizer/hypotheses/work_budget.hpp"
-#include "services/localizer/model/error_model.hpp"
-#include "services/localizer/model/wall_field.hpp"
+#include "services/localizer/model/observation_model.hpp"
 
 namespace luminav {
 
@@ -30,9 +26,8 @@ namespace luminav {
 /// it.
 class HypothesisBank {
  public:
-  /// Everything given by reference must outlive this.
-  HypothesisBank(const FixtureMap& map, const CeilingView& view, const WallField& walls, double ceiling_height,
-                 double wheel_base, const SonarRing& sonar, const ErrorParams& errors, const HypothesisParams& params);
+  /// The model must outlive this.
+  HypothesisBank(const ObservationModel& model, const HypothesisParams& params);
   HypothesisBank(const HypothesisBank&) = delete;
   HypothesisBank& operator=(const HypothesisBank&) = delete;
 
@@ -42,12 +37,12 @@ class HypothesisBank {
   /// How often the list began anew.
   [[nodiscard]] int beginnings() const { return beginnings_; }
   /// Moves all by an odometry step.
-  void advance(const Pose2& delta);
+  void advance(const Pose2& delta) { pending_.advance(delta); }
   /// Moves all by a step that no odometry measured, with its covariance in the frame at its beginning. The scene is to
   /// be cleared: what is seen from now on are other objects.
-  void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
+  void bridge(const Pose2& step, const Eigen::Matrix3d& noise) { pending_.bridge(step, noise); }
   /// Echoes for the next round, in the robot frame of its image.
-  void listen(const std::vector<PlacedEcho>& echoes);
+  void listen(const std::vector<PlacedEcho>& echoes) { pending_.listen(echoes); }
   /// Echoes that leave the next round short.
   [[nodiscard]] std::size_t max_echoes() const;
   /// One image: sightings (rolling shutter taken out) with their object in the scene. Begins a round with it, or goes
@@ -76,7 +71,7 @@ class HypothesisBank {
   [[nodiscard]] PoseBelief belief_now(std::size_t index) const;
   [[nodiscard]] Pose2 pose_now(std::size_t index) const;
   /// Score of "all that was seen is something else": what a pose not in the list would have.
-  [[nodiscard]] double null_score() const { return null_settled_ + null_active_; }
+  [[nodiscard]] double null_score() const { return null_.score(); }
   /// Units of work done in this step.
   [[nodiscard]] int work_done() const { return budget_.spent(); }
 
@@ -96,17 +91,10 @@ class HypothesisBank {
   [[nodiscard]] Pose2 standing(std::size_t index, const Pose2& now) const;
   [[nodiscard]] bool awaits_visit(std::size_t index) const { return phase_ == Phase::kCompare && index >= next_; }
 
-  const FixtureMap& map_;
-  const CeilingView& view_;
-  const WallField& walls_;
-  double ceiling_height_;  // [m]
-  double wheel_base_;      // [m]
-  SonarRing sonar_;
-  ErrorParams errors_;
+  const ObservationModel& model_;
   HypothesisParams params_;
   std::vector<Hypothesis> hypotheses_;
-  double null_settled_ = 0.0;
-  double null_active_ = 0.0;
+  NullHypothesis null_;
   double best_sonar_ = 0.0;
   int next_id_ = 1;
   int beginnings_ = 0;
@@ -122,17 +110,7 @@ class HypothesisBank {
   HypothesisRanking ranking_;
   WorkBudget budget_;
 
-  // what the next round begins with
-  bool has_moved_ = false;
-  PoseBelief lag_;         // motion since the round's image, in the robot frame there
-  double distance_ = 0.0;  // [m] of it
-  bool settles_ = false;
-  std::vector<PlacedEcho> echoes_;
-  std::vector<ObjectTrack> forgotten_;
-  int images_ = 0;
-  TrajectoryCheck trail_;
-  bool has_stretch_ = false;
-  double distance_since_correction_ = 0.0;  // [m], turns counted in
+  EvidenceCollector pending_;  // what the next round begins with
 };
 
 }  // namespace luminav

@@ -28,17 +28,6 @@ Turns turns_of(const FixtureSighting& sighting, FixtureShape shape) {
 
 }  // namespace
 
-HypothesisSeeding::HypothesisSeeding(const FixtureMap& map, const CeilingView& view, const WallField& walls,
-                                     double ceiling_height, double wheel_base, const ErrorParams& errors,
-                                     const HypothesisParams& params)
-    : map_(map),
-      view_(view),
-      walls_(walls),
-      ceiling_height_(ceiling_height),
-      wheel_base_(wheel_base),
-      errors_(errors),
-      params_(params) {}
-
 void HypothesisSeeding::abort() {
   seed_objects_.clear();
   seed_object_ = 0;
@@ -71,10 +60,10 @@ void HypothesisSeeding::begin(const EvidenceRound& round, ObjectTracks& tracks, 
     FixtureSighting moved = object.best;
     moved.robot_from_fixture = odom_from_robot.inverse() * object.odom_from_object;
     const Pose2 step = object.odom_from_robot.inverse() * odom_from_robot;
-    moved.covariance += odometry_noise_with_systematics(step, wheel_base_, errors_);
+    moved.covariance += odometry_noise_with_systematics(step, model_.wheel_base, model_.errors);
     recent_.sightings.push_back(moved);
   }
-  comparer_.emplace(recent_, 0.0, 0.0, map_, view_, ceiling_height_, errors_, params_);
+  comparer_.emplace(recent_, 0.0, 0.0, model_, params_);
 }
 
 std::vector<Hypothesis> HypothesisSeeding::next(const std::vector<Hypothesis>& known, WorkBudget& budget) {
@@ -91,12 +80,12 @@ std::vector<Hypothesis> HypothesisSeeding::next(const std::vector<Hypothesis>& k
       }
       begin_seed_object(known, budget);
     }
-    while (fixture_ < map_.size()) {
+    while (fixture_ < model_.fixtures.size()) {
       if (budget.is_spent()) {
         return spawned;
       }
       const std::size_t before = spawned.size();
-      spawn(map_[fixture_++], known, spawned);
+      spawn(model_.fixtures[fixture_++], known, spawned);
       budget.spend(1 + static_cast<int>(spawned.size() - before) * (4 + static_cast<int>(recent_.sightings.size())));
     }
     taken_.reset();
@@ -123,9 +112,9 @@ void HypothesisSeeding::spawn(const Fixture& fixture, const std::vector<Hypothes
   if (turns.count == 0 || !fits_kind_and_size(sighting_, fixture, KindGate{})) {
     return;
   }
-  const double height_above_camera = std::max(0.2, view_.height_above_camera(ceiling_height_));
-  Eigen::Matrix3d noise = white_sighting_covariance(sighting_, fixture, errors_) +
-                          systematic_sighting_covariance(sighting_, height_above_camera, 0.3, 0.3, errors_);
+  Eigen::Matrix3d noise =
+      white_sighting_covariance(sighting_, fixture, model_.errors) +
+      systematic_sighting_covariance(sighting_, model_.height_above_camera(), 0.3, 0.3, model_.errors);
   noise(2, 2) += turns.variance;
   for (int turn = 0; turn < turns.count; ++turn) {
     Hypothesis hypothesis;
@@ -158,14 +147,14 @@ bool HypothesisSeeding::explains_seed_object(const Hypothesis& hypothesis) const
 }
 
 bool HypothesisSeeding::is_possible_place(const PoseBelief& belief) const {
-  if (!walls_.has_walls()) {
+  if (!model_.walls.has_walls()) {
     return true;
   }
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(belief.covariance.topLeftCorner<2, 2>());
   const Eigen::Vector2d axis = solver.eigenvectors().col(1) * std::sqrt(solver.eigenvalues()(1));
   for (const double deviations : {0.0, 1.0, -1.0, 2.0, -2.0}) {
     const Eigen::Vector2d place = belief.pose.position() + deviations * axis;
-    if (walls_.is_free(place) && walls_.distance_to_wall(place) > 0.10) {
+    if (model_.walls.is_free(place) && model_.walls.distance_to_wall(place) > 0.10) {
       return true;
     }
   }

@@ -3,15 +3,12 @@
 #include <optional>
 #include <vector>
 
-#include "services/common/ceiling/ceiling_view.hpp"
-#include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/hypotheses/evidence_round.hpp"
 #include "services/localizer/hypotheses/frame_comparison.hpp"
 #include "services/localizer/hypotheses/hypothesis.hpp"
 #include "services/localizer/hypotheses/pose_hash.hpp"
 #include "services/localizer/hypotheses/work_budget.hpp"
-#include "services/localizer/model/error_model.hpp"
-#include "services/localizer/model/wall_field.hpp"
+#include "services/localizer/model/observation_model.hpp"
 
 namespace luminav {
 
@@ -21,8 +18,7 @@ namespace luminav {
 class HypothesisSeeding {
  public:
   /// Everything given must outlive this.
-  HypothesisSeeding(const FixtureMap& map, const CeilingView& view, const WallField& walls, double ceiling_height,
-                    double wheel_base, const ErrorParams& errors, const HypothesisParams& params);
+  HypothesisSeeding(const ObservationModel& model, const HypothesisParams& params) : model_(model), params_(params) {}
 
   /// Begins with the objects of a round, which must stay as it is until all are spawned, that have not been used for
   /// it. They are marked in `tracks`. Spawned ones have the score `sonar` of what was heard before, or that of a pose
@@ -40,12 +36,7 @@ class HypothesisSeeding {
   [[nodiscard]] bool is_possible_place(const PoseBelief& belief) const;
   void add_scene_evidence(Hypothesis& hypothesis) const;
 
-  const FixtureMap& map_;
-  const CeilingView& view_;
-  const WallField& walls_;
-  double ceiling_height_;  // [m]
-  double wheel_base_;      // [m]
-  const ErrorParams& errors_;
+  const ObservationModel& model_;
   const HypothesisParams& params_;
 
   const EvidenceRound* round_ = nullptr;

@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "services/common/ceiling/ceiling_view.hpp"
 #include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/hypotheses/object_tracks.hpp"
+#include "services/localizer/integrity/kidnap_opportunity.hpp"
+#include "services/localizer/integrity/missing_fixtures.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
 #include "services/localizer/integrity/unexpected_object.hpp"
+#include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/tracking/fixture_matching.hpp"
 
@@ -29,7 +31,8 @@ struct Contradiction {
 /// stands still, fixtures that never come, things that come into view of a robot that stands.
 class MatchMonitor {
  public:
-  MatchMonitor(FixtureMap& map, const CeilingView& view, double ceiling_height, const TrackingRules& rules);
+  /// The model must outlive this; its map learns where the building's file is wrong.
+  MatchMonitor(ObservationModel& model, const TrackingRules& rules);
 
   /// One image: its sightings with their object in the scene, and those that fitted; `distance_since_match` [m].
   /// A contradiction is told once the rules' number of images showed it; with `is_suspected` images only count.
@@ -38,7 +41,7 @@ class MatchMonitor {
                                                   const PoseBelief& belief, const Pose2& odom_from_robot,
                                                   double distance_since_match, bool is_suspected);
   /// While the motors are off a hand may move the robot: then it counts as having stood still.
-  void allow_kidnapping(bool allowed) { may_be_kidnapped_ = allowed; }
+  void allow_kidnapping(bool allowed) { kidnap_.set_motors_off(allowed); }
   /// Restarts all counts: the pose was suspected.
   void reset();
   /// The pose is TRACKING again. With `was_suspected` it is the pose that was suspected: then the map is doubted, at
@@ -48,8 +51,7 @@ class MatchMonitor {
  private:
   /// Restarts the counts of the images in a row.
   void forget_run();
-  void note_pause(const Pose2& odom_from_robot);
-  void note_match(const std::vector<FixtureMatch>& matches, const PoseBelief& belief, const Pose2& odom_from_robot);
+  void note_match(const std::vector<FixtureMatch>& matches, const PoseBelief& belief);
   /// While other fixtures support the pose of a robot that drives, what fits none puts the map in doubt, not the pose.
   void note_strangers(const SightingFrame& frame, const std::vector<int>& objects, const ObjectTracks& tracks,
                       const std::vector<FixtureMatch>& matches, const PoseBelief& belief);
@@ -61,34 +63,21 @@ class MatchMonitor {
                                                                 const std::vector<int>& objects,
                                                                 const ObjectTracks& tracks,
                                                                 const PoseBelief& belief) const;
-  /// Counts what ought to be in view and is not; false = nothing.
-  bool count_missing(const SightingFrame& frame, const PoseBelief& belief, const Pose2& odom_from_robot);
-  /// The fixture whose absence puts the pose in doubt.
-  [[nodiscard]] std::optional<int> missing_too_long(double distance_since_match) const;
   /// So many images contradict that a robot which may have been carried was.
   [[nodiscard]] bool was_kidnapped() const;
 
   FixtureMap& map_;
-  const CeilingView& view_;
-  double ceiling_height_;  // [m]
   TrackingRules rules_;
   UnexpectedObject newcomers_;
+  KidnapOpportunity kidnap_;
+  MissingFixtures missing_;
   int misfit_run_ = 0;                     // images since the last match that show what fits nothing
   int contradicting_ = 0;                  // since it stood still: that, or lack what they ought to show
   std::set<int> predicted_;                // fixtures that came where the pose has them
-  bool halted_ = false;                    // the wheels stood for a moment since the last match
   std::int64_t match_utime_ = 0;           // [us] of the last match
-  std::map<int, int> missed_frames_;       // images since the last match that ought to show a fixture and do not
-  std::optional<int> vanished_;            // fixture that is no longer seen from where it was seen
   int missed_fixture_ = -1;                // whose absence put the pose in doubt; -1 = something else
   std::optional<Eigen::Vector2d> misfit_;  // [world] what put the pose in doubt by being seen there
   std::map<int, int> strange_images_;      // of objects that fitted nothing while others supported the pose
-  std::map<int, double> seen_lately_;      // fixtures of the last match, and which share of them was in view
-  Pose2 odom_at_frame_;                    // odom_from_robot at the image before
-  int still_frames_ = 0;                   // images in a row without wheel motion
-  bool may_be_kidnapped_ = false;          // the motors are off
-  bool paused_ = false;                    // it stood still for a while since the last match
-  Pose2 odom_at_match_;                    // odom_from_robot at the last match
 };
 
 }  // namespace luminav

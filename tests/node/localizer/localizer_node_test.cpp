@@ -617,8 +617,27 @@ TEST_F(PoseMemoryTest, SurvivesADamagedMemory) {
   EXPECT_EQ(drive(1.0).front().state, pose_t::STATE_LOST);
 }
 
+TEST_F(PoseMemoryTest, KeepsAPoseInDoubtForFiveSeconds) {
+  PoseMemory memory(folder_, building_.building);
+  LocalizerEstimate estimate;
+  estimate.belief.pose = {3.0, 2.0, 0.5};
+  estimate.state = LocalizerState::kTracking;
+  memory.remember({10'000'000, 1, {1.0, 0.0, 0.0}}, estimate);
+  estimate.state = LocalizerState::kAmbiguous;
+  memory.remember({15'000'000, 1, {2.0, 0.0, 0.0}}, estimate);
+  const OdometryReading ahead{16'000'000, 1, {2.0, 0.0, 0.0}};
+  PoseMemory of_the_next_run(folder_, building_.building);
+  const auto recalled = of_the_next_run.recall(ahead);
+  ASSERT_TRUE(recalled);
+  EXPECT_LT(distance(recalled->pose, Pose2{3.0, 2.0, 0.5} * Pose2{1.0, 0.0, 0.0}), 1e-6);
+  EXPECT_FALSE(of_the_next_run.recall(ahead)) << "once";
+  EXPECT_FALSE(PoseMemory(folder_, {}).recall(ahead)) << "in another building";
+  memory.remember({15'100'000, 1, {2.0, 0.0, 0.0}}, estimate);
+  EXPECT_FALSE(memory.load());
+}
+
 TEST_F(PoseMemoryTest, IsNoneWhereTheFileIsCutAnywhere) {
-  const PoseMemory memory(folder_);
+  const PoseMemory memory(folder_, building_.building);
   RememberedPose pose;
   pose.building = "two";
   pose.belief.covariance = 1e-12 * Eigen::Matrix3d::Identity();

@@ -22,10 +22,8 @@ class PoseAlternatives : public ::testing::Test {
   }
 
   testing::TestBuilding corridor_ = testing::symmetric_corridor(4, 3.0);
-  FixtureMap map_{corridor_.building.fixtures};
-  CeilingView view_{CameraDescription{}};
-  WallField walls_{corridor_.walls};
-  HypothesisBank bank_{map_, view_, walls_, 2.8, 0.33, SonarRing{}, ErrorParams{}, HypothesisParams{}};
+  ObservationModel model_{corridor_.building, corridor_.walls, RobotDescription{}, ErrorParams{}};
+  HypothesisBank bank_{model_, HypothesisParams{}};
 };
 
 TEST_F(PoseAlternatives, AreNoneWhereNoPoseIsPossible) {
