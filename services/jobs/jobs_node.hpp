@@ -17,10 +17,10 @@
 #include "services/common/process/stamp_guard.hpp"
 #include "services/common/process/subscriber.hpp"
 #include "services/jobs/job_executor.hpp"
-#include "services/jobs/job_store.hpp"
 #include "services/jobs/jobs_config.hpp"
-#include "services/jobs/photo_store.hpp"
 #include "services/jobs/speech/job_speech.hpp"
+#include "services/jobs/storage/job_store.hpp"
+#include "services/jobs/storage/photo_store.hpp"
 
 namespace luminav {
 
