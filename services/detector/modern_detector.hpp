@@ -7,7 +7,9 @@
 #include "services/common/image/grey_image.hpp"
 #include "services/detector/hypotheses/cell_plane.hpp"
 #include "services/detector/hypotheses/outline_proposer.hpp"
+#include "services/detector/hypotheses/region_limits.hpp"
 #include "services/detector/hypotheses/region_shape.hpp"
+#include "services/detector/hypotheses/tried_hypotheses.hpp"
 #include "services/detector/model/detection.hpp"
 #include "services/detector/model/detector_params.hpp"
 #include "services/detector/model/detector_trace.hpp"
@@ -16,7 +18,7 @@
 #include "services/detector/segmentation/contrast_map.hpp"
 #include "services/detector/segmentation/regions.hpp"
 #include "services/detector/validation/candidate_checks.hpp"
-#include "services/detector/validation/detection_builder.hpp"
+#include "services/detector/validation/candidate_selection.hpp"
 
 namespace luminav {
 
@@ -47,26 +49,14 @@ class ModernDetector {
   [[nodiscard]] Verdict judge_edges(const CeilingFrame& frame, const OutlineFitParams& params,
                                     const OutlinePlacement& start, Candidate& candidate);
   [[nodiscard]] Verdict judge_region(const CeilingFrame& frame, Candidate& candidate);
-  void take_best_first(const CeilingFrame& frame);
   [[nodiscard]] OutlineFitParams fit_params(const Region& region, const Layer& layer) const;
-  [[nodiscard]] bool was_tried(const OutlineHypothesis& hypothesis) const;
-  [[nodiscard]] bool may_be_a_kind(const Region& region) const;
-  [[nodiscard]] bool is_explained(const Region& region) const;
-  [[nodiscard]] bool overlaps(const Detection& detection) const;
 
   ModernDetectorParams params_;
   CeilingCamera camera_;
   CeilingCatalogue catalogue_;
-  int factor_;
+  RegionLimits limits_;
   CellPlane plane_;
-  int window_radius_;        // [cells]
-  int min_cells_;            // of a region
-  double max_extent_ = 0.0;  // [m] of a region
-  double max_area_ = 0.0;    // [m^2]
-  bool is_eroded_;           // of dark regions, by a cell
-  bool ignore_lines_;        // between tiles
-  int median_ = 0;           // [grey] of the reduced image
-  int fits_left_ = 0;        // of this frame
+  int median_ = 0;  // [grey] of the reduced image
   Raster reduced_;
   ContrastMap contrast_;
   RegionFinder finder_;
@@ -74,10 +64,8 @@ class ModernDetector {
   OutlineProposer proposer_;
   OutlineFitter fitter_;
   CandidateChecks checks_;
-  DetectionBuilder builder_;
-  std::vector<OutlineHypothesis> tried_;
-  std::vector<Candidate> accepted_;
-  std::vector<Detection> detections_;
+  TriedHypotheses tried_;
+  CandidateSelection selection_;
 };
 
 }  // namespace luminav

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <lcm/lcm-cpp.hpp>
-#include <luminav/camera_image_t.hpp>
 #include <luminav/job_t.hpp>
 #include <luminav/navigation_status_t.hpp>
 #include <luminav/pose_t.hpp>
@@ -17,10 +17,12 @@
 #include "services/common/process/stamp_guard.hpp"
 #include "services/common/process/subscriber.hpp"
 #include "services/jobs/job_executor.hpp"
-#include "services/jobs/job_store.hpp"
+#include "services/jobs/job_inputs.hpp"
+#include "services/jobs/job_status_publisher.hpp"
 #include "services/jobs/jobs_config.hpp"
-#include "services/jobs/photo_store.hpp"
 #include "services/jobs/speech/job_speech.hpp"
+#include "services/jobs/storage/job_keeper.hpp"
+#include "services/jobs/storage/photographer.hpp"
 
 namespace luminav {
 
@@ -45,51 +47,33 @@ class JobsNode {
   [[nodiscard]] Health health() const;
   /// What it listens to: pictures only while one is to be kept.
   [[nodiscard]] std::vector<std::string> channels() const;
-  [[nodiscard]] bool wants_pictures() const { return camera_.has_value(); }
+  [[nodiscard]] bool wants_pictures() const { return photographer_.is_listening(); }
 
  private:
   void on_job(const job_t& message);
-  void on_navigation_status(const navigation_status_t& message);
+  void on_navigation_status(const navigation_status_t& message) { inputs_.take(message); }
   void on_pose(const pose_t& message);
   void on_robot_status(const robot_status_t& message);
-  void on_sonar(const sonar_t& message);
-  void on_camera_image(const camera_image_t& message);
+  void on_sonar(const sonar_t& message) { inputs_.take(message); }
 
-  /// Where the robot is, while it is known.
-  [[nodiscard]] std::optional<Pose2> pose_at(std::int64_t utime) const;
-  void go_on_or_ask(std::int64_t utime);
   void tick(const robot_status_t& status, double seconds);
-  /// False when the disk takes nothing.
-  bool keep();
-  void listen_for_pictures();
   void publish_goal();
   void publish_speed_limit();
-  void publish_status(std::int64_t utime);
+  /// [us] of the last tick; never 0, which is no stamp.
+  [[nodiscard]] std::int64_t stamp() const { return std::max<std::int64_t>(now_, 1); }
 
-  lcm::LCM& lcm_;
-  JobsConfig config_;
   CommandPublisher commands_;
   JobExecutor executor_;
-  JobStore store_;
-  PhotoStore photos_;
-  std::string photo_error_;
+  JobInputs inputs_;
+  JobKeeper keeper_;
+  Photographer photographer_;
+  JobStatusPublisher status_;
   StampGuard stamps_;
-  JobCircumstances kept_;       // as the table has them; those of the process before until the robot is heard
-  std::int64_t now_ = 0;        // [us] stamp of the last tick; 0 = nothing heard of the robot yet
-  std::int64_t told_ = 0;       // [us] stamp of the last tick when the time of day was told last
-  bool has_gone_on_ = false;    // with what the process before left over
-  std::int64_t published_ = 0;  // [us] when JOB_STATUS was sent last
-  std::int32_t sequence_ = 0;
-  std::vector<std::uint8_t> last_status_;          // without its stamp
-  std::optional<navigation_status_t> navigation_;  // since the last tick
-  std::optional<pose_t> pose_;
-  std::vector<Echo> echoes_;  // since the last tick
-  std::string store_error_;
-  std::optional<JobSpeech> speech_;   // while it is on
-  std::string sentence_;              // that is due
-  std::int64_t pictures_since_ = 0;   // [us] stamp since when it stands where one is to be kept
-  std::optional<Subscriber> camera_;  // while one is
-  Subscriber subscriber_;             // last: no handler may run on a half-built node
+  std::int64_t now_ = 0;             // [us] stamp of the last tick; 0 = nothing heard of the robot yet
+  std::int64_t told_ = 0;            // [us] stamp of the last tick when the time of day was told last
+  std::optional<JobSpeech> speech_;  // while it is on
+  std::string sentence_;             // that is due
+  Subscriber subscriber_;            // last: no handler may run on a half-built node
 };
 
 }  // namespace luminav

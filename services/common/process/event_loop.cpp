@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <fstream>
 #include <luminav/node_status_t.hpp>
 #include <stdexcept>
 
@@ -25,11 +24,10 @@
 namespace luminav {
 namespace {
 
-constexpr std::size_t kNodeMemory = 512;          // [MB] the largest of ours uses a tenth of it
-constexpr std::int64_t kDeafAfter = 3'500'000;    // [us] three of its own messages were not heard
-constexpr std::int64_t kHealthPeriod = 50'000;    // [us]
-constexpr std::int64_t kHealthSlack = 25'000;     // [us]
-constexpr std::int64_t kShortestShare = 500'000;  // [us] over which a share of the processor says something
+constexpr std::size_t kNodeMemory = 512;        // [MB] the largest of ours uses a tenth of it
+constexpr std::int64_t kDeafAfter = 3'500'000;  // [us] three of its own messages were not heard
+constexpr std::int64_t kHealthPeriod = 50'000;  // [us]
+constexpr std::int64_t kHealthSlack = 25'000;   // [us]
 
 int g_signal_pipe[2] = {-1, -1};
 
@@ -40,19 +38,6 @@ void on_signal(int) {
 
 std::int64_t now_monotonic() {
   return read_clock(CLOCK_MONOTONIC);
-}
-
-std::int64_t cpu_used() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return (usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) * 1'000'000 + usage.ru_utime.tv_usec + usage.ru_stime.tv_usec;
-}
-
-std::int64_t memory_resident() {
-  std::int64_t total = 0;
-  std::int64_t resident = 0;
-  std::ifstream("/proc/self/statm") >> total >> resident;
-  return resident * sysconf(_SC_PAGESIZE);
 }
 
 std::int8_t state_of(const Health& health) {
@@ -127,11 +112,8 @@ void limit_memory([[maybe_unused]] std::size_t megabytes) {
 EventLoop::EventLoop(lcm::LCM& lcm, std::string process, std::string robot, LcmNetwork network)
     : lcm_(lcm),
       network_(std::move(network)),
-      process_(std::move(process)),
-      robot_(std::move(robot)),
-      host_(host_name()),
-      instance_(read_clock(CLOCK_REALTIME)),
-      roles_(robot_),
+      self_{std::move(process), std::move(robot), host_name(), read_clock(CLOCK_REALTIME)},
+      roles_(self_.robot),
       heard_itself_(now_monotonic()),
       subscriber_(lcm) {
   subscriber_.on(channels::kNodeStatus, &EventLoop::on_node_status, this);
@@ -165,12 +147,6 @@ void EventLoop::when_due(std::function<std::optional<std::int64_t>()> left, std:
   deadlines_.push_back({std::move(left), std::move(callback)});
 }
 
-void EventLoop::measure(const std::function<void()>& step) {
-  const std::int64_t start = now_monotonic();
-  step();
-  worst_step_ = std::max(worst_step_, now_monotonic() - start);
-}
-
 void EventLoop::run_due_timers() {
   for (std::size_t i = 0; i < timers_.size(); ++i) {
     const std::int64_t now = now_monotonic();
@@ -180,11 +156,11 @@ void EventLoop::run_due_timers() {
     }
     const std::int64_t missed = std::max<std::int64_t>(0, now - timer.due) / timer.period;
     timer.due += (missed + 1) * timer.period;
-    measure(timer.callback);
+    load_.measure(timer.callback);
   }
   for (const Deadline& deadline : deadlines_) {
     if (deadline.left().value_or(1) <= 0) {
-      measure(deadline.callback);
+      load_.measure(deadline.callback);
     }
   }
 }
@@ -225,14 +201,14 @@ int EventLoop::run() {
     if (descriptors_[0].revents != 0) {
       // One message at a time, so that a flood of them cannot starve the device and the timers.
       int status = 0;
-      measure([&] { status = lcm_.handle(); });
+      load_.measure([&] { status = lcm_.handle(); });
       if (status < 0 && errno != EINTR) {
         return 1;
       }
     }
     for (std::size_t i = 0; i < watches_.size() && !stopping_; ++i) {
       if (descriptors_[i + 2].revents != 0) {
-        measure(watches_[i].on_readable);
+        load_.measure(watches_[i].on_readable);
       }
     }
   }
@@ -246,53 +222,40 @@ void EventLoop::check_health() {
 }
 
 void EventLoop::belong_to(const std::filesystem::path& robot_file) {
-  files_ = identify(robot_file, "");
+  given_.set_robot(robot_file);
 }
 
 void EventLoop::follow_building(const std::filesystem::path& file, std::function<void(const Building&)> take) {
-  if (file.empty()) {
-    return;
+  if (!file.empty()) {
+    given_.follow_building(file, std::move(take));
   }
-  building_.emplace(file);
-  on_building_ = std::move(take);
-  take_building();
 }
 
 void EventLoop::building_has_changed() {
-  if (building_ && building_->take_over()) {
-    take_building();
+  if (given_.take_over()) {
     publish_status();
-  }
-}
-
-void EventLoop::take_building() {
-  files_.building = building_->building().name;
-  files_.building_hash = building_->sum();
-  if (on_building_) {
-    on_building_(building_->building());
   }
 }
 
 void EventLoop::on_node_status(const node_status_t& status) {
   const std::int64_t now = now_monotonic();
-  if (building_ && building_->take_over(status.building_hash)) {
-    take_building();
+  if (given_.take_over(status.building_hash)) {
     publish_status();  // else the others would take this one for one with another building, for a second
   }
   others_.hear(status, now);
   roles_.hear(status, now);
-  if (status.instance == instance_ && status.process == process_) {
+  if (self_.has_said(status)) {
     heard_itself_ = now;
   }
 }
 
 std::string EventLoop::objection() const {
-  return others_.objection(files_, now_monotonic());
+  return others_.objection(given_.files(), now_monotonic());
 }
 
 Health EventLoop::current_health() const {
   Health health = health_ ? health_() : Health{};
-  const std::string twins = roles_.conflict_of(process_, now_monotonic());
+  const std::string twins = roles_.conflict_of(self_.process, now_monotonic());
   if (!twins.empty()) {
     health.fault = true;
     health.reason = twins;
@@ -321,33 +284,19 @@ std::string EventLoop::conflict() const {
 }
 
 void EventLoop::publish_status() {
-  const std::int64_t now = now_monotonic();
-  const std::int64_t cpu = cpu_used();
   const Health health = current_health();
   node_status_t status{};
   status.utime = read_clock(CLOCK_REALTIME);
-  status.process = process_;
-  status.host = host_;
-  status.robot = robot_;
-  status.building = files_.building;
-  status.building_hash = files_.building_hash;
-  status.robot_hash = files_.robot_hash;
+  self_.sign(status);
+  status.building = given_.files().building;
+  status.building_hash = given_.files().building_hash;
+  status.robot_hash = given_.files().robot_hash;
   status.version = kVersion;
-  status.instance = instance_;
   published_state_ = status.state = state_of(health);
   status.reason = health.reason;
   status.dropped_inputs = health.dropped_inputs;
-  status.worst_step_us = static_cast<std::int32_t>(std::min<std::int64_t>(worst_step_, 2'000'000'000));
-  status.memory_bytes = memory_resident();
-  const std::int64_t interval = now - last_status_;
-  if (last_status_ == 0 || interval > kShortestShare) {
-    cpu_fraction_ = last_status_ == 0 ? 0.0 : static_cast<double>(cpu - last_cpu_) / static_cast<double>(interval);
-    last_cpu_ = cpu;
-    last_status_ = now;
-  }
-  status.cpu_fraction = cpu_fraction_;
+  load_.report(status);
   lcm_.publish(channels::kNodeStatus, &status);
-  worst_step_ = 0;
 }
 
 }  // namespace luminav

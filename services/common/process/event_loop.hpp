@@ -11,10 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "services/common/configuration/building_watch.hpp"
 #include "services/common/network/lcm_network.hpp"
 #include "services/common/process/role_watch.hpp"
 #include "services/common/process/running_system.hpp"
+#include "services/common/process/status/given_files.hpp"
+#include "services/common/process/status/process_identity.hpp"
+#include "services/common/process/status/process_load.hpp"
 #include "services/common/process/subscriber.hpp"
 
 namespace luminav {
@@ -94,33 +96,23 @@ class EventLoop {
   void run_due_timers();
   [[nodiscard]] std::int64_t microseconds_to_next_timer() const;
   void wait_for_descriptors();
-  void measure(const std::function<void()>& step);
   [[nodiscard]] Health current_health() const;
   void on_node_status(const node_status_t& status);
-  void take_building();
   void listen_to_itself();
   [[nodiscard]] bool is_deaf() const;
   void publish_status();
 
   lcm::LCM& lcm_;
   LcmNetwork network_;
-  std::string process_;
-  std::string robot_;
-  std::string host_;
-  std::int64_t instance_;  // [us] of the wall clock when it started
+  ProcessIdentity self_;
   std::vector<Watch> watches_;
   std::vector<pollfd> descriptors_;  // LCM, signals, then the watches
   std::vector<Timer> timers_;
   std::vector<Deadline> deadlines_;
   std::function<Health()> health_;
-  SystemFiles files_;
-  std::optional<BuildingWatch> building_;
-  std::function<void(const Building&)> on_building_;
+  GivenFiles given_;
   RunningSystem others_;
-  std::int64_t worst_step_ = 0;   // [us] since the last status
-  std::int64_t last_cpu_ = 0;     // [us]
-  std::int64_t last_status_ = 0;  // [us] monotonic
-  double cpu_fraction_ = 0.0;
+  ProcessLoad load_;
   std::int8_t published_state_ = -1;  // none yet
   bool stopping_ = false;
   RoleWatch roles_;

@@ -44,6 +44,11 @@ struct Candidate {
     const bool bar = hypothesis.outline.shape == FixtureShape::kRectangle;
     return !by_edges || (bar ? fit.ends_visible() == 2 : hypothesis.is_whole);
   }
+  /// Nothing better is to be expected of what it covers.
+  [[nodiscard]] bool is_certain() const {
+    constexpr double kCertain = 0.9;  // share of the outline that shows an edge
+    return by_edges && is_whole() && hypothesis.burning == 0 && fit.quality() > kCertain;
+  }
 };
 
 /// Grey level, or depth, at a place of the outline; nothing out of view.

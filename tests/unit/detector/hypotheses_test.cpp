@@ -4,7 +4,9 @@
 
 #include "services/detector/hypotheses/cell_plane.hpp"
 #include "services/detector/hypotheses/outline_proposer.hpp"
+#include "services/detector/hypotheses/region_limits.hpp"
 #include "services/detector/hypotheses/region_shape.hpp"
+#include "services/detector/hypotheses/tried_hypotheses.hpp"
 #include "services/detector/sampling/raster.hpp"
 #include "tests/unit/detector/ceiling_picture.hpp"
 
@@ -114,6 +116,47 @@ TEST(RegionShape, SaysWhereTheBorderCutsItOff) {
     cut_off += (shape.is_cut_off(orientation.along) ? 1 : 0) + (shape.is_cut_off(-orientation.along) ? 1 : 0);
   }
   EXPECT_EQ(cut_off, 1);
+}
+
+TEST_F(Proposals, ComeFromRegionsNoLargerThanWhatHangsHere) {
+  const RegionLimits limits({}, camera_, catalogue_);
+  EXPECT_EQ(limits.factor, kFactor) << "a fixture of 0.3 m is 66 pixels wide";
+  EXPECT_TRUE(limits.may_be_a_kind(DrawnRegion(40, 50, 66, 17).region(), plane_));
+  EXPECT_FALSE(limits.may_be_a_kind(DrawnRegion(10, 50, 130, 17).region(), plane_)) << "twice as long";
+  EXPECT_FALSE(limits.may_be_a_kind(DrawnRegion(40, 30, 66, 60).region(), plane_)) << "more than three times as wide";
+}
+
+TEST(RegionLimits, LookAtNarrowLampsMoreFinely) {
+  const CeilingCatalogue tubes{
+      .fixtures = {{.length = 1.2, .width = 0.06, .lamps = 1}}, .elements = {}, .ceiling_height = kHeight};
+  EXPECT_EQ(RegionLimits({}, straight_up(), tubes).factor, 2);
+}
+
+TEST(TriedHypotheses, AreFittedOnce) {
+  OutlineHypothesis hypothesis;
+  TriedHypotheses tried;
+  tried.begin_frame();
+  EXPECT_TRUE(tried.add(hypothesis));
+  hypothesis.start.pose = {0.02, 0.0, kPi};
+  EXPECT_FALSE(tried.add(hypothesis)) << "a fit takes it to the same place";
+  tried.forget_last();
+  EXPECT_TRUE(tried.add(hypothesis));
+  hypothesis.burning = 1;
+  EXPECT_TRUE(tried.add(hypothesis));
+}
+
+TEST(TriedHypotheses, AreNoMoreThanAFrameIsWorth) {
+  OutlineHypothesis hypothesis;
+  TriedHypotheses tried;
+  tried.begin_frame();
+  for (int i = 0; i < TriedHypotheses::kMaxFits; ++i) {
+    hypothesis.start.pose.x = i;
+    EXPECT_TRUE(tried.add(hypothesis));
+  }
+  tried.clear();
+  EXPECT_FALSE(tried.add(hypothesis));
+  tried.begin_frame();
+  EXPECT_TRUE(tried.add(hypothesis));
 }
 
 }  // namespace

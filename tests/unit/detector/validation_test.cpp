@@ -4,6 +4,7 @@
 #include "services/detector/sampling/pixel_sampling.hpp"
 #include "services/detector/validation/candidate.hpp"
 #include "services/detector/validation/candidate_checks.hpp"
+#include "services/detector/validation/candidate_selection.hpp"
 #include "services/detector/validation/detection_builder.hpp"
 #include "services/detector/validation/half_lit_by_brightness.hpp"
 #include "services/detector/validation/half_lit_by_grid_lines.hpp"
@@ -117,6 +118,32 @@ TEST(DetectionBuilder, DescribesAWholeLamp) {
   EXPECT_FALSE(detection->clipped);
   EXPECT_DOUBLE_EQ(detection->length, 1.2);
   EXPECT_DOUBLE_EQ(detection->robot_from_fixture.y, 0.175);
+}
+
+TEST(CandidateSelection, TakesTheBestOfThoseThatClaimAPlace) {
+  const CeilingCatalogue catalogue{.fixtures = {{.length = 1.2, .width = 0.15, .lamps = 1}}, .elements = {}};
+  CandidateSelection selection(model(), catalogue, true);
+  const GreyImage image = half_lit(0.0, 0.0);
+  Raster reduced;
+  reduce(image.view(), 4, reduced);
+  selection.begin_frame();
+  for (const double y : {0.175, 0.2, 0.6}) {
+    Candidate candidate;
+    candidate.hypothesis.outline = kStrip;
+    candidate.fit.placement.pose = {0.05, y, 0.0};
+    candidate.by_edges = false;
+    candidate.score = y;
+    selection.add(candidate);
+  }
+  EXPECT_FALSE(selection.explains({0.05, 0.2})) << "a better one may come";
+  selection.take_best_first({.image = image.view(), .reduced = reduced, .dark = reduced});
+  ASSERT_EQ(selection.detections().size(), 2U);
+  EXPECT_DOUBLE_EQ(selection.detections()[0].robot_from_fixture.y, 0.6);
+  EXPECT_DOUBLE_EQ(selection.detections()[1].robot_from_fixture.y, 0.2);
+  EXPECT_TRUE(selection.explains({0.05, 0.2}));
+  EXPECT_FALSE(selection.explains({0.05, 0.35}));
+  selection.begin_frame();
+  EXPECT_TRUE(selection.detections().empty());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "services/jobs/job_store.hpp"
+#include "services/jobs/storage/job_store.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

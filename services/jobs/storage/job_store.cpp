@@ -1,4 +1,4 @@
-#include "services/jobs/job_store.hpp"
+#include "services/jobs/storage/job_store.hpp"
 
 #include <fmt/format.h>
 

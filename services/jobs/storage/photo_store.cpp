@@ -1,4 +1,4 @@
-#include "services/jobs/photo_store.hpp"
+#include "services/jobs/storage/photo_store.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "services/common/geometry/camera_model.hpp"
+#include "services/detector/hypotheses/cell_plane.hpp"
+#include "services/detector/model/detector_params.hpp"
+#include "services/detector/outline/ceiling_catalogue.hpp"
+#include "services/detector/segmentation/regions.hpp"
+
+namespace luminav {
+
+/// How coarsely an image may be looked at to find what hangs on a ceiling, and how small and large regions of that are.
+struct RegionLimits {
+  RegionLimits(const ModernDetectorParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue);
+
+  /// False when it is larger than everything that hangs here.
+  [[nodiscard]] bool may_be_a_kind(const Region& region, const CellPlane& plane) const;
+
+  int factor = 1;             // [px] side of a cell, clearly smaller than the narrowest fixture
+  int window_radius = 0;      // [cells] of surroundings
+  int min_cells = 0;          // of a region
+  double max_extent = 0.0;    // [m] of a region
+  double max_area = 0.0;      // [m^2]
+  bool is_eroded = false;     // of dark regions, by a cell
+  bool ignore_lines = false;  // between tiles
+};
+
+}  // namespace luminav
