@@ -5,14 +5,14 @@
 #include <optional>
 #include <vector>
 
+#include "drivers/simulator/people/pedestrian.hpp"
+#include "drivers/simulator/people/visitor.hpp"
 #include "drivers/simulator/world/contact_counter.hpp"
 #include "drivers/simulator/world/floor.hpp"
-#include "drivers/simulator/world/pedestrian.hpp"
 #include "drivers/simulator/world/robot_model.hpp"
 #include "drivers/simulator/world/scenario.hpp"
 #include "drivers/simulator/world/scene.hpp"
 #include "drivers/simulator/world/sonar_beam.hpp"
-#include "drivers/simulator/world/visitor.hpp"
 #include "drivers/simulator/world/world_truth.hpp"
 
 namespace luminav {
