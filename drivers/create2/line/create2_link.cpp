@@ -8,9 +8,6 @@ namespace luminav {
 namespace {
 
 constexpr std::int64_t kFramePeriod = 15'000;       // [us]
-constexpr std::int64_t kFirstRetry = 50'000;        // [us]
-constexpr int kQuickRetries = 20;                   // a guardian of a driver that died holds the line for a moment
-constexpr std::int64_t kLongestRetry = 2'000'000;   // [us]
 constexpr std::int64_t kRequestPeriod = 1'000'000;  // [us] a robot that is switched on later hears it then
 constexpr std::int64_t kAnswerTime = 300'000;       // [us] twenty frames missing
 constexpr std::int64_t kLostTime = 5'000'000;       // [us] then the line is opened anew
@@ -27,7 +24,7 @@ void spread_stamps(std::vector<TimedReading>& readings) {
 Create2Events Create2Link::poll(std::int64_t now) {
   Create2Events events;
   if (!stream_) {
-    if (now < retry_at_) {
+    if (!retry_.is_due(now)) {
       return events;
     }
     open(now);
@@ -39,7 +36,7 @@ Create2Events Create2Link::poll(std::int64_t now) {
     spread_stamps(events.readings);
     events.connected = !connected_;
     connected_ = true;
-    failures_ = 0;
+    retry_.succeed();
     last_frame_ = now;
   } else if (stream_ && now - last_frame_ > kAnswerTime) {
     if (connected_ || trouble_.empty()) {
@@ -87,15 +84,13 @@ void Create2Link::lose(std::int64_t now, const std::string& why) {
   connected_ = false;
   waiting_.clear();
   written_ = 0;
-  const std::int64_t delay = kFirstRetry << std::clamp(failures_ - kQuickRetries, 0, 6);
-  ++failures_;
-  retry_at_ = now + std::min(delay, kLongestRetry);
+  retry_.fail(now);
 }
 
 void Create2Link::begin_anew(std::int64_t now, std::int64_t pause, const std::string& why) {
   if (stream_) {
     lose(now, why);
-    retry_at_ = now + pause;
+    retry_.wait_until(now + pause);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "drivers/base/line/byte_stream.hpp"
+#include "drivers/base/line/retry_schedule.hpp"
 #include "drivers/create2/oi/sensor_reading.hpp"
 #include "drivers/create2/oi/stream_parser.hpp"
 
@@ -67,8 +68,7 @@ class Create2Link {
   bool connected_ = false;
   std::string trouble_ = "not connected yet";
   int openings_ = 0;
-  int failures_ = 0;               // in a row
-  std::int64_t retry_at_ = 0;      // [us]
+  RetrySchedule retry_;
   std::int64_t last_request_ = 0;  // [us]
   std::int64_t last_frame_ = 0;    // [us] or when the line was opened
 };

@@ -41,6 +41,8 @@ class PacketParser {
   /// caller on whose line nothing comes any more gives it up.
   [[nodiscard]] bool has_partial() const { return begin_ < buffer_.size(); }
   void give_up_partial();
+  /// When the last byte of such a packet came [us].
+  [[nodiscard]] std::int64_t last_arrival() const { return chunks_.back().utime; }
   /// Forgets all bytes; the counter stays.
   void clear();
 

@@ -1,17 +1,19 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "drivers/base/line/byte_stream.hpp"
+#include "drivers/base/line/retry_schedule.hpp"
 #include "drivers/p3dx/arcos/arcos_packet.hpp"
 #include "drivers/p3dx/arcos/configuration_packet.hpp"
 #include "drivers/p3dx/arcos/information_packet.hpp"
 #include "drivers/p3dx/line/handshake.hpp"
+#include "drivers/p3dx/line/line_rates.hpp"
+#include "drivers/p3dx/line/send_queue.hpp"
 
 namespace luminav {
 
@@ -43,13 +45,13 @@ class ArcosLink {
 
   LinkEvents poll(std::int64_t now);
   /// Queues a frame; frames leave at a pace that the robot can follow.
-  void send(std::vector<std::uint8_t> frame);
+  void send(std::vector<std::uint8_t> frame) { queue_.push(std::move(frame)); }
   /// Writes what may leave now.
-  void flush(std::int64_t now);
+  void flush(std::int64_t now) { queue_.flush(stream_.get(), now); }
   /// Writes frames at once and in whole before anything that waits, then closes the line.
   void close_with(const std::vector<std::vector<std::uint8_t>>& frames);
   /// Drops frames that wait, such as a motion command from before a gap.
-  void drop_waiting();
+  void drop_waiting() { queue_.drop_waiting(stream_.get()); }
   /// Leaves a session that somebody else has ended on this line, and begins another after `pause` [us].
   void begin_anew(std::int64_t now, std::int64_t pause, const std::string& why);
 
@@ -60,7 +62,7 @@ class ArcosLink {
   [[nodiscard]] bool connected() const { return state_ == State::kConnected && answering_; }
   /// The same session as before, though its packets may not arrive for a moment.
   [[nodiscard]] bool in_session() const { return state_ == State::kConnected; }
-  [[nodiscard]] std::size_t waiting_frames() const { return waiting_.size(); }
+  [[nodiscard]] std::size_t waiting_frames() const { return queue_.size(); }
   [[nodiscard]] const RobotIdentity& identity() const { return identity_; }
   /// As the robot says, else those of a p3dx-sh.
   [[nodiscard]] const ConfigurationPacket& configuration() const { return configuration_; }
@@ -82,8 +84,6 @@ class ArcosLink {
   void run_configuration(std::int64_t now, LinkEvents& events);
   void run_rate_switch(std::int64_t now);
   void keep_alive(std::int64_t now);
-  void count_as_written(std::size_t bytes, std::int64_t now);
-  [[nodiscard]] bool wants_fast_rate() const;
   [[nodiscard]] double byte_time() const;
 
   OpenStream open_stream_;
@@ -94,25 +94,17 @@ class ArcosLink {
   State state_ = State::kClosed;
   std::string trouble_ = "not connected yet";
   int openings_ = 0;
-  int failures_ = 0;           // in a row
-  std::int64_t retry_at_ = 0;  // [us]
-  std::vector<int> rates_;     // [bit/s] in the order they are tried
-  std::size_t rate_index_ = 0;
+  RetrySchedule retry_;
+  LineRates rates_;
   RobotIdentity identity_;
   ConfigurationPacket configuration_;
   bool has_configuration_ = false;
   bool answering_ = false;
-  bool switched_rate_ = false;         // tried in this session
   std::int64_t state_since_ = 0;       // [us]
   std::int64_t last_request_ = 0;      // [us] of the configuration
   std::int64_t last_information_ = 0;  // [us]
   std::int64_t last_packet_ = 0;       // [us]
-  std::int64_t last_byte_ = 0;         // [us]
-  std::int64_t last_sent_ = 0;         // [us]
-  std::deque<std::vector<std::uint8_t>> waiting_;
-  std::size_t written_ = 0;        // of the first waiting frame
-  double allowance_ = 4.0;         // frames that may leave now
-  std::int64_t allowance_at_ = 0;  // [us]
+  SendQueue queue_;
 };
 
 }  // namespace luminav

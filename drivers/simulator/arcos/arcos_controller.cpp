@@ -9,15 +9,8 @@
 namespace luminav {
 namespace {
 
-constexpr double kHeadingUnits = 4096.0 / (2.0 * kPi);  // per radian
-constexpr double kSpeedTime = 0.03;                     // [s] over which the wheel speeds are averaged
-constexpr double kMovingSpeed = 0.005;                  // [m/s] of a wheel: the packet says "moving"
-constexpr std::int64_t kPacketPause = 50'000;           // [us] a client sends a packet in one go
-constexpr std::size_t kLongestOutput = 65536;           // [bytes] nobody reads: the oldest are lost
-
-std::int16_t wrapped(double value) {
-  return static_cast<std::int16_t>(std::llround(value) & 0xFFFF);
-}
+constexpr std::int64_t kPacketPause = 50'000;  // [us] a client sends a packet in one go
+constexpr std::size_t kLongestOutput = 65536;  // [bytes] nobody reads: the oldest are lost
 
 }  // namespace
 
@@ -25,17 +18,19 @@ ArcosController::ArcosController(const ArcosConfig& config)
     : config_(config),
       motion_(config.flash),
       sonar_(config.flash, config.mobilesim),
+      odometry_(config.wheel_base),
+      stalls_(1000 * config.flash.stall_count),
+      schedule_(config.flash.information_cycle),
       baud_code_(config.flash.host_baud) {}
 
 void ArcosController::receive(std::span<const std::uint8_t> bytes) {
-  parser_.push(bytes);
-  line_pause_ = bytes.empty() ? line_pause_ : 0;
+  parser_.push(bytes, now_);
   obey_packets();
 }
 
 void ArcosController::obey_packets() {
   while (const auto packet = parser_.next()) {
-    silence_ = 0;
+    last_packet_ = now_;
     if (session_open_) {
       execute(static_cast<ArcosCommand>(packet->type), decode_argument(packet->payload), packet->payload);
     } else {
@@ -69,15 +64,10 @@ void ArcosController::on_sync(std::uint8_t command) {
 
 void ArcosController::open_session() {
   session_open_ = true;
-  motors_enabled_ = false;
+  motors_enabled_ = config_.mobilesim;
   motion_ = ArcosMotion(config_.flash);
   sonar_ = ArcosSonar(config_.flash, config_.mobilesim);
-  encoder_stream_ = 0;
-  io_stream_ = 0;
-  until_information_ = 1000 * config_.flash.information_cycle;
-  if (config_.mobilesim) {
-    motors_enabled_ = true;
-  }
+  schedule_ = PacketSchedule(config_.flash.information_cycle);
 }
 
 void ArcosController::close_session() {
@@ -120,7 +110,7 @@ void ArcosController::execute(ArcosCommand command, const CommandArgument& argum
       motion_.set_turn_acceleration(value);
       break;
     case ArcosCommand::kSetOrigin:
-      x_ = y_ = theta_ = 0.0;
+      odometry_.set_origin();
       break;
     case ArcosCommand::kConfiguration:
       send(encode_configuration(configuration()));
@@ -138,10 +128,10 @@ void ArcosController::execute(ArcosCommand command, const CommandArgument& argum
       motion_.emergency_stop();
       break;
     case ArcosCommand::kStopButtonStall:
-      stop_button_stall_ = value != 0;
+      stalls_.set_stop_button(value != 0);
       break;
     case ArcosCommand::kBumpStall:
-      bump_stall_ = std::clamp(value, 0, 3);
+      stalls_.set_bumpers(std::clamp(value, 0, 3));
       break;
     case ArcosCommand::kDigitalOut:
       // The mask is the second byte of the argument, whatever sign byte precedes it.
@@ -150,10 +140,10 @@ void ArcosController::execute(ArcosCommand command, const CommandArgument& argum
       }
       break;
     case ArcosCommand::kEncoder:
-      encoder_stream_ = config_.mobilesim ? 0 : std::clamp(value, 0, 2);
+      schedule_.request(PacketSchedule::kEncoders, config_.mobilesim ? 0 : value);
       break;
     case ArcosCommand::kIoRequest:
-      io_stream_ = config_.mobilesim ? 0 : std::clamp(value, 0, 2);
+      schedule_.request(PacketSchedule::kInputOutput, config_.mobilesim ? 0 : value);
       break;
     case ArcosCommand::kAnalogSelect:
       analog_port_ = value & 7;
@@ -168,7 +158,7 @@ void ArcosController::execute(ArcosCommand command, const CommandArgument& argum
       break;
     case ArcosCommand::kReset:
       close_session();
-      x_ = y_ = theta_ = 0.0;
+      odometry_.set_origin();
       break;
     default:
       execute_motion(command, value);
@@ -191,10 +181,10 @@ void ArcosController::execute_motion(ArcosCommand command, int value) {
       motion_.turn_to(value);
       break;
     case ArcosCommand::kTurnBy:
-      motion_.turn_by(value, theta_);
+      motion_.turn_by(value, odometry_.theta());
       break;
     case ArcosCommand::kTurnFromSetpoint:
-      motion_.turn_from_setpoint(value, theta_);
+      motion_.turn_from_setpoint(value, odometry_.theta());
       break;
     case ArcosCommand::kMove:
       motion_.move_by(value);
@@ -221,29 +211,16 @@ void ArcosController::enable_motors(bool enable) {
 }
 
 void ArcosController::sense(double dt, const ArcosInputs& inputs) {
-  const double travel = 0.5 * (inputs.left_travel + inputs.right_travel);
-  const double turn = (inputs.right_travel - inputs.left_travel) / config_.wheel_base;
-  x_ += travel * std::cos(theta_ + 0.5 * turn);
-  y_ += travel * std::sin(theta_ + 0.5 * turn);
-  theta_ += turn;
-  left_total_ += inputs.left_travel;
-  right_total_ += inputs.right_travel;
-  const double share = std::min(1.0, dt / kSpeedTime);
-  left_speed_ += share * (inputs.left_travel / dt - left_speed_);
-  right_speed_ += share * (inputs.right_travel / dt - right_speed_);
+  odometry_.add(dt, inputs.left_travel, inputs.right_travel);
   const bool motors_pressed = inputs.motors_button && !sensed_.motors_button;
   sensed_ = inputs;
   if (motors_pressed && session_open_) {
     enable_motors(!motors_enabled_);
   }
-  if (inputs.stop_button && stop_button_stall_ && motors_enabled_) {
+  if (stalls_.is_stopped(inputs) && motors_enabled_) {
     enable_motors(false);
   }
-  const bool bumped = (inputs.bumpers_front != 0 && (bump_stall_ & 1) != 0 && motion_.linear() > 0.0) ||
-                      (inputs.bumpers_rear != 0 && (bump_stall_ & 2) != 0 && motion_.linear() < 0.0);
-  if (inputs.stall_left || inputs.stall_right || bumped) {
-    stall_rest_ = 1000 * config_.flash.stall_count;
-  }
+  stalls_.sense(inputs, motion_.linear());
 }
 
 ArcosOutputs ArcosController::step(double dt, const ArcosInputs& inputs) {
@@ -252,25 +229,22 @@ ArcosOutputs ArcosController::step(double dt, const ArcosInputs& inputs) {
   }
   const auto microseconds = static_cast<std::int64_t>(std::llround(dt * 1e6));
   sense(dt, inputs);
-  silence_ += microseconds;
-  line_pause_ += microseconds;
-  if (parser_.has_partial() && line_pause_ > kPacketPause) {
+  now_ += microseconds;
+  if (parser_.has_partial() && now_ - parser_.last_arrival() > kPacketPause) {
     parser_.give_up_partial();  // a damaged count would swallow all that a hesitant client says next
     obey_packets();
   }
   const std::int64_t watchdog = config_.mobilesim ? 0 : 1000LL * config_.flash.watchdog;
-  motion_.set_halted(!motors_enabled_ || stall_rest_ > 0 || (watchdog > 0 && silence_ > watchdog));
-  if (stall_rest_ > 0) {
-    stall_rest_ -= microseconds;
+  motion_.set_halted(!motors_enabled_ || stalls_.is_resting() || (watchdog > 0 && now_ - last_packet_ > watchdog));
+  if (stalls_.is_resting()) {
+    stalls_.step(microseconds);
     motion_.freeze();
   }
-  motion_.step(dt, theta_, 0.5 * (left_total_ + right_total_));
+  motion_.step(dt, odometry_.theta(), odometry_.distance());
   ArcosOutputs outputs{motion_.linear(), motion_.angular(), motors_enabled_, {}};
   if (session_open_) {
     outputs.sonar_discs = sonar_.step(microseconds);
-    until_information_ -= microseconds;
-    if (until_information_ <= 0) {
-      until_information_ += 1000 * std::max(config_.flash.information_cycle, 10);
+    if (schedule_.step(microseconds)) {
       send_information();
     }
   }
@@ -302,19 +276,15 @@ void ArcosController::send(std::vector<std::uint8_t> frame) {
 
 void ArcosController::send_information() {
   send(encode_information(information()));
-  if (encoder_stream_ > 0) {
-    const double ticks = 1000.0 * config_.flash.ticks_per_mm;
-    send(encode_encoder({static_cast<std::int32_t>(std::llround(left_total_ * ticks)),
-                         static_cast<std::int32_t>(std::llround(right_total_ * ticks))}));
-    encoder_stream_ = encoder_stream_ == 1 ? 0 : encoder_stream_;
+  if (schedule_.take(PacketSchedule::kEncoders)) {
+    send(encode_encoder(odometry_.encoders(1000.0 * config_.flash.ticks_per_mm)));
   }
-  if (io_stream_ > 0) {
+  if (schedule_.take(PacketSchedule::kInputOutput)) {
     const int battery = static_cast<int>(std::lround(sensed_.battery_voltage / 20.0 * 1023.0));
     // Inputs idle high; bumper bits are raw.
     send(encode_input_output({{0xFF, sensed_.bumpers_front ^ 0xFF, sensed_.bumpers_rear ^ 0xFF, 0xFF},
                               {digital_out_},
                               {0, 0, 0, 0, std::clamp(battery, 0, 1023)}}));
-    io_stream_ = io_stream_ == 1 ? 0 : io_stream_;
   }
 }
 
@@ -331,30 +301,27 @@ ConfigurationPacket ArcosController::configuration() const {
 
 InformationPacket ArcosController::information() {
   InformationPacket packet;
-  const double heading = config_.mobilesim ? radians(std::round(degrees(theta_))) : theta_;
-  packet.x_mm = wrapped(1000.0 * x_);
-  packet.y_mm = wrapped(1000.0 * y_);
-  packet.heading = wrapped(std::remainder(heading * kHeadingUnits, 4096.0));
-  packet.left_mm_s = wrapped(1000.0 * left_speed_);
-  packet.right_mm_s = wrapped(1000.0 * right_speed_);
-  packet.moving = !config_.mobilesim && std::max(std::abs(left_speed_), std::abs(right_speed_)) > kMovingSpeed;
+  odometry_.write_to(packet);
+  if (config_.mobilesim) {
+    packet.heading = ArcosOdometry::heading_units(radians(std::round(degrees(odometry_.theta()))));
+    packet.moving = false;
+  }
   packet.battery_voltage = fake_battery_.value_or(sensed_.battery_voltage);
   packet.stall_left = sensed_.stall_left;
   packet.stall_right = sensed_.stall_right;
   packet.bumpers_front = sensed_.bumpers_front & 0x7F;
   packet.bumpers_rear = sensed_.bumpers_rear & 0x7F;
-  packet.heading_setpoint = wrapped(std::remainder(motion_.heading_setpoint(theta_) * kHeadingUnits, 4096.0));
+  packet.heading_setpoint = ArcosOdometry::heading_units(motion_.heading_setpoint(odometry_.theta()));
   packet.motors_enabled = motors_enabled_;
   packet.sonar_arrays = config_.mobilesim ? 0xF : sonar_.arrays_on();
   packet.stop_button = sensed_.stop_button;
-  packet.stop_button_stall = sensed_.stop_button && stop_button_stall_;
+  packet.stop_button_stall = stalls_.is_stopped(sensed_);
   packet.sonar = sonar_.take_readings();
   packet.digital_in = 0xFF;
   packet.digital_out = digital_out_;
   packet.analog_port = analog_port_;
   packet.charge_state = sensed_.charge_state;
   packet.charger_power = sensed_.charge_state > 0;
-  packet.turn_rate = static_cast<int>(std::lround(10.0 * degrees((right_speed_ - left_speed_) / config_.wheel_base)));
   packet.state_of_charge = static_cast<int>(std::lround(
       100.0 * std::clamp((sensed_.battery_voltage - Battery::kEmpty) / (Battery::kFull - Battery::kEmpty), 0.0, 1.0)));
   return packet;

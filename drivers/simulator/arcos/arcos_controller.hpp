@@ -12,7 +12,10 @@
 #include "drivers/p3dx/arcos/configuration_packet.hpp"
 #include "drivers/p3dx/arcos/information_packet.hpp"
 #include "drivers/simulator/arcos/arcos_motion.hpp"
+#include "drivers/simulator/arcos/arcos_odometry.hpp"
 #include "drivers/simulator/arcos/arcos_sonar.hpp"
+#include "drivers/simulator/arcos/packet_schedule.hpp"
+#include "drivers/simulator/arcos/stall_rules.hpp"
 #include "drivers/simulator/base_board.hpp"
 
 namespace luminav {
@@ -64,30 +67,20 @@ class ArcosController final : public BaseBoard {
   PacketParser parser_;
   ArcosMotion motion_;
   ArcosSonar sonar_;
+  ArcosOdometry odometry_;
+  StallRules stalls_;
+  PacketSchedule schedule_;
   std::vector<std::uint8_t> output_;
   int sync_count_ = 0;
   bool session_open_ = false;
   bool motors_enabled_ = false;
-  bool stop_button_stall_ = true;  // E_STALL
-  int bump_stall_ = 0;
-  int encoder_stream_ = 0;  // 0 off, 1 once, 2 with each information packet
-  int io_stream_ = 0;
   int analog_port_ = 0;
   int digital_out_ = 0;
   int baud_code_ = 0;
   std::optional<double> fake_battery_;  // [V]
   ArcosInputs sensed_;
-  double x_ = 0.0;  // [m] odometry registers
-  double y_ = 0.0;
-  double theta_ = 0.0;       // [rad] not wrapped
-  double left_total_ = 0.0;  // [m] wheel travel
-  double right_total_ = 0.0;
-  double left_speed_ = 0.0;  // [m/s] measured
-  double right_speed_ = 0.0;
-  std::int64_t silence_ = 0;            // [us] since the last valid packet
-  std::int64_t line_pause_ = 0;         // [us] since the last byte
-  std::int64_t stall_rest_ = 0;         // [us] that the motors still rest after a stall
-  std::int64_t until_information_ = 0;  // [us]
+  std::int64_t now_ = 0;          // [us] since it was switched on
+  std::int64_t last_packet_ = 0;  // [us] a valid one
 };
 
 }  // namespace luminav

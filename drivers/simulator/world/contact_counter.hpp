@@ -38,8 +38,11 @@ class ContactCounter {
     return begins;
   }
 
-  /// A wheel went over an edge: worse than any contact.
-  void fall() { ++contacts_; }
+  /// Whether a wheel hangs over an edge: worse than any contact, counted when it begins.
+  void observe_fall(bool hangs) {
+    contacts_ += hangs && !has_fallen_ ? 1 : 0;
+    has_fallen_ = hangs;
+  }
 
   /// Where the robot stands now.
   void release(const Separation& separation) {
@@ -62,6 +65,7 @@ class ContactCounter {
  private:
   static constexpr double kExcused = 0.5;  // [s]
   std::array<bool, kSolidKinds> touching_{};
+  bool has_fallen_ = false;
   double still_for_ = 0.0;  // [s]
   std::int32_t contacts_ = 0;
   std::int32_t hard_contacts_ = 0;

@@ -11,6 +11,7 @@ constexpr double kTraction = 4.0;         // [m/s^2] more slips; also what an em
 constexpr double kRollingFriction = 1.5;  // [m/s^2] without power
 constexpr double kStanding = 0.002;       // [m/s] slower wheels without a command stand
 constexpr double kNoiseDistance = 0.05;   // [m] over which one draw of the noise holds
+constexpr double kSpinning = 0.3;         // probability that blocked wheels spin instead of stalling
 
 double follow(double speed, double wanted, double dt, bool powered) {
   const double limit = (powered ? kTraction : kRollingFriction) * dt;
@@ -28,7 +29,8 @@ RobotModel::RobotModel(const WorldTruth& truth, std::uint64_t seed)
       scale_right_(truth.wheel_scale_right),
       noise_position_(truth.odometry_position),
       noise_heading_(truth.odometry_heading),
-      random_(seed, "odometry") {}
+      random_(seed, "odometry"),
+      hold_random_(seed, "contact") {}
 
 WheelStep RobotModel::step(double dt, const MotorCommand& command) {
   const double linear = command.enabled ? command.linear : 0.0;
@@ -52,6 +54,16 @@ WheelStep RobotModel::step(double dt, const MotorCommand& command) {
   const double turn = (ground_right - ground_left) / true_base_ + twist_ * distance;
   result.robot_from_next = {forward * std::cos(0.5 * turn), forward * std::sin(0.5 * turn), turn};
   return result;
+}
+
+bool RobotModel::hold(bool begins) {
+  if (begins) {
+    spins_when_held_ = hold_random_.happens(kSpinning);
+  }
+  if (!spins_when_held_) {
+    stall();
+  }
+  return spins_when_held_;
 }
 
 void RobotModel::draw_noise() {

@@ -32,6 +32,9 @@ class RobotModel {
   void set_grip(double grip) { grip_ = grip; }
   /// The wheels are blocked and stand at once.
   void stall() { left_speed_ = right_speed_ = 0.0; }
+  /// The robot is held while its wheels are driven; what they do then is drawn when it `begins`. True when they spin,
+  /// else they stall.
+  bool hold(bool begins);
 
  private:
   void draw_noise();
@@ -43,6 +46,8 @@ class RobotModel {
   double noise_position_;  // [m per sqrt m]
   double noise_heading_;   // [rad per sqrt m]
   RandomStream random_;
+  RandomStream hold_random_;
+  bool spins_when_held_ = false;
   double grip_ = 1.0;
   double left_speed_ = 0.0;      // [m/s] of the encoders
   double right_speed_ = 0.0;     // [m/s]

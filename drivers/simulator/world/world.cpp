@@ -11,10 +11,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPersonGap = 0.1;      // [m] to the robot at which people stop
 constexpr double kDoorGap = 0.05;       // [m] a door closes only when nobody stands in it
 constexpr int kBumpTicks = 20;          // a bump takes 0.2 s
-constexpr double kSpinning = 0.3;       // probability that blocked wheels spin instead of stalling
 constexpr double kStallReported = 0.1;  // [s] at least
 constexpr double kFree = 1e-9;          // [m] less is contact
 constexpr double kWalking = 0.25;       // [m/s] a bumper that touches at this speed hurts nobody
@@ -23,10 +21,11 @@ constexpr double kBumperTravel = 5e-3;  // [m]
 const std::array<Vector2d, 4> kCliffSensors = {Vector2d{0.11, 0.13}, {0.165, 0.05}, {0.165, -0.05}, {0.11, -0.13}};
 constexpr double kWheelOffset = 0.1175;  // [m] to each side
 
-std::vector<ScenarioEvent> by_time(std::vector<ScenarioEvent> events) {
-  std::stable_sort(events.begin(), events.end(),
+std::deque<ScenarioEvent> by_time(const std::vector<ScenarioEvent>& events) {
+  std::deque<ScenarioEvent> sorted(events.begin(), events.end());
+  std::stable_sort(sorted.begin(), sorted.end(),
                    [](const ScenarioEvent& a, const ScenarioEvent& b) { return a.at < b.at; });
-  return events;
+  return sorted;
 }
 
 template <typename Items>
@@ -54,14 +53,9 @@ World::World(std::uint64_t seed, const WorldTruth& truth)
       robot_(truth_, seed),
       sonar_(truth_.robot.sonar, seed),
       floor_(truth_.floor_tilt, seed),
-      contact_random_(seed, "contact"),
-      dock_random_(seed, "dock"),
-      deaf_until_(static_cast<std::size_t>(sonar_.discs()), 0.0),
-      stuck_until_(static_cast<std::size_t>(sonar_.discs()), 0.0),
-      ranges_(static_cast<std::size_t>(sonar_.discs()), truth_.robot.sonar.maximum_range) {
-  for (const WalkingPerson& person : truth_.people) {
-    people_.emplace_back(person);
-  }
+      people_(truth_.people, scene_),
+      dock_(truth_.dock, seed),
+      faults_(truth_.robot.sonar) {
   state_.world_from_robot = truth_.start;
   state_.daylight = truth_.daylight;
   state_.lamp_states = truth_.lamp_states;
@@ -77,8 +71,7 @@ WheelReport World::step(const MotorCommand& command) {
   ++ticks_;
   start_due_events();
   move_doors();
-  walk_people();
-  walk_visitors();
+  people_.step(kTick, robot_among_people());
   const Pose2 before = state_.world_from_robot;
   WheelReport report;
   if (carry_) {
@@ -95,47 +88,27 @@ WheelReport World::step(const MotorCommand& command) {
   }
   state_.clearance = state_.carried ? Separation::kNoneNear : separation_.nearest();
   measure_motion(before);
-  dock();
-  report.left = time() < frozen_until_[0] ? 0.0 : report.left;
-  report.right = time() < frozen_until_[1] ? 0.0 : report.right;
+  constexpr double kStill = 0.01;  // [m/s], [rad/s]
+  dock_.step(state_.world_from_robot, std::abs(state_.linear) < kStill && std::abs(state_.angular) < kStill,
+             state_.carried);
+  report.left = faults_.count(0, report.left, time());
+  report.right = faults_.count(1, report.right, time());
   return report;
 }
 
 double World::measure_sonar(int disc) {
-  const auto i = static_cast<std::size_t>(disc);
-  // drawn all the same: what other discs hear does not depend on it
-  const double range = sonar_.measure(scene_, state_.world_from_robot, disc);
-  if (time() < deaf_until_[i]) {
-    return truth_.robot.sonar.maximum_range;
-  }
-  ranges_[i] = time() < stuck_until_[i] ? ranges_[i] : range;
-  return ranges_[i];
-}
-
-void World::start_dead_sense(const ScenarioEvent& event) {
-  const double until = time() + event.duration;
-  if (event.kind == EventKind::kFreeze) {
-    if (event.device != "camera") {  // the simulated camera freezes by itself
-      frozen_until_[event.device == "encoder_left" ? 0 : 1] = until;
-    }
-    return;
-  }
-  std::vector<double>& discs = event.kind == EventKind::kDeafen ? deaf_until_ : stuck_until_;
-  for (std::size_t i = 0; i < discs.size(); ++i) {
-    const bool is_named = std::find(event.discs.begin(), event.discs.end(), static_cast<int>(i)) != event.discs.end();
-    discs[i] = event.discs.empty() || is_named ? until : discs[i];
-  }
+  // measured all the same: what other discs hear does not depend on a fault
+  return faults_.hear(disc, sonar_.measure(scene_, state_.world_from_robot, disc), time());
 }
 
 void World::start_due_events() {
-  while (next_event_ < events_.size() && events_[next_event_].at <= time()) {
-    start(events_[next_event_++]);
+  while (!events_.empty() && events_.front().at <= time()) {
+    start(events_.front());
+    events_.pop_front();
   }
-  if (time() >= slip_until_) {
-    robot_.set_grip(1.0);
-  }
-  state_.camera_unplugged = time() < camera_unplugged_until_;
-  state_.serial_unplugged = time() < serial_unplugged_until_;
+  robot_.set_grip(faults_.grip(time()));
+  state_.camera_unplugged = faults_.is_camera_unplugged(time());
+  state_.serial_unplugged = faults_.is_serial_unplugged(time());
 }
 
 void World::start(const ScenarioEvent& event) {
@@ -152,10 +125,6 @@ void World::start(const ScenarioEvent& event) {
       state_.carries += state_.carried ? 0 : 1;
       state_.carried = true;
       break;
-    case EventKind::kSlip:
-      robot_.set_grip(event.factor);
-      slip_until_ = time() + event.duration;
-      break;
     case EventKind::kBump:
       bump_ = {{event.pose.x / kBumpTicks, event.pose.y / kBumpTicks, event.pose.theta / kBumpTicks}, kBumpTicks};
       break;
@@ -169,19 +138,18 @@ void World::start(const ScenarioEvent& event) {
         door_wanted_open_[*index] = event.open;
       }
       break;
-    case EventKind::kUnplug:
-      (event.device == "camera" ? camera_unplugged_until_ : serial_unplugged_until_) = time() + event.duration;
-      break;
     case EventKind::kLamp:
       if (const auto index = index_of(truth_.building.fixtures, event.id)) {
         Pose2& offset = state_.lamp_offsets[static_cast<std::int32_t>(*index)];
         offset = {offset.x + event.pose.x, offset.y + event.pose.y, wrap_angle(offset.theta + event.pose.theta)};
       }
       break;
+    case EventKind::kSlip:
+    case EventKind::kUnplug:
     case EventKind::kDeafen:
     case EventKind::kStick:
     case EventKind::kFreeze:
-      start_dead_sense(event);
+      faults_.start(event, time());
       break;
     case EventKind::kCover:
       break;  // the simulated camera does this
@@ -209,124 +177,6 @@ void World::move_doors() {
   }
 }
 
-void World::walk_people() {
-  for (std::size_t i = 0; i < people_.size(); ++i) {
-    const Vector2d& here = people_[i].position();
-    people_[i].step(kTick, [&](const Vector2d& next, bool is_beside_line) {
-      if (!state_.carried) {
-        const double gap = distance(footprint_, next) - kPersonRadius;
-        if (gap < kPersonGap && gap < distance(footprint_, here) - kPersonRadius) {
-          return Obstruction::kRobot;
-        }
-      }
-      for (std::size_t door = 0; door < scene_.doors(); ++door) {
-        if (scene_.is_door_closed(door) && distance(scene_.door_leaf(door), next) < kPersonRadius) {
-          return Obstruction::kDoor;
-        }
-      }
-      if (is_beside_line && !stands_clear(next, 0.0)) {
-        return Obstruction::kWall;
-      }
-      return Obstruction::kNone;
-    });
-    scene_.set_person(i, people_[i].position());
-  }
-}
-
-bool World::is_free(const Vector2d& point, double room) const {
-  if (!state_.carried && distance(footprint_, point) - kPersonRadius < kPersonGap) {
-    return false;
-  }
-  return stands_clear(point, room);
-}
-
-bool World::stands_clear(const Vector2d& point, double room) const {
-  const double side = 2.0 * (kPersonRadius + room);
-  const Separation separation = scene_.separation(rectangle({point.x(), point.y(), 0.0}, side, side));
-  return separation.to(SolidKind::kWall) > 0.0 && separation.to(SolidKind::kBox) > 0.0;
-}
-
-bool World::add_visitor(const VisitorHabit& habit) {
-  constexpr double kBehind = 1.3;  // [m] from the robot's middle
-  constexpr double kRoom = 0.25;   // [m] to all sides: nobody waits in a doorway
-  constexpr int kDirections = 16;
-  const Pose2& robot = state_.world_from_robot;
-  for (int i = 0; i < kDirections; ++i) {
-    const int turn = (i % 2 == 0 ? 1 : -1) * ((i + 1) / 2);  // straight behind it first
-    const double theta = robot.theta + kPi + 2.0 * kPi * turn / kDirections;
-    const Vector2d direction(std::cos(theta), std::sin(theta));
-    bool is_open = true;
-    for (double reach = 0.7; reach <= kBehind && is_open; reach += 0.2) {
-      is_open = is_free(robot.position() + reach * direction);
-    }
-    if (is_open && is_free(robot.position() + kBehind * direction, kRoom)) {
-      visitors_.emplace_back(habit, robot.position() + kBehind * direction);
-      place_people();
-      return true;
-    }
-  }
-  return false;
-}
-
-bool World::add_bystander(const Vector2d& position) {
-  if (!is_free(position)) {
-    return false;
-  }
-  visitors_.emplace_back(VisitorHabit{.speed = 0.0}, position);
-  place_people();
-  return true;
-}
-
-void World::remove_visitors() {
-  std::erase_if(visitors_, [](const Visitor& visitor) { return visitor.follows(); });
-  place_people();
-}
-
-void World::remove_bystanders() {
-  std::erase_if(visitors_, [](const Visitor& visitor) { return !visitor.follows(); });
-  place_people();
-}
-
-const Visitor* World::visitor() const {
-  const auto found =
-      std::find_if(visitors_.begin(), visitors_.end(), [](const Visitor& visitor) { return visitor.follows(); });
-  return found == visitors_.end() ? nullptr : &*found;
-}
-
-void World::place_people() {
-  scene_.set_people(people_.size() + visitors_.size());
-  for (std::size_t i = 0; i < visitors_.size(); ++i) {
-    scene_.set_person(people_.size() + i, visitors_[i].position());
-  }
-}
-
-void World::walk_visitors() {
-  for (Visitor& visitor : visitors_) {
-    const double gap = distance(footprint_, visitor.position());
-    visitor.step(kTick, state_.world_from_robot, [&](const Vector2d& next) {
-      // away from the robot he may always go
-      return is_free(next) || (gap < kPersonRadius + kPersonGap && distance(footprint_, next) > gap);
-    });
-  }
-  std::erase_if(visitors_, [](const Visitor& visitor) { return visitor.is_gone(); });
-  place_people();
-}
-
-void World::dock() {
-  if (!truth_.dock) {
-    return;
-  }
-  constexpr double kStill = 0.01;  // [m/s], [rad/s]
-  const Dock& there = *truth_.dock;
-  const Pose2& robot = state_.world_from_robot;
-  if (state_.carried || distance(robot, there.pose) > there.reach ||
-      std::abs(wrap_angle(robot.theta - there.pose.theta)) > there.heading) {
-    docking_ = Docking::kAway;
-  } else if (docking_ == Docking::kAway && std::abs(state_.linear) < kStill && std::abs(state_.angular) < kStill) {
-    docking_ = dock_random_.happens(there.contact) ? Docking::kContact : Docking::kMissed;
-  }
-}
-
 void World::carry() {
   const double fraction = carry_->duration > 0.0 ? (time() - carry_->begin) / carry_->duration : 1.0;
   state_.world_from_robot = interpolate(carry_->from, carry_->to, smooth_step(fraction));
@@ -350,13 +200,9 @@ WheelReport World::drive(const MotorCommand& command) {
     return {wheels.left, wheels.right, time() < stalled_until_};
   }
   const bool is_gentle = truth_.feels_touch && std::abs(state_.linear) <= kWalking;
-  if (contacts_.touch(*blocked, is_gentle)) {
-    spinning_ = contact_random_.happens(kSpinning);
-  }
-  if (spinning_) {
+  if (robot_.hold(contacts_.touch(*blocked, is_gentle))) {
     return {wheels.left, wheels.right, false};
   }
-  robot_.stall();
   stalled_until_ = time() + kStallReported;
   return {0.0, 0.0, true};
 }
@@ -390,11 +236,7 @@ void World::feel(WheelReport& report) {
   }
   report.drop_left = is_over_hole({0.0, kWheelOffset});
   report.drop_right = is_over_hole({0.0, -kWheelOffset});
-  const bool falls = report.drop_left || report.drop_right;
-  if (falls && !has_fallen_) {
-    contacts_.fall();
-  }
-  has_fallen_ = falls;
+  contacts_.observe_fall(report.drop_left || report.drop_right);
 }
 
 std::optional<Separation> World::try_move(const Pose2& next) {

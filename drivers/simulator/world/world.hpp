@@ -1,18 +1,20 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <vector>
 
+#include "drivers/simulator/people/people.hpp"
 #include "drivers/simulator/world/contact_counter.hpp"
+#include "drivers/simulator/world/dock_contact.hpp"
 #include "drivers/simulator/world/floor.hpp"
-#include "drivers/simulator/world/pedestrian.hpp"
+#include "drivers/simulator/world/injected_faults.hpp"
 #include "drivers/simulator/world/robot_model.hpp"
 #include "drivers/simulator/world/scenario.hpp"
 #include "drivers/simulator/world/scene.hpp"
 #include "drivers/simulator/world/sonar_beam.hpp"
-#include "drivers/simulator/world/visitor.hpp"
 #include "drivers/simulator/world/world_truth.hpp"
 
 namespace luminav {
@@ -64,16 +66,16 @@ class World {
   [[nodiscard]] int sonar_discs() const { return sonar_.discs(); }
 
   /// Somebody comes up behind the robot and follows it; false when there is no room for him.
-  bool add_visitor(const VisitorHabit& habit);
+  bool add_visitor(const VisitorHabit& habit) { return people_.add_visitor(habit, robot_among_people()); }
   /// Somebody stands there from now on; false when the robot does.
-  bool add_bystander(const Eigen::Vector2d& position);
+  bool add_bystander(const Eigen::Vector2d& position) { return people_.add_bystander(position, robot_among_people()); }
   /// Those who follow go away, or those who stand.
-  void remove_visitors();
-  void remove_bystanders();
+  void remove_visitors() { people_.remove_visitors(); }
+  void remove_bystanders() { people_.remove_bystanders(); }
   /// Who follows it, or is about to; null = nobody.
-  [[nodiscard]] const Visitor* visitor() const;
+  [[nodiscard]] const Visitor* visitor() const { return people_.visitor(); }
   /// The robot stands in the dock and its contacts have met.
-  [[nodiscard]] bool is_on_charger() const { return docking_ == Docking::kContact; }
+  [[nodiscard]] bool is_on_charger() const { return dock_.has_met(); }
 
   [[nodiscard]] const WorldState& state() const { return state_; }
   [[nodiscard]] const std::vector<Disc>& people() const { return scene_.people(); }
@@ -88,7 +90,6 @@ class World {
     double begin = 0.0;     // [s]
     double duration = 0.0;  // [s]
   };
-  enum class Docking { kAway, kMissed, kContact };
   struct Bump {
     Pose2 per_tick;  // displacement, world
     int ticks = 0;   // that remain
@@ -96,16 +97,10 @@ class World {
 
   void start_due_events();
   void start(const ScenarioEvent& event);
-  void start_dead_sense(const ScenarioEvent& event);
   void move_doors();
-  void walk_people();
-  void walk_visitors();
-  /// Somebody could stand there, with so much room [m] to all sides.
-  [[nodiscard]] bool is_free(const Eigen::Vector2d& point, double room = 0.0) const;
-  /// Likewise of walls and boxes alone.
-  [[nodiscard]] bool stands_clear(const Eigen::Vector2d& point, double room) const;
-  void place_people();
-  void dock();
+  [[nodiscard]] RobotAmongPeople robot_among_people() const {
+    return {footprint_, state_.world_from_robot, state_.carried};
+  }
   void carry();
   WheelReport drive(const MotorCommand& command);
   void push();
@@ -116,34 +111,22 @@ class World {
   void measure_motion(const Pose2& before);
 
   WorldTruth truth_;
-  std::vector<ScenarioEvent> events_;  // by time
+  std::deque<ScenarioEvent> events_;  // still to come, by time
   Scene scene_;
   RobotModel robot_;
   SonarBeam sonar_;
   Floor floor_;
-  RandomStream contact_random_;
-  RandomStream dock_random_;
-  std::vector<Pedestrian> people_;
-  std::vector<Visitor> visitors_;
-  Docking docking_ = Docking::kAway;
+  People people_;
+  DockContact dock_;
+  InjectedFaults faults_;
   ContactCounter contacts_;
   WorldState state_;
   Polygon footprint_;      // world
   Separation separation_;  // of the footprint
   std::optional<Carry> carry_;
   Bump bump_;
-  std::size_t next_event_ = 0;
   std::int64_t ticks_ = 0;
-  double slip_until_ = 0.0;              // [s]
-  double camera_unplugged_until_ = 0.0;  // [s]
-  double serial_unplugged_until_ = 0.0;  // [s]
-  double stalled_until_ = 0.0;           // [s]
-  std::vector<double> deaf_until_;       // [s] by disc
-  std::vector<double> stuck_until_;      // [s] by disc
-  std::vector<double> ranges_;           // [m] last measured, by disc
-  double frozen_until_[2] = {0.0, 0.0};  // [s] encoders, left and right
-  bool has_fallen_ = false;              // a wheel hangs in a hole
-  bool spinning_ = false;                // wheels turn although the robot is held
+  double stalled_until_ = 0.0;  // [s]
   std::vector<bool> door_wanted_open_;
 };
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/localizer/model/sighting_model.hpp"
+
 namespace luminav {
 namespace {
 
@@ -26,14 +28,11 @@ bool has_moved(const std::optional<Pose2>& since, const Pose2& now, const Handov
 
 PaperLocalizer::PaperLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
                                const ErrorParams& errors, const PaperLocalizerParams& params, std::uint64_t seed)
-    : map_(building.fixtures),
-      view_(robot.camera),
-      walls_(walls),
-      robot_(robot),
-      ceiling_height_(building.ceiling_height),
+    : matcher_(building, walls, robot.camera, errors, {params.handover.gate, params.handover.view_margin}),
+      wheel_base_(robot.wheel_base),
       errors_(errors),
       params_(params),
-      filter_(map_, walls_, params.particles, seed),
+      filter_(matcher_.map(), matcher_.walls(), params.particles, seed),
       confidence_(params.confidence) {}
 
 void PaperLocalizer::add_odometry(const OdometryReading& reading) {
@@ -57,8 +56,8 @@ void PaperLocalizer::add_frame(const SightingFrame& frame) {
 }
 
 void PaperLocalizer::add_guess(const PoseBelief& guess) {
-  if (is_kalman_) {
-    if (agree(guess, belief_)) {
+  if (belief_) {
+    if (agree(guess, *belief_)) {
       return;
     }
     give_up("a pose was given that is not the one followed");  // the particles of both will tell
@@ -74,8 +73,7 @@ void PaperLocalizer::add_guess(const PoseBelief& guess) {
 /// The Kalman filter starts; until what is seen speaks for the pose it is not trusted.
 void PaperLocalizer::follow(const PoseBelief& belief, const std::string& why) {
   belief_ = belief;
-  is_kalman_ = true;
-  has_nis_ = false;
+  matches_.restart_nis();
   reason_ = why;
 }
 
@@ -85,9 +83,9 @@ void PaperLocalizer::step(const FrameQueue::TimedFrame& timed) {
     delta = filter_odometry_->odom_from_robot.inverse() * timed.odometry.odom_from_robot;
   }
   filter_odometry_ = timed.odometry;
-  odometer_ += std::hypot(delta.x, delta.y);
-  if (is_kalman_) {
-    predict(belief_, delta, odometry_noise_with_systematics(delta, robot_.wheel_base, errors_));
+  matches_.travel(std::hypot(delta.x, delta.y));
+  if (belief_) {
+    predict(*belief_, delta, odometry_noise_with_systematics(delta, wheel_base_, errors_));
     step_kalman(timed);
   } else {
     pending_ = pending_ * delta;
@@ -99,57 +97,9 @@ void PaperLocalizer::step(const FrameQueue::TimedFrame& timed) {
   }
 }
 
-Eigen::Matrix3d PaperLocalizer::noise_of(const FixtureSighting& sighting, const Fixture& fixture,
-                                         const OdometryReading& odometry) const {
-  const double height = std::max(0.2, view_.height_above_camera(ceiling_height_));
-  Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, errors_) +
-                          systematic_sighting_covariance(sighting, height, odometry.linear, odometry.angular, errors_);
-  if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
-    noise(2, 2) += kNoAngle;
-  }
-  return noise;
-}
-
-int PaperLocalizer::match(const PoseBelief& belief, const FixtureSighting& sighting,
-                          const OdometryReading& odometry) const {
-  std::vector<int> near;
-  map_.find_near(belief.pose * sighting.robot_from_fixture.position(), 1.5, near);
-  int nearest = -1;
-  double min_nis = params_.handover.gate;
-  for (const int index : near) {
-    const double nis = innovate(belief, sighting, map_[index], noise_of(sighting, map_[index], odometry)).nis;
-    if (nis < min_nis) {
-      min_nis = nis;
-      nearest = index;
-    }
-  }
-  return nearest;
-}
-
-ViewEvidence PaperLocalizer::compare(const PoseBelief& belief, const FrameQueue::TimedFrame& timed) const {
-  ViewEvidence view;
-  std::vector<int> matched;
-  for (const FixtureSighting& sighting : timed.frame.sightings) {
-    const int fixture = match(belief, sighting, timed.odometry);
-    (fixture >= 0 ? view.fits : view.misfits) += 1;
-    matched.push_back(fixture);
-  }
-  std::vector<int> near;
-  map_.find_near(belief.pose.position(), view_.radius(ceiling_height_), near);
-  for (const int index : near) {
-    const Pose2 robot_from_fixture = belief.pose.inverse() * map_[index].world_from_fixture;
-    if (std::find(matched.begin(), matched.end(), index) == matched.end() &&
-        view_.is_wholly_visible(robot_from_fixture, map_[index], params_.handover.view_margin)) {
-      ++view.absent;
-    }
-  }
-  view.is_in_wall = !walls_.is_free(belief.pose.position());
-  return view;
-}
-
 void PaperLocalizer::step_particles(const FrameQueue::TimedFrame& timed) {
   const HandoverParams& rules = params_.handover;
-  const bool sees = !timed.frame.sightings.empty() && map_.size() > 0;
+  const bool sees = !timed.frame.sightings.empty() && matcher_.map().size() > 0;
   if (has_moved(std::optional<Pose2>(Pose2{}), pending_, rules)) {
     move_particles();
   }
@@ -157,9 +107,8 @@ void PaperLocalizer::step_particles(const FrameQueue::TimedFrame& timed) {
     update_odom_ = timed.odometry.odom_from_robot;
     move_particles();
     filter_.update(timed.frame.sightings);
-    fixture_utime_ = timed.frame.utime;
-    odometer_at_fixture_ = odometer_;
-    clusters_ = find_clusters(filter_, map_.smallest_spacing(), params_.clusters);
+    matches_.note_image(timed.frame.utime);
+    clusters_ = find_clusters(filter_, matcher_.map().smallest_spacing(), params_.clusters);
     reason_ = fmt::format("the heaviest of {} clusters holds {:.0f} % of the weight, log ratio {:.1f}",
                           clusters_.size(), 100.0 * clusters_.front().weight, confidence_.log_ratio());
   }
@@ -184,7 +133,7 @@ void PaperLocalizer::weigh_candidate(const FrameQueue::TimedFrame& timed) {
     confidence_.restart();
   }
   candidate_ = pose;
-  confidence_.add(compare(best.belief, timed));
+  confidence_.add(matcher_.compare(best.belief, timed));
   const bool is_sharp = position_sigma(best.belief.covariance) <= rules.spread &&
                         std::sqrt(best.belief.covariance(2, 2)) <= rules.heading_spread;
   if (confidence_.is_sure() && is_sharp && best.weight >= rules.share) {
@@ -196,37 +145,36 @@ void PaperLocalizer::step_kalman(const FrameQueue::TimedFrame& timed) {
   const OdometryReading& odometry = timed.odometry;
   if (has_moved(view_odom_, odometry.odom_from_robot, params_.handover)) {
     view_odom_ = odometry.odom_from_robot;
-    confidence_.add(compare(belief_, timed));
+    confidence_.add(matcher_.compare(*belief_, timed));
   }
   for (const FixtureSighting& sighting : timed.frame.sightings) {
-    const int fixture = match(belief_, sighting, odometry);
-    if (fixture < 0) {
+    const int index = matcher_.match(*belief_, sighting, odometry);
+    if (index < 0) {
       continue;
     }
-    const Eigen::Matrix3d noise = params_.handover.images_per_view * noise_of(sighting, map_[fixture], odometry);
-    const Innovation innovation = innovate(belief_, sighting, map_[fixture], noise);
-    correct(belief_, innovation, noise);
-    nis_ = has_nis_ ? nis_ + 0.05 * (innovation.nis / 3.0 - nis_) : innovation.nis / 3.0;
-    has_nis_ = true;
-    fixture_utime_ = timed.frame.utime;
-    odometer_at_fixture_ = odometer_;
+    const Fixture& fixture = matcher_.map()[index];
+    const Eigen::Matrix3d noise = params_.handover.images_per_view * matcher_.noise_of(sighting, fixture, odometry);
+    const Innovation innovation = innovate(*belief_, sighting, fixture, noise);
+    correct(*belief_, innovation, noise);
+    matches_.add_nis(innovation.nis);
+    matches_.note_image(timed.frame.utime);
     reason_ = "the Kalman filter follows the fixtures";
   }
   if (confidence_.is_refuted()) {
     give_up("what is seen and what is not speak against the pose");
-  } else if (odometer_ - odometer_at_fixture_ > params_.handover.blind_distance) {
+  } else if (matches_.distance_since() > params_.handover.blind_distance) {
     give_up(fmt::format("no fixture for {:.0f} m", params_.handover.blind_distance));
   }
 }
 
 void PaperLocalizer::give_up(const std::string& why) {
   filter_.scatter();
-  if (is_kalman_) {
-    PoseBelief wide = belief_;
+  if (belief_) {
+    PoseBelief wide = *belief_;
     wide.covariance += Eigen::Vector3d(0.04, 0.04, 0.03).asDiagonal();
     filter_.gather(wide, params_.handover.gathered_share);
   }
-  is_kalman_ = false;
+  belief_.reset();
   clusters_.clear();
   candidate_.reset();
   update_odom_.reset();
@@ -237,20 +185,17 @@ void PaperLocalizer::give_up(const std::string& why) {
 
 LocalizerEstimate PaperLocalizer::estimate() const {
   LocalizerEstimate estimate;
-  estimate.reason = map_.size() == 0 ? "the building's file names no fixtures" : reason_;
-  estimate.fixture_utime = fixture_utime_;
-  estimate.distance_since_fixture = odometer_ - odometer_at_fixture_;
-  estimate.has_nis = has_nis_;
-  estimate.nis = nis_;
+  estimate.reason = matcher_.map().size() == 0 ? "the building's file names no fixtures" : reason_;
+  matches_.write_to(estimate);
   Pose2 ahead;
   if (filter_odometry_ && !queue_.history().is_empty()) {
     ahead = filter_odometry_->odom_from_robot.inverse() * queue_.history().newest().odom_from_robot;
   }
-  if (is_kalman_) {
+  if (belief_) {
     estimate.state = confidence_.log_ratio() > 0.0 ? LocalizerState::kTracking : LocalizerState::kAmbiguous;
     estimate.estimator = EstimatorKind::kKalmanFilter;
-    estimate.belief = belief_;
-    predict(estimate.belief, ahead, odometry_noise_with_systematics(ahead, robot_.wheel_base, errors_));
+    estimate.belief = *belief_;
+    predict(estimate.belief, ahead, odometry_noise_with_systematics(ahead, wheel_base_, errors_));
   } else if (!clusters_.empty()) {
     estimate.state = LocalizerState::kAmbiguous;
     estimate.estimator = EstimatorKind::kParticleFilter;
@@ -270,8 +215,8 @@ LocalizerEstimate PaperLocalizer::estimate() const {
 
 std::vector<WeightedPose> PaperLocalizer::hypotheses(std::size_t max) const {
   std::vector<WeightedPose> result;
-  if (is_kalman_) {
-    return {{estimate().belief.pose, 1.0, position_sigma(belief_.covariance)}};
+  if (belief_) {
+    return {{estimate().belief.pose, 1.0, position_sigma(belief_->covariance)}};
   }
   for (const PoseCluster& cluster : clusters_) {
     if (result.size() < max) {
@@ -283,7 +228,7 @@ std::vector<WeightedPose> PaperLocalizer::hypotheses(std::size_t max) const {
 
 std::vector<WeightedPose> PaperLocalizer::particles(std::size_t max) const {
   std::vector<WeightedPose> result;
-  if (is_kalman_) {
+  if (belief_) {
     return result;
   }
   const std::size_t step = std::max<std::size_t>(1, (filter_.size() + max - 1) / std::max<std::size_t>(1, max));

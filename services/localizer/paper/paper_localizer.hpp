@@ -5,15 +5,15 @@
 #include <vector>
 
 #include "services/common/building/building.hpp"
-#include "services/common/ceiling/ceiling_view.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/model/error_model.hpp"
 #include "services/localizer/model/frame_queue.hpp"
 #include "services/localizer/model/localizer.hpp"
-#include "services/localizer/model/sighting_model.hpp"
+#include "services/localizer/paper/match_record.hpp"
 #include "services/localizer/paper/particle_filter.hpp"
 #include "services/localizer/paper/pose_clusters.hpp"
 #include "services/localizer/paper/pose_confidence.hpp"
+#include "services/localizer/paper/sighting_matcher.hpp"
 
 namespace luminav {
 
@@ -62,40 +62,25 @@ class PaperLocalizer final : public Localizer {
   void step_kalman(const FrameQueue::TimedFrame& timed);
   void move_particles();
   void weigh_candidate(const FrameQueue::TimedFrame& timed);
-  /// Index of the fixture that explains a sighting best within the gate; -1: none.
-  [[nodiscard]] int match(const PoseBelief& belief, const FixtureSighting& sighting,
-                          const OdometryReading& odometry) const;
-  [[nodiscard]] Eigen::Matrix3d noise_of(const FixtureSighting& sighting, const Fixture& fixture,
-                                         const OdometryReading& odometry) const;
-  [[nodiscard]] ViewEvidence compare(const PoseBelief& belief, const FrameQueue::TimedFrame& timed) const;
   void follow(const PoseBelief& belief, const std::string& why);
   void give_up(const std::string& why);
 
-  FixtureMap map_;
-  CeilingView view_;
-  WallField walls_;
-  RobotDescription robot_;
-  double ceiling_height_;  // [m]
+  SightingMatcher matcher_;
+  double wheel_base_;  // [m]
   ErrorParams errors_;
   PaperLocalizerParams params_;
   FrameQueue queue_;
   ParticleFilter filter_;
   std::vector<PoseCluster> clusters_;
   std::optional<OdometryReading> filter_odometry_;
-  PoseBelief belief_;
-  bool is_kalman_ = false;
+  std::optional<PoseBelief> belief_;  // of the Kalman filter, while it runs
   std::string reason_ = "no fixture seen yet";
-  bool has_update_ = false;
-  double odometer_ = 0.0;             // [m]
   Pose2 pending_;                     // motion that the particles have not made yet
   std::optional<Pose2> update_odom_;  // odom_from_robot at the last update of the particles
   std::optional<Pose2> view_odom_;    // at the last image that counted for the confidence
   std::optional<Pose2> candidate_;    // the heaviest cluster, as long as it stays the same one
   PoseConfidence confidence_;
-  double nis_ = 0.0;
-  bool has_nis_ = false;
-  std::int64_t fixture_utime_ = 0;
-  double odometer_at_fixture_ = 0.0;
+  MatchRecord matches_{0.05};
 };
 
 }  // namespace luminav

@@ -4,8 +4,8 @@
 #include <luminav/job_t.hpp>
 #include <vector>
 
+#include "drivers/simulator/people/visitor.hpp"
 #include "drivers/simulator/world/scenario.hpp"
-#include "drivers/simulator/world/visitor.hpp"
 #include "services/common/building/building.hpp"
 #include "services/jobs/tour_schedule.hpp"
 

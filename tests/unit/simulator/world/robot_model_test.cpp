@@ -79,6 +79,17 @@ TEST(RobotModel, SlipsWithLessGrip) {
   EXPECT_NEAR(result.pose.x, 0.9 * result.left, 1e-9);
 }
 
+TEST(RobotModel, SpinsOrStallsWhileItIsHeldAsDrawnWhenThatBegins) {
+  RobotModel robot(perfect(), 1);
+  int spins = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const bool is_spinning = robot.hold(true);
+    spins += is_spinning ? 1 : 0;
+    ASSERT_EQ(robot.hold(false), is_spinning);
+  }
+  EXPECT_NEAR(spins, 300, 45);  // 3 sigma
+}
+
 TEST(RobotModel, DoesNotMoveWithoutPowerAndStandsWithoutNoise) {
   WorldTruth truth = perfect();
   truth.odometry_position = 0.01;

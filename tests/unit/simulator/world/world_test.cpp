@@ -219,6 +219,14 @@ TEST(ContactCounter, ExcusesARobotThatHadStoodStill) {
   EXPECT_EQ(briefly.contacts(), 1);
 }
 
+TEST(ContactCounter, CountsAFallOnce) {
+  ContactCounter counter;
+  for (const bool hangs : {false, true, true, false, true}) {
+    counter.observe_fall(hangs);
+  }
+  EXPECT_EQ(counter.contacts(), 2);
+}
+
 TEST(World, CarriesTheRobotWithoutTurningItsWheels) {
   std::vector<ScenarioEvent> events = {event(1.0, EventKind::kCarry)};
   events[0].pose = {8.0, 5.0, 1.0};

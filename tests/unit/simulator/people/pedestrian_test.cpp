@@ -1,4 +1,4 @@
-#include "drivers/simulator/world/pedestrian.hpp"
+#include "drivers/simulator/people/pedestrian.hpp"
 
 #include <gtest/gtest.h>
 

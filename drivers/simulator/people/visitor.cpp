@@ -1,4 +1,4 @@
-#include "drivers/simulator/world/visitor.hpp"
+#include "drivers/simulator/people/visitor.hpp"
 
 #include <algorithm>
 #include <cmath>
