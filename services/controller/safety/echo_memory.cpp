@@ -18,7 +18,6 @@ constexpr double kWallTolerance = 0.15;         // [m] an arc with a mapped wall
 constexpr double kRefuteAngle = radians(25.0);  // [rad] between the axes of two firings: farther echoes clear no more
 constexpr double kSamePlace = 0.08;             // [m] between two firings of a disc that see the same
 constexpr double kSameHeading = radians(6.0);   // [rad]
-constexpr double kSameRange = 0.005;            // [m] ranges that differ by less are the same: an echo has noise
 constexpr double kAlong = 0.03;                 // [m] of own motion along its axis: a disc's range has to change
 constexpr double kMinApproach = 0.25;           // [m/s] slower than this is noise
 constexpr double kMaxApproach = 1.4;            // [m/s] a brisk walk
@@ -81,12 +80,7 @@ double EchoMemory::approach_speed(const SonarFiring& firing) const {
 // on with the robot, and must not refute what it heard before.
 bool EchoMemory::repeats_itself(const SonarFiring& firing) const {
   const SonarFiring& last = newest_[firing.disc];
-  if (last.utime == 0 || !last.has_echo || !firing.has_echo || std::abs(firing.range - last.range) > kSameRange) {
-    return false;
-  }
-  const double axis = last.odom_from_robot.theta + ring_.robot_from_sonar[firing.disc].theta;
-  const Eigen::Vector2d moved = firing.odom_from_robot.position() - last.odom_from_robot.position();
-  return std::abs(moved.x() * std::cos(axis) + moved.y() * std::sin(axis)) > kAlong;
+  return last.utime != 0 && hear_the_same(last, firing) && moved_along_axis(ring_, last, firing) > kAlong;
 }
 
 // Is one of its points where another echo came from a while ago? Somebody who walks has gone on since.

@@ -8,17 +8,9 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/common/geometry/pose2.hpp"
 #include "services/controller/safety/obstacles.hpp"
+#include "services/controller/safety/sonar_firing.hpp"
 
 namespace luminav {
-
-/// One firing of one disc.
-struct SonarFiring {
-  std::size_t disc = 0;
-  std::int64_t utime = 0;  // [us]
-  double range = 0.0;      // [m]
-  bool has_echo = false;
-  Pose2 odom_from_robot;  // when it fired
-};
 
 struct EchoMemoryParams {
   double keep = 1.2;  // [s] an echo that nothing refutes

@@ -12,7 +12,6 @@ constexpr int kDeadDiscs = 2;      // so many leave a gap that no neighbour cove
 constexpr double kSpacing = 0.10;  // [m] or
 constexpr double kTurn = 0.17;     // [rad] between two readings of a disc that say something new
 constexpr double kFarther = 0.4;   // [m] behind a wall that faces it: that was not heard
-constexpr double kSame = 0.005;    // [m] ranges that differ by less are the same: an echo has noise of its own
 constexpr double kAlong = 0.15;    // [m] of own way along its axis, over which a disc's range has to change
 // Without pose or map: so far no half of a ring is silent between walls and furniture.
 constexpr double kQuietWay = 4.0;   // [m]
@@ -54,16 +53,14 @@ bool SonarWatch::is_new_place(const std::optional<Pose2>& counted, const SonarFi
 }
 
 bool SonarWatch::says_the_same(Disc& disc, const SonarFiring& firing) const {
-  if (!firing.has_echo || !disc.same || std::abs(firing.range - disc.same->range) > kSame) {
+  if (!disc.same || !hear_the_same(*disc.same, firing)) {
     disc.same.reset();
     if (firing.has_echo) {
       disc.same = firing;
     }
     return false;
   }
-  const double axis = disc.same->odom_from_robot.theta + ring_.robot_from_sonar[firing.disc].theta;
-  const Eigen::Vector2d moved = firing.odom_from_robot.position() - disc.same->odom_from_robot.position();
-  if (std::abs(moved.x() * std::cos(axis) + moved.y() * std::sin(axis)) < kAlong) {
+  if (moved_along_axis(ring_, *disc.same, firing) < kAlong) {
     return false;
   }
   disc.same->odom_from_robot = firing.odom_from_robot;
@@ -85,8 +82,7 @@ void SonarWatch::add(const SonarFiring& firing, const Place& place) {
   Disc& disc = discs_[firing.disc];
   // One that was stuck and falls silent changes, too: it may stand before nothing now.
   const bool is_lively =
-      disc.last && (firing.has_echo ? !disc.last->has_echo || std::abs(firing.range - disc.last->range) > kSame
-                                    : disc.last->has_echo && disc.is_stuck);
+      disc.last && (firing.has_echo ? !hear_the_same(*disc.last, firing) : disc.last->has_echo && disc.is_stuck);
   const bool is_stuck = says_the_same(disc, firing);
   const bool is_half_silent = is_silent_half(firing.disc, firing, is_stuck);
   const bool is_unheard = place.wall && (!firing.has_echo || firing.range > *place.wall + kFarther);

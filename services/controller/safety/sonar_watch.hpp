@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "services/common/configuration/robot_file.hpp"
-#include "services/controller/safety/echo_memory.hpp"
+#include "services/controller/safety/sonar_firing.hpp"
 
 namespace luminav {
 
