@@ -20,18 +20,24 @@ double mean_of(const GreyImage& image) {
   return image.pixels.empty() ? 0.0 : static_cast<double>(sum) / static_cast<double>(image.pixels.size());
 }
 
+bool has_structure(const GreyImage& image) {
+  const double enough = kStructure * static_cast<double>(image.pixels.size());
+  int bright = 0;
+  return std::any_of(image.pixels.begin(), image.pixels.end(), [&](std::uint8_t pixel) {
+    bright += pixel >= kStructureGrey ? 1 : 0;
+    return bright >= enough;
+  });
+}
+
 }  // namespace
 
 void PictureWatch::look_at(const GreyImage& image, std::int64_t utime) {
   utime_ = utime;
-  const double mean = mean_of(image);
-  const auto bright = std::count_if(image.pixels.begin(), image.pixels.end(),
-                                    [](std::uint8_t pixel) { return pixel >= kStructureGrey; });
-  const bool shows_nothing =
-      mean < kDarkGrey && static_cast<double>(bright) < kStructure * static_cast<double>(image.pixels.size());
+  // of an ordinary picture both questions are answered by its first pixels
+  const bool shows_nothing = !has_structure(image) && mean_of(image) < kDarkGrey;
   dark_since_ = !shows_nothing ? 0 : dark_since_ == 0 ? utime : dark_since_;
   // all black or all white is no sign: noise cannot be seen there
-  const bool is_equal = !shows_nothing && mean < kWhiteGrey && image.pixels == last_.pixels;
+  const bool is_equal = image.pixels == last_.pixels && !shows_nothing && mean_of(image) < kWhiteGrey;
   equal_ = is_equal ? equal_ + 1 : 1;
   last_ = image;
 }
