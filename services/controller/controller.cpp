@@ -361,6 +361,7 @@ DriveTwist Controller::search(const ControlInput& input, ControlOutput& output) 
 
 void Controller::follow(const ControlInput& input, ControlOutput& output) {
   FollowSituation situation{.obstacles = obstacles_, .world_from_robot = *input.world_from_robot};
+  situation.lane = zones_.lane_at(input.world_from_robot->position());
   situation.may_back = may_back(input.ages, config_.stop_logic);
   situation.duration = input.duration;
   situation.is_line_free = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {

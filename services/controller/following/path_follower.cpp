@@ -15,6 +15,17 @@ constexpr double kTurnFrom = radians(55.0);    // [rad] heading error that start
 constexpr double kTurnUntil = radians(15.0);   // [rad] and that ends it
 constexpr double kSlowestTurn = 0.07;          // [rad/s] below this wheels stick
 
+/// Direction [rad, robot frame] of a force [robot frame] without what of it pushes against a one-way zone: beside a
+/// door post it slides along.
+double direction_of(Eigen::Vector2d force, const FollowSituation& situation) {
+  if (situation.lane) {
+    const double lane = *situation.lane - situation.world_from_robot.theta;
+    const Eigen::Vector2d along(std::cos(lane), std::sin(lane));
+    force -= std::min(0.0, force.dot(along)) * along;
+  }
+  return std::atan2(force.y(), force.x());
+}
+
 }  // namespace
 
 void PathFollower::set_path(const FollowedPath& path) {
@@ -155,8 +166,7 @@ void PathFollower::drive(const FollowSituation& situation, FollowStep& step) {
   const double blend = std::min(1.0, situation.duration / kForceSmoothing);
   repulsive_ += blend * (step.force.repulsive - repulsive_);
   step.force.repulsive = repulsive_;
-  const Eigen::Vector2d resultant = step.force.resultant();
-  const double wish = std::atan2(resultant.y(), resultant.x());
+  const double wish = direction_of(step.force.resultant(), situation);
   const double needed = std::min(1.0, goal.norm());
   const double heading = heading_.choose(wish, needed, robot.theta, situation.duration, situation.obstacles.points());
   step.heading_error = heading;

@@ -38,9 +38,10 @@ struct PathFollowerParams {
 struct FollowSituation {
   const Obstacles& obstacles;
   Pose2 world_from_robot = {};
-  LineTest is_line_free = {};  // in the world's grid
-  bool may_back = false;       // rear sonars see
-  double duration = 0.05;      // [s] since the last step
+  std::optional<double> lane = {};  // [rad] world: direction of the one-way zone in which it is
+  LineTest is_line_free = {};       // in the world's grid
+  bool may_back = false;            // rear sonars see
+  double duration = 0.05;           // [s] since the last step
 };
 
 enum class FollowPhase { kNoPath, kDriving, kTurning, kAtGoal };

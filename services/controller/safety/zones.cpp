@@ -152,6 +152,12 @@ std::optional<Zones::LaneRoom> Zones::room_against(const Pose2& world_from_robot
   return least;
 }
 
+std::optional<double> Zones::lane_at(const Eigen::Vector2d& robot) const {
+  const auto lane = std::find_if(lanes_.begin(), lanes_.end(),
+                                 [&](const Lane& candidate) { return contains(candidate.zone.polygon, robot); });
+  return lane == lanes_.end() ? std::nullopt : std::optional(lane->zone.direction);
+}
+
 const Zone* Zones::quiet_at(const Pose2& world_from_robot) const {
   return find_zone(others_, ZoneKind::kQuiet, world_from_robot.position());
 }

@@ -39,6 +39,8 @@ class Zones {
   /// metre; nothing where there is none. It has 6 cm back from the edge and from as far as it came, inside no steeper
   /// than 30 degrees.
   [[nodiscard]] std::optional<LaneRoom> room_against(const Pose2& world_from_robot, double linear) const;
+  /// Direction [rad, world] of the one-way zone in which the robot [m, world] is.
+  [[nodiscard]] std::optional<double> lane_at(const Eigen::Vector2d& robot) const;
   /// The quiet zone in which the robot is, or nullptr.
   [[nodiscard]] const Zone* quiet_at(const Pose2& world_from_robot) const;
   /// The slow zone with the least speed at the robot or up to `ahead` [m] before it (behind it, where negative), or

@@ -74,6 +74,25 @@ TEST(PathFollower, TurnsTheLongWayRoundWhereTheShortOneIsBlocked) {
   }
 }
 
+TEST(PathFollower, LetsNoForcePushAgainstAOneWayZone) {
+  // Beside the post of a door on the left, with a one-way zone in which headings below -5 degrees lead against it.
+  const Obstacles post = testing::around({testing::obstacle_at(0.45, 0.30)});
+  const auto heading_in = [&](std::optional<double> lane) {
+    PathFollower follower({}, kLogic);
+    follower.set_path(straight(5.0));
+    FollowSituation situation = at({1.0, 0.0, 0.0}, post);
+    situation.lane = lane;
+    FollowStep step;
+    for (int i = 0; i < 20; ++i) {
+      step = follower.step(situation);
+    }
+    return step.heading_error;
+  };
+  ASSERT_LT(heading_in({}), radians(-9.0));
+  EXPECT_NEAR(heading_in(radians(85.0)), radians(-5.0), radians(0.5));
+  EXPECT_EQ(heading_in(radians(-85.0)), heading_in({})) << "with it";
+}
+
 TEST(PathFollower, ArrivesAndStaysThroughThePosesNoise) {
   PathFollower follower({}, kLogic);
   follower.set_path(straight(2.0));

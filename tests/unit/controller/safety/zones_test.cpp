@@ -209,6 +209,13 @@ TEST(Zones, GiveARobotSixCentimetresAgainstAOneWayZoneToSteerBy) {
   EXPECT_NEAR(zones.room_against({3.0, 1.52, -0.5 * kPi}, 0.3)->distance, 0.58, 0.05) << "before it";
 }
 
+TEST(Zones, SayWhereTheOneWayZoneLeadsInWhichTheRobotIs) {
+  const Zones zones({{"stairs", ZoneKind::kKeepOut, kStairs}, {"lane", ZoneKind::kOneWay, kStairs, 0.2, 0.5 * kPi}},
+                    testing::test_robot().footprint);
+  EXPECT_EQ(zones.lane_at({3.0, 0.0}), 0.5 * kPi);
+  EXPECT_FALSE(zones.lane_at({0.0, 0.0}));
+}
+
 TEST(Zones, LookRoundInsteadOfWanderingWhereItIsQuiet) {
   ControllerConfig config = with_zone(ZoneKind::kQuiet);
   config.building.search = SearchManner::kWander;
