@@ -23,12 +23,12 @@ double follow(double speed, double wanted, double dt, bool powered) {
 }  // namespace
 
 RobotModel::RobotModel(const WorldTruth& truth, std::uint64_t seed)
-    : believed_base_(truth.believed_wheel_base),
+    : believed_base_(truth.wheels.believed_base),
       true_base_(truth.robot.wheel_base),
-      scale_left_(truth.wheel_scale_left),
-      scale_right_(truth.wheel_scale_right),
-      noise_position_(truth.odometry_position),
-      noise_heading_(truth.odometry_heading),
+      scale_left_(truth.wheels.scale_left),
+      scale_right_(truth.wheels.scale_right),
+      noise_position_(truth.wheels.noise_position),
+      noise_heading_(truth.wheels.noise_heading),
       random_(seed, "odometry"),
       hold_random_(seed, "contact") {}
 

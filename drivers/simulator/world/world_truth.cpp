@@ -69,12 +69,12 @@ void draw_wheels(const Scenario& scenario, const WorldSpread& spread, WorldTruth
   const double scale = random.gaussian(spread.wheel_scale);
   const double ratio = random.gaussian(spread.wheel_ratio);
   const double base = random.gaussian(spread.wheel_base);
-  truth.wheel_scale_left = (1.0 + scale) * (1.0 - 0.5 * ratio);
-  truth.wheel_scale_right = (1.0 + scale) * (1.0 + 0.5 * ratio);
-  truth.believed_wheel_base = truth.robot.wheel_base;
+  truth.wheels.scale_left = (1.0 + scale) * (1.0 - 0.5 * ratio);
+  truth.wheels.scale_right = (1.0 + scale) * (1.0 + 0.5 * ratio);
+  truth.wheels.believed_base = truth.robot.wheel_base;
   truth.robot.wheel_base *= 1.0 + base;
-  truth.odometry_position = spread.odometry_position;
-  truth.odometry_heading = spread.odometry_heading;
+  truth.wheels.noise_position = spread.odometry_position;
+  truth.wheels.noise_heading = spread.odometry_heading;
   table.add("wheel_scale", "", spread.wheel_scale, scale);
   table.add("wheel_ratio", "right over left", spread.wheel_ratio, ratio);
   table.add("wheel_base", "", spread.wheel_base, base);

@@ -14,17 +14,22 @@
 
 namespace luminav {
 
+/// How the wheels differ from what the robot's file says.
+struct TrueWheels {
+  double believed_base = 0.33;  // [m] what the microcontroller turns turn rates into wheel speeds with
+  double scale_left = 1.0;      // ground covered per metre that the encoders report
+  double scale_right = 1.0;
+  double noise_position = 0.0;  // [m per sqrt m] white
+  double noise_heading = 0.0;   // [rad per sqrt m] white
+};
+
 /// The true world of a run, drawn from the scenario's seed around what the robot believes. The simulator and the
 /// simulated frame source draw it each for itself and get the same.
 struct WorldTruth {
   Building building;       // true fixtures, elements and ceiling height
   PriorMap walls;          // the building's map as it is; empty when it has none
   RobotDescription robot;  // true camera (tilt, yaw, height, residual k1, row time, time offset), true wheel base
-  double believed_wheel_base = 0.33;  // [m] what the microcontroller turns turn rates into wheel speeds with
-  double wheel_scale_left = 1.0;      // ground covered per metre that the encoders report
-  double wheel_scale_right = 1.0;
-  double odometry_position = 0.0;         // [m per sqrt m] white
-  double odometry_heading = 0.0;          // [rad per sqrt m] white
+  TrueWheels wheels{};
   double floor_tilt = 0.0;                // [rad] 1-sigma per axis, changing every metre
   double grey_noise = 4.0;                // [grey levels]
   std::vector<double> unlit_darker;       // [grey levels] per fixture

@@ -204,8 +204,8 @@ TEST_F(SimulatorNodeTest, SendsTheSameBytesTwice) {
     lcm::LCM lcm("memq://");
     ArcosController controller{ArcosConfig{}};
     WorldTruth truth = exact_truth(map_from_text(hall(20, 12)), {3.0, 3.0, 0.0});
-    truth.odometry_position = 0.01;
-    truth.odometry_heading = 0.01;
+    truth.wheels.noise_position = 0.01;
+    truth.wheels.noise_heading = 0.01;
     SimulatorNode node(lcm, kSeed, with_building(truth), controller);
     for (const ArcosCommand command :
          {ArcosCommand::kPulse, ArcosCommand::kOpen, ArcosCommand::kClose, ArcosCommand::kOpen}) {

@@ -55,7 +55,7 @@ inline WorldTruth exact_truth(PriorMap map, const Pose2& start) {
   WorldTruth truth;
   truth.walls = std::move(map);
   truth.robot = test_robot();
-  truth.believed_wheel_base = truth.robot.wheel_base;
+  truth.wheels.believed_base = truth.robot.wheel_base;
   truth.start = start;
   return truth;
 }

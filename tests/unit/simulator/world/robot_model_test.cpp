@@ -57,7 +57,7 @@ TEST(RobotModel, TurnsOnTheSpotByTheBaseItBelieves) {
 
 TEST(RobotModel, CoversMoreGroundThanTheEncodersSayWithLargerWheels) {
   WorldTruth truth = perfect();
-  truth.wheel_scale_left = truth.wheel_scale_right = 1.02;
+  truth.wheels.scale_left = truth.wheels.scale_right = 1.02;
   RobotModel robot(truth, 1);
   const Drive result = drive(robot, {0.5, 0.0, true}, 3.0);
   EXPECT_NEAR(result.pose.x, 1.02 * result.left, 1e-9);
@@ -65,8 +65,8 @@ TEST(RobotModel, CoversMoreGroundThanTheEncodersSayWithLargerWheels) {
 
 TEST(RobotModel, DrivesACurveWithUnequalWheels) {
   WorldTruth truth = perfect();
-  truth.wheel_scale_left = 0.995;
-  truth.wheel_scale_right = 1.005;
+  truth.wheels.scale_left = 0.995;
+  truth.wheels.scale_right = 1.005;
   RobotModel robot(truth, 1);
   const Drive result = drive(robot, {0.5, 0.0, true}, 1.0);
   EXPECT_NEAR(result.pose.theta, 0.010 * result.left / 0.33, 1e-6);
@@ -92,8 +92,8 @@ TEST(RobotModel, SpinsOrStallsWhileItIsHeldAsDrawnWhenThatBegins) {
 
 TEST(RobotModel, DoesNotMoveWithoutPowerAndStandsWithoutNoise) {
   WorldTruth truth = perfect();
-  truth.odometry_position = 0.01;
-  truth.odometry_heading = radians(0.5);
+  truth.wheels.noise_position = 0.01;
+  truth.wheels.noise_heading = radians(0.5);
   RobotModel robot(truth, 1);
   const Drive off = drive(robot, {0.5, 0.3, false}, 1.0, 500);
   EXPECT_EQ(off.left, 0.0);
@@ -116,8 +116,8 @@ TEST(RobotModel, FollowsACommandWithinTractionAndShortly) {
 // 1 cm and 0.5 degrees per square root of a metre, over 1 m and over 4 m.
 TEST(RobotModel, SpreadsWithTheSquareRootOfTheWay) {
   WorldTruth truth = perfect();
-  truth.odometry_position = 0.01;
-  truth.odometry_heading = radians(0.5);
+  truth.wheels.noise_position = 0.01;
+  truth.wheels.noise_heading = radians(0.5);
   constexpr int kRuns = 1500;
   for (const double distance : {1.0, 4.0}) {
     double squares_x = 0.0;

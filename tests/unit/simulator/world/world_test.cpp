@@ -331,8 +331,8 @@ TEST(World, ClosesADoorOnlyWhenNobodyStandsInIt) {
 
 TEST(World, IsTheSameForTheSameSeedAndCommands) {
   WorldTruth truth = truth_at({3.0, 3.0, 0.0});
-  truth.odometry_position = 0.01;
-  truth.odometry_heading = 0.01;
+  truth.wheels.noise_position = 0.01;
+  truth.wheels.noise_heading = 0.01;
   truth.floor_tilt = 0.002;
   truth.people = {{{{1.0, 1.0}, {9.0, 5.0}}, 0.8}};
   World first(4, truth);
@@ -354,8 +354,8 @@ TEST(World, IsTheSameForTheSameSeedAndCommands) {
 // However it is driven, the robot never gets into what is solid, and always gets away again.
 TEST(World, NeverPenetratesAnything) {
   WorldTruth truth = exact_truth(map_from_text(hall(8, 8)), {2.5, 2.5, 0.0});
-  truth.odometry_position = 0.01;
-  truth.odometry_heading = 0.01;
+  truth.wheels.noise_position = 0.01;
+  truth.wheels.noise_heading = 0.01;
   truth.obstacles = {{Pose2{1.5, 3.5, 0.4}, 0.5, 0.4, ObstacleKind::kBox},
                      {Pose2{3.6, 1.5, 0.0}, 0.4, 0.4, ObstacleKind::kLegs}};
   truth.people = {{{{1.0, 1.0}, {4.0, 4.0}}, 0.8}};

@@ -73,10 +73,10 @@ class Deviations {
 constexpr double kTolerance = 0.09;  // 4 sigma of a deviation from 1000 draws
 
 double scale_error(const WorldTruth& t) {
-  return 0.5 * (t.wheel_scale_left + t.wheel_scale_right) - 1.0;
+  return 0.5 * (t.wheels.scale_left + t.wheels.scale_right) - 1.0;
 }
 double ratio_error(const WorldTruth& t) {
-  return t.wheel_scale_right / t.wheel_scale_left - 1.0;
+  return t.wheels.scale_right / t.wheels.scale_left - 1.0;
 }
 double base_error(const WorldTruth& t) {
   return t.robot.wheel_base / test_robot().wheel_base - 1.0;
@@ -130,7 +130,7 @@ TEST(WorldTruth, KnowsConstantsTenTimesBetterWhenCalibrated) {
   EXPECT_NEAR(deviation.of(fixture_error) / 0.003, 1.0, kTolerance);
   EXPECT_NEAR(deviation.of(fixture_heading_error) / radians(0.2), 1.0, kTolerance);
   EXPECT_NEAR(deviation.of(ceiling_error) / 0.005, 1.0, kTolerance);  // the building's, not the robot's
-  EXPECT_EQ(draw(scenario).odometry_position, 0.01);                  // noise is not calibrated away
+  EXPECT_EQ(draw(scenario).wheels.noise_position, 0.01);              // noise is not calibrated away
 }
 
 TEST(WorldTruth, IsTheSameForTheSameSeed) {
