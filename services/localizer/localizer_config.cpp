@@ -64,10 +64,11 @@ void read_particles(const TomlTable& table, ParticleParams& params) {
   params.weight_jitter = table.number("weight_jitter", params.weight_jitter, kFraction);
   params.unknown_free = table.number("unknown_free", params.unknown_free, kFraction);
   params.min_free = table.number("min_free", params.min_free, kFraction);
-  params.turn_by_turn = table.number("turn_by_turn", params.turn_by_turn, {0.0, 10.0});
-  params.turn_by_distance = table.number("turn_by_distance", params.turn_by_distance, {0.0, 10.0});
-  params.distance_by_distance = table.number("distance_by_distance", params.distance_by_distance, {0.0, 10.0});
-  params.distance_by_turn = table.number("distance_by_turn", params.distance_by_turn, {0.0, 10.0});
+  params.noise.turn_by_turn = table.number("turn_by_turn", params.noise.turn_by_turn, {0.0, 10.0});
+  params.noise.turn_by_distance = table.number("turn_by_distance", params.noise.turn_by_distance, {0.0, 10.0});
+  params.noise.distance_by_distance =
+      table.number("distance_by_distance", params.noise.distance_by_distance, {0.0, 10.0});
+  params.noise.distance_by_turn = table.number("distance_by_turn", params.noise.distance_by_turn, {0.0, 10.0});
   params.redraws = table.count("redraws", params.redraws, {0.0, 100.0});
   params.carries_weights = table.boolean("carries_weights", params.carries_weights);
   params.drawn_weight = table.number("drawn_weight", params.drawn_weight, {0.0, 100.0});

@@ -31,7 +31,7 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
               errors, params.tracking),
       monitor_(model_, params.rules),
       displacement_(robot.wheel_base, params.rules),
-      rush_(robot.wheel_base, params.rules),
+      rush_(robot.wheel_base),
       supervisor_(model_.fixtures, tracks_, bank_, filter_, monitor_, params.rules),
       echoes_(robot.sonar, {params.hypotheses.sonar_test_distance, params.hypotheses.sonar_turn,
                             params.hypotheses.sonar_surface, params.hypotheses.sonar_looks}) {}
@@ -95,8 +95,7 @@ void ModernLocalizer::add_sonar(const SonarScan& scan) {
   const bool sees_fixture = scan.utime - corrections_.utime() < kFixtureInView;
   const bool is_kidnapped = surroundings_.look(scan, queue_.history().newest().odom_from_robot);
   if (is_kidnapped && !sees_fixture && supervisor_.has_leader() && !is_displaced_) {
-    supervisor_.suspect(
-        {"the sonars hear everything move while the wheels stand still", params_.rules.log_prior_after_misfit});
+    supervisor_.suspect({"the sonars hear everything move while the wheels stand still", log_prior::kAfterMisfit});
   }
 }
 
@@ -117,7 +116,7 @@ void ModernLocalizer::add_guess(const PoseBelief& guess) {
   if (supervisor_.is_tracking()) {
     supervisor_.add_rival(guess);
   } else {
-    bank_.add_guess(guess, params_.rules.log_prior_of_guess);
+    bank_.add_guess(guess, log_prior::kOfGuess);
   }
   bank_.tidy();
   decide({});
@@ -227,15 +226,14 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
   if (contradiction) {
     supervisor_.suspect(*contradiction);
   } else if (is_rushing && matches.empty() && !supervisor_.is_suspected()) {
-    supervisor_.suspect(
-        {"what is seen rushes past faster than the wheels turn", params_.rules.log_prior_after_misfit, true});
+    supervisor_.suspect({"what is seen rushes past faster than the wheels turn", log_prior::kAfterMisfit, true});
   }
   const Pose2 before = filter_.belief().pose;
   correct_filter(frame, matches, odometry);
   const Pose2 after = filter_.belief().pose;
   if (!motors_enabled_ && supervisor_.is_tracking() &&
       (distance(before, after) > kMovedByHand || std::abs(wrap_angle(after.theta - before.theta)) > kTurnedByHand)) {
-    supervisor_.suspect("the robot was moved by hand while its motors were off", params_.rules.log_prior_after_miss);
+    supervisor_.suspect("the robot was moved by hand while its motors were off", log_prior::kAfterMiss);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "services/common/geometry/angle.hpp"
 #include "services/common/geometry/pose2.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
 #include "services/localizer/integrity/wheels_at_rest.hpp"
@@ -12,6 +13,8 @@ namespace luminav {
 /// have its motors off.
 class KidnapOpportunity {
  public:
+  static constexpr int kHaltFrames = 3;  ///< images in a row without wheel motion: it has stood for a moment
+
   explicit KidnapOpportunity(const TrackingRules& rules) : rules_(rules) {}
 
   /// One image. True where the wheels come to rest, and have not paused since the last match: an opportunity begins.
@@ -20,7 +23,7 @@ class KidnapOpportunity {
     odom_at_frame_ = odom_from_robot;
     const bool begins = still_frames_ == 1 && !has_paused_;
     has_paused_ = has_paused_ || still_frames_ >= rules_.pause_frames;
-    has_halted_ = has_halted_ || still_frames_ >= rules_.halt_frames;
+    has_halted_ = has_halted_ || still_frames_ >= kHaltFrames;
     return begins;
   }
   /// The newest image shows a fixture where the pose has it: the robot has not been carried off.
@@ -48,10 +51,13 @@ class KidnapOpportunity {
     };
     // a robot that is lifted while driving rolls on a little after the last image
     return moved_less(rules_.still_distance, rules_.still_turn) ||
-           (still_frames_ >= rules_.vanish_frames && moved_less(rules_.stop_distance, rules_.stop_turn));
+           (still_frames_ >= rules_.vanish_frames && moved_less(kStopDistance, kStopTurn));
   }
 
  private:
+  static constexpr double kStopDistance = 0.15;      // [m] since the last match, and standing now: it has just stopped
+  static constexpr double kStopTurn = radians(6.0);  // [rad] likewise
+
   TrackingRules rules_;
   Pose2 odom_at_frame_;      // odom_from_robot at the newest image
   Pose2 odom_at_match_;      // odom_from_robot at the last match

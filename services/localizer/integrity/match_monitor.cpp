@@ -7,6 +7,10 @@
 namespace luminav {
 namespace {
 
+// The pose of a driving robot is believed against a misfit if its last match is not older and it predicted so many
+// different fixtures.
+constexpr double kMatchAge = 3.0;  // [s]
+constexpr int kTrustedFixtures = 8;
 constexpr int kStrangeImages = 10;       // of an object, beside fixtures that support the pose of a driving robot
 constexpr std::size_t kMaxObjects = 64;  // followed so at a time
 
@@ -31,7 +35,7 @@ std::optional<Contradiction> MatchMonitor::look(const SightingFrame& frame, cons
       misfit_ = belief.pose * *newcomer;
       return Contradiction{fmt::format("something came into view at ({:.1f}, {:.1f}) though the robot stands still",
                                        misfit_->x(), misfit_->y()),
-                           rules_.log_prior_after_misfit};
+                           log_prior::kAfterMisfit};
     }
     return std::nullopt;
   }
@@ -44,15 +48,14 @@ std::optional<Contradiction> MatchMonitor::look(const SightingFrame& frame, cons
   }
   if (unexplained && (misfit_run_ >= rules_.misfit_frames || was_kidnapped())) {
     misfit_ = unexplained;
-    return Contradiction{
-        fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none", unexplained->x(),
-                    unexplained->y()),
-        is_beyond_kidnapping(frame.utime) ? rules_.log_prior_when_driving : rules_.log_prior_after_misfit, true};
+    return Contradiction{fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none",
+                                     unexplained->x(), unexplained->y()),
+                         is_beyond_kidnapping(frame.utime) ? log_prior::kWhenDriving : log_prior::kAfterMisfit, true};
   }
   if (const std::optional<int> missed = missing_.find(distance_since_match, was_kidnapped())) {
     missed_fixture_ = *missed;
     return Contradiction{fmt::format("fixture {} ought to be in view and is not seen", map_[*missed].id),
-                         rules_.log_prior_after_miss};
+                         log_prior::kAfterMiss};
   }
   return std::nullopt;
 }
@@ -86,8 +89,8 @@ void MatchMonitor::forget_run() {
 }
 
 bool MatchMonitor::is_beyond_kidnapping(std::int64_t utime) const {
-  return kidnap_.is_excluded() && static_cast<int>(predicted_.size()) >= rules_.trusted_fixtures &&
-         1e-6 * static_cast<double>(utime - match_utime_) < rules_.match_age;
+  return kidnap_.is_excluded() && static_cast<int>(predicted_.size()) >= kTrustedFixtures &&
+         1e-6 * static_cast<double>(utime - match_utime_) < kMatchAge;
 }
 
 void MatchMonitor::note_match(const std::vector<FixtureMatch>& matches, const PoseBelief& belief) {

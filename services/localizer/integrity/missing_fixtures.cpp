@@ -6,7 +6,10 @@
 namespace luminav {
 namespace {
 
-constexpr double kMore = 0.05;  // by which a share is greater, less than one of its sixteen samples
+constexpr double kVisibleMargin = 0.03;  // [m] from the image border, beside twice the pose's own error
+constexpr double kVanishShare = 0.4;     // of a fixture seen just before that must be in view to miss it
+constexpr double kMissShare = 0.8;       // likewise of any other fixture
+constexpr double kMore = 0.05;           // by which a share is greater, less than one of its sixteen samples
 
 }  // namespace
 
@@ -32,7 +35,7 @@ void MissingFixtures::match(const std::vector<FixtureMatch>& matches, const Pose
 bool MissingFixtures::look(const SightingFrame& frame, const PoseBelief& belief, const KidnapOpportunity& kidnap) {
   const Pose2 since_match = kidnap.since_match();
   const bool stands_still = kidnap.stands_still();
-  const double margin = rules_.visible_margin + 2.0 * position_sigma(belief.covariance);
+  const double margin = kVisibleMargin + 2.0 * position_sigma(belief.covariance);
   bool any = false;
   std::vector<int> near;
   model_.fixtures.find_near(belief.pose.position(), model_.reach(), near);
@@ -46,9 +49,9 @@ bool MissingFixtures::look(const SightingFrame& frame, const PoseBelief& belief,
     const bool was_seen = seen != seen_lately_.end();
     const bool vanished = stands_still && was_seen;
     // what was found when less of it was in view is found now
-    const double min = vanished   ? rules_.vanish_share
-                       : was_seen ? std::clamp(seen->second + kMore, rules_.vanish_share, rules_.miss_share)
-                                  : rules_.miss_share;
+    const double min = vanished   ? kVanishShare
+                       : was_seen ? std::clamp(seen->second + kMore, kVanishShare, kMissShare)
+                                  : kMissShare;
     // what was seen from here is out of sight only by what the robot moved since: the pose's error was the same then
     const double moved =
         std::hypot(since_match.x, since_match.y) + std::abs(since_match.theta) * robot_from_fixture.position().norm();

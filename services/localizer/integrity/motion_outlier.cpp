@@ -5,6 +5,7 @@
 namespace luminav {
 namespace {
 
+constexpr double kRushSpeed = 0.4;     // [m/s] of a thing past the robot, beyond what wheels and noise explain
 constexpr double kFarthestStep = 0.5;  // [m] between two images of one thing, beside what the wheels say
 constexpr double kLongest = 0.25;      // [s] between them
 constexpr double kMaxUneven = 0.5;     // two steps of a motion differ by less, as a share of the longer one
@@ -32,7 +33,7 @@ bool MotionOutlier::look(const SightingFrame& frame, const Pose2& odom_from_robo
     const Eigen::Vector2d step = step_between(before->look, thing.look);
     const double time = 1e-6 * static_cast<double>(frame.utime - before->look.utime);
     thing.step = step;
-    thing.is_fast = is_beyond_slip(before->look, thing.look, wheel_base_, rules_.rush_speed * time);
+    thing.is_fast = is_beyond_slip(before->look, thing.look, wheel_base_, kRushSpeed * time);
     if (before->step) {
       const bool is_even = (step - *before->step).norm() < kMaxUneven * std::max(step.norm(), before->step->norm());
       const bool rushes = thing.is_fast && before->is_fast && is_even;

@@ -6,7 +6,6 @@
 
 #include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/localizer/integrity/slipping_wheels.hpp"
-#include "services/localizer/integrity/tracking_rules.hpp"
 
 namespace luminav {
 
@@ -15,10 +14,10 @@ namespace luminav {
 class MotionOutlier {
  public:
   /// `wheel_base` [m]
-  MotionOutlier(double wheel_base, const TrackingRules& rules) : wheel_base_(wheel_base), rules_(rules) {}
+  explicit MotionOutlier(double wheel_base) : wheel_base_(wheel_base) {}
 
-  /// One image. True if a thing in view went by even steps, in each of the last two faster than the rules' speed beyond
-  /// what wheels, slipping or not, and noise explain, and no other that was seen as long did not.
+  /// One image. True if a thing in view went by even steps, in each of the last two 0.4 m/s faster than what
+  /// wheels, slipping or not, and noise explain, and no other that was seen as long did not.
   [[nodiscard]] bool look(const SightingFrame& frame, const Pose2& odom_from_robot);
   /// Relative motion across now is unknown.
   void clear() { now_.clear(); }
@@ -31,8 +30,7 @@ class MotionOutlier {
   };
   [[nodiscard]] const Thing* find_before(const CeilingLook& now) const;
 
-  double wheel_base_;  // [m]
-  TrackingRules rules_;
+  double wheel_base_;          // [m]
   std::vector<Thing> before_;  // of the image before
   std::vector<Thing> now_;     // of the newest image
 };

@@ -4,7 +4,17 @@
 
 namespace luminav {
 
-/// When one hypothesis counts as the truth, and when no longer.
+/// Log-priors of poses that somebody says, or that were held for true until something contradicted them.
+namespace log_prior {
+inline constexpr double kAfterMisfit = 6.0;    // of the old pose: what was seen did not fit it
+inline constexpr double kWhenDriving = 13.0;   // likewise, and nobody can have carried the robot since its last match
+inline constexpr double kAfterMiss = 10.0;     // likewise, and only something was missing
+inline constexpr double kAfterGap = 13.0;      // likewise, and only odometry was away for a while
+inline constexpr double kWhenPredicted = 5.0;  // more of it once a suspected pose predicted the next fixture
+inline constexpr double kOfGuess = 6.0;        // of what a user says
+}  // namespace log_prior
+
+/// When one hypothesis counts as the truth, and when no longer: what a robot's file may set.
 struct TrackingRules {
   // Log-score ahead of every other pose, listed or not, at first: neither a wall that is not heard nor one misfit may
   // decide alone.
@@ -21,29 +31,13 @@ struct TrackingRules {
   int vanish_frames = 7;                      // images without a fixture that was there, the robot standing still
   double still_distance = 0.02;               // [m] since the last match: the robot stands still
   double still_turn = radians(1.5);           // [rad] likewise
-  double stop_distance = 0.15;                // [m] since the last match, and standing now: it has just stopped
-  double stop_turn = radians(6.0);            // [rad] likewise
   int pause_frames = 10;                      // images in a row without wheel motion: the robot may have been carried
   double displacement_time = 0.6;             // [s] over which the motion of fixtures is compared with the wheels'
   double displacement = 0.15;                 // [m] beyond image noise that wheels, slipping or not, do not explain
   int displacement_frames = 3;                // images in a row that show it: somebody moves the robot
-  double rush_speed = 0.4;                    // [m/s] of a thing past the robot, likewise, in two steps between images
   int miss_frames = 10;                       // images without a fixture that ought to be there
   int miss_fixtures = 2;                      // so many of them, and nothing else seen meanwhile ...
   double miss_distance = 1.5;                 // [m] ... or one of them over this way
-  double visible_margin = 0.03;               // [m] from the image border, beside twice the pose's own error
-  double vanish_share = 0.4;                  // of a fixture seen just before that must be in view to miss it
-  double miss_share = 0.8;                    // likewise of any other fixture
-  double log_prior_after_misfit = 6.0;        // prior of the old pose when what was seen did not fit it
-  double log_prior_when_driving = 13.0;       // likewise when nobody can have carried the robot since its last match:
-  int halt_frames = 3;                        // ... fewer images in a row than that without wheel motion since
-  double match_age = 3.0;                     // [s] ... and it is not older than that
-  int trusted_fixtures = 8;                   // ... and the pose predicted so many different fixtures
-  double log_prior_after_miss = 10.0;         // prior of the old pose when only something was missing
-  double log_prior_after_gap = 13.0;          // prior of the old pose when only odometry was away for a while
-  double log_prior_when_predicted = 5.0;      // more of it once a doubted pose predicted the next fixture
-  double log_prior_of_guess = 6.0;            // prior of a user's guess
-  int restart_frames = 12;                    // images with sightings that no hypothesis explains: begin anew
 };
 
 }  // namespace luminav

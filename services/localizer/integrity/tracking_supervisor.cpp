@@ -13,6 +13,7 @@ constexpr double kRefuted = 6.0;                // log-score behind the best at 
 constexpr double kSamePlace = 0.5;              // [m] a guess that near
 constexpr double kSameHeading = radians(20.0);  // and so little turned means the tracked pose
 constexpr int kSureFrames = 3;                  // images of an object after which it is one
+constexpr int kRestartFrames = 12;              // images with sightings that no hypothesis explains: begin anew
 constexpr const char* kNoFixtures = "the building's file names no fixtures";
 
 }  // namespace
@@ -29,7 +30,7 @@ bool TrackingSupervisor::decide(const SightingFrame& frame, double distance_sinc
   if (bank_.hypotheses().empty()) {
     drop_leader(LocalizerState::kLost);
     unexplained_run_ += frame.sightings.empty() ? 0 : 1;
-    if (unexplained_run_ >= rules_.restart_frames) {
+    if (unexplained_run_ >= kRestartFrames) {
       unexplained_run_ = 0;
       tracks_.clear();  // some of it was false, or the map is wrong there: what is seen next may fit
       bank_.clear();
@@ -86,7 +87,7 @@ bool TrackingSupervisor::begin_anew_if_unexplained(const SightingFrame& frame) {
   const bool is_explained =
       leader_id_ == 0 ? explains(best) : std::any_of(bank_.hypotheses().begin(), bank_.hypotheses().end(), explains);
   unexplained_run_ = is_explained ? 0 : unexplained_run_ + 1;
-  if (unexplained_run_ < rules_.restart_frames) {
+  if (unexplained_run_ < kRestartFrames) {
     return false;
   }
   unexplained_run_ = 0;
@@ -203,7 +204,7 @@ void TrackingSupervisor::suspect(const Contradiction& contradiction) {
 }
 
 void TrackingSupervisor::suspect_after_gap(const std::string& why, bool may_be_kidnapped) {
-  suspect(why, rules_.log_prior_after_gap);
+  suspect(why, log_prior::kAfterGap);
   needed_fixtures_ = may_be_kidnapped ? rules_.enter_fixtures : 1;
 }
 
@@ -215,7 +216,7 @@ void TrackingSupervisor::suspend(const std::string& why) {
 
 void TrackingSupervisor::resume(bool was_followed) {
   if (was_followed) {
-    suspect(reason_, rules_.log_prior_after_misfit);
+    suspect(reason_, log_prior::kAfterMisfit);
     may_predict_ = true;
     return;
   }
@@ -229,7 +230,7 @@ void TrackingSupervisor::resume(bool was_followed) {
 }
 
 void TrackingSupervisor::recall() {
-  suspect("the pose from before the restart waits for a fixture that confirms it", rules_.log_prior_after_miss);
+  suspect("the pose from before the restart waits for a fixture that confirms it", log_prior::kAfterMiss);
   is_recalled_ = true;
 }
 
@@ -257,7 +258,7 @@ void TrackingSupervisor::favour_predicting_pose() {
   }
   // A robot put elsewhere sees a fixture where the old pose has one in perhaps one of a hundred cases.
   may_predict_ = false;
-  held->log_prior += rules_.log_prior_when_predicted;
+  held->log_prior += log_prior::kWhenPredicted;
 }
 
 // The filter follows a robot that somebody pushes or carries slowly, for fixtures stand metres apart. The leader, which

@@ -35,10 +35,11 @@ NoisyStep noisy_step(const Pose2& delta, const ParticleParams& params) {
   step.distance = static_cast<float>(direction * distance);
   step.second_turn = static_cast<float>(second_turn);
   step.first_sigma =
-      static_cast<float>(params.turn_by_turn * std::abs(first_turn) + params.turn_by_distance * distance);
-  step.distance_sigma = static_cast<float>(params.distance_by_distance * distance + params.distance_by_turn * turns);
+      static_cast<float>(params.noise.turn_by_turn * std::abs(first_turn) + params.noise.turn_by_distance * distance);
+  step.distance_sigma =
+      static_cast<float>(params.noise.distance_by_distance * distance + params.noise.distance_by_turn * turns);
   step.second_sigma =
-      static_cast<float>(params.turn_by_turn * std::abs(second_turn) + params.turn_by_distance * distance);
+      static_cast<float>(params.noise.turn_by_turn * std::abs(second_turn) + params.noise.turn_by_distance * distance);
   return step;
 }
 

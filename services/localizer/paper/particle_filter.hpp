@@ -16,6 +16,14 @@ namespace luminav {
 enum class ParticleScoring { kEquationOne, kGaussian };
 enum class ParticleResampling { kReplaceWorst, kSystematic };
 
+/// Sigma of a step of the particles by its turns and its distance (Thrun et al. 2005, table 5.6: alpha 1 to 4).
+struct OdometryNoise {
+  double turn_by_turn = 0.1;          // [rad/rad]
+  double turn_by_distance = 0.05;     // [rad/m]
+  double distance_by_distance = 0.1;  // [m/m]
+  double distance_by_turn = 0.05;     // [m/rad]
+};
+
 /// Parameters of the particle filter. The paper's: equation 1 and churn.
 struct ParticleParams {
   int count = 0;           // 0 = by the free floor: as many as `density` says
@@ -29,11 +37,8 @@ struct ParticleParams {
   double outlier = 1e-4;                    // likelihood of a sighting that is something else, likewise
   double unknown_free = 0.5;                // P of a cell the map does not know
   double min_free = 0.05;                   // P of an occupied cell
-  double turn_by_turn = 0.1;                // odometry noise: [rad/rad] (Thrun et al. 2005, table 5.6: alpha 1 .. 4)
-  double turn_by_distance = 0.05;           // [rad/m]
-  double distance_by_distance = 0.1;        // [m/m]
-  double distance_by_turn = 0.05;           // [m/rad]
-  int redraws = 5;                          // tries to move a particle without entering a wall
+  OdometryNoise noise{};
+  int redraws = 5;  // tries to move a particle without entering a wall
   ParticleResampling resampling = ParticleResampling::kReplaceWorst;
   bool carries_weights = true;  // churn: weights are multiplied from update to update, and a copy halves its weight
   double drawn_weight = 1.0;    // of a particle drawn anew, in shares of the mean weight

@@ -36,7 +36,7 @@ TEST_F(KidnapOpportunities, AreNoneWhileTheWheelsTurn) {
 
 TEST_F(KidnapOpportunities, BeginWhereTheWheelsComeToRestAndAreGivenAfterAPause) {
   see(1, {0.03, 0.0, 0.0});
-  EXPECT_EQ(see(rules_.halt_frames - 1), 1);
+  EXPECT_EQ(see(KidnapOpportunity::kHaltFrames - 1), 1);
   EXPECT_TRUE(kidnap_.is_excluded() && kidnap_.are_wheels_still());
   see(1);
   EXPECT_FALSE(kidnap_.is_excluded() || kidnap_.was_given());

@@ -29,7 +29,7 @@ class Watcher {
   MotionOutlier& watch() { return watch_; }
 
  private:
-  MotionOutlier watch_{0.33, TrackingRules{}};
+  MotionOutlier watch_{0.33};
   Pose2 odom_;
   std::int64_t utime_ = 1'000'000'000;
 };

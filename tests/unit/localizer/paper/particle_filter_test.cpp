@@ -152,7 +152,7 @@ TEST_F(ParticleFilterTest, ACopyAndItsOriginalShareTheWeight) {
 }
 
 TEST_F(ParticleFilterTest, MotionNoiseHasTheStatedDeviation) {
-  ParticleFilter free(map_, walls_, {.count = 4000, .turn_by_distance = 0.0, .redraws = 0}, 3);
+  ParticleFilter free(map_, walls_, {.count = 4000, .noise = {.turn_by_distance = 0.0}, .redraws = 0}, 3);
   free.gather({{4.0, 3.4, 0.0}, 1e-12 * Eigen::Matrix3d::Identity()}, 1.0);
   free.predict({1.0, 0.0, 0.0});
   double mean = 0.0;
