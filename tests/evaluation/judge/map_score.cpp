@@ -236,21 +236,32 @@ double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const E
   if (!g.contains(start) || !g.contains(goal)) {
     return -1.0;
   }
+  // A*: on a bare floor there is no shorter way to the goal
+  const auto at_least = [&goal](const Cell& cell) {
+    const int columns = std::abs(cell.column - goal.column);
+    const int rows = std::abs(cell.row - goal.row);
+    const int shorter = std::min(columns, rows);
+    return static_cast<float>(std::max(columns, rows) - shorter) + std::sqrt(2.0F) * static_cast<float>(shorter);
+  };
+  struct Entry {
+    float estimate;
+    float reached;
+    Cell cell;
+    bool operator>(const Entry& other) const { return estimate > other.estimate; }
+  };
   const cv::Mat clearance = clearance_of(walls);
   const float min = static_cast<float>(radius / g.resolution);
   std::vector<float> cost(g.size(), std::numeric_limits<float>::infinity());
-  using Entry = std::pair<float, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   cost[g.index(start)] = 0.0F;
-  queue.emplace(0.0F, g.index(start));
+  queue.push({at_least(start), 0.0F, start});
   while (!queue.empty()) {
-    const auto [reached, index] = queue.top();
+    const auto [estimate, reached, here] = queue.top();
     queue.pop();
-    const Cell here{static_cast<int>(index % static_cast<std::size_t>(g.columns)),
-                    static_cast<int>(index / static_cast<std::size_t>(g.columns))};
     if (here == goal) {
       return static_cast<double>(reached) * g.resolution;
     }
+    const std::size_t index = g.index(here);
     if (reached > cost[index]) {
       continue;
     }
@@ -264,7 +275,7 @@ double octile_length(const PriorMap& walls, const Eigen::Vector2d& from, const E
       const float step = reached + (dr != 0 && dc != 0 ? std::sqrt(2.0F) : 1.0F);
       if (step < cost[g.index(next)]) {
         cost[g.index(next)] = step;
-        queue.emplace(step, g.index(next));
+        queue.push({step + at_least(next), step, next});
       }
     }
   }

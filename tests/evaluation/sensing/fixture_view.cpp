@@ -32,6 +32,20 @@ double reach_of(const CeilingCamera& camera) {
   return reach;
 }
 
+/// True if all corners of a fixture lie so far off one border that nothing between them is in the image, whatever the
+/// lens bends.
+bool lie_beside_image(const std::array<std::optional<Vector2d>, 4>& corners, const CameraIntrinsics& lens) {
+  constexpr double kBend = 40.0;  // [px]
+  const auto all = [&](const auto& is_off) {
+    return std::all_of(corners.begin(), corners.end(),
+                       [&](const std::optional<Vector2d>& corner) { return corner && is_off(*corner); });
+  };
+  return all([&](const Vector2d& p) { return p.x() < -kBend; }) ||
+         all([&](const Vector2d& p) { return p.y() < -kBend; }) ||
+         all([&](const Vector2d& p) { return p.x() > lens.width + kBend; }) ||
+         all([&](const Vector2d& p) { return p.y() > lens.height + kBend; });
+}
+
 }  // namespace
 
 std::optional<FrameMoment> moment_at(const simulated::TruthBuffer& truth, double middle, double frame_time) {
@@ -147,12 +161,22 @@ void CeilingViewer::measure_share(const Fixture& fixture, const Pose2& world_fro
   };
   const double half_length = 0.5 * fixture.length;
   const double half_width = 0.5 * fixture.width;
-  if (in_image(half_length, half_width, kEdgeMargin) && in_image(half_length, -half_width, kEdgeMargin) &&
-      in_image(-half_length, half_width, kEdgeMargin) && in_image(-half_length, -half_width, kEdgeMargin)) {
+  std::array<std::optional<Vector2d>, 4> corners;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vector2d corner((i < 2 ? 1.0 : -1.0) * half_length, (i % 2 == 0 ? 1.0 : -1.0) * half_width);
+    corners[i] = pixel_of(world_from_fixture * corner, fixture.height);
+  }
+  const bool is_whole = std::all_of(corners.begin(), corners.end(), [&](const std::optional<Vector2d>& corner) {
+    return corner && true_camera_.is_in_image(*corner, kEdgeMargin);
+  });
+  if (is_whole) {
     result.share = 1.0;
     result.near_end = result.far_end = true;
     result.seen_from = -half_length;
     result.seen_to = half_length;
+    return;
+  }
+  if (lie_beside_image(corners, true_camera_.intrinsics())) {
     return;
   }
   int seen = 0;
