@@ -82,7 +82,9 @@ void PosixRunner::signal(int pid, int signal) {
   if (found == children_.end()) {
     return;  // reaped: the number may belong to a stranger by now
   }
-  for (const int descendant : descendants_of(pid)) {
+  const std::vector<int> descendants = descendants_of(pid);
+  kill(pid, signal);  // before those it waits for: else it could end as if all were well
+  for (const int descendant : descendants) {
     found->second.descendants.insert(descendant);
     if (is_in_session(descendant, pid)) {
       kill(descendant, signal);
@@ -90,7 +92,6 @@ void PosixRunner::signal(int pid, int signal) {
       kill(descendant, SIGTERM);  // never one that it cannot choose what to do about
     }
   }
-  kill(pid, signal);
 }
 
 void PosixRunner::read_terminal(int pid, Child& child, std::vector<ProcessOutput>& outputs) {
