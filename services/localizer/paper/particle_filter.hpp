@@ -16,12 +16,12 @@ namespace luminav {
 enum class ParticleScoring { kEquationOne, kGaussian };
 enum class ParticleResampling { kReplaceWorst, kSystematic };
 
-/// Sigma of a step of the particles by its turns and its distance (Thrun et al. 2005, table 5.6: alpha 1 to 4).
+/// 1-sigma of a step of the particles (Thrun et al. 2005, table 5.6: alpha 1 to 4).
 struct OdometryNoise {
-  double turn_by_turn = 0.1;          // [rad/rad]
-  double turn_by_distance = 0.05;     // [rad/m]
-  double distance_by_distance = 0.1;  // [m/m]
-  double distance_by_turn = 0.05;     // [m/rad]
+  double turn_by_turn = 0.1;          // [rad/rad] noise of each turn, by the turn
+  double turn_by_distance = 0.05;     // [rad/m] likewise, by the distance
+  double distance_by_distance = 0.1;  // [m/m] noise of the distance, by the distance
+  double distance_by_turn = 0.05;     // [m/rad] likewise, by both turns
 };
 
 /// Parameters of the particle filter. The paper's: equation 1 and churn.
