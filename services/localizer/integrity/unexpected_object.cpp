@@ -9,6 +9,7 @@ namespace {
 constexpr double kSamePlace = 0.6;              // [m] the centre of a thing that the border cuts may be found elsewhere
 constexpr double kSameHeading = radians(20.0);  // its long side not
 constexpr double kForgetAfter = 2.0;            // [m] from where it was last seen, before odometry mixes things up
+constexpr int kMaxUnseen = 10;                  // images in a row without it: what comes and goes so is a false alarm
 
 }  // namespace
 
@@ -17,6 +18,10 @@ std::optional<Eigen::Vector2d> UnexpectedObject::look(const SightingFrame& frame
                                                       const Pose2& odom_from_robot) {
   std::erase_if(things_,
                 [&](const Thing& thing) { return distance(thing.odom_from_robot, odom_from_robot) > kForgetAfter; });
+  for (Thing& thing : things_) {
+    const bool is_false_alarm = ++thing.unseen > kMaxUnseen && thing.frames < rules_.newcomer_frames;
+    thing.frames = is_false_alarm ? 0 : thing.frames;
+  }
   std::optional<Eigen::Vector2d> newcomer;
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const FixtureSighting& sighting = frame.sightings[i];
@@ -25,6 +30,7 @@ std::optional<Eigen::Vector2d> UnexpectedObject::look(const SightingFrame& frame
     thing.odom_from_robot = odom_from_robot;
     thing.is_explained = thing.is_explained || std::any_of(matches.begin(), matches.end(),
                                                            [&](const FixtureMatch& m) { return m.sighting == i; });
+    thing.unseen = 0;
     ++thing.frames;
     if (!thing.is_explained && thing.frames == rules_.newcomer_frames && thing.odom_unseen &&
         !has_moved(*thing.odom_unseen, odom_from_robot)) {

@@ -19,7 +19,7 @@ class UnexpectedObject {
 
   /// One image, and which of its sightings fitted fixtures. Where [robot frame] a thing is seen that came into view
   /// though the wheels turned too little to bring it there, and has fitted nothing in as many images as the rules ask
-  /// for: told once for each thing.
+  /// for, none of them long after the one before: told once for each thing.
   [[nodiscard]] std::optional<Eigen::Vector2d> look(const SightingFrame& frame,
                                                     const std::vector<FixtureMatch>& matches,
                                                     const Pose2& odom_from_robot);
@@ -33,7 +33,8 @@ class UnexpectedObject {
     bool has_theta = true;
     Pose2 odom_from_robot;             // when it was last seen
     std::optional<Pose2> odom_unseen;  // odom_from_robot at the image before it was first seen
-    int frames = 0;                    // images that showed it
+    int frames = 0;                    // images that showed it, without a long gap
+    int unseen = 0;                    // images in a row that did not, so far
     bool is_explained = false;         // one showed it where the pose has a fixture
   };
 

@@ -55,6 +55,26 @@ TEST(UnexpectedObject, TellsOnceWhatComesIntoViewOfAStandingRobotAndFitsNothing)
   EXPECT_EQ(watcher.see({kThing}, 30), 1);
 }
 
+TEST(UnexpectedObject, IsCalmUnderFalseAlarmsHoweverLongTheRobotStands) {
+  Watcher watcher;
+  int told = watcher.see({}, 10);
+  for (int minute = 0; minute < 60; ++minute) {
+    told += watcher.see({kThing}, 3);
+    told += watcher.see({}, 900);
+  }
+  EXPECT_EQ(told, 0);
+}
+
+TEST(UnexpectedObject, TellsWhatTheDetectorMissesInEverySecondImage) {
+  Watcher watcher;
+  int told = watcher.see({}, 10);
+  for (int i = 0; i < 10; ++i) {
+    told += watcher.see({kThing}, 1);
+    told += watcher.see({}, 1);
+  }
+  EXPECT_EQ(told, 1);
+}
+
 TEST(UnexpectedObject, TellsWhatIsSeenWhereAThingOfAnotherHeadingWas) {
   Watcher watcher;
   EXPECT_EQ(watcher.see({{kThing.x + 0.3, kThing.y, kThing.theta - 1.5}}, 10), 0);
