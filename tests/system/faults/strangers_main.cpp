@@ -27,6 +27,8 @@ constexpr double kAttack = 6.0;            // [s]
 constexpr double kFlood = 3.0;             // [s]
 constexpr std::int64_t kSlow = 1'000'000;  // [us] a handler may take on a machine that others use too
 constexpr double kSilence = 4.0;           // [s] a process may be silent, which speaks once a second
+constexpr std::int64_t kRepeat = 100'000;  // [us] an order is repeated as a person's program would, each a new one
+constexpr double kPatience = 10.0;         // [s] until it has its effect: a job waits until nobody touches the robot
 
 /// What a stranger could have changed.
 struct Condition {
@@ -120,12 +122,16 @@ class Siege {
         (void)fleet_.pump_until([&] { return watch_.robot()->stop_engaged != 0; }, 5.0);
       }
       const Condition before = condition();
+      std::int64_t given = 0;
       const bool obeyed = fleet_.pump_until(
           [&] {
-            stranger_.give(order, fleet_.clock().utime());
+            if (const std::int64_t now = fleet_.clock().utime(); now - given >= kRepeat) {
+              given = now;
+              stranger_.give(order, now);
+            }
             return is_obeyed(order.channel, before);
           },
-          5.0);
+          kPatience);
       expect(obeyed, "an open network obeys his " + order.channel);
     }
   }
