@@ -41,6 +41,10 @@ std::optional<Contradiction> MatchMonitor::look(const SightingFrame& frame, cons
   }
   const std::optional<Eigen::Vector2d> unexplained = find_unexplained(frame, objects, tracks, belief);
   const bool lacks_something = missing_.look(frame, belief, kidnap_);
+  quiet_ = unexplained || lacks_something ? 0 : quiet_ + 1;
+  if (quiet_ > kMaxGap) {
+    misfit_run_ = contradicting_ = 0;
+  }
   misfit_run_ += unexplained ? 1 : 0;
   contradicting_ += unexplained || lacks_something ? 1 : 0;
   if (is_suspected) {

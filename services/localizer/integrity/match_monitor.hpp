@@ -73,6 +73,7 @@ class MatchMonitor {
   MissingFixtures missing_;
   int misfit_run_ = 0;                     // images since the last match that show what fits nothing
   int contradicting_ = 0;                  // since it stood still: that, or lack what they ought to show
+  int quiet_ = 0;                          // images in a row that do neither: then both counts begin anew
   std::set<int> predicted_;                // fixtures that came where the pose has them
   std::int64_t match_utime_ = 0;           // [us] of the last match
   int missed_fixture_ = -1;                // whose absence put the pose in doubt; -1 = something else

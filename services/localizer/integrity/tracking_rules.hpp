@@ -14,6 +14,9 @@ inline constexpr double kWhenPredicted = 5.0;  // more of it once a suspected po
 inline constexpr double kOfGuess = 6.0;        // of what a user says
 }  // namespace log_prior
 
+/// Images in a row that show nothing strange, after which strange ones before were false alarms.
+inline constexpr int kMaxGap = 10;
+
 /// When one hypothesis counts as the truth, and when no longer: what a robot's file may set.
 struct TrackingRules {
   // Log-score ahead of every other pose, listed or not, at first: neither a wall that is not heard nor one misfit may

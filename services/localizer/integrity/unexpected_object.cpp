@@ -9,7 +9,6 @@ namespace {
 constexpr double kSamePlace = 0.6;              // [m] the centre of a thing that the border cuts may be found elsewhere
 constexpr double kSameHeading = radians(20.0);  // its long side not
 constexpr double kForgetAfter = 2.0;            // [m] from where it was last seen, before odometry mixes things up
-constexpr int kMaxUnseen = 10;                  // images in a row without it: what comes and goes so is a false alarm
 
 }  // namespace
 
@@ -19,7 +18,7 @@ std::optional<Eigen::Vector2d> UnexpectedObject::look(const SightingFrame& frame
   std::erase_if(things_,
                 [&](const Thing& thing) { return distance(thing.odom_from_robot, odom_from_robot) > kForgetAfter; });
   for (Thing& thing : things_) {
-    const bool is_false_alarm = ++thing.unseen > kMaxUnseen && thing.frames < rules_.newcomer_frames;
+    const bool is_false_alarm = ++thing.unseen > kMaxGap && thing.frames < rules_.newcomer_frames;
     thing.frames = is_false_alarm ? 0 : thing.frames;
   }
   std::optional<Eigen::Vector2d> newcomer;

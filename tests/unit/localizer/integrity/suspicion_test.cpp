@@ -91,6 +91,7 @@ class CorridorDrive {
   /// How far [m] along the corridor fixtures are seen.
   void see_as_far_as(double reach) { reach_ = reach; }
   void hang_false_fixture(double x) { false_fixtures_.push_back(x); }
+  void take_down_false_fixtures() { false_fixtures_.clear(); }
 
   [[nodiscard]] LocalizerState state() const { return localizer_.estimate().state; }
   /// How far [m] the best hypothesis is off.
@@ -282,6 +283,17 @@ TEST(Suspicion, ComesWhereAThingComesIntoViewOfAStandingRobotBesideAFixtureThatF
   ASSERT_EQ(drive.state(), LocalizerState::kTracking);
   drive.kidnap_to(19.0);
   EXPECT_FALSE(drive.stand(1.0));
+}
+
+TEST(Suspicion, DoesNotComeFromFalseAlarmsHoweverLongTheRobotStandsBetweenFixtures) {
+  CorridorDrive drive;
+  drive.drive_to(8.9);
+  for (int alarm = 0; alarm < 10; ++alarm) {
+    drive.hang_false_fixture(8.8 + 0.02 * alarm);
+    EXPECT_TRUE(drive.stand(0.4));
+    drive.take_down_false_fixtures();
+    EXPECT_TRUE(drive.stand(60.0));
+  }
 }
 
 TEST(Suspicion, ComesWhereAllThatTheSonarsHearMovesThoughTheWheelsStandStill) {
