@@ -97,18 +97,6 @@ void ArcosController::execute(ArcosCommand command, const CommandArgument& argum
     case ArcosCommand::kEnable:
       enable_motors(value != 0);
       break;
-    case ArcosCommand::kSetAcceleration:
-      motion_.set_acceleration(value);
-      break;
-    case ArcosCommand::kSetMaximumVelocity:
-      motion_.set_maximum_velocity(value);
-      break;
-    case ArcosCommand::kSetMaximumTurnRate:
-      motion_.set_maximum_turn_rate(value);
-      break;
-    case ArcosCommand::kSetTurnAcceleration:
-      motion_.set_turn_acceleration(value);
-      break;
     case ArcosCommand::kSetOrigin:
       odometry_.set_origin();
       break;
@@ -127,12 +115,6 @@ void ArcosController::execute(ArcosCommand command, const CommandArgument& argum
     case ArcosCommand::kEmergencyStop:
       motion_.emergency_stop();
       break;
-    case ArcosCommand::kStopButtonStall:
-      stalls_.set_stop_button(value != 0);
-      break;
-    case ArcosCommand::kBumpStall:
-      stalls_.set_bumpers(std::clamp(value, 0, 3));
-      break;
     case ArcosCommand::kDigitalOut:
       // The mask is the second byte of the argument, whatever sign byte precedes it.
       if (payload.size() >= 3) {
@@ -145,6 +127,35 @@ void ArcosController::execute(ArcosCommand command, const CommandArgument& argum
     case ArcosCommand::kIoRequest:
       schedule_.request(PacketSchedule::kInputOutput, config_.mobilesim ? 0 : value);
       break;
+    case ArcosCommand::kReset:
+      close_session();
+      odometry_.set_origin();
+      break;
+    default:
+      execute_setting(command, value);
+  }
+}
+
+void ArcosController::execute_setting(ArcosCommand command, int value) {
+  switch (command) {
+    case ArcosCommand::kSetAcceleration:
+      motion_.set_acceleration(value);
+      break;
+    case ArcosCommand::kSetMaximumVelocity:
+      motion_.set_maximum_velocity(value);
+      break;
+    case ArcosCommand::kSetMaximumTurnRate:
+      motion_.set_maximum_turn_rate(value);
+      break;
+    case ArcosCommand::kSetTurnAcceleration:
+      motion_.set_turn_acceleration(value);
+      break;
+    case ArcosCommand::kStopButtonStall:
+      stalls_.set_stop_button(value != 0);
+      break;
+    case ArcosCommand::kBumpStall:
+      stalls_.set_bumpers(std::clamp(value, 0, 3));
+      break;
     case ArcosCommand::kAnalogSelect:
       analog_port_ = value & 7;
       break;
@@ -155,10 +166,6 @@ void ArcosController::execute(ArcosCommand command, const CommandArgument& argum
       break;
     case ArcosCommand::kBatteryTest:
       fake_battery_ = value > 0 ? std::optional(value / 10.0) : std::nullopt;
-      break;
-    case ArcosCommand::kReset:
-      close_session();
-      odometry_.set_origin();
       break;
     default:
       execute_motion(command, value);

@@ -55,6 +55,7 @@ class ArcosController final : public BaseBoard {
   void open_session();
   void close_session();
   void execute(ArcosCommand command, const CommandArgument& argument, std::span<const std::uint8_t> payload);
+  void execute_setting(ArcosCommand command, int value);
   void execute_motion(ArcosCommand command, int value);
   void enable_motors(bool enable);
   void sense(double dt, const ArcosInputs& inputs);
