@@ -37,7 +37,7 @@ std::optional<PoseBelief> PoseMemory::recall(const OdometryReading& odometry) {
   if (!remembered || remembered->building != building_ || remembered->fixtures != fixtures_) {
     return std::nullopt;
   }
-  const auto belief = carry_forward(*remembered, odometry.session, odometry.odom_from_robot);
+  auto belief = carry_forward(*remembered, odometry.session, odometry.odom_from_robot);
   if (belief) {
     is_remembered_ = true;
     saved_utime_ = odometry.utime;
