@@ -92,19 +92,26 @@ bool EchoMemory::was_heard_before(const Echo& echo) const {
 }
 
 // A farther echo through the same directions takes back what was thought to stand nearer. Silence refutes only what the
-// same disc heard from the same place: a smooth wall seen at another slant is silent too.
+// same disc heard from the same place: a smooth wall seen at another slant is silent too. What has left the cone that
+// hears farther, a post at its edge, stands where it stood, even if the disc has turned by a degree only.
 void EchoMemory::refute(const SonarFiring& firing) {
   const Pose2 odom_from_sonar = firing.odom_from_robot * ring_.robot_from_sonar[firing.disc];
   const PointTransform sonar_from_odom(odom_from_sonar.inverse());
   const double cone = 0.8 * ring_.half_angle;
+  const auto angle_of = [](const Eigen::Vector2d& seen) { return std::abs(std::atan2(seen.y(), seen.x())); };
   std::vector<Eigen::Vector2d> gone;
   for (Echo& echo : echoes_) {
     const bool is_same_view =
         echo.disc == firing.disc && distance(echo.odom_from_robot, firing.odom_from_robot) < kSamePlace &&
         std::abs(wrap_angle(echo.odom_from_robot.theta - firing.odom_from_robot.theta)) < kSameHeading;
     if (is_same_view && firing.range > echo.range + kRefuteMargin) {
-      gone.insert(gone.end(), echo.points_in_odom.begin(), echo.points_in_odom.end());
-      echo.points_in_odom.clear();
+      std::erase_if(echo.points_in_odom, [&](const Eigen::Vector2d& point) {
+        const bool is_gone = !firing.has_echo || angle_of(sonar_from_odom * point) < cone;
+        if (is_gone) {
+          gone.push_back(point);
+        }
+        return is_gone;
+      });
       continue;
     }
     if (!firing.has_echo) {
@@ -117,8 +124,7 @@ void EchoMemory::refute(const SonarFiring& firing) {
     std::erase_if(echo.points_in_odom, [&](const Eigen::Vector2d& point) {
       const Eigen::Vector2d seen = sonar_from_odom * point;
       const double range = seen.norm();
-      return range > ring_.minimum_range && range < firing.range - kRefuteMargin &&
-             std::abs(std::atan2(seen.y(), seen.x())) < cone;
+      return range > ring_.minimum_range && range < firing.range - kRefuteMargin && angle_of(seen) < cone;
     });
   }
   if (!gone.empty()) {

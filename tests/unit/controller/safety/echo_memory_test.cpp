@@ -148,6 +148,23 @@ TEST_F(EchoMemoryTest, AFartherEchoTakesBackANearerOne) {
   }
 }
 
+TEST_F(EchoMemoryTest, AFartherEchoLeavesAPostAtTheEdgeOfItsCone) {
+  // the disc that looks to the left has no neighbour behind it: what it hears there may be a door's post
+  constexpr std::size_t kLeft = 0;
+  const Pose2 turned{0.0, 0.0, radians(1.0)};
+  fire(0.0, kLeft, 0.3);
+  fire(0.32, kLeft, 1.5, turned);
+  const Pose2 disc = testing::test_robot().sonar.robot_from_sonar[kLeft];
+  const auto points = at(0.32, turned);
+  const auto near = [&](const ObstaclePoint& p) { return (p.position - disc.position()).norm() < 0.4; };
+  ASSERT_TRUE(std::any_of(points.begin(), points.end(), near));
+  for (const ObstaclePoint& point : points) {
+    const Eigen::Vector2d seen = disc.inverse() * point.position;
+    EXPECT_TRUE(!near(point) || std::abs(std::atan2(seen.y(), seen.x())) > radians(11.0))
+        << "what lies ahead of the disc was heard to be gone";
+  }
+}
+
 TEST_F(EchoMemoryTest, SilenceTakesBackOnlyWhatTheSameDiscHeardFromTheSamePlace) {
   fire(0.0, kAhead, 1.0);
   fire(0.32, kAhead, 5.0, {0.3, 0.0, 0.0});
