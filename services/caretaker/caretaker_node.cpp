@@ -60,6 +60,9 @@ void CaretakerNode::on_fixture_detections(const fixture_detections_t& message) {
     subscriber_.drop("FIXTURE_DETECTIONS: what no image can show");
     return;
   }
+  if (lamp_pictures_.look(message.utime, message.exposure_us)) {
+    return;  // in turn with these a lamp would seem to flicker
+  }
   LookedAtFrame looked;
   looked.frame.utime = message.utime + time_offset_;
   looked.grey = message.median_grey;

@@ -12,6 +12,7 @@
 #include "services/caretaker/visit_recorder.hpp"
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
+#include "services/common/image/lamp_pictures.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/subscriber.hpp"
 
@@ -40,6 +41,7 @@ class CaretakerNode {
   std::int64_t time_offset_;  // [us] of the camera
   std::filesystem::path file_;
   VisitRecorder recorder_;
+  LampPictures lamp_pictures_;
   LampLedger ledger_;
   bool is_changed_ = false;  // since it was written
   std::string fault_;        // why the last save failed; "" = it did not

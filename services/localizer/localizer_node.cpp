@@ -98,6 +98,7 @@ void LocalizerNode::on_fixture_detections(const fixture_detections_t& message) {
       frame.sightings.push_back(to_sighting(detection));
     }
   }
+  frame.shows_unlit = !lamp_pictures_.look(message.utime, message.exposure_us);
   localizer_->add_frame(frame);
   if (odometry_.utime == 0) {
     return;

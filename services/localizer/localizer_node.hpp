@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "services/common/image/lamp_pictures.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/stamp_guard.hpp"
 #include "services/common/process/subscriber.hpp"
@@ -52,6 +53,7 @@ class LocalizerNode {
   PoseMemory memory_;
   StampGuard odometry_stamps_;
   StampGuard detection_stamps_;
+  LampPictures lamp_pictures_;
   StampGuard sonar_stamps_;
   std::int64_t odometry_session_ = 0;
   pose_t pose_{};                      // the last POSE

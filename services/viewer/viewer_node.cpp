@@ -193,7 +193,10 @@ void ViewerNode::on_grid_tile(const grid_tile_t& message) {
 // when the next but one is due.
 void ViewerNode::on_camera_image(const camera_image_t& message) {
   heard(channels::kCameraImage, message.utime);
-  const std::int64_t since = message.utime - picture_shown_;
+  if (picture_choice_.for_lamps.look(message.utime, message.exposure_us)) {
+    return;
+  }
+  const std::int64_t since = message.utime - picture_choice_.shown_utime;
   if (since >= 0 && since < config_.picture_period) {
     return;
   }
@@ -229,7 +232,7 @@ void ViewerNode::show_picture(const fixture_detections_t* detections) {
                                           to_json(picture_->health),
                                           detections != nullptr ? to_json(*detections, std::nullopt) : "null")));
   }
-  picture_shown_ = picture_->utime;
+  picture_choice_.shown_utime = picture_->utime;
   picture_.reset();
 }
 

@@ -23,6 +23,7 @@
 #include <string>
 #include <utility>
 
+#include "services/common/image/lamp_pictures.hpp"
 #include "services/common/process/clock.hpp"
 #include "services/common/process/event_loop.hpp"
 #include "services/common/process/subscriber.hpp"
@@ -65,6 +66,11 @@ class ViewerNode {
     node_status_t status;
     std::int64_t heard = 0;  // [us] clock of this host
   };
+  /// Which pictures the page shows: not all, and none for the lamps, with which it would flicker.
+  struct PictureChoice {
+    std::int64_t shown_utime = 0;  // [us] stamp of the last one shown
+    LampPictures for_lamps;
+  };
 
   void on_pose(const pose_t& message);
   void on_hypotheses(const hypotheses_t& message);
@@ -102,7 +108,7 @@ class ViewerNode {
   std::int64_t newest_stamp_ = 0;  // [us] of ROBOT_STATUS and ODOMETRY
   std::deque<pose_t> recent_poses_;
   std::optional<camera_image_t> picture_;  // waits for its detections
-  std::int64_t picture_shown_ = 0;         // [us] stamp of the last one shown
+  PictureChoice picture_choice_;
   std::int64_t map_session_ = 0;
   std::int64_t tiles_expected_ = 0;
   std::map<std::pair<int, int>, std::int32_t> tile_revisions_;

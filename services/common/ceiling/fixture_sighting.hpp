@@ -30,6 +30,7 @@ struct FixtureSighting {
 struct SightingFrame {
   std::int64_t utime = 0;  // [us] of the image, the camera's time offset already added
   std::vector<FixtureSighting> sightings;
+  bool shows_unlit = true;  // false: taken for the lamps, too dark for what does not burn
 };
 
 /// Wheel odometry at one instant.

@@ -91,11 +91,14 @@ void FrameComparer::expect(const PoseBelief& belief, const std::vector<int>& nea
     if (model_.fixtures.is_doubted(index) || !model_.view.is_wholly_visible(robot_from_fixture, fixture, margin)) {
       continue;
     }
-    result.expected.push_back(index);
     const bool something_there =
         std::any_of(frame_.sightings.begin(), frame_.sightings.end(), [&](const FixtureSighting& s) {
           return distance(s.robot_from_fixture, robot_from_fixture) < 0.5 * fixture.length + 0.2;
         });
+    if (!something_there && !frame_.shows_unlit) {
+      continue;  // it may hang there unlit
+    }
+    result.expected.push_back(index);
     if (!something_there) {
       result.missed.push_back(index);
     }

@@ -33,6 +33,9 @@ void MissingFixtures::match(const std::vector<FixtureMatch>& matches, const Pose
 }
 
 bool MissingFixtures::look(const SightingFrame& frame, const PoseBelief& belief, const KidnapOpportunity& kidnap) {
+  if (!frame.shows_unlit) {
+    return false;
+  }
   const Pose2 since_match = kidnap.since_match();
   const bool stands_still = kidnap.stands_still();
   const double margin = kVisibleMargin + 2.0 * position_sigma(belief.covariance);

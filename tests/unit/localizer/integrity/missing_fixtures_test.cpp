@@ -76,10 +76,13 @@ TEST_F(MissingFixturesTest, AreWhatVanishesFromAStandingRobot) {
   EXPECT_FALSE(missing_.find(0.0, false));
 }
 
-TEST_F(MissingFixturesTest, AreNoneThatTheMapDoubtsOrTheImageShows) {
+TEST_F(MissingFixturesTest, AreNoneThatTheMapDoubtsOrTheImageShowsOrCannotShow) {
   FixtureSighting sighting;
   (void)kidnap_.look(odom_);
   EXPECT_FALSE(missing_.look({0, {sighting}}, under(5.0), kidnap_));
+  SightingFrame for_lamps;
+  for_lamps.shows_unlit = false;
+  EXPECT_FALSE(missing_.look(for_lamps, under(5.0), kidnap_));
   model_.fixtures.doubt(0);
   EXPECT_EQ(miss(5.0, 1), 0);
 }

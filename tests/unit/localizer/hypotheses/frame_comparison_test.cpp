@@ -1,0 +1,49 @@
+#include "services/localizer/hypotheses/frame_comparison.hpp"
+
+#include <gtest/gtest.h>
+
+namespace luminav {
+namespace {
+
+/// A robot under the one fixture of a building.
+class FrameComparisonTest : public ::testing::Test {
+ protected:
+  static Building one_fixture() {
+    Building building;
+    building.fixtures.resize(1);
+    building.fixtures[0].world_from_fixture = {5.0, 5.0, 0.0};
+    return building;
+  }
+  [[nodiscard]] FrameComparison compare(const SightingFrame& frame) const {
+    const PoseBelief under{{5.0, 5.0, 0.0}, 1e-6 * Eigen::Matrix3d::Identity()};
+    return FrameComparer(frame, 0.0, 0.0, model_, {}).compare(under);
+  }
+  static SightingFrame frame_of_the_fixture() {
+    FixtureSighting sighting;
+    sighting.length = 1.2;
+    sighting.covariance = 1e-4 * Eigen::Matrix3d::Identity();
+    return {0, {sighting}};
+  }
+
+  ObservationModel model_{one_fixture(), {}, {}, {}};
+};
+
+TEST_F(FrameComparisonTest, AFixtureInViewIsExpectedAndMissedWhereNothingIsSeen) {
+  EXPECT_EQ(compare(frame_of_the_fixture()).expected, std::vector{0});
+  EXPECT_TRUE(compare(frame_of_the_fixture()).missed.empty());
+  EXPECT_EQ(compare({}).expected, std::vector{0});
+  EXPECT_EQ(compare({}).missed, std::vector{0});
+}
+
+TEST_F(FrameComparisonTest, APictureForTheLampsMissesNoneForTheyMayBeUnlit) {
+  SightingFrame nothing;
+  nothing.shows_unlit = false;
+  EXPECT_TRUE(compare(nothing).expected.empty());
+  EXPECT_TRUE(compare(nothing).missed.empty());
+  SightingFrame seen = frame_of_the_fixture();
+  seen.shows_unlit = false;
+  EXPECT_EQ(compare(seen).expected, std::vector{0});
+}
+
+}  // namespace
+}  // namespace luminav
