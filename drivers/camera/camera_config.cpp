@@ -13,6 +13,8 @@ ExposureParams read_exposure(const TomlTable& table, const std::string& mode) {
   if (table.choice("mode", mode, {"paper", "modern"}) == "paper") {
     p.lit_target = 1.0;
   }
+  p.two_exposures = table.boolean("two_exposures", p.two_exposures);
+  p.lamp_exposure = table.number("lamp_exposure", p.lamp_exposure, {0.005, 0.25});
   p.lit_target = table.number("lit_target", p.lit_target, {0.01, 1.0});
   p.lamp_share = table.number("lamp_share", p.lamp_share, {0.0, 0.5});
   p.lamp_memory = table.count("lamp_memory", p.lamp_memory, {0, 10'000});

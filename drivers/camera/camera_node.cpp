@@ -117,7 +117,7 @@ void CameraNode::publish(const Frame& frame) {
   message_.utime = frame.utime;
   message_.width = frame.image.width;
   message_.height = frame.image.height;
-  message_.exposure_us = frame.exposure_us;
+  message_.exposure_us = exposure_.exposure_of_last(frame.exposure_us);
   message_.gain = frame.gain;
   message_.row_time_us = frame.row_time_us;
   message_.health = pictures_.is_dark() ? pictures_.complaint() : exposure_.complaint();

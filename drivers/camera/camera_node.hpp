@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "drivers/camera/camera_config.hpp"
-#include "drivers/camera/exposure_control.hpp"
+#include "drivers/camera/exposure_turns.hpp"
 #include "drivers/camera/picture_watch.hpp"
 #include "drivers/camera/simulated/ceiling.hpp"
 #include "drivers/camera/sources/frame_source.hpp"
@@ -52,7 +52,7 @@ class CameraNode {
   const Clock& clock_;
   FrameSource& source_;
   SimulatedCeiling* ceiling_ = nullptr;
-  ExposureControl exposure_;
+  ExposureTurns exposure_;
   PictureWatch pictures_;
   StampGuard odometry_stamps_;
   double angular_ = 0.0;  // [rad/s] newest known

@@ -55,6 +55,10 @@ ExposureControl::ExposureControl(const ExposureParams& params)
   if (!(params.lit_target > 0.0 && params.lit_target <= 1.0 && params.lamp_memory >= 0)) {
     throw std::invalid_argument("exposure: must be 0 < lit_target <= 1, lamp_memory >= 0");
   }
+  if (!(params.lamp_exposure > 0.0 && params.lamp_exposure < 1.0) ||
+      (params.two_exposures && params.lit_target < 1.0)) {
+    throw std::invalid_argument("exposure: must be 0 < lamp_exposure < 1, and lit_target 1 with two_exposures");
+  }
   // A step that jumps across the dead band would swing for ever.
   if (params.max_step > 20.0) {
     throw std::invalid_argument("exposure: max_step must be at most 20");
@@ -67,14 +71,22 @@ ExposureSetting ExposureControl::split(double product) const {
   return {exposure, std::clamp(product / exposure, 1.0, params_.max_gain)};
 }
 
+bool ExposureControl::shows_lamp(const CeilingBrightness& brightness) const {
+  return brightness.lamp_share > params_.lamp_share && brightness.lamp_share <= kWhiteShare;
+}
+
 double ExposureControl::aim() {
-  const bool burns = brightness_.lamp_share > params_.lamp_share && brightness_.lamp_share <= kWhiteShare;
-  lamp_seen_ = burns ? params_.lamp_memory : std::max(0, lamp_seen_ - 1);
+  lamp_seen_ = shows_lamp(brightness_) ? params_.lamp_memory : std::max(0, lamp_seen_ - 1);
   return lamp_seen_ > 0 ? params_.lit_target : 1.0;
 }
 
 ExposureSetting ExposureControl::update(const GreyView& image, double exposure_us, double gain, double angular) {
-  brightness_ = measure_brightness(image, params_.lamp_grey);
+  return update(measure_brightness(image, params_.lamp_grey), exposure_us, gain, angular);
+}
+
+ExposureSetting ExposureControl::update(const CeilingBrightness& brightness, double exposure_us, double gain,
+                                        double angular) {
+  brightness_ = brightness;
   const double mean = brightness_.mean;
   const double aimed = aim();
   const double min_target = aimed * params_.min_target;

@@ -14,6 +14,8 @@ struct ExposureParams {
   double lit_target = 1.0;              // share of the range that is aimed at while lamps burn; 1 = the same
   double lamp_share = 0.003;            // 0..1 of the pixels at least that are lamps where one burns
   int lamp_memory = 60;                 // [frames] a lamp counts as burning after it was seen
+  bool two_exposures = false;           // pictures for lamps and for the ceiling in turn while lamps burn
+  double lamp_exposure = 0.07;          // of the ceiling's exposure, in those for lamps
   double min_exposure_us = 300.0;       // [us]
   double max_exposure_us = 20000.0;     // [us] longer ones blur: 10 mm at 0.5 m/s
   double max_gain = 8.0;                // 1 = none
@@ -54,10 +56,15 @@ class ExposureControl {
   /// Setting for the frames to come, given one frame, the exposure and gain it was taken with, and how fast the robot
   /// turns [rad/s].
   ExposureSetting update(const GreyView& image, double exposure_us, double gain, double angular);
+  ExposureSetting update(const CeilingBrightness& brightness, double exposure_us, double gain, double angular);
 
   [[nodiscard]] const ExposureSetting& setting() const { return setting_; }
   /// "" or why the range cannot be met, in one plain sentence.
   [[nodiscard]] const std::string& complaint() const { return complaint_; }
+  /// True if a picture of the ceiling shows a burning lamp.
+  [[nodiscard]] bool shows_lamp(const CeilingBrightness& brightness) const;
+  /// True if the setting is in effect.
+  [[nodiscard]] bool is_settled() const { return settled_; }
 
  private:
   [[nodiscard]] ExposureSetting split(double product) const;

@@ -164,6 +164,7 @@ struct WholeRobot::Parts {
       camera.reset();
       CameraConfig config = read_camera_config(scenario.robot_file);
       if (!options.mode.empty()) {
+        config.exposure.two_exposures = config.exposure.two_exposures && options.mode != "paper";
         config.exposure.lit_target = options.mode == "paper" ? 1.0 : ExposureParams{}.lit_target;
       }
       config.encoding = options.jpeg ? ImageEncoding::kJpeg : ImageEncoding::kMono8;

@@ -226,6 +226,35 @@ TEST_F(CameraNodeTest, AdaptsItsExposureWhenThePowerIsCut) {
   EXPECT_GT(images_.back().exposure_us * images_.back().gain, 1.5 * before);
 }
 
+TEST_F(CameraNodeTest, TakesPicturesForTheLampsAndForTheCeilingInTurnWhereToldSo) {
+  CameraConfig config;
+  config.exposure.two_exposures = true;
+  start(config);
+  run(3.0);
+  images_.clear();
+  run(4.0);
+  const auto is_for_lamps = [](const camera_image_t& image) { return image.exposure_us < 2000.0; };
+  EXPECT_NEAR(static_cast<double>(std::count_if(images_.begin(), images_.end(), is_for_lamps)), 30.0, 5.0);
+  for (const camera_image_t& image : images_) {
+    GreyImage decoded;
+    JpegDecoder decoder;
+    ASSERT_TRUE(decoder.decode(image.data, decoded));
+    const CeilingBrightness brightness = measure_brightness(decoded.view(), 225.0);
+    if (is_for_lamps(image)) {
+      EXPECT_LT(brightness.mean, 20.0);
+      EXPECT_LT(brightness.lamp_share, 0.001) << "no lamp is white in it";
+    } else {
+      EXPECT_GE(brightness.mean, 78.0);
+      EXPECT_GT(brightness.lamp_share, 0.01);
+    }
+  }
+  truth_.lamp_state.assign(4, sim_truth_t::LAMP_OFF);
+  run(8.0);
+  images_.clear();
+  run(2.0);
+  EXPECT_EQ(std::count_if(images_.begin(), images_.end(), is_for_lamps), 0) << "nothing burns";
+}
+
 TEST_F(CameraNodeTest, HoldsItsExposureWhileTheRobotTurns) {
   start();
   run(3.0);
