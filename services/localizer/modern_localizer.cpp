@@ -33,6 +33,7 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       displacement_(robot.wheel_base, params.rules),
       rush_(robot.wheel_base),
       supervisor_(model_.fixtures, tracks_, bank_, filter_, monitor_, params.rules),
+      slip_(model_.walls, robot.sonar.half_angle),
       echoes_(robot.sonar, {params.hypotheses.sonar_test_distance, params.hypotheses.sonar_turn,
                             params.hypotheses.sonar_surface, params.hypotheses.sonar_looks}) {}
 
@@ -57,6 +58,7 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
       bank_.wait();
       bank_.tidy();
       decide({});
+      doubt_after_slip();
     }
   }
 }
@@ -67,6 +69,7 @@ void ModernLocalizer::bridge(const std::string& why, const OdometryGap& gap) {
   rush_.clear();
   tracks_.clear();
   echoes_.clear();
+  slip_.clear();
   filter_odometry_.reset();
   if (supervisor_.has_leader()) {
     filter_.bridge(gap.step, gap.noise);
@@ -142,8 +145,12 @@ void ModernLocalizer::listen(std::int64_t until_utime) {
   }
   echoes_.begin_for(bank_.beginnings());
   const std::vector<PlacedEcho> echoes = echoes_.take(until_utime, queue_.history(), bank_.max_echoes());
-  if (!echoes.empty()) {
-    bank_.listen(echoes);
+  if (echoes.empty()) {
+    return;
+  }
+  bank_.listen(echoes);
+  if (const auto now = queue_.history().at(until_utime); now && supervisor_.is_tracking()) {
+    slip_.listen(echoes, now->odom_from_robot, filter_.belief());
   }
 }
 
@@ -187,6 +194,14 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
     supervisor_.keep_leader_at_filter(frame);
   }
   decide(frame);
+  doubt_after_slip();
+}
+
+void ModernLocalizer::doubt_after_slip() {
+  const std::optional<Pose2> slipped = slip_.take();
+  if (slipped && supervisor_.is_tracking()) {
+    supervisor_.suspect_slip({*slipped, filter_.belief().covariance});
+  }
 }
 
 void ModernLocalizer::wait_for_rest(const SightingFrame& frame, const OdometryReading& odometry) {
@@ -209,6 +224,7 @@ void ModernLocalizer::begin_at_rest() {
   displacement_.clear();
   rush_.clear();
   echoes_.clear();
+  slip_.clear();
   supervisor_.resume(is_followed());
 }
 
@@ -260,6 +276,9 @@ std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const Sight
 
 void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                                      const OdometryReading& odometry) {
+  if (!matches.empty()) {
+    slip_.clear();
+  }
   corrections_.add(frame.utime, odometer_, correct(filter_, frame, matches, odometry));
 }
 

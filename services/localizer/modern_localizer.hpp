@@ -11,6 +11,7 @@
 #include "services/localizer/integrity/match_monitor.hpp"
 #include "services/localizer/integrity/motion_outlier.hpp"
 #include "services/localizer/integrity/odometry_consistency.hpp"
+#include "services/localizer/integrity/slip_by_sonar.hpp"
 #include "services/localizer/integrity/sonar_change.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
 #include "services/localizer/integrity/tracking_supervisor.hpp"
@@ -77,6 +78,8 @@ class ModernLocalizer final : public Localizer {
   void look_ahead(LocalizerEstimate& estimate) const;
   /// Relative motion across now is unknown: the pose is only as good as a guess of it.
   void bridge(const std::string& why, const OdometryGap& gap);
+  /// Puts a tracked pose in doubt if the wheels have slipped since the last fixture.
+  void doubt_after_slip();
   void decide(const SightingFrame& frame);
   [[nodiscard]] Pose2 since_filter() const;
   /// Way [m] that bank and filter went since the filter matched a fixture.
@@ -93,6 +96,7 @@ class ModernLocalizer final : public Localizer {
   MotionOutlier rush_;
   SonarChange surroundings_;
   TrackingSupervisor supervisor_;
+  SlipBySonar slip_;
   EchoCollector echoes_;
   std::optional<OdometryReading> filter_odometry_;  // where bank and filter stand
   double odometer_ = 0.0;                           // [m]

@@ -208,6 +208,11 @@ void TrackingSupervisor::suspect_after_gap(const std::string& why, bool may_be_k
   needed_fixtures_ = may_be_kidnapped ? rules_.enter_fixtures : 1;
 }
 
+void TrackingSupervisor::suspect_slip(const PoseBelief& slipped) {
+  suspect("the sonars hear the walls as if the wheels had slipped", log_prior::kAfterMiss);
+  bank_.add_guess(slipped, log_prior::kAfterMiss);
+}
+
 void TrackingSupervisor::suspend(const std::string& why) {
   suspicion_ = why;
   state_ = leader_id_ != 0 ? LocalizerState::kAmbiguous : LocalizerState::kLost;

@@ -33,6 +33,8 @@ class TrackingSupervisor {
   void suspect(const Contradiction& contradiction);
   /// Puts it in doubt for a gap in odometry; after a long one it must fit more than one fixture.
   void suspect_after_gap(const std::string& why, bool may_be_kidnapped);
+  /// Puts it in doubt for a slip of the wheels, after which the robot is rather at `slipped`.
+  void suspect_slip(const PoseBelief& slipped);
   /// While somebody moves the robot nothing is known.
   void suspend(const std::string& why);
   /// That is over, and what was seen before says nothing of where the robot is now. With `was_followed` the filter saw

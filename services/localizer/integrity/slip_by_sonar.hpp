@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "services/common/geometry/pose2.hpp"
+#include "services/localizer/hypotheses/sonar_evidence.hpp"
+#include "services/localizer/model/pose_belief.hpp"
+#include "services/localizer/model/wall_field.hpp"
+
+namespace luminav {
+
+/// Detects between two fixtures that wheels slip: they tell of more motion than there was, and the sonars hear the
+/// walls elsewhere. What was heard since the last fixture is compared under the path by the wheels and under paths on
+/// which the robot moved less than they told, from some place on. It is one likelihood ratio test: on 11,000 rounds of
+/// robots that did not slip, among boxes and people, the ratio's log was 0.5 at most.
+class SlipBySonar {
+ public:
+  /// `half_angle` [rad] of a sonar's beam. The walls must outlive this.
+  SlipBySonar(const WallField& walls, double half_angle) : walls_(walls), half_angle_(half_angle) {}
+
+  /// Takes up echoes in the robot frame, with the odometry and the belief of that instant.
+  void listen(std::span<const PlacedEcho> echoes, const Pose2& odom_from_robot, const PoseBelief& belief);
+  /// Returns where the robot is if it has slipped, world_from_robot of the last echoes, and begins anew.
+  [[nodiscard]] std::optional<Pose2> take();
+  /// A fixture tells the pose, or the pose is no longer followed.
+  void clear();
+
+ private:
+  /// Echoes in the robot frame of one instant.
+  struct Round {
+    std::vector<PlacedEcho> echoes;
+    Pose2 odom_from_robot;
+  };
+  [[nodiscard]] std::vector<Pose2> path(const Pose2& world_from_robot, std::size_t slips_from, double grip) const;
+  [[nodiscard]] double log_likelihood(const Round& round, const Pose2& pose, const Eigen::Matrix3d& covariance) const {
+    return log_likelihood_of_echoes({pose, covariance}, round.echoes, walls_, half_angle_);
+  }
+
+  const WallField& walls_;
+  double half_angle_;
+  std::deque<Round> rounds_;
+  std::optional<Pose2> slipped_;  // world_from_robot
+};
+
+}  // namespace luminav

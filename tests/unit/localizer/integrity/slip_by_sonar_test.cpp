@@ -1,0 +1,112 @@
+#include "services/localizer/integrity/slip_by_sonar.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "services/common/geometry/angle.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr double kHalfAngle = radians(15.0);
+
+/// A room of 8 x 5 m with a pillar.
+PriorMap room() {
+  PriorMap map;
+  map.geometry = {0.1, {0.0, 0.0}, 80, 50};
+  for (int row = 0; row < 50; ++row) {
+    for (int column = 0; column < 80; ++column) {
+      const bool is_wall = row == 0 || column == 0 || row == 49 || column == 79;
+      const bool is_pillar = row >= 35 && row < 40 && column >= 30 && column < 36;
+      map.cells.push_back(is_wall || is_pillar ? Prior::kOccupied : Prior::kFree);
+    }
+  }
+  return map;
+}
+
+/// A robot that drives 0.3 m or turns 30 degrees at a time, as its wheels tell, and hears the room from where it is.
+class SlipBySonarTest : public ::testing::Test {
+ protected:
+  /// `grip`: share of the step that it makes; `boxed`: discs that hear a box before the wall.
+  void drive(const Pose2& step, double grip = 1.0, int boxed = 0) {
+    odom_ = odom_ * step;
+    true_ = true_ * Pose2{grip * step.x, grip * step.y, grip * step.theta};
+    std::vector<PlacedEcho> echoes;
+    for (int disc = 0; disc < 16; ++disc) {
+      const double angle = true_.theta + disc * radians(22.5);
+      const double wall = walls_.range_to_wall(true_.position(), {std::cos(angle), std::sin(angle)}, 3.0);
+      const double range = disc < boxed ? 0.6 * wall : wall;
+      if (range < 2.9) {
+        const double own = disc * radians(22.5);
+        echoes.push_back({{0.0, 0.0}, {range * std::cos(own), range * std::sin(own)}, range, 0.5, 0.0});
+      }
+    }
+    slip_.listen(echoes, odom_, {Pose2{1.5, 2.0, 0.0} * odom_, 1e-4 * Eigen::Matrix3d::Identity()});
+  }
+
+  WallField walls_{room()};
+  SlipBySonar slip_{walls_, kHalfAngle};
+  Pose2 odom_;
+  Pose2 true_{1.5, 2.0, 0.0};
+};
+
+TEST_F(SlipBySonarTest, IsNoneWhileTheRobotMovesAsItsWheelsTell) {
+  for (int i = 0; i < 6; ++i) {
+    drive({0.3, 0.0, 0.0});
+    EXPECT_FALSE(slip_.take());
+    drive({0.0, 0.0, radians(30.0)});
+    EXPECT_FALSE(slip_.take());
+  }
+}
+
+TEST_F(SlipBySonarTest, IsHeardWhereTheRobotDrivesLessThanItsWheelsTell) {
+  drive({0.3, 0.0, 0.0});
+  std::optional<Pose2> slipped;
+  for (int i = 0; i < 8 && !slipped; ++i) {
+    drive({0.3, 0.0, 0.0}, 0.5);
+    slipped = slip_.take();
+  }
+  ASSERT_TRUE(slipped);
+  EXPECT_LT(distance(*slipped, true_), 0.25);
+  EXPECT_FALSE(slip_.take()) << "once";
+}
+
+TEST_F(SlipBySonarTest, IsHeardWhereItTurnsLess) {
+  drive({0.3, 0.0, 0.0});
+  std::optional<Pose2> slipped;
+  for (int i = 0; i < 8 && !slipped; ++i) {
+    drive({0.1, 0.0, radians(25.0)}, 0.5);
+    slipped = slip_.take();
+  }
+  ASSERT_TRUE(slipped);
+  EXPECT_LT(std::abs(wrap_angle(slipped->theta - true_.theta)), radians(15.0));
+}
+
+TEST_F(SlipBySonarTest, BoxesThatNoMapHasAreNone) {
+  for (int i = 0; i < 8; ++i) {
+    drive({0.3, 0.0, radians(5.0)}, 1.0, 5);
+    EXPECT_FALSE(slip_.take());
+  }
+}
+
+TEST_F(SlipBySonarTest, WhatWasHeardBeforeAFixtureWasSeenCountsNoMore) {
+  for (int i = 0; i < 8; ++i) {
+    drive({0.3, 0.0, 0.0}, 0.5);
+    slip_.clear();
+  }
+  EXPECT_FALSE(slip_.take());
+}
+
+TEST(SlipBySonar, WithoutAMapNothingIsHeard) {
+  const WallField nothing;
+  SlipBySonar slip(nothing, kHalfAngle);
+  const std::vector<PlacedEcho> echoes(8, PlacedEcho{{0.0, 0.0}, {1.0, 0.0}, 1.0, 1.0, 0.0});
+  for (int i = 0; i < 8; ++i) {
+    slip.listen(echoes, {0.3 * i, 0.0, 0.0}, {});
+  }
+  EXPECT_FALSE(slip.take());
+}
+
+}  // namespace
+}  // namespace luminav
