@@ -41,9 +41,10 @@ class CaretakerNodeTest : public testing::Test {
     lcm_.handleTimeout(0);
   }
 
-  void publish_detections(std::int64_t utime, double fixture_x_in_robot) {
+  void publish_detections(std::int64_t utime, double fixture_x_in_robot, double exposure_us = 8000.0) {
     fixture_detections_t message{};
     message.utime = utime;
+    message.exposure_us = exposure_us;
     message.median_grey = 80.0;
     message.count = 1;
     message.detections.resize(1);
@@ -86,6 +87,21 @@ TEST_F(CaretakerNodeTest, KeepsAVisitInItsFile) {
   EXPECT_EQ(was_burning(ledger.visits(5)[0]), true);
   CaretakerNode next(lcm_, robot_, building_, file_);  // goes on where it left off
   EXPECT_EQ(next.ledger().size(), 1U);
+}
+
+TEST_F(CaretakerNodeTest, NoLampFlickersThatIsSeenInTurnWithPicturesForLamps) {
+  CaretakerNode node(lcm_, robot_, building_, "");
+  constexpr double kOutOfView = 50.0;
+  for (int i = 0; i < 60; ++i) {
+    const double x = 0.5 + 0.05 * i;
+    const bool is_for_lamps = i / 3 % 2 == 1;
+    publish_detections(kStart + i * 100'000, is_for_lamps ? kOutOfView : 2.0 - x, is_for_lamps ? 560.0 : 8000.0);
+    publish_pose(kStart + i * 100'000, x, 0.02, pose_t::STATE_TRACKING);
+  }
+  node.finish();
+  ASSERT_THAT(node.ledger().visits(5), SizeIs(1));
+  EXPECT_EQ(node.ledger().visits(5)[0].changes, 0);
+  EXPECT_EQ(was_burning(node.ledger().visits(5)[0]), true);
 }
 
 TEST_F(CaretakerNodeTest, BelievesNoPoseThatIsNotSure) {

@@ -168,6 +168,27 @@ TEST_F(ViewerNodeTest, ShowsAPictureTogetherWithItsDetectionsTwiceASecond) {
   EXPECT_EQ(pictures_.find(24), pictures_.newest());
 }
 
+TEST_F(ViewerNodeTest, ShowsNoPictureForTheLampsOfACameraThatTakesThemInTurn) {
+  camera_image_t image{};
+  image.width = image.height = 8;
+  image.format = camera_image_t::FORMAT_MONO8;
+  image.data.assign(64, 100);
+  image.size = 64;
+  fixture_detections_t seen{};
+  int pictures = 0;
+  for (int i = 0; i < 60; ++i) {  // four seconds
+    image.utime = seen.utime = 10'000'000 + i * 1'000'000LL / 15;
+    image.exposure_us = i / 6 % 2 == 0 ? 8000.0 : 560.0;
+    send(channels::kCameraImage, image);
+    send(channels::kFixtureDetections, seen);
+    for (const auto& [event, data] : news()) {
+      EXPECT_EQ(data["exposure_us"], 8000.0);
+      ++pictures;
+    }
+  }
+  EXPECT_GE(pictures, 4);
+}
+
 TEST_F(ViewerNodeTest, ShowsPicturesWithoutADetectorToo) {
   camera_image_t image{};
   image.width = image.height = 8;
