@@ -174,6 +174,32 @@ TEST_F(LocalizerNodeTest, FindsAndFollowsThePoseOverTheBus) {
   EXPECT_GT(hypotheses_.size(), 200U);
 }
 
+TEST_F(LocalizerNodeTest, MissesNoUnlitFixtureInPicturesForLamps) {
+  testing::SyntheticOptions options;
+  options.seed = 1000;
+  options.clutter = 0;
+  testing::SyntheticWorld world(building_.building, building_.walls, config_of(building_).robot, options);
+  int frames = 0;
+  int suspected = 0;
+  for (int i = 0; i < 30 * 120; ++i) {
+    const auto output = world.step();
+    if (output.frame) {
+      const bool is_for_lamps = i > 30 * 60 && ++frames / 12 % 2 == 1;
+      fixture_detections_t message = to_message(is_for_lamps ? SightingFrame{output.frame->utime, {}} : *output.frame);
+      message.exposure_us = is_for_lamps ? 560.0 : 8000.0;
+      lcm_.publish(channels::kFixtureDetections, &message);
+    }
+    if (output.odometry) {
+      const odometry_t message = to_message(*output.odometry, i);
+      lcm_.publish(channels::kOdometry, &message);
+    }
+    handle_all();
+    suspected +=
+        output.odometry && i > 30 * 60 && poses_.back().reason.find("is not seen") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(suspected, 0);
+}
+
 TEST_F(LocalizerNodeTest, AddsTheCamerasTimeOffsetToTheStampOfAnImage) {
   LocalizerConfig late = config_of(building_);
   late.robot.camera.time_offset = 0.25;
