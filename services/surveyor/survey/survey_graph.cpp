@@ -13,7 +13,8 @@ namespace luminav {
 namespace {
 
 constexpr double kLengthSigma = 0.010;    // [m] of a fixture's length in one image
-constexpr double kLengthBias = 0.004;     // [m] by which all err alike: a tape, and the detector
+constexpr double kLengthBias = 0.002;     // [m] by which all err alike: a tape, and the detector
+constexpr double kBloom = 0.030;          // [m] by which an end may look farther out, in all images of a pass alike
 constexpr double kOutlier = 3.0;          // deviations beyond which a residual counts less (Huber)
 constexpr double kRegularization = 1e-6;  // [1/rad^2] of the heading that a round fixture has not
 constexpr int kMaxIterations = 50;
@@ -77,8 +78,9 @@ struct EvenlySpacedResidual {
   }
 };
 
-/// [m] of a fixture's length in one image: what all images share does not average away, so each gets its part of the
-/// variance of the mean.
+// What several sightings share does not average away, so each of them gets its part of the variance of the mean.
+
+/// [m] of a fixture's length in one image.
 double length_sigma_of(const std::vector<FixturePass>& passes) {
   double count = 0.0;
   for (const FixturePass& pass : passes) {
@@ -87,14 +89,31 @@ double length_sigma_of(const std::vector<FixturePass>& passes) {
   return std::hypot(kLengthSigma, kLengthBias * std::sqrt(count));
 }
 
+bool shows_one_end(const FixtureSighting& sighting) {
+  return sighting.near_end_visible != sighting.far_end_visible;
+}
+
+/// [m^2] of where the middle lies that is told from one end. Bloom moves it towards the robot before it is passed and
+/// after: believed more, it would make the whole map smaller.
+double one_end_variance_of(const FixturePass& pass) {
+  const auto count = std::count_if(pass.sightings.begin(), pass.sightings.end(),
+                                   [](const PassSighting& seen) { return shows_one_end(seen.sighting); });
+  return kBloom * kBloom * static_cast<double>(count);
+}
+
 SightingResidual residual_of(const FixtureSighting& sighting, const KeyFrame& frame, const Fixture& kind,
-                             const SurveyModel& model, double length_sigma) {
+                             const SurveyModel& model, double length_sigma, double one_end_variance) {
   const CameraMounting& mounting = model.robot.camera.mounting;
   const double height = std::max(0.2, kind.height - mounting.z);
   const Pose2& at = sighting.robot_from_fixture;
+  Eigen::Matrix3d noise = noise_of_sighting(sighting, kind, height, model.errors);
+  if (shows_one_end(sighting)) {
+    const Eigen::Vector2d along(std::cos(at.theta), std::sin(at.theta));
+    noise.topLeftCorner<2, 2>() += one_end_variance * along * along.transpose();
+  }
   return {{at.x, at.y, at.theta},
           Pose2{},
-          whitening(noise_of_sighting(sighting, kind, height, model.errors)),
+          whitening(noise),
           {mounting.x, mounting.y},
           height,
           frame.linear,
@@ -124,10 +143,13 @@ void SurveyGraph::add_sightings(Problem& problem, const SurveyEstimate& estimate
   const double length_sigma = length_sigma_of(passes_);
   for (std::size_t f = 0; f < estimate.fixtures.size(); ++f) {
     const Fixture& kind = model_.kinds.kinds[static_cast<std::size_t>(estimate.fixtures[f].kind)];
-    for (const int pass : estimate.fixtures[f].passes) {
-      for (const PassSighting& seen : passes_[static_cast<std::size_t>(pass)].sightings) {
+    for (const int index : estimate.fixtures[f].passes) {
+      const FixturePass& pass = passes_[static_cast<std::size_t>(index)];
+      const double one_end_variance = one_end_variance_of(pass);
+      for (const PassSighting& seen : pass.sightings) {
         const auto frame = static_cast<std::size_t>(seen.frame);
-        auto* residual = new SightingResidual(residual_of(seen.sighting, frames_[frame], kind, model_, length_sigma));
+        auto* residual = new SightingResidual(
+            residual_of(seen.sighting, frames_[frame], kind, model_, length_sigma, one_end_variance));
         problem.ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<SightingResidual, 4, 3, 3, 6>(residual),
                                        new ceres::HuberLoss(kOutlier), problem.poses[frame].data(),
                                        problem.fixtures[f].data(), problem.camera.data());
@@ -242,14 +264,16 @@ std::vector<std::vector<double>> SurveyGraph::misfits(const SurveyEstimate& esti
   const double length_sigma = length_sigma_of(passes_);
   for (const SurveyedFixture& fixture : estimate.fixtures) {
     const Triple place = to_triple(fixture.world_from_fixture);
-    for (const int pass : fixture.passes) {
-      for (const PassSighting& seen : passes_[static_cast<std::size_t>(pass)].sightings) {
+    for (const int index : fixture.passes) {
+      const FixturePass& pass = passes_[static_cast<std::size_t>(index)];
+      const double one_end_variance = one_end_variance_of(pass);
+      for (const PassSighting& seen : pass.sightings) {
         const auto frame = static_cast<std::size_t>(seen.frame);
         const Triple pose = to_triple(estimate.poses[frame]);
         std::array<double, 4> residual{};
         residual_of(seen.sighting, frames_[frame], model_.kinds.kinds[static_cast<std::size_t>(fixture.kind)], model_,
-                    length_sigma)(pose.data(), place.data(), estimate.camera.data(), residual.data());
-        result[static_cast<std::size_t>(pass)].push_back(std::hypot(residual[0], residual[1], residual[2]));
+                    length_sigma, one_end_variance)(pose.data(), place.data(), estimate.camera.data(), residual.data());
+        result[static_cast<std::size_t>(index)].push_back(std::hypot(residual[0], residual[1], residual[2]));
       }
     }
   }

@@ -59,6 +59,15 @@ TEST_F(SurveyGraphTest, FindsWheelsAndCameraWithTheFixtures) {
   EXPECT_NEAR(found.fixtures[5].world_from_fixture.x - found.fixtures[0].world_from_fixture.x, 12.5, 0.05);
 }
 
+TEST_F(SurveyGraphTest, IsNotMadeSmallerByBloomOfFixturesThatTheBorderCuts) {
+  SyntheticErrors errors;
+  errors.bloom = 0.008;
+  drive(errors);
+  ASSERT_EQ(passes_.size(), 6u);
+  const SurveyEstimate found = SurveyGraph(model_, frames_, passes_).optimise(estimate_, {});
+  EXPECT_NEAR(found.fixtures[5].world_from_fixture.x - found.fixtures[0].world_from_fixture.x, 12.5, 0.015);
+}
+
 TEST_F(SurveyGraphTest, IsLessSureFartherOn) {
   drive({});
   const SurveyGraph graph(model_, frames_, passes_);

@@ -70,6 +70,8 @@ class Driver {
       const Pose2 seen = world_from_robot.inverse() * fixture.world_from_fixture;
       if (view_.is_wholly_visible(seen, fixture, 0.05)) {
         frame.sightings.push_back(sighting_of(seen, fixture));
+      } else if (errors_.bloom >= 0.0 && shows_end(seen, fixture, 1.0) != shows_end(seen, fixture, -1.0)) {
+        frame.sightings.push_back(cut_sighting_of(seen, fixture));
       }
     }
     if (std::uniform_real_distribution<double>(0.0, 1.0)(random_) < errors_.false_share) {
@@ -90,6 +92,23 @@ class Driver {
     sighting.length = larger * fixture.length;
     sighting.width = larger * fixture.width;
     sighting.state = SightingState::kLit;
+    return sighting;
+  }
+
+  /// Whether the end towards +theta (`side` 1) or -theta (-1) is in view.
+  [[nodiscard]] bool shows_end(const Pose2& seen, const Fixture& fixture, double side) const {
+    Fixture tip = fixture;
+    tip.length = tip.width = 0.05;
+    return view_.is_wholly_visible(seen * Pose2{side * 0.5 * fixture.length, 0.0, 0.0}, tip, 0.05);
+  }
+
+  /// The middle is told from the end in view, which bloom lets look farther out.
+  FixtureSighting cut_sighting_of(const Pose2& seen, const Fixture& fixture) {
+    const bool is_far = shows_end(seen, fixture, 1.0);
+    FixtureSighting sighting = sighting_of(seen * Pose2{is_far ? errors_.bloom : -errors_.bloom, 0.0, 0.0}, fixture);
+    sighting.clipped = true;
+    sighting.near_end_visible = !is_far;
+    sighting.far_end_visible = is_far;
     return sighting;
   }
 

@@ -16,7 +16,8 @@ struct SyntheticErrors {
   double sighting_position = 0.0;  // [m]
   double sighting_heading = 0.0;   // [rad]
   double camera_scale = 0.0;       // fraction by which the ceiling's picture is too large
-  double false_share = 0.0;        // images with a fixture in them that is none
+  double bloom = -1.0;       // [m] by which an end looks too far out; negative: who shows one end alone is not seen
+  double false_share = 0.0;  // images with a fixture in them that is none
   std::uint32_t seed = 1;
 };
 
@@ -26,7 +27,8 @@ struct SyntheticDrive {
   std::vector<Pose2> truth;  // world_from_robot at each frame
 };
 
-/// Drives at 0.4 m/s along `corners` [m]. Fixtures wholly in view of the model's camera are seen, nothing else.
+/// Drives at 0.4 m/s along `corners` [m]. Fixtures wholly in view of the model's camera are seen, and with bloom those
+/// of which one end is.
 SyntheticDrive drive_along(const std::vector<Eigen::Vector2d>& corners, const std::vector<Fixture>& fixtures,
                            const SurveyModel& model, const SyntheticErrors& errors);
 
