@@ -91,7 +91,7 @@ void write_aligned(const std::filesystem::path& folder, Building survey, const B
 }
 
 int run(const std::string& scenario_file, std::int64_t seed, const std::string& log, const std::string& survey,
-        const std::string& json, const std::string& aligned) {
+        const std::string& json, const std::string& figures, const std::string& aligned) {
   Scenario scenario = read_scenario(scenario_file);
   scenario.seed = static_cast<std::uint64_t>(seed);
   const WorldTruth world =
@@ -104,6 +104,9 @@ int run(const std::string& scenario_file, std::int64_t seed, const std::string& 
   const SurveyScore score = score_survey(surveyed_fixtures(building, json), world, path,
                                          path.front() * building.places.front().pose.inverse());
   fmt::print("seed {}: {}\n", seed, to_text(score));
+  if (!figures.empty()) {
+    write_whole_file(figures, to_json(score));
+  }
   if (!aligned.empty()) {
     write_aligned(aligned, building, world.building, score.truth_from_survey);
   }
@@ -118,6 +121,7 @@ int main(int argc, char** argv) {
   std::string log;
   std::string survey;
   std::string json;
+  std::string figures;
   std::string aligned;
   std::int64_t seed = 1;
   luminav::CommandLine line("score_survey", "Compares a survey with the simulated world whose drive it was made of.");
@@ -126,9 +130,11 @@ int main(int argc, char** argv) {
       .text("--log", log, "of the drive, with SIM_TRUTH", true)
       .text("--survey", survey, "building.toml that was made of it", true)
       .text("--json", json, "what scripts/survey --json wrote", true)
+      .output_file("--figures", figures, "where the figures are written, as JSON")
       .text("--aligned", aligned, "folder for the survey in the frame of the building that it is of, with its places");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
-  return luminav::run_guarded("score_survey", [&] { return luminav::run(scenario, seed, log, survey, json, aligned); });
+  return luminav::run_guarded("score_survey",
+                              [&] { return luminav::run(scenario, seed, log, survey, json, figures, aligned); });
 }

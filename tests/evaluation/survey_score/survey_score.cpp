@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "services/common/ceiling/ceiling_view.hpp"
 
@@ -154,6 +155,19 @@ std::string to_text(const SurveyScore& score) {
       "large; normalised error squared {:.2f}",
       score.found, score.driven_under, score.doubled, score.invented, 100.0 * score.position_rms,
       degrees(score.heading_rms), 100.0 * score.worst, 100.0 * score.scale, score.normalised_squared);
+}
+
+std::string to_json(const SurveyScore& score) {
+  const nlohmann::json figures = {{"driven_under", score.driven_under},
+                                  {"found", score.found},
+                                  {"doubled", score.doubled},
+                                  {"invented", score.invented},
+                                  {"position_rms_m", score.position_rms},
+                                  {"heading_rms_deg", degrees(score.heading_rms)},
+                                  {"worst_m", score.worst},
+                                  {"scale", score.scale},
+                                  {"normalised_squared", score.normalised_squared}};
+  return figures.dump(1) + "\n";
 }
 
 }  // namespace luminav

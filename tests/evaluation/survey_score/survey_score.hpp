@@ -37,4 +37,7 @@ SurveyScore score_survey(const std::vector<ScoredFixture>& surveyed, const World
 /// One line for a person.
 std::string to_text(const SurveyScore& score);
 
+/// The figures as JSON text: metres, degrees.
+std::string to_json(const SurveyScore& score);
+
 }  // namespace luminav
