@@ -87,24 +87,26 @@ PriorMap cropped(const PriorMap& map, const std::vector<Eigen::Vector2d>& above)
 
 SurveyedPath::SurveyedPath(const std::vector<OdometryReading>& odometry, const std::vector<KeyFrame>& frames,
                            const std::vector<Pose2>& poses) {
-  std::size_t next = 0;
   for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
     const KeyFrame& from = frames[i];
     const KeyFrame& to = frames[i + 1];
+    if (from.part != to.part) {
+      continue;
+    }
     const auto span = static_cast<double>(to.utime - from.utime);
     const Pose2 told = from.odom_from_robot.inverse() * to.odom_from_robot;
     const Pose2 went = poses[i].inverse() * poses[i + 1];
     const Pose2 missed = told.inverse() * went;
-    for (; next < odometry.size() && odometry[next].utime < to.utime; ++next) {
-      const OdometryReading& reading = odometry[next];
-      if (reading.utime < from.utime) {
-        continue;
-      }
-      const double share = static_cast<double>(reading.utime - from.utime) / span;
-      const Pose2 step = from.odom_from_robot.inverse() * reading.odom_from_robot;
-      stops_.push_back({reading.utime, poses[i] * step * interpolate(Pose2{}, missed, share), reading.angular});
+    auto reading = std::lower_bound(odometry.begin(), odometry.end(), from.utime,
+                                    [](const OdometryReading& each, std::int64_t utime) { return each.utime < utime; });
+    for (; reading != odometry.end() && reading->utime < to.utime; ++reading) {
+      const double share = static_cast<double>(reading->utime - from.utime) / span;
+      const Pose2 step = from.odom_from_robot.inverse() * reading->odom_from_robot;
+      stops_.push_back(
+          {reading->utime, from.part, poses[i] * step * interpolate(Pose2{}, missed, share), reading->angular});
     }
   }
+  std::stable_sort(stops_.begin(), stops_.end(), [](const Stop& a, const Stop& b) { return a.utime < b.utime; });
 }
 
 PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath& path, const RobotDescription& robot,
@@ -124,7 +126,8 @@ PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath
       ++at;
       mapper.mark_robot(stops[at].world_from_robot);
     }
-    const bool is_on_path = echo.utime >= stops.front().utime && at + 1 < stops.size();
+    const bool is_on_path =
+        echo.utime >= stops.front().utime && at + 1 < stops.size() && stops[at].part == stops[at + 1].part;
     if (!is_on_path || std::abs(stops[at].angular) > kMaxTurn ||
         static_cast<std::size_t>(echo.disc) >= robot.sonar.robot_from_sonar.size()) {
       continue;

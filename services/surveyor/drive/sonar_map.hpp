@@ -20,6 +20,7 @@ class SurveyedPath {
   /// A point of the path.
   struct Stop {
     std::int64_t utime = 0;
+    int part = 0;  // of the drive: between two of them nobody measured the motion
     Pose2 world_from_robot;
     double angular = 0.0;  // [rad/s]
   };

@@ -45,11 +45,18 @@ void add_log_remarks(const Survey& survey, const SurveyLog& log, std::vector<std
   if (log.drive.echoes.empty()) {
     remarks.push_back("the log has no SONAR: the map shows only where the robot drove");
   }
-  if (survey.left_out > 0.0) {
+  if (survey.joined_parts > 0) {
     remarks.push_back(fmt::format(
-        "odometry began anew, or the robot was carried: of the drive's parts only the longest, {:.0f} m, is "
-        "on the map, {:.0f} m are left out; drive there once more from a place that is on it",
-        survey.distance, survey.left_out));
+        "odometry began anew, or the robot was carried, {} times: these parts of the drive were laid on the map by the "
+        "fixtures that both have seen",
+        survey.joined_parts));
+  }
+  if (survey.left_out > 0.0) {
+    remarks.push_back(
+        fmt::format("odometry began anew, or the robot was carried: of {:.0f} m nobody can tell where they lie, {:.0f} "
+                    "m are on the "
+                    "map; drive there once more from a place that is on it",
+                    survey.left_out, survey.distance));
   }
 }
 
@@ -179,6 +186,7 @@ std::string survey_json(const Survey& survey, const CeilingKinds& kinds, const s
   const SurveyEstimate& estimate = survey.estimate;
   return json{{"distance_m", survey.distance},
               {"left_out_m", survey.left_out},
+              {"joined_parts", survey.joined_parts},
               {"images", survey.frames.size()},
               {"kinds", kinds.kinds.size()},
               {"excess_length", survey.excess_length},

@@ -1,6 +1,7 @@
 #include "services/surveyor/survey/key_frames.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "services/common/ceiling/ceiling_view.hpp"
 #include "services/common/ceiling/odometry_history.hpp"
@@ -49,6 +50,22 @@ class Approach {
   bool is_first_ = true;
 };
 
+/// Times [us] of the last odometry before each break; the end of the drive is none.
+std::vector<std::int64_t> ends_of_parts(const std::vector<OdometryReading>& odometry,
+                                        const std::vector<std::int64_t>& breaks) {
+  std::vector<std::int64_t> ends;
+  std::size_t next = 0;
+  for (std::size_t i = 1; i < odometry.size(); ++i) {
+    const bool is_break = next < breaks.size() && breaks[next] <= odometry[i].utime;
+    next += is_break ? 1 : 0;
+    if (is_break || odometry[i].session != odometry[i - 1].session) {
+      ends.push_back(odometry[i - 1].utime);
+    }
+  }
+  ends.push_back(std::numeric_limits<std::int64_t>::max());
+  return ends;
+}
+
 }  // namespace
 
 double signed_length(const Pose2& step) {
@@ -62,6 +79,8 @@ std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDe
   std::vector<KeyFrame> frames;
   Approach approach;
   std::size_t next = 0;
+  const std::vector<std::int64_t> ends = ends_of_parts(drive.odometry, breaks);
+  std::size_t part = 0;
   std::size_t next_break = 0;
   for (std::size_t i = 1; i < drive.odometry.size(); ++i) {
     OdometryReading before = drive.odometry[i - 1];
@@ -69,6 +88,7 @@ std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDe
     const bool is_break = next_break < breaks.size() && breaks[next_break] <= now.utime;
     if (now.session != before.session || is_break) {
       approach.begin_part();
+      ++part;
       next_break += is_break ? 1 : 0;
       continue;
     }
@@ -78,7 +98,8 @@ std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDe
         continue;
       }
       const OdometryReading at = interpolate(before, now, utime);
-      if (!approach.is_due(at.odom_from_robot)) {
+      const bool is_last = next + 1 < drive.frames.size() && drive.frames[next + 1].utime + offset > ends[part];
+      if (!is_last && !approach.is_due(at.odom_from_robot)) {
         continue;
       }
       approach.add(before.odom_from_robot.inverse() * at.odom_from_robot);

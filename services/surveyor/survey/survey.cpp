@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <map>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
+#include "services/common/ceiling/ceiling_view.hpp"
 #include "services/surveyor/survey/carry_search.hpp"
+#include "services/surveyor/survey/part_joining.hpp"
 #include "services/surveyor/survey/straightening.hpp"
 #include "services/surveyor/survey/wheel_guess.hpp"
 
@@ -22,31 +25,30 @@ constexpr double kMaxMisfit = 4.5;            // deviations of a sighting that c
 constexpr double kMaxDisagreement = 0.15;     // [m] by which a pass may differ from its fixture
 constexpr double kMaxTurn = radians(5.0);     // [rad] likewise
 constexpr int kMaxRounds = 12;                // of closing loops
+constexpr double kSight = 0.4;                // of the view's radius, within which no fixture is missed
 constexpr double kCoarseRightAngle = radians(6.0);  // [rad] the first pull on a path that has bent on the way
 
-/// Distance driven in each part of the drive.
-std::map<int, double> distances(const std::vector<KeyFrame>& frames) {
-  std::map<int, double> result;
+/// Distance [m] driven.
+double distance_of(const std::vector<KeyFrame>& frames) {
+  double sum = 0.0;
   for (const KeyFrame& frame : frames) {
-    double& sum = result[frame.part];
     for (const Pose2& step : frame.steps) {
       sum += std::hypot(step.x, step.y);
     }
   }
-  return result;
+  return sum;
 }
 
-/// Keeps the part of the drive with the longest way.
-void keep_longest_part(Survey& survey) {
-  const std::map<int, double> parts = distances(survey.frames);
-  const auto longest =
-      std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  survey.distance = longest->second;
-  for (const auto& [part, length] : parts) {
-    survey.left_out += part == longest->first ? 0.0 : length;
+/// The frames of each part of the drive.
+std::vector<std::vector<KeyFrame>> parts_of(const std::vector<KeyFrame>& frames) {
+  std::vector<std::vector<KeyFrame>> parts;
+  for (const KeyFrame& frame : frames) {
+    if (parts.empty() || parts.back().back().part != frame.part) {
+      parts.emplace_back();
+    }
+    parts.back().push_back(frame);
   }
-  const int kept = longest->first;
-  std::erase_if(survey.frames, [kept](const KeyFrame& frame) { return frame.part != kept; });
+  return parts;
 }
 
 /// Every pass a fixture of its own, along the path that the wheels told.
@@ -86,6 +88,148 @@ void close_loops(Survey& survey, const SurveyModel& model, const SurveyGraph& gr
       survey.estimate = graph.optimise(survey.estimate, prior);
     }
   }
+}
+
+/// What is believed of how buildings are, once it is known how far the fixtures hang at right angles.
+BuildingPrior learn_prior(Survey& survey, const SurveyModel& model, const SurveyGraph& graph) {
+  survey.regularity = regularity_of(survey.estimate, model.kinds);
+  BuildingPrior prior;
+  if (survey.regularity >= kMinRegularity) {
+    survey.estimate.direction = dominant_direction(survey.estimate, model.kinds);
+    survey.estimate = graph.optimise(survey.estimate, {kCoarseRightAngle});
+    prior.right_angle = kRightAngle;
+    survey.estimate = graph.optimise(survey.estimate, prior);
+  }
+  return prior;
+}
+
+/// The map of one part, its loops closed.
+Survey survey_part(std::vector<KeyFrame> frames, const SurveyModel& model) {
+  Survey survey;
+  survey.distance = distance_of(frames);
+  survey.frames = std::move(frames);
+  survey.passes = find_passes(survey.frames, model.kinds);
+  if (!survey.passes.empty()) {
+    const SurveyGraph graph(model, survey.frames, survey.passes);
+    survey.estimate = graph.optimise(first_estimate(survey, model), {});
+    const BuildingPrior prior = learn_prior(survey, model, graph);
+    close_loops(survey, model, graph, prior);
+  }
+  return survey;
+}
+
+/// The estimate with those fixtures only that are believed to be some, and which of all they are.
+std::pair<SurveyEstimate, std::vector<int>> believed_of(const Survey& survey, const SurveyModel& model) {
+  const std::vector<JudgedFixture> judged = judge_fixtures(survey.estimate, survey.frames, survey.passes, model);
+  SurveyEstimate believed = survey.estimate;
+  std::vector<int> number;
+  believed.fixtures.clear();
+  for (std::size_t f = 0; f < judged.size(); ++f) {
+    if (judged[f].judgement == Judgement::kFixture) {
+      believed.fixtures.push_back(survey.estimate.fixtures[f]);
+      number.push_back(static_cast<int>(f));
+    }
+  }
+  return {believed, number};
+}
+
+/// How a part lies on a map; `at_rest`: only if it begins where the map's last image was taken.
+std::optional<PartJoint> find_joint(const Survey& map, const Survey& part, const SurveyModel& model, bool at_rest) {
+  const double sight = kSight * CeilingView(model.robot.camera).mean_radius(model.kinds.ceiling_height);
+  const auto [first, first_number] = believed_of(map, model);
+  const auto [second, second_number] = believed_of(part, model);
+  const PartJoining joining(first, second, model.kinds, sight);
+  std::optional<PartJoint> joint =
+      at_rest ? joining.find_at_rest(map.frames.back(), part.frames.front()) : joining.find();
+  if (joint) {
+    for (FixturePair& pair : joint->pairs) {
+      pair = {first_number[static_cast<std::size_t>(pair.first)], second_number[static_cast<std::size_t>(pair.second)]};
+    }
+  }
+  return joint;
+}
+
+/// Both on one map, with what both have seen as one fixture.
+Survey put_together(Survey map, const Survey& part, const PartJoint& joint) {
+  const auto frames = static_cast<int>(map.frames.size());
+  const auto passes = static_cast<int>(map.passes.size());
+  const auto fixtures = static_cast<int>(map.estimate.fixtures.size());
+  map.frames.insert(map.frames.end(), part.frames.begin(), part.frames.end());
+  for (FixturePass pass : part.passes) {
+    for (PassSighting& seen : pass.sightings) {
+      seen.frame += frames;
+    }
+    map.passes.push_back(std::move(pass));
+  }
+  for (const Pose2& pose : part.estimate.poses) {
+    map.estimate.poses.push_back(joint.map_from_part * pose);
+  }
+  for (SurveyedFixture fixture : part.estimate.fixtures) {
+    fixture.world_from_fixture = joint.map_from_part * fixture.world_from_fixture;
+    for (int& pass : fixture.passes) {
+      pass += passes;
+    }
+    map.estimate.fixtures.push_back(std::move(fixture));
+  }
+  std::vector<FixturePair> pairs = joint.pairs;
+  for (FixturePair& pair : pairs) {
+    pair.second += fixtures;
+  }
+  map.estimate = merge(std::move(map.estimate), pairs);
+  map.distance += part.distance;
+  map.joined_parts += part.joined_parts + 1;
+  return map;
+}
+
+/// A map with a part on it, if the graph of both agrees that what was taken for one fixture is one.
+std::optional<Survey> join(const Survey& map, const Survey& part, const SurveyModel& model, bool at_rest) {
+  const std::optional<PartJoint> joint = find_joint(map, part, model, at_rest);
+  if (!joint) {
+    return std::nullopt;
+  }
+  Survey survey = put_together(map, part, *joint);
+  const SurveyGraph graph(model, survey.frames, survey.passes);
+  survey.estimate = graph.optimise(survey.estimate, {});
+  const std::vector<PassPair> wrong =
+      split_what_disagrees(survey.estimate, survey.passes, model.kinds, kMaxDisagreement, kMaxTurn);
+  if (4 * wrong.size() > joint->pairs.size()) {
+    return std::nullopt;
+  }
+  close_loops(survey, model, graph, learn_prior(survey, model, graph));
+  return survey;
+}
+
+/// First those that begin where the one before ended, then those that lie on the longest by what both saw. What cannot
+/// be placed is left out.
+Survey join_parts(const std::vector<Survey>& parts, const SurveyModel& model) {
+  std::vector<Survey> chains;
+  for (const Survey& part : parts) {
+    std::optional<Survey> longer = chains.empty() ? std::nullopt : join(chains.back(), part, model, true);
+    if (longer) {
+      chains.back() = std::move(*longer);
+    } else {
+      chains.push_back(part);
+    }
+  }
+  const auto longest = std::max_element(chains.begin(), chains.end(),
+                                        [](const Survey& a, const Survey& b) { return a.distance < b.distance; });
+  Survey survey = std::move(*longest);
+  chains.erase(longest);
+  bool has_grown = true;
+  while (has_grown) {
+    has_grown = false;
+    for (auto chain = chains.begin(); chain != chains.end() && !has_grown; ++chain) {
+      if (std::optional<Survey> larger = join(survey, *chain, model, false)) {
+        survey = std::move(*larger);
+        chains.erase(chain);
+        has_grown = true;
+      }
+    }
+  }
+  for (const Survey& chain : chains) {
+    survey.left_out += chain.distance;
+  }
+  return survey;
 }
 
 /// Leaves out sightings that fit nothing: at the border of the view a wrong one always pulls the same way. A pass that
@@ -159,14 +303,17 @@ double regularity_of(const SurveyEstimate& estimate, const CeilingKinds& kinds) 
 
 Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model) {
   check(drive);
-  Survey survey;
-  survey.frames = choose_key_frames(drive, model.robot.camera, model.kinds.ceiling_height, find_lifts(drive));
-  if (survey.frames.empty()) {
+  std::vector<KeyFrame> frames =
+      choose_key_frames(drive, model.robot.camera, model.kinds.ceiling_height, find_lifts(drive));
+  if (frames.empty()) {
     throw std::runtime_error("no image of the log falls between two ODOMETRY messages: were their clocks the same?");
   }
-  split_at(survey.frames, find_carries(survey.frames, find_passes(survey.frames, model.kinds), model));
-  keep_longest_part(survey);
-  survey.passes = find_passes(survey.frames, model.kinds);
+  split_at(frames, find_carries(frames, find_passes(frames, model.kinds), model));
+  std::vector<Survey> parts;
+  for (std::vector<KeyFrame>& part : parts_of(frames)) {
+    parts.push_back(survey_part(std::move(part), model));
+  }
+  Survey survey = join_parts(parts, model);
   if (survey.passes.empty()) {
     throw std::runtime_error(
         fmt::format("no fixture of the {} kinds was seen in {} images over {:.0f} m: do the sizes in the file of kinds "
@@ -177,16 +324,7 @@ Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model) {
     survey.excess_length.push_back(excess_length(survey.passes, model.kinds, static_cast<int>(k)));
   }
   const SurveyGraph graph(model, survey.frames, survey.passes);
-  survey.estimate = graph.optimise(first_estimate(survey, model), {});
-  survey.regularity = regularity_of(survey.estimate, model.kinds);
-  BuildingPrior prior;
-  if (survey.regularity >= kMinRegularity) {
-    survey.estimate.direction = dominant_direction(survey.estimate, model.kinds);
-    survey.estimate = graph.optimise(survey.estimate, {kCoarseRightAngle});
-    prior.right_angle = kRightAngle;
-    survey.estimate = graph.optimise(survey.estimate, prior);
-  }
-  close_loops(survey, model, graph, prior);
+  BuildingPrior prior{survey.regularity >= kMinRegularity ? kRightAngle : 0.0};
   drop_outliers(survey, graph);
   drop_what_is_none(survey, model);
   prior.row = kRow;  // not before: passes not yet joined are no row

@@ -17,15 +17,16 @@ struct DroppedFixture {
 
 /// What a drive told of the ceiling.
 struct Survey {
-  std::vector<KeyFrame> frames;  // of the part that was surveyed
+  std::vector<KeyFrame> frames;  // of the parts that are on the map
   std::vector<FixturePass> passes;
   SurveyEstimate estimate;              // straight: fixtures along the axes, the longer side of the building along x
   std::vector<JudgedFixture> fixtures;  // in the estimate's order
   std::vector<DroppedFixture> dropped;
   std::vector<ClosureDoubt> doubts;
   double regularity = 0.0;            // 0..1 how far the fixtures hang at right angles
-  double distance = 0.0;              // [m] driven in this part
-  double left_out = 0.0;              // [m] driven in other parts
+  double distance = 0.0;              // [m] driven on this map
+  int joined_parts = 0;               // of the drive, beside the longest
+  double left_out = 0.0;              // [m] driven in parts of which nobody knows where they lie
   std::vector<double> excess_length;  // fraction by which each kind looks longer than the file says
 };
 

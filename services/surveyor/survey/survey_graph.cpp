@@ -81,10 +81,13 @@ struct EvenlySpacedResidual {
 // What several sightings share does not average away, so each of them gets its part of the variance of the mean.
 
 /// [m] of a fixture's length in one image.
-double length_sigma_of(const std::vector<FixturePass>& passes) {
+double length_sigma_of(const std::vector<FixturePass>& passes, const CeilingKinds& kinds) {
   double count = 0.0;
   for (const FixturePass& pass : passes) {
-    count += static_cast<double>(pass.sightings.size());
+    const Fixture& kind = kinds.kinds[static_cast<std::size_t>(pass.kind)];
+    count +=
+        static_cast<double>(std::count_if(pass.sightings.begin(), pass.sightings.end(),
+                                          [&](const PassSighting& seen) { return shows_length(seen.sighting, kind); }));
   }
   return std::hypot(kLengthSigma, kLengthBias * std::sqrt(count));
 }
@@ -140,7 +143,7 @@ SurveyGraph::SurveyGraph(const SurveyModel& model, const std::vector<KeyFrame>& 
     : model_(model), frames_(frames), passes_(passes) {}
 
 void SurveyGraph::add_sightings(Problem& problem, const SurveyEstimate& estimate) const {
-  const double length_sigma = length_sigma_of(passes_);
+  const double length_sigma = length_sigma_of(passes_, model_.kinds);
   for (std::size_t f = 0; f < estimate.fixtures.size(); ++f) {
     const Fixture& kind = model_.kinds.kinds[static_cast<std::size_t>(estimate.fixtures[f].kind)];
     for (const int index : estimate.fixtures[f].passes) {
@@ -261,7 +264,7 @@ SurveyEstimate SurveyGraph::optimise(SurveyEstimate estimate, const BuildingPrio
 
 std::vector<std::vector<double>> SurveyGraph::misfits(const SurveyEstimate& estimate) const {
   std::vector<std::vector<double>> result(passes_.size());
-  const double length_sigma = length_sigma_of(passes_);
+  const double length_sigma = length_sigma_of(passes_, model_.kinds);
   for (const SurveyedFixture& fixture : estimate.fixtures) {
     const Triple place = to_triple(fixture.world_from_fixture);
     for (const int index : fixture.passes) {

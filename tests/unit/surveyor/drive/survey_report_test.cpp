@@ -62,7 +62,7 @@ TEST(SurveyReport, SaysWhatIsWrongWithTheLog) {
   EXPECT_THAT(remarks, Contains(HasSubstr("20 m without an image")));
   EXPECT_THAT(remarks, Contains(HasSubstr("no SONAR")));
   EXPECT_THAT(remarks, Contains(HasSubstr("images were not looked at")));
-  EXPECT_THAT(remarks, Contains(HasSubstr("30 m are left out")));
+  EXPECT_THAT(remarks, Contains(HasSubstr("of 30 m nobody can tell where they lie")));
 }
 
 TEST(SurveyReport, SaysThatAKindWasMeasuredWrong) {

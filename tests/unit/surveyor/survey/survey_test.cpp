@@ -85,6 +85,65 @@ TEST(Survey, TakesTheLongestPartOfADriveThatWasInterrupted) {
   EXPECT_GT(survey.distance, 50.0);
 }
 
+/// A drive and what the robot did after its wheels began to count anew.
+SyntheticDrive continued(SyntheticDrive first, const SyntheticDrive& second) {
+  const std::int64_t later = first.drive.odometry.back().utime + 5'000'000 - second.drive.odometry.front().utime;
+  for (OdometryReading reading : second.drive.odometry) {
+    reading.utime += later;
+    reading.session = 2;
+    first.drive.odometry.push_back(reading);
+  }
+  for (SightingFrame frame : second.drive.frames) {
+    frame.utime += later;
+    first.drive.frames.push_back(frame);
+  }
+  return first;
+}
+
+/// The ring with lamps at no regular pitch.
+std::vector<Fixture> irregular_ring() {
+  std::vector<Fixture> fixtures = ring();
+  for (std::size_t i = 0; i < fixtures.size(); ++i) {
+    Pose2& pose = fixtures[i].world_from_fixture;
+    pose = pose * Pose2{0.6 * std::sin(5.0 * static_cast<double>(i)), 0.0, 0.0};
+  }
+  return fixtures;
+}
+
+TEST(Survey, GoesOnWhereARobotStoodWhoseWheelsBeganToCountAnew) {
+  const SurveyModel model = synthetic_model();
+  const SyntheticDrive before = drive_along({{2.0, 0.0}, {11.3, 0.0}}, ring(), model, uncalibrated(7));
+  const SyntheticDrive after = drive_along(
+      {{11.3, 0.0}, {20.0, 0.0}, {20.0, 10.0}, {0.0, 10.0}, {0.0, 0.0}, {16.0, 0.0}}, ring(), model, uncalibrated(8));
+  const Survey survey = survey_drive(continued(before, after).drive, model);
+  EXPECT_EQ(survey.joined_parts, 1);
+  EXPECT_EQ(survey.left_out, 0.0);
+  EXPECT_EQ(survey.fixtures.size(), 24u);
+}
+
+TEST(Survey, LaysPartsOnOneAnotherByTheFixturesThatBothSaw) {
+  const SurveyModel model = synthetic_model();
+  const std::vector<Fixture> fixtures = irregular_ring();
+  const SyntheticDrive first = drive_along({{2.0, 0.0}, {20.0, 0.0}, {20.0, 10.0}}, fixtures, model, uncalibrated(9));
+  const SyntheticDrive second = drive_along(
+      {{16.0, 0.0}, {20.0, 0.0}, {20.0, 10.0}, {0.0, 10.0}, {0.0, 0.0}, {8.0, 0.0}}, fixtures, model, uncalibrated(10));
+  const Survey survey = survey_drive(continued(first, second).drive, model);
+  EXPECT_EQ(survey.joined_parts, 1);
+  EXPECT_EQ(survey.left_out, 0.0);
+  ASSERT_EQ(survey.fixtures.size(), 24u);
+  EXPECT_LT(rms_after_alignment(fixtures, survey.estimate, second.truth.front()), 0.12);
+}
+
+TEST(Survey, LeavesOutAPartThatLiesAlikeAtSeveralPlaces) {
+  const SurveyModel model = synthetic_model();
+  const SyntheticDrive round = drive_along(kOnceRound, ring(), model, uncalibrated(11));
+  const SyntheticDrive along = drive_along({{3.0, 0.0}, {16.0, 0.0}}, ring(), model, uncalibrated(12));
+  const Survey survey = survey_drive(continued(round, along).drive, model);
+  EXPECT_EQ(survey.joined_parts, 0);
+  EXPECT_NEAR(survey.left_out, 13.0, 0.5);
+  EXPECT_EQ(survey.fixtures.size(), 24u);
+}
+
 std::string complaint(const SurveyDrive& drive, const SurveyModel& model) {
   try {
     (void)survey_drive(drive, model);
