@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -149,6 +150,29 @@ std::optional<PartJoint> find_joint(const Survey& map, const Survey& part, const
   return joint;
 }
 
+/// Puts frames and poses in the order of time.
+void sort_by_time(Survey& survey) {
+  std::vector<int> order(survey.frames.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto frame = [&](int index) -> const KeyFrame& { return survey.frames[static_cast<std::size_t>(index)]; };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return frame(a).utime < frame(b).utime; });
+  std::vector<int> place(order.size());
+  std::vector<KeyFrame> frames;
+  std::vector<Pose2> poses;
+  for (const int index : order) {
+    place[static_cast<std::size_t>(index)] = static_cast<int>(frames.size());
+    frames.push_back(frame(index));
+    poses.push_back(survey.estimate.poses[static_cast<std::size_t>(index)]);
+  }
+  survey.frames = std::move(frames);
+  survey.estimate.poses = std::move(poses);
+  for (FixturePass& pass : survey.passes) {
+    for (PassSighting& seen : pass.sightings) {
+      seen.frame = place[static_cast<std::size_t>(seen.frame)];
+    }
+  }
+}
+
 /// Both on one map, with what both have seen as one fixture.
 Survey put_together(Survey map, const Survey& part, const PartJoint& joint) {
   const auto frames = static_cast<int>(map.frames.size());
@@ -178,6 +202,7 @@ Survey put_together(Survey map, const Survey& part, const PartJoint& joint) {
   map.estimate = merge(std::move(map.estimate), pairs);
   map.distance += part.distance;
   map.joined_parts += part.joined_parts + 1;
+  sort_by_time(map);
   return map;
 }
 
