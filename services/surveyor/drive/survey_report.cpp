@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+
+#include "services/surveyor/drive/pose_at.hpp"
 
 namespace luminav {
 namespace {
@@ -44,6 +47,11 @@ void add_log_remarks(const Survey& survey, const SurveyLog& log, std::vector<std
   }
   if (log.drive.echoes.empty()) {
     remarks.push_back("the log has no SONAR: the map shows only where the robot drove");
+  }
+  for (const NamedMoment& named : log.places) {
+    if (!pose_at(survey.frames, survey.estimate.poses, log.drive.odometry, named.utime)) {
+      remarks.push_back(fmt::format("the place {} was named where the map does not reach: it is left out", named.name));
+    }
   }
   if (survey.left_out > 0.0) {
     remarks.push_back(fmt::format(
@@ -124,7 +132,7 @@ json to_json(const SurveyedFixture& fixture, const JudgedFixture& judged) {
 
 }  // namespace
 
-Building building_of(const Survey& survey, const CeilingKinds& kinds, const std::string& name) {
+Building building_of(const Survey& survey, const SurveyLog& log, const CeilingKinds& kinds, const std::string& name) {
   Building building;
   building.name = name;
   building.ceiling_height = kinds.ceiling_height;
@@ -137,6 +145,13 @@ Building building_of(const Survey& survey, const CeilingKinds& kinds, const std:
     building.fixtures.push_back(fixture);
   }
   building.places.push_back({"start", survey.estimate.poses.front(), true});
+  for (const NamedMoment& named : log.places) {
+    if (const std::optional<Pose2> pose =
+            pose_at(survey.frames, survey.estimate.poses, log.drive.odometry, named.utime)) {
+      std::erase_if(building.places, [&](const Place& place) { return place.name == named.name; });
+      building.places.push_back({named.name, *pose, true});
+    }
+  }
   return building;
 }
 
