@@ -6,7 +6,7 @@
 namespace luminav {
 namespace {
 
-constexpr std::size_t kLongestRemark = 500;  // [bytes]
+constexpr std::size_t kLongestRemark = 300;  // [bytes]
 
 std::int8_t shape_of(FixtureShape shape) {
   return shape == FixtureShape::kSquare  ? fixture_detection_t::SHAPE_SQUARE

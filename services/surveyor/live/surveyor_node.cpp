@@ -134,9 +134,10 @@ void SurveyorNode::take_results() {
     return;
   }
   if (wants_end_) {
+    live_.begin_estimate();
     work_.write(collector_.collected(), config_.model,
                 {config_.folder, config_.folder / "survey.json", config_.folder / "plan.png"});
-  } else if (!is_finished_ && live_.is_estimate_due()) {
+  } else if (live_.is_estimate_due()) {  // of a finished one too: its page shows the map
     live_.begin_estimate();
     work_.estimate(collector_.collected(), config_.model);
   }

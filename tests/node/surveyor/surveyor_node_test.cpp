@@ -14,6 +14,8 @@
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/channels.hpp"
+#include "services/surveyor/drive/survey_writing.hpp"
+#include "services/surveyor/live/surveyor_config.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/detector/ceiling_picture.hpp"
 
@@ -296,8 +298,10 @@ TEST_F(SurveyorNodeTest, RecordsNothingOnceItIsFinished) {
   }
   const std::string log = text("school/survey.lcm");
   SurveyorNode node(lcm_, config());
+  node.settle();
   robot_.drive(kSteps, kSteps + 20);
   EXPECT_EQ(status_.state, survey_status_t::STATE_FINISHED);
+  EXPECT_FALSE(status_.fixtures.at(0).is_provisional);
   command(survey_command_t::ACTION_PLACE, "lift");
   EXPECT_THAT(status_.objection, HasSubstr("finished"));
   EXPECT_EQ(text("school/survey.lcm"), log);
