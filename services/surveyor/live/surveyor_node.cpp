@@ -152,6 +152,7 @@ void SurveyorNode::take(SurveyWork::Result result) {
     no_estimate_ = result.failure;
   }
   if (result.estimate) {
+    failure_.clear();  // somebody was in too great a hurry to finish
     live_.take(*std::move(result.estimate));
   }
 }
