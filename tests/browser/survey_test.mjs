@@ -11,7 +11,9 @@ import {Page} from './page.mjs';
 import {ADDRESS, RunningSystem, until} from './running_system.mjs';
 
 const [source, bin, folder] = process.argv.slice(2);
-const {chromium} = createRequire(`${folder}/`)('playwright-core');
+const require = createRequire(`${folder}/`);
+const {chromium} = require('playwright-core');
+const Ajv = require('ajv/dist/2020').default;
 const executablePath = process.env.LUMINAV_CHROMIUM ?? '/usr/bin/chromium';
 if (!existsSync(executablePath)) {
   console.log(`skipped: no ${executablePath}`);
@@ -31,6 +33,15 @@ async function driveUntil(page, key, what, holds) {
   await page.page.keyboard.down(key);
   await until(what, 30, holds);
   await page.page.keyboard.up(key);
+}
+
+// What is served is what openapi.json says.
+async function keepsTheContract() {
+  const ajv = new Ajv({allErrors: true, strict: false, validateFormats: false});
+  ajv.addSchema(await (await fetch(`${ADDRESS}/api/openapi.json`)).json(), 'api');
+  const valid = ajv.getSchema('api#/components/schemas/Survey');
+  const read = await (await fetch(`${ADDRESS}/api/survey`)).json();
+  for (const said of [survey(), read]) assert.ok(valid(said), ajv.errorsText(valid.errors));
 }
 
 async function surveyTheBuilding() {
@@ -58,6 +69,7 @@ async function surveyTheBuilding() {
   await driveUntil(desk, 'ArrowDown', 'there is an estimate', () => survey().estimated_distance > 0 && survey().distance > 12);
   assert.ok(survey().fixtures.filter(({provisional}) => !provisional).length >= 3, JSON.stringify(survey().fixtures));
   await desk.says('#survey-figures', /driven · \d+ lamps/);
+  await keepsTheContract();
   await desk.picture('survey-desktop');
   await phone.page.$eval('#survey-card', (card) => card.scrollIntoView());
   await phone.picture('survey-phone-card');
