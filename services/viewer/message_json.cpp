@@ -30,6 +30,12 @@ std::size_t shortest(std::int32_t count, const First& first, const Second& secon
   return std::min({static_cast<std::size_t>(std::max(0, count)), first.size(), second.size()});
 }
 
+/// One of a list of words; "" for a number that names none.
+template <typename Words>
+const char* word_of(const Words& words, int number) {
+  return number >= 0 && static_cast<std::size_t>(number) < words.size() ? words[static_cast<std::size_t>(number)] : "";
+}
+
 Json pose_array(const Pose2& pose) {
   return {rounded(pose.x), rounded(pose.y), rounded(pose.theta)};
 }
@@ -167,15 +173,11 @@ std::string to_json(const node_status_t& message) {
 std::string to_json(const job_status_t& message) {
   static constexpr std::array kKinds{"go", "carry", "tour", "home", "guide"};
   static constexpr std::array kStates{"queued", "driving", "at_stop", "asking", "done", "failed", "cancelled"};
-  const auto word = [](const auto& words, int number) {
-    return number >= 0 && static_cast<std::size_t>(number) < words.size() ? words[static_cast<std::size_t>(number)]
-                                                                          : "";
-  };
   Json jobs = Json::array();
   for (const job_state_t& job : message.jobs) {
     jobs.push_back({{"id", job.id},
-                    {"kind", word(kKinds, job.kind)},
-                    {"state", word(kStates, job.state)},
+                    {"kind", word_of(kKinds, job.kind)},
+                    {"state", word_of(kStates, job.state)},
                     {"priority", job.priority},
                     {"position", job.position},
                     {"sender", job.sender},
@@ -192,6 +194,44 @@ std::string to_json(const job_status_t& message) {
     requests.push_back({{"id", message.echo_ids[i]}, {"objection", message.objections[i]}});
   }
   return write({{"utime", message.utime}, {"jobs", jobs}, {"requests", requests}, {"tours", message.tours}});
+}
+
+std::string to_json(const survey_status_t& message) {
+  static constexpr std::array kStates{"driving", "estimating", "writing", "finished", "failed"};
+  static constexpr std::array kShapes{"rectangle", "square", "round"};
+  Json fixtures = Json::array();
+  for (const surveyed_fixture_t& fixture : message.fixtures) {
+    const auto& covariance = fixture.covariance;  // finer than lengths are rounded: they are squares
+    fixtures.push_back({{"shape", word_of(kShapes, fixture.shape)},
+                        {"length", rounded(fixture.length)},
+                        {"width", rounded(fixture.width)},
+                        {"pose", pose_array({fixture.x, fixture.y, fixture.theta})},
+                        {"covariance", {covariance[0], covariance[1], covariance[2]}},
+                        {"provisional", fixture.is_provisional != 0},
+                        {"open", fixture.is_open != 0}});
+  }
+  Json path = Json::array();
+  for (std::size_t i = 0; i < shortest(message.path_count, message.path_x, message.path_y); ++i) {
+    path.push_back({rounded(message.path_x[i]), rounded(message.path_y[i])});
+  }
+  Json places = Json::array();
+  for (std::size_t i = 0; i < std::min(shortest(message.place_count, message.place_names, message.place_x),
+                                       shortest(message.place_count, message.place_names, message.place_y));
+       ++i) {
+    places.push_back(
+        {{"name", message.place_names[i]}, {"x", rounded(message.place_x[i])}, {"y", rounded(message.place_y[i])}});
+  }
+  return write({{"utime", message.utime},
+                {"state", word_of(kStates, message.state)},
+                {"reason", message.reason},
+                {"folder", message.folder},
+                {"distance", rounded(message.distance)},
+                {"estimated_distance", rounded(message.estimated_distance)},
+                {"pose", message.has_pose ? pose_array({message.x, message.y, message.theta}) : Json(nullptr)},
+                {"fixtures", fixtures},
+                {"path", path},
+                {"places", places},
+                {"remarks", message.remarks}});
 }
 
 std::string to_json(const path_t& message) {

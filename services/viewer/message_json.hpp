@@ -13,6 +13,7 @@
 #include <luminav/robot_status_t.hpp>
 #include <luminav/sim_truth_t.hpp>
 #include <luminav/sonar_t.hpp>
+#include <luminav/survey_status_t.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,6 +37,8 @@ std::string to_json(const path_t& message);
 std::string to_json(const sim_truth_t& message);
 /// Kinds and states as words; what was asked and not done, with why.
 std::string to_json(const job_status_t& message);
+/// The state as a word; each fixture's covariance as [xx, xy, yy].
+std::string to_json(const survey_status_t& message);
 /// Ranges [m], null where nothing echoed, and the age [s] of each reading within the message.
 std::string to_json(const sonar_t& message);
 /// Where the robot was when the picture was taken places what is seen on the map; none = not known.

@@ -80,6 +80,10 @@ std::int64_t RequestDesk::send(map_command_t command, std::int64_t now) {
   return post(Kind::kMap, channels::kMapCommand, std::move(command), now);
 }
 
+std::int64_t RequestDesk::send(survey_command_t command, std::int64_t now) {
+  return post(Kind::kSurvey, channels::kSurveyCommand, std::move(command), now);
+}
+
 std::int64_t RequestDesk::send(job_t job, std::int64_t now) {
   constexpr std::size_t kMaxPending = 100;
   if (job.action == job_t::ACTION_ADD) {
@@ -207,6 +211,11 @@ void RequestDesk::on_grid_tile(const grid_tile_t& message) {
   hear(Kind::kMap, message.map_command_id, message.map_command_result);
 }
 
+void RequestDesk::on_survey_status(const survey_status_t& message) {
+  const std::lock_guard lock(mutex_);
+  hear(Kind::kSurvey, message.echo_id, message.objection);
+}
+
 std::vector<RequestDesk::State> RequestDesk::states() const {
   const std::lock_guard lock(mutex_);
   std::vector<State> states;
@@ -230,6 +239,8 @@ std::string_view RequestDesk::name_of(Kind kind) {
       return "initial_pose";
     case Kind::kMap:
       return "map";
+    case Kind::kSurvey:
+      return "survey";
   }
   return "";
 }

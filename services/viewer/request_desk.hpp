@@ -16,6 +16,8 @@
 #include <luminav/pose_t.hpp>
 #include <luminav/robot_status_t.hpp>
 #include <luminav/stop_t.hpp>
+#include <luminav/survey_command_t.hpp>
+#include <luminav/survey_status_t.hpp>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -37,7 +39,7 @@ class NotSent : public std::runtime_error {
 /// its kind. Reads no clock: the time is handed in.
 class RequestDesk {
  public:
-  enum class Kind : std::size_t { kGoal, kStop, kMotors, kInitialPose, kMap };
+  enum class Kind : std::size_t { kGoal, kStop, kMotors, kInitialPose, kMap, kSurvey };
   enum class Fate { kNone, kWaiting, kAnswered, kUnanswered };
 
   /// What became of the newest request of a kind.
@@ -66,6 +68,7 @@ class RequestDesk {
   std::int64_t send(motors_command_t command, std::int64_t now);
   std::int64_t send(initial_pose_t guess, std::int64_t now);
   std::int64_t send(map_command_t command, std::int64_t now);
+  std::int64_t send(survey_command_t command, std::int64_t now);
 
   /// Requests for jobs are many at once: none takes the place of another. What became of them is in JOB_STATUS.
   std::int64_t send(job_t job, std::int64_t now);
@@ -82,6 +85,7 @@ class RequestDesk {
   void on_pose(const pose_t& message);
   void on_grid_tile(const grid_tile_t& message);
   void on_job_status(const job_status_t& message);
+  void on_survey_status(const survey_status_t& message);
 
   [[nodiscard]] std::vector<State> states() const;
   static std::string_view name_of(Kind kind);
@@ -115,7 +119,7 @@ class RequestDesk {
   CommandPublisher commands_;
   std::string sender_;
   mutable std::mutex mutex_;
-  std::array<Pending, 5> pending_;
+  std::array<Pending, 6> pending_;
   std::vector<job_t> pending_jobs_;  // not echoed yet; their stamps say when they were asked
   void check_objection() const;
 

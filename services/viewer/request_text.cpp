@@ -144,6 +144,16 @@ map_command_t read_map_request(const std::string& body) {
   return command;
 }
 
+survey_command_t read_survey_request(const std::string& body) {
+  const Json object = read_object(body, {"action", "name"});
+  survey_command_t command{};
+  command.action = choice(object, "action", {"finish", "place"});
+  if (command.action == survey_command_t::ACTION_PLACE) {
+    command.name = text(object, "name");
+  }
+  return command;
+}
+
 job_t read_job_request(const std::string& body, const Building& building) {
   const Json object = read_object(body, {"action", "kind", "stops", "tour", "priority", "on_timeout", "job", "word"});
   job_t job{};

@@ -59,6 +59,7 @@ ViewerNode::ViewerNode(lcm::LCM& lcm, const ViewerConfig& config, const Clock& c
   subscriber_.on(channels::kPath, &ViewerNode::on_path, this);
   subscriber_.on(channels::kGridTile, &ViewerNode::on_grid_tile, this);
   subscriber_.on(channels::kJobStatus, &ViewerNode::on_job_status, this);
+  subscriber_.on(channels::kSurveyStatus, &ViewerNode::on_survey_status, this);
   subscriber_.on(channels::kSonar, &ViewerNode::on_sonar, this);
   subscriber_.on(channels::kOdometry, &ViewerNode::on_odometry, this);
   subscriber_.on(channels::kRobotStatus, &ViewerNode::on_robot_status, this);
@@ -124,6 +125,12 @@ void ViewerNode::on_job_status(const job_status_t& message) {
   heard(channels::kJobStatus);
   desk_.on_job_status(message);
   board_.put(SnapshotBoard::Lane::kLive, "jobs", server_sent_event("jobs", to_json(message)));
+}
+
+void ViewerNode::on_survey_status(const survey_status_t& message) {
+  heard(channels::kSurveyStatus);
+  desk_.on_survey_status(message);
+  board_.put(SnapshotBoard::Lane::kLive, "survey", server_sent_event("survey", to_json(message)));
 }
 
 void ViewerNode::on_sonar(const sonar_t& message) {

@@ -18,6 +18,7 @@
 #include <luminav/robot_status_t.hpp>
 #include <luminav/sim_truth_t.hpp>
 #include <luminav/sonar_t.hpp>
+#include <luminav/survey_status_t.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -36,8 +37,8 @@
 namespace luminav {
 
 /// Listens to everything and keeps the newest of it on the board as server-sent events: "state" with each `show`,
-/// "nodes" with each `show_processes`, "hypotheses", "path", "jobs", "picture" and "tile" when there is a new one. Says
-/// how old each channel is by the clock of this host, since stamps come from another.
+/// "nodes" with each `show_processes`, "hypotheses", "path", "jobs", "survey", "picture" and "tile" when there is a new
+/// one. Says how old each channel is by the clock of this host, since stamps come from another.
 class ViewerNode {
  public:
   ViewerNode(lcm::LCM& lcm, const ViewerConfig& config, const Clock& clock, SnapshotBoard& board,
@@ -78,6 +79,7 @@ class ViewerNode {
   void on_control_status(const control_status_t& message);
   void on_path(const path_t& message);
   void on_job_status(const job_status_t& message);
+  void on_survey_status(const survey_status_t& message);
   void on_grid_tile(const grid_tile_t& message);
   void on_sonar(const sonar_t& message);
   void on_odometry(const odometry_t& message);

@@ -193,7 +193,7 @@ const steps = {
   async 'every mark on the map is named'(name, theme) {
     await press('#help-button');
     await says('#help', /Light fixtures.*lamps on the ceiling/);
-    assert.equal(await page.$$eval('#legend li', (lines) => lines.length), 16);
+    assert.equal(await page.$$eval('#legend li', (lines) => lines.length), 17);
     await look('help', name, theme);
     assert(await stopsBy(() => press('#stop')), 'the help lies over STOP');
     await page.keyboard.press('Escape');

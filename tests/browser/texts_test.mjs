@@ -62,7 +62,7 @@ for (const file of readdirSync(web).filter((name) => name.endsWith('.js') && !['
 const names = await load('names.js');
 const {LAYERS} = await load('layers.js');
 const {MEANINGS} = await load('legend.js');
-const lists = [names.POSE, names.NAVIGATION, names.CONTROL, names.NODE, names.SUBJECTS, Object.values(names.JOB_KINDS), Object.values(names.ZONE_KINDS), names.JOB_WORDS, names.DAYS, names.ACTIONS, names.CONDITIONS, names.EVERYBODY, names.EXPERTS,
+const lists = [names.POSE, names.NAVIGATION, names.CONTROL, names.NODE, names.SUBJECTS, Object.values(names.JOB_KINDS), Object.values(names.SURVEY_STATES), Object.values(names.ZONE_KINDS), names.JOB_WORDS, names.DAYS, names.ACTIONS, names.CONDITIONS, names.EVERYBODY, names.EXPERTS,
   LAYERS.map(([, label]) => label), Object.values(MEANINGS).map(([, , meaning]) => meaning)];
 for (const word of lists.flat()) used.add(word);
 

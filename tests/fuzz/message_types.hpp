@@ -26,6 +26,9 @@
 #include <luminav/speed_limit_t.hpp>
 #include <luminav/stop_t.hpp>
 #include <luminav/supervision_t.hpp>
+#include <luminav/survey_command_t.hpp>
+#include <luminav/survey_status_t.hpp>
+#include <luminav/surveyed_fixture_t.hpp>
 #include <luminav/teleop_command_t.hpp>
 #include <luminav/tile_request_t.hpp>
 #include <luminav/velocity_command_t.hpp>
@@ -43,14 +46,13 @@ template <typename... Messages>
 struct MessageTypes {};
 
 /// All of lcmtypes/; tests/replay/hostile_message_test.cpp says when one is missing.
-using AllMessageTypes =
-    MessageTypes<camera_image_t, control_status_t, fixture_detection_t, fixture_detections_t, goal_pose_t, goal_t,
-                 grid_tile_t, hypotheses_t, initial_pose_t, job_state_t, job_status_t, job_stop_t, job_t, map_command_t,
-                 motors_command_t, navigation_status_t, node_status_t, odometry_t, path_t, pose_t,
-                 luminav_procman::procman_command_desired_t, luminav_procman::procman_command_status_t,
-                 luminav_procman::procman_command_t, luminav_procman::procman_deputy_info_t,
-                 luminav_procman::procman_discovery_t, luminav_procman::procman_orders_t,
-                 luminav_procman::procman_output_t, robot_status_t, sim_truth_t, sonar_t, speed_limit_t, stop_t,
-                 supervision_t, teleop_command_t, tile_request_t, velocity_command_t>;
+using AllMessageTypes = MessageTypes<
+    camera_image_t, control_status_t, fixture_detection_t, fixture_detections_t, goal_pose_t, goal_t, grid_tile_t,
+    hypotheses_t, initial_pose_t, job_state_t, job_status_t, job_stop_t, job_t, map_command_t, motors_command_t,
+    navigation_status_t, node_status_t, odometry_t, path_t, pose_t, luminav_procman::procman_command_desired_t,
+    luminav_procman::procman_command_status_t, luminav_procman::procman_command_t,
+    luminav_procman::procman_deputy_info_t, luminav_procman::procman_discovery_t, luminav_procman::procman_orders_t,
+    luminav_procman::procman_output_t, robot_status_t, sim_truth_t, sonar_t, speed_limit_t, stop_t, supervision_t,
+    survey_command_t, survey_status_t, surveyed_fixture_t, teleop_command_t, tile_request_t, velocity_command_t>;
 
 }  // namespace luminav

@@ -15,6 +15,8 @@ const EDITED = ['/api/building', '/api/tours'];
 
 // Only where a log is shown; tests/browser/playback_test.mjs compares it there.
 const OF_LOGS = new Set(['/api/playback', 'playback', 'Playback', 'PlaybackState', 'PlaybackRequest']);
+// Likewise what only a survey serves: tests/browser/survey_test.mjs.
+const ELSEWHERE = new Set([...OF_LOGS, '/api/survey', 'survey', 'Survey', 'SurveyedFixture', 'NamedPoint']);
 
 const description = await (await fetch(`${address}/api/openapi.json`)).json();
 const schemas = description.components.schemas;
@@ -57,7 +59,7 @@ function expect(schema, value, what) {
 async function readAll() {
   for (const [path, {get}] of Object.entries(description.paths)) {
     const schema = get?.responses[200].content['application/json']?.schema;
-    if (!schema?.$ref || OF_LOGS.has(path)) continue;
+    if (!schema?.$ref || ELSEWHERE.has(path)) continue;
     const answer = await fetch(address + path);
     if (answer.ok) expect(schema, await answer.json(), path);
     else failures.push(`${path}: ${answer.status}`);
@@ -67,7 +69,7 @@ async function readAll() {
 // Listens until each kind of event came.
 async function listen() {
   const kinds = description.paths['/events'].get['x-events'];
-  const missing = new Set(Object.keys(kinds).filter((kind) => !OF_LOGS.has(kind)));
+  const missing = new Set(Object.keys(kinds).filter((kind) => !ELSEWHERE.has(kind)));
   const answer = await fetch(`${address}/events`, {signal: AbortSignal.timeout(20_000)});
   let text = '';
   for await (const piece of answer.body.pipeThrough(new TextDecoderStream())) {
@@ -144,7 +146,7 @@ for (const path of EDITED) {
   for (let tries = 0; tries < 100 && !await undone(); ++tries) await sleep(100);
 }
 await readAll();
-for (const owner of Object.keys(schemas).filter((name) => !OF_LOGS.has(name))) {
+for (const owner of Object.keys(schemas).filter((name) => !ELSEWHERE.has(name))) {
   for (const property of new Set(described(schemas[owner], owner))) {
     if (!seen.has(property) && !NOT_HERE.has(property)) failures.push(`${property} is described but was never served`);
   }

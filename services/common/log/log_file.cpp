@@ -39,6 +39,16 @@ std::uint64_t LogEvent::fingerprint() const {
   return data.size() < 8 ? 0 : big_endian<std::uint64_t>(data.data());
 }
 
+std::string log_event_head(std::int64_t number, std::int64_t utime, std::string_view channel, std::size_t size) {
+  std::string head(reinterpret_cast<const char*>(kSync.data()), kSync.size());
+  put_big_endian(head, number);
+  put_big_endian(head, utime);
+  put_big_endian(head, static_cast<std::uint32_t>(channel.size()));
+  put_big_endian(head, static_cast<std::uint32_t>(size));
+  head += channel;
+  return head;
+}
+
 LogReader::LogReader(const std::string& file) : file_(file), stream_(file, std::ios::binary) {
   std::error_code error;
   if (!stream_ || std::filesystem::is_directory(file, error)) {
@@ -185,12 +195,7 @@ void LogWriter::put(const void* data, std::size_t size) {
 }
 
 void LogWriter::write(std::int64_t utime, std::string_view channel, const void* data, std::size_t size) {
-  std::string head(reinterpret_cast<const char*>(kSync.data()), kSync.size());
-  put_big_endian(head, events_++);
-  put_big_endian(head, utime);
-  put_big_endian(head, static_cast<std::uint32_t>(channel.size()));
-  put_big_endian(head, static_cast<std::uint32_t>(size));
-  head += channel;
+  const std::string head = log_event_head(events_++, utime, channel, size);
   put(head.data(), head.size());
   put(data, size);
 }

@@ -23,6 +23,9 @@ struct LogEvent {
   [[nodiscard]] std::uint64_t fingerprint() const;
 };
 
+/// What stands before an event's data of `size` bytes.
+std::string log_event_head(std::int64_t number, std::int64_t utime, std::string_view channel, std::size_t size);
+
 /// Reads LCM logs event by event. Own instead of lcm::LogFile because that one hides where a log is damaged: this one
 /// uses a cut log up to the cut, goes on behind damaged bytes, and says so.
 class LogReader {

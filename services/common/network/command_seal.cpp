@@ -57,7 +57,7 @@ bool is_command_channel(const std::string& channel) {
   for (const char* command :
        {channels::kVelocityCommand, channels::kStop, channels::kMotorsCommand, channels::kGoal, channels::kInitialPose,
         channels::kMapCommand, channels::kTeleopCommand, channels::kSupervision, channels::kSpeedLimit, channels::kJob,
-        channels::kProcmanOrders}) {
+        channels::kSurveyCommand, channels::kProcmanOrders}) {
     if (channel == command) {
       return true;
     }

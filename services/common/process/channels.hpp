@@ -26,6 +26,8 @@ inline constexpr const char* kSpeedLimit = "SPEED_LIMIT";
 inline constexpr const char* kInitialPose = "INITIAL_POSE";
 inline constexpr const char* kJob = "JOB";
 inline constexpr const char* kJobStatus = "JOB_STATUS";
+inline constexpr const char* kSurveyCommand = "SURVEY_COMMAND";
+inline constexpr const char* kSurveyStatus = "SURVEY_STATUS";
 inline constexpr const char* kNodeStatus = "NODE_STATUS";
 inline constexpr const char* kSimTruth = "SIM_TRUTH";
 

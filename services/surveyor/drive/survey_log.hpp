@@ -2,15 +2,24 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "services/surveyor/survey/ceiling_kinds.hpp"
 #include "services/surveyor/survey/key_frames.hpp"
 
 namespace luminav {
 
+/// A name that a person gave to the place where the robot was.
+struct NamedMoment {
+  std::string name;
+  std::int64_t utime = 0;    // [us] of the last odometry before
+  std::int64_t command = 0;  // id of the request
+};
+
 /// A survey drive and what its log had to say of itself.
 struct SurveyLog {
   SurveyDrive drive;
+  std::vector<NamedMoment> places;
   std::size_t images = 0;     // CAMERA_IMAGE messages
   std::size_t looked_at = 0;  // of these, by the detector
   double longest_gap = 0.0;   // [s] without ODOMETRY

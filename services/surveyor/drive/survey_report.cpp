@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+
+#include "services/surveyor/drive/pose_at.hpp"
 
 namespace luminav {
 namespace {
@@ -45,6 +48,11 @@ void add_log_remarks(const Survey& survey, const SurveyLog& log, std::vector<std
   if (log.drive.echoes.empty()) {
     remarks.push_back("the log has no SONAR: the map shows only where the robot drove");
   }
+  for (const NamedMoment& named : log.places) {
+    if (!pose_at(survey.frames, survey.estimate.poses, log.drive.odometry, named.utime)) {
+      remarks.push_back(fmt::format("the place {} was named where the map does not reach: it is left out", named.name));
+    }
+  }
   if (survey.joined_parts > 0) {
     remarks.push_back(fmt::format(
         "odometry began anew, or the robot was carried, {} times: these parts of the drive were laid on the map by the "
@@ -52,11 +60,10 @@ void add_log_remarks(const Survey& survey, const SurveyLog& log, std::vector<std
         survey.joined_parts));
   }
   if (survey.left_out > 0.0) {
-    remarks.push_back(
-        fmt::format("odometry began anew, or the robot was carried: of {:.0f} m nobody can tell where they lie, {:.0f} "
-                    "m are on the "
-                    "map; drive there once more from a place that is on it",
-                    survey.left_out, survey.distance));
+    remarks.push_back(fmt::format(
+        "odometry began anew, or the robot was carried: of {:.0f} m nobody can tell where they lie, {:.0f} m "
+        "are on the map; drive there once more from a place that is on it",
+        survey.left_out, survey.distance));
   }
 }
 
@@ -131,7 +138,7 @@ json to_json(const SurveyedFixture& fixture, const JudgedFixture& judged) {
 
 }  // namespace
 
-Building building_of(const Survey& survey, const CeilingKinds& kinds, const std::string& name) {
+Building building_of(const Survey& survey, const SurveyLog& log, const CeilingKinds& kinds, const std::string& name) {
   Building building;
   building.name = name;
   building.ceiling_height = kinds.ceiling_height;
@@ -144,6 +151,13 @@ Building building_of(const Survey& survey, const CeilingKinds& kinds, const std:
     building.fixtures.push_back(fixture);
   }
   building.places.push_back({"start", survey.estimate.poses.front(), true});
+  for (const NamedMoment& named : log.places) {
+    if (const std::optional<Pose2> pose =
+            pose_at(survey.frames, survey.estimate.poses, log.drive.odometry, named.utime)) {
+      std::erase_if(building.places, [&](const Place& place) { return place.name == named.name; });
+      building.places.push_back({named.name, *pose, true});
+    }
+  }
   return building;
 }
 

@@ -10,8 +10,9 @@
 
 namespace luminav {
 
-/// The surveyed building: fixtures that are believed, numbered along the drive, and the place where the drive began.
-Building building_of(const Survey& survey, const CeilingKinds& kinds, const std::string& name);
+/// The surveyed building: fixtures that are believed, numbered along the drive, the place where the drive began, and
+/// those that were named on the way; a person's "start" takes the place of ours.
+Building building_of(const Survey& survey, const SurveyLog& log, const CeilingKinds& kinds, const std::string& name);
 
 /// What a person has to know of a survey beside the building, in plain sentences: what was wrong with the log or the
 /// file of kinds, what was left out, where the map is not sure and where to drive once more.

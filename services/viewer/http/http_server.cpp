@@ -238,6 +238,9 @@ struct HttpServer::Servers {
     actions["jobs"].act = [this, now](const std::string& body) {
       return context.desk.send(read_job_request(body, *building()), now());
     };
+    actions["survey"].act = [this, now](const std::string& body) {
+      return context.desk.send(read_survey_request(body), now());
+    };
     actions["process"].act = [this, now](const std::string& body) {
       return context.processes.order(read_process_order(body), now());
     };

@@ -36,7 +36,8 @@ struct HttpOptions {
 ///   GET  /qr.svg?text=TEXT    a QR code, for paper
 ///   GET  /camera.jpg[?sequence=N]  the newest picture, or that one; 404 when it is not there any more
 ///   GET  /api/..., /metrics   the newest of the events and the like, for programs
-///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose, /api/map, /api/steering, /api/process
+///   POST /api/goal, /api/stop, /api/motors, /api/initial_pose, /api/map, /api/survey, /api/steering,
+///        /api/process
 ///                             JSON, see request_text.hpp; answers {"id": N}, or {"error": why} with 400 for what is
 ///                             none, 403 for who may not, 503 when the network takes nothing. A STOP needs no token,
 ///                             its release a driver's; map, process, files, building and tours need

@@ -58,7 +58,8 @@ HttpResponse refusal(int status, std::string_view why) {
 
 Readings board_readings(const SnapshotBoard& board, const Clock& clock, BuildingNow building) {
   Readings readings;
-  for (const char* subject : {"state", "nodes", "processes", "path", "hypotheses", "jobs", "building", "tours"}) {
+  for (const char* subject :
+       {"state", "nodes", "processes", "path", "hypotheses", "jobs", "survey", "building", "tours"}) {
     readings[fmt::format("/api/{}", subject)] = [&board, subject](const HttpRequest&) {
       const SnapshotBoard::Text text = board.newest(SnapshotBoard::Lane::kLive, subject);
       return text ? text_answer(json_of(*text)) : refusal(404, kNothingYet);

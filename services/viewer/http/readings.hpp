@@ -24,8 +24,8 @@ using Readings = std::map<std::string, std::function<HttpResponse(const HttpRequ
 using BuildingNow = std::function<std::shared_ptr<const Building>()>;
 
 /// The newest of what pages are shown, for programs that ask now and then: /api/state, /api/nodes, /api/processes,
-/// /api/path, /api/hypotheses, /api/jobs, /api/building, /api/map, /metrics and the building's /api/places. 404 for
-/// what was not heard yet. To be used by one thread; board and clock must outlive it.
+/// /api/path, /api/hypotheses, /api/jobs, /api/survey, /api/building, /api/map, /metrics and the building's
+/// /api/places. 404 for what was not heard yet. To be used by one thread; board and clock must outlive it.
 Readings board_readings(const SnapshotBoard& board, const Clock& clock, BuildingNow building);
 
 }  // namespace luminav

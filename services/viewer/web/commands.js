@@ -68,6 +68,7 @@ export const motorsOn = () => command('motors', {enable: true});
 export const initialPose = (x, y, theta) => command('initial_pose', {x, y, theta});
 export const map = (action) => command('map', {action});
 export const job = (body) => command('jobs', body);
+export const survey = (body) => command('survey', body);
 export const building = (order) => command('building', order);
 export const tours = (order) => command('tours', order);
 export const remove = (kind, name) => command('files', {action: 'delete', kind, name});

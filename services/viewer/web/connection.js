@@ -14,7 +14,7 @@ export class Connection extends EventTarget {
     this.source?.close();
     this.opened = performance.now();
     this.source = new EventSource('events');
-    for (const name of ['state', 'nodes', 'hypotheses', 'path', 'picture', 'tile', 'processes', 'jobs', 'building', 'tours', 'playback']) {
+    for (const name of ['state', 'nodes', 'hypotheses', 'path', 'picture', 'tile', 'processes', 'jobs', 'survey', 'building', 'tours', 'playback']) {
       this.source.addEventListener(name, (event) => {
         this.lastHeard = performance.now();
         let data;

@@ -7,11 +7,11 @@ export const LAYERS = [
   ['walls', 'Walls', true], ['evidence', 'Sonar evidence', true], ['fixtures', 'Light fixtures', true],
   ['ceiling', 'Vents and detectors', false], ['zones', 'Zones', true], ['places', 'Places', true], ['detections', 'Seen on the ceiling', true],
   ['particles', 'Particles', true], ['hypotheses', 'Hypotheses', true], ['sonar', 'Sonar beams', true],
-  ['path', 'Path and goal', true], ['forces', 'Forces', false], ['trail', 'Trail', true], ['odometry', 'Trail of the odometry', false],
+  ['survey', 'Survey', true], ['path', 'Path and goal', true], ['forces', 'Forces', false], ['trail', 'Trail', true], ['odometry', 'Trail of the odometry', false],
   ['truth', 'Truth (simulation)', true], ['people', 'People (simulation)', true],
 ];
 
-function trace(context, view, points, close = false) {
+export function trace(context, view, points, close = false) {
   context.beginPath();
   points.forEach(([x, y], i) => {
     const [px, py] = view.toScreen(x, y);
@@ -36,13 +36,13 @@ function disc(context, view, x, y, radius) {
   context.arc(px, py, radius, 0, 2 * Math.PI);
 }
 
-function isInView(view, [x, y], reach) {
+export function isInView(view, [x, y], reach) {
   const [px, py] = view.toScreen(x, y);
   const margin = reach * view.scale;
   return px > -margin && py > -margin && px < view.width + margin && py < view.height + margin;
 }
 
-function fixture(context, view, {shape, pose, length, width}) {
+export function fixture(context, view, {shape, pose, length, width}) {
   if (shape === 'round') disc(context, view, pose[0], pose[1], length / 2 * view.scale);
   else trace(context, view, placed(pose, box(length, width)), true);
 }

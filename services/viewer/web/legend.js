@@ -15,6 +15,7 @@ export const MEANINGS = {
   particles: [(c) => c.particle, 'dot', 'guesses where the robot may be'],
   hypotheses: [(c) => c.hypothesis, 'ring', 'poses that explain all that was seen so far, with how likely each is'],
   sonar: [(c) => c.echo, 'arc', "the sonars' echoes of this moment"],
+  survey: [(c) => c.tracking, 'ring', 'while a survey draws a new map: its lamps with how sure each is; dashed: not estimated yet; red: to be passed once more'],
   path: [(c) => c.path, 'line', 'the way that it drives; the pink ring is its goal'],
   forces: [(c) => c.attractive, 'line', 'what pulls it (green) and what pushes it away (red)'],
   trail: [(c) => c.trail, 'line', 'where it believes that it was'],

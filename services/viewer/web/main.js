@@ -23,6 +23,7 @@ import {Picture} from './picture.js';
 import {Processes} from './processes.js';
 import {Steering} from './steering.js';
 import {Stop} from './stop.js';
+import {Survey} from './survey.js';
 import {speak, t, translated} from './texts.js';
 import {Tiles} from './tiles.js';
 import {Tours} from './tours.js';
@@ -49,6 +50,7 @@ const steering = new Steering({stick: $('stick'), knob: $('knob'), keysButton: $
 new Kept({details: $('kept'), list: $('kept').querySelector('ul')}, ask);
 $('kept').querySelector('ul').dataset.empty = t`nothing yet`;
 const jobs = new Jobs(ask, note);
+const survey = new Survey(ask);
 const tours = new Tours({note, known: () => jobs.tours});
 const stop = new Stop(ask, (number) => nameOf(NAVIGATION, number));
 
@@ -62,6 +64,7 @@ let cloud = null;
 let hypotheses = [];
 let isFollowing = false;
 let isFitted = false;
+let isMoved = false;  // by a person
 const trails = new Trails();
 const particles = new Particles();
 const layers = Object.fromEntries(draw.LAYERS.map(([key, , isOn]) => [key, isOn]));
@@ -76,7 +79,7 @@ const tiles = new Tiles((isNew) => {
 });
 
 function fit() {
-  const box = tiles.bounds() ?? boundsOf(building);
+  const box = survey.bounds() ?? tiles.bounds() ?? boundsOf(building);
   if (box) { view.fit(box); isFitted = true; }
 }
 
@@ -120,13 +123,15 @@ function takeSite() {
 
 connection.addEventListener('state', ({detail}) => {
   state = detail;
-  const {pose, ages} = state;
+  const {ages} = state;
   stop.show(state);
   guarded(t`what happened`, () => happenings.watch(state, building));
   picture.watch(ages);
   guarded(t`the trail`, () => trails.extend(state, STALE_S));
-  if (isFollowing && Number.isFinite(pose?.x) && Number.isFinite(pose?.y) && ages.POSE < STALE_S) view.centre = [pose.x, pose.y];
-  panels.show(state, building);
+  watchSurvey();
+  const here = whereabouts();
+  if (isFollowing && here) view.centre = here;
+  panels.show(state, building, survey.isOn);
   jobs.watch(ages);
   offer.render();
   guarded(t`what became of requests`, () => showRequests(state.requests));
@@ -144,6 +149,7 @@ connection.addEventListener('processes', ({detail}) => guarded(t`the processes`,
 }));
 connection.addEventListener('path', ({detail}) => { path = detail; redraw(); });
 connection.addEventListener('jobs', ({detail}) => guarded(t`the jobs`, () => { jobs.show(detail); offer.render(); }));
+connection.addEventListener('survey', ({detail}) => guarded(t`the survey`, () => { survey.show(detail); redraw(); }));
 connection.addEventListener('tours', ({detail}) => guarded(t`the tours`, () => tours.show(detail)));
 connection.addEventListener('building', ({detail}) => guarded(t`the building`, () => { site = detail; takeSite(); }));
 connection.addEventListener('tile', ({detail}) => guarded(t`the map`, () => tiles.take(detail)));
@@ -162,6 +168,21 @@ function takeHypotheses(detail) {
     cloud.weight[i] = bytes.getUint8(6 * i + 5) / 255;
   }
   redraw();
+}
+
+// Where the robot is on the map that is shown; null where that is not known.
+function whereabouts() {
+  if (survey.isOn) return survey.pose()?.slice(0, 2) ?? null;
+  const {pose, ages} = state;
+  return Number.isFinite(pose?.x) && Number.isFinite(pose?.y) && ages.POSE < STALE_S ? [pose.x, pose.y] : null;
+}
+
+// A survey's map grows: until somebody moves it, all of it is shown.
+function watchSurvey() {
+  const wasOn = survey.isOn;
+  guarded(t`the survey`, () => survey.watch(state));
+  if (survey.isOn !== wasOn) { isMoved = false; redrawAll(); }
+  if (survey.isOn !== wasOn || (survey.isOn && !isMoved && !isFollowing)) fit();
 }
 
 // Nothing frozen may look alive.
@@ -206,7 +227,7 @@ playback.addEventListener('jump', () => {
 // ---- what goes out
 
 const OWNERS = {goal: t`the planner`, stop: t`driver and controller`, motors: t`the driver`, initial_pose: t`the localizer`,
-  map: t`the mapper`};
+  map: t`the mapper`, survey: t`the surveyor`};
 const reported = new Map();
 
 function showRequests(requests) {
@@ -255,18 +276,19 @@ function halfWidth() { return Math.max(0, ...(building?.robot.footprint.map(([, 
 function follow(isOn) {
   isFollowing = isOn;
   $('follow').setAttribute('aria-pressed', String(isOn));
-  if (isOn && state?.pose) {
-    view.centre = [state.pose.x, state.pose.y];
+  const here = isOn && state && whereabouts();
+  if (here) {
+    view.centre = here;
     if (view.scale < 50) view.scale = 60;
   }
   redraw();
 }
 
 $('follow').addEventListener('click', () => follow(!isFollowing));
-$('fit').addEventListener('click', () => { follow(false); fit(); });
-$('zoom-in').addEventListener('click', () => view.zoom(1.4));
-$('zoom-out').addEventListener('click', () => view.zoom(1 / 1.4));
-view.addEventListener('pan', () => follow(false));
+$('fit').addEventListener('click', () => { follow(false); isMoved = false; fit(); });
+$('zoom-in').addEventListener('click', () => { isMoved = true; view.zoom(1.4); });
+$('zoom-out').addEventListener('click', () => { isMoved = true; view.zoom(1 / 1.4); });
+view.addEventListener('pan', () => { isMoved = true; follow(false); });
 view.addEventListener('change', redraw);
 let oldSize = [view.width, view.height];
 view.addEventListener('resize', () => {
@@ -324,6 +346,7 @@ function drawScale() {
 const ground = new Ground(view, (context, window) => {
   context.fillStyle = theme.colours.outside;
   context.fillRect(0, 0, window.width, window.height);
+  if (survey.isOn) return;  // another map
   tiles.draw(context, window, layers);
   if (building && layers.ceiling) draw.drawCeiling(context, window, building, theme.colours);
   if (building && layers.fixtures) draw.drawFixtures(context, window, building, theme.colours);
@@ -337,6 +360,7 @@ function paint() {
   // for whoever looks from outside
   Object.assign(view.canvas.dataset, {view: `${view.centre[0]} ${view.centre[1]} ${view.scale}`, tiles: tiles.shown.size});
   if (!building) return;
+  if (survey.isOn) { paintSurvey(); return; }
   const pose = state?.pose && [state.pose.x, state.pose.y, state.pose.theta];
   const isTracking = state?.pose?.state === 2;
   const seen = (state?.ages.FIXTURE_DETECTIONS < STALE_S && isTracking && state.detections?.detections.filter((d) => d.world)) || [];
@@ -363,6 +387,25 @@ function paint() {
     draw.drawRobot(context, view, pose, building.robot, colours.tracking, colours.halo, true);
     if (state.control && layers.forces) draw.drawForces(context, view, pose, state.control, colours);
   }
+  paintOrders();
+}
+
+// The survey's world is not the building's: nothing else has a place in it.
+function paintSurvey() {
+  const {context} = view;
+  const {colours} = theme;
+  view.handle = null;
+  if (layers.survey) survey.draw(context, view, colours);
+  const pose = survey.pose();
+  if (!pose) return;
+  if (state.sonar && layers.sonar && state.ages.SONAR < STALE_S) draw.drawSonar(context, view, pose, state.sonar, building.robot, colours);
+  draw.drawRobot(context, view, pose, building.robot, colours.tracking, colours.halo, true);
+}
+
+// What a person is about to ask for.
+function paintOrders() {
+  const {context} = view;
+  const {colours} = theme;
   goals.route.forEach((stop) => draw.drawGoal(context, view, [stop.x, stop.y, stop.theta],
     goals.isTight(stop.x, stop.y) ? colours.lost : colours.draft));
   editor.draw(context, colours);

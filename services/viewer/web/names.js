@@ -8,8 +8,10 @@ export const CONTROL = ['idle', 'wandering', 'following', 'turning', 'at goal', 
   'teleoperated'];
 export const NODE = ['starting', 'ready', 'degraded', 'fault'];
 // What a page asks for.
-export const SUBJECTS = ['goal', 'go', 'stop', 'motors', 'initial pose', 'map', 'route', 'cancel', 'pause', 'resume', 'release', 'record',
+export const SUBJECTS = ['survey', 'goal', 'go', 'stop', 'motors', 'initial pose', 'map', 'route', 'cancel', 'pause', 'resume', 'release', 'record',
   'process', 'pose', 'log', 'delete', 'job'];
+export const SURVEY_STATES = {driving: 'Drive on: the map grows behind the robot.', estimating: 'Drive on: the map is being estimated anew.',
+  writing: 'The map is being written …', finished: 'Finished.', failed: 'This went wrong:'};
 export const JOB_KINDS = {go: 'Drive', guide: 'Guide me', carry: 'Carry something', tour: 'Tour', home: 'Drive home'};
 // What people say to a job.
 export const JOB_WORDS = ['loaded', 'unloaded', 'here', 'wait', 'opened', 'go round', 'try again', 'go on', 'leave out', 'charging', 'give up'];

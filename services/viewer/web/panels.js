@@ -58,14 +58,14 @@ export class Panels {
   }
 
   // What a person must know at one look; a word that stopped coming is not shown as if it still held.
-  show(state, building) {
+  show(state, building, isSurveying = false) {
     const {pose, robot, control, navigation, ages} = state;
     this.ages = ages;
     const poseIsOld = !pose || ages.POSE > STALE_S;
     const isTracking = !poseIsOld && pose.state === 2;
     guarded(t`the headline`, () => {
       const badge = $('pose-state');
-      setText(badge, poseIsOld ? t`no pose` : said(POSE, pose.state));
+      setText(badge, isSurveying ? t`survey` : poseIsOld ? t`no pose` : said(POSE, pose.state));
       badge.dataset.state = poseIsOld ? 'none' : nameOf(POSE, pose.state).toLowerCase();
       setText($('doing'), ages.ROBOT_STATUS > STALE_S ? t`No word from the robot.` : sentence(state, building));
     });

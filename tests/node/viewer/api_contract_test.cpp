@@ -57,7 +57,8 @@ class ApiContractTest : public ::testing::Test {
     board_.clear(SnapshotBoard::Lane::kLive);
     board_.clear(SnapshotBoard::Lane::kAsked);
     seen.insert(client().Get(path + "?sequence=99")->status);  // which only the camera's picture heeds
-    for (const char* subject : {"state", "nodes", "processes", "path", "hypotheses", "jobs", "building", "tours"}) {
+    for (const char* subject :
+         {"state", "nodes", "processes", "path", "hypotheses", "jobs", "survey", "building", "tours"}) {
       board_.put(SnapshotBoard::Lane::kLive, subject, server_sent_event(subject, "{}"));
     }
     board_.put(SnapshotBoard::Lane::kAsked, "metrics", "luminav_battery_volts 12\n");

@@ -84,6 +84,19 @@ TEST_F(RequestDeskTest, RepeatsEachOfTenJobsUntilItIsEchoed) {
   EXPECT_EQ(jobs_.size(), 15U) << "nobody waits any more";
 }
 
+TEST_F(RequestDeskTest, ASurveyCommandWaitsForTheSurveyorsEcho) {
+  survey_command_t command{};
+  command.action = survey_command_t::ACTION_PLACE;
+  command.name = "lift";
+  survey_status_t status{};
+  status.echo_id = desk_.send(command, kStart);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kSurvey), Fate::kWaiting);
+  status.objection = "the survey is finished";
+  desk_.on_survey_status(status);
+  EXPECT_EQ(fate_of(RequestDesk::Kind::kSurvey), Fate::kAnswered);
+  EXPECT_EQ(desk_.states()[0].objection, "the survey is finished");
+}
+
 TEST_F(RequestDeskTest, NumbersItsJobsAboveThoseOfSomebodyWhoseClockIsAhead) {
   job_status_t status{};
   status.echo_count = 1;

@@ -12,6 +12,35 @@ using Json = nlohmann::json;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+TEST(SurveyJson, HasTheMapInWordsAndNumbers) {
+  survey_status_t message{};
+  message.state = survey_status_t::STATE_FINISHED;
+  message.folder = "/surveys/school";
+  surveyed_fixture_t fixture{};
+  fixture.x = 1.5;
+  fixture.is_open = 1;
+  message.fixtures.push_back(fixture);
+  message.path_count = 2;
+  message.path_x = {0.0F, 1.0F};
+  message.path_y = {0.0F, 2.0F};
+  message.place_count = 2;  // more than there are
+  message.place_names = {"lift"};
+  message.place_x = {3.0F};
+  message.place_y = {4.0F};
+  const auto json = nlohmann::json::parse(to_json(message));
+  EXPECT_EQ(json["state"], "finished");
+  EXPECT_TRUE(json["pose"].is_null());
+  EXPECT_EQ(json["fixtures"][0]["pose"][0], 1.5);
+  EXPECT_EQ(json["fixtures"][0]["shape"], "rectangle");
+  EXPECT_EQ(json["fixtures"][0]["open"], true);
+  EXPECT_EQ(json["path"][1][1], 2.0);
+  EXPECT_EQ(json["places"].size(), 1U);
+  message.has_pose = 1;
+  message.state = 17;
+  EXPECT_EQ(nlohmann::json::parse(to_json(message))["pose"].size(), 3U);
+  EXPECT_EQ(nlohmann::json::parse(to_json(message))["state"], "");
+}
+
 TEST(Base64, FollowsRfc4648) {
   const auto encode = [](const std::string& text) {
     return to_base64(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());

@@ -152,6 +152,17 @@ TEST(InitialPoseRequestText, TurnsDeviationsIntoACovariance) {
   EXPECT_THROW(read_initial_pose_request(R"({"x":1,"y":2,"theta":0,"sigma":0})"), RequestError);
 }
 
+TEST(SurveyRequestText, FinishesOrNamesAPlace) {
+  EXPECT_EQ(read_survey_request(R"({"action":"finish"})").action, survey_command_t::ACTION_FINISH);
+  const survey_command_t place = read_survey_request(R"({"action":"place","name":"lift"})");
+  EXPECT_EQ(place.action, survey_command_t::ACTION_PLACE);
+  EXPECT_EQ(place.name, "lift");
+  for (const char* body : {"", "{}", R"({"action":"place"})", R"({"action":"begin"})",
+                           R"({"action":"finish","folder":"/"})", R"({"action":"place","name":7})"}) {
+    EXPECT_THROW(read_survey_request(body), RequestError) << body;
+  }
+}
+
 TEST(MapRequestText, NamesNoFile) {
   EXPECT_EQ(read_map_request(R"({"action":"save"})").action, map_command_t::ACTION_SAVE);
   EXPECT_EQ(read_map_request(R"({"action":"clear_evidence"})").action, map_command_t::ACTION_CLEAR_EVIDENCE);

@@ -58,7 +58,7 @@ class Robot:
 
     def events(self, *names: str) -> Iterator[Event]:
         """Yields the viewer's events as they come, of these names if any are given: state (10 per second), nodes and processes
-        (1 per second), hypotheses, path, jobs, picture and tile. Raises Unreachable when the connection ends."""
+        (1 per second), hypotheses, path, jobs, survey, picture and tile. Raises Unreachable when the connection ends."""
         for event in self._connection.events():
             if not names or event.name in names:
                 yield event

@@ -34,7 +34,7 @@ SurveyLog good_log() {
 }
 
 TEST(SurveyReport, MakesABuildingOfWhatIsBelieved) {
-  const Building building = building_of(small_survey(), synthetic_model().kinds, "school");
+  const Building building = building_of(small_survey(), good_log(), synthetic_model().kinds, "school");
   EXPECT_EQ(building.name, "school");
   ASSERT_EQ(building.fixtures.size(), 2u);
   EXPECT_EQ(building.fixtures[1].id, 2);
@@ -42,6 +42,25 @@ TEST(SurveyReport, MakesABuildingOfWhatIsBelieved) {
   EXPECT_EQ(building.fixtures[0].lamps, 2);
   ASSERT_EQ(building.places.size(), 1u);
   EXPECT_EQ(building.places[0].name, "start");
+}
+
+TEST(SurveyReport, NamesPlacesWhereTheRobotWas) {
+  Survey survey = small_survey();
+  survey.frames.resize(1);
+  survey.frames[0].utime = 1'000'000;
+  SurveyLog log = good_log();
+  log.drive.odometry = {{1'000'000, 1, {}, 0.0, 0.0},
+                        {2'000'000, 1, {0.5, 0.0, 0.0}, 0.0, 0.0},
+                        {9'000'000, 2, {0.5, 0.0, 0.0}, 0.0, 0.0}};
+  log.places = {{"lift", 2'000'000, 1}, {"nowhere", 9'500'000, 2}};
+  const Building building = building_of(survey, log, synthetic_model().kinds, "school");
+  ASSERT_EQ(building.places.size(), 2u);
+  EXPECT_EQ(building.places[1].name, "lift");
+  EXPECT_NEAR(building.places[1].pose.x, 1.0 + 0.5 * std::cos(0.5), 1e-9);
+  EXPECT_NEAR(building.places[1].pose.theta, 0.5, 1e-9);
+  EXPECT_THAT(remarks_on(survey, log, synthetic_model().kinds), Contains(HasSubstr("the place nowhere was named")));
+  log.places = {{"start", 2'000'000, 1}};
+  EXPECT_EQ(building_of(survey, log, synthetic_model().kinds, "school").places.size(), 1u);
 }
 
 TEST(SurveyReport, SaysNothingOfAGoodDrive) {

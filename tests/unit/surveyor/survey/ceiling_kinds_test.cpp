@@ -27,6 +27,10 @@ std::string complaint(const std::string& text) {
 
 const char* const kTube = "[[kind]]\nlength = 1.2\nwidth = 0.15\nlamps = 1\n";
 
+TEST(CeilingKinds, ReadsTheShippedFile) {
+  EXPECT_EQ(read_ceiling_kinds(LUMINAV_SOURCE_DIR "/launch/survey/laboratory-kinds.toml").kinds.size(), 2u);
+}
+
 TEST(CeilingKinds, ReadsWhatOnePersonMeasures) {
   const CeilingKinds kinds = read(std::string("ceiling_height = 2.7\n") + kTube +
                                   "[[kind]]\nshape = \"round\"\ndiameter = 0.3\nheight = 2.5\n");

@@ -1,0 +1,16 @@
+#include "services/surveyor/live/surveyor_config.hpp"
+
+#include "services/surveyor/drive/survey_writing.hpp"
+
+namespace luminav {
+
+SurveyorConfig read_surveyor_config(const std::filesystem::path& robot_file, const std::filesystem::path& kinds_file,
+                                    const std::filesystem::path& folder) {
+  SurveyorConfig config;
+  config.model = read_survey_model(robot_file, kinds_file);
+  config.detector = read_detector_config(robot_file, building_of(config.model.kinds), kinds_file);
+  config.folder = std::filesystem::absolute(folder).lexically_normal();
+  return config;
+}
+
+}  // namespace luminav

@@ -1,0 +1,197 @@
+#include "services/surveyor/live/surveyor_node.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "services/common/log/log_message.hpp"
+#include "services/common/process/channels.hpp"
+#include "services/surveyor/live/survey_messages.hpp"
+
+namespace luminav {
+namespace {
+
+constexpr std::int64_t kPeriod = 1'000'000;  // [us] of SURVEY_STATUS, and of what a power loss may cost
+constexpr std::size_t kLongestName = 60;     // [bytes] of a place
+
+bool is_name(const std::string& name) {
+  const auto is_control = [](char letter) { return static_cast<unsigned char>(letter) < ' ' || letter == 0x7F; };
+  return !name.empty() && name.size() <= kLongestName && std::none_of(name.begin(), name.end(), is_control);
+}
+
+}  // namespace
+
+SurveyorNode::SurveyorNode(lcm::LCM& lcm, const SurveyorConfig& config, std::optional<CommandKey> key)
+    : lcm_(lcm),
+      config_(config),
+      collector_(config.detector),
+      live_(config.model),
+      log_(config.log_file(),
+           [this](const LogEvent& event) { collector_.add(event.channel, event.data.data(), event.data.size()); }),
+      is_finished_(std::filesystem::exists(config.folder / "building.toml")),
+      subscriber_(lcm, key) {
+  for (const OdometryReading& reading : collector_.so_far().drive.odometry) {
+    live_.add(reading);
+    now_ = reading.utime;
+  }
+  subscriber_.on<odometry_t>(channels::kOdometry, &SurveyorNode::on_odometry, this);
+  subscriber_.on<sonar_t>(channels::kSonar, &SurveyorNode::on_sonar, this);
+  subscriber_.on<camera_image_t>(channels::kCameraImage, &SurveyorNode::on_camera_image, this);
+  subscriber_.on<survey_command_t>(channels::kSurveyCommand, &SurveyorNode::on_survey_command, this);
+  take_results();
+}
+
+Health SurveyorNode::health() const {
+  Health health;
+  health.degraded = !failure_.empty();
+  health.reason = failure_;
+  health.dropped_inputs = subscriber_.dropped();
+  return health;
+}
+
+template <typename Message>
+void SurveyorNode::record(const char* channel, const Message& message) {
+  const std::vector<std::uint8_t> bytes = encoded(message);
+  try {
+    log_.write(message.utime, channel, bytes.data(), bytes.size());
+  } catch (const std::runtime_error& error) {
+    failure_ = error.what();
+  }
+}
+
+void SurveyorNode::on_odometry(const odometry_t& message) {
+  if (is_recording() && collector_.add(message)) {
+    record(channels::kOdometry, message);
+    live_.add(collector_.so_far().drive.odometry.back());
+  }
+  now_ = message.utime;
+  take_results();
+  if (now_ - published_ >= kPeriod || now_ < published_) {
+    publish();
+    try {
+      log_.sync();
+    } catch (const std::runtime_error& error) {
+      failure_ = error.what();
+    }
+  }
+}
+
+void SurveyorNode::on_sonar(const sonar_t& message) {
+  if (is_recording() && collector_.add(message)) {
+    record(channels::kSonar, message);
+  }
+}
+
+void SurveyorNode::on_camera_image(const camera_image_t& message) {
+  if (is_recording() && collector_.add(message)) {
+    record(channels::kCameraImage, message);
+  }
+}
+
+void SurveyorNode::on_survey_command(const survey_command_t& message) {
+  if (message.id < echo_id_) {
+    subscriber_.drop("SURVEY_COMMAND: older than one that was taken");
+    return;
+  }
+  if (message.id > echo_id_) {
+    echo_id_ = message.id;
+    objection_ = obey(message);
+  }
+  take_results();
+  publish();
+}
+
+std::string SurveyorNode::obey(const survey_command_t& command) {
+  if (command.action != survey_command_t::ACTION_FINISH && command.action != survey_command_t::ACTION_PLACE) {
+    return "a survey knows no such command";
+  }
+  if (collector_.so_far().drive.odometry.empty()) {
+    return "nothing was heard of the robot yet: is its driver running?";
+  }
+  if (command.action == survey_command_t::ACTION_FINISH) {
+    wants_end_ = !is_finished_;
+    return "";
+  }
+  if (!is_recording()) {
+    return "the survey is finished: name the place in the building's file, or on the page once the robot drives there";
+  }
+  if (!is_name(command.name)) {
+    return "a place needs a name of at most 60 letters";
+  }
+  if (collector_.add(command)) {
+    record(channels::kSurveyCommand, command);
+  }
+  return "";
+}
+
+void SurveyorNode::take_results() {
+  if (std::optional<SurveyWork::Result> result = work_.take_result()) {
+    take(*std::move(result));
+    publish();
+  }
+  if (work_.under_way()) {
+    return;
+  }
+  if (wants_end_) {
+    live_.begin_estimate();
+    work_.write(collector_.collected(), config_.model,
+                {config_.folder, config_.folder / "survey.json", config_.folder / "plan.png"});
+  } else if (live_.is_estimate_due()) {  // of a finished one too: its page shows the map
+    live_.begin_estimate();
+    work_.estimate(collector_.collected(), config_.model);
+  }
+}
+
+void SurveyorNode::take(SurveyWork::Result result) {
+  if (result.kind == SurveyWork::Kind::kWrite) {
+    wants_end_ = false;
+    is_finished_ = result.estimate.has_value();
+    failure_ = result.failure;
+  } else {
+    no_estimate_ = result.failure;
+  }
+  if (result.estimate) {
+    failure_.clear();  // somebody was in too great a hurry to finish
+    live_.take(*std::move(result.estimate));
+  }
+}
+
+void SurveyorNode::settle() {
+  while (work_.under_way()) {
+    work_.wait();
+    take_results();
+  }
+}
+
+std::int8_t SurveyorNode::state() const {
+  if (is_finished_) {
+    return survey_status_t::STATE_FINISHED;
+  }
+  if (wants_end_) {
+    return survey_status_t::STATE_WRITING;
+  }
+  if (!failure_.empty()) {
+    return survey_status_t::STATE_FAILED;
+  }
+  return work_.under_way() ? survey_status_t::STATE_ESTIMATING : survey_status_t::STATE_DRIVING;
+}
+
+std::string SurveyorNode::reason() const {
+  return failure_.empty() ? no_estimate_ : failure_;
+}
+
+void SurveyorNode::publish() {
+  survey_status_t message = to_message(live_.map(collector_.so_far()), config_.model.kinds);
+  message.utime = now_;
+  message.sequence = sequence_++;
+  message.state = state();
+  message.reason = reason();
+  message.folder = config_.folder.string();
+  message.echo_id = echo_id_;
+  message.objection = objection_;
+  lcm_.publish(channels::kSurveyStatus, &message);
+  published_ = now_;
+}
+
+}  // namespace luminav
