@@ -38,4 +38,8 @@ enum class SightingSource {
 SurveyLog read_survey_log(const std::string& file, const std::string& robot_file, const CeilingKinds& kinds,
                           SightingSource source);
 
+/// One drive of several, in this order; where the robot went in between nobody measured. A clock that began anew is put
+/// behind the log before.
+SurveyLog one_after_another(const std::vector<SurveyLog>& logs);
+
 }  // namespace luminav

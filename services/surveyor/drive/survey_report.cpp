@@ -54,10 +54,11 @@ void add_log_remarks(const Survey& survey, const SurveyLog& log, std::vector<std
     }
   }
   if (survey.joined_parts > 0) {
-    remarks.push_back(fmt::format(
-        "odometry began anew, or the robot was carried, {} times: these parts of the drive were laid on the map by the "
-        "fixtures that both have seen",
-        survey.joined_parts));
+    remarks.push_back(
+        fmt::format("odometry began anew, the robot was carried or another log began, {} times: these parts were laid "
+                    "on the map by the "
+                    "fixtures that both have seen",
+                    survey.joined_parts));
   }
   if (survey.left_out > 0.0) {
     remarks.push_back(fmt::format(
@@ -198,7 +199,8 @@ std::string survey_json(const Survey& survey, const CeilingKinds& kinds, const s
     doubts.push_back({{"fixture", doubt.fixture + 1}, {"may_be", ids}, {"sigma_m", doubt.sigma}});
   }
   const SurveyEstimate& estimate = survey.estimate;
-  return json{{"distance_m", survey.distance},
+  return json{{"begin_utime", survey.frames.front().utime},
+              {"distance_m", survey.distance},
               {"left_out_m", survey.left_out},
               {"joined_parts", survey.joined_parts},
               {"images", survey.frames.size()},

@@ -18,7 +18,7 @@ using namespace luminav;
 namespace fs = std::filesystem;
 
 struct Request {
-  std::string log;
+  std::vector<std::string> logs;
   std::string robot;
   std::string kinds;
   std::string out;
@@ -46,10 +46,13 @@ void print(const Survey& survey, const CeilingKinds& kinds, const std::vector<st
 int run(const Request& request) {
   refuse_a_building_in(request.out);  // before the log is read, which takes its time
   const SurveyModel model = read_survey_model(request.robot, request.kinds);
-  const SurveyLog log =
-      read_survey_log(request.log, request.robot, model.kinds,
-                      request.detections ? SightingSource::kDetections : SightingSource::kImagesElseDetections);
-  const WrittenSurvey written = write_survey(log, model, {request.out, request.json, request.png});
+  const SightingSource source =
+      request.detections ? SightingSource::kDetections : SightingSource::kImagesElseDetections;
+  std::vector<SurveyLog> logs;
+  for (const std::string& file : request.logs) {
+    logs.push_back(read_survey_log(file, request.robot, model.kinds, source));
+  }
+  const WrittenSurvey written = write_survey(one_after_another(logs), model, {request.out, request.json, request.png});
   print(written.survey, model.kinds, written.remarks);
   fmt::print("{}: look at it with scripts/check-building\n",
              (fs::absolute(request.out).lexically_normal() / "building.toml").string());
@@ -60,10 +63,10 @@ int run(const Request& request) {
 
 int main(int argc, char** argv) {
   Request request;
-  std::vector<std::string> logs;
-  CommandLine line("survey", "Makes a building's folder, with fixtures and map, of the log of one drive through it.");
+  CommandLine line("survey", "Makes a building's folder, with fixtures and map, of the logs of drives through it.");
   line.robot_file(request.robot);
-  line.positional("log", logs, "LCM log with ODOMETRY, SONAR and FIXTURE_DETECTIONS or CAMERA_IMAGE", true)
+  line.positional("log", request.logs,
+                  "LCM logs with ODOMETRY, SONAR and FIXTURE_DETECTIONS or CAMERA_IMAGE, in the order driven", true)
       .text("--kinds", request.kinds, "TOML file with ceiling_height and a [[kind]] for each kind of fixture", true)
       .text("--out", request.out, "new folder for building.toml and map.yaml", true)
       .flag("--detections", request.detections, "take the log's detections, also where it has images")
@@ -73,11 +76,5 @@ int main(int argc, char** argv) {
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
-  return run_guarded("survey", [&] {
-    if (logs.size() != 1) {
-      throw ConfigurationError(fmt::format("found {} logs, must be one", logs.size()));
-    }
-    request.log = logs.front();
-    return run(request);
-  });
+  return run_guarded("survey", [&] { return run(request); });
 }

@@ -19,29 +19,34 @@ namespace {
 
 constexpr double kSpacing = 0.05;  // [m] between the poses of the path
 
-std::vector<Pose2> true_path(const std::string& file) {
+struct TruePath {
+  std::vector<Pose2> poses;  // some centimetres apart
+  Pose2 begin;               // where the survey's first image was taken
+};
+
+TruePath true_path(const std::string& file, std::int64_t begin_utime) {
   lcm::LogFile log(file, "r");
   if (!log.good()) {
     throw std::runtime_error(file + ": cannot be read as an LCM log");
   }
-  std::vector<Pose2> path;
+  TruePath path;
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     sim_truth_t truth{};
     if (event->channel == channels::kSimTruth && truth.decode(event->data, 0, event->datalen) > 0) {
       const Pose2 pose{truth.x, truth.y, truth.theta};
-      if (path.empty() || distance(path.back(), pose) >= kSpacing) {
-        path.push_back(pose);
+      if (path.poses.empty() || distance(path.poses.back(), pose) >= kSpacing) {
+        path.poses.push_back(pose);
       }
+      path.begin = truth.utime <= begin_utime ? pose : path.begin;
     }
   }
-  if (path.empty()) {
+  if (path.poses.empty()) {
     throw std::runtime_error(file + ": has no SIM_TRUTH");
   }
   return path;
 }
 
-std::vector<ScoredFixture> surveyed_fixtures(const Building& building, const std::string& json_file) {
-  const nlohmann::json report = nlohmann::json::parse(read_whole_file(json_file));
+std::vector<ScoredFixture> surveyed_fixtures(const Building& building, const nlohmann::json& report) {
   std::vector<ScoredFixture> fixtures;
   for (std::size_t f = 0; f < building.fixtures.size(); ++f) {
     ScoredFixture scored{building.fixtures[f], {}};
@@ -100,9 +105,10 @@ int run(const std::string& scenario_file, std::int64_t seed, const std::string& 
   if (building.places.empty() || building.places.front().name != "start") {
     throw std::runtime_error(survey + ": does not say where the drive began");
   }
-  const std::vector<Pose2> path = true_path(log);
-  const SurveyScore score = score_survey(surveyed_fixtures(building, json), world, path,
-                                         path.front() * building.places.front().pose.inverse());
+  const nlohmann::json report = nlohmann::json::parse(read_whole_file(json));
+  const TruePath path = true_path(log, report.at("begin_utime").get<std::int64_t>());
+  const SurveyScore score = score_survey(surveyed_fixtures(building, report), world, path.poses,
+                                         path.begin * building.places.front().pose.inverse());
   fmt::print("seed {}: {}\n", seed, to_text(score));
   if (!figures.empty()) {
     write_whole_file(figures, to_json(score));

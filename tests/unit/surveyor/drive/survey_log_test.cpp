@@ -150,5 +150,38 @@ TEST_F(SurveyLogTest, SaysWhichFileIsMissing) {
   EXPECT_THROW((void)read(), std::runtime_error);
 }
 
+OdometryReading reading(std::int64_t utime, std::int64_t session) {
+  OdometryReading result;
+  result.utime = utime;
+  result.session = session;
+  return result;
+}
+
+TEST(SurveyLogs, FollowOneAnotherWithClocksAndSessionsThatBeganAnew) {
+  SurveyLog first;
+  first.drive.odometry = {reading(1'000'000, 1), reading(2'000'000, 2)};
+  first.drive.has_lengths = true;
+  first.images = 3;
+  SurveyLog second;
+  second.drive.odometry = {reading(500'000, 1), reading(600'000, 1), reading(700'000, 2)};
+  second.drive.frames.resize(1);
+  second.drive.frames[0].utime = 550'000;
+  second.places = {{"lift", 600'000, 1}};
+  second.drive.has_lengths = true;
+  second.is_cut = true;
+  const SurveyLog all = one_after_another({first, second});
+  ASSERT_EQ(all.drive.odometry.size(), 5U);
+  EXPECT_NE(all.drive.odometry[2].session, all.drive.odometry[1].session);
+  EXPECT_EQ(all.drive.odometry[3].session, all.drive.odometry[2].session);
+  EXPECT_NE(all.drive.odometry[4].session, all.drive.odometry[3].session);
+  EXPECT_GT(all.drive.odometry[2].utime, all.drive.odometry[1].utime);
+  const std::int64_t shift = all.drive.odometry[2].utime - 500'000;
+  EXPECT_EQ(all.drive.frames[0].utime, 550'000 + shift);
+  EXPECT_EQ(all.places[0].utime, 600'000 + shift);
+  EXPECT_EQ(all.images, 3U);
+  EXPECT_TRUE(all.is_cut);
+  EXPECT_TRUE(all.drive.has_lengths);
+}
+
 }  // namespace
 }  // namespace luminav
