@@ -22,7 +22,7 @@ constexpr int kMaxGain = 3;
 constexpr double kMaxNoise = 14.0;   // [grey] of a pixel: what varies more is no noise
 constexpr double kRagged = 0.02;     // [m] by which noise and grid lines may change a side of an unlit region
 constexpr double kOtherSize = 0.01;  // share by which an unlit region's length must miss to be tried as it is
-constexpr double kMinAcross = 16.0;  // [px] any dark speck looks like a smaller disc, any groove like a narrower piece
+constexpr double kMinAcross = 16.0;  // [px] any dark speck looks like a smaller disc, any groove like a narrower lamp
 constexpr double kOutset = 3.0;      // [1/m] by which an unlit outline is the worse, the less it has its nominal size
 constexpr double kOfRegion = 0.4;    // score of a region's own rectangle, at most: edges say more
 

@@ -38,7 +38,7 @@ class RegionShape {
   [[nodiscard]] bool touches_border() const { return touches_border_; }
   /// True when the border cuts off what reaches farthest in a direction, all of it.
   [[nodiscard]] bool is_cut_off(const Eigen::Vector2d& direction) const;
-  [[nodiscard]] double area() const { return area_; }            // [m^2]
+  [[nodiscard]] double area() const { return area_; }            // [m^2] before it was eroded
   [[nodiscard]] double hull_area() const;                        // [m^2] with what is hollow
   [[nodiscard]] double cell_size() const { return cell_size_; }  // [m]
   [[nodiscard]] const std::vector<Eigen::Vector2i>& hull_cells() const { return hull_; }
@@ -53,6 +53,7 @@ class RegionShape {
     double theta;
     bool own;  // not along the image border
   };
+  [[nodiscard]] double hull_length() const;  // [m] all around, through cell centres
   void choose_orientations();
   void add_orientation(double theta);
   [[nodiscard]] Extents extents(const Eigen::Vector2d& along) const;  // a direction
