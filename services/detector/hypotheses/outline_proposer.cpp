@@ -92,7 +92,7 @@ void OutlineProposer::propose_cut(const Target& target, const RegionShape& shape
   const double slack = tolerance.share * kind.length + tolerance.ragged + 2.0 * tolerance.bloom;
   if (seen_length < least * kind.length || seen_length > kind.length + slack ||
       !widths_of(target.width(), target.tubes(), cell, tolerance).holds(seen_width) ||
-      shape.area() < kMinFillOfPart * e.length() * e.width()) {
+      shape.eroded_area() < kMinFillOfPart * e.length() * e.width()) {
     return;
   }
   const double half_length = 0.5 * kind.length / target.scale;

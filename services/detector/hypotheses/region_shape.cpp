@@ -69,7 +69,8 @@ bool RegionShape::take(const Region& region, int shrunk, const CellPlane& plane)
   const int row = (region.top + region.bottom) / 2;
   cell_size_ = plane.cell_size(column, row);
   grow_ = (0.5 + shrunk) * cell_size_;
-  area_ = region.cells * plane.cell_area(column, row) + shrunk * cell_size_ * hull_length();
+  eroded_area_ = region.cells * plane.cell_area(column, row);
+  area_ = eroded_area_ + shrunk * cell_size_ * hull_length();
   choose_orientations();
   return area_ > 0.0;  // false of no number
 }
