@@ -39,7 +39,6 @@ ModernDetectorParams read_modern(const TomlTable& table) {
   ModernDetectorParams p;
   p.lit_contrast = table.number("lit_contrast", p.lit_contrast, kGrey);
   p.unlit_contrast = table.number("unlit_contrast", p.unlit_contrast, kGrey);
-  p.noise_factor = table.number("noise_factor", p.noise_factor, {0.0, 50.0});
   p.lit_edge = table.number("lit_edge", p.lit_edge, kGrey);
   p.unlit_edge = table.number("unlit_edge", p.unlit_edge, kGrey);
   p.size_tolerance = table.number("size_tolerance", p.size_tolerance, {0.0, 0.5});

@@ -14,11 +14,15 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::array kLitLevels{250, 240, 225, 200, 175, 150, 125, 100, 80, 62, 48, 36, 28};  // [grey]
-constexpr std::array kDepths{60, 40, 27, 18, 12, 8, 6, 4, 3};                                 // [grey]
+constexpr std::array kDepths{60, 40, 27, 18, 12, 8, 6, 4};                                    // [grey]
 constexpr std::size_t kMedianSamples = 20000;
+// What is unlit is darker by a share of the ceiling's grey level: a dim image is multiplied first, up to this median.
+constexpr int kCeilingGrey = 120;
+constexpr int kMaxGain = 3;
+constexpr double kMaxNoise = 14.0;   // [grey] of a pixel: what varies more is no noise
 constexpr double kRagged = 0.02;     // [m] by which noise and grid lines may change a side of an unlit region
 constexpr double kOtherSize = 0.01;  // share by which an unlit region's length must miss to be tried as it is
-constexpr double kMinAcross = 16.0;  // [px] any dark speck looks like a smaller disc, any groove like a narrower piece
+constexpr double kMinAcross = 16.0;  // [px] any dark speck looks like a smaller disc, any groove like a narrower lamp
 constexpr double kOutset = 3.0;      // [1/m] by which an unlit outline is the worse, the less it has its nominal size
 constexpr double kOfRegion = 0.4;    // score of a region's own rectangle, at most: edges say more
 
@@ -84,16 +88,29 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
   if (catalogue_.fixtures.empty()) {
     return selection_.detections();
   }
-  contrast_.compute(reduced_, limits_.window_radius, limits_.ignore_lines);
+  const int gain = std::clamp(kCeilingGrey / std::max(median_, 1), 1, kMaxGain);
+  const bool is_dim = gain > 1;
+  if (is_dim) {
+    brighten(image, gain, brightened_);
+    reduce(brightened_.view(), limits_.factor, brightened_cells_);
+  }
+  const Raster& unlit_cells = is_dim ? brightened_cells_ : reduced_;
+  contrast_.compute(unlit_cells, limits_.window_radius, limits_.ignore_lines);
+  const double noise = std::clamp(contrast_.noise() * limits_.factor / gain, 1.0, kMaxNoise);
   const CeilingFrame frame{.image = image,
                            .reduced = reduced_,
                            .dark = contrast_.dark(),
                            .factor = limits_.factor,
-                           .pixel_noise = std::clamp(contrast_.noise() * limits_.factor, 1.0, 14.0),
+                           .pixel_noise = noise,
                            .brightest = max_cell(reduced_),
                            .saturated = histogram.share_from(kLitLevels.front())};
   look_for(true, kLitLevels, frame, trace);
-  look_for(false, kDepths, frame, trace);
+  const CeilingFrame unlit_frame{.image = is_dim ? brightened_.view() : image,
+                                 .reduced = unlit_cells,
+                                 .dark = contrast_.dark(),
+                                 .factor = limits_.factor,
+                                 .pixel_noise = gain * noise};
+  look_for(false, kDepths, unlit_frame, trace);
   return selection_.detections();
 }
 
@@ -102,10 +119,8 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
 void ModernDetector::look_for(bool bright, std::span<const int> levels, const CeilingFrame& frame,
                               DetectorTrace* trace) {
   tried_.clear();
-  const double contrast = bright ? params_.lit_contrast : params_.unlit_contrast;
-  const int least =
-      (bright ? median_ : 0) + static_cast<int>(std::max(contrast, params_.noise_factor * contrast_.noise()) + 0.5);
-  const Raster& cells = bright ? reduced_ : contrast_.dark();
+  const double least = bright ? median_ + params_.lit_contrast : params_.unlit_contrast;
+  const Raster& cells = bright ? frame.reduced : frame.dark;
   const int brightest = max_cell(cells);
   for (const int level : levels) {
     if (level >= brightest || level < least) {
@@ -138,7 +153,7 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
   if (hypotheses.empty()) {
     return;
   }
-  OutlineFitParams params = fit_params(region, layer);
+  OutlineFitParams params = fit_params(region, layer, frame);
   for (const OutlineHypothesis& hypothesis : hypotheses) {
     if (!tried_.add(hypothesis)) {
       continue;
@@ -198,8 +213,8 @@ Verdict ModernDetector::judge_region(const CeilingFrame& frame, Candidate& candi
   return checks_.by_region(frame, candidate);
 }
 
-OutlineFitParams ModernDetector::fit_params(const Region& region, const Layer& layer) const {
-  const Raster& cells = layer.bright ? reduced_ : contrast_.dark();
+OutlineFitParams ModernDetector::fit_params(const Region& region, const Layer& layer, const CeilingFrame& frame) const {
+  const Raster& cells = layer.bright ? frame.reduced : frame.dark;
   int sum = 0;
   for (const Run& run : region.runs) {
     const std::uint8_t* row = cells.row(run.row);
@@ -209,7 +224,7 @@ OutlineFitParams ModernDetector::fit_params(const Region& region, const Layer& l
   return {.inside_brighter = layer.bright,
           .min_edge = layer.bright ? params_.lit_edge : params_.unlit_edge,
           .expected_step = mean - (layer.bright ? median_ : 0),
-          .pixel_noise = std::clamp(contrast_.noise() * limits_.factor, 1.0, 14.0),
+          .pixel_noise = frame.pixel_noise,
           .side_sigma = layer.bright ? 0.4 * params_.max_bloom : 0.008,
           .edge_sigma_px = params_.edge_sigma_px,
           .outline_sigma_px = params_.outline_sigma_px};

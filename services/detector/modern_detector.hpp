@@ -49,7 +49,7 @@ class ModernDetector {
   [[nodiscard]] Verdict judge_edges(const CeilingFrame& frame, const OutlineFitParams& params,
                                     const OutlinePlacement& start, Candidate& candidate);
   [[nodiscard]] Verdict judge_region(const CeilingFrame& frame, Candidate& candidate);
-  [[nodiscard]] OutlineFitParams fit_params(const Region& region, const Layer& layer) const;
+  [[nodiscard]] OutlineFitParams fit_params(const Region& region, const Layer& layer, const CeilingFrame& frame) const;
 
   ModernDetectorParams params_;
   CeilingCamera camera_;
@@ -58,6 +58,8 @@ class ModernDetector {
   CellPlane plane_;
   int median_ = 0;  // [grey] of the reduced image
   Raster reduced_;
+  GreyImage brightened_;  // of a dim image
+  Raster brightened_cells_;
   ContrastMap contrast_;
   RegionFinder finder_;
   RegionShape shape_;

@@ -17,6 +17,7 @@ constexpr double kTube = 0.026;         // [m] T8
 constexpr double kMaxWidth = 1.9;       // of a narrow one: blur and bloom
 constexpr double kMinPart = 0.5;        // of a fixture, of its largest part where noise breaks it
 constexpr double kMinFillOfPart = 0.5;  // of a piece's rectangle: the border cuts off a corner, noise frays it
+constexpr double kOfNarrow = 0.25;      // of the tolerance: grooves look like narrow lamps, seldom of their length
 constexpr double kMinFill = 0.68;       // of a region's rectangle, or of a disc's
 
 struct Range {
@@ -91,7 +92,7 @@ void OutlineProposer::propose_cut(const Target& target, const RegionShape& shape
   const double slack = tolerance.share * kind.length + tolerance.ragged + 2.0 * tolerance.bloom;
   if (seen_length < least * kind.length || seen_length > kind.length + slack ||
       !widths_of(target.width(), target.tubes(), cell, tolerance).holds(seen_width) ||
-      shape.area() < kMinFillOfPart * e.length() * e.width()) {
+      shape.eroded_area() < kMinFillOfPart * e.length() * e.width()) {
     return;
   }
   const double half_length = 0.5 * kind.length / target.scale;
@@ -166,22 +167,28 @@ void OutlineProposer::propose_kind(const Target& target, const RegionShape& shap
                                    bool bright) {
   const bool bar = target.kind->shape == FixtureShape::kRectangle || target.burning > 0;
   const bool round = target.kind->shape == FixtureShape::kRound;
-  if (target.kind->width < tolerance.min_width && (round || shape.touches_border())) {
+  const bool is_narrow = target.kind->width < tolerance.min_width;
+  if (is_narrow && (round || shape.touches_border())) {
     return;
+  }
+  SizeTolerance own = tolerance;
+  if (is_narrow) {
+    own.share *= kOfNarrow;
+    own.may_be_broken = false;
   }
   const std::vector<Orientation>& orientations = shape.orientations();
   for (std::size_t i = 0; i < orientations.size(); ++i) {
     if (bar || i % 2 == 0) {  // others look the same at right angles
-      propose_whole(target, shape, orientations[i], tolerance);
+      propose_whole(target, shape, orientations[i], own);
     }
-    if (bar && target.kind->is_fixture && (shape.touches_border() || tolerance.may_be_broken)) {
-      propose_cut(target, shape, orientations[i], tolerance);
+    if (bar && target.kind->is_fixture && (shape.touches_border() || own.may_be_broken)) {
+      propose_cut(target, shape, orientations[i], own);
     }
-    if (bar && tolerance.is_white && !shape.touches_border() && target.burning == 0) {
-      propose_beside_glow(target, shape, orientations[i], tolerance);
+    if (bar && own.is_white && !shape.touches_border() && target.burning == 0) {
+      propose_beside_glow(target, shape, orientations[i], own);
     }
     if (target.kind->is_fixture && !round && shape.touches_border() && target.burning == 0) {
-      propose_from_one_side(target, shape, orientations[i], tolerance);
+      propose_from_one_side(target, shape, orientations[i], own);
     }
   }
   if (bright && !round && target.burning == 0) {

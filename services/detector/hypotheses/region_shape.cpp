@@ -69,21 +69,28 @@ bool RegionShape::take(const Region& region, int shrunk, const CellPlane& plane)
   const int row = (region.top + region.bottom) / 2;
   cell_size_ = plane.cell_size(column, row);
   grow_ = (0.5 + shrunk) * cell_size_;
-  area_ = region.cells * plane.cell_area(column, row);
+  eroded_area_ = region.cells * plane.cell_area(column, row);
+  area_ = eroded_area_ + shrunk * cell_size_ * hull_length();
   choose_orientations();
   return area_ > 0.0;  // false of no number
 }
 
+double RegionShape::hull_length() const {
+  double length = 0.0;
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    length += (corners_[(i + 1) % corners_.size()].place - corners_[i].place).norm();
+  }
+  return length;
+}
+
 double RegionShape::hull_area() const {
   double twice = 0.0;
-  double around = 0.0;
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const Vector2d& a = corners_[i].place;
     const Vector2d& b = corners_[(i + 1) % corners_.size()].place;
     twice += a.x() * b.y() - b.x() * a.y();
-    around += (b - a).norm();
   }
-  return 0.5 * std::abs(twice) + grow_ * around;
+  return 0.5 * std::abs(twice) + grow_ * hull_length();
 }
 
 RegionShape::Extents RegionShape::extents(const Vector2d& along) const {

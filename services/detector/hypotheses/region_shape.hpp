@@ -38,9 +38,10 @@ class RegionShape {
   [[nodiscard]] bool touches_border() const { return touches_border_; }
   /// True when the border cuts off what reaches farthest in a direction, all of it.
   [[nodiscard]] bool is_cut_off(const Eigen::Vector2d& direction) const;
-  [[nodiscard]] double area() const { return area_; }            // [m^2]
-  [[nodiscard]] double hull_area() const;                        // [m^2] with what is hollow
-  [[nodiscard]] double cell_size() const { return cell_size_; }  // [m]
+  [[nodiscard]] double area() const { return area_; }                // [m^2] before it was eroded
+  [[nodiscard]] double eroded_area() const { return eroded_area_; }  // [m^2] as it is
+  [[nodiscard]] double hull_area() const;                            // [m^2] with what is hollow
+  [[nodiscard]] double cell_size() const { return cell_size_; }      // [m]
   [[nodiscard]] const std::vector<Eigen::Vector2i>& hull_cells() const { return hull_; }
 
  private:
@@ -53,6 +54,7 @@ class RegionShape {
     double theta;
     bool own;  // not along the image border
   };
+  [[nodiscard]] double hull_length() const;  // [m] all around, through cell centres
   void choose_orientations();
   void add_orientation(double theta);
   [[nodiscard]] Extents extents(const Eigen::Vector2d& along) const;  // a direction
@@ -65,6 +67,7 @@ class RegionShape {
   bool touches_border_ = false;
   double grow_ = 0.0;  // [m] from cell centres to the region's edge
   double area_ = 0.0;
+  double eroded_area_ = 0.0;
   double cell_size_ = 0.0;
 };
 

@@ -37,6 +37,14 @@ void fold_by_two(const std::uint16_t* sums, int cells, std::uint8_t* out) {
   }
 }
 
+LUMINAV_VECTOR_CLONES
+void multiply(const std::uint8_t* pixels, std::size_t count, int gain, std::uint8_t* out) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    out[i] = static_cast<std::uint8_t>(std::min(255, pixels[i] * gain));
+  }
+}
+
 // The result may be written over `a` while `b` lies ahead of it: what is read was not yet written.
 LUMINAV_VECTOR_CLONES
 void larger_of(const std::uint8_t* a, const std::uint8_t* b, int count, std::uint8_t* out) {
@@ -98,6 +106,13 @@ void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Comb
 }
 
 }  // namespace
+
+void brighten(const GreyView& image, int gain, GreyImage& result) {
+  result.width = image.width;
+  result.height = image.height;
+  result.pixels.resize(image.pixels.size());
+  multiply(image.pixels.data(), image.pixels.size(), gain, result.pixels.data());
+}
 
 void reduce(const GreyView& image, int factor, Raster& result) {
   result.resize(image.width / factor, image.height / factor);

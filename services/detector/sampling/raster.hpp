@@ -26,6 +26,9 @@ struct Raster {
   }
 };
 
+/// Each pixel times `gain`, at most 255.
+void brighten(const GreyView& image, int gain, GreyImage& result);
+
 /// Means of factor x factor squares, rounded; factor 1, 2 or 4. Rows and columns that fill no square are left out.
 void reduce(const GreyView& image, int factor, Raster& result);
 

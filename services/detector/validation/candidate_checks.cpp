@@ -13,8 +13,7 @@ constexpr double kBlurredEdge = 2.5;          // [px] by which an outline may al
 constexpr double kElementFrame = 0.045;       // [m] a vent's frame is as bright as the ceiling: its slats end inside
 constexpr double kMaxAcross = 0.030;          // [m] 1 sigma of its place across
 constexpr double kMaxHeading = radians(1.5);  // 1 sigma, of a piece
-constexpr double kMinAcross = 16.0;           // [px] of what is no speck: any groove looks like a narrower piece
-constexpr double kSpeckSupport = 0.92;        // share of the rim of a smaller lamp that must show its edge
+constexpr double kMinAcross = 16.0;           // [px] of what is no speck
 constexpr double kOfMinVisible = 0.75;        // edges are looked for no closer to the border than this leaves
 constexpr double kMinStretch = 0.4;           // of a long side, where the other one or both ends are out of view
 constexpr double kAlikeSides = 0.5;    // least step of a lamp's side, of the other's: a burning half has a faint one
@@ -185,9 +184,6 @@ Verdict CandidateChecks::piece(const Candidate& candidate) const {
   const int edges = fit.ends_visible() + (fit.only_side() ? 1 : 2);
   if (edges < (candidate.bright ? 2 : 3)) {
     return Verdict::kTooFewEdges;
-  }
-  if (!candidate.bright && outline.width < kMinAcross * fit.metres_per_px) {
-    return Verdict::kTooUncertain;
   }
   const bool is_short = fit.visible_to - fit.visible_from < kMinStretch * outline.length;
   if (fit.ends_visible() == 0 && is_short) {

@@ -40,6 +40,26 @@ TEST(Luminaires, FindNarrowUnlitOnesOnlyWhereTheyAreWholeInView) {
   }
 }
 
+TEST(Luminaires, FindUnlitOnesThatAreLongerThanTheFileSays) {
+  const CeilingKind told{.length = 1.08, .width = 0.135, .height = kHeight, .lamps = 1};
+  DrawnCeiling ceiling;
+  ceiling.shapes = {{.pose = {0.1, 0.1, 0.3}, .length = 1.2, .width = 0.15, .state = DetectionState::kUnlit}};
+  const auto detections = test::detect(ceiling, test::test_camera(), only(told));
+  ASSERT_EQ(detections.size(), 1U);
+  test::expect_at(detections[0], ceiling.shapes[0].pose, 5e-3, radians(0.4));
+}
+
+TEST(Luminaires, FindUnlitOnesInADimPicture) {
+  const CeilingKind lamp{.length = 1.2, .width = 0.3, .height = kHeight, .lamps = 2};
+  DrawnCeiling ceiling{.grey = 30.0, .noise = 3.0};
+  ceiling.shapes = {{.pose = {0.1, 0.1, 0.3}, .length = 1.2, .width = 0.3, .state = DetectionState::kUnlit}};
+  ceiling.shapes[0].darker = 3.5;
+  const auto detections = test::detect(ceiling, test::test_camera(), only(lamp));
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_EQ(detections[0].state, DetectionState::kUnlit);
+  test::expect_at(detections[0], ceiling.shapes[0].pose, 10e-3, radians(0.5));
+}
+
 TEST(Luminaires, FindEachOfARowEndToEnd) {
   const CeilingKind lamp{.length = 1.0, .width = 0.15, .height = kHeight, .lamps = 1};
   DrawnCeiling ceiling;

@@ -33,6 +33,15 @@ Raster random_raster(int width, int height, std::uint32_t seed) {
   return raster;
 }
 
+TEST(Brighten, MultipliesAndSaturates) {
+  const std::vector<std::uint8_t> pixels{0, 3, 85, 86, 255};
+  GreyImage brighter;
+  brighten({5, 1, pixels}, 3, brighter);
+  EXPECT_EQ(brighter.width, 5);
+  EXPECT_EQ(brighter.height, 1);
+  EXPECT_EQ(brighter.pixels, (std::vector<std::uint8_t>{0, 9, 255, 255, 255}));
+}
+
 TEST(Reduce, TakesRoundedMeansOfSquares) {
   const std::vector<std::uint8_t> pixels{0, 2, 10, 10, 9,  //
                                          4, 7, 10, 11, 9};
