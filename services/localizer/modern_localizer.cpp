@@ -20,6 +20,9 @@ constexpr int kMaxUnmatched = 3;                // images in a row in which a fi
 constexpr double kMovedByHand = 0.05;           // [m] by which one image moves a pose that wheels did not move
 constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 
+// What a slip or a bump does before an image shows it: 0.3 m and 10 degrees. [m^2, m^2, rad^2]
+const Eigen::Vector3d kUnnoticedMotion{0.09, 0.09, 0.03};
+
 }  // namespace
 
 ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
@@ -185,8 +188,8 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   if (supervisor_.has_leader()) {
     monitor_.allow_kidnapping(!motors_enabled_);
     track(frame, objects, timed.odometry, is_rushing);
-    supervisor_.favour_predicting_pose();
   }
+  supervisor_.favour_predicting_pose();
   if (!supervisor_.is_tracking()) {
     bank_.seed(tracks_);
   }
@@ -241,7 +244,7 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
   const auto contradiction = monitor_.look(frame, objects, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
                                            distance_since_fixture(), supervisor_.is_suspected());
   if (contradiction) {
-    supervisor_.suspect(*contradiction);
+    suspect(*contradiction, frame, odometry);
   } else if (is_rushing && matches.empty() && !supervisor_.is_suspected()) {
     supervisor_.suspect({"what is seen rushes past faster than the wheels turn", log_prior::kAfterMisfit, true});
   }
@@ -251,6 +254,25 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
   if (!motors_enabled_ && supervisor_.is_tracking() &&
       (distance(before, after) > kMovedByHand || std::abs(wrap_angle(after.theta - before.theta)) > kTurnedByHand)) {
     supervisor_.suspect("the robot was moved by hand while its motors were off", log_prior::kAfterMiss);
+  }
+}
+
+void ModernLocalizer::suspect(const Contradiction& contradiction, const SightingFrame& frame,
+                              const OdometryReading& odometry) {
+  TrackingFilter moved = filter_;
+  moved.widen(kUnnoticedMotion);
+  const std::vector<FixtureMatch> matches = find_matches(moved, frame, odometry);
+  if (!contradiction.is_misfit || matches.empty()) {
+    supervisor_.suspect(contradiction);
+    return;
+  }
+  correct(moved, frame, matches, odometry);
+  const PoseBelief belief = moved.belief();
+  const bool is_same = is_same_place(filter_.belief().pose, belief.pose, params_.hypotheses);
+  filter_ = is_same ? moved : filter_;  // the bank does not tell the two apart
+  supervisor_.suspect(contradiction);
+  if (!is_same) {
+    supervisor_.add_moved(belief, contradiction.log_prior);
   }
 }
 

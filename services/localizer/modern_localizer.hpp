@@ -67,6 +67,9 @@ class ModernLocalizer final : public Localizer {
   /// With `is_rushing` something in the image rushes past.
   void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry,
              bool is_rushing);
+  /// What fits nothing where the robot is held to be may be a fixture seen by a robot that slipped or was bumped: that
+  /// pose competes with the doubted one.
+  void suspect(const Contradiction& contradiction, const SightingFrame& frame, const OdometryReading& odometry);
   [[nodiscard]] std::vector<FixtureMatch> find_matches(const TrackingFilter& filter, const SightingFrame& frame,
                                                        const OdometryReading& odometry) const;
   /// Returns the normalised innovation squared of each match.

@@ -8,8 +8,6 @@ namespace {
 
 constexpr double kFarthest = 6.0;     // [m] no camera here sees farther along the ceiling
 constexpr double kBeyondView = 0.05;  // [m] slack of the radius outside of which nothing is seen
-constexpr double kSamePlace = 0.5;    // [m] two views of a fixture agree within this, the bound of "confidently wrong"
-constexpr double kSameDirection = radians(20.0);
 
 /// Without a square root: asked for every fixture of a building many times a second.
 bool is_near(const Pose2& a, const Pose2& b, double radius) {
@@ -66,28 +64,29 @@ std::vector<std::size_t> FixtureVisibility::visible_from(const Pose2& world_from
   return visible;
 }
 
-bool FixtureVisibility::predicts(const Pose2& in_robot, const Fixture& seen, const Pose2& world_from_robot) const {
+bool FixtureVisibility::predicts(const Pose2& in_robot, const Fixture& seen, const Pose2& world_from_robot,
+                                 const ViewGate& gate) const {
   for (const Fixture& fixture : fixtures_) {
     if (!is_near(fixture.world_from_fixture, world_from_robot, kFarthest)) {
       continue;
     }
     const Pose2 predicted = world_from_robot.inverse() * fixture.world_from_fixture;
     const double turn = wrap_modulo(predicted.theta - in_robot.theta, symmetry_period(seen.shape));
-    if (fixture.shape == seen.shape && distance(predicted, in_robot) < kSamePlace && std::abs(turn) < kSameDirection) {
+    if (fixture.shape == seen.shape && distance(predicted, in_robot) < gate.distance && std::abs(turn) < gate.turn) {
       return true;
     }
   }
   return false;
 }
 
-bool FixtureVisibility::contradicts(const Pose2& truth, const Pose2& belief) const {
+bool FixtureVisibility::contradicts(const Pose2& truth, const Pose2& belief, const ViewGate& gate) const {
   for (const std::size_t i : visible_from(truth, 0.3)) {
-    if (!predicts(truth.inverse() * fixtures_[i].world_from_fixture, fixtures_[i], belief)) {
+    if (!predicts(truth.inverse() * fixtures_[i].world_from_fixture, fixtures_[i], belief, gate)) {
       return true;
     }
   }
   for (const std::size_t i : visible_from(belief, 0.8)) {
-    if (!predicts(belief.inverse() * fixtures_[i].world_from_fixture, fixtures_[i], truth)) {
+    if (!predicts(belief.inverse() * fixtures_[i].world_from_fixture, fixtures_[i], truth, gate)) {
       return true;
     }
   }

@@ -256,7 +256,17 @@ void TrackingSupervisor::judge_recalled_pose(const std::vector<int>& objects,
   }
 }
 
+void TrackingSupervisor::add_moved(const PoseBelief& belief, double log_prior) {
+  bank_.add_guess(belief, log_prior);
+  moved_id_ = bank_.hypotheses().back().id;
+}
+
 void TrackingSupervisor::favour_predicting_pose() {
+  // the first fixture that it fits is the one by which it was found
+  if (Hypothesis* moved = find(moved_id_); moved != nullptr && moved->confirmed.size() >= 2) {
+    moved->log_prior += log_prior::kWhenPredicted;
+    moved_id_ = 0;
+  }
   Hypothesis* held = leader();
   if (!may_predict_ || held == nullptr || held->confirmed.empty()) {
     return;
@@ -289,9 +299,9 @@ void TrackingSupervisor::add_rival(const PoseBelief& belief) {
   rival.log_prior = log_posterior - rival.closed_score;
 }
 
-Hypothesis* TrackingSupervisor::leader() const {
+Hypothesis* TrackingSupervisor::find(int id) const {
   const auto found = std::find_if(bank_.hypotheses().begin(), bank_.hypotheses().end(),
-                                  [&](const Hypothesis& h) { return h.id == leader_id_; });
+                                  [&](const Hypothesis& h) { return h.id == id; });
   return found == bank_.hypotheses().end() ? nullptr : &*found;
 }
 

@@ -35,6 +35,8 @@ class TrackingSupervisor {
   void suspect_after_gap(const std::string& why, bool may_be_kidnapped);
   /// Puts it in doubt for a slip of the wheels, after which the robot is rather at `slipped`.
   void suspect_slip(const PoseBelief& slipped);
+  /// Adds where a doubted robot is if it slipped or was bumped. Another fixture that this pose predicts speaks for it.
+  void add_moved(const PoseBelief& belief, double log_prior);
   /// While somebody moves the robot nothing is known.
   void suspend(const std::string& why);
   /// That is over, and what was seen before says nothing of where the robot is now. With `was_followed` the filter saw
@@ -44,7 +46,7 @@ class TrackingSupervisor {
   void recall();
   /// The first images after that.
   void judge_recalled_pose(const std::vector<int>& objects, const std::vector<FixtureMatch>& matches);
-  /// Gives a doubted pose more weight once it predicted a fixture.
+  /// Gives a doubted pose, and the one it may have moved to, more weight once it predicted a fixture.
   void favour_predicting_pose();
   /// While TRACKING, after an image whose fixtures the filter matched: a leader that matched none of them goes where
   /// the filter is.
@@ -74,7 +76,9 @@ class TrackingSupervisor {
   /// Ahead by what declaring needs, and without the sonars not too far behind.
   [[nodiscard]] bool is_far_ahead() const;
   [[nodiscard]] double needed_margin() const { return was_tracking_ ? rules_.enter_margin : rules_.first_margin; }
-  [[nodiscard]] Hypothesis* leader() const;
+  /// The hypothesis of that number; nullptr if there is none.
+  [[nodiscard]] Hypothesis* find(int id) const;
+  [[nodiscard]] Hypothesis* leader() const { return find(leader_id_); }
 
   const FixtureMap& map_;
   ObjectTracks& tracks_;
@@ -92,6 +96,7 @@ class TrackingSupervisor {
   bool may_predict_ = false;   // a fixture where the doubted leader has one speaks for it
   int needed_fixtures_ = 1;    // that must fit before the doubted leader is held for true again
   bool is_recalled_ = false;   // the leader comes from before a restart, and no sighting has judged it yet
+  int moved_id_ = 0;           // hypothesis that it slipped or was bumped, until it predicted a fixture; 0 = none
   int suspected_id_ = 0;       // hypothesis that was put in doubt last
   int unexplained_run_ = 0;    // images
 };

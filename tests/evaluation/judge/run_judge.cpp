@@ -15,9 +15,13 @@ namespace {
 
 constexpr double kWrongPosition = 0.5;           // [m] the contract's bound of "confidently wrong"
 constexpr double kWrongHeading = radians(20.0);  // [rad]
-constexpr double kGrace = 1.0;                   // [s] after the first contradicting image of a carry
+constexpr double kGrace = 1.0;                   // [s] after the first contradicting image of a mishap
+constexpr double kBumpTime = 0.2;                // [s] that a bump takes
 constexpr std::int64_t kHistory = 3'000'000;     // [us]
 constexpr int kTrailEvery = 5;                   // poses
+
+// What a fixture seen says of a tracked pose at 99.9 %: beyond the localizer's kFixtureSurprise it contradicts.
+constexpr ViewGate kTrackingGate{0.25, radians(6.0)};
 
 // A free stretch: following a path for two seconds, more than a metre to go, nothing within 0.4 m, nobody within 2.5 m.
 constexpr double kFreeClearance = 0.4;     // [m]
@@ -31,6 +35,16 @@ double seconds(std::int64_t microseconds) {
 
 Pose2 pose_of(const sim_truth_t& truth) {
   return {truth.x, truth.y, truth.theta};
+}
+
+/// An event moves the robot otherwise than its wheels tell.
+bool is_moved_by(const std::vector<ScenarioEvent>& events, double now) {
+  return std::any_of(events.begin(), events.end(), [&](const ScenarioEvent& event) {
+    const double duration = event.kind == EventKind::kSlip   ? event.duration
+                            : event.kind == EventKind::kBump ? kBumpTime
+                                                             : 0.0;
+    return now >= event.at && now < event.at + duration;
+  });
 }
 
 /// Of at least one value.
@@ -104,6 +118,11 @@ void RunJudge::on_truth(const sim_truth_t& truth) {
   }
   min_clearance_ = std::min(min_clearance_, truth.clearance);
   truth_ = truth;
+  is_moved_ = truth.carried || is_moved_by(scenario_.events, elapsed());
+  if (is_moved_ && !mishap_open_ && pose_ && pose_->state == pose_t::STATE_TRACKING && !is_wrong()) {
+    mishap_open_ = true;
+    told_at_.reset();
+  }
   recent_truth_.push_back(truth);
   while (truth.utime - recent_truth_.front().utime > kHistory) {
     recent_truth_.pop_front();
@@ -130,15 +149,15 @@ void RunJudge::on_pose(const pose_t& pose) {
 
 void RunJudge::judge_tracking(const pose_t& pose, const Pose2& truth, double duration) {
   const bool is_tracking = pose.state == pose_t::STATE_TRACKING;
-  const bool is_wrong = position_error_ > kWrongPosition || heading_error_ > kWrongHeading;
   if (is_tracking && !localized_) {
     localized_ = true;
     localized_s_ = elapsed();
     localized_after_m_ = driven_;
   }
-  judge_carries(pose, truth, is_wrong);
-  const bool in_grace = carry_open_ && (!contradicted_at_ || seconds(pose.utime - *contradicted_at_) < kGrace);
-  if (is_tracking && is_wrong && !in_grace) {
+  judge_carries(pose, truth);
+  judge_mishap(pose, truth);
+  const bool in_grace = mishap_open_ && (!told_at_ || seconds(pose.utime - *told_at_) < kGrace);
+  if (is_tracking && is_wrong() && !in_grace) {
     confident_wrong_s_ += duration;
   }
   if (localized_ && !carry_open_) {
@@ -167,7 +186,25 @@ void RunJudge::judge_tracking(const pose_t& pose, const Pose2& truth, double dur
   }
 }
 
-void RunJudge::judge_carries(const pose_t& pose, const Pose2& truth, bool is_wrong) {
+bool RunJudge::is_wrong() const {
+  return position_error_ > kWrongPosition || heading_error_ > kWrongHeading;
+}
+
+void RunJudge::judge_mishap(const pose_t& pose, const Pose2& truth) {
+  // noticed once it leaves TRACKING: it answers for what it declares next
+  mishap_open_ = mishap_open_ && pose.state == pose_t::STATE_TRACKING;
+  if (!mishap_open_) {
+    return;
+  }
+  if (visibility_.contradicts(truth, world_from_robot(pose), kTrackingGate)) {
+    told_at_ = told_at_.value_or(pose.utime);
+  } else if (!is_wrong() && !visibility_.visible_from(truth, 0.3).empty()) {
+    told_at_.reset();
+    mishap_open_ = is_moved_;
+  }
+}
+
+void RunJudge::judge_carries(const pose_t& pose, const Pose2& truth) {
   if (!carry_open_) {
     return;
   }
@@ -180,7 +217,7 @@ void RunJudge::judge_carries(const pose_t& pose, const Pose2& truth, bool is_wro
     carry_noticed_ = true;
     ++carries_noticed_;
   }
-  if (is_tracking && !is_wrong && truth_ && !truth_->carried) {
+  if (is_tracking && !is_wrong() && truth_ && !truth_->carried) {
     if (!carry_noticed_ && !contradicted_at_) {
       ++carries_noticed_;  // followed it with its eyes: no image ever contradicted the belief
     }

@@ -51,7 +51,10 @@ class RunJudge {
   void on_tile(const grid_tile_t& tile);
   void on_node_status(const node_status_t& status);
   void judge_tracking(const pose_t& pose, const Pose2& truth, double seconds);
-  void judge_carries(const pose_t& pose, const Pose2& truth, bool is_wrong);
+  void judge_carries(const pose_t& pose, const Pose2& truth);
+  /// After a motion that the wheels do not tell, a pose may be wrong until a second after the first image that says so.
+  void judge_mishap(const pose_t& pose, const Pose2& truth);
+  [[nodiscard]] bool is_wrong() const;
   [[nodiscard]] std::optional<Pose2> truth_at(std::int64_t utime) const;
 
   Scenario scenario_;
@@ -98,6 +101,10 @@ class RunJudge {
   bool carry_noticed_ = false;
   int carries_noticed_ = 0;
   int carries_recovered_ = 0;
+
+  bool is_moved_ = false;                // otherwise than the wheels tell: carried, slipping or bumped
+  bool mishap_open_ = false;             // it was, is TRACKING since, and no image since agreed with the belief
+  std::optional<std::int64_t> told_at_;  // [us] first image since then that contradicts the belief
 
   struct ProcessFigures {
     double cpu_sum = 0.0;

@@ -20,8 +20,20 @@ WorldTruth one_fixture() {
   return world;
 }
 
+/// Wheels slip from 2 to 5 s.
+Scenario one_slip() {
+  Scenario scenario;
+  ScenarioEvent& slip = scenario.events.emplace_back();
+  slip.kind = EventKind::kSlip;
+  slip.at = 2.0;
+  slip.duration = 3.0;
+  return scenario;
+}
+
 class RunJudgeTest : public ::testing::Test {
  protected:
+  explicit RunJudgeTest(const Scenario& scenario = {}) : judge_(lcm_, scenario, one_fixture()) {}
+
   template <typename Message>
   void say(const char* channel, const Message& message) {
     lcm_.publish(channel, &message);
@@ -57,7 +69,7 @@ class RunJudgeTest : public ::testing::Test {
   void track(double duration, const Pose2& where) { stay(duration, where, false, pose_t::STATE_TRACKING, where); }
 
   lcm::LCM lcm_{"memq://"};
-  RunJudge judge_{lcm_, Scenario{}, one_fixture()};
+  RunJudge judge_;
   std::int64_t utime_ = 1'000'000;
   std::int32_t sequence_ = 0;
   std::int32_t carries_ = 0;
@@ -104,6 +116,53 @@ TEST_F(RunJudgeTest, FollowsWithItsEyesWhoeverIsNeverContradicted) {
   track(1.0, kBelow);
   EXPECT_EQ(judge_.report({}).carries_noticed, 1);
   EXPECT_EQ(judge_.report({}).carries_recovered, 1);
+}
+
+class SlipJudgeTest : public RunJudgeTest {
+ protected:
+  SlipJudgeTest() : RunJudgeTest(one_slip()) {}
+  void be_wrong(double duration, const Pose2& where, std::int8_t state = pose_t::STATE_TRACKING) {
+    stay(duration, where, false, state, where * Pose2{0.6, 0.0, 0.0});
+  }
+};
+
+TEST_F(SlipJudgeTest, ExcusesAWrongPoseUntilASecondAfterTheFirstImageThatContradicts) {
+  track(2.5, kElsewhere);
+  be_wrong(10.0, kElsewhere);  // where no fixture tells it
+  EXPECT_EQ(judge_.report({}).confident_wrong_s, 0.0);
+  be_wrong(0.9, kBelow);
+  EXPECT_EQ(judge_.report({}).confident_wrong_s, 0.0);
+  be_wrong(3.0, kBelow);
+  EXPECT_NEAR(judge_.report({}).confident_wrong_s, 2.9, 0.15);
+  be_wrong(3.0, kElsewhere);
+  EXPECT_NEAR(judge_.report({}).confident_wrong_s, 5.9, 0.15) << "it has been told";
+}
+
+TEST_F(SlipJudgeTest, CountsTheSecondFromAnImageThatContradictsAPoseThatIsNotYetWrong) {
+  track(2.5, kElsewhere);
+  stay(2.0, kBelow, false, pose_t::STATE_TRACKING, {0.4, 0.0, 0.0});
+  be_wrong(2.0, kElsewhere);
+  EXPECT_NEAR(judge_.report({}).confident_wrong_s, 2.0, 0.15);
+}
+
+TEST_F(SlipJudgeTest, ExcusesNothingOnceAnImageAfterTheSlipAgrees) {
+  track(5.5, kElsewhere);
+  track(1.0, kBelow);
+  be_wrong(2.0, kElsewhere);
+  EXPECT_NEAR(judge_.report({}).confident_wrong_s, 2.0, 0.15);
+}
+
+TEST_F(SlipJudgeTest, ExcusesNothingBeforeTheSlip) {
+  track(0.5, kElsewhere);
+  be_wrong(1.0, kElsewhere);
+  EXPECT_NEAR(judge_.report({}).confident_wrong_s, 1.0, 0.15);
+}
+
+TEST_F(SlipJudgeTest, ExcusesNoPoseThatIsDeclaredAfterItWasNoticed) {
+  track(2.5, kElsewhere);
+  be_wrong(1.0, kElsewhere, pose_t::STATE_AMBIGUOUS);
+  be_wrong(2.0, kElsewhere);
+  EXPECT_NEAR(judge_.report({}).confident_wrong_s, 2.0, 0.15);
 }
 
 TEST_F(RunJudgeTest, LeavesOutACarryThatGoesOnAsTheRunEnds) {

@@ -191,6 +191,19 @@ TEST(Suspicion, OfAPoseThatPredictedManyFixturesEndsAtTheNextUnlessTheWheelsStoo
   }
 }
 
+// Where every fixture looks like the next one no search finds it again.
+TEST(Suspicion, OfABumpedRobotEndsAtTheSecondFixtureThatFitsWhereTheBumpLeftIt) {
+  CorridorDrive drive;
+  drive.drive_to(8.7);
+  ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+  drive.kidnap_to(9.1);
+  EXPECT_TRUE(any_about(drive.drive_to(10.6), "where the building has none"));
+  EXPECT_NE(drive.state(), LocalizerState::kTracking) << "it may be that fixture which hangs elsewhere";
+  drive.drive_to(13.6);
+  EXPECT_EQ(drive.state(), LocalizerState::kTracking);
+  EXPECT_LT(drive.error(), 0.05);
+}
+
 TEST(Suspicion, DoesNotComeBackAtAThingThatWasFoundOutToBeNoFixture) {
   CorridorDrive drive;
   drive.drive_to(8.0);
