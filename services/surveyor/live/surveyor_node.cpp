@@ -27,18 +27,19 @@ SurveyorNode::SurveyorNode(lcm::LCM& lcm, const SurveyorConfig& config, std::opt
       config_(config),
       collector_(config.detector),
       live_(config.model),
-      log_(config.log_file(),
-           [this](const LogEvent& event) { collector_.add(event.channel, event.data.data(), event.data.size()); }),
       is_finished_(std::filesystem::exists(config.folder / "building.toml")),
       subscriber_(lcm, key) {
-  for (const OdometryReading& reading : collector_.so_far().drive.odometry) {
-    live_.add(reading);
-    now_ = reading.utime;
-  }
   subscriber_.on<odometry_t>(channels::kOdometry, &SurveyorNode::on_odometry, this);
   subscriber_.on<sonar_t>(channels::kSonar, &SurveyorNode::on_sonar, this);
   subscriber_.on<camera_image_t>(channels::kCameraImage, &SurveyorNode::on_camera_image, this);
   subscriber_.on<survey_command_t>(channels::kSurveyCommand, &SurveyorNode::on_survey_command, this);
+  // not before: what is sent while a long log is read waits in LCM's queues, and leaves no gap
+  log_.emplace(config.log_file(),
+               [this](const LogEvent& event) { collector_.add(event.channel, event.data.data(), event.data.size()); });
+  for (const OdometryReading& reading : collector_.so_far().drive.odometry) {
+    live_.add(reading);
+    now_ = reading.utime;
+  }
   take_results();
 }
 
@@ -54,7 +55,7 @@ template <typename Message>
 void SurveyorNode::record(const char* channel, const Message& message) {
   const std::vector<std::uint8_t> bytes = encoded(message);
   try {
-    log_.write(message.utime, channel, bytes.data(), bytes.size());
+    log_->write(message.utime, channel, bytes.data(), bytes.size());
   } catch (const std::runtime_error& error) {
     failure_ = error.what();
   }
@@ -70,7 +71,7 @@ void SurveyorNode::on_odometry(const odometry_t& message) {
   if (now_ - published_ >= kPeriod || now_ < published_) {
     publish();
     try {
-      log_.sync();
+      log_->sync();
     } catch (const std::runtime_error& error) {
       failure_ = error.what();
     }

@@ -59,7 +59,7 @@ class SurveyorNode {
   SurveyorConfig config_;
   DriveCollector collector_;
   LiveSurvey live_;
-  LogAppender log_;
+  std::optional<LogAppender> log_;
   SurveyWork work_;
   std::int64_t now_ = 1;        // [us] stamp of the newest ODOMETRY, or of a command before there was one
   std::int64_t published_ = 0;  // [us] now_ when SURVEY_STATUS was sent last

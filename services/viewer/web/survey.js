@@ -51,11 +51,11 @@ export class Survey {
     $('survey-remarks').replaceChildren(...remarks.map((text) => Object.assign(document.createElement('li'), {textContent: text})));
   }
 
-  // Of a service that was ended the building's own map is shown again.
+  // It is shown on when the robot is switched off, until a localizer speaks: that one knows the building's own map.
   watch({ages, odometry}) {
     const age = ages.SURVEY_STATUS;
     this.odometry = odometry;
-    this.isOn = this.map !== null && age !== undefined && (age < SILENT_S || ages.ODOMETRY > SILENT_S);
+    this.isOn = this.map !== null && (age < SILENT_S || !(ages.POSE < SILENT_S));
     $('survey-word').textContent = this.map && age > SILENT_S ? t`silent for ${Math.round(age)} s` : '';
     document.body.classList.toggle('surveying', this.isOn);
   }
