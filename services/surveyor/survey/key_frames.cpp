@@ -9,6 +9,10 @@
 namespace luminav {
 namespace {
 
+constexpr std::int64_t kMaxGap = 2'000'000;     // [us] without odometry that are an arc,
+constexpr double kUnheardDistance = 0.3;        // [m] if the robot moves farther
+constexpr double kUnheardTurn = radians(20.0);  // [rad] or turns more
+
 /// Collects the motion since the key frame before, and says when the next one is due.
 class Approach {
  public:
@@ -50,6 +54,14 @@ class Approach {
   bool is_first_ = true;
 };
 
+/// Whether nobody measured how the robot came from one reading to the next: its wheels began to count anew, or it drove
+/// on while nothing was heard of it, and who knows which way.
+bool is_apart(const OdometryReading& before, const OdometryReading& now) {
+  const Pose2 step = before.odom_from_robot.inverse() * now.odom_from_robot;
+  const bool has_moved = std::hypot(step.x, step.y) > kUnheardDistance || std::abs(step.theta) > kUnheardTurn;
+  return now.session != before.session || (now.utime - before.utime > kMaxGap && has_moved);
+}
+
 /// Times [us] of the last odometry before each break; the end of the drive is none.
 std::vector<std::int64_t> ends_of_parts(const std::vector<OdometryReading>& odometry,
                                         const std::vector<std::int64_t>& breaks) {
@@ -58,7 +70,7 @@ std::vector<std::int64_t> ends_of_parts(const std::vector<OdometryReading>& odom
   for (std::size_t i = 1; i < odometry.size(); ++i) {
     const bool is_break = next < breaks.size() && breaks[next] <= odometry[i].utime;
     next += is_break ? 1 : 0;
-    if (is_break || odometry[i].session != odometry[i - 1].session) {
+    if (is_break || is_apart(odometry[i - 1], odometry[i])) {
       ends.push_back(odometry[i - 1].utime);
     }
   }
@@ -86,7 +98,7 @@ std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDe
     OdometryReading before = drive.odometry[i - 1];
     const OdometryReading& now = drive.odometry[i];
     const bool is_break = next_break < breaks.size() && breaks[next_break] <= now.utime;
-    if (now.session != before.session || is_break) {
+    if (is_apart(before, now) || is_break) {
       approach.begin_part();
       ++part;
       next_break += is_break ? 1 : 0;

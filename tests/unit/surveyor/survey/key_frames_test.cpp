@@ -49,6 +49,25 @@ TEST(KeyFrames, BeginANewPartWhereOdometryBeginsAnew) {
   EXPECT_EQ(first_ones, 2);
 }
 
+/// The drive without what came between two times, shares of it.
+SurveyDrive without(SurveyDrive drive, double from, double to) {
+  const auto count = static_cast<double>(drive.odometry.size());
+  drive.odometry.erase(drive.odometry.begin() + static_cast<std::ptrdiff_t>(from * count),
+                       drive.odometry.begin() + static_cast<std::ptrdiff_t>(to * count));
+  return drive;
+}
+
+TEST(KeyFrames, BeginANewPartWhereTheRobotDroveOnUnheard) {
+  const SyntheticDrive long_drive = drive_along({{0.0, 0.0}, {6.0, 0.0}, {6.0, 6.0}}, {}, synthetic_model(), {});
+  EXPECT_EQ(frames_of(without(long_drive.drive, 0.4, 0.6)).back().part, 1);
+  EXPECT_EQ(frames_of(without(long_drive.drive, 0.4, 0.44)).back().part, 0) << "1.3 s";
+  SurveyDrive standing = long_drive.drive;
+  for (OdometryReading& reading : standing.odometry) {
+    reading.odom_from_robot = {};
+  }
+  EXPECT_EQ(frames_of(without(standing, 0.4, 0.6)).back().part, 0);
+}
+
 TEST(KeyFrames, AreNoneWhereTheRobotStands) {
   SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {1.0, 0.0}}, {}, synthetic_model(), {});
   for (OdometryReading& reading : synthetic.drive.odometry) {
