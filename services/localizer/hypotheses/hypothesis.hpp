@@ -30,7 +30,7 @@ struct HypothesisParams {
   double merge_angle = radians(12.0);   // [rad] this are one
   double seed_position_sigma = 0.40;    // [m] sightings less sharp make no hypotheses
   int max = 20000;                      // hypotheses kept
-  int work = 8000;                      // units of work in one step, see WorkBudget
+  int work = 32000;                     // units of work in one step, see WorkBudget
 };
 
 /// The likelihood of one object under one hypothesis, averaged over its images.
