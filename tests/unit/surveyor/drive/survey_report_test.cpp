@@ -19,6 +19,8 @@ Survey small_survey() {
   Survey survey;
   survey.distance = 50.0;
   survey.estimate.has_converged = true;
+  survey.frames.resize(1);
+  survey.frames[0].utime = 1'000'000;
   survey.estimate.poses = {{1.0, 2.0, 0.5}};
   survey.estimate.fixtures = {{0, {0, 2}, {1.0, 2.0, 2.0}}, {0, {1}, {4.0, 2.0, 0.0}}};
   survey.fixtures.resize(2);
@@ -116,6 +118,7 @@ TEST(SurveyReport, WritesFiguresThatOthersRead) {
   EXPECT_EQ(json["fixtures"][0]["covariance"].size(), 9u);
   EXPECT_EQ(json["dropped"][0]["why"], "seen too seldom");
   EXPECT_EQ(json["remarks"][0], "a remark");
+  EXPECT_EQ(json["begin_utime"], 1'000'000);
 }
 
 }  // namespace
