@@ -34,8 +34,8 @@ inline constexpr double kKeyFrameSpacing = 0.10;       // [m] between two key fr
 inline constexpr double kKeyFrameTurn = radians(4.0);  // [rad] or that
 
 /// Images of the drive at least so far apart, and the last one of each part, with or without anything in them.
-/// `ceiling_height` [m]. A new part begins where odometry begins anew, where the robot drove on for more than two seconds
-/// without it, and at each of `breaks` [us], in the order of time.
+/// `ceiling_height` [m]. A new part begins where odometry begins anew, where the robot drove on for more than two
+/// seconds without it, and at each of `breaks` [us], in the order of time.
 std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDescription& camera,
                                         double ceiling_height, const std::vector<std::int64_t>& breaks = {});
 
