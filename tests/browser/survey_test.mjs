@@ -31,7 +31,7 @@ const survey = () => system.news.survey;
 
 async function driveUntil(page, key, what, holds) {
   await page.page.keyboard.down(key);
-  await until(what, 30, holds);
+  await until(what, 90, holds);
   await page.page.keyboard.up(key);
 }
 
@@ -87,7 +87,7 @@ async function surveyTheBuilding() {
 
 let failure = null;
 try {
-  await Promise.race([surveyTheBuilding(), sleep(240_000, undefined, {ref: false}).then(() => { throw new Error('the test takes too long'); })]);
+  await Promise.race([surveyTheBuilding(), sleep(310_000, undefined, {ref: false}).then(() => { throw new Error('the test takes too long'); })]);
 } catch (error) {
   failure = error;
   console.log(`FAILED: ${error.stack}`);
