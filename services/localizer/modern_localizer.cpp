@@ -22,6 +22,7 @@ constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 
 // What a slip or a bump does before an image shows it: 0.3 m and 10 degrees. [m^2, m^2, rad^2]
 const Eigen::Vector3d kUnnoticedMotion{0.09, 0.09, 0.03};
+constexpr double kHangsElsewhere = -0.9;  // log-ratio of the sonars below which the fixture moved, not the robot
 
 }  // namespace
 
@@ -268,10 +269,21 @@ void ModernLocalizer::suspect(const Contradiction& contradiction, const Sighting
   }
   correct(moved, frame, matches, odometry);
   const PoseBelief belief = moved.belief();
-  const bool is_same = is_same_place(filter_.belief().pose, belief.pose, params_.hypotheses);
-  filter_ = is_same ? moved : filter_;  // the bank does not tell the two apart
-  supervisor_.suspect(contradiction);
-  if (!is_same) {
+  const double ratio = slip_.log_ratio(belief.pose, filter_.belief(), odometry.odom_from_robot);
+  if (ratio < kHangsElsewhere) {
+    if (contradiction.log_prior < log_prior::kWhenDriving) {
+      supervisor_.suspect(contradiction);
+      return;
+    }
+    for (const FixtureMatch& match : matches) {
+      model_.fixtures.doubt(match.fixture);
+    }
+    monitor_.confirm(true);
+  } else if (is_same_place(filter_.belief().pose, belief.pose, params_.hypotheses)) {
+    filter_ = moved;  // the bank does not tell the two apart
+    supervisor_.suspect(contradiction);
+  } else {
+    supervisor_.suspect(contradiction);
     supervisor_.add_moved(belief, contradiction.log_prior);
   }
 }

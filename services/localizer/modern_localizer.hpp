@@ -68,7 +68,8 @@ class ModernLocalizer final : public Localizer {
   void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry,
              bool is_rushing);
   /// What fits nothing where the robot is held to be may be a fixture seen by a robot that slipped or was bumped: that
-  /// pose competes with the doubted one.
+  /// pose competes with the doubted one, unless the sonars say that the robot is where it was: then the fixture hangs
+  /// elsewhere, and a robot that nobody can have carried goes on.
   void suspect(const Contradiction& contradiction, const SightingFrame& frame, const OdometryReading& odometry);
   [[nodiscard]] std::vector<FixtureMatch> find_matches(const TrackingFilter& filter, const SightingFrame& frame,
                                                        const OdometryReading& odometry) const;

@@ -1,6 +1,7 @@
 #include "services/localizer/integrity/slip_by_sonar.hpp"
 
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace luminav {
@@ -57,6 +58,18 @@ void SlipBySonar::listen(std::span<const PlacedEcho> echoes, const Pose2& odom_f
       }
     }
   }
+}
+
+double SlipBySonar::log_ratio(const Pose2& moved, const PoseBelief& belief, const Pose2& odom_from_robot) const {
+  double sum = 0.0;   // since the motion, if it was before this round
+  double mean = 0.0;  // over the rounds before which it may have been
+  for (auto round = rounds_.rbegin(); round != rounds_.rend(); ++round) {
+    const Pose2 then = odom_from_robot.inverse() * round->odom_from_robot;
+    sum += log_likelihood(*round, moved * then, belief.covariance) -
+           log_likelihood(*round, belief.pose * then, belief.covariance);
+    mean += std::exp(sum) / static_cast<double>(rounds_.size());
+  }
+  return rounds_.empty() ? 0.0 : std::log(mean);
 }
 
 std::optional<Pose2> SlipBySonar::take() {

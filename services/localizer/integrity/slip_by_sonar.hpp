@@ -26,6 +26,9 @@ class SlipBySonar {
   void listen(std::span<const PlacedEcho> echoes, const Pose2& odom_from_robot, const PoseBelief& belief);
   /// Returns where the robot is if it has slipped, world_from_robot of the last echoes, and begins anew.
   [[nodiscard]] std::optional<Pose2> take();
+  /// Returns by how much better [log] the sonars explain that the robot is at `moved` now, for a motion at some time
+  /// since the last fixture, than that it is where it is believed to be; 0 if they heard no wall.
+  [[nodiscard]] double log_ratio(const Pose2& moved, const PoseBelief& belief, const Pose2& odom_from_robot) const;
   /// A fixture tells the pose, or the pose is no longer followed.
   void clear();
 

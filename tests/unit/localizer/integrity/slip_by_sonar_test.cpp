@@ -29,6 +29,8 @@ PriorMap room() {
 class SlipBySonarTest : public ::testing::Test {
  protected:
   /// `grip`: share of the step that it makes; `boxed`: discs that hear a box before the wall.
+  [[nodiscard]] PoseBelief belief() const { return {Pose2{1.5, 2.0, 0.0} * odom_, 1e-4 * Eigen::Matrix3d::Identity()}; }
+  [[nodiscard]] double ratio_of(const Pose2& moved) const { return slip_.log_ratio(moved, belief(), odom_); }
   void drive(const Pose2& step, double grip = 1.0, int boxed = 0) {
     odom_ = odom_ * step;
     true_ = true_ * Pose2{grip * step.x, grip * step.y, grip * step.theta};
@@ -42,7 +44,7 @@ class SlipBySonarTest : public ::testing::Test {
         echoes.push_back({{0.0, 0.0}, {range * std::cos(own), range * std::sin(own)}, range, 0.5, 0.0});
       }
     }
-    slip_.listen(echoes, odom_, {Pose2{1.5, 2.0, 0.0} * odom_, 1e-4 * Eigen::Matrix3d::Identity()});
+    slip_.listen(echoes, odom_, belief());
   }
 
   WallField walls_{room()};
@@ -81,6 +83,24 @@ TEST_F(SlipBySonarTest, IsHeardWhereItTurnsLess) {
   }
   ASSERT_TRUE(slipped);
   EXPECT_LT(std::abs(wrap_angle(slipped->theta - true_.theta)), radians(15.0));
+}
+
+TEST_F(SlipBySonarTest, SpeaksForWhereARobotIsThatSlippedAtSomeTime) {
+  drive({0.3, 0.0, 0.0});
+  for (int i = 0; i < 5; ++i) {
+    drive({0.3, 0.0, 0.0}, 0.5);
+  }
+  EXPECT_GT(ratio_of(true_), 0.5);
+  EXPECT_LT(ratio_of(belief().pose * Pose2{0.4, 0.3, 0.0}), ratio_of(true_));
+}
+
+TEST_F(SlipBySonarTest, SpeaksAgainstAPoseAsideOfARobotThatDidNotSlip) {
+  for (int i = 0; i < 4; ++i) {
+    drive({0.3, 0.0, 0.0});
+  }
+  EXPECT_LT(ratio_of(belief().pose * Pose2{0.28, 0.28, 0.0}), -0.9);
+  slip_.clear();
+  EXPECT_EQ(ratio_of(belief().pose * Pose2{0.28, 0.28, 0.0}), 0.0) << "nothing heard since the last fixture";
 }
 
 TEST_F(SlipBySonarTest, BoxesThatNoMapHasAreNone) {
