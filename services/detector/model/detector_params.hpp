@@ -28,11 +28,10 @@ struct PaperParams {
 
 /// Regions at several levels, guesses in metres, edges to sub-pixel through the lens model.
 struct ModernDetectorParams {
-  double lit_contrast = 22.0;  // [grey] least height of a lamp above its surroundings
-  double unlit_contrast =
-      3.5;                  // [grey] least depth of an unlit region below its surroundings, on a ceiling of about 100
-  double lit_edge = 14.0;   // [grey] least step across the outline of a lamp
-  double unlit_edge = 3.5;  // [grey] of an unlit fixture
+  double lit_contrast = 22.0;      // [grey] least height of a lamp above its surroundings
+  double unlit_contrast = 3.5;     // [grey] least depth of an unlit region, on a ceiling of about 100
+  double lit_edge = 14.0;          // [grey] least step across the outline of a lamp
+  double unlit_edge = 3.5;         // [grey] of an unlit fixture
   double size_tolerance = 0.16;    // share by which a side may miss the kind's: sizes within 10 %, heights within 5 %
   double max_bloom = 0.070;        // [m] by which light may widen a lamp on each side
   double min_visible = 0.30;       // share of a cut fixture's length that must be in the image
