@@ -1,7 +1,6 @@
 #include "services/surveyor/survey/key_frames.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "services/common/ceiling/ceiling_view.hpp"
 #include "services/common/ceiling/odometry_history.hpp"
@@ -62,20 +61,25 @@ bool is_apart(const OdometryReading& before, const OdometryReading& now) {
   return now.session != before.session || (now.utime - before.utime > kMaxGap && has_moved);
 }
 
-/// Times [us] of the last odometry before each break; the end of the drive is none.
-std::vector<std::int64_t> ends_of_parts(const std::vector<OdometryReading>& odometry,
-                                        const std::vector<std::int64_t>& breaks) {
-  std::vector<std::int64_t> ends;
-  std::size_t next = 0;
+/// Where the motion is unknown: times [us] of the last odometry of a part and of the first of the next.
+struct PartBreak {
+  std::int64_t end = 0;
+  std::int64_t begin = 0;
+};
+
+/// `told` [us]: breaks that somebody else found, in the order of time.
+std::vector<PartBreak> find_breaks(const std::vector<OdometryReading>& odometry,
+                                   const std::vector<std::int64_t>& told) {
+  std::vector<PartBreak> breaks;
+  auto next = told.begin();
   for (std::size_t i = 1; i < odometry.size(); ++i) {
-    const bool is_break = next < breaks.size() && breaks[next] <= odometry[i].utime;
-    next += is_break ? 1 : 0;
-    if (is_break || is_apart(odometry[i - 1], odometry[i])) {
-      ends.push_back(odometry[i - 1].utime);
+    const bool is_told = next != told.end() && *next <= odometry[i].utime;
+    next += is_told ? 1 : 0;
+    if (is_told || is_apart(odometry[i - 1], odometry[i])) {
+      breaks.push_back({odometry[i - 1].utime, odometry[i].utime});
     }
   }
-  ends.push_back(std::numeric_limits<std::int64_t>::max());
-  return ends;
+  return breaks;
 }
 
 }  // namespace
@@ -91,17 +95,14 @@ std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDe
   std::vector<KeyFrame> frames;
   Approach approach;
   std::size_t next = 0;
-  const std::vector<std::int64_t> ends = ends_of_parts(drive.odometry, breaks);
-  std::size_t part = 0;
-  std::size_t next_break = 0;
+  const std::vector<PartBreak> part_breaks = find_breaks(drive.odometry, breaks);
+  auto part_break = part_breaks.begin();
   for (std::size_t i = 1; i < drive.odometry.size(); ++i) {
     OdometryReading before = drive.odometry[i - 1];
     const OdometryReading& now = drive.odometry[i];
-    const bool is_break = next_break < breaks.size() && breaks[next_break] <= now.utime;
-    if (is_apart(before, now) || is_break) {
+    if (part_break != part_breaks.end() && part_break->begin == now.utime) {
       approach.begin_part();
-      ++part;
-      next_break += is_break ? 1 : 0;
+      ++part_break;
       continue;
     }
     for (; next < drive.frames.size() && drive.frames[next].utime + offset <= now.utime; ++next) {
@@ -110,7 +111,8 @@ std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDe
         continue;
       }
       const OdometryReading at = interpolate(before, now, utime);
-      const bool is_last = next + 1 < drive.frames.size() && drive.frames[next + 1].utime + offset > ends[part];
+      const bool is_last = part_break != part_breaks.end() && next + 1 < drive.frames.size() &&
+                           drive.frames[next + 1].utime + offset > part_break->end;
       if (!is_last && !approach.is_due(at.odom_from_robot)) {
         continue;
       }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <tuple>
 
@@ -38,6 +37,15 @@ Eigen::Vector2d middle_of(const SurveyEstimate& estimate) {
   return sum / std::max<double>(1.0, static_cast<double>(estimate.fixtures.size()));
 }
 
+FixtureMap index_of(const SurveyEstimate& estimate, const CeilingKinds& kinds) {
+  std::vector<Fixture> fixtures;
+  for (const SurveyedFixture& surveyed : estimate.fixtures) {
+    fixtures.push_back(kinds.kinds[static_cast<std::size_t>(surveyed.kind)]);
+    fixtures.back().world_from_fixture = surveyed.world_from_fixture;
+  }
+  return FixtureMap(std::move(fixtures));
+}
+
 }  // namespace
 
 PassedFloor::PassedFloor(const std::vector<Pose2>& poses, double sight) {
@@ -59,12 +67,16 @@ bool PassedFloor::contains(const Eigen::Vector2d& point) const {
 }
 
 PartJoining::PartJoining(const SurveyEstimate& map, const SurveyEstimate& part, const CeilingKinds& kinds, double sight)
-    : map_(map), part_(part), kinds_(kinds), map_floor_(map.poses, sight), part_floor_(part.poses, sight) {}
+    : map_(map),
+      part_(part),
+      kinds_(kinds),
+      map_index_(index_of(map, kinds)),
+      map_floor_(map.poses, sight),
+      part_floor_(part.poses, sight) {}
 
-bool PartJoining::is_alike(const SurveyedFixture& a, const Pose2& map_from_b, const SurveyedFixture& b,
-                           double tolerance) const {
+bool PartJoining::is_alike(const SurveyedFixture& a, const Pose2& map_from_b, const SurveyedFixture& b) const {
   const double period = symmetry_period(kinds_.kinds[static_cast<std::size_t>(a.kind)].shape);
-  return a.kind == b.kind && distance(a.world_from_fixture, map_from_b) < tolerance &&
+  return a.kind == b.kind &&
          (period == 0.0 || std::abs(wrap_modulo(a.world_from_fixture.theta - map_from_b.theta, period)) < kMaxTurn);
 }
 
@@ -95,15 +107,19 @@ std::vector<Pose2> PartJoining::candidates() const {
 PartJoining::Match PartJoining::match(const Pose2& map_from_part, double tolerance) const {
   Match match{{map_from_part, {}}, 0.0};
   std::vector<bool> is_taken(map_.fixtures.size(), false);
+  std::vector<int> near;
   for (std::size_t b = 0; b < part_.fixtures.size(); ++b) {
     const Pose2 there = map_from_part * part_.fixtures[b].world_from_fixture;
     int best = -1;
     double nearest = tolerance;
-    for (std::size_t a = 0; a < map_.fixtures.size(); ++a) {
+    near.clear();
+    map_index_.find_near(there.position(), tolerance, near);
+    for (const int index : near) {
+      const auto a = static_cast<std::size_t>(index);
       const double apart = distance(map_.fixtures[a].world_from_fixture, there);
-      if (apart < nearest && !is_taken[a] && is_alike(map_.fixtures[a], there, part_.fixtures[b], tolerance)) {
+      if (apart < nearest && !is_taken[a] && is_alike(map_.fixtures[a], there, part_.fixtures[b])) {
         nearest = apart;
-        best = static_cast<int>(a);
+        best = index;
       }
     }
     if (best >= 0) {

@@ -91,14 +91,18 @@ void close_loops(Survey& survey, const SurveyModel& model, const SurveyGraph& gr
   }
 }
 
-/// What is believed of how buildings are, once it is known how far the fixtures hang at right angles.
+/// What is believed of how buildings are, by how far the fixtures hang at right angles.
+BuildingPrior prior_of(const Survey& survey) {
+  return {survey.regularity >= kMinRegularity ? kRightAngle : 0.0};
+}
+
+/// Learns that, and pulls the estimate there.
 BuildingPrior learn_prior(Survey& survey, const SurveyModel& model, const SurveyGraph& graph) {
   survey.regularity = regularity_of(survey.estimate, model.kinds);
-  BuildingPrior prior;
-  if (survey.regularity >= kMinRegularity) {
+  const BuildingPrior prior = prior_of(survey);
+  if (prior.right_angle > 0.0) {
     survey.estimate.direction = dominant_direction(survey.estimate, model.kinds);
     survey.estimate = graph.optimise(survey.estimate, {kCoarseRightAngle});
-    prior.right_angle = kRightAngle;
     survey.estimate = graph.optimise(survey.estimate, prior);
   }
   return prior;
@@ -208,6 +212,9 @@ Survey put_together(Survey map, const Survey& part, const PartJoint& joint) {
 
 /// A map with a part on it, if the graph of both agrees that what was taken for one fixture is one.
 std::optional<Survey> join(const Survey& map, const Survey& part, const SurveyModel& model, bool at_rest) {
+  if (map.passes.empty() || part.passes.empty()) {
+    return std::nullopt;
+  }
   const std::optional<PartJoint> joint = find_joint(map, part, model, at_rest);
   if (!joint) {
     return std::nullopt;
@@ -236,8 +243,10 @@ Survey join_parts(const std::vector<Survey>& parts, const SurveyModel& model) {
       chains.push_back(part);
     }
   }
-  const auto longest = std::max_element(chains.begin(), chains.end(),
-                                        [](const Survey& a, const Survey& b) { return a.distance < b.distance; });
+  // of those with fixtures: others are no map
+  const auto longest = std::max_element(chains.begin(), chains.end(), [](const Survey& a, const Survey& b) {
+    return std::pair(!a.passes.empty(), a.distance) < std::pair(!b.passes.empty(), b.distance);
+  });
   Survey survey = std::move(*longest);
   chains.erase(longest);
   bool has_grown = true;
@@ -349,7 +358,7 @@ Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model) {
     survey.excess_length.push_back(excess_length(survey.passes, model.kinds, static_cast<int>(k)));
   }
   const SurveyGraph graph(model, survey.frames, survey.passes);
-  BuildingPrior prior{survey.regularity >= kMinRegularity ? kRightAngle : 0.0};
+  BuildingPrior prior = prior_of(survey);
   drop_outliers(survey, graph);
   drop_what_is_none(survey, model);
   prior.row = kRow;  // not before: passes not yet joined are no row

@@ -134,6 +134,28 @@ TEST(Survey, LaysPartsOnOneAnotherByTheFixturesThatBothSaw) {
   EXPECT_LT(rms_after_alignment(fixtures, survey.estimate, first.truth.front()), 0.12);
 }
 
+// Its last image shows one, and there is no pass of it.
+TEST(Survey, LeavesOutAPartInWhichNoFixtureWasPassed) {
+  const SurveyModel model = synthetic_model();
+  const SyntheticDrive standing = drive_along({{11.20, 0.0}, {11.25, 0.0}}, ring(), model, {});
+  const SyntheticDrive round = drive_along(
+      {{11.25, 0.0}, {20.0, 0.0}, {20.0, 10.0}, {0.0, 10.0}, {0.0, 0.0}, {16.0, 0.0}}, ring(), model, uncalibrated(8));
+  for (const SyntheticDrive& drive : {continued(standing, round), continued(round, standing)}) {
+    const Survey survey = survey_drive(drive.drive, model);
+    EXPECT_EQ(survey.joined_parts, 0);
+    EXPECT_EQ(survey.fixtures.size(), 24u);
+  }
+}
+
+TEST(Survey, TakesAPartWithFixturesBeforeALongerOneWithout) {
+  const SurveyModel model = synthetic_model();
+  const SyntheticDrive blind = drive_along({{0.0, 50.0}, {90.0, 50.0}}, ring(), model, {});
+  const SyntheticDrive round = drive_along(kOnceRound, ring(), model, uncalibrated(6));
+  const Survey survey = survey_drive(continued(blind, round).drive, model);
+  EXPECT_EQ(survey.fixtures.size(), 24u);
+  EXPECT_NEAR(survey.left_out, 90.0, 1.0);
+}
+
 TEST(Survey, LeavesOutAPartThatLiesAlikeAtSeveralPlaces) {
   const SurveyModel model = synthetic_model();
   const SyntheticDrive round = drive_along(kOnceRound, ring(), model, uncalibrated(11));
