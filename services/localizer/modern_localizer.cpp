@@ -269,21 +269,21 @@ void ModernLocalizer::suspect(const Contradiction& contradiction, const Sighting
   }
   correct(moved, frame, matches, odometry);
   const PoseBelief belief = moved.belief();
-  const double ratio = slip_.log_ratio(belief.pose, filter_.belief(), odometry.odom_from_robot);
-  if (ratio < kHangsElsewhere) {
-    if (contradiction.log_prior < log_prior::kWhenDriving) {
-      supervisor_.suspect(contradiction);
-      return;
-    }
+  const bool hangs_elsewhere =
+      slip_.log_ratio(belief.pose, filter_.belief(), odometry.odom_from_robot) < kHangsElsewhere;
+  if (hangs_elsewhere && contradiction.log_prior >= log_prior::kWhenDriving) {  // nobody can have carried the robot
     for (const FixtureMatch& match : matches) {
       model_.fixtures.doubt(match.fixture);
     }
     monitor_.confirm(true);
-  } else if (is_same_place(filter_.belief().pose, belief.pose, params_.hypotheses)) {
+    return;
+  }
+  const bool is_same = is_same_place(filter_.belief().pose, belief.pose, params_.hypotheses);
+  if (!hangs_elsewhere && is_same) {
     filter_ = moved;  // the bank does not tell the two apart
-    supervisor_.suspect(contradiction);
-  } else {
-    supervisor_.suspect(contradiction);
+  }
+  supervisor_.suspect(contradiction);
+  if (!hangs_elsewhere && !is_same) {
     supervisor_.add_moved(belief, contradiction.log_prior);
   }
 }
