@@ -31,6 +31,7 @@ struct SightingFrame {
   std::int64_t utime = 0;  // [us] of the image, the camera's time offset already added
   std::vector<FixtureSighting> sightings;
   bool shows_unlit = true;  // false: taken for the lamps, too dark for what does not burn
+  double exposure = 0.0;    // [s]
 };
 
 /// Wheel odometry at one instant.

@@ -13,7 +13,8 @@
 namespace luminav {
 namespace {
 
-constexpr std::int64_t kLookPeriod = 500'000;  // [us] between looks of a robot that stands: it may be lifted
+constexpr std::int64_t kLookPeriod = 500'000;   // [us] between looks of a robot that stands: it may be lifted
+constexpr double kLongestExposure = 100'000.0;  // [us] that a camera of a moving robot may take
 
 SightingFrame to_frame(const fixture_detections_t& message) {
   SightingFrame frame;
@@ -104,6 +105,8 @@ class DriveCollector::ImageReader {
     last_utime_ = message.utime;
     SightingFrame frame;
     frame.utime = message.utime;
+    frame.exposure =
+        message.exposure_us > 0.0 && message.exposure_us <= kLongestExposure ? 1e-6 * message.exposure_us : 0.0;
     for (const Detection& detection : detector_.detect(view)) {
       if (detection.shape != DetectionShape::kElement && detection.covariance.allFinite()) {
         frame.sightings.push_back(to_sighting(detection));

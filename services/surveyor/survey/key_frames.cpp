@@ -11,6 +11,7 @@ namespace {
 constexpr std::int64_t kMaxGap = 2'000'000;     // [us] without odometry that are an arc,
 constexpr double kUnheardDistance = 0.3;        // [m] if the robot moves farther
 constexpr double kUnheardTurn = radians(20.0);  // [rad] or turns more
+constexpr double kBlurShare = 0.5;              // of the blur, by which a lit bar looks longer
 
 /// Collects the motion since the key frame before, and says when the next one is due.
 class Approach {
@@ -82,6 +83,21 @@ std::vector<PartBreak> find_breaks(const std::vector<OdometryReading>& odometry,
   return breaks;
 }
 
+/// A lit bar with the length that it would show at rest. While the picture is exposed it moves on by some distance; at
+/// a lamp that saturates the blur's outer half looks as bright as the lamp. So it looks longer by half of the distance
+/// along it. What moves across it looks like bloom, which was taken off the length as well.
+FixtureSighting without_motion_blur(FixtureSighting sighting, const OdometryReading& motion, double exposure) {
+  const Pose2& at = sighting.robot_from_fixture;
+  const Eigen::Vector2d moved =
+      exposure * Eigen::Vector2d(motion.linear - motion.angular * at.y, motion.angular * at.x);
+  const Eigen::Vector2d along(std::cos(at.theta), std::sin(at.theta));
+  const double across = along.x() * moved.y() - along.y() * moved.x();
+  if (sighting.state == SightingState::kLit) {
+    sighting.length -= kBlurShare * (std::abs(along.dot(moved)) - std::abs(across));
+  }
+  return sighting;
+}
+
 }  // namespace
 
 double signed_length(const Pose2& step) {
@@ -120,7 +136,9 @@ std::vector<KeyFrame> choose_key_frames(const SurveyDrive& drive, const CameraDe
       KeyFrame frame = approach.take(at);
       frame.has_lengths = drive.has_lengths;
       for (const FixtureSighting& sighting : drive.frames[next].sightings) {
-        frame.sightings.push_back(view.without_rolling_shutter(sighting, ceiling_height, at.linear, at.angular));
+        frame.sightings.push_back(
+            without_motion_blur(view.without_rolling_shutter(sighting, ceiling_height, at.linear, at.angular), at,
+                                drive.frames[next].exposure));
       }
       frames.push_back(std::move(frame));
       before = at;

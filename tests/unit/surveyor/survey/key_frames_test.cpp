@@ -76,5 +76,33 @@ TEST(KeyFrames, AreNoneWhereTheRobotStands) {
   EXPECT_EQ(frames_of(synthetic.drive).size(), 1u);
 }
 
+/// Mean length of the lit or unlit bars of a drive below one, whose image is exposed for so long [s].
+double mean_length(double heading, double exposure, SightingState state) {
+  SurveyDrive drive;
+  for (int i = 0; i < 100; ++i) {
+    drive.odometry.push_back({100'000 * (i + 1), 1, {0.05 * i, 0.0, 0.0}, 0.5, 0.0});
+    FixtureSighting bar;
+    bar.robot_from_fixture = {0.2, 0.1, heading};
+    bar.state = state;
+    bar.length = 1.2;
+    drive.frames.push_back({.utime = 100'000 * (i + 1), .sightings = {bar}, .exposure = exposure});
+  }
+  const std::vector<KeyFrame> frames = choose_key_frames(drive, {}, 2.8);
+  double sum = 0.0;
+  for (const KeyFrame& frame : frames) {
+    sum += frame.sightings.front().length;
+  }
+  return sum / static_cast<double>(frames.size());
+}
+
+TEST(KeyFrames, TakeTheBlurOfMotionOffWhatIsLit) {
+  const auto blur = [](double heading, SightingState state) {
+    return mean_length(heading, 0.0, state) - mean_length(heading, 0.02, state);
+  };
+  EXPECT_NEAR(blur(0.0, SightingState::kLit), 0.005, 1e-6) << "half of 10 mm along it";
+  EXPECT_NEAR(blur(0.5 * kPi, SightingState::kLit), -0.005, 1e-6) << "across, where it was taken for bloom";
+  EXPECT_EQ(blur(0.0, SightingState::kUnlit), 0.0);
+}
+
 }  // namespace
 }  // namespace luminav
