@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <set>
 
 #include "services/common/ceiling/ceiling_view.hpp"
@@ -16,6 +17,20 @@ constexpr double kStillTurn = radians(1.0);  // [rad] likewise
 constexpr double kElsewhere = 0.3;           // [m] beyond which a fixture is another one, or was moved past,
 constexpr double kElsewhereTurn = radians(20.0);  // [rad] likewise
 constexpr int kLooks = 3;                         // key frames that have to agree
+
+bool is_the_same(const FixtureSighting& a, const FixtureSighting& b) {
+  const double turned =
+      std::abs(wrap_modulo(a.robot_from_fixture.theta - b.robot_from_fixture.theta, symmetry_period(a.shape)));
+  return a.shape == b.shape && distance(a.robot_from_fixture, b.robot_from_fixture) < kElsewhere &&
+         (!a.has_theta || !b.has_theta || turned < kElsewhereTurn);
+}
+
+/// Whether one of those seen before hangs where one of those seen after does, all in one frame.
+bool share_one(const std::vector<FixtureSighting>& before, const std::vector<FixtureSighting>& after) {
+  return std::any_of(before.begin(), before.end(), [&](const FixtureSighting& a) {
+    return std::any_of(after.begin(), after.end(), [&](const FixtureSighting& b) { return is_the_same(a, b); });
+  });
+}
 
 /// What a robot whose wheels stand sees first and last.
 class Standstill {
@@ -39,22 +54,10 @@ class Standstill {
       last_ = std::move(whole);
     }
   }
-  [[nodiscard]] bool was_lifted() const {
-    return !first_.empty() && std::none_of(first_.begin(), first_.end(), [&](const FixtureSighting& before) {
-      return std::any_of(last_.begin(), last_.end(),
-                         [&](const FixtureSighting& after) { return is_the_same(before, after); });
-    });
-  }
+  [[nodiscard]] bool was_lifted() const { return !first_.empty() && !share_one(first_, last_); }
   [[nodiscard]] std::int64_t last_utime() const { return last_utime_; }
 
  private:
-  static bool is_the_same(const FixtureSighting& a, const FixtureSighting& b) {
-    const double turned =
-        std::abs(wrap_modulo(a.robot_from_fixture.theta - b.robot_from_fixture.theta, symmetry_period(a.shape)));
-    return a.shape == b.shape && distance(a.robot_from_fixture, b.robot_from_fixture) < kElsewhere &&
-           (!a.has_theta || !b.has_theta || turned < kElsewhereTurn);
-  }
-
   Pose2 odom_from_robot_;
   std::vector<FixtureSighting> first_;
   std::vector<FixtureSighting> last_;
@@ -67,21 +70,23 @@ class CarrySearch {
       : frames_(frames), passes_(passes), model_(model), view_(model.robot.camera) {}
 
   [[nodiscard]] std::vector<int> search() const {
-    std::set<int> vanished;
-    std::set<int> appeared;
+    std::map<int, std::vector<FixtureSighting>> vanished;  // by the first key frame without them; frame of odometry
+    std::map<int, std::vector<FixtureSighting>> appeared;  // by the first with them
     for (const FixturePass& pass : passes_) {
       const PassSighting& first = pass.sightings.front();
       const PassSighting& last = pass.sightings.back();
       if (stays_in_view(pass, last, 1)) {
-        vanished.insert(last.frame + 1);
+        vanished[last.frame + 1].push_back(in_odometry(last));
       }
       if (stays_in_view(pass, first, -1)) {
-        appeared.insert(first.frame);
+        appeared[first.frame].push_back(in_odometry(first));
       }
     }
     std::vector<int> carries;
-    for (const int frame : appeared) {
-      if (vanished.count(frame) > 0) {
+    for (const auto& [frame, after] : appeared) {
+      const auto before = vanished.find(frame);
+      // one that hangs where it hung was only seen badly: a sighting far from the one before begins a new pass
+      if (before != vanished.end() && !share_one(before->second, after)) {
         carries.push_back(frame);
       }
     }
@@ -89,6 +94,13 @@ class CarrySearch {
   }
 
  private:
+  [[nodiscard]] FixtureSighting in_odometry(const PassSighting& seen) const {
+    FixtureSighting sighting = seen.sighting;
+    sighting.robot_from_fixture =
+        frames_[static_cast<std::size_t>(seen.frame)].odom_from_robot * sighting.robot_from_fixture;
+    return sighting;
+  }
+
   /// Whether, by odometry, the fixture of a sighting lay in the middle of the view of the next key frames, forwards or
   /// backwards.
   [[nodiscard]] bool stays_in_view(const FixturePass& pass, const PassSighting& seen, int direction) const {

@@ -12,8 +12,8 @@ namespace luminav {
 /// at the beginning.
 std::vector<std::int64_t> find_lifts(const SurveyDrive& drive);
 
-/// Key frames before which somebody carried the robot: a fixture vanished from the middle of the view while another one
-/// appeared in it, and the wheels know nothing of it. Where nothing hung before or after, nobody can tell.
+/// Key frames before which somebody carried the robot: fixtures vanished from the middle of the view while others
+/// appeared in it elsewhere, and the wheels know nothing of it. Where nothing hung before or after, nobody can tell.
 std::vector<int> find_carries(const std::vector<KeyFrame>& frames, const std::vector<FixturePass>& passes,
                               const SurveyModel& model);
 

@@ -67,6 +67,18 @@ TEST(CarrySearch, FindsThatItWasLiftedWhereItStood) {
   EXPECT_EQ(find_lifts(standing({0.2, 0.0, 0.0}, {0.2, 0.0, 1.0})).size(), 1u);
 }
 
+TEST(CarrySearch, IsNotMisledByAFixtureThatIsSeenBesideItsPlace) {
+  std::vector<KeyFrame> frames = frames_of(0.0, 10.0);
+  for (KeyFrame& frame : frames) {
+    for (FixtureSighting& sighting : frame.sightings) {
+      sighting.robot_from_fixture.x += frame.odom_from_robot.x > 5.0 ? 0.2 : 0.0;
+    }
+  }
+  const SurveyModel model = synthetic_model();
+  EXPECT_EQ(find_passes(frames, model.kinds).size(), kCeiling.size() + 1);  // the second fixture is lost, and found
+  EXPECT_THAT(carries_in(frames), testing::IsEmpty());
+}
+
 TEST(CarrySearch, IsNotMisledByALampThatGoesOut) {
   std::vector<KeyFrame> frames = frames_of(0.0, 10.0);
   for (KeyFrame& frame : frames) {
