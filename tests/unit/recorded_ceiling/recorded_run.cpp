@@ -86,13 +86,17 @@ Building hall(Building building, const Eigen::Vector2d& pitch) {
 
 }  // namespace
 
-RecordedRun read_recorded_run(DetectorMode mode) {
-  const fs::path folder = fs::path(LUMINAV_SOURCE_DIR) / "tests/data/ceiling_office_robot";
+fs::path recording_folder() {
+  return fs::path(LUMINAV_SOURCE_DIR) / "tests/data/ceiling_office_robot";
+}
+
+RecordedRun read_recorded_run(DetectorMode mode, const std::string& robot) {
+  const fs::path folder = recording_folder();
   RecordedRun run;
-  run.config = read_localizer_config(folder / "fisheye.toml", folder / "fisheye-building.toml");
+  run.config = read_localizer_config(folder / robot, folder / "fisheye-building.toml");
   run.pitch = {10.0 * kFoot, 12.0 * kFoot};
   run.config.building = hall(run.config.building, run.pitch);
-  DetectorConfig seeing = read_detector_config(folder / "fisheye.toml", folder / "fisheye-building.toml");
+  DetectorConfig seeing = read_detector_config(folder / robot, folder / "fisheye-building.toml");
   seeing.params.mode = mode;
   Detector detector(seeing.params, seeing.camera, seeing.catalogue);
   const std::vector<Pose2> reference = read_reference(folder / "poses.csv", 8.25 * kFoot);

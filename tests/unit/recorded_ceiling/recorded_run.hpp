@@ -1,7 +1,7 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
+#include <string>
 #include <vector>
 
 #include "services/common/building/building.hpp"
@@ -23,8 +23,11 @@ struct RecordedRun {
   std::vector<Frame> frames;
 };
 
-/// Reads tests/data/ceiling_office_robot. Throws when something is missing.
-RecordedRun read_recorded_run(DetectorMode mode = DetectorMode::kModern);
+/// The folder of the recording.
+std::filesystem::path recording_folder();
+
+/// Reads it, the camera from one of its robot files. Throws when something is missing.
+RecordedRun read_recorded_run(DetectorMode mode = DetectorMode::kModern, const std::string& robot = "fisheye.toml");
 
 /// Offset (x, y, theta) of a pose from the reference, positions modulo the grid [m, rad].
 Eigen::Vector3d offset_modulo_grid(const Pose2& pose, const Pose2& reference, const Eigen::Vector2d& pitch);

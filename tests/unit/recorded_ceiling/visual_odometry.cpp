@@ -33,7 +33,7 @@ const VisualOdometry::SeenThing* VisualOdometry::thing_at(const Pose2& odom_from
 }
 
 // Gauss-Newton over the pose, with the constant velocity's prediction as prior.
-Pose2 VisualOdometry::align(const Pose2& predicted, const std::vector<FixtureSighting>& sightings) const {
+Pose2 VisualOdometry::align(const Pose2& predicted, const std::vector<FixtureSighting>& sightings) {
   Pose2 pose = predicted;
   for (int iteration = 0; iteration < 4; ++iteration) {
     Eigen::Matrix3d information =
@@ -60,6 +60,7 @@ Pose2 VisualOdometry::align(const Pose2& predicted, const std::vector<FixtureSig
       information += jacobian.transpose() * weight * jacobian;
       gradient += jacobian.transpose() * weight * residual;
     }
+    covariance_ = information.inverse();
     const Eigen::Vector3d step = information.ldlt().solve(gradient);
     pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.theta + step.z())};
   }
