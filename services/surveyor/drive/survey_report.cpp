@@ -185,9 +185,9 @@ std::string survey_json(const Survey& survey, const CeilingKinds& kinds, const s
     fixtures.push_back(std::move(entry));
   }
   json dropped = json::array();
-  for (const DroppedFixture& drop : survey.dropped) {
-    json entry = to_json(drop.fixture, drop.judged);
-    entry["why"] = name_of(drop.judged.judgement);
+  for (std::size_t f = 0; f < survey.dropped.size(); ++f) {
+    json entry = to_json(survey.estimate.dropped[f], survey.dropped[f]);
+    entry["why"] = name_of(survey.dropped[f].judgement);
     dropped.push_back(std::move(entry));
   }
   json doubts = json::array();

@@ -42,8 +42,10 @@ void transform(SurveyEstimate& estimate, const Pose2& new_from_old) {
   for (Pose2& pose : estimate.poses) {
     pose = new_from_old * pose;
   }
-  for (SurveyedFixture& fixture : estimate.fixtures) {
-    fixture.world_from_fixture = new_from_old * fixture.world_from_fixture;
+  for (std::vector<SurveyedFixture>* fixtures : {&estimate.fixtures, &estimate.dropped}) {
+    for (SurveyedFixture& fixture : *fixtures) {
+      fixture.world_from_fixture = new_from_old * fixture.world_from_fixture;
+    }
   }
   estimate.direction = wrap_modulo(estimate.direction + new_from_old.theta, 0.5 * kPi);
 }

@@ -294,7 +294,8 @@ void drop_what_is_none(Survey& survey, const SurveyModel& model) {
       kept.push_back(survey.estimate.fixtures[f]);
       survey.fixtures.push_back(judged[f]);
     } else {
-      survey.dropped.push_back({survey.estimate.fixtures[f], judged[f]});
+      survey.estimate.dropped.push_back(survey.estimate.fixtures[f]);
+      survey.dropped.push_back(judged[f]);
     }
   }
   survey.estimate.fixtures = std::move(kept);

@@ -9,19 +9,13 @@
 
 namespace luminav {
 
-/// Something that was seen and is not believed to be a fixture.
-struct DroppedFixture {
-  SurveyedFixture fixture;
-  JudgedFixture judged;
-};
-
 /// What a drive told of the ceiling.
 struct Survey {
   std::vector<KeyFrame> frames;  // of the parts that are on the map
   std::vector<FixturePass> passes;
   SurveyEstimate estimate;              // straight: fixtures along the axes, the longer side of the building along x
   std::vector<JudgedFixture> fixtures;  // in the estimate's order
-  std::vector<DroppedFixture> dropped;
+  std::vector<JudgedFixture> dropped;   // likewise
   std::vector<ClosureDoubt> doubts;
   double regularity = 0.0;            // 0..1 how far the fixtures hang at right angles
   double distance = 0.0;              // [m] driven on this map

@@ -33,9 +33,10 @@ struct SurveyedFixture {
 struct SurveyEstimate {
   std::vector<Pose2> poses;  // world_from_robot, of each key frame
   std::vector<SurveyedFixture> fixtures;
-  std::array<double, 3> wheels{};  // scale, ratio, base, as in WheelCorrection
-  std::array<double, 6> camera{};  // tilt x, tilt y, yaw, scale, time, lens: beside what the robot's file says
-  double direction = 0.0;          // [rad] of the building, modulo a quarter turn; see below
+  std::vector<SurveyedFixture> dropped;  // seen, and not believed to be fixtures: left as they were
+  std::array<double, 3> wheels{};        // scale, ratio, base, as in WheelCorrection
+  std::array<double, 6> camera{};        // tilt x, tilt y, yaw, scale, time, lens: beside what the robot's file says
+  double direction = 0.0;                // [rad] of the building, modulo a quarter turn; see below
   bool has_converged = false;
 };
 

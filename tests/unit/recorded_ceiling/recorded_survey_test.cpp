@@ -11,7 +11,7 @@
 namespace luminav::testing {
 namespace {
 
-// What the recording's author noted of the hall; of its pitches only that they are whole feet.
+// What the recording's author noted of the hall.
 constexpr double kPitchAcross = 10.0 * 0.3048;  // [m]
 constexpr double kPitchAlong = 12.0 * 0.3048;   // [m]
 constexpr double kPitchTolerance = 0.02;        // fraction

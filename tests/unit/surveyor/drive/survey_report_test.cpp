@@ -110,8 +110,9 @@ TEST(SurveyReport, SaysThatNothingChecksADriveWithoutALoop) {
 
 TEST(SurveyReport, WritesFiguresThatOthersRead) {
   Survey survey = small_survey();
-  survey.dropped.push_back({{0, {3}, {9.0, 9.0, 0.0}}, {}});
-  survey.dropped[0].judged.judgement = Judgement::kSeldomSeen;
+  survey.estimate.dropped.push_back({0, {3}, {9.0, 9.0, 0.0}});
+  survey.dropped.push_back({});
+  survey.dropped[0].judgement = Judgement::kSeldomSeen;
   const auto json = nlohmann::json::parse(survey_json(survey, synthetic_model().kinds, {"a remark"}));
   EXPECT_EQ(json["fixtures"].size(), 2u);
   EXPECT_EQ(json["fixtures"][0]["passes"], 2);

@@ -40,10 +40,12 @@ TEST(Straightening, LaysTheLongSideAlongXAndTheCornerAtTheOrigin) {
 
 TEST(Straightening, MovesPosesAndFixturesTogether) {
   SurveyEstimate estimate = askew(0.3);
+  estimate.dropped = {estimate.fixtures[2]};
   const Pose2 before = estimate.poses[1].inverse() * estimate.fixtures[2].world_from_fixture;
   transform(estimate, {1.0, 2.0, 0.7});
-  const Pose2 after = estimate.poses[1].inverse() * estimate.fixtures[2].world_from_fixture;
-  EXPECT_NEAR(distance(before, after), 0.0, 1e-12);
+  for (const SurveyedFixture& fixture : {estimate.fixtures[2], estimate.dropped[0]}) {
+    EXPECT_NEAR(distance(before, estimate.poses[1].inverse() * fixture.world_from_fixture), 0.0, 1e-12);
+  }
 }
 
 }  // namespace
