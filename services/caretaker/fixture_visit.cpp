@@ -5,8 +5,8 @@
 namespace luminav {
 namespace {
 
-constexpr double kMostly = 0.6;  // share of images that says so
-constexpr double kHardly = 0.1;  // share of images that may be the detector's mistakes
+constexpr double kMostly = 0.5;  // share of images that says so
+constexpr double kHardly = 0.2;  // share of images that may be the detector's mistakes: of the 12 of a short visit, two
 constexpr int kMinChanges = 4;
 constexpr double kMinFlicker = 0.25;  // share of images on either side
 constexpr double kMinDark = 0.08;     // share of images that show it dark: others may have missed it
