@@ -7,10 +7,12 @@
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
+#include "services/common/ceiling/fixture_map.hpp"
 #include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
@@ -27,7 +29,6 @@ constexpr double kUnseenShare = 0.1;
 constexpr double kGreyMargin = 10.0;    // grey levels by which it may be darker
 constexpr double kSamePlace = 0.25;     // [m] of what is new
 constexpr double kBesideElement = 0.5;  // [m] a vent that looks like a lamp
-constexpr double kSameSize = 0.25;      // fraction of a side
 constexpr double kSameProposal = 0.30;  // [m]
 
 double median(std::vector<double> values) {
@@ -44,13 +45,18 @@ bool is_beside(const FixtureVisit& visit) {
   return std::hypot(visit.offset.x, visit.offset.y) > kMinOffset || std::abs(visit.offset.theta) > kMinTurn;
 }
 
-bool agree(const Pose2& a, const Pose2& b) {
-  return distance(a, b) < kAgreement && std::abs(a.theta - b.theta) < kAgreementTurn;
+/// A turn [rad] as the one of those that look alike that is nearest to another turn.
+double turn_beside(double turn, double other, double period) {
+  return period > 0.0 ? other + std::remainder(turn - other, period) : other;
+}
+
+bool agree(const Pose2& a, const Pose2& b, double period) {
+  return distance(a, b) < kAgreement && std::abs(turn_beside(a.theta, b.theta, period) - b.theta) < kAgreementTurn;
 }
 
 /// The newest visits that saw it at one offset beside its place, newest first: at least as many as did not. A robot
 /// whose pose the moved fixture itself pulls along sees it at its place now and then.
-std::vector<FixtureVisit> visits_beside(const std::vector<FixtureVisit>& visits) {
+std::vector<FixtureVisit> visits_beside(const std::vector<FixtureVisit>& visits, double period) {
   std::vector<FixtureVisit> best;
   for (const FixtureVisit& reference : visits) {
     if (!is_seen(reference) || !is_beside(reference)) {
@@ -63,7 +69,7 @@ std::vector<FixtureVisit> visits_beside(const std::vector<FixtureVisit>& visits)
       if (!is_seen(*visit)) {
         continue;
       }
-      if (!agree(visit->offset, reference.offset)) {
+      if (!agree(visit->offset, reference.offset, period)) {
         others += is_beside(*visit) ? 2 : 1;  // a third place contradicts more than its own
       } else {
         beside.push_back(*visit);
@@ -79,7 +85,8 @@ std::vector<FixtureVisit> visits_beside(const std::vector<FixtureVisit>& visits)
 }
 
 std::optional<CeilingChange> find_moved(const Fixture& fixture, const std::vector<FixtureVisit>& visits) {
-  const std::vector<FixtureVisit> beside = visits_beside(visits);
+  const double period = symmetry_period(fixture.shape);
+  const std::vector<FixtureVisit> beside = visits_beside(visits, period);
   if (static_cast<int>(beside.size()) < kMinChangeVisits) {
     return std::nullopt;
   }
@@ -87,7 +94,7 @@ std::optional<CeilingChange> find_moved(const Fixture& fixture, const std::vecto
   for (const FixtureVisit& visit : beside) {
     offsets[0].push_back(visit.offset.x);
     offsets[1].push_back(visit.offset.y);
-    offsets[2].push_back(visit.offset.theta);
+    offsets[2].push_back(turn_beside(visit.offset.theta, beside.front().offset.theta, period));
   }
   CeilingChange change{ChangeKind::kMoved,  fixture.id,        fixture, static_cast<int>(beside.size()),
                        beside.back().begin, beside.front().end};
@@ -132,17 +139,24 @@ std::optional<CeilingChange> find_removed(const Fixture& fixture, const std::vec
   return change.visits >= kMinChangeVisits ? std::optional(change) : std::nullopt;
 }
 
-bool is_of_size(double seen, double size) {
-  return std::abs(seen - size) < kSameSize * size;
-}
-
-/// The kind of the building's fixtures that a stranger could be; nothing when it is of none.
+/// The kind of the building's fixtures that a stranger is most like, by what the localizer takes for one; nothing when
+/// it is of none.
 const Fixture* kind_of(const StrangerVisit& stranger, const std::vector<Fixture>& fixtures) {
-  const auto kind = std::find_if(fixtures.begin(), fixtures.end(), [&](const Fixture& fixture) {
-    return fixture.shape == stranger.shape && is_of_size(stranger.length, fixture.length) &&
-           is_of_size(stranger.width, fixture.width);
-  });
-  return kind == fixtures.end() ? nullptr : &*kind;
+  FixtureSighting sighting;
+  sighting.shape = stranger.shape;
+  sighting.length = stranger.length;
+  sighting.width = stranger.width;
+  sighting.state = SightingState::kLit;  // it may be, and then looks wider
+  const Fixture* best = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Fixture& fixture : fixtures) {
+    const double misfit = std::abs(stranger.length - fixture.length) + std::abs(stranger.width - fixture.width);
+    if (misfit < least && fits_kind_and_size(sighting, fixture, {})) {
+      least = misfit;
+      best = &fixture;
+    }
+  }
+  return best;
 }
 
 bool is_listed(const Building& building, const Pose2& place) {

@@ -71,6 +71,19 @@ TEST_F(CeilingChanges, ProposeWhereAMovedFixtureHangs) {
   EXPECT_THAT(describe(changes[0], building_), HasSubstr("fixture 102 is seen (+0.3"));
 }
 
+TEST_F(CeilingChanges, ProposeAFixtureThatWasTurnedByARightAngle) {
+  pass(10, same);
+  int turn = 0;
+  pass(kMinChangeVisits, [&](int index, FixtureVisit visit) {
+    visit.offset.theta = index == 2 ? (++turn % 2 == 0 ? radians(89.5) : radians(-89.5)) : visit.offset.theta;
+    return visit;  // a bar turned to the left looks like one turned to the right
+  });
+  const auto changes = propose_changes(ledger_, building_);
+  ASSERT_THAT(changes, SizeIs(1));
+  EXPECT_EQ(changes[0].id, 102);
+  EXPECT_NEAR(std::abs(changes[0].fixture.world_from_fixture.theta), 0.5 * kPi, radians(1.0));
+}
+
 TEST_F(CeilingChanges, ProposeItAlsoWhenItPullsThePoseAlongNowAndThen) {
   pass(10, same);
   int turn = 0;
@@ -139,6 +152,15 @@ TEST_F(CeilingChanges, ProposeANewFixtureOfAKnownKind) {
   EXPECT_EQ(changes[0].kind, ChangeKind::kNew);
   EXPECT_EQ(changes[0].id, 104);
   EXPECT_NEAR(changes[0].fixture.world_from_fixture.y, 3.0, 0.03);
+}
+
+TEST_F(CeilingChanges, ProposeANewFixtureThatLooksWiderAsBurningLampsDo) {
+  pass(5, same);
+  building_.fixtures[0].width = 0.15;
+  see_stranger(kMinChangeVisits, {3.0, 3.0, 1.0}, 1.2, 0.2);
+  const auto changes = propose_changes(ledger_, building_);
+  ASSERT_THAT(changes, SizeIs(1));
+  EXPECT_DOUBLE_EQ(changes[0].fixture.width, 0.15);
 }
 
 TEST_F(CeilingChanges, DoNotTakeAListedElementForAFixture) {
