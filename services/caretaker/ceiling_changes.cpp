@@ -69,7 +69,7 @@ std::vector<FixtureVisit> visits_beside(const std::vector<FixtureVisit>& visits,
       if (!is_seen(*visit)) {
         continue;
       }
-      if (!agree(visit->offset, reference.offset, period)) {
+      if (!is_beside(*visit) || !agree(visit->offset, reference.offset, period)) {
         others += is_beside(*visit) ? 2 : 1;  // a third place contradicts more than its own
       } else {
         beside.push_back(*visit);

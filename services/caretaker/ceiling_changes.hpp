@@ -29,7 +29,7 @@ struct CeilingChange {
 /// ones, new ones last.
 std::vector<CeilingChange> propose_changes(const LampLedger& ledger, const Building& building);
 
-inline constexpr int kMinChangeVisits = 5;
+inline constexpr int kMinChangeVisits = 4;
 
 /// "fixture 17: hangs 0.31 m east ... of its place, seen in 14 visits from ... to ...". Times in the local zone.
 std::string describe(const CeilingChange& change, const Building& building);

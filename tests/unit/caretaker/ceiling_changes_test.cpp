@@ -106,6 +106,17 @@ TEST_F(CeilingChanges, ForgetAFixtureThatIsSeenAtItsPlaceAgain) {
   EXPECT_THAT(propose_changes(ledger_, building_), IsEmpty());
 }
 
+TEST_F(CeilingChanges, ProposeNothingForOneVisitBesideItsPlaceAndOthersHalfThere) {
+  int turn = 0;
+  pass(20, [&](int index, FixtureVisit visit) {
+    if (index == 2) {
+      visit.offset = {++turn % 10 == 0 ? 0.11 : 0.05, 0.0, 0.0};
+    }
+    return visit;
+  });
+  EXPECT_THAT(propose_changes(ledger_, building_), IsEmpty());
+}
+
 TEST_F(CeilingChanges, ProposeNothingForOffsetsThatDoNotAgree) {
   pass(10, same);
   int turn = 0;
