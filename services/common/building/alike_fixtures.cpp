@@ -57,18 +57,47 @@ class Surroundings {
     if (marks_[a].look != marks_[b].look) {
       return false;
     }
-    const int turns = marks_[a].period == 0.0 ? 16 : static_cast<int>(std::lround(2.0 * kPi / marks_[a].period));
-    for (int turn = 0; turn < turns; ++turn) {
-      const Pose2 turned = marks_[b].pose * Pose2{0.0, 0.0, wrap_angle(2.0 * kPi * turn / turns)};
-      const Pose2 b_from_a = turned * marks_[a].pose.inverse();  // both in the world
-      if (maps_onto(a, b, b_from_a) && maps_onto(b, a, b_from_a.inverse())) {
-        return true;
-      }
-    }
-    return false;
+    const std::vector<double> turns = turns_onto(a, b);
+    return std::any_of(turns.begin(), turns.end(), [&](double turn) {
+      const Pose2 b_from_a = Pose2{marks_[b].pose.x, marks_[b].pose.y, turn} *
+                             Pose2{-marks_[a].pose.x, -marks_[a].pose.y, 0.0};  // both in the world
+      return maps_onto(a, b, b_from_a) && maps_onto(b, a, b_from_a.inverse());
+    });
+  }
+  /// A round fixture among nothing but round things.
+  [[nodiscard]] bool tells_no_heading(std::size_t i) const {
+    return marks_[i].period == 0.0 &&
+           std::all_of(near_[i].begin(), near_[i].end(), [&](std::size_t j) { return marks_[j].period == 0.0; });
   }
 
  private:
+  /// Turns [rad] under which `a` may lie on `b`; of round ones those that lay the nearest mark on its like.
+  [[nodiscard]] std::vector<double> turns_onto(std::size_t a, std::size_t b) const {
+    std::vector<double> turns;
+    if (marks_[a].period > 0.0) {
+      for (int i = 0; i < std::lround(2.0 * kPi / marks_[a].period); ++i) {
+        turns.push_back(wrap_angle(marks_[b].pose.theta - marks_[a].pose.theta + i * marks_[a].period));
+      }
+      return turns;
+    }
+    const auto nearest = std::min_element(near_[a].begin(), near_[a].end(), [&](std::size_t i, std::size_t j) {
+      return distance(marks_[a].pose, marks_[i].pose) < distance(marks_[a].pose, marks_[j].pose);
+    });
+    if (nearest == near_[a].end()) {
+      return {0.0};
+    }
+    const auto direction = [&](std::size_t from, std::size_t to) {
+      const Eigen::Vector2d apart = marks_[to].pose.position() - marks_[from].pose.position();
+      return std::atan2(apart.y(), apart.x());
+    };
+    for (const std::size_t j : near_[b]) {
+      if (marks_[j].look == marks_[*nearest].look) {
+        turns.push_back(wrap_angle(direction(b, j) - direction(a, *nearest)));
+      }
+    }
+    return turns;
+  }
+
   /// Whether all that is clearly near `a` is found near `b`; the rim may differ, since it is cut by a hair.
   [[nodiscard]] bool maps_onto(std::size_t a, std::size_t b, const Pose2& motion) const {
     return std::all_of(near_[a].begin(), near_[a].end(), [&](std::size_t i) {
@@ -98,6 +127,7 @@ AlikeFixtures find_alike_fixtures(const Building& building) {
       }
     }
     result.fixtures += group.size() > 1 ? 1 : 0;
+    result.without_heading += surroundings.tells_no_heading(i) ? 1 : 0;
     if (group.size() > 1 && group.size() > result.largest_group.size()) {
       result.largest_group = std::move(group);
     }

@@ -14,11 +14,13 @@ inline constexpr double kSurroundings = 4.0;
 struct AlikeFixtures {
   std::size_t fixtures = 0;                // how many have a double
   std::vector<std::size_t> largest_group;  // indices; each looks like the first
+  std::size_t without_heading = 0;         // round ones with nothing but round things within kSurroundings
 };
 
 /// Two fixtures are alike when a motion that brings one onto the other (a rectangle has two such motions, a square
-/// four; round ones are compared at 16 turns) brings all fixtures and elements within kSurroundings onto ones of equal
-/// kind and size, within 0.15 m and 8 degrees. Walls are not looked at, so this errs on the side of "alike".
+/// four; one of a round fixture lays its nearest neighbour on a like one) brings all fixtures and elements within
+/// kSurroundings onto ones of equal kind and size, within 0.15 m and 8 degrees. Walls are not looked at, so this errs
+/// on the side of "alike".
 AlikeFixtures find_alike_fixtures(const Building& building);
 
 }  // namespace luminav

@@ -281,6 +281,12 @@ class BuildingInspector {
 
   void note_alike_fixtures() {
     const AlikeFixtures alike = find_alike_fixtures(building_);
+    if (alike.without_heading > 0) {
+      add(FindingKind::kWarning, 0,
+          fmt::format("{} of {} fixtures are round with nothing but round ones within {:.0f} m: one alone tells no "
+                      "heading, so the robot must drive until it saw two; `audit` says how far",
+                      alike.without_heading, building_.fixtures.size(), kSurroundings));
+    }
     if (alike.fixtures == 0) {
       add(FindingKind::kNote, 0, "every fixture is told apart by what hangs around it");
       return;

@@ -45,5 +45,34 @@ TEST(AlikeFixtures, DoNotDependOnWhereTheBuildingStands) {
   EXPECT_EQ(find_alike_fixtures(building).largest_group, before.largest_group);
 }
 
+/// Round fixtures of one size.
+Building round_ones(const std::vector<Eigen::Vector2d>& places) {
+  Building building;
+  for (const Eigen::Vector2d& place : places) {
+    building.fixtures.push_back({.id = static_cast<int>(building.fixtures.size()) + 1,
+                                 .shape = FixtureShape::kRound,
+                                 .world_from_fixture = {place.x(), place.y(), 0.0},
+                                 .length = 0.2,
+                                 .width = 0.2});
+  }
+  return building;
+}
+
+TEST(AlikeFixtures, RoundOnesAreComparedUnderTheTurnThatTheirNeighboursAskFor) {
+  // two pairs 2 m apart, the second turned by 37 degrees; a triangle tells itself from them
+  const Eigen::Vector2d turned(2.0 * std::cos(radians(37)), 2.0 * std::sin(radians(37)));
+  const Eigen::Vector2d far(20.0, 0.0);
+  EXPECT_EQ(find_alike_fixtures(round_ones({{0.0, 0.0}, {2.0, 0.0}, far, far + turned})).fixtures, 4U);
+  EXPECT_EQ(find_alike_fixtures(round_ones({{0.0, 0.0}, {2.0, 0.0}, far, far + 1.3 * turned})).largest_group.size(), 2U)
+      << "the half turn of a pair";
+}
+
+TEST(AlikeFixtures, CountsRoundOnesThatNothingGivesAHeading) {
+  Building building = round_ones({{0.0, 0.0}, {2.0, 0.0}, {20.0, 0.0}});
+  EXPECT_EQ(find_alike_fixtures(building).without_heading, 3U);
+  building.elements.push_back({.world_from_element = {20.0, 1.0, 0.0}});
+  EXPECT_EQ(find_alike_fixtures(building).without_heading, 2U);
+}
+
 }  // namespace
 }  // namespace luminav

@@ -92,6 +92,13 @@ TEST(BuildingCheck, FindsPlacesWhereNobodyCanStandOrGo) {
   EXPECT_THAT(findings, Not(Contains(Field(&BuildingFinding::line, 17))));
 }
 
+TEST(BuildingCheck, WarnsOfRoundFixturesThatNothingGivesAHeading) {
+  const std::string round = "[[fixture]]\nid = 1\nshape = \"round\"\nx = 3.0\ny = 3.0\ndiameter = 0.3\n";
+  EXPECT_THAT(findings_of(round), Contains(finding(FindingKind::kWarning, 0, "1 of 1 fixtures are round")));
+  EXPECT_THAT(findings_of(round + "[[fixture]]\nid = 2\nx = 5.0\ny = 3.0\nlength = 1.2\nwidth = 0.3\n"),
+              Not(Contains(Field(&BuildingFinding::text, HasSubstr("are round")))));
+}
+
 TEST(BuildingCheck, SaysThatABuildingWithoutFixturesIsOfNoUse) {
   EXPECT_THAT(findings_of(""), Contains(finding(FindingKind::kError, 1, "no fixture")));
 }
