@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <future>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "services/common/building/map_file.hpp"
@@ -25,25 +22,19 @@
 namespace luminav {
 namespace {
 
-constexpr double kLongDistance = 10.0;  // [m] drawn as red as it gets short of never
+constexpr std::size_t kMaxStarts = 1000;  // 95 % of them tells the floor's within a few percent
+constexpr double kLongDistance = 10.0;    // [m] drawn as red as it gets short of never
 
 std::string in_metres(double distance) {
   return std::isinf(distance) ? "never" : fmt::format("{:.1f} m", distance);
 }
 
-/// What was found out, with the length [m] of the walk that resolves each place.
+/// What was found out.
 struct Findings {
   const Building& building;
-  const AmbiguityAudit& audit;
-  std::vector<double> distances;
+  const AuditFloor& floor;
+  std::vector<AuditStart> starts;
   std::vector<AuditChange> changes;
-
-  /// Way [m] that a share of the places needs at most; infinite when more than the rest never resolve.
-  [[nodiscard]] double distance_quantile(double share) const {
-    std::vector<double> sorted = distances;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
-  }
 };
 
 /// Says on standard error what goes on, for a person who waits.
@@ -51,88 +42,71 @@ void say(const std::string& what) {
   fmt::print(stderr, "audit: {}\n", what);
 }
 
-void say_share(std::size_t done, std::size_t count) {
-  const std::size_t tenth = std::max<std::size_t>(1, count / 10);
-  if (done % tenth == 0 && done < count) {
-    say(fmt::format("{} of {} places", done, count));
-  }
-}
-
-// Each thread takes a stretch of neighbouring places.
-std::vector<double> resolving_distances(const RivalGround& ground) {
-  std::atomic<std::size_t> done = 0;
-  const std::size_t count = ground.points.size();
-  const std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
-  std::vector<double> distances(count);
-  std::vector<std::future<void>> stretches;
-  for (std::size_t t = 0; t < threads; ++t) {
-    stretches.push_back(std::async(std::launch::async, [&, t] {
-      ResolvingWalk walk(ground);
-      for (std::size_t i = t * count / threads; i < (t + 1) * count / threads; ++i) {
-        distances[i] = walk.length(static_cast<std::int32_t>(i));
-        say_share(++done, count);
-      }
-    }));
-  }
-  for (std::future<void>& stretch : stretches) {
-    stretch.get();
-  }
-  return distances;
+std::vector<AuditStart> find_distances(const AuditFloor& floor) {
+  const std::vector<std::int32_t> places = spread_starts(floor, kMaxStarts);
+  say(fmt::format("how far to drive from {} of {} places until the pose is told?", places.size(),
+                  floor.ground().points.size()));
+  const std::size_t tenth = std::max<std::size_t>(1, places.size() / 10);
+  return audit_starts(floor, places, [&](std::size_t done) {
+    if (done % tenth == 0 && done < places.size()) {
+      say(fmt::format("{} of {} places", done, places.size()));
+    }
+  });
 }
 
 void print(const Findings& findings) {
-  const auto& [building, audit, distances, changes] = findings;
-  const auto count = static_cast<double>(distances.size());
-  const auto known_at_once = static_cast<double>(std::count(distances.begin(), distances.end(), 0.0));
-  const auto blind = static_cast<double>(std::count_if(audit.places().begin(), audit.places().end(),
-                                                       [](const AuditPlace& place) { return place.is_blind; }));
-  fmt::print("{}: {} fixtures, {} places looked at, view of {:.2f} m radius\n", building.name, building.fixtures.size(),
-             audit.places().size(), audit.view_radius());
+  const auto& [building, floor, starts, changes] = findings;
+  const auto share = [&](const auto& claim) {
+    return 100.0 * static_cast<double>(std::count_if(starts.begin(), starts.end(), claim)) /
+           static_cast<double>(starts.size());
+  };
+  fmt::print("{}: {} fixtures, {} of {} places looked at, view of {:.2f} m radius\n", building.name,
+             building.fixtures.size(), starts.size(), floor.ground().points.size(), floor.view_radius());
   fmt::print("known at once from {:.0f} % of the places; no fixture in view from {:.0f} %\n",
-             100.0 * known_at_once / count, 100.0 * blind / count);
-  fmt::print("way to drive until the pose is resolvable: median {}, 95 % {}, longest {}\n",
-             in_metres(findings.distance_quantile(0.5)), in_metres(findings.distance_quantile(0.95)),
-             in_metres(findings.distance_quantile(1.0)));
-  fmt::print("likewise if twins need not all be refuted on one drive: mean {:.2f} m\n", audit.mean_min_distance());
-  if (audit.never_share() > 0.0) {
+             share([](const AuditStart& start) { return start.distance == 0.0; }),
+             share([&](const AuditStart& start) { return floor.is_blind(start.place); }));
+  fmt::print("way to drive until the pose is resolvable: mean {:.2f} m, median {}, 95 % {}, longest {}\n",
+             mean_distance(starts), in_metres(distance_quantile(starts, 0.5)),
+             in_metres(distance_quantile(starts, 0.95)), in_metres(distance_quantile(starts, 1.0)));
+  if (never_share(starts) > 0.0) {
     fmt::print("never resolvable from {:.1f} % of the places: part of the building maps onto itself\n",
-               100.0 * audit.never_share());
+               100.0 * never_share(starts));
   }
   for (const AuditChange& change : changes) {
     fmt::print(
-        "would help: fixture {} of another kind, or a vent beside it written into the file: that mean {:.2f} m, "
-        "never {:.1f} %\n",
-        change.fixture, change.mean_min_distance, 100.0 * change.never_share);
+        "would help: fixture {} of another kind, or a vent beside it written into the file: mean {:+.2f} m, "
+        "never {:+.1f} %\n",
+        change.fixture, change.mean_change, 100.0 * change.never_change);
   }
 }
 
 void write_json(const std::string& file, const Findings& findings) {
-  const auto& [building, audit, distances, changes] = findings;
+  const auto& [building, floor, starts, changes] = findings;
   const auto finite = [](double distance) {
     return std::isinf(distance) ? nlohmann::json(nullptr) : nlohmann::json(distance);
   };
   nlohmann::json report = {{"building", building.name},
                            {"fixtures", building.fixtures.size()},
-                           {"view_radius_m", audit.view_radius()},
-                           {"median_way_m", finite(findings.distance_quantile(0.5))},
-                           {"p95_way_m", finite(findings.distance_quantile(0.95))},
-                           {"mean_least_way_m", audit.mean_min_distance()},
-                           {"never_share", audit.never_share()},
+                           {"view_radius_m", floor.view_radius()},
+                           {"median_way_m", finite(distance_quantile(starts, 0.5))},
+                           {"p95_way_m", finite(distance_quantile(starts, 0.95))},
+                           {"mean_way_m", mean_distance(starts)},
+                           {"never_share", never_share(starts)},
+                           {"places_of_floor", floor.ground().points.size()},
                            {"places", nlohmann::json::array()},
                            {"changes", nlohmann::json::array()}};
-  for (std::size_t i = 0; i < distances.size(); ++i) {
-    const AuditPlace& place = audit.places()[i];
-    report["places"].push_back({{"x", place.point.x()},
-                                {"y", place.point.y()},
-                                {"blind", place.is_blind},
-                                {"twins", place.aliases},
-                                {"least_way_m", finite(place.min_distance)},
-                                {"way_m", finite(distances[i])}});
+  for (const AuditStart& start : starts) {
+    const Eigen::Vector2d& point = floor.ground().points[static_cast<std::size_t>(start.place)];
+    report["places"].push_back({{"x", point.x()},
+                                {"y", point.y()},
+                                {"blind", floor.is_blind(start.place)},
+                                {"twins", start.aliases},
+                                {"way_m", finite(start.distance)}});
   }
   for (const AuditChange& change : changes) {
     report["changes"].push_back({{"fixture", change.fixture},
-                                 {"mean_least_way_m", change.mean_min_distance},
-                                 {"never_share", change.never_share}});
+                                 {"mean_way_change_m", change.mean_change},
+                                 {"never_share_change", change.never_change}});
   }
   write_whole_file(file, report.dump(1) + "\n");
 }
@@ -146,12 +120,13 @@ cv::Scalar colour_of(double distance) {
 }
 
 void draw_picture(const std::string& file, const Findings& findings) {
-  const auto& [building, audit, distances, changes] = findings;
-  Eigen::Vector2d min(1e9, 1e9);
-  Eigen::Vector2d max(-1e9, -1e9);
-  for (const AuditPlace& place : audit.places()) {
-    min = min.cwiseMin(place.point);
-    max = max.cwiseMax(place.point);
+  const auto& [building, floor, starts, changes] = findings;
+  const std::vector<Eigen::Vector2d>& points = floor.ground().points;
+  Eigen::Vector2d min = points.front();
+  Eigen::Vector2d max = points.front();
+  for (const Eigen::Vector2d& point : points) {
+    min = min.cwiseMin(point);
+    max = max.cwiseMax(point);
   }
   const double margin = 0.8;  // [m]
   const double scale = std::clamp(1500.0 / std::max(1.0, (max - min).maxCoeff() + 2.0 * margin), 4.0, 80.0);
@@ -161,11 +136,18 @@ void draw_picture(const std::string& file, const Findings& findings) {
   };
   const cv::Point corner = pixel({max.x() + margin, min.y() - margin});
   cv::Mat image(corner.y + 1, corner.x + 1, CV_8UC3, cv::Scalar(40, 40, 40));
-  const double half = 0.5 * audit.params().cell;
-  for (std::size_t i = 0; i < distances.size(); ++i) {
-    const Eigen::Vector2d& point = audit.places()[i].point;
+  const auto fill = [&](const Eigen::Vector2d& point, double half, const cv::Scalar& colour) {
     cv::rectangle(image, pixel(point + Eigen::Vector2d(-half, half)), pixel(point + Eigen::Vector2d(half, -half)),
-                  colour_of(distances[i]), cv::FILLED);
+                  colour, cv::FILLED);
+  };
+  for (const Eigen::Vector2d& point : points) {
+    fill(point, 0.5 * floor.params().cell, {90, 90, 90});
+  }
+  const double places_per_start = static_cast<double>(points.size()) / static_cast<double>(starts.size());
+  for (const AuditStart& start : starts) {  // each as large as its share of the floor, with a rim to tell them apart
+    fill(points[static_cast<std::size_t>(start.place)],
+         (places_per_start > 1.0 ? 0.35 : 0.5) * floor.params().cell * std::sqrt(places_per_start),
+         colour_of(start.distance));
   }
   for (const Fixture& fixture : building.fixtures) {
     std::vector<cv::Point> outline;
@@ -218,15 +200,14 @@ int run(int argc, char** argv) {
   }
   AuditParams params;
   params.with_elements = with_elements;
-  say(fmt::format("where do {} fixtures look alike?", building.fixtures.size()));
-  const AmbiguityAudit audit(building, walls, read_robot(std::filesystem::path(robot_file)).camera, params);
-  if (audit.places().empty()) {
+  const AuditFloor floor(building, walls, read_robot(std::filesystem::path(robot_file)).camera, params);
+  if (floor.ground().points.empty()) {
     throw std::runtime_error(file.string() + ": its map has no place where a robot could stand");
   }
-  say(fmt::format("how far to drive from each of {} places until the pose is told?", audit.places().size()));
-  std::vector<double> distances = resolving_distances(audit.ground());
+  std::vector<AuditStart> starts = find_distances(floor);
   say("which change would help?");
-  const Findings findings{building, audit, std::move(distances), audit.best_changes(3)};
+  std::vector<AuditChange> changes = best_changes(floor, starts, 3);
+  const Findings findings{building, floor, std::move(starts), std::move(changes)};
   print(findings);
   if (!json_file.empty()) {
     write_json(json_file, findings);

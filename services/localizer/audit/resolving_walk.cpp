@@ -1,171 +1,257 @@
 #include "services/localizer/audit/resolving_walk.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
-#include <queue>
+#include <bit>
 #include <unordered_map>
 
 namespace luminav {
 namespace {
 
-constexpr std::size_t kWordBits = 64;
+constexpr std::size_t kMaxDeciding = 64;  // rivals: those left are the bits of a word
 
 std::size_t index_of(std::int32_t number) {
   return static_cast<std::size_t>(number);
 }
 
-}  // namespace
-
-ResolvingWalk::ResolvingWalk(const RivalGround& ground, std::size_t max_expanded)
-    : ground_(ground),
-      max_expanded_(max_expanded),
-      lengths_(ground.points.size(), -1.0),
-      bit_of_(ground.rival_count, -1),
-      visited_(ground.points.size()) {}
-
-double ResolvingWalk::step(std::int32_t from, std::int32_t to) const {
-  return (ground_.points[index_of(to)] - ground_.points[index_of(from)]).norm();
-}
-
-void ResolvingWalk::begin(std::int32_t from) {
-  for (const std::int32_t place : touched_) {
-    visited_[index_of(place)].is_known = false;
-    visited_[index_of(place)].labels.clear();
+/// A* (Hart, Nilsson and Raphael 1968) over places and rivals left; the way that the farthest of them needs is the
+/// bound.
+class WalkSearch {
+ public:
+  WalkSearch(const WalkGround& ground, const std::vector<std::vector<double>>& to_refuted)
+      : ground_(ground), to_refuted_(to_refuted), labels_at_(ground.points.size()) {
+    add(0, 0.0, ~std::uint64_t{0} >> (kMaxDeciding - to_refuted.size()), -1);
   }
-  touched_.clear();
-  labels_.clear();
-  left_.clear();
-  queue_.clear();
-  std::fill(bit_of_.begin(), bit_of_.end(), -1);
-  std::int32_t bits = 0;
-  for (const RivalAtPlace& rival : ground_.rivals[index_of(from)]) {
-    bit_of_[index_of(rival.rival)] = bits++;
-  }
-  words_ = (index_of(bits) + kWordBits - 1) / kWordBits;
-  const std::vector<Word> all(words_, ~Word{0});
-  add(from, 0.0, all);
-}
 
-ResolvingWalk::Visited& ResolvingWalk::visited(std::int32_t place) {
-  Visited& visited = visited_[index_of(place)];
-  if (!visited.is_known) {
-    visited.is_known = true;
-    touched_.push_back(place);
-    visited.farthest_first.clear();
-    visited.rivals.assign(words_, 0);
-    for (const RivalAtPlace& rival : ground_.rivals[index_of(place)]) {
-      const std::int32_t bit = bit_of_[index_of(rival.rival)];
-      if (bit >= 0) {
-        visited.farthest_first.push_back({bit, rival.distance});
-        visited.rivals[index_of(bit) / kWordBits] |= Word{1} << (index_of(bit) % kWordBits);
+  struct Label {
+    std::int32_t place = 0;
+    bool is_dominated = false;  // another one came there by no longer way and left no other rivals
+    double distance = 0.0;      // [m]
+    std::uint64_t left = 0;     // rivals, as bits
+    std::int32_t before = -1;   // label
+  };
+  struct Entry {
+    double bound = 0.0;  // [m] that the whole walk has at least
+    std::int32_t label = 0;
+    bool operator>(const Entry& other) const {
+      return bound > other.bound || (bound == other.bound && label > other.label);
+    }
+  };
+
+  /// The most promising way; the walk is complete when it left no rivals.
+  Entry next() {
+    while (true) {
+      const Entry entry = queue_.front();
+      std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+      queue_.pop_back();
+      if (!label(entry.label).is_dominated) {
+        return entry;
       }
     }
   }
-  return visited;
-}
-
-bool ResolvingWalk::is_subset(const Word* a, const Word* b) const {
-  for (std::size_t i = 0; i < words_; ++i) {
-    if ((a[i] & ~b[i]) != 0) {
-      return false;
+  void expand(std::int32_t index) {
+    const Label from = label(index);
+    for (const std::int32_t next : ground_.neighbours[index_of(from.place)]) {
+      add(next, from.distance + ground_.step(from.place, next), from.left, index);
     }
   }
-  return true;
-}
+  [[nodiscard]] const Label& label(std::int32_t index) const { return labels_[index_of(index)]; }
 
-double ResolvingWalk::farthest(const Visited& here, const Word* rivals) {
-  const auto left = std::find_if(here.farthest_first.begin(), here.farthest_first.end(), [&](const RivalBit& rival) {
-    return (rivals[index_of(rival.bit) / kWordBits] >> (index_of(rival.bit) % kWordBits) & 1) != 0;
-  });
-  return left == here.farthest_first.end() ? 0.0 : left->distance;
-}
-
-void ResolvingWalk::add(std::int32_t place, double distance, std::span<const Word> rivals) {
-  Visited& here = visited(place);
-  const std::size_t index = labels_.size();
-  left_.resize((index + 1) * words_);
-  Word* const left = left_.data() + index * words_;
-  std::transform(rivals.begin(), rivals.end(), here.rivals.begin(), left, std::bit_and<>());
-  const auto left_by = [&](std::size_t label) { return left_.data() + label * words_; };
-  if (std::any_of(here.labels.begin(), here.labels.end(), [&](std::size_t other) {
-        return labels_[other].distance <= distance && is_subset(left_by(other), left);
-      })) {
-    return;  // the next label takes its words
+ private:
+  void add(std::int32_t place, double distance, std::uint64_t rivals, std::int32_t before) {
+    Label next{place, false, distance, 0, before};
+    double farthest = 0.0;
+    for (std::uint64_t rest = rivals; rest != 0; rest &= rest - 1) {
+      const int rival = std::countr_zero(rest);
+      const double way = to_refuted_[static_cast<std::size_t>(rival)][index_of(place)];
+      next.left |= way > 0.0 ? std::uint64_t{1} << rival : 0;
+      farthest = std::max(farthest, way);
+    }
+    std::vector<std::int32_t>& here = labels_at_[index_of(place)];
+    if (std::any_of(here.begin(), here.end(), [&](std::int32_t other) {
+          return label(other).distance <= distance && (label(other).left & ~next.left) == 0;
+        })) {
+      return;
+    }
+    std::erase_if(here, [&](std::int32_t other) {
+      labels_[index_of(other)].is_dominated =
+          distance <= label(other).distance && (next.left & ~label(other).left) == 0;
+      return label(other).is_dominated;
+    });
+    here.push_back(static_cast<std::int32_t>(labels_.size()));
+    queue_.push_back({distance + farthest, here.back()});
+    std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+    labels_.push_back(next);
   }
-  std::erase_if(here.labels, [&](std::size_t other) {
-    labels_[other].is_dominated = distance <= labels_[other].distance && is_subset(left, left_by(other));
-    return labels_[other].is_dominated;
-  });
-  here.labels.push_back(index);
-  labels_.push_back({place, false, distance});
-  queue_.emplace_back(distance + farthest(here, left), index);
-  std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+
+  const WalkGround& ground_;
+  const std::vector<std::vector<double>>& to_refuted_;
+  std::vector<std::vector<std::int32_t>> labels_at_;  // by place: not dominated
+  std::vector<Label> labels_;
+  std::vector<Entry> queue_;  // heap
+};
+
+}  // namespace
+
+ResolvingWalk::ResolvingWalk(const WalkGround& ground, std::size_t max_expanded)
+    : ground_(ground),
+      max_expanded_(max_expanded),
+      search_(ground),
+      is_never_(ground.points.size(), false),
+      is_on_walk_(ground.points.size(), false) {}
+
+ResolvingWalk::Result ResolvingWalk::find(std::int32_t from, std::size_t count, const IsPossible& is_possible,
+                                          double enough) {
+  refuted_at_.assign(count, from);
+  Result result;
+  Path walk{from};
+  // one survivor after the other: some walk, by which the shortest one is bounded
+  while (const auto rival = survivor(walk, count, is_possible)) {
+    result.deciding.push_back(*rival);
+    if (is_never_[index_of(from)] || !extend(walk, *rival, is_possible)) {
+      result.length = kNever;
+      return result;
+    }
+    if (result.deciding.size() == 1 && length(walk) > enough) {
+      result.length = length(walk);
+      return result;
+    }
+  }
+  result.deciding.resize(std::min(kMaxDeciding, result.deciding.size()));
+  Vicinity vicinity = this->vicinity(from, length(walk) + 1e-6);  // sums differ in their last bit
+  for (const std::size_t rival : result.deciding) {
+    add_rival(vicinity, rival, is_possible);
+  }
+  while (!result.deciding.empty()) {
+    const Walk best = shortest(vicinity);
+    result.length = best.length;
+    if (best.path.empty() || best.length > enough) {
+      break;
+    }
+    const auto rival = survivor(best.path, count, is_possible);
+    if (!rival || result.deciding.size() == kMaxDeciding) {
+      break;
+    }
+    result.deciding.push_back(*rival);
+    add_rival(vicinity, *rival, is_possible);
+  }
+  return result;
 }
 
-double ResolvingWalk::length_in_sight(std::int32_t from) {
-  double& length = lengths_[index_of(from)];
-  length = length < 0.0 ? search(from) : length;
+double ResolvingWalk::length(const Path& walk) const {
+  double length = 0.0;
+  for (std::size_t i = 1; i < walk.size(); ++i) {
+    length += ground_.step(walk[i - 1], walk[i]);
+  }
   return length;
 }
 
-double ResolvingWalk::search(std::int32_t from) {
-  begin(from);
-  std::vector<Word> left(words_);
-  for (std::size_t expanded = 0;;) {
-    const auto [bound, index] = queue_.front();
-    std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
-    queue_.pop_back();
-    const Label label = labels_[index];
-    if (label.is_dominated) {
+// The first rival that is possible all along a walk. Backwards: the end differs most from where it began.
+std::optional<std::size_t> ResolvingWalk::survivor(const Path& walk, std::size_t count, const IsPossible& is_possible) {
+  for (const std::int32_t place : walk) {
+    is_on_walk_[index_of(place)] = true;
+  }
+  is_on_walk_[index_of(walk.front())] = false;  // all are possible there
+  std::size_t rival = 0;
+  for (; rival < count; ++rival) {
+    if (is_on_walk_[index_of(refuted_at_[rival])]) {
       continue;
     }
-    const auto first = left_.begin() + static_cast<std::ptrdiff_t>(index * words_);
-    left.assign(first, first + static_cast<std::ptrdiff_t>(words_));
-    const bool is_resolved = std::all_of(left.begin(), left.end(), [](Word word) { return word == 0; });
-    if (is_resolved || std::isinf(bound) || ++expanded > max_expanded_) {
-      return bound;
+    const auto refuted =
+        std::find_if(walk.rbegin(), walk.rend(), [&](std::int32_t place) { return !is_possible(rival, place); });
+    if (refuted == walk.rend()) {
+      break;
     }
-    for (const std::int32_t next : ground_.neighbours[index_of(label.place)]) {
-      add(next, label.distance + step(label.place, next), left);
+    refuted_at_[rival] = *refuted;
+  }
+  for (const std::int32_t place : walk) {
+    is_on_walk_[index_of(place)] = false;
+  }
+  return rival < count ? std::optional(rival) : std::nullopt;
+}
+
+// On to the nearest place where a rival is refuted; false if there is none.
+bool ResolvingWalk::extend(Path& walk, std::size_t rival, const IsPossible& is_possible) {
+  search_.begin({walk.back()});
+  while (const auto place = search_.next()) {
+    if (!is_possible(rival, *place)) {
+      search_.append_path(*place, walk);
+      return true;
+    }
+    search_.pass(*place);
+  }
+  for (const std::int32_t place : search_.touched()) {
+    is_never_[index_of(place)] = true;
+  }
+  return false;
+}
+
+ResolvingWalk::Vicinity ResolvingWalk::vicinity(std::int32_t from, double radius) {
+  Vicinity vicinity;
+  std::unordered_map<std::int32_t, std::int32_t> index;
+  search_.begin({from});
+  for (auto place = search_.next(); place && search_.distance(*place) <= radius; place = search_.next()) {
+    index.emplace(*place, static_cast<std::int32_t>(vicinity.places.size()));
+    vicinity.places.push_back(*place);
+    vicinity.ground.points.push_back(ground_.points[index_of(*place)]);
+    search_.pass(*place);
+  }
+  for (const std::int32_t place : vicinity.places) {
+    std::vector<std::int32_t>& neighbours = vicinity.ground.neighbours.emplace_back();
+    for (const std::int32_t neighbour : ground_.neighbours[index_of(place)]) {
+      if (const auto known = index.find(neighbour); known != index.end()) {
+        neighbours.push_back(known->second);
+      }
+    }
+  }
+  return vicinity;
+}
+
+// What lies beyond is left out: no shortest walk leads there.
+void ResolvingWalk::add_rival(Vicinity& vicinity, std::size_t rival, const IsPossible& is_possible) const {
+  std::vector<double>& way = vicinity.to_refuted.emplace_back(vicinity.places.size(), 0.0);
+  std::vector<std::int32_t> inside{0};
+  way[0] = kNever;
+  std::vector<std::int32_t> rim;
+  std::vector<bool> is_known(vicinity.places.size(), false);
+  is_known[0] = true;
+  for (std::size_t next = 0; next < inside.size(); ++next) {  // it grows meanwhile
+    for (const std::int32_t neighbour : vicinity.ground.neighbours[index_of(inside[next])]) {
+      if (is_known[index_of(neighbour)]) {
+        continue;
+      }
+      is_known[index_of(neighbour)] = true;
+      const bool is_inside = is_possible(rival, vicinity.places[index_of(neighbour)]);
+      (is_inside ? inside : rim).push_back(neighbour);
+      way[index_of(neighbour)] = is_inside ? kNever : 0.0;
+    }
+  }
+  GroundSearch search(vicinity.ground);
+  search.begin(rim);
+  while (const auto place = search.next()) {
+    const bool is_inside = way[index_of(*place)] > 0.0;
+    if (is_inside || search.distance(*place) == 0.0) {
+      way[index_of(*place)] = search.distance(*place);
+      search.pass(*place);
     }
   }
 }
 
-// Who sees nothing drives to where something is seen, and goes on from there.
-double ResolvingWalk::length(std::int32_t from) {
-  if (!ground_.is_blind[index_of(from)]) {
-    return length_in_sight(from);
-  }
-  using Entry = std::pair<double, std::int32_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  std::unordered_map<std::int32_t, double> distances;
-  const auto reach = [&](std::int32_t place, double distance) {
-    const auto [known, is_new] = distances.try_emplace(place, distance);
-    if (is_new || distance < known->second) {
-      known->second = distance;
-      queue.emplace(distance, place);
-    }
-  };
-  double best = kNever;
-  reach(from, 0.0);
-  while (!queue.empty() && queue.top().first < best) {
-    const auto [distance, place] = queue.top();
-    queue.pop();
-    if (distance > distances[place]) {
+ResolvingWalk::Walk ResolvingWalk::shortest(const Vicinity& vicinity) const {
+  WalkSearch search(vicinity.ground, vicinity.to_refuted);
+  for (std::size_t expanded = 0;; ++expanded) {
+    const WalkSearch::Entry entry = search.next();
+    const bool is_complete = search.label(entry.label).left == 0;
+    if (!is_complete && expanded < max_expanded_) {
+      search.expand(entry.label);
       continue;
     }
-    if (!ground_.is_blind[index_of(place)]) {
-      const std::vector<RivalAtPlace>& rivals = ground_.rivals[index_of(place)];
-      const double min = rivals.empty() ? 0.0 : rivals.front().distance;
-      best = distance + min < best ? std::min(best, distance + length_in_sight(place)) : best;
-      continue;
+    Walk walk{entry.bound, {}};
+    for (std::int32_t label = is_complete ? entry.label : -1; label >= 0; label = search.label(label).before) {
+      walk.path.push_back(vicinity.places[index_of(search.label(label).place)]);
     }
-    for (const std::int32_t next : ground_.neighbours[index_of(place)]) {
-      reach(next, distance + step(place, next));
-    }
+    std::reverse(walk.path.begin(), walk.path.end());
+    return walk;
   }
-  return best;
 }
 
 }  // namespace luminav

@@ -12,8 +12,7 @@
 namespace luminav {
 namespace {
 
-constexpr std::size_t kMaxFixtures = 1000;  // beyond, the audit takes longer than all runs
-constexpr double kNearEnough = 0.75;        // [m] from the start to the next place: it may stand nearer to a wall
+constexpr double kNearEnough = 0.75;  // [m] from the start to the next place: it may stand nearer to a wall
 
 /// What an audit depends on. A mission's zones, places and doors are no part of it: two hundred of them share the
 /// ceilings of eight buildings.
@@ -27,14 +26,6 @@ std::string audit_key(const Building& building, const std::filesystem::path& rob
   return key;
 }
 
-RivalGround audited_ground(const Building& building, const std::filesystem::path& robot_file) {
-  if (building.fixtures.empty() || building.fixtures.size() > kMaxFixtures) {
-    return {};
-  }
-  const PriorMap walls = building.map_file.empty() ? PriorMap{} : read_map(building.map_file);
-  return AmbiguityAudit(building, walls, read_robot(robot_file).camera, AuditParams{}).ground();
-}
-
 }  // namespace
 
 double StartResolvability::distance(const std::filesystem::path& building_file, const std::filesystem::path& robot_file,
@@ -46,14 +37,17 @@ double StartResolvability::distance(const std::filesystem::path& building_file, 
     audit = &audits_[audit_key(building, robot_file)];
   }
   // outside of the lock: who asks for another ceiling need not wait
-  std::call_once(audit->is_made, [&] { audit->ground = audited_ground(building, robot_file); });
-  const std::vector<Eigen::Vector2d>& points = audit->ground.points;
+  std::call_once(audit->is_made, [&] {
+    const PriorMap walls = building.map_file.empty() ? PriorMap{} : read_map(building.map_file);
+    audit->floor.emplace(building, walls, read_robot(robot_file).camera, AuditParams{});
+  });
+  const std::vector<Eigen::Vector2d>& points = audit->floor->ground().points;
   const auto nearest = std::min_element(
       points.begin(), points.end(),
       [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return (a - start).norm() < (b - start).norm(); });
   return nearest == points.end() || (*nearest - start).norm() > kNearEnough
              ? -1.0
-             : ResolvingWalk(audit->ground).length(static_cast<std::int32_t>(nearest - points.begin()));
+             : StartAudit(*audit->floor).at(static_cast<std::int32_t>(nearest - points.begin())).distance;
 }
 
 }  // namespace luminav

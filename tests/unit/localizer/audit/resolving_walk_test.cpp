@@ -9,15 +9,11 @@
 namespace luminav {
 namespace {
 
-constexpr float kNever = std::numeric_limits<float>::infinity();
-
-/// Places a metre apart on a line; each rival is refuted at the places named.
-RivalGround line(int places, const std::vector<std::vector<int>>& refuted_at) {
-  RivalGround ground;
-  ground.rival_count = refuted_at.size();
+/// Places a metre apart on a line.
+WalkGround line(int places) {
+  WalkGround ground;
   for (int i = 0; i < places; ++i) {
     ground.points.emplace_back(i, 0.0);
-    ground.is_blind.push_back(false);
     ground.neighbours.emplace_back();
     if (i > 0) {
       ground.neighbours.back().push_back(i - 1);
@@ -25,58 +21,56 @@ RivalGround line(int places, const std::vector<std::vector<int>>& refuted_at) {
     if (i + 1 < places) {
       ground.neighbours.back().push_back(i + 1);
     }
-    ground.rivals.emplace_back();
-    for (std::size_t rival = 0; rival < refuted_at.size(); ++rival) {
-      float distance = kNever;
-      for (const int place : refuted_at[rival]) {
-        distance = std::min(distance, static_cast<float>(std::abs(place - i)));
-      }
-      if (distance > 0.0F) {
-        ground.rivals.back().push_back({static_cast<std::int32_t>(rival), distance});
-      }
-    }
-    std::stable_sort(ground.rivals.back().begin(), ground.rivals.back().end(),
-                     [](const RivalAtPlace& a, const RivalAtPlace& b) { return a.distance > b.distance; });
   }
   return ground;
 }
 
+/// Each rival is refuted at the places named.
+using RefutedAt = std::vector<std::vector<int>>;
+
+ResolvingWalk::Result find(ResolvingWalk& walk, int from, const RefutedAt& refuted_at) {
+  return walk.find(from, refuted_at.size(), [&](std::size_t rival, std::int32_t place) {
+    return std::find(refuted_at[rival].begin(), refuted_at[rival].end(), place) == refuted_at[rival].end();
+  });
+}
+
 TEST(ResolvingWalk, GoesOneWayForOneRivalAndBackForAnother) {
-  const RivalGround ground = line(10, {{2}, {7}});
+  const WalkGround ground = line(10);
   ResolvingWalk walk(ground);
-  EXPECT_DOUBLE_EQ(walk.length(4), 2.0 + 5.0);
-  EXPECT_DOUBLE_EQ(walk.length(5), 2.0 + 5.0);
-  EXPECT_DOUBLE_EQ(walk.length(0), 7.0);
-  EXPECT_DOUBLE_EQ(walk.length(9), 7.0);
+  const RefutedAt refuted_at{{2}, {7}};
+  EXPECT_DOUBLE_EQ(find(walk, 4, refuted_at).length, 2.0 + 5.0);
+  EXPECT_DOUBLE_EQ(find(walk, 5, refuted_at).length, 2.0 + 5.0);
+  EXPECT_DOUBLE_EQ(find(walk, 0, refuted_at).length, 7.0);
+  EXPECT_DOUBLE_EQ(find(walk, 9, refuted_at).length, 7.0);
+  EXPECT_EQ(find(walk, 4, refuted_at).deciding.size(), 2U);
 }
 
 TEST(ResolvingWalk, NeedsNoWayWithoutRivalsAndFindsNoneWhereOneIsRefutedNowhere) {
-  const RivalGround none = line(5, {});
-  EXPECT_DOUBLE_EQ(ResolvingWalk(none).length(2), 0.0);
-  const RivalGround never = line(5, {{0}, {}});
-  EXPECT_TRUE(std::isinf(ResolvingWalk(never).length(2)));
+  const WalkGround ground = line(5);
+  ResolvingWalk walk(ground);
+  EXPECT_DOUBLE_EQ(find(walk, 2, {}).length, 0.0);
+  EXPECT_TRUE(std::isinf(find(walk, 2, {{0}, {}}).length));
 }
 
-TEST(ResolvingWalk, BlindItDrivesToWhereTheWholeWayIsShortest) {
-  // the nearest place in sight is on the left, but the rival there is refuted far off only
-  RivalGround ground = line(12, {{11}});
-  for (int i = 2; i < 8; ++i) {
-    ground.is_blind[static_cast<std::size_t>(i)] = true;
-  }
-  ground.rivals[8].clear();
-  EXPECT_DOUBLE_EQ(ResolvingWalk(ground).length(3), 5.0);
-  EXPECT_DOUBLE_EQ(ResolvingWalk(ground).length(8), 0.0);
+TEST(ResolvingWalk, ARivalThatIsRefutedSoonerAsksForNoMore) {
+  const WalkGround ground = line(10);
+  ResolvingWalk walk(ground);
+  EXPECT_DOUBLE_EQ(find(walk, 0, {{3}, {2}, {9}, {5}}).length, 9.0);
 }
 
 TEST(ResolvingWalk, IsAsShortAsTheShortestOfAllWalks) {
   // on a line a walk is two turning points: all of them are tried
+  const WalkGround ground = line(20);
+  ResolvingWalk walk(ground);
   std::mt19937 random(3);
   for (int round = 0; round < 50; ++round) {
-    std::vector<std::vector<int>> refuted_at(70);  // more than fit into one word
-    for (std::vector<int>& places : refuted_at) {
-      places = {static_cast<int>(random() % 20), static_cast<int>(random() % 20)};
-    }
+    RefutedAt refuted_at(70);  // more than can decide
     const int from = static_cast<int>(random() % 20);
+    for (std::vector<int>& places : refuted_at) {
+      for (int i = 0; i < 2; ++i) {
+        places.push_back((from + 1 + static_cast<int>(random() % 19)) % 20);
+      }
+    }
     double best = 1e9;
     for (int left = 0; left <= from; ++left) {
       for (int right = from; right < 20; ++right) {
@@ -87,11 +81,10 @@ TEST(ResolvingWalk, IsAsShortAsTheShortestOfAllWalks) {
         best = resolves ? std::min(best, static_cast<double>(right - left + shorter)) : best;
       }
     }
-    const RivalGround ground = line(20, refuted_at);
-    ResolvingWalk walk(ground);
-    EXPECT_DOUBLE_EQ(walk.length(from), best);
-    EXPECT_DOUBLE_EQ(walk.length(from), best) << "asked again";
-    EXPECT_LE(ResolvingWalk(ground, 3).length(from), best) << "ended early it is a bound";
+    EXPECT_DOUBLE_EQ(find(walk, from, refuted_at).length, best);
+    EXPECT_DOUBLE_EQ(find(walk, from, refuted_at).length, best) << "asked again";
+    ResolvingWalk hasty(ground, 3);
+    EXPECT_LE(find(hasty, from, refuted_at).length, best) << "ended early it is a bound";
   }
 }
 
