@@ -171,9 +171,9 @@ class BuildingInspector {
                 fixture.id, fixture.length, fixture.width));
       }
       if (fixture.height > building_.ceiling_height + 0.01) {
-        add(FindingKind::kError, line,
-            fmt::format("fixture {} hangs at {:.2f} m, above the ceiling at {:.2f} m", fixture.id, fixture.height,
-                        building_.ceiling_height));
+        add(FindingKind::kWarning, line,
+            fmt::format("fixture {} hangs at {:.2f} m, above the ceiling at {:.2f} m: is it higher there?", fixture.id,
+                        fixture.height, building_.ceiling_height));
       } else if (fixture.height < 1.9) {
         add(FindingKind::kWarning, line,
             fmt::format("fixture {} hangs at {:.2f} m: people would hit their heads", fixture.id, fixture.height));

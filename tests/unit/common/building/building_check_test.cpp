@@ -75,7 +75,7 @@ TEST(BuildingCheck, FindsWhatIsOutsideTheMapOrAboveTheCeilingOrOfNoSize) {
       "[[fixture]]\nid = 2\nx = 3.0\ny = 3.0\nlength = 1.2\nwidth = 0.3\nheight = 3.2\n"
       "[[fixture]]\nid = 3\nx = 8.0\ny = 3.0\nlength = 6.0\nwidth = 0.3\n");
   EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 3, "outside the map")));
-  EXPECT_THAT(findings, Contains(finding(FindingKind::kError, 9, "above the ceiling")));
+  EXPECT_THAT(findings, Contains(finding(FindingKind::kWarning, 9, "above the ceiling")));
   EXPECT_THAT(findings, Contains(finding(FindingKind::kWarning, 16, "6.00 x 0.30 m")));
 }
 
