@@ -6,7 +6,8 @@
 
 #include "drivers/simulator/world/scenario.hpp"
 #include "services/common/configuration/toml_table.hpp"
-#include "tests/evaluation/runs/drawn_buildings.hpp"
+#include "tests/evaluation/runs/drawn/drawn_buildings.hpp"
+#include "tests/evaluation/runs/drawn/mishaps.hpp"
 #include "tests/evaluation/runs/generated_worlds.hpp"
 #include "tests/evaluation/runs/mission_scenarios.hpp"
 #include "tests/evaluation/runs/zone_scenarios.hpp"
@@ -43,8 +44,8 @@ constexpr NamedEntry kEntries[] = {
     {"jobs", "laboratory-jobs.toml", 1000, 1009, "geometric"},
     {"jobs", "office-jobs.toml", 1000, 1009, "geometric"},
 };
-/// What "all" is made of, apart from the detector's part: all seeds, but for the worlds, which would take half of its
-/// time.
+/// What "all" is made of, apart from the detector's part: all seeds, but for generated and drawn worlds, which would
+/// take half of its time.
 constexpr const char* kAll[] = {"localization", "mapping", "navigation", "endurance", "missions",
                                 "zones",        "worlds",  "scale",      "drawn",     "mishaps"};
 constexpr std::uint64_t kWorldSeedsInAll = 4;
@@ -133,7 +134,7 @@ std::vector<SuiteEntry> suite_entries(const std::string& suite, const std::files
           return other.scenario == entry.scenario && other.first_seed == entry.first_seed;
         });
         if (!known) {
-          if (entry.suite == "worlds") {
+          if (entry.suite == "worlds" || entry.suite == "drawn") {
             entry.last_seed = entry.first_seed + kWorldSeedsInAll - 1;
           }
           entries.push_back(std::move(entry));

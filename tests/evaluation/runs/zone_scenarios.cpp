@@ -17,7 +17,7 @@
 #include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "tests/evaluation/judge/map_score.hpp"
-#include "tests/evaluation/runs/drawn_buildings.hpp"
+#include "tests/evaluation/runs/drawn/drawn_buildings.hpp"
 #include "tests/evaluation/runs/generated_worlds.hpp"
 
 namespace luminav {
@@ -46,8 +46,10 @@ std::vector<Site> read_sites(const fs::path& generated) {
   for (const char* name : {"laboratory", "office"}) {
     files.push_back(fs::path(LUMINAV_SOURCE_DIR) / "launch/buildings" / name / "building.toml");
   }
-  for (const fs::path& scenario : make_drawn_buildings(generated)) {
-    files.push_back(scenario.parent_path() / "building.toml");
+  for (const fs::path& drawn : make_drawn_buildings(generated)) {
+    if (drawn.stem() == "old-house" || drawn.stem() == "ward" || drawn.stem() == "hotel") {
+      files.push_back(drawn.parent_path() / "building.toml");
+    }
   }
   for (const fs::path& world : make_worlds(generated)) {
     if (world.stem() == "w3-dense" || world.stem() == "w5-panels" || world.stem() == "w6-mixed") {

@@ -119,7 +119,7 @@ TEST(Suites, AllTakesPartOfEachAndNoRunTwice) {
   }
   const std::map<std::string, std::uint64_t> expected = {
       {"localization", 30}, {"mapping", 7}, {"navigation", 40}, {"endurance", 1}, {"missions", 100},
-      {"zones", 200},       {"worlds", 24}, {"scale", 5},       {"drawn", 30},    {"mishaps", 80}};
+      {"zones", 200},       {"worlds", 24}, {"scale", 5},       {"drawn", 32},    {"mishaps", 80}};
   EXPECT_EQ(runs, expected);
 }
 
