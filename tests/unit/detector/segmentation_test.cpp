@@ -7,7 +7,6 @@
 #include "services/detector/sampling/raster.hpp"
 #include "services/detector/segmentation/contrast_map.hpp"
 #include "services/detector/segmentation/regions.hpp"
-#include "services/detector/segmentation/row_bits.hpp"
 
 namespace luminav {
 namespace {
@@ -267,20 +266,6 @@ TEST(GreyHistogram, KnowsTheMedian) {
   EXPECT_EQ(GreyHistogram(grey).median(), 7);
   EXPECT_EQ(GreyHistogram(grey, 2).median(), 9);  // 9, 7, 200
   EXPECT_EQ(GreyHistogram({}).median(), 0);
-}
-
-TEST(RowBits, SetABitForEachPixelAboveTheLevel) {
-  for (const int width : {1, 7, 64, 65, 130}) {
-    const Raster image = random_raster(width, 3, 7);
-    std::vector<std::uint64_t> bits(3 * 4);
-    take_row_bits(image.row(0), width, 3, 120, bits.data(), 4);
-    for (int y = 0; y < 3; ++y) {
-      for (int x = 0; x < 256; ++x) {
-        const bool is_set = (bits[static_cast<std::size_t>(4 * y + x / 64)] >> (x % 64) & 1) != 0;
-        ASSERT_EQ(is_set, x < width && image.row(y)[x] > 120) << width << ": " << x << " " << y;
-      }
-    }
-  }
 }
 
 }  // namespace
