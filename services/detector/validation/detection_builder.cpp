@@ -4,8 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "services/detector/validation/half_lit_by_brightness.hpp"
-#include "services/detector/validation/half_lit_by_grid_lines.hpp"
+#include "services/detector/validation/half_lit.hpp"
 
 namespace luminav {
 namespace {
@@ -13,12 +12,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-// Asymmetry of a strip with its like on both sides: 0 to 0.23; of a burning half: 0.45 to 0.6 (rendered frames).
-constexpr double kSignOfHalf = 0.33;
-constexpr double kClearlyHalf = 0.45;
-constexpr double kShort = 0.45;        // of the length: over that a dark half may be as bright as the ceiling
 constexpr double kSoftMiddle = 0.007;  // [m] 1 sigma of where the burning half ends in the middle of its fixture
-// 1 sigma, of the distance between the centres of a single lamp and of a half-lit fixture, when it may be either.
+// 1 sigma, of the distance between the centres of a single lamp and of a half-lit fixture, when it may be either
 constexpr double kOpenReading = 0.5;
 constexpr double kOpenPlace = 0.1;    // variance along of a piece without ends, of the length out of view squared
 constexpr double kOfOutset = 1.0;     // an end may bloom less than a side, or twice as much
@@ -31,42 +26,22 @@ Matrix3d turned(const Matrix3d& covariance, double theta) {
   return rotation * covariance * rotation.transpose();
 }
 
-/// What a lit strip of half the width of a fixture of two lamps may be: a fixture of one, a half of one of two, either,
-/// or something else.
-enum class StripReading { kWhole, kDarkOnLeft, kDarkOnRight, kWholeOrHalf, kUnclear };
-
-/// `dark_width` [m] of its fixture do not burn, if it is part of one.
-/// A dark half that is as bright as the ceiling covers the ceiling's grid; one that is not shows by itself, and its
-/// louvre looks like a grid.
-StripReading read_strip(const CeilingFrame& frame, const CeilingCamera& camera, const Candidate& strip,
-                        double dark_width) {
+/// On which side of a lit strip the dark lamps of its fixture lie, `dark_width` [m] of it: 1 on the left, -1 on the
+/// right, 0 where it is a fixture of its own; nothing when it may be either. A dark half that is as bright as the
+/// ceiling covers the ceiling's grid; one that is not shows by itself, and its louvre looks like a grid.
+std::optional<int> dark_side_of(const CeilingFrame& frame, const CeilingCamera& camera, const Candidate& strip,
+                                double dark_width) {
   const Outline& outline = strip.hypothesis.outline;
   const OutlinePlacement& placement = strip.fit.placement;
-  if (const int side = find_darker_side(frame.image, camera, outline, placement, dark_width, frame.pixel_noise)) {
-    return side > 0 ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
+  const auto darker = find_darker_side(frame.image, camera, outline, placement, dark_width, frame.pixel_noise);
+  if (darker.value_or(0) != 0) {
+    return darker;
   }
   if (std::abs(dark_width - outline.width) > kSameWidth) {
-    return StripReading::kUnclear;
+    return std::nullopt;
   }
-  const auto [left, right] = look_for_grid_lines(frame.image, camera, outline, placement, frame.pixel_noise);
-  if (left == Beside::kCeiling && right == Beside::kCeiling) {
-    return StripReading::kWhole;
-  }
-  const StripSurroundings around = compare_strip_sides(frame.image, camera, outline, placement, frame.pixel_noise);
-  if (around.valid && around.asymmetry > kClearlyHalf && around.side != 0) {
-    return around.side > 0 ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
-  }
-  if ((left == Beside::kCovered) != (right == Beside::kCovered)) {
-    return left == Beside::kCovered ? StripReading::kDarkOnLeft : StripReading::kDarkOnRight;
-  }
-  if (!around.valid) {
-    return StripReading::kWholeOrHalf;
-  }
-  if (around.asymmetry <= kSignOfHalf) {
-    return StripReading::kWhole;
-  }
-  return strip.fit.visible_to - strip.fit.visible_from < kShort * outline.length ? StripReading::kWholeOrHalf
-                                                                                 : StripReading::kUnclear;
+  const int covered = find_covered_side(frame.image, camera, outline, placement, frame.pixel_noise);
+  return covered != 0 ? covered : darker;
 }
 
 DetectionShape shape_of(const OutlineHypothesis& hypothesis) {
@@ -213,7 +188,8 @@ bool DetectionBuilder::ends_at_dark_lamps(const CeilingFrame& frame, const Candi
   const CeilingKind& kind = catalogue_.fixtures[static_cast<std::size_t>(square.hypothesis.kind)];
   for (int dark = 1; dark < kind.lamps; ++dark) {
     if (find_darker_side(frame.image, camera_, square.hypothesis.outline, square.fit.placement,
-                         kind.width * dark / kind.lamps, frame.pixel_noise) != 0) {
+                         kind.width * dark / kind.lamps, frame.pixel_noise)
+            .value_or(0) != 0) {
       return true;
     }
   }
@@ -270,25 +246,24 @@ std::optional<Detection> DetectionBuilder::resolve_strip(const CeilingFrame& fra
   if (fixture_kind == nullptr) {
     return single == nullptr ? std::nullopt : std::optional(detection_of(strip, DetectionState::kLit));
   }
-  const StripReading reading = read_strip(frame, camera_, strip, fixture_kind->width - width);
-  const int dark_side = reading == StripReading::kDarkOnLeft ? 1 : reading == StripReading::kDarkOnRight ? -1 : 0;
-  if (dark_side != 0) {
+  const std::optional<int> dark_side = dark_side_of(frame, camera_, strip, fixture_kind->width - width);
+  if (dark_side.value_or(0) != 0) {
     if (fixture_kind->shape == FixtureShape::kSquare && strip.fit.ends_visible() < 2) {
       return std::nullopt;
     }
     Candidate fixture = strip;
     fixture.hypothesis.outline = {fixture_kind->shape, fixture_kind->length, fixture_kind->width, fixture_kind->height};
     fixture.fit.placement.pose =
-        strip.fit.placement.pose * Pose2{0.0, 0.5 * dark_side * (fixture_kind->width - width), 0.0};
+        strip.fit.placement.pose * Pose2{0.0, 0.5 * *dark_side * (fixture_kind->width - width), 0.0};
     fixture.fit.covariance(1, 1) += kSoftMiddle * kSoftMiddle;
     return detection_of(fixture, DetectionState::kHalf);
   }
-  if (single == nullptr || reading == StripReading::kUnclear) {
+  if (single == nullptr) {
     return std::nullopt;
   }
   Candidate lamp = strip;
-  if (reading == StripReading::kWholeOrHalf) {
-    lamp.fit.covariance(1, 1) += std::pow(kOpenReading * 0.5 * width, 2);
+  if (!dark_side) {
+    lamp.fit.covariance(1, 1) += std::pow(kOpenReading * 0.5 * (fixture_kind->width - width), 2);
   }
   return detection_of(lamp, DetectionState::kLit);
 }

@@ -1,8 +1,11 @@
-#include "services/detector/validation/half_lit_by_grid_lines.hpp"
+#include "services/detector/validation/half_lit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
+#include <optional>
 
 #include "services/detector/sampling/mean_profile.hpp"
 
@@ -19,13 +22,14 @@ constexpr std::size_t kReach = 5;   // steps from a line's middle to the ceiling
 constexpr std::size_t kApart = 2;   // steps by which a line may lie elsewhere on the other side of the strip
 constexpr double kMinDepth = 3.0;   // [grey]
 constexpr double kMinSigmas = 2.0;  // of the mean of a band's lines
-// Of a line's depth; 3 of 460 strips in rendered frames lie between.
-constexpr double kGoesOn = 0.6;
-constexpr double kEnds = 0.3;
+constexpr double kEnds = 0.3;       // of a line's depth: it does not go on
+constexpr double kClearlyDarker = 6.0;  // [grey]
 
 using Band = std::array<double, 2>;  // [widths of the strip] outwards of its edge
 constexpr Band kBeside{0.30, 0.90};
 constexpr Band kBeyond{1.15, 1.75};
+constexpr Band kWithin{0.45, 0.75};  // of the width of the dark lamps, which lie there ...
+constexpr Band kOutside{1.20, 1.50};
 
 /// How much darker it is at a step of a profile than to both sides of it.
 double depth_at(const SideProfile& profile, std::size_t k) {
@@ -56,18 +60,41 @@ struct Evidence {
   double known = 0.0;  // [grey]
   double seen = 0.0;
 
-  [[nodiscard]] Beside verdict() const {
-    return known <= 0.0             ? Beside::kUnknown
-           : seen > kGoesOn * known ? Beside::kCeiling
-           : seen < kEnds * known   ? Beside::kCovered
-                                    : Beside::kUnknown;
-  }
+  [[nodiscard]] bool is_covered() const { return seen < kEnds * known; }
 };
 
 }  // namespace
 
-std::array<Beside, 2> look_for_grid_lines(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
-                                          const OutlinePlacement& placement, double pixel_noise) {
+std::optional<int> find_darker_side(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
+                                    const OutlinePlacement& placement, double dark_width, double pixel_noise) {
+  const double edge = 0.5 * strip.width + std::max(0.0, placement.side_outset);
+  const auto mean_of = [&](const Band& band, double side) {
+    const SideLine line{placement.pose, strip.height, Vector2d::UnitX(), side * Vector2d::UnitY()};
+    const auto steps = static_cast<std::size_t>((band[1] - band[0]) * dark_width / SideProfile::kStep) + 2;
+    const SideProfile profile = mean_profile(image, camera, line,
+                                             {.first = edge + band[0] * dark_width,
+                                              .steps = steps,
+                                              .from = -0.45 * strip.length,
+                                              .apart = 0.9 * strip.length / (SideProfile::kMaxLines - 1),
+                                              .count = SideProfile::kMaxLines});
+    const double sum = std::accumulate(profile.grey.begin(), profile.grey.end(), 0.0);
+    return profile.lines < kMinLines ? std::nullopt : std::optional(sum / static_cast<double>(profile.steps));
+  };
+  int found = 0;
+  bool is_seen = true;
+  for (const int side : {1, -1}) {
+    const auto near = mean_of(kWithin, side);
+    const auto far = mean_of(kOutside, side);
+    if (near && far && *near < *far - std::max({kClearlyDarker, 0.1 * *far, pixel_noise})) {
+      found += side;
+    }
+    is_seen = is_seen && near && far;
+  }
+  return is_seen || found != 0 ? std::optional(found) : std::nullopt;
+}
+
+int find_covered_side(const GreyView& image, const CeilingCamera& camera, const Outline& strip,
+                      const OutlinePlacement& placement, double pixel_noise) {
   const double edge = 0.5 * strip.width + std::max(0.0, placement.side_outset);
   const SideLine line{placement.pose, strip.height, Vector2d::UnitY(), Vector2d::UnitX()};
   const auto profile_of = [&](const Band& band, double side, double first) {
@@ -109,7 +136,7 @@ std::array<Beside, 2> look_for_grid_lines(const GreyView& image, const CeilingCa
       add(profile_of(kBeyond, -1.0, first));
     }
   }
-  return {evidence[0].verdict(), evidence[1].verdict()};
+  return (evidence[0].is_covered() ? 1 : 0) - (evidence[1].is_covered() ? 1 : 0);
 }
 
 }  // namespace luminav
