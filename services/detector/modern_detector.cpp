@@ -23,7 +23,6 @@ constexpr double kMaxNoise = 14.0;   // [grey] of a pixel: what varies more is n
 constexpr double kRagged = 0.02;     // [m] by which noise and grid lines may change a side of an unlit region
 constexpr double kOtherSize = 0.01;  // share by which an unlit region's length must miss to be tried as it is
 constexpr double kMinAcross = 16.0;  // [px] any dark speck looks like a smaller disc, any groove like a narrower lamp
-constexpr double kOutset = 3.0;      // [1/m] by which an unlit outline is the worse, the less it has its nominal size
 constexpr double kOfRegion = 0.4;    // score of a region's own rectangle, at most: edges say more
 
 std::array<Vector2d, 4> corners_of(const Outline& outline, const OutlinePlacement& placement,
@@ -199,9 +198,6 @@ Verdict ModernDetector::judge_edges(const CeilingFrame& frame, const OutlineFitP
   }
   candidate.fit = *fit;
   candidate.score = fit->quality() + 0.1 * fit->ends_visible() - candidate.hypothesis.size_error;
-  if (!candidate.bright) {
-    candidate.score -= kOutset * (std::abs(fit->placement.side_outset) + std::abs(fit->placement.end_outset));
-  }
   return checks_.by_edges(frame, candidate);
 }
 

@@ -67,9 +67,8 @@ void OutlineProposer::propose_whole(const Target& target, const RegionShape& sha
     return;
   }
   const bool round = kind.shape == FixtureShape::kRound;
-  const double area = round && tolerance.bloom <= 0.0 ? shape.hull_area() : shape.area();  // unlit, a lamp in a ring
   const double of_rectangle = round ? 0.25 * kPi : 1.0;
-  const double fill = target.scale * target.scale * area / (seen_length * seen_width * of_rectangle);
+  const double fill = target.scale * target.scale * shape.area() / (seen_length * seen_width * of_rectangle);
   if (fill < (shape.touches_border() ? kMinFillOfPart : kMinFill)) {
     return;
   }

@@ -83,16 +83,6 @@ double RegionShape::hull_length() const {
   return length;
 }
 
-double RegionShape::hull_area() const {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < corners_.size(); ++i) {
-    const Vector2d& a = corners_[i].place;
-    const Vector2d& b = corners_[(i + 1) % corners_.size()].place;
-    twice += a.x() * b.y() - b.x() * a.y();
-  }
-  return 0.5 * std::abs(twice) + grow_ * hull_length();
-}
-
 RegionShape::Extents RegionShape::extents(const Vector2d& along) const {
   const Vector2d across(-along.y(), along.x());
   Extents e{1e9, -1e9, 1e9, -1e9};

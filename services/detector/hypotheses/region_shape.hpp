@@ -40,7 +40,6 @@ class RegionShape {
   [[nodiscard]] bool is_cut_off(const Eigen::Vector2d& direction) const;
   [[nodiscard]] double area() const { return area_; }                // [m^2] before it was eroded
   [[nodiscard]] double eroded_area() const { return eroded_area_; }  // [m^2] as it is
-  [[nodiscard]] double hull_area() const;                            // [m^2] with what is hollow
   [[nodiscard]] double cell_size() const { return cell_size_; }      // [m]
   [[nodiscard]] const std::vector<Eigen::Vector2i>& hull_cells() const { return hull_; }
 

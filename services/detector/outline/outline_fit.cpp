@@ -207,11 +207,6 @@ Matrix3d OutlineFitter::covariance_of(const Outline& outline, const OutlineFitPa
   const double shared = params.outline_sigma_px * metres_per_px_;
   const double lever = 0.3 * std::max(fit.visible_to - fit.visible_from, 0.5 * outline.width);
   covariance.diagonal() += Eigen::Vector3d(shared * shared, shared * shared, std::pow(kOfHeading * shared / lever, 2));
-  const auto uneven = [&](Side a, Side b) {
-    return 0.6 * metres_per_px_ * std::max(std::abs(centre_px_[a]), std::abs(centre_px_[b]));
-  };
-  covariance(0, 0) += std::pow(uneven(kFarEnd, kNearEnd), 2);
-  covariance(1, 1) += std::pow(uneven(kLeftSide, kRightSide), 2);
   if (!params.inside_brighter) {
     covariance(0, 0) += kGridLine * kGridLine;
     covariance(1, 1) += std::pow(fit.placement.side_outset, 2);  // a line along one side widens and shifts it as much

@@ -9,15 +9,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBlurredEdge = 2.5;          // [px] by which an outline may always miss, however coarse the pixels
-constexpr double kElementFrame = 0.045;       // [m] a vent's frame is as bright as the ceiling: its slats end inside
-constexpr double kMaxAcross = 0.030;          // [m] 1 sigma of its place across
-constexpr double kMaxHeading = radians(1.5);  // 1 sigma, of a piece
-constexpr double kMinAcross = 16.0;           // [px] of what is no speck
-constexpr double kOfMinVisible = 0.75;        // edges are looked for no closer to the border than this leaves
-constexpr double kMinStretch = 0.4;           // of a long side, where the other one or both ends are out of view
-constexpr double kAlikeSides = 0.5;    // least step of a lamp's side, of the other's: a burning half has a faint one
-constexpr double kEndsBrighter = 0.6;  // beyond the end of an unlit one, of its edges' step
+constexpr double kBlurredEdge = 2.5;     // [px] by which an outline may always miss, however coarse the pixels
+constexpr double kElementFrame = 0.045;  // [m] a vent's frame is as bright as the ceiling: its slats end inside
+constexpr double kMaxAcross = 0.030;     // [m] 1 sigma of its place across
+constexpr double kMinAcross = 16.0;      // [px] of what is no speck
+constexpr double kOfMinVisible = 0.75;   // edges are looked for no closer to the border than this leaves
+constexpr double kMinStretch = 0.4;      // of a long side, where the other one or both ends are out of view
+constexpr double kAlikeSides = 0.5;      // least step of a lamp's side, of the other's: a burning half has a faint one
+constexpr double kEndsBrighter = 0.6;    // beyond the end of an unlit one, of its edges' step
 constexpr double kEndsLessDeep = 0.45;
 // Each amiss by 1:
 constexpr double kMaxBesides = 0.30;  // share of the ring that is as bright: panes of a skylight lie in rows
@@ -186,10 +185,7 @@ Verdict CandidateChecks::piece(const Candidate& candidate) const {
     return Verdict::kTooFewEdges;
   }
   const bool is_short = fit.visible_to - fit.visible_from < kMinStretch * outline.length;
-  if (fit.ends_visible() == 0 && is_short) {
-    return Verdict::kTooLittleInView;
-  }
-  return fit.covariance(2, 2) > kMaxHeading * kMaxHeading ? Verdict::kTooUncertain : Verdict::kAccepted;
+  return fit.ends_visible() == 0 && is_short ? Verdict::kTooLittleInView : Verdict::kAccepted;
 }
 
 bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const {
