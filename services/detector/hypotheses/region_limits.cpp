@@ -10,7 +10,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kSlack = 1.4;  // times its size, and bloom, no region of a kind is larger
+constexpr double kWindow = 1.35;  // times the widest: it may lie slantwise, and be a tenth wider than the file says
+constexpr double kSlack = 1.4;    // times its size, and bloom, no region of a kind is larger
 
 /// Of all fixtures; of one of two lamps half may burn alone.
 struct SizeLimits {
@@ -62,7 +63,7 @@ RegionLimits::RegionLimits(const ModernDetectorParams& params, const CeilingCame
   const SizeLimits sizes = size_limits(catalogue);
   const double cell = factor * (catalogue.ceiling_height - camera.mounting().z) / camera.intrinsics().fx;
   // wider than the widest fixture and its bloom, or its middle would count as surroundings
-  window_radius = static_cast<int>(std::ceil(0.5 * (1.25 * sizes.max_width + 0.08) / cell));
+  window_radius = static_cast<int>(std::ceil(0.5 * (kWindow * sizes.max_width + 0.08) / cell));
   min_cells = std::max(6, static_cast<int>(0.5 * params.min_visible * sizes.min_area / (cell * cell)));
   for (const auto* kinds : {&catalogue.fixtures, &catalogue.elements}) {
     for (const CeilingKind& kind : *kinds) {

@@ -30,9 +30,9 @@ constexpr double kOverexposed = 0.2;  // share of the cells
 constexpr double kMaxOverexposed = 0.4;
 constexpr double kMaxAmissOfSpeck = 0.8;    // sizes of a few pixels say little
 constexpr double kMaxAmiss = 1.0;           // in sum
-constexpr double kMaxAmissOfPiece = 0.35;   // its length says nothing
+constexpr double kMaxAmissOfPiece = 0.42;   // its length says nothing
 constexpr double kRelativeContrast = 0.45;  // of a lamp above its surroundings, of its own grey level
-constexpr double kWhiteContrast = 0.3;      // the same of one that is white, whose edges aren't known
+constexpr double kWhiteContrast = 0.15;     // the same of one that is white, whose edges aren't known
 constexpr double kSaturated = 250.0;        // [grey]
 constexpr double kRingDistance = 0.35;      // of the width
 
