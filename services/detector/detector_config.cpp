@@ -48,7 +48,6 @@ ModernDetectorParams read_modern(const TomlTable& table) {
   p.min_end_support = table.number("min_end_support", p.min_end_support, kFraction);
   p.edge_sigma_px = table.number("edge_sigma_px", p.edge_sigma_px, kPixelError);
   p.outline_sigma_px = table.number("outline_sigma_px", p.outline_sigma_px, kPixelError);
-  p.report_elements = table.boolean("report_elements", p.report_elements);
   table.reject_unknown();
   return p;
 }

@@ -1,47 +1,25 @@
 #include "services/detector/detector_node.hpp"
 
-#include <utility>
-
+#include <array>
 #include <cmath>
 #include <luminav/fixture_detections_t.hpp>
+#include <utility>
 
 #include "services/common/process/channels.hpp"
 
 namespace luminav {
 namespace {
 
-std::int8_t code_of(DetectionShape shape) {
-  switch (shape) {
-    case DetectionShape::kRectangle:
-      return fixture_detection_t::SHAPE_RECTANGLE;
-    case DetectionShape::kSquare:
-      return fixture_detection_t::SHAPE_SQUARE;
-    case DetectionShape::kRound:
-      return fixture_detection_t::SHAPE_ROUND;
-    case DetectionShape::kElement:
-      return fixture_detection_t::SHAPE_ELEMENT;
-  }
-  return fixture_detection_t::SHAPE_ELEMENT;
-}
-
-std::int8_t code_of(DetectionState state) {
-  switch (state) {
-    case DetectionState::kUnknown:
-      return fixture_detection_t::STATE_UNKNOWN;
-    case DetectionState::kLit:
-      return fixture_detection_t::STATE_LIT;
-    case DetectionState::kUnlit:
-      return fixture_detection_t::STATE_UNLIT;
-    case DetectionState::kHalf:
-      return fixture_detection_t::STATE_HALF;
-  }
-  return fixture_detection_t::STATE_UNKNOWN;
-}
+// in the order of FixtureShape and of DetectionState
+constexpr std::array kShapes{fixture_detection_t::SHAPE_RECTANGLE, fixture_detection_t::SHAPE_SQUARE,
+                             fixture_detection_t::SHAPE_ROUND};
+constexpr std::array kStates{fixture_detection_t::STATE_UNKNOWN, fixture_detection_t::STATE_LIT,
+                             fixture_detection_t::STATE_UNLIT, fixture_detection_t::STATE_HALF};
 
 fixture_detection_t encode(const Detection& detection) {
   fixture_detection_t message{};
-  message.shape = code_of(detection.shape);
-  message.state = code_of(detection.state);
+  message.shape = kShapes[static_cast<std::size_t>(detection.shape)];
+  message.state = kStates[static_cast<std::size_t>(detection.state)];
   message.has_theta = detection.has_theta ? 1 : 0;
   message.x = detection.robot_from_fixture.x;
   message.y = detection.robot_from_fixture.y;

@@ -45,7 +45,6 @@ OutlineHypothesis& OutlineProposer::add(const Target& target, const Orientation&
   const Vector2d centre = plane_->camera_foot() + target.scale * (on_reference - plane_->camera_foot());
   const CeilingKind& kind = *target.kind;
   hypotheses_.push_back({.kind = target.index,
-                         .is_element = !kind.is_fixture,
                          .burning = target.burning,
                          .outline = {target.burning > 0 ? FixtureShape::kRectangle : kind.shape, kind.length,
                                      target.width(), kind.height},
@@ -180,13 +179,13 @@ void OutlineProposer::propose_kind(const Target& target, const RegionShape& shap
     if (bar || i % 2 == 0) {  // others look the same at right angles
       propose_whole(target, shape, orientations[i], own);
     }
-    if (bar && target.kind->is_fixture && (shape.touches_border() || own.may_be_broken)) {
+    if (bar && (shape.touches_border() || own.may_be_broken)) {
       propose_cut(target, shape, orientations[i], own);
     }
     if (bar && own.is_white && !shape.touches_border() && target.burning == 0) {
       propose_beside_glow(target, shape, orientations[i], own);
     }
-    if (target.kind->is_fixture && !round && shape.touches_border() && target.burning == 0) {
+    if (!round && shape.touches_border() && target.burning == 0) {
       propose_from_one_side(target, shape, orientations[i], own);
     }
   }
@@ -201,16 +200,10 @@ const std::vector<OutlineHypothesis>& OutlineProposer::propose(const RegionShape
                                                                const SizeTolerance& tolerance) {
   hypotheses_.clear();
   const double reference = plane_->ceiling_height() - plane_->camera_height();
-  const auto propose_all = [&](const std::vector<CeilingKind>& kinds) {
-    for (std::size_t i = 0; i < kinds.size(); ++i) {
-      const CeilingKind& kind = kinds[i];
-      const double scale = (kind.height - plane_->camera_height()) / reference;
-      propose_kind({&kind, static_cast<int>(i), 0, scale}, shape, tolerance, bright);
-    }
-  };
-  propose_all(catalogue_->fixtures);
-  if (!bright) {
-    propose_all(catalogue_->elements);
+  for (std::size_t i = 0; i < catalogue_->fixtures.size(); ++i) {
+    const CeilingKind& kind = catalogue_->fixtures[i];
+    const double scale = (kind.height - plane_->camera_height()) / reference;
+    propose_kind({&kind, static_cast<int>(i), 0, scale}, shape, tolerance, bright);
   }
   const auto is_before = [](const OutlineHypothesis& a, const OutlineHypothesis& b) {
     return std::pair(!a.is_whole, a.size_error) < std::pair(!b.is_whole, b.size_error);

@@ -11,8 +11,7 @@ namespace luminav {
 
 /// A guess of what a region shows, to be proved or refuted.
 struct OutlineHypothesis {
-  int kind = 0;  // index into the catalogue's fixtures, or elements
-  bool is_element = false;
+  int kind = 0;                   // index into the catalogue's fixtures
   int burning = 0;                // of its lamps, side by side, the outline holds; 0: it holds the fixture
   bool is_whole = false;          // the region shows all of it
   std::optional<Side> drowned{};  // long side that a glow hides, as bright as the lamp
@@ -40,7 +39,7 @@ class OutlineProposer {
 
   OutlineProposer(const CellPlane& plane, const CeilingCatalogue& catalogue) : plane_(&plane), catalogue_(&catalogue) {}
 
-  /// Best size first. Valid until the next call. `bright`: else elements are guessed as well.
+  /// Best size first. Valid until the next call.
   const std::vector<OutlineHypothesis>& propose(const RegionShape& shape, bool bright, const SizeTolerance& tolerance);
 
  private:

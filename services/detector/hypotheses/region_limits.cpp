@@ -65,13 +65,11 @@ RegionLimits::RegionLimits(const ModernDetectorParams& params, const CeilingCame
   // wider than the widest fixture and its bloom, or its middle would count as surroundings
   window_radius = static_cast<int>(std::ceil(0.5 * (kWindow * sizes.max_width + 0.08) / cell));
   min_cells = std::max(6, static_cast<int>(0.5 * params.min_visible * sizes.min_area / (cell * cell)));
-  for (const auto* kinds : {&catalogue.fixtures, &catalogue.elements}) {
-    for (const CeilingKind& kind : *kinds) {
-      const double length = kSlack * kind.length + 2.0 * params.max_bloom;
-      const double width = kSlack * kind.width + 2.0 * params.max_bloom;
-      max_extent = std::max(max_extent, std::hypot(length, width));
-      max_area = std::max({max_area, length * width, OutlineProposer::kMaxGlow * length * length});
-    }
+  for (const CeilingKind& kind : catalogue.fixtures) {
+    const double length = kSlack * kind.length + 2.0 * params.max_bloom;
+    const double width = kSlack * kind.width + 2.0 * params.max_bloom;
+    max_extent = std::max(max_extent, std::hypot(length, width));
+    max_area = std::max({max_area, length * width, OutlineProposer::kMaxGlow * length * length});
   }
   // grid lines between tiles are thinner than two cells; the narrowest fixture must survive
   is_eroded = sizes.min_width / cell >= 5.0;

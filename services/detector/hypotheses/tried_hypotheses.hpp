@@ -35,8 +35,8 @@ class TriedHypotheses {
     return std::any_of(tried_.begin(), tried_.end(), [&](const OutlineHypothesis& other) {
       const Pose2& a = hypothesis.start.pose;
       const Pose2& b = other.start.pose;
-      return hypothesis.kind == other.kind && hypothesis.is_element == other.is_element &&
-             hypothesis.burning == other.burning && (a.position() - b.position()).squaredNorm() < 0.03 * 0.03 &&
+      return hypothesis.kind == other.kind && hypothesis.burning == other.burning &&
+             (a.position() - b.position()).squaredNorm() < 0.03 * 0.03 &&
              std::abs(wrap_axis(a.theta - b.theta)) < radians(3.0);
     });
   }

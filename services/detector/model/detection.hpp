@@ -4,16 +4,16 @@
 #include <array>
 #include <optional>
 
+#include "services/common/building/building.hpp"
 #include "services/common/geometry/pose2.hpp"
 
 namespace luminav {
 
-enum class DetectionShape { kRectangle, kSquare, kRound, kElement };
 enum class DetectionState { kUnknown, kLit, kUnlit, kHalf };
 
-/// One fixture, or other element of the ceiling, seen in an image.
+/// One fixture seen in an image.
 struct Detection {
-  DetectionShape shape = DetectionShape::kRectangle;
+  FixtureShape shape = FixtureShape::kRectangle;
   DetectionState state = DetectionState::kUnknown;
   bool has_theta = true;                                     // false: round
   Pose2 robot_from_fixture;                                  // centre below the ceiling; x along the long side

@@ -39,7 +39,6 @@ struct ModernDetectorParams {
   double min_end_support = 0.55;   // share of an end in view that must show its edge
   double edge_sigma_px = 0.15;     // [px] least error of one edge point
   double outline_sigma_px = 0.30;  // [px] error that all points of a side share
-  bool report_elements = true;     // vents and detectors as detections of shape element
 };
 
 struct DetectorParams {

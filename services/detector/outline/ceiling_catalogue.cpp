@@ -34,8 +34,7 @@ CeilingCatalogue catalogue_of(const Building& building) {
   CeilingCatalogue catalogue;
   catalogue.ceiling_height = building.ceiling_height;
   for (const Fixture& fixture : building.fixtures) {
-    add_once(catalogue.fixtures, {.is_fixture = true,
-                                  .shape = fixture.shape,
+    add_once(catalogue.fixtures, {.shape = fixture.shape,
                                   .length = std::max(fixture.length, fixture.width),
                                   .width = std::min(fixture.length, fixture.width),
                                   .height = fixture.height,
@@ -46,8 +45,7 @@ CeilingCatalogue catalogue_of(const Building& building) {
     const double width = std::min(element.length, element.width);
     const bool round = element.kind == ElementKind::kDetector || element.kind == ElementKind::kSpeaker;
     const bool square = length - width < kSameSide;
-    add_once(catalogue.elements, {.is_fixture = false,
-                                  .shape = round    ? FixtureShape::kRound
+    add_once(catalogue.elements, {.shape = round    ? FixtureShape::kRound
                                            : square ? FixtureShape::kSquare
                                                     : FixtureShape::kRectangle,
                                   .length = length,

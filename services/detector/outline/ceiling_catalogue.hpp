@@ -8,7 +8,6 @@ namespace luminav {
 
 /// One kind of thing that hangs on the ceiling of a building: fixtures that differ in nothing but place and heading.
 struct CeilingKind {
-  bool is_fixture = true;
   FixtureShape shape = FixtureShape::kRectangle;
   double length = 1.2;  // [m] long side, or diameter
   double width = 0.3;   // [m] short side, or diameter

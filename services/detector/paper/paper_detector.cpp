@@ -171,7 +171,6 @@ std::optional<Detection> PaperDetector::pose_of(const cv::Point2d& centre, const
     return std::nullopt;
   }
   const Eigen::Vector2d along = first->norm() > second->norm() ? *first : *second;
-  detection.shape = DetectionShape::kRectangle;
   detection.centre_px = to_eigen(centre);
   detection.robot_from_fixture = {place->x(), place->y(), wrap_axis(std::atan2(along.y(), along.x()))};
   detection.length = along.norm();

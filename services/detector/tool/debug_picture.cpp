@@ -1,5 +1,6 @@
 #include "services/detector/tool/debug_picture.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -8,10 +9,13 @@
 namespace luminav {
 namespace {
 
+constexpr int kColumns = 3;   // of a contact sheet
+constexpr int kWidth = 320;   // [px] of each picture in it
+constexpr int kCaption = 16;  // [px] below each
+constexpr int kGap = 4;       // [px] between them
 const cv::Scalar kRed(0, 0, 255);
 const cv::Scalar kGreen(0, 200, 0);
 const cv::Scalar kBlue(255, 80, 0);
-const cv::Scalar kGrey(160, 160, 160);
 
 // Far outside of the picture nothing is worth drawing, and the drawing functions count in 16 bits.
 cv::Point to_point(const Eigen::Vector2d& pixel) {
@@ -39,15 +43,37 @@ cv::Mat draw_debug_picture(const GreyView& image, const DetectorTrace& trace,
     draw_outline(picture, rectangle, kGreen, 1);
   }
   for (const Detection& detection : detections) {
-    const cv::Scalar& colour = detection.shape == DetectionShape::kElement ? kGrey : kBlue;
-    draw_outline(picture, detection.corners_px, colour, 2);
-    cv::circle(picture, to_point(detection.centre_px), 4, colour, cv::FILLED, cv::LINE_AA);
+    draw_outline(picture, detection.corners_px, kBlue, 2);
+    cv::circle(picture, to_point(detection.centre_px), 4, kBlue, cv::FILLED, cv::LINE_AA);
     if (detection.has_theta) {
       const Eigen::Vector2d far_end = 0.5 * (detection.corners_px[0] + detection.corners_px[3]);
-      cv::line(picture, to_point(detection.centre_px), to_point(far_end), colour, 2, cv::LINE_AA);
+      cv::line(picture, to_point(detection.centre_px), to_point(far_end), kBlue, 2, cv::LINE_AA);
     }
   }
   return picture;
+}
+
+void ContactSheet::add(const cv::Mat& picture, const std::string& caption) {
+  const int height = tiles_.empty() ? std::max(1, picture.rows * kWidth / std::max(1, picture.cols))
+                                    : tiles_.front().rows - kCaption - kGap;
+  cv::Mat tile(height + kCaption + kGap, kWidth + kGap, CV_8UC3, cv::Scalar(0, 0, 0));
+  tile(cv::Rect(0, height, kWidth, kCaption)) = cv::Scalar(255, 255, 255);
+  cv::resize(picture, tile(cv::Rect(0, 0, kWidth, height)), {kWidth, height}, 0.0, 0.0, cv::INTER_AREA);
+  cv::putText(tile, caption, {4, height + kCaption - 4}, cv::FONT_HERSHEY_SIMPLEX, 0.38, cv::Scalar(0, 0, 0), 1,
+              cv::LINE_AA);
+  tiles_.push_back(tile);
+}
+
+cv::Mat ContactSheet::draw() const {
+  const int count = static_cast<int>(tiles_.size());
+  const cv::Size tile = tiles_.empty() ? cv::Size(1, 1) : tiles_.front().size();
+  const int columns = std::clamp(count, 1, kColumns);
+  cv::Mat sheet = cv::Mat::zeros((count + columns - 1) / columns * tile.height, columns * tile.width, CV_8UC3);
+  for (int i = 0; i < count; ++i) {
+    const cv::Point corner(i % columns * tile.width, i / columns * tile.height);
+    tiles_[static_cast<std::size_t>(i)].copyTo(sheet(cv::Rect(corner, tile)));
+  }
+  return sheet;
 }
 
 }  // namespace luminav

@@ -1,5 +1,6 @@
 // The detector on pictures from files: scripts/detect.
 
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -12,7 +13,6 @@
 #include "services/common/process/command_line.hpp"
 #include "services/detector/detector.hpp"
 #include "services/detector/detector_config.hpp"
-#include "services/detector/tool/contact_sheet.hpp"
 #include "services/detector/tool/debug_picture.hpp"
 
 namespace luminav {
@@ -21,47 +21,27 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const char* name_of(DetectionShape shape) {
-  switch (shape) {
-    case DetectionShape::kRectangle:
-      return "rectangle";
-    case DetectionShape::kSquare:
-      return "square";
-    case DetectionShape::kRound:
-      return "round";
-    case DetectionShape::kElement:
-      break;
-  }
-  return "element";
-}
+// in the order of FixtureShape and of DetectionState
+constexpr std::array kShapes{"rectangle", "square", "round"};
+constexpr std::array kStates{"unknown", "lit", "unlit", "half"};
 
-const char* name_of(DetectionState state) {
-  switch (state) {
-    case DetectionState::kLit:
-      return "lit";
-    case DetectionState::kUnlit:
-      return "unlit";
-    case DetectionState::kHalf:
-      return "half";
-    case DetectionState::kUnknown:
-      break;
+json to_json(const std::array<Eigen::Vector2d, 4>& corners) {
+  json result = json::array();
+  for (const Eigen::Vector2d& corner : corners) {
+    result.push_back({corner.x(), corner.y()});
   }
-  return "unknown";
+  return result;
 }
 
 json to_json(const Detection& detection) {
-  json corners = json::array();
-  for (const Eigen::Vector2d& corner : detection.corners_px) {
-    corners.push_back({corner.x(), corner.y()});
-  }
   json covariance = json::array();
   for (int i = 0; i < 9; ++i) {
     covariance.push_back(detection.covariance(i / 3, i % 3));
   }
   const Pose2& pose = detection.robot_from_fixture;
-  return {{"shape", name_of(detection.shape)},
-          {"state", name_of(detection.state)},
-          {"corners_px", corners},
+  return {{"shape", kShapes[static_cast<std::size_t>(detection.shape)]},
+          {"state", kStates[static_cast<std::size_t>(detection.state)]},
+          {"corners_px", to_json(detection.corners_px)},
           {"centre_px", {detection.centre_px.x(), detection.centre_px.y()}},
           {"robot_from_fixture", {pose.x, pose.y, pose.theta}},
           {"has_theta", detection.has_theta},
@@ -95,11 +75,7 @@ struct Output {
 json tried(const DetectorTrace& trace) {
   json result = json::array();
   for (std::size_t i = 0; i < trace.verdicts.size(); ++i) {
-    json corners = json::array();
-    for (const Eigen::Vector2d& corner : trace.rectangles[i]) {
-      corners.push_back({corner.x(), corner.y()});
-    }
-    result.push_back({{"corners_px", corners}, {"verdict", trace.verdicts[i]}});
+    result.push_back({{"corners_px", to_json(trace.rectangles[i])}, {"verdict", trace.verdicts[i]}});
   }
   return result;
 }

@@ -9,14 +9,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBlurredEdge = 2.5;     // [px] by which an outline may always miss, however coarse the pixels
-constexpr double kElementFrame = 0.045;  // [m] a vent's frame is as bright as the ceiling: its slats end inside
-constexpr double kMaxAcross = 0.030;     // [m] 1 sigma of its place across
-constexpr double kMinAcross = 16.0;      // [px] of what is no speck
-constexpr double kOfMinVisible = 0.75;   // edges are looked for no closer to the border than this leaves
-constexpr double kMinStretch = 0.4;      // of a long side, where the other one or both ends are out of view
-constexpr double kAlikeSides = 0.5;      // least step of a lamp's side, of the other's: a burning half has a faint one
-constexpr double kEndsBrighter = 0.6;    // beyond the end of an unlit one, of its edges' step
+constexpr double kBlurredEdge = 2.5;    // [px] by which an outline may always miss, however coarse the pixels
+constexpr double kMaxAcross = 0.030;    // [m] 1 sigma of its place across
+constexpr double kMinAcross = 16.0;     // [px] of what is no speck
+constexpr double kOfMinVisible = 0.75;  // edges are looked for no closer to the border than this leaves
+constexpr double kMinStretch = 0.4;     // of a long side, where the other one or both ends are out of view
+constexpr double kAlikeSides = 0.5;     // least step of a lamp's side, of the other's: a burning half has a faint one
+constexpr double kEndsBrighter = 0.6;   // beyond the end of an unlit one, of its edges' step
 constexpr double kEndsLessDeep = 0.45;
 // Each amiss by 1:
 constexpr double kMaxBesides = 0.30;  // share of the ring that is as bright: panes of a skylight lie in rows
@@ -56,8 +55,6 @@ bool shows_strips(const CeilingFrame& frame, const Candidate& candidate) {
 }  // namespace
 
 Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& candidate) const {
-  const Outline& outline = candidate.hypothesis.outline;
-  const OutlineFit& fit = candidate.fit;
   if (!has_right_size(candidate)) {
     return Verdict::kWrongSize;
   }
@@ -65,7 +62,7 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
   if (verdict == Verdict::kAccepted && is_bar(candidate)) {
     verdict = ends(candidate);
   }
-  if (verdict == Verdict::kAccepted && is_bar(candidate) && fit.ends_visible() < 2) {
+  if (verdict == Verdict::kAccepted && is_bar(candidate) && candidate.fit.ends_visible() < 2) {
     verdict = piece(candidate);
   }
   if (verdict != Verdict::kAccepted) {
@@ -75,8 +72,7 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
       !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
     return Verdict::kGoesOnBeyondEnd;
   }
-  if (!candidate.hypothesis.is_element && outline.shape != FixtureShape::kRound &&
-      fit.covariance(1, 1) > kMaxAcross * kMaxAcross) {
+  if (is_bar(candidate) && candidate.fit.covariance(1, 1) > kMaxAcross * kMaxAcross) {
     return Verdict::kTooUncertain;
   }
   if (other_kinds_.may_be(frame, candidate)) {
@@ -118,9 +114,6 @@ bool CandidateChecks::has_right_size(const Candidate& candidate) const {
   const double end = fit.placement.end_outset;
   const double blurred = kBlurredEdge * fit.metres_per_px;
   const double of_width = 0.5 * params_.size_tolerance * outline.width + blurred;
-  if (candidate.hypothesis.is_element) {
-    return side > -kElementFrame && side < of_width;
-  }
   const double bloom = candidate.bright ? params_.max_bloom : 0.0;
   const double longer = outline.shape == FixtureShape::kRound ? 0.0
                         : candidate.bright                    ? end - std::max(side, 0.0)
@@ -144,8 +137,7 @@ Verdict CandidateChecks::sides(const Candidate& candidate) const {
   const double length = candidate.hypothesis.outline.length;
   const double seen = fit.visible_to - fit.visible_from;
   if (only) {
-    if (candidate.hypothesis.is_element || candidate.hypothesis.burning > 0 || fit.sides[*only].in_view < 8 ||
-        seen < kMinStretch * length) {
+    if (candidate.hypothesis.burning > 0 || fit.sides[*only].in_view < 8 || seen < kMinStretch * length) {
       return Verdict::kTooLittleInView;
     }
     return fit.share(*only) < params_.min_side_support ? Verdict::kNoLongSide : Verdict::kAccepted;
@@ -177,7 +169,7 @@ Verdict CandidateChecks::ends(const Candidate& candidate) const {
 Verdict CandidateChecks::piece(const Candidate& candidate) const {
   const OutlineFit& fit = candidate.fit;
   const Outline& outline = candidate.hypothesis.outline;
-  if (candidate.hypothesis.is_element || (outline.shape == FixtureShape::kSquare && !fit.only_side())) {
+  if (outline.shape == FixtureShape::kSquare && !fit.only_side()) {
     return Verdict::kTooFewEdges;
   }
   const int edges = fit.ends_visible() + (fit.only_side() ? 1 : 2);

@@ -34,8 +34,7 @@ void CandidateSelection::take_best_first(const CeilingFrame& frame) {
             [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   for (const Candidate& candidate : accepted_) {
     const std::optional<Detection> detection = builder_.build(frame, candidate);
-    const bool wanted = with_elements_ || !candidate.hypothesis.is_element;
-    if (detection && wanted && !overlaps(*detection)) {
+    if (detection && !overlaps(*detection)) {
       detections_.push_back(*detection);
     }
   }

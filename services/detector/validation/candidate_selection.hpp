@@ -15,8 +15,7 @@ namespace luminav {
 /// left out (non-maximum suppression).
 class CandidateSelection {
  public:
-  CandidateSelection(const CeilingCamera& camera, const CeilingCatalogue& catalogue, bool with_elements)
-      : builder_(camera, catalogue), with_elements_(with_elements) {}
+  CandidateSelection(const CeilingCamera& camera, const CeilingCatalogue& catalogue) : builder_(camera, catalogue) {}
 
   void begin_frame();
   void add(const Candidate& candidate) { accepted_.push_back(candidate); }
@@ -30,7 +29,6 @@ class CandidateSelection {
   [[nodiscard]] bool overlaps(const Detection& detection) const;
 
   DetectionBuilder builder_;
-  bool with_elements_;
   std::vector<Candidate> accepted_;
   std::vector<Detection> detections_;
 };

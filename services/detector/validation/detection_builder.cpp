@@ -44,27 +44,9 @@ std::optional<int> dark_side_of(const CeilingFrame& frame, const CeilingCamera& 
   return covered != 0 ? covered : darker;
 }
 
-DetectionShape shape_of(const OutlineHypothesis& hypothesis) {
-  if (hypothesis.is_element) {
-    return DetectionShape::kElement;
-  }
-  switch (hypothesis.outline.shape) {
-    case FixtureShape::kSquare:
-      return DetectionShape::kSquare;
-    case FixtureShape::kRound:
-      return DetectionShape::kRound;
-    case FixtureShape::kRectangle:
-      break;
-  }
-  return DetectionShape::kRectangle;
-}
-
 }  // namespace
 
 std::optional<Detection> DetectionBuilder::build(const CeilingFrame& frame, const Candidate& candidate) const {
-  if (candidate.hypothesis.is_element) {
-    return detection_of(candidate, DetectionState::kUnknown);
-  }
   if (!candidate.bright) {
     return detection_of(candidate, DetectionState::kUnlit);
   }
@@ -135,7 +117,7 @@ Detection DetectionBuilder::detection_of(const Candidate& candidate, DetectionSt
   const OutlineFit& fit = candidate.fit;
   const bool bar = outline.shape == FixtureShape::kRectangle && candidate.by_edges;
   Detection detection;
-  detection.shape = shape_of(candidate.hypothesis);
+  detection.shape = outline.shape;
   detection.state = state;
   detection.has_theta = outline.shape != FixtureShape::kRound;
   detection.fit = fit.quality();
@@ -165,7 +147,7 @@ Detection DetectionBuilder::detection_of(const Candidate& candidate, DetectionSt
   detection.length = extent.to - extent.from;
   detection.width = outline.width + 2.0 * fit.placement.side_outset;
   draw_corners(candidate, extent, detection);
-  if (bar && outline.length > 1.5 * outline.width && candidate.is_whole() && !candidate.hypothesis.is_element) {
+  if (bar && outline.length > 1.5 * outline.width && candidate.is_whole()) {
     // Bloom moves sides and ends alike; another scale moves the ends farther.
     const OutlinePlacement& seen = fit.placement;
     detection.scale =

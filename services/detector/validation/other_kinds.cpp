@@ -18,7 +18,7 @@ constexpr double kOtherWidth = 0.03;  // [m] by which widths of kinds differ
 bool OtherKinds::may_be(const CeilingFrame& frame, const Candidate& candidate) const {
   const OutlineFit& fit = candidate.fit;
   const Outline& outline = candidate.hypothesis.outline;
-  if (candidate.hypothesis.is_element || outline.shape == FixtureShape::kRound) {
+  if (outline.shape == FixtureShape::kRound) {
     return false;
   }
   const std::optional<Side> only = fit.only_side();

@@ -27,12 +27,6 @@ SightingFrame to_frame(const fixture_detections_t& message) {
   return frame;
 }
 
-FixtureShape shape_of(const Detection& detection) {
-  return detection.shape == DetectionShape::kSquare  ? FixtureShape::kSquare
-         : detection.shape == DetectionShape::kRound ? FixtureShape::kRound
-                                                     : FixtureShape::kRectangle;
-}
-
 SightingState state_of(const Detection& detection) {
   switch (detection.state) {
     case DetectionState::kLit:
@@ -51,7 +45,7 @@ FixtureSighting to_sighting(const Detection& detection) {
   FixtureSighting sighting;
   sighting.robot_from_fixture = detection.robot_from_fixture;
   sighting.covariance = detection.covariance;
-  sighting.shape = shape_of(detection);
+  sighting.shape = detection.shape;
   sighting.state = state_of(detection);
   sighting.has_theta = detection.has_theta;
   sighting.length = detection.length * detection.scale.value_or(1.0);
@@ -108,7 +102,7 @@ class DriveCollector::ImageReader {
     frame.exposure =
         message.exposure_us > 0.0 && message.exposure_us <= kLongestExposure ? 1e-6 * message.exposure_us : 0.0;
     for (const Detection& detection : detector_.detect(view)) {
-      if (detection.shape != DetectionShape::kElement && detection.covariance.allFinite()) {
+      if (detection.covariance.allFinite()) {
         frame.sightings.push_back(to_sighting(detection));
       }
     }

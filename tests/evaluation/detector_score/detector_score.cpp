@@ -27,10 +27,6 @@ void DetectorScore::add(const DetectorScore& o) {
   wrong_state += o.wrong_state;
   cut_only_frames += o.cut_only_frames;
   cut_used_frames += o.cut_used_frames;
-  elements_visible += o.elements_visible;
-  elements_seen += o.elements_seen;
-  elements_reported += o.elements_reported;
-  elements_wrong += o.elements_wrong;
   measured += o.measured;
   centre_px2 += o.centre_px2;
   worst_px = std::max(worst_px, o.worst_px);
@@ -88,21 +84,20 @@ double DetectorScore::milliseconds() const {
 std::string score_table_header() {
   return fmt::format(
       "{:<20} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>5} {:>5} "
-      "{:>5} {:>6} {:>7} {:>7} {:>7}",
+      "{:>5} {:>6} {:>7}",
       "condition", "frames", "precis", "recall", "whole", "cutuse", "px rms", "px max", "deg rms", "mm rms", "deg rob",
-      "cut mm", "cut deg", "nees", "n_al", "n_ac", "n_th", "state", "el prec", "element", "ms");
+      "cut mm", "cut deg", "nees", "n_al", "n_ac", "n_th", "state", "ms");
 }
 
 std::string score_table_row(const std::string& name, const DetectorScore& s) {
   return fmt::format(
       "{:<20} {:>6} {:>7.4f} {:>7.4f} {:>7.4f} {:>7.4f} {:>7.3f} {:>7.2f} {:>7.4f} {:>7.2f} {:>7.3f} "
-      "{:>7.2f} {:>7.3f} {:>6.2f} {:>5.2f} {:>5.2f} {:>5.2f} {:>6} {:>7.3f} {:>7.3f} {:>7.3f}",
+      "{:>7.2f} {:>7.3f} {:>6.2f} {:>5.2f} {:>5.2f} {:>5.2f} {:>6} {:>7.3f}",
       name, s.frames, s.precision(), s.recall(), s.whole_recall(), s.cut_use(), s.centre_rms_px(), s.worst_px,
       s.heading_rms_deg(), s.position_rms_mm(), s.robot_heading_rms_deg(), s.cut_across_rms_mm(),
       s.cut_heading_rms_deg(), s.consistency(), ratio(s.normalised_along, s.normalised_count),
       ratio(s.normalised_across, s.normalised_count), ratio(s.normalised_heading, s.normalised_count), s.wrong_state,
-      s.elements_reported == 0 ? 1.0 : 1.0 - ratio(s.elements_wrong, s.elements_reported),
-      ratio(s.elements_seen, s.elements_visible), s.milliseconds());
+      s.milliseconds());
 }
 
 }  // namespace luminav::score

@@ -51,13 +51,9 @@ struct DetectorScore {
   int whole_seen = 0;
   int reported = 0;  // fixtures
   int wrong = 0;  // reported where there is none, or off by more than 30 mm across, 2 deg, or along 30 mm and 3.5 sigma
-  int wrong_state = 0;       // lit, unlit or half taken for another; flickering ones don't count
-  int cut_only_frames = 0;   // frames that show no whole fixture but at least one cut one
-  int cut_used_frames = 0;   // of these, frames in which a fixture was reported where it is
-  int elements_visible = 0;  // vents, detectors, ... entirely in the image
-  int elements_seen = 0;
-  int elements_reported = 0;
-  int elements_wrong = 0;
+  int wrong_state = 0;      // lit, unlit or half taken for another; flickering ones don't count
+  int cut_only_frames = 0;  // frames that show no whole fixture but at least one cut one
+  int cut_used_frames = 0;  // of these, frames in which a fixture was reported where it is
 
   // Whole fixtures against their true image.
   int measured = 0;

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "services/common/process/command_line.hpp"
-#include "services/detector/tool/contact_sheet.hpp"
 #include "services/detector/tool/debug_picture.hpp"
 #include "tests/evaluation/detector_score/detector_score.hpp"
 #include "tests/evaluation/detector_score/luminaire_scenes.hpp"
@@ -41,8 +40,7 @@ FrameListener dump_to(const std::filesystem::path& folder) {
 /// One frame of each condition, the first in which something was found.
 FrameListener keep_first(ContactSheet& sheet, const std::string& condition) {
   return [&sheet, condition, kept = false](const ScoredFrame& frame) mutable {
-    const auto is_fixture = [](const Detection& d) { return d.shape != DetectionShape::kElement; };
-    if (!kept && std::any_of(frame.detections.begin(), frame.detections.end(), is_fixture)) {
+    if (!kept && !frame.detections.empty()) {
       sheet.add(draw_debug_picture(frame.image->view(), frame.trace, frame.detections), condition);
       kept = true;
     }

@@ -119,42 +119,6 @@ bool match(const Detection& detection, std::vector<VisibleFixture>& visible, Det
 
 }  // namespace
 
-void count_elements(const Building& truth, const FrameMotion& motion, const CeilingCamera& camera,
-                    const std::vector<Detection>& detections, DetectorScore& score) {
-  std::vector<Vector2d> there;
-  std::vector<bool> is_whole;
-  for (const CeilingElement& element : truth.elements) {
-    const bool round = element.kind == ElementKind::kDetector || element.kind == ElementKind::kSpeaker;
-    const Fixture shape{.id = 0,
-                        .shape = round ? FixtureShape::kRound : FixtureShape::kRectangle,
-                        .world_from_fixture = element.world_from_element,
-                        .length = element.length,
-                        .width = round ? element.length : element.width,
-                        .height = truth.ceiling_height,
-                        .lamps = 0};
-    if (const auto imaged = image_of(shape, motion, camera)) {
-      there.push_back(imaged->as_imaged.position());
-      is_whole.push_back(imaged->is_whole);
-      score.elements_visible += imaged->is_whole ? 1 : 0;
-    }
-  }
-  for (const Detection& detection : detections) {
-    if (detection.shape != DetectionShape::kElement) {
-      continue;
-    }
-    ++score.elements_reported;
-    bool found = false;
-    for (std::size_t i = 0; i < there.size() && !found; ++i) {
-      if ((there[i] - detection.robot_from_fixture.position()).norm() < 0.05) {
-        found = true;
-        score.elements_seen += is_whole[i] ? 1 : 0;
-        there[i] = Vector2d(1e9, 1e9);
-      }
-    }
-    score.elements_wrong += found ? 0 : 1;
-  }
-}
-
 std::vector<std::string> judge(const std::vector<Detection>& detections, std::vector<VisibleFixture>& visible,
                                DetectorScore& score) {
   std::vector<std::string> complaints;
@@ -168,9 +132,6 @@ std::vector<std::string> judge(const std::vector<Detection>& detections, std::ve
   }
   bool used = false;
   for (const Detection& detection : detections) {
-    if (detection.shape == DetectionShape::kElement) {
-      continue;
-    }
     ++score.reported;
     std::string complaint;
     const bool found = match(detection, visible, score, complaint);

@@ -22,8 +22,4 @@ struct VisibleFixture {
 std::vector<std::string> judge(const std::vector<Detection>& detections, std::vector<VisibleFixture>& visible,
                                DetectorScore& score);
 
-/// Counts vents, detectors and the like, which are compared by place alone.
-void count_elements(const Building& truth, const FrameMotion& motion, const CeilingCamera& camera,
-                    const std::vector<Detection>& detections, DetectorScore& score);
-
 }  // namespace luminav::score

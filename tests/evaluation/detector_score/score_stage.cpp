@@ -48,7 +48,6 @@ void ScoreStage::score_frame(const std::string& name, const Place& place, double
   score.seconds += thread_seconds() - before;
   ++score.frames;
   std::vector<std::string> complaints = judge(detections, visible, score);
-  count_elements(truth_, place.motion, camera_, detections, score);
   if (listener) {
     listener({name, &image, std::move(detections), std::move(complaints), std::move(trace)});
   }

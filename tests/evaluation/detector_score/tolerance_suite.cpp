@@ -73,9 +73,6 @@ void count(const std::vector<Detection>& detections, std::vector<VisibleFixture>
     score.whole += fixture.imaged.is_whole ? 1 : 0;
   }
   for (const Detection& detection : detections) {
-    if (detection.shape == DetectionShape::kElement) {
-      continue;
-    }
     ++score.reported;
     const auto hit = std::find_if(visible.begin(), visible.end(), [&](const VisibleFixture& truth) {
       return !truth.taken && lies_on(detection, truth, camera);

@@ -88,21 +88,9 @@ CeilingCatalogue test_catalogue() {
   catalogue.fixtures = {{.length = 1.2, .width = 0.3, .height = 2.8, .lamps = 2},
                         {.length = 1.2, .width = 0.15, .height = 2.8, .lamps = 1}};
   catalogue.elements = {
-      {.is_fixture = false,
-       .shape = FixtureShape::kSquare,
-       .length = 0.6,
-       .width = 0.6,
-       .height = 2.8,
-       .lamps = 0,
-       .luminous = false},
-      {.is_fixture = false, .length = 0.6, .width = 0.3, .height = 2.8, .lamps = 0, .luminous = false},
-      {.is_fixture = false,
-       .shape = FixtureShape::kRound,
-       .length = 0.12,
-       .width = 0.12,
-       .height = 2.8,
-       .lamps = 0,
-       .luminous = false}};
+      {.shape = FixtureShape::kSquare, .length = 0.6, .width = 0.6, .height = 2.8, .lamps = 0, .luminous = false},
+      {.length = 0.6, .width = 0.3, .height = 2.8, .lamps = 0, .luminous = false},
+      {.shape = FixtureShape::kRound, .length = 0.12, .width = 0.12, .height = 2.8, .lamps = 0, .luminous = false}};
   return catalogue;
 }
 

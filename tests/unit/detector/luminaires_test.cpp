@@ -82,7 +82,7 @@ TEST(Luminaires, FindASquareOneOfWhichTwoOfThreeTubesBurn) {
   const auto detections = test::detect(ceiling, test::test_camera(), only(louvre));
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].state, DetectionState::kHalf);
-  EXPECT_EQ(detections[0].shape, DetectionShape::kSquare);
+  EXPECT_EQ(detections[0].shape, FixtureShape::kSquare);
   EXPECT_NEAR((detections[0].robot_from_fixture.position() - square.pose.position()).norm(), 0.0, 0.01);
 }
 

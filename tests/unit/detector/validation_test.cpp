@@ -112,7 +112,7 @@ TEST(DetectionBuilder, DescribesAWholeLamp) {
 
 TEST(CandidateSelection, TakesTheBestOfThoseThatClaimAPlace) {
   const CeilingCatalogue catalogue{.fixtures = {{.length = 1.2, .width = 0.15, .lamps = 1}}, .elements = {}};
-  CandidateSelection selection(model(), catalogue, true);
+  CandidateSelection selection(model(), catalogue);
   const GreyImage image = half_lit(0.0, 0.0);
   Raster reduced;
   reduce(image.view(), 4, reduced);
