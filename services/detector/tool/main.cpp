@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -107,15 +108,18 @@ int detect_all(const DetectorConfig& config, const std::vector<std::string>& fil
                                  " px, the camera is calibrated for " + std::to_string(config.camera.intrinsics.width) +
                                  " x " + std::to_string(config.camera.intrinsics.height));
       }
+      const bool is_drawn = !output.debug_folder.empty() || !output.sheet_file.empty();
       DetectorTrace trace;
-      const std::vector<Detection>& detections = detector.detect(image.view(), &trace);
+      const std::clock_t before = std::clock();
+      const std::vector<Detection>& detections = detector.detect(image.view(), is_drawn ? &trace : nullptr);
+      entry["cpu_ms"] = 1e3 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
       for (const Detection& detection : detections) {
         entry["detections"].push_back(to_json(detection));
       }
       entry["width"] = image.width;
       entry["height"] = image.height;
       entry["median_grey"] = detector.median_grey();
-      if (!output.debug_folder.empty() || !output.sheet_file.empty()) {
+      if (is_drawn) {
         const cv::Mat picture = draw_debug_picture(image.view(), trace, detections);
         // what was found, without the way there
         sheet.add(draw_debug_picture(image.view(), {}, detections), fs::path(file).stem().string());
