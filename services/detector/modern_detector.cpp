@@ -197,6 +197,9 @@ Verdict ModernDetector::judge_edges(const CeilingFrame& frame, const OutlineFitP
     return Verdict::kNoEdges;
   }
   candidate.fit = *fit;
+  if (candidate.bright && !candidate.hypothesis.is_whole) {
+    candidate.fit.leave_out_end_below(params_.min_end_support);  // where the file says it ends, it may go on
+  }
   candidate.score = fit->quality() + 0.1 * fit->ends_visible() - candidate.hypothesis.size_error;
   return checks_.by_edges(frame, candidate);
 }

@@ -84,6 +84,13 @@ bool OutlineFit::end_visible(int side) const {
   return end.in_view >= 2 && 4 * end.in_view >= end.expected;  // the border may hide a corner
 }
 
+void OutlineFit::leave_out_end_below(double share_of_end) {
+  const Side worse = share(kFarEnd) < share(kNearEnd) ? kFarEnd : kNearEnd;
+  if (ends_visible() == 2 && share(worse) < share_of_end) {
+    sides[worse].in_view = sides[worse].on_edge = 0;
+  }
+}
+
 std::optional<Side> OutlineFit::only_side() const {
   const bool left = sides[kLeftSide].in_view >= 3;
   const bool right = sides[kRightSide].in_view >= 3;

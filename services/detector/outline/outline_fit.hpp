@@ -45,6 +45,8 @@ struct OutlineFit {
   [[nodiscard]] double share(int side) const { return sides[static_cast<std::size_t>(side)].share(); }
   [[nodiscard]] double step() const;  // [grey] mean over all sides
   [[nodiscard]] bool end_visible(int side) const;
+  /// Of two ends in view, takes the worse one for not in view when a smaller share of it shows an edge.
+  void leave_out_end_below(double share_of_end);
   [[nodiscard]] int ends_visible() const { return (end_visible(kFarEnd) ? 1 : 0) + (end_visible(kNearEnd) ? 1 : 0); }
   /// The long side in view where the other one is not; nothing when both or none are, or when it is round.
   [[nodiscard]] std::optional<Side> only_side() const;
