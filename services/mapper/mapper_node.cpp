@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <functional>
-#include <string_view>
+#include <utility>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/geometry/seconds.hpp"
 #include "services/common/process/channels.hpp"
 #include "services/common/process/lcm_conversions.hpp"
-#include "services/common/tiles/tile_codec.hpp"
 #include "services/mapper/evidence_file.hpp"
 
 namespace luminav {
@@ -73,10 +71,10 @@ Health MapperNode::health() const {
 void MapperNode::start_map(const PriorMap& prior, std::int64_t session) {
   const int discs = std::max(1, static_cast<int>(config_.robot.sonar.robot_from_sonar.size()));
   mapper_ = std::make_unique<GridMapper>(config_.grid, prior, discs);
-  const int tiles = mapper_->grid().tile_columns() * mapper_->grid().tile_rows();
-  schedule_ = std::make_unique<TileSchedule>(config_.tiles, tiles);
-  sent_.assign(static_cast<std::size_t>(tiles), {});
-  map_session_ = session;
+  const TileSender::Header before = sender_ ? sender_->header : TileSender::Header{};
+  sender_.emplace(lcm_, config_.tiles, mapper_->grid().geometry);
+  sender_->header = before;
+  sender_->header.map_session = session;
 }
 
 bool MapperNode::is_trusted(const pose_t& pose) const {
@@ -168,53 +166,17 @@ void MapperNode::draw_pending() {
 }
 
 void MapperNode::send_tiles(std::int64_t utime) {
-  if (map_session_ == 0) {
-    map_session_ = utime;
+  if (sender_->header.map_session == 0) {
+    sender_->header.map_session = utime;
   }
-  for (const int tile : mapper_->take_touched_tiles()) {
-    schedule_->mark_changed(tile);
-  }
-  for (const int tile : schedule_->due(utime)) {
-    send_tile(tile, utime);
-  }
-}
-
-void MapperNode::send_tile(int tile, std::int64_t utime) {
-  const OccupancyGrid& grid = mapper_->grid();
-  const int column = tile % grid.tile_columns();
-  const int row = tile / grid.tile_columns();
-  const TileLayers layers = tile_layers(grid, column, row);
-  const std::uint64_t hash =
-      std::hash<std::string_view>()({reinterpret_cast<const char*>(layers.data()), layers.size()});
-  SentTile& sent = sent_[static_cast<std::size_t>(tile)];
-  if (sent.message.revision == 0 || hash != sent.hash) {
-    const std::int32_t revision = sent.message.revision + 1;
-    sent = {encode_tile(grid.geometry, column, row, layers), hash};
-    sent.message.revision = revision;
-  }
-  sent.message.utime = utime;
-  sent.message.map_session = map_session_;
-  sent.message.map_command_id = map_command_id_;
-  sent.message.map_command_result = map_command_result_;
-  lcm_.publish(channels::kGridTile, &sent.message);
+  sender_->mark_changed(mapper_->take_touched_tiles());
+  sender_->send_due(mapper_->grid(), utime);
 }
 
 void MapperNode::on_tile_request(const tile_request_t& request) {
-  if (request.count < 0 || static_cast<std::size_t>(request.count) > request.tile_column.size() ||
-      request.tile_row.size() != request.tile_column.size()) {
+  if (!sender_->take(request)) {
     subscriber_.drop("TILE_REQUEST of an impossible size");
     return;
-  }
-  const OccupancyGrid& grid = mapper_->grid();
-  if (request.count == 0) {
-    schedule_->request_all();
-  }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(request.count); ++i) {
-    const int column = request.tile_column[i];
-    const int row = request.tile_row[i];
-    if (column >= 0 && row >= 0 && column < grid.tile_columns() && row < grid.tile_rows()) {
-      schedule_->request(row * grid.tile_columns() + column);
-    }
   }
   // sent with the next POSE or SONAR; without either, at once
   if (poses_.newest() == 0 && request.utime > 0) {
@@ -223,17 +185,19 @@ void MapperNode::on_tile_request(const tile_request_t& request) {
 }
 
 void MapperNode::on_map_command(const map_command_t& command) {
-  if (command.id == map_command_id_) {
+  if (command.id == sender_->header.map_command_id) {
     return;  // repeated until the echo arrives
   }
-  if (command.id < map_command_id_) {
+  if (command.id < sender_->header.map_command_id) {
     subscriber_.drop("MAP_COMMAND from before the last one");
     return;
   }
-  map_command_result_ = carry_out(command);
-  map_command_id_ = command.id;
-  const std::int64_t utime = std::max(poses_.newest(), map_session_ != 0 ? map_session_ : command.utime);
-  send_tile(0, utime > 0 ? utime : command.utime);
+  std::string result = carry_out(command);  // may begin another map
+  TileSender::Header& header = sender_->header;
+  header.map_command_result = std::move(result);
+  header.map_command_id = command.id;
+  const std::int64_t utime = std::max(poses_.newest(), header.map_session != 0 ? header.map_session : command.utime);
+  sender_->send(mapper_->grid(), 0, utime > 0 ? utime : command.utime);
 }
 
 std::string MapperNode::carry_out(const map_command_t& command) {
@@ -257,7 +221,8 @@ std::string MapperNode::carry_out(const map_command_t& command) {
         if (const std::string why = misfit(map.geometry, config_.prior.geometry, config_.resolution); !why.empty()) {
           return fmt::format("{}: {}", file.string(), why);
         }
-        start_map(resample(map, config_.resolution), std::max({poses_.newest(), map_session_, command.utime}) + 1);
+        start_map(resample(map, config_.resolution),
+                  std::max({poses_.newest(), sender_->header.map_session, command.utime}) + 1);
         return "";
       }
       case map_command_t::ACTION_CLEAR_EVIDENCE:

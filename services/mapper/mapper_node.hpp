@@ -2,7 +2,6 @@
 
 #include <deque>
 #include <lcm/lcm-cpp.hpp>
-#include <luminav/grid_tile_t.hpp>
 #include <luminav/map_command_t.hpp>
 #include <luminav/pose_t.hpp>
 #include <luminav/sonar_t.hpp>
@@ -18,7 +17,7 @@
 #include "services/mapper/grid_mapper.hpp"
 #include "services/mapper/mapper_config.hpp"
 #include "services/mapper/pose_history.hpp"
-#include "services/mapper/tile_schedule.hpp"
+#include "services/mapper/tile_sender.hpp"
 
 namespace luminav {
 
@@ -36,10 +35,6 @@ class MapperNode {
   [[nodiscard]] std::int64_t integrated() const { return integrated_; }
 
  private:
-  struct SentTile {
-    grid_tile_t message{};
-    std::uint64_t hash = 0;  // of its cells: a tile is packed anew only when they have changed
-  };
   struct PendingReading {
     int disc = 0;
     std::int64_t utime = 0;  // [us]
@@ -54,7 +49,6 @@ class MapperNode {
   [[nodiscard]] bool is_trusted(const pose_t& pose) const;
   void draw_pending();
   void send_tiles(std::int64_t utime);
-  void send_tile(int tile, std::int64_t utime);
   void start_map(const PriorMap& prior, std::int64_t session);
   std::string carry_out(const map_command_t& command);
   void keep_evidence(std::int64_t utime);
@@ -62,17 +56,13 @@ class MapperNode {
   lcm::LCM& lcm_;
   MapperConfig config_;
   std::unique_ptr<GridMapper> mapper_;
-  std::unique_ptr<TileSchedule> schedule_;
-  std::vector<SentTile> sent_;
+  std::optional<TileSender> sender_;
   PoseHistory poses_;
   StampGuard pose_stamps_;
   StampGuard sonar_stamps_;
   std::vector<std::int64_t> drawn_until_;  // [us] per disc: each reading once
   std::deque<PendingReading> pending_;
   std::int64_t pose_session_ = 0;
-  std::int64_t map_session_ = 0;
-  std::int64_t map_command_id_ = 0;
-  std::string map_command_result_;
   std::int64_t kept_at_ = 0;  // [us]
   std::int64_t integrated_ = 0;
   std::int64_t kept_integrated_ = 0;
