@@ -11,11 +11,16 @@ int main(int argc, char** argv) {
   return luminav::run_guarded("planner", [&] {
     std::string robot_file, building_file, url, state;
     luminav::CommandLine options("planner", "Plans the way to a goal and says how it is going.");
+    bool maps = false;
     options.robot_file(robot_file).building_file(building_file).lcm_url(url).state_folder(state);
+    options.flag("--mapping", maps, "the map is being drawn: what nobody has seen counts as free, doors look narrow");
     if (const auto status = options.parse(argc, argv)) {
       return *status;
     }
     luminav::PlannerConfig config = luminav::read_planner_config(robot_file, building_file);
+    if (maps) {
+      config.plan_on_a_new_map();
+    }
     config.state_folder = std::filesystem::path(state) / config.robot.name;
     config.local_clock = luminav::local_time;
     std::ifstream("/proc/sys/kernel/random/boot_id") >> config.boot;

@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kRadiusMargin = 0.0875;  // [m] between inscribed and hard radius: half a cell each for robot and wall
 
+constexpr double kNewMapMargin = 0.0375;  // [m] the same on a map that is being drawn
+
 void read_route(const TomlTable& table, const RobotDescription& robot, RoutePlannerParams& route) {
   const bool is_paper = table.choice("mode", robot.mode, {"paper", "modern"}) == "paper";
   route.mode = is_paper ? PlannerMode::kPaper : PlannerMode::kModern;
@@ -51,6 +53,11 @@ void read_goals(const TomlTable& table, GoalParams& goals) {
 }
 
 }  // namespace
+
+void PlannerConfig::plan_on_a_new_map() {
+  route.space.unknown_is_free = true;
+  route.space.hard_radius = robot.inscribed_radius() + kNewMapMargin;
+}
 
 PlannerConfig read_planner_config(const std::filesystem::path& robot_file, const std::filesystem::path& building_file) {
   const TomlTable root = TomlTable::load(robot_file);

@@ -22,6 +22,10 @@ struct PlannerConfig {
   std::filesystem::path state_folder;       ///< where the goal list survives a restart; "" = nowhere
   std::string boot;                         ///< id of the machine's start; "" = unknown
   LocalClock local_clock = universal_time;  ///< by which zones have hours; of a process that of its machine
+
+  /// What p3dx-mapping.toml sets: plans through what nobody has seen, and closer to walls, since doors look narrow on a
+  /// map that is being drawn.
+  void plan_on_a_new_map();
 };
 
 /// Reads table [planner] of the robot's file and doors, places and zones of the building. Throws ConfigurationError.

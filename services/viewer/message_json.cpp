@@ -231,7 +231,9 @@ std::string to_json(const survey_status_t& message) {
                 {"fixtures", fixtures},
                 {"path", path},
                 {"places", places},
-                {"remarks", message.remarks}});
+                {"remarks", message.remarks},
+                {"exploring", message.is_exploring != 0},
+                {"activity", message.exploring}});
 }
 
 std::string to_json(const path_t& message) {

@@ -147,7 +147,7 @@ map_command_t read_map_request(const std::string& body) {
 survey_command_t read_survey_request(const std::string& body) {
   const Json object = read_object(body, {"action", "name"});
   survey_command_t command{};
-  command.action = choice(object, "action", {"finish", "place"});
+  command.action = choice(object, "action", {"finish", "place", "explore", "stay"});
   if (command.action == survey_command_t::ACTION_PLACE) {
     command.name = text(object, "name");
   }

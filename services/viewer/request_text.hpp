@@ -71,7 +71,8 @@ map_command_t read_map_request(const std::string& body);
 /// with "pause"? [s] and "text"?], "tour"?, "priority"?, "on_timeout"?: "ask" | "give_up" | "go_on"}, or {"action":
 /// "confirm" | "cancel" | "answer", "job", "word"?}. The job service says whether such a job can be done.
 job_t read_job_request(const std::string& body, const Building& building);
-/// {"action": "finish"} or {"action": "place", "name"}: the surveyor says whether such a name can be given.
+/// {"action": "finish" | "explore" | "stay"} or {"action": "place", "name"}: the surveyor says whether such a name can
+/// be given.
 survey_command_t read_survey_request(const std::string& body);
 /// {"session", "sequence", "linear", "angular", "seen"}.
 Steering read_steering(const std::string& body);

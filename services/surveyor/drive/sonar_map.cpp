@@ -4,8 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "services/mapper/grid_mapper.hpp"
-
 namespace luminav {
 namespace {
 
@@ -28,23 +26,10 @@ GridMapperParams mapping_params(const RobotDescription& robot) {
   return params;
 }
 
-PriorMap empty_map(const std::vector<SurveyedPath::Stop>& stops, double margin) {
-  Eigen::Vector2d low = stops.front().world_from_robot.position();
-  Eigen::Vector2d high = low;
-  for (const SurveyedPath::Stop& stop : stops) {
-    low = low.cwiseMin(stop.world_from_robot.position());
-    high = high.cwiseMax(stop.world_from_robot.position());
-  }
+PriorMap empty_map(const GridGeometry& geometry) {
   PriorMap map;
-  map.geometry.resolution = kResolution;
-  map.geometry.origin = ((low.array() - margin) / kResolution).floor() * kResolution;
-  const Eigen::Vector2d size = (high - map.geometry.origin).array() + margin;
-  if (size.maxCoeff() > kMaxCells * kResolution) {
-    throw std::runtime_error("the drive spans more than 409 m, which no map of the robot's holds");
-  }
-  map.geometry.columns = static_cast<int>(std::ceil(size.x() / kResolution));
-  map.geometry.rows = static_cast<int>(std::ceil(size.y() / kResolution));
-  map.cells.assign(map.geometry.size(), Prior::kUnknown);
+  map.geometry = geometry;
+  map.cells.assign(geometry.size(), Prior::kUnknown);
   return map;
 }
 
@@ -109,40 +94,93 @@ SurveyedPath::SurveyedPath(const std::vector<OdometryReading>& odometry, const s
   std::stable_sort(stops_.begin(), stops_.end(), [](const Stop& a, const Stop& b) { return a.utime < b.utime; });
 }
 
+SonarMap::SonarMap(const RobotDescription& robot, const GridGeometry& geometry)
+    : robot_(robot),
+      mapper_(mapping_params(robot), empty_map(geometry), static_cast<int>(robot.sonar.robot_from_sonar.size())) {}
+
+void SonarMap::hear(const SonarEcho& echo) {
+  if (static_cast<std::size_t>(echo.disc) < robot_.sonar.robot_from_sonar.size() &&
+      (!last_ || echo.utime >= last_->utime)) {
+    waiting_.push_back(echo);
+  }
+}
+
+void SonarMap::go_on(const SurveyedPath::Stop& stop) {
+  if (last_ && next_) {
+    draw_until(*next_);
+    mapper_.mark_robot(next_->world_from_robot);
+  }
+  last_ = next_;
+  next_ = stop;
+}
+
+void SonarMap::draw_until(const SurveyedPath::Stop& next) {
+  std::stable_sort(waiting_.begin(), waiting_.end(),
+                   [](const SonarEcho& a, const SonarEcho& b) { return a.utime < b.utime; });
+  const auto begin = std::find_if(waiting_.begin(), waiting_.end(),
+                                  [this](const SonarEcho& echo) { return echo.utime >= last_->utime; });
+  const auto end = std::find_if(begin, waiting_.end(), [&](const SonarEcho& echo) { return echo.utime >= next.utime; });
+  if (last_->part == next.part && std::abs(last_->angular) <= kMaxTurn) {
+    std::for_each(begin, end, [&](const SonarEcho& echo) { draw(echo, next); });
+  }
+  waiting_.erase(waiting_.begin(), end);
+}
+
+void SonarMap::draw(const SonarEcho& echo, const SurveyedPath::Stop& next) {
+  const double share = static_cast<double>(echo.utime - last_->utime) / static_cast<double>(next.utime - last_->utime);
+  const Pose2 pose = interpolate(last_->world_from_robot, next.world_from_robot, share);
+  mapper_.integrate({echo.disc, echo.utime, pose,
+                     pose * robot_.sonar.robot_from_sonar[static_cast<std::size_t>(echo.disc)], echo.range,
+                     echo.has_echo});
+}
+
+GridGeometry geometry_around(const std::vector<SurveyedPath::Stop>& stops, double margin) {
+  Eigen::Vector2d low = stops.front().world_from_robot.position();
+  Eigen::Vector2d high = low;
+  for (const SurveyedPath::Stop& stop : stops) {
+    low = low.cwiseMin(stop.world_from_robot.position());
+    high = high.cwiseMax(stop.world_from_robot.position());
+  }
+  GridGeometry geometry;
+  geometry.resolution = kResolution;
+  geometry.origin = ((low.array() - margin) / kResolution).floor() * kResolution;
+  const Eigen::Vector2d size = (high - geometry.origin).array() + margin;
+  if (size.maxCoeff() > kMaxCells * kResolution) {
+    throw std::runtime_error("the drive spans more than 409 m, which no map of the robot's holds");
+  }
+  geometry.columns = static_cast<int>(std::ceil(size.x() / kResolution));
+  geometry.rows = static_cast<int>(std::ceil(size.y() / kResolution));
+  return geometry;
+}
+
+SonarMap draw_along(const std::vector<SonarEcho>& echoes, const std::vector<SurveyedPath::Stop>& stops,
+                    const RobotDescription& robot, const GridGeometry& geometry) {
+  SonarMap map(robot, geometry);
+  std::vector<SonarEcho> sorted = echoes;
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const SonarEcho& a, const SonarEcho& b) { return a.utime < b.utime; });
+  auto echo = sorted.begin();
+  for (const SurveyedPath::Stop& stop : stops) {
+    for (; echo != sorted.end() && echo->utime < stop.utime; ++echo) {
+      map.hear(*echo);
+    }
+    map.go_on(stop);
+  }
+  map.go_on(stops.back());
+  return map;
+}
+
 PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath& path, const RobotDescription& robot,
                         const std::vector<Eigen::Vector2d>& above) {
   const std::vector<SurveyedPath::Stop>& stops = path.stops();
   if (stops.size() < 2) {
     throw std::runtime_error("the drive is too short to draw a map from");
   }
-  const PriorMap empty = empty_map(stops, robot.sonar.maximum_range + 1.0);
-  GridMapper mapper(mapping_params(robot), empty, static_cast<int>(robot.sonar.robot_from_sonar.size()));
-  std::vector<SonarEcho> sorted = echoes;
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const SonarEcho& a, const SonarEcho& b) { return a.utime < b.utime; });
-  std::size_t at = 0;
-  for (const SonarEcho& echo : sorted) {
-    while (at + 1 < stops.size() && stops[at + 1].utime <= echo.utime) {
-      ++at;
-      mapper.mark_robot(stops[at].world_from_robot);
-    }
-    const bool is_on_path =
-        echo.utime >= stops.front().utime && at + 1 < stops.size() && stops[at].part == stops[at + 1].part;
-    if (!is_on_path || std::abs(stops[at].angular) > kMaxTurn ||
-        static_cast<std::size_t>(echo.disc) >= robot.sonar.robot_from_sonar.size()) {
-      continue;
-    }
-    const double share =
-        static_cast<double>(echo.utime - stops[at].utime) / static_cast<double>(stops[at + 1].utime - stops[at].utime);
-    const Pose2 pose = interpolate(stops[at].world_from_robot, stops[at + 1].world_from_robot, share);
-    mapper.integrate({echo.disc, echo.utime, pose,
-                      pose * robot.sonar.robot_from_sonar[static_cast<std::size_t>(echo.disc)], echo.range,
-                      echo.has_echo});
-  }
+  SonarMap map = draw_along(echoes, stops, robot, geometry_around(stops, robot.sonar.maximum_range + 1.0));
   for (const SurveyedPath::Stop& stop : stops) {
-    mapper.mark_robot(stop.world_from_robot);
+    map.mapper().mark_robot(stop.world_from_robot);
   }
-  return cropped(mapper.combined(), above);
+  return cropped(map.mapper().combined(), above);
 }
 
 }  // namespace luminav

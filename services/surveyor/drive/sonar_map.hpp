@@ -1,10 +1,11 @@
 #pragma once
 
-#include <functional>
+#include <optional>
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/configuration/robot_file.hpp"
+#include "services/mapper/grid_mapper.hpp"
 #include "services/surveyor/survey/key_frames.hpp"
 
 namespace luminav {
@@ -30,6 +31,38 @@ class SurveyedPath {
  private:
   std::vector<Stop> stops_;
 };
+
+/// What the sonars see along a path, with nothing known before, as a mapping drive draws it; the path may go on.
+class SonarMap {
+ public:
+  SonarMap(const RobotDescription& robot, const GridGeometry& geometry);
+
+  /// An echo is drawn when the path has gone on beyond it. One from before the last stop but one never is.
+  void hear(const SonarEcho& echo);
+  /// Draws up to the stop before: echoes come after the odometry of their time.
+  void go_on(const SurveyedPath::Stop& stop);
+
+  [[nodiscard]] GridMapper& mapper() { return mapper_; }
+  [[nodiscard]] const OccupancyGrid& grid() const { return mapper_.grid(); }
+
+ private:
+  void draw_until(const SurveyedPath::Stop& next);
+  void draw(const SonarEcho& echo, const SurveyedPath::Stop& next);
+
+  RobotDescription robot_;
+  GridMapper mapper_;
+  std::vector<SonarEcho> waiting_;
+  std::optional<SurveyedPath::Stop> last_;  // up to here it is drawn
+  std::optional<SurveyedPath::Stop> next_;
+};
+
+/// A grid that reaches `margin` [m] beyond the stops, of which there is one at least. Throws std::runtime_error for one
+/// that is too large for a map.
+GridGeometry geometry_around(const std::vector<SurveyedPath::Stop>& stops, double margin);
+
+/// The map of a path as far as it goes.
+SonarMap draw_along(const std::vector<SonarEcho>& echoes, const std::vector<SurveyedPath::Stop>& stops,
+                    const RobotDescription& robot, const GridGeometry& geometry);
 
 /// Draws what the sonars saw along a path, with nothing known before, as a mapping drive does. The map is as large as
 /// what is known of the floor and what hangs `above` it.

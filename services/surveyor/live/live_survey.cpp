@@ -12,9 +12,10 @@
 namespace luminav {
 namespace {
 
-constexpr double kMinGrowth = 10.0;   // [m] between two estimates,
-constexpr double kGrowthShare = 0.2;  // and as a share of the drive
-constexpr double kSamePlace = 0.5;    // [m] a fixture seen again is that far from its place at most
+constexpr double kMinGrowth = 10.0;      // [m] between two estimates,
+constexpr double kGrowthShare = 0.2;     // and as a share of the drive,
+constexpr double kExploringShare = 0.1;  // or that
+constexpr double kSamePlace = 0.5;       // [m] a fixture seen again is that far from its place at most
 
 double step_between(const OdometryReading& before, const OdometryReading& now) {
   return now.session == before.session ? luminav::distance(before.odom_from_robot, now.odom_from_robot) : 0.0;
@@ -94,7 +95,8 @@ void LiveSurvey::add(const OdometryReading& reading) {
 }
 
 bool LiveSurvey::is_estimate_due() const {
-  return distance_ - begun_at_ >= std::max(kMinGrowth, kGrowthShare * begun_at_);
+  const double share = is_exploring_ ? kExploringShare : kGrowthShare;
+  return distance_ - begun_at_ >= std::max(kMinGrowth, share * begun_at_);
 }
 
 LiveSurvey::Tail LiveSurvey::tail_of(const SurveyLog& log) const {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "services/surveyor/drive/sonar_map.hpp"
 #include "services/surveyor/drive/survey_log.hpp"
 #include "services/surveyor/survey/survey.hpp"
 
@@ -18,6 +19,8 @@ struct LiveEstimate {
   double distance = 0.0;        // [m] of the drive until then
   std::optional<KeyFrame> end;  // where the drive ended then, if that is on the map
   Pose2 world_from_robot;       // there
+  std::vector<SurveyedPath::Stop> path;
+  std::optional<SonarMap> map;  // along it
 };
 
 /// Surveys a drive so far. Throws std::runtime_error as survey_drive does.
@@ -64,6 +67,8 @@ class LiveSurvey {
 
   /// The drive has grown by a fifth, and by ten metres: so all estimates together cost six times the last at most.
   [[nodiscard]] bool is_estimate_due() const;
+  /// While the robot finds its way by the map it draws, by a tenth and by ten metres.
+  void set_exploring(bool is_exploring) { is_exploring_ = is_exploring; }
   /// An estimate of the drive as it is now has begun.
   void begin_estimate() { begun_at_ = distance_; }
   void take(LiveEstimate estimate) { estimate_ = std::move(estimate); }
@@ -86,6 +91,7 @@ class LiveSurvey {
   std::optional<OdometryReading> last_;
   double distance_ = 0.0;  // [m]
   double begun_at_ = 0.0;  // [m] distance when the last estimate began
+  bool is_exploring_ = false;
   std::optional<LiveEstimate> estimate_;
 };
 

@@ -73,4 +73,36 @@ survey_status_t to_message(const LiveMap& map, const CeilingKinds& kinds) {
   return message;
 }
 
+goal_t to_message(const ExploreGoal& request, std::int64_t now) {
+  goal_t goal{};
+  goal.utime = now;
+  goal.id = request.id;
+  goal.policy = goal_t::POLICY_STOP;
+  if (request.is_cancel) {
+    goal.action = goal_t::ACTION_CANCEL;
+    return goal;
+  }
+  goal.action = goal_t::ACTION_GO;
+  goal.count = 1;
+  goal_pose_t pose{};
+  pose.x = request.position.x();
+  pose.y = request.position.y();
+  pose.has_theta = request.heading.has_value();
+  pose.theta = request.heading.value_or(0.0);
+  goal.poses.push_back(pose);
+  return goal;
+}
+
+GoalNews news_of(const navigation_status_t& message, bool may_drive) {
+  GoalNews news;
+  news.goal_id = message.goal_id;
+  news.is_over =
+      message.state >= navigation_status_t::STATE_ARRIVED && message.state <= navigation_status_t::STATE_LOST;
+  news.has_arrived = message.state == navigation_status_t::STATE_ARRIVED;
+  news.is_paused = message.state == navigation_status_t::STATE_PAUSED || !may_drive;
+  news.distance_left = message.distance_left;
+  news.cause = message.cause;
+  return news;
+}
+
 }  // namespace luminav

@@ -4,6 +4,8 @@
 #include <exception>
 #include <utility>
 
+#include "services/surveyor/live/live_ground.hpp"
+
 namespace luminav {
 namespace {
 
@@ -29,7 +31,11 @@ std::optional<SurveyWork::Kind> SurveyWork::under_way() const {
 void SurveyWork::estimate(SurveyLog log, const SurveyModel& model) {
   kind_ = Kind::kEstimate;
   future_ = std::async(std::launch::async, [log = std::move(log), model] {
-    return result_of(Kind::kEstimate, [&] { return estimate_so_far(log, model); });
+    return result_of(Kind::kEstimate, [&] {
+      LiveEstimate estimate = estimate_so_far(log, model);
+      draw(estimate, log, model);
+      return estimate;
+    });
   });
 }
 

@@ -3,6 +3,8 @@
 #include <filesystem>
 
 #include "services/detector/detector_config.hpp"
+#include "services/surveyor/drive/survey_log.hpp"
+#include "services/surveyor/explore/exploration.hpp"
 #include "services/surveyor/survey/survey_graph.hpp"
 
 namespace luminav {
@@ -10,6 +12,8 @@ namespace luminav {
 struct SurveyorConfig {
   SurveyModel model;
   DetectorConfig detector;
+  SightingSource source = SightingSource::kImagesElseDetections;
+  ExplorationParams exploration;
   std::filesystem::path folder;  // of the survey: its log, and at the end the building
 
   [[nodiscard]] std::filesystem::path log_file() const { return folder / "survey.lcm"; }

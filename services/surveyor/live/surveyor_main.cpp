@@ -13,6 +13,8 @@ int main(int argc, char** argv) {
     line.robot_file(robot_file).lcm_url(url);
     line.text("--kinds", kinds_file, "TOML file with ceiling_height and a [[kind]] for each kind of fixture", true)
         .text("--out", folder, "folder of the survey: new, or one that is to be gone on with", true);
+    bool explores = false;
+    line.flag("--explore", explores, "the robot drives by itself, until nothing that it can reach is left");
     if (const auto status = line.parse(argc, argv)) {
       return *status;
     }
@@ -21,6 +23,9 @@ int main(int argc, char** argv) {
     const luminav::LcmNetwork network = access.on(url);
     const auto lcm = luminav::open_lcm(network);
     luminav::SurveyorNode node(*lcm, config, access.key);
+    if (explores) {
+      node.explore_at_once();
+    }
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "surveyor", config.model.robot.name, network);
     loop.belong_to(robot_file);

@@ -13,6 +13,7 @@ namespace luminav {
 namespace {
 
 constexpr std::int64_t kPeriod = 1'000'000;  // [us] of SURVEY_STATUS, and of what a power loss may cost
+constexpr std::int64_t kRepeat = 200'000;    // [us] of a GOAL until it is echoed
 constexpr std::size_t kLongestName = 60;     // [bytes] of a place
 
 bool is_name(const std::string& name) {
@@ -25,21 +26,31 @@ bool is_name(const std::string& name) {
 SurveyorNode::SurveyorNode(lcm::LCM& lcm, const SurveyorConfig& config, std::optional<CommandKey> key)
     : lcm_(lcm),
       config_(config),
-      collector_(config.detector),
+      collector_(config.source == SightingSource::kDetections ? DriveCollector() : DriveCollector(config.detector)),
       live_(config.model),
+      ground_(config.model),
+      ground_publisher_(lcm, config.model.errors),
+      commands_(lcm, key),
+      exploration_(config.exploration),
       is_finished_(std::filesystem::exists(config.folder / "building.toml")),
       subscriber_(lcm, key) {
   subscriber_.on<odometry_t>(channels::kOdometry, &SurveyorNode::on_odometry, this);
   subscriber_.on<sonar_t>(channels::kSonar, &SurveyorNode::on_sonar, this);
   subscriber_.on<camera_image_t>(channels::kCameraImage, &SurveyorNode::on_camera_image, this);
+  subscriber_.on<fixture_detections_t>(channels::kFixtureDetections, &SurveyorNode::on_fixture_detections, this);
   subscriber_.on<survey_command_t>(channels::kSurveyCommand, &SurveyorNode::on_survey_command, this);
+  subscriber_.on<navigation_status_t>(channels::kNavigationStatus, &SurveyorNode::on_navigation_status, this);
+  subscriber_.on<robot_status_t>(channels::kRobotStatus, &SurveyorNode::on_robot_status, this);
+  subscriber_.on<tile_request_t>(channels::kTileRequest, &SurveyorNode::on_tile_request, this);
   // not before: what is sent while a long log is read waits in LCM's queues, and leaves no gap
   log_.emplace(config.log_file(),
                [this](const LogEvent& event) { collector_.add(event.channel, event.data.data(), event.data.size()); });
   for (const OdometryReading& reading : collector_.so_far().drive.odometry) {
     live_.add(reading);
+    ground_.add(reading);
     now_ = reading.utime;
   }
+  ground_.redraw(collector_.so_far());
   take_results();
 }
 
@@ -64,9 +75,19 @@ void SurveyorNode::record(const char* channel, const Message& message) {
 void SurveyorNode::on_odometry(const odometry_t& message) {
   if (is_recording() && collector_.add(message)) {
     record(channels::kOdometry, message);
-    live_.add(collector_.so_far().drive.odometry.back());
+    const OdometryReading& reading = collector_.so_far().drive.odometry.back();
+    live_.add(reading);
+    ground_.add(reading);
+    if (ground_.is_narrow()) {
+      ground_.redraw(collector_.so_far());
+    }
+    now_ = message.utime;
+    take_results();
+    ground_publisher_.publish(reading, ground_);
+    explore();
   }
   now_ = message.utime;
+  publish_goal();
   take_results();
   if (now_ - published_ >= kPeriod || now_ < published_) {
     publish();
@@ -79,8 +100,12 @@ void SurveyorNode::on_odometry(const odometry_t& message) {
 }
 
 void SurveyorNode::on_sonar(const sonar_t& message) {
+  const std::size_t before = collector_.so_far().drive.echoes.size();
   if (is_recording() && collector_.add(message)) {
     record(channels::kSonar, message);
+    const std::vector<SonarEcho>& echoes = collector_.so_far().drive.echoes;
+    std::for_each(echoes.begin() + static_cast<std::ptrdiff_t>(before), echoes.end(),
+                  [this](const SonarEcho& echo) { ground_.add(echo); });
   }
 }
 
@@ -88,6 +113,54 @@ void SurveyorNode::on_camera_image(const camera_image_t& message) {
   if (is_recording() && collector_.add(message)) {
     record(channels::kCameraImage, message);
   }
+}
+
+void SurveyorNode::on_fixture_detections(const fixture_detections_t& message) {
+  if (is_recording() && collector_.add(message)) {
+    record(channels::kFixtureDetections, message);
+  }
+}
+
+void SurveyorNode::on_navigation_status(const navigation_status_t& message) {
+  exploration_.hear(news_of(message, may_drive_));
+}
+
+void SurveyorNode::on_robot_status(const robot_status_t& message) {
+  may_drive_ = message.stop_engaged == 0 && message.motors_enabled != 0;
+}
+
+void SurveyorNode::on_tile_request(const tile_request_t& message) {
+  if (!ground_publisher_.take(message)) {
+    subscriber_.drop("TILE_REQUEST of an impossible size");
+  }
+}
+
+void SurveyorNode::explore() {
+  if (wants_exploring_) {
+    wants_exploring_ = false;
+    exploration_.begin();
+  }
+  if (exploration_.is_active() && !ground_.here()) {
+    exploration_.end(now_, "exploring ended: nobody knows where on the map the robot is; the survey goes on");
+  }
+  live_.set_exploring(exploration_.is_active());
+  if (!exploration_.is_active()) {
+    return;
+  }
+  if (exploration_.is_due(now_)) {
+    exploration_.update(now_, {ground_.map().grid(), ground_.looks(collector_.so_far().drive.frames),
+                               ground_.here()->world_from_robot, ground_.drawing()});
+  }
+  wants_end_ = wants_end_ || exploration_.phase() == Exploration::Phase::kFinished;
+}
+
+void SurveyorNode::publish_goal() {
+  const std::optional<ExploreGoal>& request = exploration_.request();
+  if (!request || (now_ >= asked_ && now_ - asked_ < kRepeat)) {
+    return;
+  }
+  asked_ = now_;
+  commands_.publish(channels::kGoal, to_message(*request, now_));
 }
 
 void SurveyorNode::on_survey_command(const survey_command_t& message) {
@@ -104,18 +177,27 @@ void SurveyorNode::on_survey_command(const survey_command_t& message) {
 }
 
 std::string SurveyorNode::obey(const survey_command_t& command) {
-  if (command.action != survey_command_t::ACTION_FINISH && command.action != survey_command_t::ACTION_PLACE) {
+  if (command.action < survey_command_t::ACTION_FINISH || command.action > survey_command_t::ACTION_STAY) {
     return "a survey knows no such command";
   }
   if (collector_.so_far().drive.odometry.empty()) {
     return "nothing was heard of the robot yet: is its driver running?";
   }
   if (command.action == survey_command_t::ACTION_FINISH) {
+    exploration_.end(now_, "exploring ended: somebody finished the survey");
     wants_end_ = !is_finished_;
     return "";
   }
   if (!is_recording()) {
     return "the survey is finished: name the place in the building's file, or on the page once the robot drives there";
+  }
+  if (command.action == survey_command_t::ACTION_EXPLORE) {
+    wants_exploring_ = !exploration_.is_active();
+    return "";
+  }
+  if (command.action == survey_command_t::ACTION_STAY) {
+    exploration_.end(now_, "exploring ended by somebody; the survey goes on");
+    return "";
   }
   if (!is_name(command.name)) {
     return "a place needs a name of at most 60 letters";
@@ -153,6 +235,9 @@ void SurveyorNode::take(SurveyWork::Result result) {
     no_estimate_ = result.failure;
   }
   if (result.estimate) {
+    if (result.kind == SurveyWork::Kind::kEstimate) {
+      ground_.take(*result.estimate, collector_.so_far());
+    }
     failure_.clear();  // somebody was in too great a hurry to finish
     live_.take(*std::move(result.estimate));
   }
@@ -191,6 +276,8 @@ void SurveyorNode::publish() {
   message.folder = config_.folder.string();
   message.echo_id = echo_id_;
   message.objection = objection_;
+  message.is_exploring = exploration_.is_active();
+  message.exploring = exploration_.sentence();
   lcm_.publish(channels::kSurveyStatus, &message);
   published_ = now_;
 }

@@ -346,8 +346,8 @@ function drawScale() {
 const ground = new Ground(view, (context, window) => {
   context.fillStyle = theme.colours.outside;
   context.fillRect(0, 0, window.width, window.height);
-  if (survey.isOn) return;  // another map
   tiles.draw(context, window, layers);
+  if (survey.isOn) return;  // another world than the building's
   if (building && layers.ceiling) draw.drawCeiling(context, window, building, theme.colours);
   if (building && layers.fixtures) draw.drawFixtures(context, window, building, theme.colours);
 });
@@ -396,6 +396,7 @@ function paintSurvey() {
   const {colours} = theme;
   view.handle = null;
   if (layers.survey) survey.draw(context, view, colours);
+  if (layers.path && survey.map.exploring) draw.drawPath(context, view, path, state?.navigation, state?.control, colours);
   const pose = survey.pose();
   if (!pose) return;
   if (state.sonar && layers.sonar && state.ages.SONAR < STALE_S) draw.drawSonar(context, view, pose, state.sonar, building.robot, colours);

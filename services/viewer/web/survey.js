@@ -28,13 +28,16 @@ export class Survey {
       ask('survey', () => commands.survey({action: 'place', name}), t`here is ${name}`);
       $('survey-name').value = '';
     });
+    $('survey-explore').addEventListener('click', () => (this.map?.exploring
+      ? ask('survey', () => commands.survey({action: 'stay'}), t`stop exploring`)
+      : ask('survey', () => commands.survey({action: 'explore'}), t`explore`)));
     $('survey-finish').addEventListener('click', () => ask('survey', () => commands.survey({action: 'finish'}), t`finish`));
   }
 
   show(map) {
     this.map = map;
     this.then = this.odometry;
-    const {state, fixtures, distance, remarks, reason, folder} = map;
+    const {state, fixtures, distance, remarks, reason, folder, exploring, activity} = map;
     const isOver = state === 'finished';
     $('survey-card').hidden = false;
     $('survey-card').dataset.state = state;
@@ -43,8 +46,10 @@ export class Survey {
     const open = fixtures.filter((one) => one.open).length;
     $('survey-figures').textContent = t`${metres(distance)} driven · ${fixtures.length} lamps`;
     $('survey-open').textContent = open ? t`${open} of them to be passed once more` : '';
-    $('survey-place').hidden = $('survey-finish').hidden = isOver;
-    $('survey-finish').disabled = state === 'writing';
+    $('survey-activity').textContent = activity;
+    $('survey-explore').textContent = exploring ? t`Stop exploring` : t`Explore`;
+    $('survey-place').hidden = $('survey-finish').hidden = $('survey-explore').hidden = isOver;
+    $('survey-finish').disabled = $('survey-explore').disabled = state === 'writing';
     const lines = JSON.stringify(remarks);
     if (lines === this.lines) return;
     this.lines = lines;

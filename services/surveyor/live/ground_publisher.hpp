@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <lcm/lcm-cpp.hpp>
+#include <luminav/tile_request_t.hpp>
+#include <optional>
+
+#include "services/localizer/model/error_model.hpp"
+#include "services/mapper/tile_sender.hpp"
+#include "services/surveyor/live/live_ground.hpp"
+
+namespace luminav {
+
+/// Publishes what localizer and mapper publish where a building is known: POSE and GRID_TILE of a survey.
+class GroundPublisher {
+ public:
+  GroundPublisher(lcm::LCM& lcm, const ErrorParams& errors) : lcm_(lcm), errors_(errors) {}
+
+  /// POSE at a reading, and the tiles that are due.
+  void publish(const OdometryReading& reading, LiveGround& ground);
+  /// False for a request of an impossible size.
+  [[nodiscard]] bool take(const tile_request_t& request) { return !tiles_ || tiles_->take(request); }
+
+ private:
+  void publish_pose(const OdometryReading& reading, const LiveGround& ground);
+
+  lcm::LCM& lcm_;
+  ErrorParams errors_;
+  std::optional<TileSender> tiles_;
+  int drawing_ = 0;  // that the tiles show
+  std::int32_t sequence_ = 0;
+};
+
+}  // namespace luminav

@@ -1,0 +1,154 @@
+#include "services/surveyor/explore/exploration.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/surveyor/explore/drawn_floor.hpp"
+
+namespace luminav {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::int64_t kSecond = 1'000'000;  // [us]
+
+/// A closed corridor of 6 m; the robot begins at its left end.
+OccupancyGrid corridor() {
+  std::vector<std::string> rows(10, std::string(34, '#'));
+  for (std::size_t row = 2; row < 8; ++row) {
+    rows[row] = "##" + std::string(30, '.') + "##";
+  }
+  return drawn_floor(rows);
+}
+
+/// A planner that does what it is told, or not.
+class ExplorationTest : public testing::Test {
+ protected:
+  ExplorationTest() { exploration_.begin(); }
+
+  void look(const Pose2& robot) {
+    now_ += kSecond;
+    ASSERT_TRUE(!exploration_.is_active() || exploration_.is_due(now_));
+    if (exploration_.is_active()) {
+      exploration_.update(now_, {grid_, looks_, robot, 1});
+    }
+    if (exploration_.request()) {
+      asked_ = *exploration_.request();
+    }
+  }
+  /// The planner takes up what was asked.
+  void answer(bool is_over, bool has_arrived, double distance_left = 1.0) {
+    exploration_.hear({asked_.id, is_over, has_arrived, false, distance_left, has_arrived ? "" : "a wall"});
+  }
+
+  OccupancyGrid grid_ = corridor();
+  std::vector<Eigen::Vector2d> looks_;
+  Exploration exploration_{ExplorationParams{}};
+  ExploreGoal asked_;
+  std::int64_t now_ = kSecond;
+};
+
+TEST_F(ExplorationTest, GoesOnUntilAllWasSeenAndDrivesHome) {
+  Pose2 robot{1.0, 1.0, 0.0};
+  for (int i = 0; i < 40 && exploration_.phase() != Exploration::Phase::kHome; ++i) {
+    looks_.push_back(robot.position());
+    look(robot);
+    answer(false, false);
+    if (exploration_.phase() == Exploration::Phase::kDriving) {
+      robot = {asked_.position.x(), asked_.position.y(), 0.0};
+    }
+  }
+  ASSERT_EQ(exploration_.phase(), Exploration::Phase::kHome);
+  EXPECT_EQ(asked_.position, Eigen::Vector2d::Zero());
+  EXPECT_NEAR(exploration_.open_floor().unseen, 0.0, 0.2);
+  answer(true, true);
+  look({});
+  EXPECT_EQ(exploration_.phase(), Exploration::Phase::kFinished);
+  EXPECT_THAT(exploration_.sentence(), HasSubstr("back where it began"));
+}
+
+TEST_F(ExplorationTest, AsksUntilThePlannerEchoes) {
+  look({1.0, 1.0, 0.0});
+  ASSERT_TRUE(exploration_.request());
+  answer(false, false);
+  EXPECT_FALSE(exploration_.request());
+}
+
+TEST_F(ExplorationTest, TriesAPlaceTwiceAtMost) {
+  std::vector<Eigen::Vector2d> asked;
+  for (int i = 0; i < 200 && exploration_.phase() != Exploration::Phase::kHome; ++i) {
+    look({1.0, 1.0, 0.0});
+    if (exploration_.request() && exploration_.phase() == Exploration::Phase::kDriving) {
+      asked.push_back(asked_.position);
+      answer(true, false);
+    }
+  }
+  ASSERT_EQ(exploration_.phase(), Exploration::Phase::kHome);
+  ASSERT_FALSE(asked.empty());
+  for (const Eigen::Vector2d& place : asked) {
+    EXPECT_LE(std::count_if(asked.begin(), asked.end(),
+                            [&](const Eigen::Vector2d& other) { return (other - place).norm() < 0.05; }),
+              2);
+  }
+}
+
+TEST_F(ExplorationTest, TakesAnotherGoalWhereTheRobotComesNoNearer) {
+  look({1.0, 1.0, 0.0});
+  const std::int64_t first = asked_.id;
+  answer(false, false, 4.0);
+  for (int i = 0; i < 120 && asked_.id == first; ++i) {
+    look({1.0, 1.0, 0.0});
+    answer(false, false, 4.0);
+  }
+  EXPECT_NE(asked_.id, first);
+}
+
+TEST_F(ExplorationTest, WaitsForHimWhoHasStoppedTheRobot) {
+  look({1.0, 1.0, 0.0});
+  const std::int64_t first = asked_.id;
+  for (int i = 0; i < 300; ++i) {
+    exploration_.hear({first, false, false, true, 4.0, ""});
+    look({1.0, 1.0, 0.0});
+  }
+  EXPECT_EQ(asked_.id, first);
+}
+
+TEST_F(ExplorationTest, EndsWhenSomebodyElseTakesTheRobot) {
+  look({1.0, 1.0, 0.0});
+  answer(false, false);
+  exploration_.hear({asked_.id + 1, true, false, false, 0.0, "cancelled"});
+  EXPECT_FALSE(exploration_.is_active());
+  EXPECT_FALSE(exploration_.request());
+  EXPECT_THAT(exploration_.sentence(), HasSubstr("somebody else"));
+  EXPECT_NE(exploration_.phase(), Exploration::Phase::kFinished);
+}
+
+TEST_F(ExplorationTest, CancelsItsGoalWhenItIsToldToEnd) {
+  look({1.0, 1.0, 0.0});
+  answer(false, false);
+  exploration_.end(now_, "enough");
+  EXPECT_FALSE(exploration_.is_active());
+  ASSERT_TRUE(exploration_.request());
+  EXPECT_TRUE(exploration_.request()->is_cancel);
+  EXPECT_GT(exploration_.request()->id, asked_.id);
+  exploration_.hear({exploration_.request()->id, true, false, false, 0.0, ""});
+  EXPECT_FALSE(exploration_.request());
+  EXPECT_EQ(exploration_.sentence(), "enough");
+}
+
+TEST_F(ExplorationTest, SaysWhenItDidNotComeHome) {
+  for (int i = 0; i < 200 && exploration_.phase() != Exploration::Phase::kHome; ++i) {
+    looks_ = {{1.0, 1.0}, {2.5, 1.0}, {4.0, 1.0}, {5.5, 1.0}};
+    look({1.0, 1.0, 0.0});
+    if (exploration_.phase() == Exploration::Phase::kDriving) {
+      answer(true, false);
+    }
+  }
+  answer(true, false);
+  look({1.0, 1.0, 0.0});
+  EXPECT_EQ(exploration_.phase(), Exploration::Phase::kFinished);
+  EXPECT_THAT(exploration_.sentence(), HasSubstr("a wall"));
+}
+
+}  // namespace
+}  // namespace luminav
