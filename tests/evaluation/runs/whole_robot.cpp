@@ -22,12 +22,15 @@
 #include "services/localizer/localizer_node.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "services/planner/planner_node.hpp"
+#include "services/surveyor/live/surveyor_node.hpp"
 #include "tests/evaluation/runs/job_plan.hpp"
 #include "tests/evaluation/sensing/geometric_sensing.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace luminav {
 namespace {
+
+using namespace std::string_literals;
 
 constexpr std::int64_t kStep = 10'000;  // [us]
 
@@ -93,8 +96,14 @@ struct WholeRobot::Parts {
       ceiling = std::make_unique<SimulatedCeiling>(world, scenario.seed);
     }
     start_base();
+    const bool surveys = !options.survey_folder.empty();
     for (const char* process : {"camera", "detector", "localizer", "mapper", "planner", "controller"}) {
-      start(process);
+      if (!surveys || (process != "detector"s && process != "localizer"s && process != "mapper"s)) {
+        start(process);
+      }
+    }
+    if (surveys) {
+      start("surveyor");
     }
     if (scenario.jobs.count > 0) {
       jobs_folder = std::make_unique<TemporaryFolder>();
@@ -195,12 +204,17 @@ struct WholeRobot::Parts {
       PlannerConfig config = read_planner_config(scenario.robot_file, scenario.building_file);
       override_mode(config.route.mode, options.mode);
       config.local_clock = local_clock();
+      if (!options.survey_folder.empty()) {
+        config.plan_on_a_new_map();
+      }
       planner = std::make_unique<PlannerNode>(lcm, config);
     } else if (process == "controller") {
       controller.reset();
       ControllerConfig config = read_controller_config(scenario.robot_file, scenario.building_file);
       config.local_clock = local_clock();
       controller = std::make_unique<ControllerNode>(lcm, config);
+    } else if (process == "surveyor" && !options.survey_folder.empty()) {
+      start_surveyor();
     } else if (process == "jobs" && jobs_folder) {
       jobs.reset();
       jobs = std::make_unique<JobsNode>(lcm, jobs_config());
@@ -209,8 +223,19 @@ struct WholeRobot::Parts {
     }
   }
 
+  void start_surveyor() {
+    surveyor.reset();
+    SurveyorConfig config = read_surveyor_config(scenario.robot_file, options.kinds_file, options.survey_folder);
+    config.source = sensing ? SightingSource::kDetections : SightingSource::kImagesElseDetections;
+    surveyor = std::make_unique<SurveyorNode>(lcm, config);
+    surveyor->explore_at_once();
+  }
+
   void drain() {
     while (lcm.handleTimeout(0) > 0) {
+    }
+    if (surveyor) {
+      surveyor->settle();  // else what it knows when would depend on the machine
     }
   }
 
@@ -235,6 +260,7 @@ struct WholeRobot::Parts {
   std::unique_ptr<MapperNode> mapper;
   std::unique_ptr<PlannerNode> planner;
   std::unique_ptr<ControllerNode> controller;
+  std::unique_ptr<SurveyorNode> surveyor;
   std::unique_ptr<TemporaryFolder> jobs_folder;  // where its table lies; none without jobs
   std::unique_ptr<JobsNode> jobs;
   std::int64_t began = 0;  // [us]
@@ -264,6 +290,10 @@ const RobotDescription& WholeRobot::believed_robot() const {
 }
 std::int64_t WholeRobot::utime() const {
   return parts_->clock.utime();
+}
+
+bool WholeRobot::has_surveyed() const {
+  return parts_->surveyor && parts_->surveyor->is_finished();
 }
 
 LocalClock WholeRobot::local_clock() const {

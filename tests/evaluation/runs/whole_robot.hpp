@@ -19,6 +19,8 @@ struct WholeRobotOptions {
   std::string mode;  // "paper" or "modern", of all nodes that have both; "" = as the robot's file says
   bool jpeg = true;  // pictures are compressed as on the network; false: mono8
   const DetectorBehaviour* geometric = nullptr;  // what geometric sensing draws from, instead of camera and detector
+  std::string survey_folder{};  // where a surveyor writes that explores, instead of detector, localizer and
+  std::string kinds_file{};     // mapper, with these kinds of fixture; "" = nobody surveys
 };
 
 /// All drivers and services, the true nodes, in one program: one memq:// handle, one virtual clock, the serial line a
@@ -38,6 +40,9 @@ class WholeRobot {
   [[nodiscard]] std::int64_t utime() const;  // [us]
   /// The time of day in the building: it begins on a Monday at eight, on every machine.
   [[nodiscard]] LocalClock local_clock() const;
+
+  /// The survey is written; false where there is none.
+  [[nodiscard]] bool has_surveyed() const;
 
   /// Time goes on by 10 ms.
   void step();

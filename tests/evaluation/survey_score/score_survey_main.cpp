@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <lcm/lcm-cpp.hpp>
 #include <luminav/sim_truth_t.hpp>
-#include <nlohmann/json.hpp>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
@@ -13,6 +12,7 @@
 #include "services/common/process/channels.hpp"
 #include "services/common/process/command_line.hpp"
 #include "tests/evaluation/survey_score/survey_score.hpp"
+#include "tests/evaluation/survey_score/written_survey.hpp"
 
 namespace luminav {
 namespace {
@@ -46,17 +46,6 @@ TruePath true_path(const std::string& file, std::int64_t begin_utime) {
   return path;
 }
 
-std::vector<ScoredFixture> surveyed_fixtures(const Building& building, const nlohmann::json& report) {
-  std::vector<ScoredFixture> fixtures;
-  for (std::size_t f = 0; f < building.fixtures.size(); ++f) {
-    ScoredFixture scored{building.fixtures[f], {}};
-    const auto covariance = report.at("fixtures").at(f).at("covariance").get<std::vector<double>>();
-    scored.covariance = Eigen::Map<const Eigen::Matrix3d>(covariance.data());
-    fixtures.push_back(scored);
-  }
-  return fixtures;
-}
-
 /// The map as it lies in another frame, at the same resolution.
 PriorMap moved(const PriorMap& map, const Pose2& new_from_old) {
   const GridGeometry& old = map.geometry;
@@ -83,9 +72,11 @@ PriorMap moved(const PriorMap& map, const Pose2& new_from_old) {
 }
 
 /// Writes the survey in the frame of the building that it is of, with that one's places, for scenarios with [truth].
-void write_aligned(const std::filesystem::path& folder, Building survey, const Building& hung, const Pose2& alignment) {
+void write_aligned(const std::filesystem::path& folder, const WrittenFolder& written, const Building& hung,
+                   const Pose2& alignment) {
   std::filesystem::create_directories(folder);
-  write_map(folder / "map.yaml", moved(read_map(survey.map_file), alignment));
+  write_map(folder / "map.yaml", moved(written.map, alignment));
+  Building survey = written.building;
   for (Fixture& fixture : survey.fixtures) {
     fixture.world_from_fixture = alignment * fixture.world_from_fixture;
   }
@@ -101,20 +92,15 @@ int run(const std::string& scenario_file, std::int64_t seed, const std::string& 
   scenario.seed = static_cast<std::uint64_t>(seed);
   const WorldTruth world =
       draw_world(scenario, read_building(scenario.true_building_file), read_robot(scenario.robot_file));
-  const Building building = read_building(survey);
-  if (building.places.empty() || building.places.front().name != "start") {
-    throw std::runtime_error(survey + ": does not say where the drive began");
-  }
-  const nlohmann::json report = nlohmann::json::parse(read_whole_file(json));
-  const TruePath path = true_path(log, report.at("begin_utime").get<std::int64_t>());
-  const SurveyScore score = score_survey(surveyed_fixtures(building, report), world, path.poses,
-                                         path.begin * building.places.front().pose.inverse());
+  const WrittenFolder written = read_written_survey(survey, json);
+  const TruePath path = true_path(log, written.begin_utime);
+  const SurveyScore score = score_survey(written.fixtures, world, path.poses, path.begin * written.begin.inverse());
   fmt::print("seed {}: {}\n", seed, to_text(score));
   if (!figures.empty()) {
     write_whole_file(figures, to_json(score));
   }
   if (!aligned.empty()) {
-    write_aligned(aligned, building, world.building, score.truth_from_survey);
+    write_aligned(aligned, written, world.building, score.truth_from_survey);
   }
   return 0;
 }
