@@ -65,7 +65,7 @@ void Exploration::update(std::int64_t now, const Surroundings& around) {
     return;
   }
   if (is_over && !is_spent) {
-    note_failure(now, found, around);
+    note_failure(now, found);
   } else if (is_spent && wall_ > 0) {
     wall_ = 0;  // a door it was
     phase_ = Phase::kLooking;
@@ -108,9 +108,9 @@ void Exploration::drive_home(std::int64_t now, bool is_over, bool has_moved) {
   }
 }
 
-void Exploration::go(std::int64_t now, const Eigen::Vector2d& position, std::optional<double> heading) {
+void Exploration::go(std::int64_t now, const Eigen::Vector2d& position) {
   goal_id_ = std::max(now, goal_id_ + 1);
-  request_ = ExploreGoal{goal_id_, false, position, heading};
+  request_ = ExploreGoal{goal_id_, false, position};
   least_left_ = 0.0;
   progress_ = now;
 }
@@ -130,16 +130,20 @@ bool Exploration::judge_goal(std::int64_t now) {
   return news_->is_over || now - progress_ > microseconds_of(params_.patience);
 }
 
-void Exploration::note_failure(std::int64_t now, const FrontierSearch& found, const Surroundings& around) {
+void Exploration::note_failure(std::int64_t now, const FrontierSearch& found) {
   std::vector<Eigen::Vector2d> cells = found.open_cells(goal_.position);
-  if (news_->has_arrived && !looks_closer_) {
+  if (news_->has_arrived && !looks_closer_ && !cells.empty()) {
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
     for (const Eigen::Vector2d& cell : cells) {
       middle += cell / static_cast<double>(cells.size());
     }
-    const Eigen::Vector2d aside = middle - around.world_from_robot.position();
+    // silence takes nothing away along a smooth wall: what is not heard from there is to be driven into
+    const Eigen::Vector2d nearest =
+        *std::min_element(cells.begin(), cells.end(), [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+          return (a - middle).squaredNorm() < (b - middle).squaredNorm();
+        });
     looks_closer_ = true;
-    go(now, goal_.position, std::atan2(aside.y(), aside.x()));
+    go(now, nearest);
     return;
   }
   const bool was_tried = std::any_of(failures_.begin(), failures_.end(), [&](const Failure& failure) {

@@ -37,7 +37,6 @@ struct ExploreGoal {
   std::int64_t id = 0;
   bool is_cancel = false;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // [m] world
-  std::optional<double> heading{};                     // [rad] world
 };
 
 /// What is known when the exploration has to decide.
@@ -84,11 +83,11 @@ class Exploration {
     int drawing = 0;                     // until another one, or
     bool is_final = false;               // for good
   };
-  void go(std::int64_t now, const Eigen::Vector2d& position, std::optional<double> heading = {});
+  void go(std::int64_t now, const Eigen::Vector2d& position);
   /// True when nothing more comes of the goal.
   [[nodiscard]] bool judge_goal(std::int64_t now);
-  /// The goal was not what was hoped for: the robot turns to what is left there, then that is given up.
-  void note_failure(std::int64_t now, const FrontierSearch& found, const Surroundings& around);
+  /// The goal was not what was hoped for: the robot drives into what is left there, then that is given up.
+  void note_failure(std::int64_t now, const FrontierSearch& found);
   void choose(std::int64_t now);
   void drive_home(std::int64_t now, bool is_over, bool has_moved);
   [[nodiscard]] std::vector<Eigen::Vector2d> given_up() const;
@@ -98,7 +97,7 @@ class Exploration {
   std::optional<ExploreGoal> request_;
   std::int64_t goal_id_ = 0;
   Prospect goal_;
-  bool looks_closer_ = false;  // it is there, and has turned to what is left
+  bool looks_closer_ = false;  // it was there, and drives into what is left
   int drawing_ = 0;
   std::optional<GoalNews> news_;
   std::int64_t searched_ = 0;  // [us]

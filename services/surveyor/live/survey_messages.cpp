@@ -87,8 +87,6 @@ goal_t to_message(const ExploreGoal& request, std::int64_t now) {
   goal_pose_t pose{};
   pose.x = request.position.x();
   pose.y = request.position.y();
-  pose.has_theta = request.heading.has_value();
-  pose.theta = request.heading.value_or(0.0);
   goal.poses.push_back(pose);
   return goal;
 }
