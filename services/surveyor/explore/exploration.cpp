@@ -111,7 +111,7 @@ void Exploration::drive_home(std::int64_t now, bool is_over, bool has_moved) {
 void Exploration::go(std::int64_t now, const Eigen::Vector2d& position) {
   goal_id_ = std::max(now, goal_id_ + 1);
   request_ = ExploreGoal{goal_id_, false, position};
-  least_left_ = 0.0;
+  min_left_ = 0.0;
   progress_ = now;
 }
 
@@ -123,8 +123,8 @@ bool Exploration::judge_goal(std::int64_t now) {
     progress_ = now;
     return false;
   }
-  if (least_left_ <= 0.0 || news_->distance_left < least_left_ - kProgress) {
-    least_left_ = news_->distance_left;
+  if (min_left_ <= 0.0 || news_->distance_left < min_left_ - kProgress) {
+    min_left_ = news_->distance_left;
     progress_ = now;
   }
   return news_->is_over || now - progress_ > microseconds_of(params_.patience);

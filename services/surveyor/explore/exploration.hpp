@@ -101,7 +101,7 @@ class Exploration {
   int drawing_ = 0;
   std::optional<GoalNews> news_;
   std::int64_t searched_ = 0;  // [us]
-  double least_left_ = 0.0;    // [m] of the way to the goal,
+  double min_left_ = 0.0;      // [m] of the way to the goal,
   std::int64_t progress_ = 0;  // [us] and when it came that near
   int empty_ = 0;              // looks in a row that found nothing
   std::size_t wall_ = 0;       // which of the walls

@@ -85,7 +85,7 @@ FrontierSearch::FrontierSearch(const FrontierParams& params, const OccupancyGrid
     const Cell cell{static_cast<int>(i) % geometry_.columns, static_cast<int>(i) / geometry_.columns};
     const double gain = window(cell);
     const double value = gain / (params.fixed_cost + metres * ways.cost(i));
-    if (gain >= params.least_gain && value > best) {
+    if (gain >= params.min_gain && value > best) {
       best = value;
       floor_.best = {geometry_.centre_of(cell), gain};
     }
@@ -136,7 +136,7 @@ void FrontierSearch::count_frontiers(const std::vector<std::size_t>& frontier) {
         }
       }
     }
-    floor_.frontiers += area >= params_.least_gain ? 1 : 0;
+    floor_.frontiers += area >= params_.min_gain ? 1 : 0;
   }
 }
 

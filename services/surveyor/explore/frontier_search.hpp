@@ -13,7 +13,7 @@ struct FrontierParams {
   double view_radius = 1.0;      ///< [m] round the robot the ceiling was seen when an image was taken
   double known_log_odds = -0.6;  ///< evidence below makes a cell known as free, as the planner's
   double frontier_weight = 5.0;  ///< a cell of unknown floor counts as so many whose ceiling was not seen
-  double least_gain = 0.20;      ///< [m^2] less is not worth going for
+  double min_gain = 0.20;        ///< [m^2] less is not worth going for
   double fixed_cost = 1.0;       ///< [m] of way that each goal costs beside its path
 };
 

@@ -31,7 +31,7 @@ SurveyorNode::SurveyorNode(lcm::LCM& lcm, const SurveyorConfig& config, std::opt
       ground_(config.model),
       ground_publisher_(lcm, config.model.errors),
       commands_(lcm, key),
-      exploration_(config.exploration),
+      driving_{Exploration(config.exploration)},
       is_finished_(std::filesystem::exists(config.folder / "building.toml")),
       subscriber_(lcm, key) {
   subscriber_.on<odometry_t>(channels::kOdometry, &SurveyorNode::on_odometry, this);
@@ -122,11 +122,11 @@ void SurveyorNode::on_fixture_detections(const fixture_detections_t& message) {
 }
 
 void SurveyorNode::on_navigation_status(const navigation_status_t& message) {
-  exploration_.hear(news_of(message, may_drive_));
+  driving_.exploration.hear(news_of(message, driving_.is_allowed));
 }
 
 void SurveyorNode::on_robot_status(const robot_status_t& message) {
-  may_drive_ = message.stop_engaged == 0 && message.motors_enabled != 0;
+  driving_.is_allowed = message.stop_engaged == 0 && message.motors_enabled != 0;
 }
 
 void SurveyorNode::on_tile_request(const tile_request_t& message) {
@@ -136,30 +136,30 @@ void SurveyorNode::on_tile_request(const tile_request_t& message) {
 }
 
 void SurveyorNode::explore() {
-  if (wants_exploring_) {
-    wants_exploring_ = false;
-    exploration_.begin();
+  if (driving_.is_wanted) {
+    driving_.is_wanted = false;
+    driving_.exploration.begin();
   }
-  if (exploration_.is_active() && !ground_.here()) {
-    exploration_.end(now_, "exploring ended: nobody knows where on the map the robot is; the survey goes on");
+  if (driving_.exploration.is_active() && !ground_.here()) {
+    driving_.exploration.end(now_, "exploring ended: nobody knows where on the map the robot is; the survey goes on");
   }
-  live_.set_exploring(exploration_.is_active());
-  if (!exploration_.is_active()) {
+  live_.set_exploring(driving_.exploration.is_active());
+  if (!driving_.exploration.is_active()) {
     return;
   }
-  if (exploration_.is_due(now_)) {
-    exploration_.update(now_, {ground_.map().grid(), ground_.looks(collector_.so_far().drive.frames),
-                               ground_.here()->world_from_robot, ground_.drawing()});
+  if (driving_.exploration.is_due(now_)) {
+    driving_.exploration.update(now_, {ground_.map().grid(), ground_.looks(collector_.so_far().drive.frames),
+                                       ground_.here()->world_from_robot, ground_.drawing()});
   }
-  wants_end_ = wants_end_ || exploration_.phase() == Exploration::Phase::kFinished;
+  wants_end_ = wants_end_ || driving_.exploration.phase() == Exploration::Phase::kFinished;
 }
 
 void SurveyorNode::publish_goal() {
-  const std::optional<ExploreGoal>& request = exploration_.request();
-  if (!request || (now_ >= asked_ && now_ - asked_ < kRepeat)) {
+  const std::optional<ExploreGoal>& request = driving_.exploration.request();
+  if (!request || (now_ >= driving_.asked && now_ - driving_.asked < kRepeat)) {
     return;
   }
-  asked_ = now_;
+  driving_.asked = now_;
   commands_.publish(channels::kGoal, to_message(*request, now_));
 }
 
@@ -184,7 +184,7 @@ std::string SurveyorNode::obey(const survey_command_t& command) {
     return "nothing was heard of the robot yet: is its driver running?";
   }
   if (command.action == survey_command_t::ACTION_FINISH) {
-    exploration_.end(now_, "exploring ended: somebody finished the survey");
+    driving_.exploration.end(now_, "exploring ended: somebody finished the survey");
     wants_end_ = !is_finished_;
     return "";
   }
@@ -192,11 +192,11 @@ std::string SurveyorNode::obey(const survey_command_t& command) {
     return "the survey is finished: name the place in the building's file, or on the page once the robot drives there";
   }
   if (command.action == survey_command_t::ACTION_EXPLORE) {
-    wants_exploring_ = !exploration_.is_active();
+    driving_.is_wanted = !driving_.exploration.is_active();
     return "";
   }
   if (command.action == survey_command_t::ACTION_STAY) {
-    exploration_.end(now_, "exploring ended by somebody; the survey goes on");
+    driving_.exploration.end(now_, "exploring ended by somebody; the survey goes on");
     return "";
   }
   if (!is_name(command.name)) {
@@ -276,8 +276,8 @@ void SurveyorNode::publish() {
   message.folder = config_.folder.string();
   message.echo_id = echo_id_;
   message.objection = objection_;
-  message.is_exploring = exploration_.is_active();
-  message.exploring = exploration_.sentence();
+  message.is_exploring = driving_.exploration.is_active();
+  message.exploring = driving_.exploration.sentence();
   lcm_.publish(channels::kSurveyStatus, &message);
   published_ = now_;
 }

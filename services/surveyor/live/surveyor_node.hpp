@@ -43,13 +43,20 @@ class SurveyorNode {
   void settle();
 
   /// Explores as soon as the robot is heard.
-  void explore_at_once() { wants_exploring_ = true; }
+  void explore_at_once() { driving_.is_wanted = true; }
   [[nodiscard]] bool is_finished() const { return is_finished_; }
 
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
   [[nodiscard]] Health health() const;
 
  private:
+  /// What the robot does by itself.
+  struct Driving {
+    Exploration exploration;
+    bool is_wanted = false;   // as soon as the robot is heard
+    bool is_allowed = false;  // no stop is engaged, and the motors are on
+    std::int64_t asked = 0;   // [us] now_ when GOAL was sent last
+  };
   void on_odometry(const odometry_t& message);
   void on_sonar(const sonar_t& message);
   void on_camera_image(const camera_image_t& message);
@@ -81,17 +88,14 @@ class SurveyorNode {
   LiveGround ground_;
   GroundPublisher ground_publisher_;
   CommandPublisher commands_;
-  Exploration exploration_;
+  Driving driving_;
   SurveyWork work_;
   std::int64_t now_ = 1;        // [us] stamp of the newest ODOMETRY, or of a command before there was one
   std::int64_t published_ = 0;  // [us] now_ when SURVEY_STATUS was sent last
   std::int32_t sequence_ = 0;
   std::int64_t echo_id_ = 0;  // of the last command
   std::string objection_;     // to it
-  bool wants_exploring_ = false;
-  bool may_drive_ = false;  // no stop is engaged, and the motors are on
-  std::int64_t asked_ = 0;  // [us] now_ when GOAL was sent last
-  bool wants_end_ = false;  // somebody said finish, and it is not written yet
+  bool wants_end_ = false;    // somebody said finish, and it is not written yet
   bool is_finished_ = false;
   std::string failure_;      // FAILED, and why
   std::string no_estimate_;  // why the last estimate came to nothing: more may come of a longer drive
