@@ -60,7 +60,7 @@ void Exploration::update(std::int64_t now, const Surroundings& around) {
   const FrontierSearch found(params_.search, around.grid, params_.walls[wall_], around.looks, given_up(),
                              around.world_from_robot.position());
   floor_ = found.open_floor();
-  const bool is_spent = phase_ == Phase::kDriving && found.gain_at(goal_.position) < params_.spent_share * goal_.gain;
+  const bool is_spent = phase_ == Phase::kDriving && found.gain_of(hoped_) < params_.spent_share * goal_.gain;
   if (phase_ == Phase::kDriving && !is_spent && !is_over && !has_moved) {
     return;
   }
@@ -70,13 +70,15 @@ void Exploration::update(std::int64_t now, const Surroundings& around) {
     wall_ = 0;  // a door it was
     phase_ = Phase::kLooking;
   } else {
-    choose(now);
+    choose(now, found);
   }
 }
 
-void Exploration::choose(std::int64_t now) {
+void Exploration::choose(std::int64_t now, const FrontierSearch& found) {
   if (floor_.best) {
     goal_ = *floor_.best;
+    hoped_ = found.open_cells(goal_.position);
+    attempts_.push_back(goal_.position);
     looks_closer_ = false;
     empty_ = 0;
     phase_ = Phase::kDriving;
@@ -131,7 +133,7 @@ bool Exploration::judge_goal(std::int64_t now) {
 }
 
 void Exploration::note_failure(std::int64_t now, const FrontierSearch& found) {
-  std::vector<Eigen::Vector2d> cells = found.open_cells(goal_.position);
+  std::vector<Eigen::Vector2d> cells = found.still_open(hoped_);
   if (news_->has_arrived && !looks_closer_ && !cells.empty()) {
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
     for (const Eigen::Vector2d& cell : cells) {
@@ -146,10 +148,10 @@ void Exploration::note_failure(std::int64_t now, const FrontierSearch& found) {
     go(now, nearest);
     return;
   }
-  const bool was_tried = std::any_of(failures_.begin(), failures_.end(), [&](const Failure& failure) {
-    return (failure.position - goal_.position).norm() < kSamePlace;
+  const auto tried = std::count_if(attempts_.begin(), attempts_.end(), [&](const Eigen::Vector2d& position) {
+    return (position - goal_.position).norm() < kSamePlace;
   });
-  failures_.push_back({goal_.position, std::move(cells), drawing_, was_tried || news_->has_arrived});
+  failures_.push_back({goal_.position, std::move(cells), drawing_, tried > 1 || news_->has_arrived});
   phase_ = Phase::kLooking;
 }
 

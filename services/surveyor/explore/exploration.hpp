@@ -88,7 +88,7 @@ class Exploration {
   [[nodiscard]] bool judge_goal(std::int64_t now);
   /// The goal was not what was hoped for: the robot drives into what is left there, then that is given up.
   void note_failure(std::int64_t now, const FrontierSearch& found);
-  void choose(std::int64_t now);
+  void choose(std::int64_t now, const FrontierSearch& found);
   void drive_home(std::int64_t now, bool is_over, bool has_moved);
   [[nodiscard]] std::vector<Eigen::Vector2d> given_up() const;
 
@@ -97,7 +97,9 @@ class Exploration {
   std::optional<ExploreGoal> request_;
   std::int64_t goal_id_ = 0;
   Prospect goal_;
-  bool looks_closer_ = false;  // it was there, and drives into what is left
+  std::vector<Eigen::Vector2d> hoped_;     // [m] world, cells that were open round the goal when it was chosen
+  std::vector<Eigen::Vector2d> attempts_;  // [m] world, all goals so far
+  bool looks_closer_ = false;              // it was there, and drives into what is left
   int drawing_ = 0;
   std::optional<GoalNews> news_;
   std::int64_t searched_ = 0;  // [us]

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "services/planner/search/cost_field.hpp"
 #include "services/planner/space/configuration_space.hpp"
@@ -185,9 +186,24 @@ std::vector<Eigen::Vector2d> FrontierSearch::open_cells(const Eigen::Vector2d& p
   return cells;
 }
 
-double FrontierSearch::gain_at(const Eigen::Vector2d& position) const {
+double FrontierSearch::worth_at(const Eigen::Vector2d& position) const {
   const Cell cell = geometry_.cell_at(position);
-  return geometry_.contains(cell) ? window(cell) : 0.0;
+  return geometry_.contains(cell) ? worth_[geometry_.index(cell)] : 0.0;
+}
+
+std::vector<Eigen::Vector2d> FrontierSearch::still_open(const std::vector<Eigen::Vector2d>& cells) const {
+  std::vector<Eigen::Vector2d> open;
+  std::copy_if(cells.begin(), cells.end(), std::back_inserter(open),
+               [&](const Eigen::Vector2d& cell) { return worth_at(cell) > 0.0; });
+  return open;
+}
+
+double FrontierSearch::gain_of(const std::vector<Eigen::Vector2d>& cells) const {
+  double gain = 0.0;
+  for (const Eigen::Vector2d& cell : cells) {
+    gain += worth_at(cell);
+  }
+  return gain;
 }
 
 }  // namespace luminav

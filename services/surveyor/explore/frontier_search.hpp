@@ -42,12 +42,14 @@ class FrontierSearch {
                  const Eigen::Vector2d& robot);
 
   [[nodiscard]] const OpenFloor& open_floor() const { return floor_; }
-  /// What is to be seen from a place [m^2].
-  [[nodiscard]] double gain_at(const Eigen::Vector2d& position) const;
-  /// Centres [m, world] of the cells that make up that gain.
+  /// Those of some cells [m, world] that are open now, and what they count [m^2].
+  [[nodiscard]] std::vector<Eigen::Vector2d> still_open(const std::vector<Eigen::Vector2d>& cells) const;
+  [[nodiscard]] double gain_of(const std::vector<Eigen::Vector2d>& cells) const;
+  /// Centres [m, world] of the open cells that are to be seen from a place.
   [[nodiscard]] std::vector<Eigen::Vector2d> open_cells(const Eigen::Vector2d& position) const;
 
  private:
+  [[nodiscard]] double worth_at(const Eigen::Vector2d& position) const;  // [m^2]
   void mark_around(const std::vector<Eigen::Vector2d>& points, double radius, std::vector<std::uint8_t>& marks) const;
   void count_frontiers(const std::vector<std::size_t>& frontier);
   void sum_up();

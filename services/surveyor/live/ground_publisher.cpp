@@ -14,8 +14,10 @@ constexpr double kLostVariance = 1e6;              // [m^2, rad^2]
 
 }  // namespace
 
-void GroundPublisher::publish(const OdometryReading& reading, LiveGround& ground) {
-  publish_pose(reading, ground);
+void GroundPublisher::publish(const OdometryReading& reading, LiveGround& ground, bool is_exploring) {
+  if (is_exploring) {
+    publish_pose(reading, ground);
+  }
   if (drawing_ != ground.drawing()) {
     drawing_ = ground.drawing();
     tiles_.emplace(lcm_, TileScheduleParams{}, ground.map().grid().geometry);

@@ -16,8 +16,9 @@ class GroundPublisher {
  public:
   GroundPublisher(lcm::LCM& lcm, const ErrorParams& errors) : lcm_(lcm), errors_(errors) {}
 
-  /// POSE at a reading, and the tiles that are due.
-  void publish(const OdometryReading& reading, LiveGround& ground);
+  /// POSE at a reading and the tiles that are due. Nobody needs a POSE while a person drives: the controller would keep
+  /// the robot from what is only half drawn.
+  void publish(const OdometryReading& reading, LiveGround& ground, bool is_exploring);
   /// False for a request of an impossible size.
   [[nodiscard]] bool take(const tile_request_t& request) { return !tiles_ || tiles_->take(request); }
 

@@ -83,8 +83,8 @@ void SurveyorNode::on_odometry(const odometry_t& message) {
     }
     now_ = message.utime;
     take_results();
-    ground_publisher_.publish(reading, ground_);
     explore();
+    ground_publisher_.publish(reading, ground_, driving_.exploration.is_active());
   }
   now_ = message.utime;
   publish_goal();

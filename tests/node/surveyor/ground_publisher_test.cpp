@@ -23,7 +23,7 @@ class GroundPublisherTest : public testing::Test {
   void drive(std::int64_t utime, std::int64_t session) {
     const OdometryReading reading{utime, session, {1e-6 * static_cast<double>(utime), 0.0, 0.0}, 0.0, 0.0};
     ground_.add(reading);
-    publisher_.publish(reading, ground_);
+    publisher_.publish(reading, ground_, is_exploring_);
     while (lcm_.handleTimeout(0) > 0) {
     }
   }
@@ -40,6 +40,7 @@ class GroundPublisherTest : public testing::Test {
   GroundPublisher publisher_{lcm_, model_.errors};
   pose_t pose_{};
   int tiles_ = 0;
+  bool is_exploring_ = true;
   Subscriber subscriber_{lcm_};
 };
 
@@ -56,6 +57,13 @@ TEST_F(GroundPublisherTest, IsLostOnceOdometryBeganAnew) {
   drive(1'000'000, 1);
   drive(2'000'000, 2);
   EXPECT_EQ(pose_.state, pose_t::STATE_LOST);
+}
+
+TEST_F(GroundPublisherTest, TellsNoPoseWhileAPersonDrives) {
+  is_exploring_ = false;
+  drive(1'000'000, 1);
+  EXPECT_EQ(pose_.utime, 0);
+  EXPECT_GT(tiles_, 0);
 }
 
 TEST_F(GroundPublisherTest, SendsTheTilesThatAreAskedFor) {

@@ -21,6 +21,18 @@ OccupancyGrid corridor() {
   return drawn_floor(rows);
 }
 
+/// The same of which only so many squares of 0.2 m are known.
+OccupancyGrid corridor_known_for(std::size_t squares) {
+  std::vector<std::string> rows(10, std::string(34, ' '));
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const bool is_wall = row < 2 || row >= 8;
+    for (std::size_t column = 0; column < 34 && column < squares; ++column) {
+      rows[row][column] = is_wall || column < 2 || column >= 32 ? '#' : '.';
+    }
+  }
+  return drawn_floor(rows);
+}
+
 /// A planner that does what it is told, or not.
 class ExplorationTest : public testing::Test {
  protected:
@@ -90,6 +102,21 @@ TEST_F(ExplorationTest, TriesAPlaceTwiceAtMost) {
                             [&](const Eigen::Vector2d& other) { return (other - place).norm() < 0.05; }),
               2);
   }
+}
+
+TEST_F(ExplorationTest, FollowsAnOpenEndThatMovesOn) {
+  looks_ = {{1.0, 1.0}, {2.5, 1.0}, {4.0, 1.0}, {5.5, 1.0}};
+  std::size_t known = 8;
+  for (int i = 0; i < 400 && exploration_.phase() != Exploration::Phase::kHome; ++i) {
+    grid_ = corridor_known_for(known);
+    const std::int64_t before = asked_.id;
+    look({1.0, 1.0, 0.0});
+    if (asked_.id != before) {
+      ++known;  // going there showed 0.2 m more, and the robot is there
+      answer(true, true);
+    }
+  }
+  EXPECT_GE(known, 32u);
 }
 
 TEST_F(ExplorationTest, TakesAnotherGoalWhereTheRobotComesNoNearer) {

@@ -60,7 +60,9 @@ TEST(FrontierSearch, GoesWhereTheCeilingWasNotSeen) {
   ASSERT_TRUE(search.open_floor().best);
   EXPECT_EQ(search.open_floor().frontiers, 0);
   EXPECT_GT(search.open_floor().best->position.x(), 2.0);
-  EXPECT_NEAR(search.gain_at(search.open_floor().best->position), search.open_floor().best->gain, 1e-9);
+  const std::vector<Eigen::Vector2d> cells = search.open_cells(search.open_floor().best->position);
+  EXPECT_NEAR(search.gain_of(cells), search.open_floor().best->gain, 1e-9);
+  EXPECT_EQ(search.still_open(cells).size(), cells.size());
 }
 
 TEST(FrontierSearch, LeavesAloneWhatWasGivenUp) {
