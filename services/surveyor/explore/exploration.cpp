@@ -61,6 +61,9 @@ void Exploration::update(std::int64_t now, const Surroundings& around) {
                              around.world_from_robot.position());
   floor_ = found.open_floor();
   const bool is_spent = phase_ == Phase::kDriving && found.gain_of(hoped_) < params_.spent_share * goal_.gain;
+  if (phase_ == Phase::kDriving && (is_over || is_spent)) {
+    attempts_.push_back(goal_.position);
+  }
   if (phase_ == Phase::kDriving && !is_spent && !is_over && !has_moved) {
     return;
   }
@@ -75,10 +78,13 @@ void Exploration::update(std::int64_t now, const Surroundings& around) {
 }
 
 void Exploration::choose(std::int64_t now, const FrontierSearch& found) {
-  if (floor_.best) {
+  if (floor_.best && attempts_at(floor_.best->position) >= params_.max_attempts) {
+    // echoes that come and go open and close the same corner for ever
+    failures_.push_back({floor_.best->position, found.open_cells(floor_.best->position), drawing_, true});
+    phase_ = Phase::kLooking;
+  } else if (floor_.best) {
     goal_ = *floor_.best;
     hoped_ = found.open_cells(goal_.position);
-    attempts_.push_back(goal_.position);
     looks_closer_ = false;
     empty_ = 0;
     phase_ = Phase::kDriving;
@@ -148,11 +154,15 @@ void Exploration::note_failure(std::int64_t now, const FrontierSearch& found) {
     go(now, nearest);
     return;
   }
-  const auto tried = std::count_if(attempts_.begin(), attempts_.end(), [&](const Eigen::Vector2d& position) {
-    return (position - goal_.position).norm() < kSamePlace;
-  });
-  failures_.push_back({goal_.position, std::move(cells), drawing_, tried > 1 || news_->has_arrived});
+  failures_.push_back(
+      {goal_.position, std::move(cells), drawing_, attempts_at(goal_.position) > 1 || news_->has_arrived});
   phase_ = Phase::kLooking;
+}
+
+int Exploration::attempts_at(const Eigen::Vector2d& position) const {
+  return static_cast<int>(std::count_if(attempts_.begin(), attempts_.end(), [&](const Eigen::Vector2d& attempt) {
+    return (attempt - position).norm() < kSamePlace;
+  }));
 }
 
 std::vector<Eigen::Vector2d> Exploration::given_up() const {

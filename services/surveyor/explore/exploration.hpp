@@ -20,6 +20,7 @@ struct ExplorationParams {
   double spent_share = 0.3;    ///< a goal from which less than that share of what was hoped for is left is dropped
   double patience = 45.0;      ///< [s] without coming nearer, until another goal is taken; each place is tried twice
   int looks = 3;               ///< around in a row that find nothing, until that is believed
+  int max_attempts = 6;        ///< at one place, good or bad, after which it is left alone
 };
 
 /// What the planner says of the goal that it has.
@@ -90,6 +91,7 @@ class Exploration {
   void note_failure(std::int64_t now, const FrontierSearch& found);
   void choose(std::int64_t now, const FrontierSearch& found);
   void drive_home(std::int64_t now, bool is_over, bool has_moved);
+  [[nodiscard]] int attempts_at(const Eigen::Vector2d& position) const;
   [[nodiscard]] std::vector<Eigen::Vector2d> given_up() const;
 
   ExplorationParams params_;
@@ -98,7 +100,7 @@ class Exploration {
   std::int64_t goal_id_ = 0;
   Prospect goal_;
   std::vector<Eigen::Vector2d> hoped_;     // [m] world, cells that were open round the goal when it was chosen
-  std::vector<Eigen::Vector2d> attempts_;  // [m] world, all goals so far
+  std::vector<Eigen::Vector2d> attempts_;  // [m] world, goals that came to an end, good or bad
   bool looks_closer_ = false;              // it was there, and drives into what is left
   int drawing_ = 0;
   std::optional<GoalNews> news_;

@@ -119,6 +119,20 @@ TEST_F(ExplorationTest, FollowsAnOpenEndThatMovesOn) {
   EXPECT_GE(known, 32u);
 }
 
+TEST_F(ExplorationTest, LeavesAloneWhatOpensAgainAndAgain) {
+  looks_ = {{1.0, 1.0}, {2.5, 1.0}, {4.0, 1.0}, {5.5, 1.0}};
+  int goals = 0;
+  for (int i = 0; i < 400 && exploration_.phase() != Exploration::Phase::kHome; ++i) {
+    grid_ = corridor_known_for(i % 2 == 0 ? 16 : 18);  // an echo comes and goes
+    const std::int64_t before = asked_.id;
+    look({1.0, 1.0, 0.0});
+    goals += asked_.id != before ? 1 : 0;
+    answer(false, false);
+  }
+  EXPECT_EQ(exploration_.phase(), Exploration::Phase::kHome);
+  EXPECT_LT(goals, 40);
+}
+
 TEST_F(ExplorationTest, TakesAnotherGoalWhereTheRobotComesNoNearer) {
   look({1.0, 1.0, 0.0});
   const std::int64_t first = asked_.id;
