@@ -1,5 +1,6 @@
 #include <string>
 
+#include "services/common/configuration/configuration_error.hpp"
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
@@ -13,17 +14,21 @@ int main(int argc, char** argv) {
     line.robot_file(robot_file).lcm_url(url);
     line.text("--kinds", kinds_file, "TOML file with ceiling_height and a [[kind]] for each kind of fixture", true)
         .text("--out", folder, "folder of the survey: new, or one that is to be gone on with", true);
-    bool explores = false;
-    line.flag("--explore", explores, "the robot drives by itself, until nothing that it can reach is left");
+    std::string driver = "person";
+    line.text("--driver", driver,
+              "person | robot: who drives at first; the robot until nothing that it can reach is left");
     if (const auto status = line.parse(argc, argv)) {
       return *status;
+    }
+    if (driver != "person" && driver != "robot") {
+      throw luminav::ConfigurationError("--driver = " + driver + ": must be person or robot");
     }
     const luminav::SurveyorConfig config = luminav::read_surveyor_config(robot_file, kinds_file, folder);
     const luminav::NetworkAccess access = luminav::read_network_access(robot_file);
     const luminav::LcmNetwork network = access.on(url);
     const auto lcm = luminav::open_lcm(network);
     luminav::SurveyorNode node(*lcm, config, access.key);
-    if (explores) {
+    if (driver == "robot") {
       node.explore_at_once();
     }
     luminav::receive_only(*lcm, network, node.channels());
