@@ -80,7 +80,7 @@ void Exploration::update(std::int64_t now, const Surroundings& around) {
 void Exploration::choose(std::int64_t now, const FrontierSearch& found) {
   if (floor_.best && attempts_at(floor_.best->position) >= params_.max_attempts) {
     // echoes that come and go open and close the same corner for ever
-    failures_.push_back({floor_.best->position, found.open_cells(floor_.best->position), drawing_, true});
+    failures_.push_back({found.open_cells(floor_.best->position), drawing_, true});
     phase_ = Phase::kLooking;
   } else if (floor_.best) {
     goal_ = *floor_.best;
@@ -154,8 +154,7 @@ void Exploration::note_failure(std::int64_t now, const FrontierSearch& found) {
     go(now, nearest);
     return;
   }
-  failures_.push_back(
-      {goal_.position, std::move(cells), drawing_, attempts_at(goal_.position) > 1 || news_->has_arrived});
+  failures_.push_back({std::move(cells), drawing_, attempts_at(goal_.position) > 1 || news_->has_arrived});
   phase_ = Phase::kLooking;
 }
 

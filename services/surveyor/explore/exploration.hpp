@@ -18,7 +18,7 @@ struct ExplorationParams {
   std::vector<double> walls = {0.8, 1.8, 2.4};
   double search_period = 1.0;  ///< [s]
   double spent_share = 0.3;    ///< a goal from which less than that share of what was hoped for is left is dropped
-  double patience = 45.0;      ///< [s] without coming nearer, until another goal is taken; each place is tried twice
+  double patience = 45.0;      ///< [s] without coming nearer, until another goal is taken
   int looks = 3;               ///< around in a row that find nothing, until that is believed
   int max_attempts = 6;        ///< at one place, good or bad, after which it is left alone
 };
@@ -79,7 +79,6 @@ class Exploration {
  private:
   /// What could not be seen from a place, or on the way there.
   struct Failure {
-    Eigen::Vector2d position;
     std::vector<Eigen::Vector2d> cells;  // [m] world
     int drawing = 0;                     // until another one, or
     bool is_final = false;               // for good

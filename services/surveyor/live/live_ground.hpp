@@ -27,8 +27,6 @@ class LiveGround {
   [[nodiscard]] const std::optional<SurveyedPath::Stop>& here() const { return here_; }
   /// [m] driven since the last estimate, or since the drive began.
   [[nodiscard]] double since_estimate() const { return since_estimate_; }
-  /// The path so far.
-  [[nodiscard]] const std::vector<SurveyedPath::Stop>& stops() const { return stops_; }
   [[nodiscard]] SonarMap& map() { return map_; }
   [[nodiscard]] const SonarMap& map() const { return map_; }
   /// Counts up when the map is drawn anew: its grid may be another.
@@ -43,7 +41,7 @@ class LiveGround {
 
   SurveyModel model_;
   WheelCorrection wheels_;
-  std::vector<SurveyedPath::Stop> stops_;
+  std::vector<SurveyedPath::Stop> stops_;  // the path so far
   std::optional<OdometryReading> last_;
   std::optional<SurveyedPath::Stop> here_;
   double since_estimate_ = 0.0;
