@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <luminav/navigation_status_t.hpp>
 #include <luminav/sim_truth_t.hpp>
+#include <luminav/survey_command_t.hpp>
 #include <luminav/survey_status_t.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
@@ -46,6 +47,8 @@ class Witness {
   [[nodiscard]] const std::vector<Point>& path() const { return path_; }
   [[nodiscard]] const sim_truth_t& truth() const { return truth_; }
   [[nodiscard]] const survey_status_t& status() const { return status_; }
+  /// It has explored, and does no more.
+  [[nodiscard]] bool has_ended() const { return was_exploring_ && status_.is_exploring == 0; }
 
   void print(double elapsed) const {
     fmt::print(
@@ -62,12 +65,16 @@ class Witness {
       path_.push_back({truth.utime, pose});
     }
   }
-  void on_status(const survey_status_t& status) { status_ = status; }
+  void on_status(const survey_status_t& status) {
+    status_ = status;
+    was_exploring_ = was_exploring_ || status.is_exploring != 0;
+  }
   void on_navigation(const navigation_status_t& navigation) { navigation_ = navigation; }
 
   std::vector<Point> path_;
   sim_truth_t truth_{};
   survey_status_t status_{};
+  bool was_exploring_ = false;
   navigation_status_t navigation_{};
   Subscriber subscriber_;
 };
@@ -141,8 +148,8 @@ void judge(const WorldTruth& world, const Witness& witness, const ExploringOptio
   result.home = distance(path.front(), {witness.truth().x, witness.truth().y, 0.0});
   result.fixtures = static_cast<int>(world.building.fixtures.size());
   std::optional<WrittenFolder> written;
-  if (result.is_finished) {
-    const std::filesystem::path folder = options.robot.survey_folder;
+  const std::filesystem::path folder = options.robot.survey_folder;
+  if (std::filesystem::exists(folder / "building.toml")) {
     written = read_written_survey(folder / "building.toml", folder / "survey.json");
     Pose2 begin = path.front();
     for (const Witness::Point& point : witness.path()) {
@@ -157,6 +164,19 @@ void judge(const WorldTruth& world, const Witness& witness, const ExploringOptio
   }
 }
 
+/// Somebody presses Finish: what the robot has seen counts.
+void finish(WholeRobot& robot) {
+  survey_command_t command{};
+  command.utime = robot.utime();
+  command.id = robot.utime();
+  command.action = survey_command_t::ACTION_FINISH;
+  robot.lcm().publish(channels::kSurveyCommand, &command);
+  constexpr int kSteps = 1000;
+  for (int step = 0; step < kSteps && !robot.has_surveyed(); ++step) {
+    robot.step();
+  }
+}
+
 }  // namespace
 
 ExploringResult run_exploring(const Scenario& scenario, const ExploringOptions& options) {
@@ -165,15 +185,18 @@ ExploringResult run_exploring(const Scenario& scenario, const ExploringOptions& 
   const Witness witness(robot.lcm());
   ExploringResult result;
   const auto limit = static_cast<std::int64_t>(100.0 * scenario.duration);
-  for (std::int64_t step = 0; step < limit && !robot.has_surveyed(); ++step) {
+  for (std::int64_t step = 0; step < limit && !witness.has_ended(); ++step) {
     robot.step();
     if (options.trace && step % 1000 == 999) {
       witness.print(0.01 * static_cast<double>(step));
     }
     result.simulated = 0.01 * static_cast<double>(step);
   }
-  result.is_finished = robot.has_surveyed();
   result.sentence = witness.status().exploring;
+  result.is_finished = robot.has_surveyed();
+  if (!result.is_finished) {
+    finish(robot);
+  }
   result.contacts = witness.truth().contacts;
   result.hard_contacts = witness.truth().hard_contacts;
   judge(robot.world(), witness, options, result);
