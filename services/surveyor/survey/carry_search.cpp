@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "services/common/ceiling/ceiling_view.hpp"
@@ -17,6 +18,7 @@ constexpr double kStillTurn = radians(1.0);  // [rad] likewise
 constexpr double kElsewhere = 0.3;           // [m] beyond which a fixture is another one, or was moved past,
 constexpr double kElsewhereTurn = radians(20.0);  // [rad] likewise
 constexpr int kLooks = 3;                         // key frames that have to agree
+constexpr std::int64_t kLift = 1'000'000;         // [us] that wheels rest at least when somebody lifts the robot
 
 bool is_the_same(const FixtureSighting& a, const FixtureSighting& b) {
   const double turned =
@@ -32,36 +34,43 @@ bool share_one(const std::vector<FixtureSighting>& before, const std::vector<Fix
   });
 }
 
+std::vector<FixtureSighting> whole_of(const std::vector<FixtureSighting>& sightings) {
+  std::vector<FixtureSighting> whole;
+  std::copy_if(sightings.begin(), sightings.end(), std::back_inserter(whole),
+               [](const FixtureSighting& sighting) { return !sighting.clipped; });
+  return whole;
+}
+
 /// What a robot whose wheels stand sees first and last.
 class Standstill {
  public:
   void begin(const Pose2& odom_from_robot) {
     odom_from_robot_ = odom_from_robot;
-    first_.clear();
-    last_.clear();
+    first_.reset();
+    last_.reset();
   }
   [[nodiscard]] bool has_ended(const Pose2& odom_from_robot) const {
     const Pose2 since = odom_from_robot_.inverse() * odom_from_robot;
     return std::hypot(since.x, since.y) > kStill || std::abs(since.theta) > kStillTurn;
   }
   void add(const SightingFrame& frame) {
-    std::vector<FixtureSighting> whole;
-    std::copy_if(frame.sightings.begin(), frame.sightings.end(), std::back_inserter(whole),
-                 [](const FixtureSighting& sighting) { return !sighting.clipped; });
-    if (!whole.empty()) {
-      last_utime_ = frame.utime;
-      first_ = first_.empty() ? whole : first_;
-      last_ = std::move(whole);
+    if (!whole_of(frame.sightings).empty()) {
+      first_ = first_.value_or(frame);
+      last_ = frame;
     }
   }
-  [[nodiscard]] bool was_lifted() const { return !first_.empty() && !share_one(first_, last_); }
-  [[nodiscard]] std::int64_t last_utime() const { return last_utime_; }
+  /// Fixtures that are whole in view have gone, and others have come. One that is cut off hangs there still.
+  [[nodiscard]] bool was_lifted() const {
+    return first_ && last_->utime - first_->utime >= kLift &&
+           !share_one(whole_of(first_->sightings), last_->sightings) &&
+           !share_one(first_->sightings, whole_of(last_->sightings));
+  }
+  [[nodiscard]] std::int64_t last_utime() const { return last_->utime; }
 
  private:
   Pose2 odom_from_robot_;
-  std::vector<FixtureSighting> first_;
-  std::vector<FixtureSighting> last_;
-  std::int64_t last_utime_ = 0;
+  std::optional<SightingFrame> first_;
+  std::optional<SightingFrame> last_;
 };
 
 class CarrySearch {

@@ -47,15 +47,15 @@ TEST(CarrySearch, FindsWhereAFixtureVanishesAndAnotherAppears) {
 }
 
 /// A robot that stands for five looks and sees a fixture at one place, then at another.
-SurveyDrive standing(const Pose2& first, const Pose2& last) {
+SurveyDrive standing(const Pose2& first, const Pose2& last, std::int64_t period = 400'000) {
   SurveyDrive drive;
   for (int i = 0; i < 12; ++i) {
-    drive.odometry.push_back({1'000'000 + 100'000 * i, 1, {i < 10 ? 0.0 : 0.1, 0.0, 0.0}, 0.0, 0.0});
+    drive.odometry.push_back({1'000'000 + period * i, 1, {i < 10 ? 0.0 : 0.1, 0.0, 0.0}, 0.0, 0.0});
   }
   for (int i = 0; i < 5; ++i) {
     FixtureSighting sighting;
     sighting.robot_from_fixture = i < 3 ? first : last;
-    drive.frames.push_back({1'010'000 + 100'000 * i, {sighting}});
+    drive.frames.push_back({1'010'000 + period * i, {sighting}});
   }
   return drive;
 }
@@ -65,6 +65,20 @@ TEST(CarrySearch, FindsThatItWasLiftedWhereItStood) {
   EXPECT_THAT(find_lifts(standing({0.2, 0.0, 0.0}, {0.2, 0.0, kPi})), testing::IsEmpty());  // half a turn is none
   EXPECT_EQ(find_lifts(standing({0.2, 0.0, 0.0}, {-0.3, 0.2, 0.0})).size(), 1u);
   EXPECT_EQ(find_lifts(standing({0.2, 0.0, 0.0}, {0.2, 0.0, 1.0})).size(), 1u);
+}
+
+TEST(CarrySearch, TakesNoTurnForALift) {
+  const std::int64_t short_while = 50'000;  // [us] between two readings of the wheels
+  EXPECT_THAT(find_lifts(standing({0.2, 0.0, 0.0}, {-0.3, 0.2, 0.0}, short_while)), testing::IsEmpty());
+  SurveyDrive drive = standing({0.2, 0.0, 0.0}, {-0.8, 0.2, 0.0});
+  for (SightingFrame& frame : drive.frames) {  // both are in view all the time, now one is whole and now the other
+    FixtureSighting other = frame.sightings.front();
+    other.robot_from_fixture.x = other.robot_from_fixture.x > 0.0 ? -0.8 : 0.2;
+    other.robot_from_fixture.y = 0.2 - other.robot_from_fixture.y;
+    other.clipped = true;
+    frame.sightings.push_back(other);
+  }
+  EXPECT_THAT(find_lifts(drive), testing::IsEmpty());
 }
 
 TEST(CarrySearch, IsNotMisledByAFixtureThatIsSeenBesideItsPlace) {
