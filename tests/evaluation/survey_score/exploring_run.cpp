@@ -97,8 +97,19 @@ std::vector<bool> driven_over(const GridGeometry& geometry, const std::vector<Po
   return marks;
 }
 
-double known_share(const WorldTruth& world, const std::vector<Pose2>& path, const PriorMap& map,
-                   const Pose2& survey_from_truth) {
+Eigen::Vector2d middle_of(const std::vector<ScoredFixture>& fixtures) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const ScoredFixture& scored : fixtures) {
+    sum += scored.fixture.world_from_fixture.position() / static_cast<double>(fixtures.size());
+  }
+  return sum;
+}
+
+/// The map is laid on the floor by its fixtures, its scale taken out: how large it is, the score of the fixtures says.
+double known_share(const WorldTruth& world, const std::vector<Pose2>& path, const WrittenFolder& written,
+                   const SurveyScore& score) {
+  const Pose2 survey_from_truth = score.truth_from_survey.inverse();
+  const Eigen::Vector2d middle = middle_of(written.fixtures);
   const GridGeometry& geometry = world.walls.geometry;
   const std::vector<bool> reachable = reachable_cells(world.walls, world.start.position(), kRobotRadius);
   const std::vector<bool> driven = driven_over(geometry, path);
@@ -108,7 +119,9 @@ double known_share(const WorldTruth& world, const std::vector<Pose2>& path, cons
     if (reachable[i]) {
       const Cell cell{static_cast<int>(i) % geometry.columns, static_cast<int>(i) / geometry.columns};
       floor += 1.0;
-      known += driven[i] || map.at(survey_from_truth * geometry.centre_of(cell)) == Prior::kFree ? 1.0 : 0.0;
+      const Eigen::Vector2d rigid = survey_from_truth * geometry.centre_of(cell);
+      const bool is_known = written.map.at(middle + (1.0 + score.scale) * (rigid - middle)) == Prior::kFree;
+      known += driven[i] || is_known ? 1.0 : 0.0;
     }
   }
   return known / std::max(1.0, floor);
@@ -157,7 +170,7 @@ void judge(const WorldTruth& world, const Witness& witness, const ExploringOptio
     }
     result.score = score_survey(written->fixtures, world, path, begin * written->begin.inverse());
     result.found = static_cast<int>(written->fixtures.size()) - result.score.doubled - result.score.invented;
-    result.floor_share = known_share(world, path, written->map, result.score.truth_from_survey.inverse());
+    result.floor_share = known_share(world, path, *written, result.score);
   }
   if (!options.picture_file.empty()) {
     draw(options.picture_file, world, path, written, result.score.truth_from_survey);
