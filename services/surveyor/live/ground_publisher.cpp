@@ -1,6 +1,5 @@
 #include "services/surveyor/live/ground_publisher.hpp"
 
-#include <cmath>
 #include <luminav/pose_t.hpp>
 
 #include "services/common/process/channels.hpp"
@@ -8,9 +7,7 @@
 namespace luminav {
 namespace {
 
-constexpr double kEstimateSigma = 0.05;            // [m] of the robot beside what it passed lately, by an estimate,
-constexpr double kEstimateHeading = radians(0.5);  // [rad] and of its heading
-constexpr double kLostVariance = 1e6;              // [m^2, rad^2]
+constexpr double kLostVariance = 1e6;  // [m^2, rad^2]
 
 }  // namespace
 
@@ -37,19 +34,14 @@ void GroundPublisher::publish_pose(const OdometryReading& reading, const LiveGro
   message.covariance[0] = message.covariance[4] = message.covariance[8] = kLostVariance;
   message.reason = "the survey does not know where on its map the robot is";
   if (const auto& here = ground.here()) {
-    const double way = ground.since_estimate();
-    const double turn = errors_.odometry_heading * std::sqrt(way);
-    const double aside = turn * way / std::sqrt(3.0);  // what the heading's random walk comes to
     message.state = pose_t::STATE_TRACKING;
     message.estimator = pose_t::ESTIMATOR_KALMAN_FILTER;
     message.reason = "surveying";
     message.x = here->world_from_robot.x;
     message.y = here->world_from_robot.y;
     message.theta = here->world_from_robot.theta;
-    message.covariance[0] = message.covariance[4] =
-        kEstimateSigma * kEstimateSigma + errors_.odometry_position * errors_.odometry_position * way + aside * aside;
-    message.covariance[8] = kEstimateHeading * kEstimateHeading + turn * turn;
-    message.distance_since_fixture = way;
+    Eigen::Map<Eigen::Matrix3d>(message.covariance) = ground.covariance();  // symmetric: rows are columns
+    message.distance_since_fixture = ground.since_estimate();
   }
   lcm_.publish(channels::kPose, &message);
 }

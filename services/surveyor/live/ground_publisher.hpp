@@ -5,7 +5,6 @@
 #include <luminav/tile_request_t.hpp>
 #include <optional>
 
-#include "services/localizer/model/error_model.hpp"
 #include "services/mapper/tile_sender.hpp"
 #include "services/surveyor/live/live_ground.hpp"
 
@@ -14,7 +13,7 @@ namespace luminav {
 /// Publishes what localizer and mapper publish where a building is known: POSE and GRID_TILE of a survey.
 class GroundPublisher {
  public:
-  GroundPublisher(lcm::LCM& lcm, const ErrorParams& errors) : lcm_(lcm), errors_(errors) {}
+  explicit GroundPublisher(lcm::LCM& lcm) : lcm_(lcm) {}
 
   /// POSE at a reading and the tiles that are due. Nobody needs a POSE while a person drives: the controller would keep
   /// the robot from what is only half drawn.
@@ -26,7 +25,6 @@ class GroundPublisher {
   void publish_pose(const OdometryReading& reading, const LiveGround& ground);
 
   lcm::LCM& lcm_;
-  ErrorParams errors_;
   std::optional<TileSender> tiles_;
   int drawing_ = 0;  // that the tiles show
   std::int32_t sequence_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "services/surveyor/survey/key_frames.hpp"
@@ -11,6 +12,9 @@ namespace {
 
 constexpr double kMargin = 15.0;  // [m] of the grid beyond the path when it is drawn anew,
 constexpr double kNarrow = 6.0;   // [m] and what is left of it when it has to be: as far as a sonar hears, and a metre
+
+constexpr double kMaxDeadReckoning = 40.0;  // [m] from an estimate that knows where the drive ended
+constexpr double kLookSpacing = 0.2;        // [m] between places from which the ceiling was seen
 
 bool is_before(const OdometryReading& reading, std::int64_t utime) {
   return reading.utime < utime;
@@ -27,7 +31,7 @@ void draw(LiveEstimate& estimate, const SurveyLog& log, const SurveyModel& model
 }
 
 LiveGround::LiveGround(const SurveyModel& model)
-    : model_(model), wheels_(model.wheels), map_(model.robot, geometry_around({SurveyedPath::Stop{}}, kMargin)) {}
+    : model_(model), tracker_(model), map_(model.robot, geometry_around({SurveyedPath::Stop{}}, kMargin)) {}
 
 void LiveGround::add(const OdometryReading& reading) {
   const std::size_t before = stops_.size();
@@ -41,60 +45,71 @@ void LiveGround::add(const SonarEcho& echo) {
   map_.hear(echo);
 }
 
+void LiveGround::add(const SightingFrame& frame) {
+  waiting_.push_back(frame);
+  look();
+}
+
 void LiveGround::go_on(const OdometryReading& reading) {
-  const bool is_first = !last_;
-  const bool goes_on = last_ && here_ && reading.session == last_->session;
-  Pose2 pose;
+  const bool is_first = history_.is_empty();
+  const bool goes_on = !is_first && here_ && reading.session == history_.newest().session;
   if (goes_on) {
-    const Pose2 step = last_->odom_from_robot.inverse() * reading.odom_from_robot;
-    double distance = 0.0;
-    double turn = 0.0;
-    WheelCorrection::correct(wheels_.scale, wheels_.ratio, wheels_.base, model_.robot.wheel_base, signed_length(step),
-                             step.theta, distance, turn);
-    pose = here_->world_from_robot *
-           Pose2{distance * std::cos(0.5 * turn), distance * std::sin(0.5 * turn), wrap_angle(turn)};
-    since_estimate_ += std::abs(distance);
+    tracker_.drive(history_.newest(), reading);
   }
-  last_ = reading;
-  if (is_first || goes_on) {
-    here_ = SurveyedPath::Stop{reading.utime, 0, pose, reading.angular};
-    stops_.push_back(*here_);
-  } else {
+  history_.add(reading);
+  if (!is_first && !goes_on) {
     here_.reset();
+    return;
+  }
+  look();
+  here_ = SurveyedPath::Stop{reading.utime, 0, tracker_.belief().pose, reading.angular};
+  stops_.push_back(*here_);
+}
+
+void LiveGround::look() {
+  const auto offset = static_cast<std::int64_t>(std::lround(1e6 * model_.robot.camera.time_offset));
+  while (!waiting_.empty() && !history_.is_empty() && waiting_.front().utime + offset <= history_.newest().utime) {
+    if (const std::optional<OdometryReading> at = history_.at(waiting_.front().utime + offset)) {
+      tracker_.look(waiting_.front(), at->odom_from_robot.inverse() * history_.newest().odom_from_robot, at->linear,
+                    at->angular);
+    }
+    waiting_.pop_front();
   }
 }
 
 void LiveGround::take(LiveEstimate& estimate, const SurveyLog& log) {
   if (!estimate.end || !estimate.map) {
-    here_.reset();
-    return;
+    if (since_estimate() > kMaxDeadReckoning) {
+      here_.reset();
+    }
+    return;  // the next one may know: what the survey takes for a carry was often none
   }
-  const auto& [scale, ratio, base] = estimate.survey.estimate.wheels;
-  wheels_ = {scale, ratio, base};
   stops_ = std::move(estimate.path);
   map_ = *std::exchange(estimate.map, {});
   ++drawing_;
-  since_estimate_ = 0.0;
   // the estimate says where the drive ended then: what was driven since is laid out behind it
-  last_.reset();
-  const std::vector<OdometryReading>& odometry = log.drive.odometry;
   const std::int64_t end = estimate.end->utime;
-  auto reading = std::lower_bound(odometry.begin(), odometry.end(), end, is_before);
-  if (reading == odometry.end()) {
+  auto reading = std::lower_bound(log.drive.odometry.begin(), log.drive.odometry.end(), end, is_before);
+  if (reading == log.drive.odometry.end()) {
     here_.reset();
     return;
   }
   while (!stops_.empty() && stops_.back().utime >= end) {
     stops_.pop_back();
   }
+  tracker_.begin(estimate);
+  history_.clear();
+  history_.add(*reading);
   here_ = SurveyedPath::Stop{end, 0, estimate.world_from_robot, reading->angular};
-  last_ = *reading;
   stops_.push_back(*here_);
   for (const SonarEcho& echo : log.drive.echoes) {
     map_.hear(echo);
   }
   map_.go_on(*here_);
-  for (++reading; reading != odometry.end() && here_; ++reading) {
+  waiting_.clear();
+  std::copy_if(log.drive.frames.begin(), log.drive.frames.end(), std::back_inserter(waiting_),
+               [end](const SightingFrame& frame) { return frame.utime > end; });
+  for (++reading; reading != log.drive.odometry.end() && here_; ++reading) {
     add(*reading);
   }
 }
@@ -122,7 +137,8 @@ std::vector<Eigen::Vector2d> LiveGround::looks(const std::vector<SightingFrame>&
     const auto stop =
         std::lower_bound(stops_.begin(), stops_.end(), frame.utime,
                          [](const SurveyedPath::Stop& each, std::int64_t utime) { return each.utime < utime; });
-    if (stop != stops_.end()) {
+    if (stop != stops_.end() &&
+        (looks.empty() || (stop->world_from_robot.position() - looks.back()).norm() >= kLookSpacing)) {
       looks.push_back(stop->world_from_robot.position());
     }
   }

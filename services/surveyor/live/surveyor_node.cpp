@@ -29,7 +29,7 @@ SurveyorNode::SurveyorNode(lcm::LCM& lcm, const SurveyorConfig& config, std::opt
       collector_(config.source == SightingSource::kDetections ? DriveCollector() : DriveCollector(config.detector)),
       live_(config.model),
       ground_(config.model),
-      ground_publisher_(lcm, config.model.errors),
+      ground_publisher_(lcm),
       commands_(lcm, key),
       driving_{Exploration(config.exploration)},
       is_finished_(std::filesystem::exists(config.folder / "building.toml")),
@@ -112,12 +112,14 @@ void SurveyorNode::on_sonar(const sonar_t& message) {
 void SurveyorNode::on_camera_image(const camera_image_t& message) {
   if (is_recording() && collector_.add(message)) {
     record(channels::kCameraImage, message);
+    ground_.add(collector_.so_far().drive.frames.back());
   }
 }
 
 void SurveyorNode::on_fixture_detections(const fixture_detections_t& message) {
   if (is_recording() && collector_.add(message)) {
     record(channels::kFixtureDetections, message);
+    ground_.add(collector_.so_far().drive.frames.back());
   }
 }
 

@@ -37,7 +37,7 @@ class GroundPublisherTest : public testing::Test {
   lcm::LCM lcm_{"memq://"};
   SurveyModel model_ = model();
   LiveGround ground_{model_};
-  GroundPublisher publisher_{lcm_, model_.errors};
+  GroundPublisher publisher_{lcm_};
   pose_t pose_{};
   int tiles_ = 0;
   bool is_exploring_ = true;
