@@ -13,14 +13,14 @@ namespace luminav {
 
 struct ExplorationParams {
   FrontierParams search;
-  /// Evidence above which a cell is occupied, weaker walls taken for doors one after the other: echoes of its posts
-  /// draw a door shut, but not as surely as a wall. The first is the mapper's own.
-  std::vector<double> walls = {0.8, 1.8, 2.4};
+  /// Tried one after the other when nothing is left: echoes of a door's posts draw it narrow or shut, but not as surely
+  /// as a wall. The first is the planner's own.
+  std::vector<Leniency> leniencies = {{0.8, 0.25, 0.3}, {2.4, 0.15, 0.7}, {3.2, 0.15, 0.7}};
   double search_period = 1.0;  ///< [s]
   double spent_share = 0.3;    ///< a goal from which less than that share of what was hoped for is left is dropped
-  double patience = 45.0;      ///< [s] without coming nearer, until another goal is taken
+  double patience = 20.0;      ///< [s] at one place on the way, until another goal is taken
+  double dwell = 3.0;          ///< [s] at a goal that shows nothing, until that is believed
   int looks = 3;               ///< around in a row that find nothing, until that is believed
-  int max_attempts = 6;        ///< at one place, good or bad, after which it is left alone
 };
 
 /// What the planner says of the goal that it has.
@@ -29,7 +29,7 @@ struct GoalNews {
   bool is_over = false;
   bool has_arrived = false;
   bool is_paused = false;
-  double distance_left = 0.0;  // [m]
+  std::optional<Eigen::Vector2d> target;  // [m] world, of a goal that is not over
   std::string cause;
 };
 
@@ -49,7 +49,8 @@ struct Surroundings {
 };
 
 /// Explores: goes where most is to be seen for the way there until nothing that it can reach is left, tries doors that
-/// its sonars drew shut, drives home to where the survey began and is finished. Who takes the robot ends it.
+/// its sonars drew shut, drives home to where the survey began and is finished. Who takes the robot elsewhere ends it;
+/// who pauses it or engages a stop has it wait.
 class Exploration {
  public:
   enum class Phase { kIdle, kLooking, kDriving, kHome, kFinished };
@@ -77,38 +78,29 @@ class Exploration {
   [[nodiscard]] const OpenFloor& open_floor() const { return floor_; }
 
  private:
-  /// What could not be seen from a place, or on the way there.
-  struct Failure {
-    std::vector<Eigen::Vector2d> cells;  // [m] world
-    int drawing = 0;                     // until another one, or
-    bool is_final = false;               // for good
-  };
   void go(std::int64_t now, const Eigen::Vector2d& position);
+  [[nodiscard]] bool is_mine(const GoalNews& news) const;
   /// True when nothing more comes of the goal.
-  [[nodiscard]] bool judge_goal(std::int64_t now);
-  /// The goal was not what was hoped for: the robot drives into what is left there, then that is given up.
-  void note_failure(std::int64_t now, const FrontierSearch& found);
+  [[nodiscard]] bool judge_goal(std::int64_t now, const Eigen::Vector2d& robot);
   void choose(std::int64_t now, const FrontierSearch& found);
   void drive_home(std::int64_t now, bool is_over, bool has_moved);
-  [[nodiscard]] int attempts_at(const Eigen::Vector2d& position) const;
-  [[nodiscard]] std::vector<Eigen::Vector2d> given_up() const;
 
   ExplorationParams params_;
   Phase phase_ = Phase::kIdle;
   std::optional<ExploreGoal> request_;
   std::int64_t goal_id_ = 0;
+  Eigen::Vector2d sent_ = Eigen::Vector2d::Zero();  // [m] world, where to
   Prospect goal_;
-  std::vector<Eigen::Vector2d> hoped_;     // [m] world, cells that were open round the goal when it was chosen
-  std::vector<Eigen::Vector2d> attempts_;  // [m] world, goals that came to an end, good or bad
-  bool looks_closer_ = false;              // it was there, and drives into what is left
+  std::vector<Eigen::Vector2d> hoped_;  // [m] world, cells that were open round the goal when it was chosen
+  TriedFloor tried_;
   int drawing_ = 0;
   std::optional<GoalNews> news_;
-  std::int64_t searched_ = 0;  // [us]
-  double min_left_ = 0.0;      // [m] of the way to the goal,
-  std::int64_t progress_ = 0;  // [us] and when it came that near
-  int empty_ = 0;              // looks in a row that found nothing
-  std::size_t wall_ = 0;       // which of the walls
-  std::vector<Failure> failures_;
+  std::int64_t searched_ = 0;                        // [us]
+  Eigen::Vector2d stood_ = Eigen::Vector2d::Zero();  // [m] world, where the robot was
+  std::int64_t progress_ = 0;                        // [us] when it moved on last
+  std::int64_t arrived_ = 0;                         // [us] there; 0: not yet
+  int empty_ = 0;                                    // looks in a row that found nothing
+  std::size_t leniency_ = 0;                         // which of them
   OpenFloor floor_;
   std::string sentence_;
 };

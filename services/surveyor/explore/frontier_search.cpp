@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <limits>
 
 #include "services/planner/search/cost_field.hpp"
 #include "services/planner/space/configuration_space.hpp"
@@ -12,10 +12,31 @@ namespace {
 
 constexpr int kSeedReach = 6;         // [cells] a robot beside an obstacle starts from the nearest place with room
 constexpr double kWindowShare = 0.8;  // half the side of the square that counts as seen from a place, by view_radius
-constexpr double kGivenUp = 0.3;      // [m] around a cell that was given up: an estimate may shift the map a little
+constexpr double kNone = std::numeric_limits<double>::infinity();
 
-/// Costs of the way from the robot over known floor with room for it.
-CostField ways_from(const ConfigurationSpace& space, const Cell& robot) {
+ConfigurationSpace space_of(const OccupancyGrid& grid, const FrontierParams& params, const Leniency& leniency,
+                            bool unknown_is_free) {
+  ConfigurationSpaceParams room;
+  room.hard_radius = leniency.radius;
+  room.occupied_log_odds = leniency.occupied_log_odds;
+  room.free_log_odds = params.known_log_odds;
+  room.unknown_is_free = unknown_is_free;
+  return {room, grid, {}, true, !unknown_is_free};
+}
+
+/// Lengths [m] of the ways from some cells to all others.
+std::vector<double> ways_from(const ConfigurationSpace& space, const std::vector<CostSeed>& seeds) {
+  CostField field;
+  grow_cost_field(space.terrain(), seeds, {}, field);
+  const double metres = space.geometry().resolution / (5.0 * ConfigurationSpace::kFreePrice);
+  std::vector<double> ways(field.stored.size(), kNone);
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    ways[i] = field.is_reached(i) ? metres * field.cost(i) : kNone;
+  }
+  return ways;
+}
+
+std::vector<CostSeed> seeds_near(const ConfigurationSpace& space, const Cell& robot) {
   std::vector<CostSeed> seeds;
   int nearest = kSeedReach * kSeedReach + 1;
   for (int dr = -kSeedReach; dr <= kSeedReach; ++dr) {
@@ -27,70 +48,86 @@ CostField ways_from(const ConfigurationSpace& space, const Cell& robot) {
       }
     }
   }
-  CostField field;
-  grow_cost_field(space.terrain(), seeds, {}, field);
-  return field;
+  return seeds;
 }
 
 }  // namespace
 
-FrontierSearch::FrontierSearch(const FrontierParams& params, const OccupancyGrid& grid, double occupied_log_odds,
-                               const std::vector<Eigen::Vector2d>& looks, const std::vector<Eigen::Vector2d>& given_up,
+FrontierSearch::FrontierSearch(const FrontierParams& params, const OccupancyGrid& grid, const Leniency& leniency,
+                               const std::vector<Eigen::Vector2d>& looks, const TriedFloor& tried,
                                const Eigen::Vector2d& robot)
-    : params_(params), geometry_(grid.geometry) {
-  ConfigurationSpaceParams room;
-  room.hard_radius = params.hard_radius;
-  room.occupied_log_odds = occupied_log_odds;
-  room.free_log_odds = params.known_log_odds;
-  ConfigurationSpace known(room, grid, {});
-  room.unknown_is_free = true;
-  const ConfigurationSpace hoped(room, grid, {}, true, false);
-  const CostField ways = ways_from(known, geometry_.cell_at(robot));
-  std::vector<std::uint8_t> seen(geometry_.size(), 0);
-  mark_around(looks, params.view_radius, seen);
-  std::vector<std::uint8_t> left(geometry_.size(), 0);
-  mark_around(given_up, kGivenUp, left);
+    : params_(params), min_gain_(leniency.min_gain), geometry_(grid.geometry), worth_(geometry_.size(), 0.0) {
+  const ConfigurationSpace known = space_of(grid, params, {params.occupied_log_odds, params.hard_radius}, false);
+  ways_ = ways_from(known, seeds_near(known, geometry_.cell_at(robot)));
+  find_open(grid, leniency, looks);
+  lower_what_was_tried(tried);
+  count_frontiers();
+  sum_up();
+  choose_best();
+}
 
-  worth_.assign(geometry_.size(), 0.0);
-  std::vector<std::size_t> frontier;
+void FrontierSearch::find_open(const OccupancyGrid& grid, const Leniency& leniency,
+                               const std::vector<Eigen::Vector2d>& looks) {
   const double cell_area = geometry_.resolution * geometry_.resolution;
-  for (int row = 1; row + 1 < geometry_.rows; ++row) {
-    for (int column = 1; column + 1 < geometry_.columns; ++column) {
-      const std::size_t i = geometry_.index({column, row});
-      const bool is_reached = ways.is_reached(i);
-      floor_.reachable += is_reached ? cell_area : 0.0;
-      if (left[i] != 0) {
-        continue;
-      }
-      if (is_reached && seen[i] == 0) {
-        worth_[i] = cell_area;
-        floor_.unseen += cell_area;
-      }
-      const auto across = static_cast<std::size_t>(geometry_.columns);
-      const bool is_beside = ways.is_reached(i - 1) || ways.is_reached(i + 1) || ways.is_reached(i - across) ||
-                             ways.is_reached(i + across);
-      if (!is_reached && is_beside && known.is_blocked({column, row}) && !hoped.is_blocked({column, row})) {
-        worth_[i] = params.frontier_weight * cell_area;
-        frontier.push_back(i);
-      }
+  std::vector<std::uint8_t> seen(geometry_.size(), 0);
+  mark_around(looks, params_.view_radius, seen);
+  std::vector<CostSeed> reached;
+  for (std::size_t i = 0; i < ways_.size(); ++i) {
+    if (ways_[i] < kNone) {
+      floor_.reachable += cell_area;
+      worth_[i] = seen[i] == 0 ? cell_area : 0.0;
+      floor_.unseen += worth_[i];
+      reached.push_back({cell_of(i), 0});
     }
   }
-  count_frontiers(frontier);
-  sum_up();
+  const ConfigurationSpace passable = space_of(grid, params_, leniency, true);
+  const ConfigurationSpace roomy = space_of(grid, params_, {leniency.occupied_log_odds, params_.hard_radius}, true);
+  const std::vector<double> beyond = ways_from(passable, reached);
+  for (std::size_t i = 0; i < beyond.size(); ++i) {
+    if (beyond[i] > 0.0 && beyond[i] <= params_.frontier_depth && ways_[i] == kNone && !roomy.is_blocked(cell_of(i))) {
+      worth_[i] = params_.frontier_weight * cell_area;
+      frontier_.push_back(i);
+    }
+  }
+}
+
+void FrontierSearch::lower_what_was_tried(const TriedFloor& tried) {
+  for (std::size_t i = 0; i < worth_.size(); ++i) {
+    if (worth_[i] > 0.0) {
+      const int tries = tried.tries(geometry_.centre_of(cell_of(i)));
+      worth_[i] *= tries < params_.max_tries ? std::pow(params_.retry_share, tries) : 0.0;
+    }
+  }
+}
+
+void FrontierSearch::choose_best() {
   double best = 0.0;
-  const double metres = geometry_.resolution / (5.0 * ConfigurationSpace::kFreePrice);
-  for (std::size_t i = 0; i < geometry_.size(); ++i) {
-    if (!ways.is_reached(i)) {
+  std::optional<Cell> centre;
+  for (std::size_t i = 0; i < ways_.size(); ++i) {
+    if (ways_[i] == kNone) {
       continue;
     }
-    const Cell cell{static_cast<int>(i) % geometry_.columns, static_cast<int>(i) / geometry_.columns};
-    const double gain = window(cell);
-    const double value = gain / (params.fixed_cost + metres * ways.cost(i));
-    if (gain >= params.min_gain && value > best) {
+    const double gain = window(cell_of(i));
+    const double value = gain / (params_.fixed_cost + ways_[i]);
+    if (gain >= min_gain_ && value > best) {
       best = value;
-      floor_.best = {geometry_.centre_of(cell), gain};
+      centre = cell_of(i);
+      floor_.best = Prospect{geometry_.centre_of(*centre), gain};
     }
   }
+  if (!centre) {
+    return;
+  }
+  best_cells_ = open_cells(*centre);
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& cell : best_cells_) {
+    middle += worth_at(cell) / floor_.best->gain * cell;
+  }
+  // silence takes nothing away along a smooth wall: what is open is to be driven into, not looked at
+  floor_.best->position = *std::min_element(best_cells_.begin(), best_cells_.end(),
+                                            [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+                                              return (a - middle).squaredNorm() < (b - middle).squaredNorm();
+                                            });
 }
 
 void FrontierSearch::mark_around(const std::vector<Eigen::Vector2d>& points, double radius,
@@ -110,13 +147,13 @@ void FrontierSearch::mark_around(const std::vector<Eigen::Vector2d>& points, dou
   }
 }
 
-void FrontierSearch::count_frontiers(const std::vector<std::size_t>& frontier) {
+void FrontierSearch::count_frontiers() {
   std::vector<std::uint8_t> is_open(geometry_.size(), 0);
-  for (const std::size_t i : frontier) {
-    is_open[i] = 1;
+  for (const std::size_t i : frontier_) {
+    is_open[i] = worth_[i] > 0.0 ? 1 : 0;
   }
   std::vector<std::size_t> pending;
-  for (const std::size_t begin : frontier) {
+  for (const std::size_t begin : frontier_) {
     if (is_open[begin] == 0) {
       continue;
     }
@@ -137,7 +174,7 @@ void FrontierSearch::count_frontiers(const std::vector<std::size_t>& frontier) {
         }
       }
     }
-    floor_.frontiers += area >= params_.min_gain ? 1 : 0;
+    floor_.frontiers += area >= min_gain_ ? 1 : 0;
   }
 }
 
@@ -169,13 +206,17 @@ double FrontierSearch::window(const Cell& centre) const {
   return sum(right, high) - sum(left, high) - sum(right, low) + sum(left, low);
 }
 
+Cell FrontierSearch::cell_of(std::size_t index) const {
+  const auto columns = static_cast<std::size_t>(geometry_.columns);
+  return {static_cast<int>(index % columns), static_cast<int>(index / columns)};
+}
+
 int FrontierSearch::reach() const {
   return static_cast<int>(std::floor(kWindowShare * params_.view_radius / geometry_.resolution));
 }
 
-std::vector<Eigen::Vector2d> FrontierSearch::open_cells(const Eigen::Vector2d& position) const {
+std::vector<Eigen::Vector2d> FrontierSearch::open_cells(const Cell& centre) const {
   std::vector<Eigen::Vector2d> cells;
-  const Cell centre = geometry_.cell_at(position);
   for (int row = centre.row - reach(); row <= centre.row + reach(); ++row) {
     for (int column = centre.column - reach(); column <= centre.column + reach(); ++column) {
       if (geometry_.contains({column, row}) && worth_[geometry_.index({column, row})] > 0.0) {
@@ -189,13 +230,6 @@ std::vector<Eigen::Vector2d> FrontierSearch::open_cells(const Eigen::Vector2d& p
 double FrontierSearch::worth_at(const Eigen::Vector2d& position) const {
   const Cell cell = geometry_.cell_at(position);
   return geometry_.contains(cell) ? worth_[geometry_.index(cell)] : 0.0;
-}
-
-std::vector<Eigen::Vector2d> FrontierSearch::still_open(const std::vector<Eigen::Vector2d>& cells) const {
-  std::vector<Eigen::Vector2d> open;
-  std::copy_if(cells.begin(), cells.end(), std::back_inserter(open),
-               [&](const Eigen::Vector2d& cell) { return worth_at(cell) > 0.0; });
-  return open;
 }
 
 double FrontierSearch::gain_of(const std::vector<Eigen::Vector2d>& cells) const {

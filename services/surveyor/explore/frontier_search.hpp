@@ -5,21 +5,32 @@
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
+#include "services/surveyor/explore/tried_floor.hpp"
 
 namespace luminav {
 
 struct FrontierParams {
-  double hard_radius = 0.25;     ///< [m] the robot's middle keeps that far from what is occupied, as the planner's
-  double view_radius = 1.0;      ///< [m] round the robot the ceiling was seen when an image was taken
-  double known_log_odds = -0.6;  ///< evidence below makes a cell known as free, as the planner's
-  double frontier_weight = 5.0;  ///< a cell of unknown floor counts as so many whose ceiling was not seen
-  double min_gain = 0.20;        ///< [m^2] less is not worth going for
-  double fixed_cost = 1.0;       ///< [m] of way that each goal costs beside its path
+  double hard_radius = 0.25;       ///< [m] the robot's middle keeps that far from what is occupied, as the planner's
+  double occupied_log_odds = 0.8;  ///< evidence above makes a cell occupied, as the planner's
+  double known_log_odds = -0.6;    ///< evidence below makes a cell known as free, as the planner's
+  double view_radius = 1.0;        ///< [m] round the robot the ceiling was seen when an image was taken
+  double frontier_depth = 1.2;     ///< [m] so far beyond floor that it reaches, unknown floor counts
+  double frontier_weight = 2.0;    ///< a cell of it counts as so many whose ceiling was not seen
+  double fixed_cost = 1.0;         ///< [m] of way that each goal costs beside its path
+  double retry_share = 0.5;        ///< what was tried in vain counts by that less each time
+  int max_tries = 3;               ///< and no more after so many
+};
+
+/// What may be a way although the map has none for the robot there: walls of less evidence, gaps of less width.
+struct Leniency {
+  double occupied_log_odds = 0.8;  ///< evidence above makes a wall
+  double radius = 0.25;            ///< [m] from the middle of a gap to what bounds it
+  double min_gain = 0.3;           ///< [m^2] less is not worth going for
 };
 
 /// A place and what is to be seen from there.
 struct Prospect {
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // [m] world, known floor that the robot can reach
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // [m] world
   double gain = 0.0;                                   // [m^2] of ceiling not seen yet, unknown floor at its weight
 };
 
@@ -32,35 +43,41 @@ struct OpenFloor {
 };
 
 /// Looks where it is worth going: reachable floor is known as free, has room for the robot, and hangs together with
-/// where the robot is; a frontier is unknown floor beside it with room for the robot (Yamauchi 1997), and the ceiling
-/// counts as seen around the places where images were taken. `given_up` are cells' centres [m, world] that count no
-/// more. What is occupied is what has evidence above `occupied_log_odds`.
+/// where the robot is; a frontier is unknown floor behind it with room for the robot (Yamauchi 1997), and the ceiling
+/// counts as seen around the places where images were taken.
 class FrontierSearch {
  public:
-  FrontierSearch(const FrontierParams& params, const OccupancyGrid& grid, double occupied_log_odds,
-                 const std::vector<Eigen::Vector2d>& looks, const std::vector<Eigen::Vector2d>& given_up,
-                 const Eigen::Vector2d& robot);
+  FrontierSearch(const FrontierParams& params, const OccupancyGrid& grid, const Leniency& leniency,
+                 const std::vector<Eigen::Vector2d>& looks, const TriedFloor& tried, const Eigen::Vector2d& robot);
 
   [[nodiscard]] const OpenFloor& open_floor() const { return floor_; }
-  /// Those of some cells [m, world] that are open now, and what they count [m^2].
-  [[nodiscard]] std::vector<Eigen::Vector2d> still_open(const std::vector<Eigen::Vector2d>& cells) const;
+  /// What some cells [m, world] are worth now [m^2].
   [[nodiscard]] double gain_of(const std::vector<Eigen::Vector2d>& cells) const;
-  /// Centres [m, world] of the open cells that are to be seen from a place.
-  [[nodiscard]] std::vector<Eigen::Vector2d> open_cells(const Eigen::Vector2d& position) const;
+  /// Centres [m, world] of the open cells that the best place is for.
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& best_cells() const { return best_cells_; }
 
  private:
   [[nodiscard]] double worth_at(const Eigen::Vector2d& position) const;  // [m^2]
   void mark_around(const std::vector<Eigen::Vector2d>& points, double radius, std::vector<std::uint8_t>& marks) const;
-  void count_frontiers(const std::vector<std::size_t>& frontier);
+  void find_open(const OccupancyGrid& grid, const Leniency& leniency, const std::vector<Eigen::Vector2d>& looks);
+  void lower_what_was_tried(const TriedFloor& tried);
+  void count_frontiers();
   void sum_up();
+  void choose_best();
+  [[nodiscard]] std::vector<Eigen::Vector2d> open_cells(const Cell& centre) const;
   [[nodiscard]] double window(const Cell& centre) const;
+  [[nodiscard]] Cell cell_of(std::size_t index) const;
   [[nodiscard]] int reach() const;
 
   FrontierParams params_;
+  double min_gain_;  // [m^2]
   GridGeometry geometry_;
-  std::vector<double> worth_;  // [m^2] per cell
-  std::vector<double> sums_;   // of these from the lower left corner, a row and a column more
+  std::vector<double> ways_;           // [m] from the robot over known floor with room for it; infinite: none
+  std::vector<double> worth_;          // [m^2] per cell
+  std::vector<std::size_t> frontier_;  // unknown cells behind it
+  std::vector<double> sums_;           // of worth_ from the lower left corner, a row and a column more
   OpenFloor floor_;
+  std::vector<Eigen::Vector2d> best_cells_;
 };
 
 }  // namespace luminav

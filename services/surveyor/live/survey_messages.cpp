@@ -98,7 +98,9 @@ GoalNews news_of(const navigation_status_t& message, bool may_drive) {
       message.state >= navigation_status_t::STATE_ARRIVED && message.state <= navigation_status_t::STATE_LOST;
   news.has_arrived = message.state == navigation_status_t::STATE_ARRIVED;
   news.is_paused = message.state == navigation_status_t::STATE_PAUSED || !may_drive;
-  news.distance_left = message.distance_left;
+  if (message.has_target != 0) {
+    news.target = Eigen::Vector2d(message.x, message.y);
+  }
   news.cause = message.cause;
   return news;
 }
