@@ -43,8 +43,7 @@ SurveyorNode::SurveyorNode(lcm::LCM& lcm, const SurveyorConfig& config, std::opt
   subscriber_.on<robot_status_t>(channels::kRobotStatus, &SurveyorNode::on_robot_status, this);
   subscriber_.on<tile_request_t>(channels::kTileRequest, &SurveyorNode::on_tile_request, this);
   // not before: what is sent while a long log is read waits in LCM's queues, and leaves no gap
-  log_.emplace(config.log_file(),
-               [this](const LogEvent& event) { collector_.add(event.channel, event.data.data(), event.data.size()); });
+  log_.emplace(config.log_file(), [this](const LogEvent& event) { read(event); });
   for (const OdometryReading& reading : collector_.so_far().drive.odometry) {
     live_.add(reading);
     ground_.add(reading);
@@ -52,6 +51,28 @@ SurveyorNode::SurveyorNode(lcm::LCM& lcm, const SurveyorConfig& config, std::opt
   }
   ground_.redraw(collector_.so_far());
   take_results();
+}
+
+void SurveyorNode::read(const LogEvent& event) {
+  collector_.add(event.channel, event.data.data(), event.data.size());
+  survey_command_t command{};
+  if (event.channel == channels::kSurveyCommand &&
+      command.decode(event.data.data(), 0, static_cast<int>(event.data.size())) > 0 &&
+      (command.action == survey_command_t::ACTION_EXPLORE || command.action == survey_command_t::ACTION_STAY)) {
+    driving_.is_told = true;
+    driving_.is_noted = driving_.is_wanted = command.action == survey_command_t::ACTION_EXPLORE;
+  }
+}
+
+void SurveyorNode::note_who_drives() {
+  const bool is_active = driving_.is_wanted || driving_.exploration.is_active();
+  if (is_active != driving_.is_noted) {
+    driving_.is_noted = is_active;
+    survey_command_t command{};
+    command.utime = now_;
+    command.action = is_active ? survey_command_t::ACTION_EXPLORE : survey_command_t::ACTION_STAY;
+    record(channels::kSurveyCommand, command);
+  }
 }
 
 Health SurveyorNode::health() const {
@@ -84,6 +105,7 @@ void SurveyorNode::on_odometry(const odometry_t& message) {
     now_ = message.utime;
     take_results();
     explore();
+    note_who_drives();
     ground_publisher_.publish(reading, ground_, driving_.exploration.is_active());
   }
   now_ = message.utime;
@@ -138,7 +160,7 @@ void SurveyorNode::on_tile_request(const tile_request_t& message) {
 }
 
 void SurveyorNode::explore() {
-  if (driving_.is_wanted) {
+  if (driving_.is_wanted && !work_.under_way()) {  // of a long log the estimate comes first
     driving_.is_wanted = false;
     driving_.exploration.begin();
   }
@@ -198,6 +220,7 @@ std::string SurveyorNode::obey(const survey_command_t& command) {
     return "";
   }
   if (command.action == survey_command_t::ACTION_STAY) {
+    driving_.is_wanted = false;
     driving_.exploration.end(now_, "exploring ended by somebody; the survey goes on");
     return "";
   }

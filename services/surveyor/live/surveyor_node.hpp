@@ -42,8 +42,8 @@ class SurveyorNode {
   /// Waits until nothing is being estimated or written, and takes it over.
   void settle();
 
-  /// Explores as soon as the robot is heard.
-  void explore_at_once() { driving_.is_wanted = true; }
+  /// Explores as soon as the robot is heard, unless the log says who drove last.
+  void explore_at_once() { driving_.is_wanted = driving_.is_wanted || !driving_.is_told; }
   [[nodiscard]] bool is_finished() const { return is_finished_; }
 
   [[nodiscard]] const std::vector<std::string>& channels() const { return subscriber_.channels(); }
@@ -54,6 +54,8 @@ class SurveyorNode {
   struct Driving {
     Exploration exploration;
     bool is_wanted = false;   // as soon as the robot is heard
+    bool is_told = false;     // the log says who drove last,
+    bool is_noted = false;    // and that it is the robot
     bool is_allowed = false;  // no stop is engaged, and the motors are on
     std::int64_t asked = 0;   // [us] now_ when GOAL was sent last
   };
@@ -72,6 +74,10 @@ class SurveyorNode {
   template <typename Message>
   void record(const char* channel, const Message& message);
   void explore();
+  /// Takes a message of the log.
+  void read(const LogEvent& event);
+  /// Writes into the log who drives, if that has changed: a surveyor that is started again goes on.
+  void note_who_drives();
   void publish_goal();
   /// Why a command is not obeyed; "" = it is.
   std::string obey(const survey_command_t& command);

@@ -236,6 +236,27 @@ TEST_F(SurveyorNodeTest, KilledItGoesOnAsIfNothingHadHappened) {
   EXPECT_EQ(text("killed/survey.json"), text("whole/survey.json"));
 }
 
+TEST_F(SurveyorNodeTest, StartedAgainItGoesOnExploringIfItDid) {
+  {
+    SurveyorNode node(lcm_, config());
+    node.explore_at_once();
+    robot_.drive(0, 30);
+    EXPECT_TRUE(status_.is_exploring);
+  }
+  {
+    SurveyorNode node(lcm_, config());  // nobody says anything
+    robot_.drive(30, 60);
+    EXPECT_TRUE(status_.is_exploring);
+    command(survey_command_t::ACTION_STAY);
+    robot_.drive(60, 90);
+    EXPECT_FALSE(status_.is_exploring);
+  }
+  SurveyorNode node(lcm_, config());
+  node.explore_at_once();  // as it was started, but a person has stopped it since
+  robot_.drive(90, 120);
+  EXPECT_FALSE(status_.is_exploring);
+}
+
 TEST_F(SurveyorNodeTest, GoesOnBehindALogThatWasCut) {
   {
     SurveyorNode node(lcm_, config());
