@@ -15,7 +15,7 @@ struct ExplorationParams {
   FrontierParams search;
   /// Tried one after the other when nothing is left: echoes of a door's posts draw it narrow or shut, but not as surely
   /// as a wall. The first is the planner's own.
-  std::vector<Leniency> leniencies = {{0.8, 0.25, 0.3}, {2.4, 0.15, 0.7}, {3.2, 0.15, 0.7}};
+  std::vector<Leniency> leniencies = {{0.8, 1.0, 0.3}, {2.4, 0.6, 0.7}, {3.2, 0.6, 0.7}};
   double search_period = 1.0;  ///< [s]
   double spent_share = 0.3;    ///< a goal from which less than that share of what was hoped for is left is dropped
   double patience = 20.0;      ///< [s] at one place on the way, until another goal is taken

@@ -17,7 +17,7 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 ConfigurationSpace space_of(const OccupancyGrid& grid, const FrontierParams& params, const Leniency& leniency,
                             bool unknown_is_free) {
   ConfigurationSpaceParams room;
-  room.hard_radius = leniency.radius;
+  room.hard_radius = leniency.room * params.hard_radius;
   room.occupied_log_odds = leniency.occupied_log_odds;
   room.free_log_odds = params.known_log_odds;
   room.unknown_is_free = unknown_is_free;
@@ -57,7 +57,7 @@ FrontierSearch::FrontierSearch(const FrontierParams& params, const OccupancyGrid
                                const std::vector<Eigen::Vector2d>& looks, const TriedFloor& tried,
                                const Eigen::Vector2d& robot)
     : params_(params), min_gain_(leniency.min_gain), geometry_(grid.geometry), worth_(geometry_.size(), 0.0) {
-  const ConfigurationSpace known = space_of(grid, params, {params.occupied_log_odds, params.hard_radius}, false);
+  const ConfigurationSpace known = space_of(grid, params, {params.occupied_log_odds}, false);
   ways_ = ways_from(known, seeds_near(known, geometry_.cell_at(robot)));
   find_open(grid, leniency, looks);
   lower_what_was_tried(tried);
@@ -81,7 +81,7 @@ void FrontierSearch::find_open(const OccupancyGrid& grid, const Leniency& lenien
     }
   }
   const ConfigurationSpace passable = space_of(grid, params_, leniency, true);
-  const ConfigurationSpace roomy = space_of(grid, params_, {leniency.occupied_log_odds, params_.hard_radius}, true);
+  const ConfigurationSpace roomy = space_of(grid, params_, {leniency.occupied_log_odds}, true);
   const std::vector<double> beyond = ways_from(passable, reached);
   for (std::size_t i = 0; i < beyond.size(); ++i) {
     if (beyond[i] > 0.0 && beyond[i] <= params_.frontier_depth && ways_[i] == kNone && !roomy.is_blocked(cell_of(i))) {

@@ -24,7 +24,7 @@ struct FrontierParams {
 /// What may be a way although the map has none for the robot there: walls of less evidence, gaps of less width.
 struct Leniency {
   double occupied_log_odds = 0.8;  ///< evidence above makes a wall
-  double radius = 0.25;            ///< [m] from the middle of a gap to what bounds it
+  double room = 1.0;               ///< share of the hard radius from the middle of a gap to what bounds it
   double min_gain = 0.3;           ///< [m^2] less is not worth going for
 };
 

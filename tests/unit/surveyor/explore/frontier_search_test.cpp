@@ -73,7 +73,7 @@ TEST(FrontierSearch, TakesAGapForADoorWhenTold) {
     }
   }
   EXPECT_FALSE(FrontierSearch({}, grid, kWall, looks_everywhere(), {}, {2.0, 1.5}).open_floor().best);
-  const FrontierSearch lenient({}, grid, {.radius = 0.15}, looks_everywhere(), {}, {2.0, 1.5});
+  const FrontierSearch lenient({}, grid, {.room = 0.6}, looks_everywhere(), {}, {2.0, 1.5});
   ASSERT_TRUE(lenient.open_floor().best);
   EXPECT_GT(lenient.open_floor().best->position.x(), 4.8) << "behind it";
 }
