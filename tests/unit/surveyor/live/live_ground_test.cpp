@@ -120,6 +120,16 @@ TEST_F(LiveGroundTest, MakesRoomBeforeTheRobotLeavesItsGrid) {
   EXPECT_TRUE(is_wall(1.0, 1.0));
 }
 
+TEST_F(LiveGroundTest, KeepsItsPlaceWhereAnEstimateDoesNotKnowTheEnd) {
+  drive_to(11.0);
+  LiveEstimate estimate = estimate_so_far(log_, model_);
+  draw(estimate, log_, model_);
+  estimate.end.reset();
+  ground_.take(estimate, log_);
+  ASSERT_TRUE(ground_.here());
+  EXPECT_NEAR(ground_.since_estimate(), 11.0, 0.5);
+}
+
 TEST_F(LiveGroundTest, TellsWhereImagesWereTaken) {
   drive_to(3.0);
   const std::vector<Eigen::Vector2d> looks = ground_.looks(log_.drive.frames);
