@@ -119,14 +119,13 @@ void ModernDetector::look_for(bool bright, std::span<const int> levels, const Ce
                               DetectorTrace* trace) {
   tried_.clear();
   const double least = bright ? median_ + params_.lit_contrast : params_.unlit_contrast;
-  const Raster& cells = bright ? frame.reduced : frame.dark;
+  const Raster& cells = bright ? frame.reduced : limits_.is_eroded ? contrast_.eroded() : frame.dark;
   const int brightest = max_cell(cells);
   for (const int level : levels) {
     if (level >= brightest || level < least) {
       continue;
     }
-    const Cut cut{.level = level, .is_eroded = !bright && limits_.is_eroded};
-    for (const Region& region : finder_.find(cells, limits_.min_cells, cut)) {
+    for (const Region& region : finder_.find(cells, limits_.min_cells, level)) {
       if (limits_.may_be_a_kind(region, plane_) && !selection_.explains(middle_of(region, plane_))) {
         look_at_region(region, {level, bright}, frame, trace);
       }
