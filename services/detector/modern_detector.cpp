@@ -145,7 +145,6 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
                                 .bloom = layer.bright ? params_.max_bloom : 0.0,
                                 .min_visible = 0.7 * params_.min_visible,
                                 .min_width = layer.bright ? 0.0 : kMinAcross * shape_.cell_size() / limits_.factor,
-                                .may_be_broken = !layer.bright,
                                 .is_white = layer.bright && layer.level == kLitLevels.front()};
   const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(shape_, layer.bright, tolerance);
   if (hypotheses.empty()) {

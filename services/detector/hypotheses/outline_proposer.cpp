@@ -11,12 +11,11 @@ using Orientation = RegionShape::Orientation;
 using Extents = RegionShape::Extents;
 
 constexpr double kMinDepth = 0.3;       // of its width, of a fixture of which one long side is out of view
-constexpr double kMinStretch = 0.4;     // of its length
 constexpr double kMinWidth = 0.55;      // of a lamp: its light may fade towards its sides
 constexpr double kTube = 0.026;         // [m] T8
 constexpr double kMaxWidth = 1.9;       // of a narrow one: blur and bloom
-constexpr double kMinPart = 0.5;        // of a fixture, of its largest part where noise breaks it
-constexpr double kMinFillOfPart = 0.5;  // of a piece's rectangle: the border cuts off a corner, noise frays it
+constexpr double kMinFillOfPart = 0.5;  // of a piece's rectangle: the border cuts off a corner
+constexpr double kMinFillOfDark = 0.4;  // noise and grid lines fray it
 constexpr double kOfNarrow = 0.25;      // of the tolerance: grooves look like narrow lamps, seldom of their length
 constexpr double kMinFill = 0.68;       // of a region's rectangle, or of a disc's
 
@@ -62,13 +61,17 @@ void OutlineProposer::propose_whole(const Target& target, const RegionShape& sha
   const double bloom = std::max(0.0, seen_width - target.width());  // it makes things as much longer as wider
   const double longer = tolerance.bloom > 0.0 ? seen_length - kind.length - bloom : seen_length - kind.length;
   const double slack = tolerance.share * kind.length + std::max(tolerance.ragged, 1.5 * cell);
-  if (std::abs(longer) > slack || !widths_of(target.width(), target.tubes(), cell, tolerance).holds(seen_width)) {
+  const double area = target.scale * target.scale * shape.area();
+  const bool is_frayed = tolerance.bloom <= 0.0 && !shape.touches_border();
+  const Range widths = widths_of(target.width(), target.tubes(), cell, tolerance);
+  if (std::abs(longer) > slack || seen_width < widths.min ||
+      (is_frayed ? area / seen_length : seen_width) > widths.max) {
     return;
   }
   const bool round = kind.shape == FixtureShape::kRound;
   const double of_rectangle = round ? 0.25 * kPi : 1.0;
-  const double fill = target.scale * target.scale * shape.area() / (seen_length * seen_width * of_rectangle);
-  if (fill < (shape.touches_border() ? kMinFillOfPart : kMinFill)) {
+  const double fill = area / (seen_length * seen_width * of_rectangle);
+  if (fill < (is_frayed ? kMinFillOfDark : shape.touches_border() ? kMinFillOfPart : kMinFill)) {
     return;
   }
   OutlineHypothesis& hypothesis = add(target, orientation, e.middle_along(), e.middle_across());
@@ -86,9 +89,8 @@ void OutlineProposer::propose_cut(const Target& target, const RegionShape& shape
   const double seen_length = target.scale * e.length();
   const double seen_width = target.scale * e.width();
   const double cell = target.scale * shape.cell_size();
-  const double least = shape.touches_border() ? tolerance.min_visible : kMinPart;
   const double slack = tolerance.share * kind.length + tolerance.ragged + 2.0 * tolerance.bloom;
-  if (seen_length < least * kind.length || seen_length > kind.length + slack ||
+  if (seen_length < tolerance.min_visible * kind.length || seen_length > kind.length + slack ||
       !widths_of(target.width(), target.tubes(), cell, tolerance).holds(seen_width) ||
       shape.eroded_area() < kMinFillOfPart * e.length() * e.width()) {
     return;
@@ -117,7 +119,7 @@ void OutlineProposer::propose_from_one_side(const Target& target, const RegionSh
   const double seen_width = target.scale * e.width();
   const double most = tolerance.ragged + 2.0 * tolerance.bloom;
   if (seen_width < kMinDepth * kind.width || seen_width > kind.width + most ||
-      seen_length < kMinStretch * kind.length || seen_length > (1.0 + tolerance.share) * kind.length + most) {
+      seen_length < tolerance.min_visible * kind.length || seen_length > (1.0 + tolerance.share) * kind.length + most) {
     return;
   }
   const double half_bloom = 0.5 * tolerance.bloom;
@@ -172,14 +174,13 @@ void OutlineProposer::propose_kind(const Target& target, const RegionShape& shap
   SizeTolerance own = tolerance;
   if (is_narrow) {
     own.share *= kOfNarrow;
-    own.may_be_broken = false;
   }
   const std::vector<Orientation>& orientations = shape.orientations();
   for (std::size_t i = 0; i < orientations.size(); ++i) {
     if (bar || i % 2 == 0) {  // others look the same at right angles
       propose_whole(target, shape, orientations[i], own);
     }
-    if (bar && (shape.touches_border() || own.may_be_broken)) {
+    if (bar && shape.touches_border()) {
       propose_cut(target, shape, orientations[i], own);
     }
     if (bar && own.is_white && !shape.touches_border() && target.burning == 0) {
