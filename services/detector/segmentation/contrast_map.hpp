@@ -35,12 +35,12 @@ class ContrastMap {
   Raster mean_;    // of that
   Raster filled_;
   Raster closed_;
-  Raster surroundings_;
   Raster scratch_;
   Raster dark_;
   Raster eroded_;
   std::vector<int> sums_;
   std::vector<std::uint8_t> steps_;  // between neighbours
+  std::vector<std::uint8_t> level_;  // of the surroundings of a row
   double noise_ = 1.0;
 };
 

@@ -16,7 +16,6 @@ constexpr double kSoftMiddle = 0.007;  // [m] 1 sigma of where the burning half 
 // 1 sigma, of the distance between the centres of a single lamp and of a half-lit fixture, when it may be either
 constexpr double kOpenReading = 0.5;
 constexpr double kOpenPlace = 0.1;    // variance along of a piece without ends, of the length out of view squared
-constexpr double kOfOutset = 1.0;     // an end may bloom less than a side, or twice as much
 constexpr double kSameLength = 0.05;  // [m]
 constexpr double kSameWidth = 0.03;   // [m]
 
@@ -87,7 +86,7 @@ void DetectionBuilder::place_stretch(const Candidate& candidate, Extent& extent,
 /// From one end on: its bloom does not cancel, and other kinds of this width may be longer or shorter.
 void DetectionBuilder::place_by_one_end(const Candidate& candidate, Extent& extent, Detection& detection) const {
   const double outset = candidate.fit.placement.side_outset;
-  detection.covariance(0, 0) += std::pow(kOfOutset * outset, 2);
+  detection.covariance(0, 0) += outset * outset;  // an end may bloom less than a side, or twice as much
   const Extent lengths = lengths_of(candidate, extent.to - extent.from);
   const double inward = detection.far_end_visible ? -1.0 : 1.0;
   const double shift = 0.5 * inward * (0.5 * (lengths.from + lengths.to) - candidate.hypothesis.outline.length);
