@@ -15,7 +15,6 @@ constexpr double kMinWidth = 0.55;      // of a lamp: its light may fade towards
 constexpr double kTube = 0.026;         // [m] T8
 constexpr double kMaxWidth = 1.9;       // of a narrow one: blur and bloom
 constexpr double kMinFillOfPart = 0.5;  // of a piece's rectangle: the border cuts off a corner
-constexpr double kMinFillOfDark = 0.4;  // noise and grid lines fray it
 constexpr double kOfNarrow = 0.25;      // of the tolerance: grooves look like narrow lamps, seldom of their length
 constexpr double kMinFill = 0.68;       // of a region's rectangle, or of a disc's
 
@@ -61,17 +60,13 @@ void OutlineProposer::propose_whole(const Target& target, const RegionShape& sha
   const double bloom = std::max(0.0, seen_width - target.width());  // it makes things as much longer as wider
   const double longer = tolerance.bloom > 0.0 ? seen_length - kind.length - bloom : seen_length - kind.length;
   const double slack = tolerance.share * kind.length + std::max(tolerance.ragged, 1.5 * cell);
-  const double area = target.scale * target.scale * shape.area();
-  const bool is_frayed = tolerance.bloom <= 0.0 && !shape.touches_border();
-  const Range widths = widths_of(target.width(), target.tubes(), cell, tolerance);
-  if (std::abs(longer) > slack || seen_width < widths.min ||
-      (is_frayed ? area / seen_length : seen_width) > widths.max) {
+  if (std::abs(longer) > slack || !widths_of(target.width(), target.tubes(), cell, tolerance).holds(seen_width)) {
     return;
   }
   const bool round = kind.shape == FixtureShape::kRound;
   const double of_rectangle = round ? 0.25 * kPi : 1.0;
-  const double fill = area / (seen_length * seen_width * of_rectangle);
-  if (fill < (is_frayed ? kMinFillOfDark : shape.touches_border() ? kMinFillOfPart : kMinFill)) {
+  const double fill = target.scale * target.scale * shape.area() / (seen_length * seen_width * of_rectangle);
+  if (fill < (shape.touches_border() ? kMinFillOfPart : kMinFill)) {
     return;
   }
   OutlineHypothesis& hypothesis = add(target, orientation, e.middle_along(), e.middle_across());
@@ -172,9 +167,7 @@ void OutlineProposer::propose_kind(const Target& target, const RegionShape& shap
     return;
   }
   SizeTolerance own = tolerance;
-  if (is_narrow) {
-    own.share *= kOfNarrow;
-  }
+  own.share *= is_narrow ? kOfNarrow : 1.0;
   const std::vector<Orientation>& orientations = shape.orientations();
   for (std::size_t i = 0; i < orientations.size(); ++i) {
     if (bar || i % 2 == 0) {  // others look the same at right angles

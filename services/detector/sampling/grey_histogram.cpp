@@ -30,10 +30,7 @@ double GreyHistogram::share_from(int level) const {
 
 double GreyHistogram::interpolated_median() const {
   const int level = median();
-  int below = 0;
-  for (int i = 0; i < level; ++i) {
-    below += counts_[static_cast<std::size_t>(i)];
-  }
+  const int below = std::accumulate(counts_.begin(), counts_.begin() + level, 0);
   const int here = std::max(counts_[static_cast<std::size_t>(level)], 1);
   return level - 0.5 + (0.5 * total_ - below) / here;
 }

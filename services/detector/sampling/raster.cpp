@@ -96,12 +96,16 @@ void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Comb
 
 }  // namespace
 
+LUMINAV_VECTOR_CLONES
 void brighten(const GreyView& image, int gain, GreyImage& result) {
   result.width = image.width;
   result.height = image.height;
   result.pixels.resize(image.pixels.size());
-  std::transform(image.pixels.begin(), image.pixels.end(), result.pixels.begin(),
-                 [gain](std::uint8_t pixel) { return static_cast<std::uint8_t>(std::min(255, pixel * gain)); });
+  std::uint8_t* out = result.pixels.data();
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    out[i] = static_cast<std::uint8_t>(std::min(255, image.pixels[i] * gain));
+  }
 }
 
 void reduce(const GreyView& image, int factor, Raster& result) {

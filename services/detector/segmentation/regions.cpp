@@ -4,8 +4,18 @@
 #include <cstdint>
 #include <cstring>
 
+#include "services/common/geometry/vector_clones.hpp"
+
 namespace luminav {
 namespace {
+
+LUMINAV_VECTOR_CLONES
+void mark_above(const std::uint8_t* row, std::uint8_t floor, std::span<std::uint8_t> mask) {
+#pragma GCC ivdep
+  for (std::size_t x = 0; x < mask.size(); ++x) {
+    mask[x] = row[x] > floor ? 1 : 0;
+  }
+}
 
 /// Calls `take` with the first and the last place of every run of ones.
 template <typename Take>
@@ -53,12 +63,12 @@ void RegionFinder::take_runs(const Raster& image, int level) {
   part_of_run_.clear();
   parts_.clear();
   mask_.resize(static_cast<std::size_t>(image.width));
+  const auto floor = static_cast<std::uint8_t>(std::clamp(level, 0, 255));
   std::size_t above = 0;  // first run of the row above that may touch
   std::size_t above_end = 0;
   for (int y = 0; y < image.height; ++y) {
     const std::size_t row_begin = runs_.size();
-    std::transform(image.row(y), image.row(y) + image.width, mask_.begin(),
-                   [level](std::uint8_t cell) -> std::uint8_t { return cell > level ? 1 : 0; });
+    mark_above(image.row(y), floor, mask_);
     for_each_run(mask_, [&](int first, int last) {
       while (above < above_end && runs_[above].last < first - 1) {
         ++above;
