@@ -132,17 +132,17 @@ Verdict CandidateChecks::sides(const Candidate& candidate) const {
   const SideEdges& right = fit.sides[kRightSide];
   const std::optional<Side> only = fit.only_side();
   const double length = candidate.hypothesis.outline.length;
-  const double least_stretch = kOfMinVisible * params_.min_visible * length;
+  const double min_stretch = kOfMinVisible * params_.min_visible * length;
   if (only) {
     if (candidate.hypothesis.burning > 0 || fit.sides[*only].in_view < 8 ||
-        fit.visible_to - fit.visible_from < least_stretch) {
+        fit.visible_to - fit.visible_from < min_stretch) {
       return Verdict::kTooLittleInView;
     }
     return fit.share(*only) < params_.min_side_support ? Verdict::kNoLongSide : Verdict::kAccepted;
   }
   const double from = fit.end_visible(kNearEnd) ? -0.5 * length : fit.visible_from;
   const double to = fit.end_visible(kFarEnd) ? 0.5 * length : fit.visible_to;
-  if (std::min(left.in_view, right.in_view) < 3 || to - from < least_stretch) {
+  if (std::min(left.in_view, right.in_view) < 3 || to - from < min_stretch) {
     return Verdict::kTooLittleInView;
   }
   if (std::min(left.share(), right.share()) < params_.min_side_support) {
