@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 
 constexpr std::array kLitLevels{250, 240, 225, 200, 175, 150, 125, 100, 80, 62, 48, 36, 28};  // [grey]
 constexpr std::array kDepths{60, 40, 27, 18, 12, 8, 6, 4};                                    // [grey]
-constexpr std::size_t kMedianSamples = 20000;
+constexpr std::size_t kMedianSamples = 5000;
 // What is unlit is darker by a share of the ceiling's grey level: a dim image is multiplied first, up to this median.
 constexpr int kCeilingGrey = 120;
 constexpr int kMaxGain = 3;
@@ -119,14 +119,13 @@ void ModernDetector::look_for(bool bright, std::span<const int> levels, const Ce
                               DetectorTrace* trace) {
   tried_.clear();
   const double least = bright ? median_ + params_.lit_contrast : params_.unlit_contrast;
-  const Raster& cells = bright ? frame.reduced : frame.dark;
+  const Raster& cells = bright ? frame.reduced : limits_.is_eroded ? contrast_.eroded() : frame.dark;
   const int brightest = max_cell(cells);
   for (const int level : levels) {
     if (level >= brightest || level < least) {
       continue;
     }
-    const Cut cut{.level = level, .is_eroded = !bright && limits_.is_eroded};
-    for (const Region& region : finder_.find(cells, limits_.min_cells, cut)) {
+    for (const Region& region : finder_.find(cells, limits_.min_cells, level)) {
       if (limits_.may_be_a_kind(region, plane_) && !selection_.explains(middle_of(region, plane_))) {
         look_at_region(region, {level, bright}, frame, trace);
       }
@@ -146,7 +145,6 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
                                 .bloom = layer.bright ? params_.max_bloom : 0.0,
                                 .min_visible = 0.7 * params_.min_visible,
                                 .min_width = layer.bright ? 0.0 : kMinAcross * shape_.cell_size() / limits_.factor,
-                                .may_be_broken = !layer.bright,
                                 .is_white = layer.bright && layer.level == kLitLevels.front()};
   const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(shape_, layer.bright, tolerance);
   if (hypotheses.empty()) {

@@ -26,6 +26,8 @@
 namespace luminav {
 namespace {
 
+constexpr double kHardlySeen = 0.1;  // share of the fixtures of a kind that a person sees: it is not visible
+
 namespace fs = std::filesystem;
 
 struct Request {
@@ -226,11 +228,13 @@ bool report(const Request& request, const ReportPart& whole, const std::string& 
     write_whole_file(request.json, all);  // last: where it is, the rest was written too
   }
   for (const DetectorCondition& c : whole.detector) {
+    const std::string plain =
+        c.plain < kHardlySeen ? "not visible"
+                              : fmt::format("{:.4f} of the {:.0f} % that a person sees", c.plain_recall, 100 * c.plain);
     fmt::print(
-        "detector, {:<27} {:>4} frames, precision {:.4f}, recall {:.4f}, {:.1f} wrong per 100 frames, centre {:.3f} "
-        "px, "
-        "direction {:.4f} deg RMS\n",
-        c.name, c.frames, c.precision, c.recall, c.false_per_100_frames, c.centre_rms_px, c.orientation_rms_deg);
+        "detector, {:<27} {:>4} frames, precision {:.4f}, recall {:.4f} ({}), {:.1f} wrong per 100 frames, centre "
+        "{:.3f} px, direction {:.4f} deg RMS\n",
+        c.name, c.frames, c.precision, c.recall, plain, c.false_per_100_frames, c.centre_rms_px, c.orientation_rms_deg);
   }
   fmt::print("\n{}{}{}", scenario_table_text(whole.runs), summary_text(all), remarks);
   fmt::print("{}{:.0f} s\n", whole.runs.empty() ? "" : fmt::format("{} of {} runs passed, ", passed, whole.runs.size()),

@@ -11,12 +11,10 @@ using Orientation = RegionShape::Orientation;
 using Extents = RegionShape::Extents;
 
 constexpr double kMinDepth = 0.3;       // of its width, of a fixture of which one long side is out of view
-constexpr double kMinStretch = 0.4;     // of its length
 constexpr double kMinWidth = 0.55;      // of a lamp: its light may fade towards its sides
 constexpr double kTube = 0.026;         // [m] T8
 constexpr double kMaxWidth = 1.9;       // of a narrow one: blur and bloom
-constexpr double kMinPart = 0.5;        // of a fixture, of its largest part where noise breaks it
-constexpr double kMinFillOfPart = 0.5;  // of a piece's rectangle: the border cuts off a corner, noise frays it
+constexpr double kMinFillOfPart = 0.5;  // of a piece's rectangle: the border cuts off a corner
 constexpr double kOfNarrow = 0.25;      // of the tolerance: grooves look like narrow lamps, seldom of their length
 constexpr double kMinFill = 0.68;       // of a region's rectangle, or of a disc's
 
@@ -86,9 +84,8 @@ void OutlineProposer::propose_cut(const Target& target, const RegionShape& shape
   const double seen_length = target.scale * e.length();
   const double seen_width = target.scale * e.width();
   const double cell = target.scale * shape.cell_size();
-  const double least = shape.touches_border() ? tolerance.min_visible : kMinPart;
   const double slack = tolerance.share * kind.length + tolerance.ragged + 2.0 * tolerance.bloom;
-  if (seen_length < least * kind.length || seen_length > kind.length + slack ||
+  if (seen_length < tolerance.min_visible * kind.length || seen_length > kind.length + slack ||
       !widths_of(target.width(), target.tubes(), cell, tolerance).holds(seen_width) ||
       shape.eroded_area() < kMinFillOfPart * e.length() * e.width()) {
     return;
@@ -117,7 +114,7 @@ void OutlineProposer::propose_from_one_side(const Target& target, const RegionSh
   const double seen_width = target.scale * e.width();
   const double most = tolerance.ragged + 2.0 * tolerance.bloom;
   if (seen_width < kMinDepth * kind.width || seen_width > kind.width + most ||
-      seen_length < kMinStretch * kind.length || seen_length > (1.0 + tolerance.share) * kind.length + most) {
+      seen_length < tolerance.min_visible * kind.length || seen_length > (1.0 + tolerance.share) * kind.length + most) {
     return;
   }
   const double half_bloom = 0.5 * tolerance.bloom;
@@ -170,16 +167,13 @@ void OutlineProposer::propose_kind(const Target& target, const RegionShape& shap
     return;
   }
   SizeTolerance own = tolerance;
-  if (is_narrow) {
-    own.share *= kOfNarrow;
-    own.may_be_broken = false;
-  }
+  own.share *= is_narrow ? kOfNarrow : 1.0;
   const std::vector<Orientation>& orientations = shape.orientations();
   for (std::size_t i = 0; i < orientations.size(); ++i) {
     if (bar || i % 2 == 0) {  // others look the same at right angles
       propose_whole(target, shape, orientations[i], own);
     }
-    if (bar && (shape.touches_border() || own.may_be_broken)) {
+    if (bar && shape.touches_border()) {
       propose_cut(target, shape, orientations[i], own);
     }
     if (bar && own.is_white && !shape.touches_border() && target.burning == 0) {

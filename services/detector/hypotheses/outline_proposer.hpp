@@ -22,13 +22,12 @@ struct OutlineHypothesis {
 };
 
 struct SizeTolerance {
-  double share = 0.16;         // of a side: sizes within 10 %, heights within 5 %
-  double ragged = 0.02;        // [m] by which noise and grid lines may change a side
-  double bloom = 0.0;          // [m] by which light may widen a region on each side
-  double min_visible = 0.3;    // share of a cut fixture's length
-  double min_width = 0.0;      // [m] of what need not be whole and of its length
-  bool may_be_broken = false;  // into parts, by noise
-  bool is_white = false;       // all of it: what shines beside a lamp is as bright as the lamp
+  double share = 0.16;       // of a side: sizes within 10 %, heights within 5 %
+  double ragged = 0.02;      // [m] by which noise and grid lines may change a side
+  double bloom = 0.0;        // [m] by which light may widen a region on each side
+  double min_visible = 0.3;  // share of a cut fixture's length
+  double min_width = 0.0;    // [m] of what need not be whole and of its length
+  bool is_white = false;     // all of it: what shines beside a lamp is as bright as the lamp
 };
 
 /// Turns regions into guesses of what hangs on this ceiling, in metres. Where the image border cuts a region, an

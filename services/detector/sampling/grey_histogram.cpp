@@ -6,19 +6,9 @@
 namespace luminav {
 
 GreyHistogram::GreyHistogram(std::span<const std::uint8_t> cells, std::size_t step) {
-  // Two tables: neighbours are often equal, and a count waits for the one before it in the same place.
-  std::array<int, 256> odd{};
-  std::size_t i = 0;
-  for (; i + step < cells.size(); i += 2 * step) {
+  for (std::size_t i = 0; i < cells.size(); i += step) {
     ++counts_[cells[i]];
-    ++odd[cells[i + step]];
-  }
-  if (i < cells.size()) {
-    ++counts_[cells[i]];
-  }
-  for (std::size_t level = 0; level < counts_.size(); ++level) {
-    counts_[level] += odd[level];
-    total_ += counts_[level];
+    ++total_;
   }
 }
 
@@ -40,10 +30,7 @@ double GreyHistogram::share_from(int level) const {
 
 double GreyHistogram::interpolated_median() const {
   const int level = median();
-  int below = 0;
-  for (int i = 0; i < level; ++i) {
-    below += counts_[static_cast<std::size_t>(i)];
-  }
+  const int below = std::accumulate(counts_.begin(), counts_.begin() + level, 0);
   const int here = std::max(counts_[static_cast<std::size_t>(level)], 1);
   return level - 0.5 + (0.5 * total_ - below) / here;
 }

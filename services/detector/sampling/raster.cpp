@@ -22,26 +22,15 @@ void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int width
   }
 }
 
-LUMINAV_VECTOR_CLONES
-void fold_by_four(const std::uint16_t* sums, int cells, std::uint8_t* out) {
+/// Means of as many sums beside each other as there were rows.
+template <int kFactor>
+void fold(const std::uint16_t* sums, int cells, std::uint8_t* out) {
   for (int x = 0; x < cells; ++x) {
-    const unsigned sum = static_cast<unsigned>(sums[4 * x]) + sums[4 * x + 1] + sums[4 * x + 2] + sums[4 * x + 3];
-    out[x] = static_cast<std::uint8_t>((sum + 8U) >> 4);
-  }
-}
-
-LUMINAV_VECTOR_CLONES
-void fold_by_two(const std::uint16_t* sums, int cells, std::uint8_t* out) {
-  for (int x = 0; x < cells; ++x) {
-    out[x] = static_cast<std::uint8_t>((static_cast<unsigned>(sums[2 * x]) + sums[2 * x + 1] + 2U) >> 2);
-  }
-}
-
-LUMINAV_VECTOR_CLONES
-void multiply(const std::uint8_t* pixels, std::size_t count, int gain, std::uint8_t* out) {
-#pragma GCC ivdep
-  for (std::size_t i = 0; i < count; ++i) {
-    out[i] = static_cast<std::uint8_t>(std::min(255, pixels[i] * gain));
+    int sum = kFactor * kFactor / 2;
+    for (int i = 0; i < kFactor; ++i) {
+      sum += sums[kFactor * x + i];
+    }
+    out[x] = static_cast<std::uint8_t>(sum / (kFactor * kFactor));
   }
 }
 
@@ -107,31 +96,29 @@ void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Comb
 
 }  // namespace
 
+LUMINAV_VECTOR_CLONES
 void brighten(const GreyView& image, int gain, GreyImage& result) {
   result.width = image.width;
   result.height = image.height;
   result.pixels.resize(image.pixels.size());
-  multiply(image.pixels.data(), image.pixels.size(), gain, result.pixels.data());
+  std::uint8_t* out = result.pixels.data();
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    out[i] = static_cast<std::uint8_t>(std::min(255, image.pixels[i] * gain));
+  }
 }
 
 void reduce(const GreyView& image, int factor, Raster& result) {
   result.resize(image.width / factor, image.height / factor);
   const auto stride = static_cast<std::size_t>(image.width);
-  if (factor == 1) {
-    std::copy_n(image.pixels.data(), result.cells.size(), result.cells.data());
-    return;
-  }
   constexpr int kWidest = 8192;  // [px]
   std::array<std::uint16_t, kWidest> sums;
   const int width = std::min(result.width * factor, kWidest);
   for (int y = 0; y < result.height; ++y) {
     const std::uint8_t* first = image.pixels.data() + static_cast<std::size_t>(y * factor) * stride;
     add_rows(first, stride, factor, width, sums.data());
-    if (factor == 4) {
-      fold_by_four(sums.data(), width / 4, result.row(y));
-    } else {
-      fold_by_two(sums.data(), width / 2, result.row(y));
-    }
+    const auto fold_row = factor == 4 ? fold<4> : factor == 2 ? fold<2> : fold<1>;
+    fold_row(sums.data(), width / factor, result.row(y));
   }
 }
 

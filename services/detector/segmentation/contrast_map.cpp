@@ -42,14 +42,6 @@ void continue_beyond(const Raster& image, int margin, Raster& result) {
   }
 }
 
-LUMINAV_VECTOR_CLONES
-void move_window(const std::uint8_t* enters, const std::uint8_t* leaves, int width, int* sums) {
-#pragma GCC ivdep
-  for (int x = 0; x < width; ++x) {
-    sums[x] += enters[x] - leaves[x];
-  }
-}
-
 /// Means over 2 radius + 1 cells in x and y; at the border its own cells are repeated.
 void average(const Raster& image, int radius, Raster& result, std::vector<int>& sums) {
   const int width = image.width;
@@ -75,8 +67,11 @@ void average(const Raster& image, int radius, Raster& result, std::vector<int>& 
       out[x] = static_cast<std::uint8_t>(share * static_cast<float>(sum) + 0.5F);
       sum += column(x + radius + 1) - column(x - radius);
     }
-    move_window(image.row(std::min(y + radius + 1, height - 1)), image.row(std::max(y - radius, 0)), width,
-                sums.data());
+    const std::uint8_t* enters = image.row(std::min(y + radius + 1, height - 1));
+    const std::uint8_t* leaves = image.row(std::max(y - radius, 0));
+    for (int x = 0; x < width; ++x) {
+      sums[static_cast<std::size_t>(x)] += enters[x] - leaves[x];
+    }
   }
 }
 
@@ -99,38 +94,7 @@ void unflatten(std::uint8_t* image, const std::uint8_t* mean, int count) {
   }
 }
 
-LUMINAV_VECTOR_CLONES
-void mix_rows(const std::uint8_t* near, const std::uint8_t* far, int count, int* out) {
-#pragma GCC ivdep
-  for (int x = 0; x < count; ++x) {
-    out[x] = 3 * near[x] + far[x];
-  }
-}
-
-/// Twice the size in x and y by linear interpolation between cell centres; nothing is invented beyond the border.
-void enlarge(const Raster& half, int width, int height, Raster& result, std::vector<int>& mixed) {
-  result.resize(width, height);
-  mixed.resize(static_cast<std::size_t>(half.width));
-  for (int y = 0; y < height; ++y) {
-    const int near = std::min(y / 2, half.height - 1);
-    const int far = std::clamp(y % 2 == 0 ? near - 1 : near + 1, 0, half.height - 1);
-    mix_rows(half.row(near), half.row(far), half.width, mixed.data());
-    const auto at = [&](int x) { return mixed[static_cast<std::size_t>(std::clamp(x, 0, half.width - 1))]; };
-    std::uint8_t* out = result.row(y);
-    for (int x = 0; x + 1 < half.width; ++x) {
-      out[2 * x + 1] = static_cast<std::uint8_t>(
-          (3 * mixed[static_cast<std::size_t>(x)] + mixed[static_cast<std::size_t>(x) + 1] + 8) >> 4);
-      out[2 * x + 2] = static_cast<std::uint8_t>(
-          (mixed[static_cast<std::size_t>(x)] + 3 * mixed[static_cast<std::size_t>(x) + 1] + 8) >> 4);
-    }
-    out[0] = static_cast<std::uint8_t>((4 * at(0) + 8) >> 4);
-    for (int x = 2 * half.width - 1; x < width; ++x) {
-      out[x] = static_cast<std::uint8_t>((4 * at(x / 2) + 8) >> 4);
-    }
-  }
-}
-
-/// By how much the mean of three cells above each other stays below `level`, then of three beside each other.
+/// By how much the mean of 3 x 3 cells stays below the level.
 LUMINAV_VECTOR_CLONES
 void sink_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below, const std::uint8_t* level,
               int width, std::uint8_t* out) {
@@ -146,10 +110,16 @@ void sink_row(const std::uint8_t* above, const std::uint8_t* here, const std::ui
   }
 }
 
-void sink_below(const Raster& level, const Raster& image, Raster& result) {
+/// Below what is known at half the size.
+void sink_below(const Raster& half, const Raster& image, std::vector<std::uint8_t>& level, Raster& result) {
   result.resize(image.width, image.height);
+  level.resize(static_cast<std::size_t>(image.width));
   for (int y = 0; y < image.height; ++y) {
-    sink_row(image.row(std::max(y - 1, 0)), image.row(y), image.row(std::min(y + 1, image.height - 1)), level.row(y),
+    const std::uint8_t* coarse = half.row(std::min(y / 2, half.height - 1));
+    for (int x = 0; x < image.width; ++x) {
+      level[static_cast<std::size_t>(x)] = coarse[std::min(x / 2, half.width - 1)];
+    }
+    sink_row(image.row(std::max(y - 1, 0)), image.row(y), image.row(std::min(y + 1, image.height - 1)), level.data(),
              image.width, result.row(y));
   }
 }
@@ -157,7 +127,7 @@ void sink_below(const Raster& level, const Raster& image, Raster& result) {
 /// Median absolute difference of horizontal neighbours, over every seventh row, as a standard deviation.
 double noise_of(const Raster& image, std::vector<std::uint8_t>& steps) {
   constexpr double kMinNoise = 0.3;
-  constexpr std::size_t kSamples = 8192;
+  constexpr std::size_t kSamples = 4096;
   steps.clear();
   for (int y = 3; y < image.height; y += 7) {
     const std::uint8_t* row = image.row(y);
@@ -194,8 +164,7 @@ void ContrastMap::compute(const Raster& image, int radius, bool ignore_lines) {
   for (int y = 0; y < closed_.height; ++y) {
     unflatten(closed_.row(y), mean_.row(y + margin) + margin, closed_.width);
   }
-  enlarge(closed_, image.width, image.height, surroundings_, sums_);
-  sink_below(surroundings_, *clean, dark_);
+  sink_below(closed_, *clean, level_, dark_);
 }
 
 }  // namespace luminav

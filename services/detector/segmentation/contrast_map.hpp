@@ -18,6 +18,11 @@ class ContrastMap {
   void compute(const Raster& image, int radius, bool ignore_lines);
 
   [[nodiscard]] const Raster& dark() const { return dark_; }
+  /// The same without the outermost cell of whatever is dark, at every depth; the image border takes none.
+  const Raster& eroded() {
+    erode(dark_, 1, eroded_, scratch_);
+    return eroded_;
+  }
   /// Noise of one cell of the reduced image [grey], from the median difference of neighbours.
   [[nodiscard]] double noise() const { return noise_; }
 
@@ -30,11 +35,12 @@ class ContrastMap {
   Raster mean_;    // of that
   Raster filled_;
   Raster closed_;
-  Raster surroundings_;
   Raster scratch_;
   Raster dark_;
+  Raster eroded_;
   std::vector<int> sums_;
   std::vector<std::uint8_t> steps_;  // between neighbours
+  std::vector<std::uint8_t> level_;  // of the surroundings of a row
   double noise_ = 1.0;
 };
 

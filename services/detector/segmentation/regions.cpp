@@ -1,8 +1,6 @@
 #include "services/detector/segmentation/regions.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstdint>
 #include <cstring>
 
@@ -11,67 +9,28 @@
 namespace luminav {
 namespace {
 
-std::size_t words_of(const Raster& image) {
-  return static_cast<std::size_t>(image.width + 63) / 64;
-}
-
-/// Bit i of the result is the lowest bit of byte i: the multiplication moves all eight into the highest byte.
-std::uint64_t gather_bits(std::uint64_t ones) {
-  return (ones * 0x0102040810204080ULL) >> 56;
-}
-
-/// One bit for each pixel of some rows, 64 in a word, the first of a row in the lowest: set where the grey level is
-/// above `level`; what is left of a row's last word is 0. In `bits` the rows begin `apart` words from each other.
 LUMINAV_VECTOR_CLONES
-void take_row_bits(const std::uint8_t* pixels, int width, int rows, int level, std::uint64_t* bits, std::size_t apart) {
-  alignas(32) std::array<std::uint8_t, 64> ones;
-  const auto floor = static_cast<std::uint8_t>(std::clamp(level, 0, 255));
-  for (int y = 0; y < rows; ++y, pixels += width, bits += apart) {
-    for (int x = 0; x < width; x += 64) {
-      const int count = std::min(64, width - x);
-      if (count == 64) {
+void mark_above(const std::uint8_t* row, std::uint8_t floor, std::span<std::uint8_t> mask) {
 #pragma GCC ivdep
-        for (std::size_t i = 0; i < 64; ++i) {
-          ones[i] = pixels[static_cast<std::size_t>(x) + i] > floor ? 1 : 0;
-        }
-      } else {
-        ones.fill(0);
-        for (int i = 0; i < count; ++i) {
-          ones[static_cast<std::size_t>(i)] = pixels[x + i] > floor ? 1 : 0;
-        }
-      }
-      std::uint64_t word = 0;
-      for (std::size_t k = 0; k < 8; ++k) {
-        std::uint64_t eight = 0;
-        std::memcpy(&eight, ones.data() + 8 * k, 8);
-        word |= gather_bits(eight) << (8 * k);
-      }
-      bits[x / 64] = word;
-    }
+  for (std::size_t x = 0; x < mask.size(); ++x) {
+    mask[x] = row[x] > floor ? 1 : 0;
   }
 }
 
-/// Calls `take` with both ends of every run of set bits of a row.
+/// Calls `take` with the first and the last place of every run of ones.
 template <typename Take>
-void for_each_run(std::span<const std::uint64_t> bits, int width, Take take) {
-  std::uint64_t before = 0;  // whether the bit before the word is set
-  int first = 0;
-  for (std::size_t i = 0; i < bits.size(); ++i) {
-    const std::uint64_t word = bits[i];
-    // set where a run begins and behind its end
-    for (std::uint64_t changes = word ^ (word << 1 | before); changes != 0; changes &= changes - 1) {
-      const int bit = std::countr_zero(changes);
-      const int x = 64 * static_cast<int>(i) + bit;
-      if ((word >> bit & 1) != 0) {
-        first = x;
-      } else {
-        take(first, x - 1);
-      }
+void for_each_run(std::span<const std::uint8_t> mask, Take take) {
+  const auto find_from = [&](std::size_t from, int value) {
+    const void* found = std::memchr(mask.data() + from, value, mask.size() - from);
+    return found == nullptr ? mask.size()
+                            : static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - mask.data());
+  };
+  for (std::size_t end = 0; end < mask.size();) {
+    const std::size_t first = find_from(end, 1);
+    end = find_from(first, 0);
+    if (first < end) {
+      take(static_cast<int>(first), static_cast<int>(end) - 1);
     }
-    before = word >> 63;
-  }
-  if (before != 0) {
-    take(first, width - 1);
   }
 }
 
@@ -99,50 +58,18 @@ int RegionFinder::join(int a, int b) {
   return first;
 }
 
-void RegionFinder::take_bits(const Raster& image, const Cut& cut) {
-  const std::size_t words = words_of(image);
-  bits_.resize(words * static_cast<std::size_t>(image.height));
-  take_row_bits(image.row(0), image.width, image.height, cut.level, bits_.data(), words);
-}
-
-void RegionFinder::erode_bits(const Raster& image) {
-  const std::size_t words = words_of(image);
-  const auto rows = static_cast<std::size_t>(image.height);
-  eroded_.resize(words * rows);
-  for (std::size_t y = 0; y < rows; ++y) {
-    const std::uint64_t* above = &bits_[words * (y == 0 ? 0 : y - 1)];
-    const std::uint64_t* here = &bits_[words * y];
-    const std::uint64_t* below = &bits_[words * std::min(y + 1, rows - 1)];
-    const auto in_all_three = [&](std::size_t i) { return above[i] & here[i] & below[i]; };
-    std::uint64_t before = ~std::uint64_t{0};  // beyond the border
-    std::uint64_t word = in_all_three(0);
-    for (std::size_t i = 0; i < words; ++i) {
-      const bool is_last = i + 1 == words;
-      const std::uint64_t after = is_last ? 0 : in_all_three(i + 1);
-      const std::uint64_t beyond = is_last ? std::uint64_t{1} << (image.width - 1) % 64 : 0;
-      eroded_[words * y + i] = word & (word << 1 | before >> 63) & (word >> 1 | after << 63 | beyond);
-      before = word;
-      word = after;
-    }
-  }
-  bits_.swap(eroded_);
-}
-
-void RegionFinder::take_runs(const Raster& image, const Cut& cut) {
+void RegionFinder::take_runs(const Raster& image, int level) {
   runs_.clear();
   part_of_run_.clear();
   parts_.clear();
-  take_bits(image, cut);
-  if (cut.is_eroded) {
-    erode_bits(image);
-  }
-  const std::span<const std::uint64_t> bits(bits_);
-  const std::size_t words = words_of(image);
+  mask_.resize(static_cast<std::size_t>(image.width));
+  const auto floor = static_cast<std::uint8_t>(std::clamp(level, 0, 255));
   std::size_t above = 0;  // first run of the row above that may touch
   std::size_t above_end = 0;
   for (int y = 0; y < image.height; ++y) {
     const std::size_t row_begin = runs_.size();
-    for_each_run(bits.subspan(words * static_cast<std::size_t>(y), words), image.width, [&](int first, int last) {
+    mark_above(image.row(y), floor, mask_);
+    for_each_run(mask_, [&](int first, int last) {
       while (above < above_end && runs_[above].last < first - 1) {
         ++above;
       }
@@ -166,8 +93,8 @@ void RegionFinder::take_runs(const Raster& image, const Cut& cut) {
   }
 }
 
-const std::vector<Region>& RegionFinder::find(const Raster& image, int min_cells, const Cut& cut) {
-  take_runs(image, cut);
+const std::vector<Region>& RegionFinder::find(const Raster& image, int min_cells, int level) {
+  take_runs(image, level);
   regions_.clear();
   runs_by_region_.resize(runs_.size());
   std::size_t taken = 0;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,7 +15,7 @@ struct Run {
   int last = 0;
 };
 
-/// A connected part (8 neighbours) of what is cut out.
+/// A connected part (8 neighbours) of what is brighter than a level.
 struct Region {
   int cells = 0;
   int left = 0;
@@ -26,17 +25,12 @@ struct Region {
   std::span<const Run> runs;  // from the top, each row's from the left
 };
 
-struct Cut {
-  int level = 0;           // [grey] above which cells are taken
-  bool is_eroded = false;  // by a cell on every side but the border
-};
-
-/// Finds the connected parts of what is cut out of an image, or of a mask, from their runs: the cost follows the number
+/// Finds the connected parts of what is brighter than a level, from their runs: the cost follows the number
 /// of runs, not of cells.
 class RegionFinder {
  public:
-  /// Parts of at least `min_cells` cells; valid until the next call.
-  const std::vector<Region>& find(const Raster& image, int min_cells, const Cut& cut = {});
+  /// Parts of at least `min_cells` cells above `level` [grey]; valid until the next call.
+  const std::vector<Region>& find(const Raster& image, int min_cells, int level = 0);
 
  private:
   /// What is connected as far as the rows above tell; parts that prove to be one are joined to the first of them.
@@ -47,14 +41,11 @@ class RegionFinder {
     int region = -1;           // none: it is too small
     std::size_t next_run = 0;  // of the region, to be filled in
   };
-  void take_bits(const Raster& image, const Cut& cut);
-  void erode_bits(const Raster& image);
-  void take_runs(const Raster& image, const Cut& cut);
+  void take_runs(const Raster& image, int level);
   int root(int part);
   int join(int a, int b);
 
-  std::vector<std::uint64_t> bits_;  // row after row
-  std::vector<std::uint64_t> eroded_;
+  std::vector<std::uint8_t> mask_;  // of a row: 1 above the level
   std::vector<Run> runs_;
   std::vector<int> part_of_run_;
   std::vector<Part> parts_;

@@ -13,10 +13,8 @@ constexpr double kBlurredEdge = 2.5;    // [px] by which an outline may always m
 constexpr double kMaxAcross = 0.030;    // [m] 1 sigma of its place across
 constexpr double kMinAcross = 16.0;     // [px] of what is no speck
 constexpr double kOfMinVisible = 0.75;  // edges are looked for no closer to the border than this leaves
-constexpr double kMinStretch = 0.4;     // of a long side, where the other one or both ends are out of view
 constexpr double kAlikeSides = 0.5;     // least step of a lamp's side, of the other's: a burning half has a faint one
-constexpr double kEndsBrighter = 0.6;   // beyond the end of an unlit one, of its edges' step
-constexpr double kEndsLessDeep = 0.45;
+constexpr double kMinUnlitQuality = 0.88;  // what shows fewer edges is mostly no fixture
 // Each amiss by 1:
 constexpr double kMaxBesides = 0.30;  // share of the ring that is as bright: panes of a skylight lie in rows
 constexpr double kFull = 0.80;  // of its rectangle, what a region fills; round ends and slanting cells leave a rest
@@ -68,9 +66,8 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
   if (verdict != Verdict::kAccepted) {
     return verdict;
   }
-  if (!candidate.bright && is_bar(candidate) &&
-      !(ends_where_it_says(frame, candidate, kFarEnd) && ends_where_it_says(frame, candidate, kNearEnd))) {
-    return Verdict::kGoesOnBeyondEnd;
+  if (!candidate.bright && candidate.fit.quality() < kMinUnlitQuality) {
+    return Verdict::kTooFewEdges;
   }
   if (is_bar(candidate) && candidate.fit.covariance(1, 1) > kMaxAcross * kMaxAcross) {
     return Verdict::kTooUncertain;
@@ -135,16 +132,17 @@ Verdict CandidateChecks::sides(const Candidate& candidate) const {
   const SideEdges& right = fit.sides[kRightSide];
   const std::optional<Side> only = fit.only_side();
   const double length = candidate.hypothesis.outline.length;
-  const double seen = fit.visible_to - fit.visible_from;
+  const double min_stretch = kOfMinVisible * params_.min_visible * length;
   if (only) {
-    if (candidate.hypothesis.burning > 0 || fit.sides[*only].in_view < 8 || seen < kMinStretch * length) {
+    if (candidate.hypothesis.burning > 0 || fit.sides[*only].in_view < 8 ||
+        fit.visible_to - fit.visible_from < min_stretch) {
       return Verdict::kTooLittleInView;
     }
     return fit.share(*only) < params_.min_side_support ? Verdict::kNoLongSide : Verdict::kAccepted;
   }
   const double from = fit.end_visible(kNearEnd) ? -0.5 * length : fit.visible_from;
   const double to = fit.end_visible(kFarEnd) ? 0.5 * length : fit.visible_to;
-  if (std::min(left.in_view, right.in_view) < 3 || to - from < kOfMinVisible * params_.min_visible * length) {
+  if (std::min(left.in_view, right.in_view) < 3 || to - from < min_stretch) {
     return Verdict::kTooLittleInView;
   }
   if (std::min(left.share(), right.share()) < params_.min_side_support) {
@@ -168,63 +166,11 @@ Verdict CandidateChecks::ends(const Candidate& candidate) const {
 /// The border cuts it, or hides an end in noise. Grooves and beams have two dark edges.
 Verdict CandidateChecks::piece(const Candidate& candidate) const {
   const OutlineFit& fit = candidate.fit;
-  const Outline& outline = candidate.hypothesis.outline;
-  if (outline.shape == FixtureShape::kSquare && !fit.only_side()) {
+  if (candidate.hypothesis.outline.shape == FixtureShape::kSquare && !fit.only_side()) {
     return Verdict::kTooFewEdges;
   }
   const int edges = fit.ends_visible() + (fit.only_side() ? 1 : 2);
-  if (edges < (candidate.bright ? 2 : 3)) {
-    return Verdict::kTooFewEdges;
-  }
-  const bool is_short = fit.visible_to - fit.visible_from < kMinStretch * outline.length;
-  return fit.ends_visible() == 0 && is_short ? Verdict::kTooLittleInView : Verdict::kAccepted;
-}
-
-bool CandidateChecks::ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const {
-  if (!candidate.fit.end_visible(end)) {
-    return true;
-  }
-  // Beyond blur and grid lines; the next of a row may begin soon after.
-  constexpr std::array<double, 3> kDistances{0.030, 0.050, 0.075};  // [m]
-  const Outline& outline = candidate.hypothesis.outline;
-  const PointTransform pose(candidate.fit.placement.pose);
-  const double half_length = 0.5 * outline.length + candidate.fit.placement.end_outset;
-  // mean grey level and depth at a distance from the end, positive ones outwards; nothing out of view
-  const auto look = [&](double distance) -> std::optional<std::array<double, 2>> {
-    std::array<double, 2> sum{};
-    int count = 0;
-    for (const double across : {-0.3, -0.1, 0.1, 0.3}) {
-      const double along = (end == kFarEnd ? 1.0 : -1.0) * (half_length + distance);
-      const auto pixel = camera_.pixel_of_ceiling_point(pose * Vector2d(along, across * outline.width), outline.height);
-      if (pixel && camera_.is_in_image(*pixel)) {
-        sum[0] += cell_at(frame.reduced, *pixel, frame.factor);
-        sum[1] += cell_at(frame.dark, *pixel, frame.factor);
-        ++count;
-      }
-    }
-    return count < 2 ? std::nullopt : std::optional(std::array{sum[0] / count, sum[1] / count});
-  };
-  std::array<double, 2> inside{};
-  std::array<double, 2> outside{0.0, 255.0};
-  int looked = 0;
-  for (const double distance : kDistances) {
-    const auto in = look(-distance);
-    const auto out = look(distance);
-    if (in && out) {
-      inside = {inside[0] + (*in)[0], inside[1] + (*in)[1]};
-      outside = {std::max(outside[0], (*out)[0]), std::min(outside[1], (*out)[1])};
-      ++looked;
-    }
-  }
-  if (looked == 0) {
-    return true;  // nothing to say against it
-  }
-  // Both: beside glare the surroundings are guessed too bright, and on a slope of light what is outside is brighter.
-  const double brighter = outside[0] - inside[0] / looked;
-  const double less_deep = inside[1] / looked - outside[1];
-  const double step = candidate.fit.step();
-  return brighter > kEndsBrighter * std::min(candidate.fit.sides[static_cast<std::size_t>(end)].step, step) &&
-         less_deep > kEndsLessDeep * std::max(inside[1] / looked, step);
+  return edges < (candidate.bright ? 2 : 3) ? Verdict::kTooFewEdges : Verdict::kAccepted;
 }
 
 /// Tubes have bars and reflectors between them: either half of a lamp is as bright as its brightest strip there, and

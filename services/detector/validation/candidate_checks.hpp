@@ -37,8 +37,6 @@ class CandidateChecks {
   [[nodiscard]] Verdict piece(const Candidate& candidate) const;
   [[nodiscard]] bool has_right_size(const Candidate& candidate) const;
   [[nodiscard]] Verdict contrast(const CeilingFrame& frame, const Candidate& candidate) const;
-  /// An unlit one is dark just inside of an end in view and no longer just outside.
-  [[nodiscard]] bool ends_where_it_says(const CeilingFrame& frame, const Candidate& candidate, int end) const;
   [[nodiscard]] std::optional<int> level_across(const CeilingFrame& frame, const Candidate& candidate,
                                                 const PointTransform& pose, double along) const;
   [[nodiscard]] Surroundings surroundings(const CeilingFrame& frame, const Candidate& candidate) const;

@@ -16,7 +16,6 @@ constexpr double kSoftMiddle = 0.007;  // [m] 1 sigma of where the burning half 
 // 1 sigma, of the distance between the centres of a single lamp and of a half-lit fixture, when it may be either
 constexpr double kOpenReading = 0.5;
 constexpr double kOpenPlace = 0.1;    // variance along of a piece without ends, of the length out of view squared
-constexpr double kOfOutset = 1.0;     // an end may bloom less than a side, or twice as much
 constexpr double kSameLength = 0.05;  // [m]
 constexpr double kSameWidth = 0.03;   // [m]
 
@@ -87,7 +86,7 @@ void DetectionBuilder::place_stretch(const Candidate& candidate, Extent& extent,
 /// From one end on: its bloom does not cancel, and other kinds of this width may be longer or shorter.
 void DetectionBuilder::place_by_one_end(const Candidate& candidate, Extent& extent, Detection& detection) const {
   const double outset = candidate.fit.placement.side_outset;
-  detection.covariance(0, 0) += std::pow(kOfOutset * outset, 2);
+  detection.covariance(0, 0) += outset * outset;  // an end may bloom less than a side, or twice as much
   const Extent lengths = lengths_of(candidate, extent.to - extent.from);
   const double inward = detection.far_end_visible ? -1.0 : 1.0;
   const double shift = 0.5 * inward * (0.5 * (lengths.from + lengths.to) - candidate.hypothesis.outline.length);
@@ -196,26 +195,23 @@ const CeilingKind* DetectionBuilder::kind_of_part(const OutlineHypothesis& strip
 bool DetectionBuilder::has_dark_half(const CeilingFrame& frame, const Candidate& candidate) const {
   constexpr double kDifference = 15.0;  // [grey] between the halves; two burning tubes both saturate
   constexpr double kAcross = 0.38;      // of the width from the middle: the burning half shines over it
+  constexpr int kPlaces = 24;
   const Outline& outline = candidate.hypothesis.outline;
   const CeilingKind* kind = kind_of(outline);
   if (kind == nullptr || kind->lamps < 2) {
     return false;
   }
   const PointTransform pose(candidate.fit.placement.pose);
-  std::array<double, 2> sum{};
-  std::array<int, 2> count{};
-  for (int i = 0; i < 24; ++i) {
-    for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) {
-      const Vector2d place(0.9 * outline.length * ((i + 0.5) / 24.0 - 0.5),
-                           outline.width * (half == 0 ? kAcross : -kAcross));
-      const auto pixel = camera_.pixel_of_ceiling_point(pose * place, outline.height);
-      if (pixel && camera_.is_in_image(*pixel, frame.factor)) {
-        sum[half] += cell_at(frame.reduced, *pixel, frame.factor);
-        ++count[half];
-      }
-    }
+  double difference = 0.0;
+  int seen = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double along = 0.9 * outline.length * ((i + 0.5) / kPlaces - 0.5);
+    const auto left = level_at(frame, camera_, candidate, pose, {along, kAcross * outline.width});
+    const auto right = level_at(frame, camera_, candidate, pose, {along, -kAcross * outline.width});
+    difference += left && right ? *left - *right : 0;
+    seen += left && right ? 1 : 0;
   }
-  return count[0] >= 3 && count[1] >= 3 && std::abs(sum[0] / count[0] - sum[1] / count[1]) > kDifference;
+  return seen >= 3 && std::abs(difference) > kDifference * seen;
 }
 
 std::optional<Detection> DetectionBuilder::resolve_strip(const CeilingFrame& frame, const Candidate& strip) const {

@@ -20,6 +20,8 @@ void DetectorScore::add(const DetectorScore& o) {
   frames += o.frames;
   visible += o.visible;
   seen += o.seen;
+  plain += o.plain;
+  plain_seen += o.plain_seen;
   whole += o.whole;
   whole_seen += o.whole_seen;
   reported += o.reported;
@@ -49,6 +51,9 @@ double DetectorScore::precision() const {
 }
 double DetectorScore::recall() const {
   return ratio(seen, visible);
+}
+double DetectorScore::plain_recall() const {
+  return plain == 0 ? 1.0 : ratio(plain_seen, plain);
 }
 double DetectorScore::whole_recall() const {
   return ratio(whole_seen, whole);

@@ -47,7 +47,9 @@ struct DetectorScore {
   int frames = 0;
   int visible = 0;  // fixtures of which at least 30 % are in the image
   int seen = 0;     // of these, reported where they are
-  int whole = 0;    // entirely in the image
+  int plain = 0;    // of the visible ones, those whose outline a person sees in this picture
+  int plain_seen = 0;
+  int whole = 0;  // entirely in the image
   int whole_seen = 0;
   int reported = 0;  // fixtures
   int wrong = 0;  // reported where there is none, or off by more than 30 mm across, 2 deg, or along 30 mm and 3.5 sigma
@@ -77,8 +79,9 @@ struct DetectorScore {
   double seconds = 0.0;  // of the thread's CPU time in the detector, JPEG decoding apart
 
   void add(const DetectorScore& other);
-  [[nodiscard]] double precision() const;  // 1 when nothing was reported
-  [[nodiscard]] double recall() const;     // over fixtures at least 30 % in the image
+  [[nodiscard]] double precision() const;     // 1 when nothing was reported
+  [[nodiscard]] double recall() const;        // over fixtures at least 30 % in the image
+  [[nodiscard]] double plain_recall() const;  // over those that a person sees; 1 of none
   [[nodiscard]] double whole_recall() const;
   [[nodiscard]] double cut_use() const;  // share of the frames with only cut ones
   [[nodiscard]] double centre_rms_px() const;

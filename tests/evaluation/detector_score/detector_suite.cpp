@@ -26,6 +26,8 @@ DetectorCondition condition_of(const std::string& name, const score::DetectorSco
           score.frames,
           score.precision(),
           score.visible == 0 ? 1.0 : score.recall(),
+          score.visible == 0 ? 1.0 : static_cast<double>(score.plain) / score.visible,
+          score.plain_recall(),
           score.frames == 0 ? 0.0 : 100.0 * score.wrong / score.frames,
           score.centre_rms_px(),
           score.heading_rms_deg(),
@@ -152,9 +154,12 @@ std::vector<DetectorCondition> measure_tolerance(int threads) {
       sum.add(part[i]);
     }
     conditions.push_back(condition_of(score::mistakes()[i].name, sum));
-    fmt::print(stderr, "tolerance: {:<28} precision {:.3f}, recall {:.3f} ({:+.3f}), of whole ones {:.3f}\n",
-               score::mistakes()[i].name, sum.precision(), sum.recall(), sum.recall() - conditions.front().recall,
-               sum.whole_recall());
+    fmt::print(
+        stderr,
+        "tolerance: {:<28} precision {:.3f}, recall {:.3f} ({:+.3f}), of whole ones {:.3f}, of the {:.0f} % that a "
+        "person sees {:.3f}\n",
+        score::mistakes()[i].name, sum.precision(), sum.recall(), sum.recall() - conditions.front().recall,
+        sum.whole_recall(), 100.0 * conditions.back().plain, sum.plain_recall());
   }
   return conditions;
 }

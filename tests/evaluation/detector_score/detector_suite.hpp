@@ -11,6 +11,8 @@ struct DetectorCondition {
   int frames = 0;
   double precision = 1.0;
   double recall = 0.0;
+  double plain = 1.0;                 // share of the fixtures whose outline a person sees in the picture
+  double plain_recall = 1.0;          // over these
   double false_per_100_frames = 0.0;  // fixtures reported where there is none, or too far off
   double centre_rms_px = 0.0;
   double orientation_rms_deg = 0.0;

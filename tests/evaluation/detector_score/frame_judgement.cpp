@@ -64,6 +64,7 @@ bool compare(const Detection& detection, VisibleFixture& truth, DetectorScore& s
     complaint = "state: " + figures;
   }
   score.seen += truth.imaged.share >= kMinShare ? 1 : 0;
+  score.plain_seen += truth.is_plain && truth.imaged.share >= kMinShare ? 1 : 0;
   if (truth.imaged.is_whole) {
     ++score.whole_seen;
     ++score.measured;
@@ -126,6 +127,7 @@ std::vector<std::string> judge(const std::vector<Detection>& detections, std::ve
   bool any_cut = false;
   for (const VisibleFixture& fixture : visible) {
     score.visible += fixture.imaged.share >= kMinShare ? 1 : 0;
+    score.plain += fixture.is_plain && fixture.imaged.share >= kMinShare ? 1 : 0;
     score.whole += fixture.imaged.is_whole ? 1 : 0;
     any_whole = any_whole || fixture.imaged.is_whole;
     any_cut = any_cut || (fixture.imaged.share >= kMinShare && !fixture.imaged.is_whole);

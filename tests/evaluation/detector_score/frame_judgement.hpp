@@ -15,7 +15,8 @@ struct VisibleFixture {
   ImagedFixture imaged;
   const Fixture* fixture = nullptr;
   simulated::LampState lamp = simulated::LampState::kOn;
-  bool taken = false;  // by a detection
+  bool taken = false;     // by a detection
+  bool is_plain = false;  // a person sees its outline
 };
 
 /// Counts what one frame shows and what was reported; returns what is to be said against it.

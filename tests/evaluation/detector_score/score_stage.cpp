@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tests/evaluation/detector_score/frame_judgement.hpp"
+#include "tests/evaluation/detector_score/visible_outline.hpp"
 
 namespace luminav::score {
 namespace {
@@ -39,7 +40,8 @@ void ScoreStage::score_frame(const std::string& name, const Place& place, double
   std::vector<VisibleFixture> visible;
   for (std::size_t i = 0; i < truth_.fixtures.size(); ++i) {
     if (const auto imaged = image_of(truth_.fixtures[i], place.motion, camera_)) {
-      visible.push_back({*imaged, &truth_.fixtures[i], lamps_[i], false});
+      const double share = seen_share(image.view(), camera_, truth_.fixtures[i], imaged->as_imaged);
+      visible.push_back({*imaged, &truth_.fixtures[i], lamps_[i], false, share >= kSeenShare});
     }
   }
   const double before = thread_seconds();

@@ -11,6 +11,7 @@
 #include "services/detector/detector.hpp"
 #include "tests/evaluation/detector_score/condition_frames.hpp"
 #include "tests/evaluation/detector_score/frame_judgement.hpp"
+#include "tests/evaluation/detector_score/visible_outline.hpp"
 
 namespace luminav::score {
 namespace {
@@ -70,6 +71,7 @@ void count(const std::vector<Detection>& detections, std::vector<VisibleFixture>
   ++score.frames;
   for (const VisibleFixture& fixture : visible) {
     score.visible += fixture.imaged.share >= kMinShare ? 1 : 0;
+    score.plain += fixture.is_plain && fixture.imaged.share >= kMinShare ? 1 : 0;
     score.whole += fixture.imaged.is_whole ? 1 : 0;
   }
   for (const Detection& detection : detections) {
@@ -83,6 +85,7 @@ void count(const std::vector<Detection>& detections, std::vector<VisibleFixture>
     }
     hit->taken = true;
     score.seen += hit->imaged.share >= kMinShare ? 1 : 0;
+    score.plain_seen += hit->is_plain && hit->imaged.share >= kMinShare ? 1 : 0;
     score.whole_seen += hit->imaged.is_whole ? 1 : 0;
   }
 }
@@ -128,7 +131,7 @@ void score_world(const DetectorScoreOptions& options, int world_index, std::vect
     std::vector<VisibleFixture> visible;
     for (std::size_t i = 0; i < world.building.fixtures.size(); ++i) {
       if (const auto imaged = image_of(world.building.fixtures[i], place.motion, camera)) {
-        visible.push_back({*imaged, &world.building.fixtures[i], lamps[i], false});
+        visible.push_back({*imaged, &world.building.fixtures[i], lamps[i], false, false});
       }
     }
     GreyImage sent;
@@ -140,6 +143,9 @@ void score_world(const DetectorScoreOptions& options, int world_index, std::vect
         GreyImage image;
         render(renderer, place.motion, exposure, image);
         sent = as_sent(image);
+        for (VisibleFixture& fixture : visible) {
+          fixture.is_plain = seen_share(sent.view(), camera, *fixture.fixture, fixture.imaged.as_imaged) >= kSeenShare;
+        }
       }
       count(detectors[i].detect(sent.view()), visible, camera, scores[i]);
     }

@@ -34,6 +34,8 @@ std::string to_json(const std::string& suite, const std::string& mode, const std
                             {"frames", c.frames},
                             {"precision", rounded(c.precision)},
                             {"recall", rounded(c.recall)},
+                            {"plain", rounded(c.plain)},
+                            {"plain_recall", rounded(c.plain_recall)},
                             {"false_per_100_frames", rounded(c.false_per_100_frames)},
                             {"centre_rms_px", rounded(c.centre_rms_px)},
                             {"orientation_rms_deg", rounded(c.orientation_rms_deg)},

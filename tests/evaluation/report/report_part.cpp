@@ -59,8 +59,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunReport, scenario, seed, suite, group, pass
                                    mission_heading_p95_deg, nees, mean_speed_m_s, path_efficiency, driven_m, goals,
                                    contacts, hard_contacts, min_clearance_m, carries, carries_noticed,
                                    carries_recovered, drive, map, processes, scenario_file, reproduce, trail, log)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DetectorCondition, name, frames, precision, recall, false_per_100_frames,
-                                   centre_rms_px, orientation_rms_deg, milliseconds)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DetectorCondition, name, frames, precision, recall, plain, plain_recall,
+                                   false_per_100_frames, centre_rms_px, orientation_rms_deg, milliseconds)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Shard, index, count)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReportPart, shard, suite, mode, sensing, sensing_remark, plan, runs, detector)
 

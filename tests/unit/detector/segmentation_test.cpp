@@ -132,13 +132,13 @@ TEST(RegionFinder, LeavesOutWhatIsTooSmall) {
   EXPECT_TRUE(finder.find(raster_of({".....", "....."}), 1).empty());
 }
 
-TEST(RegionFinder, FindsRunsOverTheBoundsOfWordsAndUpToTheLastCell) {
+TEST(RegionFinder, FindsEveryCellAboveTheLevelUpToTheLastOfARow) {
   RegionFinder finder;
   for (const int width : {1, 31, 32, 63, 64, 65, 96, 100, 128, 160, 200}) {
     Raster image = random_raster(width, 3, static_cast<std::uint32_t>(width));
     for (const int level : {0, 100, 200, 254}) {
       int cells = 0;
-      for (const Region& region : finder.find(image, 1, {level, {}})) {
+      for (const Region& region : finder.find(image, 1, level)) {
         for (const auto& run : region.runs) {
           for (int x = run.first; x <= run.last; ++x) {
             ASSERT_GT(image.row(run.row)[x], level);
@@ -147,30 +147,6 @@ TEST(RegionFinder, FindsRunsOverTheBoundsOfWordsAndUpToTheLastCell) {
         }
       }
       EXPECT_EQ(cells, std::count_if(image.cells.begin(), image.cells.end(), [&](int cell) { return cell > level; }));
-    }
-  }
-}
-
-TEST(RegionFinder, ErodesAsTheImageWouldBe) {
-  std::mt19937 random(5);
-  for (const int width : {1, 5, 63, 64, 65, 160}) {
-    Raster image;
-    image.resize(width, 9);
-    for (std::uint8_t& cell : image.cells) {
-      cell = random() % 12 > 0 ? 1 : 0;
-    }
-    Raster eroded;
-    Raster scratch;
-    erode(image, 1, eroded, scratch);
-    RegionFinder finder;
-    RegionFinder of_eroded;
-    const auto& expected = of_eroded.find(eroded, 1);
-    const auto& regions = finder.find(image, 1, {.is_eroded = true});
-    ASSERT_EQ(regions.size(), expected.size()) << width;
-    for (std::size_t i = 0; i < regions.size(); ++i) {
-      EXPECT_EQ(regions[i].cells, expected[i].cells);
-      EXPECT_EQ(regions[i].left, expected[i].left);
-      EXPECT_EQ(regions[i].right, expected[i].right);
     }
   }
 }
@@ -227,6 +203,8 @@ TEST(ContrastMap, MeasuresADarkPatchBesideABrightOne) {
   map.compute(image, 8, true);
   EXPECT_NEAR(map.dark().row(30)[16], 20, 4);
   EXPECT_LE(map.dark().row(30)[35], 4);
+  EXPECT_LT(map.eroded().row(30)[12], map.dark().row(30)[12]);
+  EXPECT_GT(map.eroded().row(30)[16], 14);
 }
 
 TEST(ContrastMap, SeesNoDarkStripBetweenALampAndTheBorder) {
