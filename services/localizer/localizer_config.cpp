@@ -33,7 +33,6 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
   table.read("leave_position_sigma", rules.leave_position_sigma, {0.01, 5.0});
   table.read("leave_heading_sigma", rules.leave_heading_sigma, {0.01, 3.0});
   table.read("misfit_frames", rules.misfit_frames, {1, 1000});
-  table.read("newcomer_frames", rules.newcomer_frames, {1, 1000});
   table.read("vanish_frames", rules.vanish_frames, {1, 1000});
   table.read("still_distance", rules.still_distance, {0.0, 1.0});
   table.read("still_turn", rules.still_turn, {0.0, 1.0});

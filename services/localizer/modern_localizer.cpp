@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kMinFit = 0.35;                    // outlines that fit worse are not used
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
-constexpr std::int64_t kFixtureInView = 500'000;    // [us] since it was matched
 constexpr std::int64_t kMaxExtrapolated = 150'000;  // [us] from the newest odometry, which comes at 10 Hz
 constexpr std::size_t kMaxSightings = 12;           // of one image
 constexpr int kMaxUnmatched = 3;                // images in a row in which a fixture followed by sight may be missed
@@ -35,7 +34,6 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
               errors, params.tracking),
       monitor_(model_, params.rules),
       displacement_(robot.wheel_base, params.rules),
-      rush_(robot.wheel_base),
       supervisor_(model_.fixtures, tracks_, bank_, filter_, monitor_, params.rules),
       slip_(model_.walls, robot.sonar.half_angle),
       echoes_(robot.sonar, {params.hypotheses.sonar_test_distance, params.hypotheses.sonar_turn,
@@ -70,7 +68,6 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
 void ModernLocalizer::bridge(const std::string& why, const OdometryGap& gap) {
   queue_.restart();
   displacement_.clear();
-  rush_.clear();
   tracks_.clear();
   echoes_.clear();
   slip_.clear();
@@ -90,19 +87,6 @@ void ModernLocalizer::add_frame(const SightingFrame& frame) {
   queue_.add_frame(frame);
   while (const auto timed = queue_.next()) {
     step(*timed);
-  }
-}
-
-void ModernLocalizer::add_sonar(const SonarScan& scan) {
-  echoes_.add(scan);
-  if (queue_.history().is_empty()) {
-    return;
-  }
-  // a fixture in view tells better, and at once, whether the robot is carried
-  const bool sees_fixture = scan.utime - corrections_.utime() < kFixtureInView;
-  const bool is_kidnapped = surroundings_.look(scan, queue_.history().newest().odom_from_robot);
-  if (is_kidnapped && !sees_fixture && supervisor_.has_leader() && !is_displaced_) {
-    supervisor_.suspect({"the sonars hear everything move while the wheels stand still", log_prior::kAfterMisfit});
   }
 }
 
@@ -175,7 +159,6 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   advance(timed.odometry);
   const SightingFrame frame = usable_sightings(timed.frame, timed.odometry);
   const std::vector<int> objects = tracks_.update(frame, timed.odometry.odom_from_robot, odometer_);
-  const bool is_rushing = rush_.look(frame, timed.odometry.odom_from_robot);
   if (displacement_.look(frame, objects, tracks_, timed.odometry.odom_from_robot)) {
     wait_for_rest(frame, timed.odometry);
     return;
@@ -188,7 +171,7 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   bank_.observe(frame, objects, tracks_, timed.odometry, odometer_);
   if (supervisor_.has_leader()) {
     monitor_.allow_kidnapping(!motors_enabled_);
-    track(frame, objects, timed.odometry, is_rushing);
+    track(frame, objects, timed.odometry);
   }
   supervisor_.favour_predicting_pose();
   if (!supervisor_.is_tracking()) {
@@ -227,14 +210,13 @@ bool ModernLocalizer::is_followed() const {
 void ModernLocalizer::begin_at_rest() {
   is_displaced_ = false;
   displacement_.clear();
-  rush_.clear();
   echoes_.clear();
   slip_.clear();
   supervisor_.resume(is_followed());
 }
 
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
-                            const OdometryReading& odometry, bool is_rushing) {
+                            const OdometryReading& odometry) {
   const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
   if (supervisor_.is_recalled()) {
     supervisor_.judge_recalled_pose(objects, matches);
@@ -246,8 +228,6 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
                                            distance_since_fixture(), supervisor_.is_suspected());
   if (contradiction) {
     suspect(*contradiction, frame, odometry);
-  } else if (is_rushing && matches.empty() && !supervisor_.is_suspected()) {
-    supervisor_.suspect({"what is seen rushes past faster than the wheels turn", log_prior::kAfterMisfit, true});
   }
   const Pose2 before = filter_.belief().pose;
   correct_filter(frame, matches, odometry);

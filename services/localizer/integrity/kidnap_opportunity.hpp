@@ -5,7 +5,6 @@
 #include "services/common/geometry/angle.hpp"
 #include "services/common/geometry/pose2.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
-#include "services/localizer/integrity/wheels_at_rest.hpp"
 
 namespace luminav {
 
@@ -19,7 +18,9 @@ class KidnapOpportunity {
 
   /// One image. True where the wheels come to rest, and have not paused since the last match: an opportunity begins.
   bool look(const Pose2& odom_from_robot) {
-    still_frames_ = are_wheels_at_rest(odom_at_frame_, odom_from_robot) ? still_frames_ + 1 : 0;
+    const Pose2 step = odom_at_frame_.inverse() * odom_from_robot;
+    const bool is_at_rest = std::hypot(step.x, step.y) < 0.001 && std::abs(step.theta) < radians(0.1);
+    still_frames_ = is_at_rest ? still_frames_ + 1 : 0;
     odom_at_frame_ = odom_from_robot;
     const bool begins = still_frames_ == 1 && !has_paused_;
     has_paused_ = has_paused_ || still_frames_ >= rules_.pause_frames;

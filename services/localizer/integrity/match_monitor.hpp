@@ -13,7 +13,6 @@
 #include "services/localizer/integrity/kidnap_opportunity.hpp"
 #include "services/localizer/integrity/missing_fixtures.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
-#include "services/localizer/integrity/unexpected_object.hpp"
 #include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/tracking/fixture_matching.hpp"
@@ -28,7 +27,7 @@ struct Contradiction {
 };
 
 /// Watches a tracked pose for signs that it is wrong: sightings that fit nothing, fixtures that vanish though the robot
-/// stands still, fixtures that never come, things that come into view of a robot that stands.
+/// stands still, fixtures that never come.
 class MatchMonitor {
  public:
   /// The model must outlive this; its map learns where the building's file is wrong.
@@ -68,7 +67,6 @@ class MatchMonitor {
 
   FixtureMap& map_;
   TrackingRules rules_;
-  UnexpectedObject newcomers_;
   KidnapOpportunity kidnap_;
   MissingFixtures missing_;
   int misfit_run_ = 0;                     // images since the last match that show what fits nothing
