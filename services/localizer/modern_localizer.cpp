@@ -346,11 +346,8 @@ LocalizerEstimate ModernLocalizer::estimate() const {
   LocalizerEstimate estimate;
   estimate.state = supervisor_.state();
   estimate.reason = supervisor_.reason();
-  estimate.fixture_utime = corrections_.utime();
-  estimate.has_nis = corrections_.mean_nis().has_value();
-  estimate.nis = corrections_.mean_nis().value_or(0.0);
   const Pose2 ahead = since_filter();
-  estimate.distance_since_fixture = distance_since_fixture() + std::hypot(ahead.x, ahead.y);
+  corrections_.write_to(estimate, odometer_ + std::hypot(ahead.x, ahead.y));
   if (supervisor_.has_leader()) {
     estimate.estimator = EstimatorKind::kKalmanFilter;
     estimate.belief = filter_.belief_after(ahead);

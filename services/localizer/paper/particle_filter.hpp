@@ -78,9 +78,6 @@ class ParticleFilter {
   [[nodiscard]] double score(const Pose2& pose, const std::vector<FixtureSighting>& sightings) const;
 
   [[nodiscard]] std::size_t size() const { return count_; }
-  /// Corners [m] of the rectangle in which particles are drawn.
-  [[nodiscard]] const Eigen::Vector2d& low_corner() const { return min_; }
-  [[nodiscard]] const Eigen::Vector2d& high_corner() const { return max_; }
   [[nodiscard]] Pose2 pose(std::size_t i) const { return {x_[i], y_[i], theta_[i]}; }
   [[nodiscard]] double weight(std::size_t i) const { return static_cast<double>(weight_[i]); }
   /// Of all particles together, working space included.
