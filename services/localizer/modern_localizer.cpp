@@ -99,7 +99,7 @@ void ModernLocalizer::recall(const PoseBelief& belief) {
     return;
   }
   filter_.start(belief);
-  supervisor_.recall();
+  supervisor_.suspect("the pose from before the restart waits for a fixture that confirms it", log_prior::kAfterMiss);
 }
 
 void ModernLocalizer::add_guess(const PoseBelief& guess) {
@@ -218,12 +218,6 @@ void ModernLocalizer::begin_at_rest() {
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
                             const OdometryReading& odometry) {
   const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
-  if (supervisor_.is_recalled()) {
-    supervisor_.judge_recalled_pose(objects, matches);
-    if (!supervisor_.has_leader()) {
-      return;
-    }
-  }
   const auto contradiction = monitor_.look(frame, objects, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
                                            distance_since_fixture(), supervisor_.is_suspected());
   if (contradiction) {

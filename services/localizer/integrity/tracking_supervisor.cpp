@@ -12,7 +12,6 @@ namespace {
 constexpr double kRefuted = 6.0;                // log-score behind the best at which a leader is one no more
 constexpr double kSamePlace = 0.5;              // [m] a guess that near
 constexpr double kSameHeading = radians(20.0);  // and so little turned means the tracked pose
-constexpr int kSureFrames = 3;                  // images of an object after which it is one
 constexpr int kRestartFrames = 12;              // images with sightings that no hypothesis explains: begin anew
 constexpr const char* kNoFixtures = "the building's file names no fixtures";
 
@@ -155,7 +154,6 @@ bool TrackingSupervisor::declare_tracking(const Hypothesis& best) {
   }
   monitor_.confirm(best.id == suspected_id_);
   was_tracking_ = true;
-  is_recalled_ = false;
   wide_ = false;
   suspicion_.clear();
   may_predict_ = false;
@@ -225,35 +223,12 @@ void TrackingSupervisor::resume(bool was_followed) {
     may_predict_ = true;
     return;
   }
-  is_recalled_ = false;
   was_tracking_ = false;  // it is plain that it was carried: no pose is in doubt, and the search is as the first one
   monitor_.reset();
   tracks_.clear();
   bank_.clear();
   drop_leader(LocalizerState::kLost);
   reason_ = "nothing seen since the robot was moved elsewhere";
-}
-
-void TrackingSupervisor::recall() {
-  suspect("the pose from before the restart waits for a fixture that confirms it", log_prior::kAfterMiss);
-  is_recalled_ = true;
-}
-
-void TrackingSupervisor::judge_recalled_pose(const std::vector<int>& objects,
-                                             const std::vector<FixtureMatch>& matches) {
-  if (!matches.empty()) {
-    is_recalled_ = false;
-    return;
-  }
-  const bool is_contradicted = std::any_of(objects.begin(), objects.end(), [&](int object) {
-    return tracks_.objects()[static_cast<std::size_t>(object)].frames >= kSureFrames;
-  });
-  if (is_contradicted) {
-    is_recalled_ = false;
-    bank_.clear();
-    tracks_.clear();
-    drop_leader(state_);
-  }
 }
 
 void TrackingSupervisor::add_moved(const PoseBelief& belief, double log_prior) {
