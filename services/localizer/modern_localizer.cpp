@@ -33,7 +33,7 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       filter_(model_.height_above_camera(), {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base,
               errors, params.tracking),
       monitor_(model_, params.rules),
-      displacement_(robot.wheel_base, params.rules),
+      displacement_(robot.wheel_base, params.rules.displacement),
       supervisor_(model_.fixtures, tracks_, bank_, filter_, monitor_, params.rules),
       slip_(model_.walls, robot.sonar.half_angle),
       echoes_(robot.sonar, {params.hypotheses.sonar_test_distance, params.hypotheses.sonar_turn,

@@ -51,13 +51,15 @@ class KidnapOpportunity {
       return std::hypot(moved.x, moved.y) < distance && std::abs(moved.theta) < turn;
     };
     // a robot that is lifted while driving rolls on a little after the last image
-    return moved_less(rules_.still_distance, rules_.still_turn) ||
+    return moved_less(kStillDistance, kStillTurn) ||
            (still_frames_ >= rules_.vanish_frames && moved_less(kStopDistance, kStopTurn));
   }
 
  private:
-  static constexpr double kStopDistance = 0.15;      // [m] since the last match, and standing now: it has just stopped
-  static constexpr double kStopTurn = radians(6.0);  // [rad] likewise
+  static constexpr double kStillDistance = 0.02;      // [m] since the last match: the robot stands still
+  static constexpr double kStillTurn = radians(1.5);  // [rad] likewise
+  static constexpr double kStopDistance = 0.15;       // [m] since the last match, and standing now: it has just stopped
+  static constexpr double kStopTurn = radians(6.0);   // [rad] likewise
 
   TrackingRules rules_;
   Pose2 odom_at_frame_;      // odom_from_robot at the newest image

@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::array kGrips = {1.0, 0.5, 0.0};  // share of its own way by which a wheel moves the robot
 constexpr double kDeviations = 3.0;             // of image noise
+constexpr std::int64_t kSpan = 600'000;         // [us] over which motions are compared
+constexpr int kFrames = 3;                      // images in a row that show it: somebody moves the robot
 
 /// The step of a robot whose wheels moved it by so much [m], along its mean heading.
 Pose2 step_of_wheels(double left, double right, double wheel_base) {
@@ -27,8 +29,7 @@ void OdometryConsistency::clear() {
 
 bool OdometryConsistency::look(const SightingFrame& frame, const std::vector<int>& objects, const ObjectTracks& tracks,
                                const Pose2& odom_from_robot) {
-  const auto span = static_cast<std::int64_t>(1e6 * rules_.displacement_time);
-  const std::int64_t oldest = frame.utime - span;
+  const std::int64_t oldest = frame.utime - kSpan;
   std::erase_if(looks_, [&](const Look& look) { return look.utime < oldest; });
   const std::size_t first_of_now = looks_.size();
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
@@ -49,14 +50,14 @@ bool OdometryConsistency::look(const SightingFrame& frame, const std::vector<int
     }
   }
   // what came into view just now cannot tell yet
-  const bool is_calm = !displaced && frame.utime - since >= span / 2;
+  const bool is_calm = !displaced && frame.utime - since >= kSpan / 2;
   if (displaced) {
     ++run_;
     displaced_utime_ = frame.utime;
   } else if (is_calm || displaced_utime_ < oldest) {
     run_ = 0;
   }
-  return run_ >= rules_.displacement_frames;
+  return run_ >= kFrames;
 }
 
 bool OdometryConsistency::is_beyond_slip(const Look& before, const Look& now) const {
@@ -70,13 +71,13 @@ bool OdometryConsistency::is_beyond_slip(const Look& before, const Look& now) co
       const Eigen::Vector2d offset =
           now.robot_from_thing.position() - moved.inverse() * before.robot_from_thing.position();
       const double length = offset.norm();
-      if (length <= rules_.displacement) {
+      if (length <= displacement_) {
         return false;
       }
       const Eigen::Vector2d direction = offset / length;
       const Eigen::Vector2d then = PointTransform(moved).turned(direction);
       const double variance = direction.dot(now.covariance * direction) + then.dot(before.covariance * then);
-      if (length <= rules_.displacement + kDeviations * std::sqrt(variance)) {
+      if (length <= displacement_ + kDeviations * std::sqrt(variance)) {
         return false;
       }
     }

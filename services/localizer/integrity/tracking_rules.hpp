@@ -28,12 +28,8 @@ struct TrackingRules {
   double leave_heading_sigma = radians(9.0);  // [rad]
   int misfit_frames = 5;                      // images that show what fits nothing; after a pause, that contradict
   int vanish_frames = 7;                      // images without a fixture that was there, the robot standing still
-  double still_distance = 0.02;               // [m] since the last match: the robot stands still
-  double still_turn = radians(1.5);           // [rad] likewise
   int pause_frames = 10;                      // images in a row without wheel motion: the robot may have been carried
-  double displacement_time = 0.6;             // [s] over which the motion of fixtures is compared with the wheels'
   double displacement = 0.15;                 // [m] beyond image noise that wheels, slipping or not, do not explain
-  int displacement_frames = 3;                // images in a row that show it: somebody moves the robot
   int miss_frames = 10;                       // images without a fixture that ought to be there
   int miss_fixtures = 2;                      // so many of them, and nothing else seen meanwhile ...
   double miss_distance = 1.5;                 // [m] ... or one of them over this way
