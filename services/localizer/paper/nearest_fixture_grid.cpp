@@ -15,19 +15,15 @@ NearestFixtureGrid::NearestFixtureGrid(const FixtureMap& map) : entries_{{kFarAw
   if (map.size() == 0) {
     return;
   }
-  Eigen::Vector2d min = map[0].world_from_fixture.position();
-  Eigen::Vector2d max = min;
   for (const Fixture& fixture : map.fixtures()) {
     const Pose2& pose = fixture.world_from_fixture;
-    min = min.cwiseMin(pose.position());
-    max = max.cwiseMax(pose.position());
     entries_.push_back({static_cast<float>(pose.x), static_cast<float>(pose.y), static_cast<float>(pose.theta),
                         static_cast<float>(symmetry_period(fixture.shape))});
   }
   const Eigen::Vector2d reach = Eigen::Vector2d::Constant(kFarthest);
-  const Eigen::Vector2d extent = max - min + 2.0 * reach;
+  const Eigen::Vector2d extent = map.extent().sizes() + 2.0 * reach;
   geometry_.resolution = std::max(0.1, std::sqrt(extent.x() * extent.y() / kMaxCells));
-  geometry_.origin = min - reach;
+  geometry_.origin = map.extent().min() - reach;
   geometry_.columns = static_cast<int>(extent.x() / geometry_.resolution) + 1;
   geometry_.rows = static_cast<int>(extent.y() / geometry_.resolution) + 1;
   origin_x_ = static_cast<float>(geometry_.origin.x());

@@ -15,8 +15,8 @@ void ParticleFilter::place(std::size_t particle, const Pose2& pose) {
 
 void ParticleFilter::draw(std::size_t i) {
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    const Eigen::Vector2d place(min_.x() + random_.uniform() * (max_.x() - min_.x()),
-                                min_.y() + random_.uniform() * (max_.y() - min_.y()));
+    const Eigen::Vector2d place(random_.uniform(floor_.min().x(), floor_.max().x()),
+                                random_.uniform(floor_.min().y(), floor_.max().y()));
     x_[i] = static_cast<float>(place.x());
     y_[i] = static_cast<float>(place.y());
     if (walls_.is_free({x_[i], y_[i]})) {

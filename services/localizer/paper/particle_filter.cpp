@@ -122,22 +122,8 @@ ParticleFilter::ParticleFilter(const FixtureMap& map, const WallField& walls, co
       params_(params),
       random_(seed),
       noise_(kNoise),
-      min_(-5.0, -5.0),
-      max_(5.0, 5.0) {
-  if (walls_.has_walls()) {
-    const GridGeometry& geometry = walls_.map().geometry;
-    min_ = geometry.origin;
-    max_ = geometry.origin + geometry.resolution * Eigen::Vector2d(geometry.columns, geometry.rows);
-  } else if (map.size() > 0) {
-    min_ = max_ = map[0].world_from_fixture.position();
-    for (const Fixture& fixture : map.fixtures()) {
-      min_ = min_.cwiseMin(fixture.world_from_fixture.position());
-      max_ = max_.cwiseMax(fixture.world_from_fixture.position());
-    }
-    min_ -= Eigen::Vector2d(2.0, 2.0);
-    max_ += Eigen::Vector2d(2.0, 2.0);
-  }
-  count_ = count_of(params, walls_, max_ - min_);
+      floor_(extent_of_floor(walls.map(), map)),
+      count_(count_of(params, walls, floor_.sizes())) {
   weight_.assign(count_, 0.0F);
   for (std::vector<float>* values : {&x_, &y_, &theta_}) {
     values->assign(count_ + 2, 0.0F);  // resampling writes up to two beyond the end

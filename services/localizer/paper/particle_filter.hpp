@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <vector>
 
@@ -115,10 +115,9 @@ class ParticleFilter {
   NearestFixtureGrid nearest_;
   ParticleParams params_;
   SplitMix random_;
-  std::vector<float> noise_;  // normal numbers; a block of particles takes a stretch that begins anywhere
-  Eigen::Vector2d min_;       // [m] corners of where fixtures are, for buildings without a map
-  Eigen::Vector2d max_;
-  std::size_t count_ = 0;
+  std::vector<float> noise_;   // normal numbers; a block of particles takes a stretch that begins anywhere
+  Eigen::AlignedBox2d floor_;  // [m] in which particles are drawn
+  std::size_t count_;
   std::size_t fresh_from_ = 0;  // nothing was seen since particles from here on were drawn; count_: none
   std::vector<float> x_, y_, theta_, weight_;
   std::vector<float> spare_x_, spare_y_, spare_theta_;  // systematic resampling writes here
