@@ -76,7 +76,9 @@ void ModernLocalizer::bridge(const std::string& why, const OdometryGap& gap) {
     filter_.bridge(gap.step, gap.noise);
   }
   if (supervisor_.is_tracking()) {
-    supervisor_.suspect_after_gap(why, gap.may_be_kidnapped);
+    supervisor_.suspect({.reason = why,
+                         .log_prior = log_prior::kAfterGap,
+                         .needed_fixtures = gap.may_be_kidnapped ? params_.rules.enter_fixtures : 1});
   } else {
     bank_.bridge(gap.step, gap.noise);
   }
@@ -99,7 +101,7 @@ void ModernLocalizer::recall(const PoseBelief& belief) {
     return;
   }
   filter_.start(belief);
-  supervisor_.suspect("the pose from before the restart waits for a fixture that confirms it", log_prior::kAfterMiss);
+  supervisor_.suspect({"the pose from before the restart waits for a fixture that confirms it", log_prior::kAfterMiss});
 }
 
 void ModernLocalizer::add_guess(const PoseBelief& guess) {
@@ -228,7 +230,7 @@ void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& 
   const Pose2 after = filter_.belief().pose;
   if (!motors_enabled_ && supervisor_.is_tracking() &&
       (distance(before, after) > kMovedByHand || std::abs(wrap_angle(after.theta - before.theta)) > kTurnedByHand)) {
-    supervisor_.suspect("the robot was moved by hand while its motors were off", log_prior::kAfterMiss);
+    supervisor_.suspect({"the robot was moved by hand while its motors were off", log_prior::kAfterMiss});
   }
 }
 

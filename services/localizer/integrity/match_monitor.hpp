@@ -22,8 +22,9 @@ namespace luminav {
 /// What speaks against a tracked pose.
 struct Contradiction {
   std::string reason;
-  double log_prior = 0.0;  // prior that the old pose keeps nevertheless
-  bool is_misfit = false;  // something is seen that is no fixture, as opposed to a fixture that is not seen
+  double log_prior = 0.0;   // prior that the old pose keeps nevertheless
+  bool is_misfit = false;   // something is seen that is no fixture, as opposed to a fixture that is not seen
+  int needed_fixtures = 1;  // that the old pose must fit before it is held for true again
 };
 
 /// Watches a tracked pose for signs that it is wrong: sightings that fit nothing, fixtures that vanish though the robot

@@ -179,35 +179,22 @@ void TrackingSupervisor::explain_ambiguity() {
   }
 }
 
-void TrackingSupervisor::suspect(const std::string& why, double log_prior) {
+void TrackingSupervisor::suspect(const Contradiction& contradiction) {
   was_tracking_ = true;  // so too a pose from before a restart
-  suspicion_ = why;
+  reason_ = suspicion_ = contradiction.reason;
   wide_ = false;
-  may_predict_ = false;
-  needed_fixtures_ = 1;
+  may_predict_ = contradiction.is_misfit;
+  needed_fixtures_ = contradiction.needed_fixtures;
   monitor_.reset();
   tracks_.clear();
   bank_.clear();
-  PoseBelief belief = filter_.belief();
-  bank_.add_guess(belief, log_prior);
-  leader_id_ = bank_.hypotheses().front().id;
-  suspected_id_ = leader_id_;
+  bank_.add_guess(filter_.belief(), contradiction.log_prior);
+  leader_id_ = suspected_id_ = bank_.hypotheses().front().id;
   state_ = LocalizerState::kAmbiguous;
-  reason_ = why;
-}
-
-void TrackingSupervisor::suspect(const Contradiction& contradiction) {
-  suspect(contradiction.reason, contradiction.log_prior);
-  may_predict_ = contradiction.is_misfit;
-}
-
-void TrackingSupervisor::suspect_after_gap(const std::string& why, bool may_be_kidnapped) {
-  suspect(why, log_prior::kAfterGap);
-  needed_fixtures_ = may_be_kidnapped ? rules_.enter_fixtures : 1;
 }
 
 void TrackingSupervisor::suspect_slip(const PoseBelief& slipped) {
-  suspect("the sonars hear the walls as if the wheels had slipped", log_prior::kAfterMiss);
+  suspect({"the sonars hear the walls as if the wheels had slipped", log_prior::kAfterMiss});
   bank_.add_guess(slipped, log_prior::kAfterMiss);
 }
 
@@ -219,8 +206,7 @@ void TrackingSupervisor::suspend(const std::string& why) {
 
 void TrackingSupervisor::resume(bool was_followed) {
   if (was_followed) {
-    suspect(reason_, log_prior::kAfterMisfit);
-    may_predict_ = true;
+    suspect({reason_, log_prior::kAfterMisfit, true});
     return;
   }
   was_tracking_ = false;  // it is plain that it was carried: no pose is in doubt, and the search is as the first one

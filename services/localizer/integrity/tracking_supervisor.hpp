@@ -26,12 +26,8 @@ class TrackingSupervisor {
   /// when the filter was started at another pose and is to be corrected by this very image.
   [[nodiscard]] bool decide(const SightingFrame& frame, double distance_since_fixture);
 
-  /// Puts the filter's pose in doubt: it becomes the only hypothesis, with `log_prior` as its prior, and the search
-  /// begins.
-  void suspect(const std::string& why, double log_prior);
+  /// Puts the filter's pose in doubt: it becomes the only hypothesis, and the search begins.
   void suspect(const Contradiction& contradiction);
-  /// Puts it in doubt for a gap in odometry; after a long one it must fit more than one fixture.
-  void suspect_after_gap(const std::string& why, bool may_be_kidnapped);
   /// Puts it in doubt for a slip of the wheels, after which the robot is rather at `slipped`.
   void suspect_slip(const PoseBelief& slipped);
   /// Adds where a doubted robot is if it slipped or was bumped. Another fixture that this pose predicts speaks for it.
