@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::array kGrips = {1.0, 0.5, 0.0};  // share of its own way by which a wheel moves the robot
 constexpr double kDeviations = 3.0;             // of image noise
+constexpr double kMaxInOneImage = 0.6;          // of a motion: more is the centre of a cut fixture found elsewhere
 constexpr std::int64_t kSpan = 600'000;         // [us] over which motions are compared
 constexpr int kFrames = 3;                      // images in a row that show it: somebody moves the robot
 
@@ -45,7 +46,7 @@ bool OdometryConsistency::look(const SightingFrame& frame, const std::vector<int
     const auto before =
         std::find_if(looks_.begin(), looks_.end(), [&](const Look& look) { return look.object == looks_[i].object; });
     if (before->utime <= since) {
-      displaced = (before->utime < since || displaced) && is_beyond_slip(*before, looks_[i]);
+      displaced = (before->utime < since || displaced) && is_beyond_slip(*before, looks_[i]) && moved_on(looks_[i]);
       since = before->utime;
     }
   }
@@ -83,6 +84,21 @@ bool OdometryConsistency::is_beyond_slip(const Look& before, const Look& now) co
     }
   }
   return true;
+}
+
+bool OdometryConsistency::moved_on(const Look& now) const {
+  std::vector<Eigen::Vector2d> offsets;  // from where it is now, along the way of the wheels
+  for (const Look& look : looks_) {
+    if (look.object == now.object) {
+      const Pose2 now_from_then = now.odom_from_robot.inverse() * look.odom_from_robot;
+      offsets.push_back(now_from_then * look.robot_from_thing.position() - now.robot_from_thing.position());
+    }
+  }
+  double longest = 0.0;
+  for (std::size_t i = 1; i < offsets.size(); ++i) {
+    longest = std::max(longest, (offsets[i] - offsets[i - 1]).norm());
+  }
+  return longest < kMaxInOneImage * offsets.front().norm();
 }
 
 }  // namespace luminav

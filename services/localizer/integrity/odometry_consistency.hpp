@@ -37,6 +37,8 @@ class OdometryConsistency {
   /// No motion of the wheels between two looks at one thing, with full, half or no grip of each, explains where it is
   /// now.
   [[nodiscard]] bool is_beyond_slip(const Look& before, const Look& now) const;
+  /// It went there from image to image and did not jump.
+  [[nodiscard]] bool moved_on(const Look& now) const;
 
   double wheel_base_;                 // [m]
   double displacement_;               // [m]

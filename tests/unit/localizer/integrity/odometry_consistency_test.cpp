@@ -37,6 +37,8 @@ class WatchedRobot {
   }
   /// A thing that moves by itself, as nothing on a ceiling does.
   void see_wandering_thing() { sees_wanderer_ = true; }
+  /// The centre of the fixture, cut by the image's border, is taken to be elsewhere from now on.
+  void find_fixture_elsewhere(double beside) { beside_ = beside; }
   OdometryConsistency& watch() { return watch_; }
 
  private:
@@ -61,7 +63,7 @@ class WatchedRobot {
       sighting.covariance = kNoise * kNoise * Eigen::Matrix3d::Identity();
       frame.sightings.push_back(sighting);
     };
-    see(truth_.inverse() * Pose2{0.3, 0.2, 0.0});
+    see(truth_.inverse() * Pose2{0.3, 0.2 + beside_, 0.0});
     if (sees_wanderer_) {
       wanderer_y_ += 0.7 * kPeriod;
       see({-0.6, wanderer_y_, 0.0});
@@ -77,6 +79,7 @@ class WatchedRobot {
   Pose2 truth_;
   Pose2 odom_;
   std::int64_t utime_ = 1'000'000'000;
+  double beside_ = 0.0;  // [m]
   bool sees_wanderer_ = false;
   double wanderer_y_ = -0.6;  // [m, robot frame]
 };
@@ -126,6 +129,13 @@ TEST(OdometryConsistency, DoesNotBelieveOneThingAgainstAFixtureSeenAsLong) {
   WatchedRobot robot;
   robot.see_wandering_thing();
   EXPECT_FALSE(robot.move({}, {}, 1.5));
+}
+
+TEST(OdometryConsistency, TakesAFixtureFoundElsewhereAllAtOnceForNoMotion) {
+  WatchedRobot robot;
+  ASSERT_FALSE(robot.drive({0.5, 0.5}, {0.5, 0.5}, 1.0));
+  robot.find_fixture_elsewhere(0.4);
+  EXPECT_FALSE(robot.drive({0.5, 0.5}, {0.5, 0.5}, 1.0));
 }
 
 TEST(OdometryConsistency, ForgetsWhatWasBeforeAGap) {
