@@ -33,14 +33,9 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
   table.read("leave_position_sigma", rules.leave_position_sigma, {0.01, 5.0});
   table.read("leave_heading_sigma", rules.leave_heading_sigma, {0.01, 3.0});
   table.read("misfit_frames", rules.misfit_frames, {1, 1000});
-  table.read("newcomer_frames", rules.newcomer_frames, {1, 1000});
   table.read("vanish_frames", rules.vanish_frames, {1, 1000});
-  table.read("still_distance", rules.still_distance, {0.0, 1.0});
-  table.read("still_turn", rules.still_turn, {0.0, 1.0});
   table.read("pause_frames", rules.pause_frames, {1, 1000});
-  table.read("displacement_time", rules.displacement_time, {0.1, 10.0});
   table.read("displacement", rules.displacement, {0.0, 10.0});
-  table.read("displacement_frames", rules.displacement_frames, {1, 1000});
   table.read("miss_frames", rules.miss_frames, {1, 1000});
   table.read("miss_fixtures", rules.miss_fixtures, {1, 100});
   table.read("miss_distance", rules.miss_distance, {0.0, 100.0});

@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kMinFit = 0.35;                    // outlines that fit worse are not used
 constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypotheses move on without images
-constexpr std::int64_t kFixtureInView = 500'000;    // [us] since it was matched
 constexpr std::int64_t kMaxExtrapolated = 150'000;  // [us] from the newest odometry, which comes at 10 Hz
 constexpr std::size_t kMaxSightings = 12;           // of one image
 constexpr int kMaxUnmatched = 3;                // images in a row in which a fixture followed by sight may be missed
@@ -34,8 +33,7 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       filter_(model_.height_above_camera(), {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base,
               errors, params.tracking),
       monitor_(model_, params.rules),
-      displacement_(robot.wheel_base, params.rules),
-      rush_(robot.wheel_base),
+      displacement_(robot.wheel_base, params.rules.displacement),
       supervisor_(model_.fixtures, tracks_, bank_, filter_, monitor_, params.rules),
       slip_(model_.walls, robot.sonar.half_angle),
       echoes_(robot.sonar, {params.hypotheses.sonar_test_distance, params.hypotheses.sonar_turn,
@@ -70,7 +68,6 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
 void ModernLocalizer::bridge(const std::string& why, const OdometryGap& gap) {
   queue_.restart();
   displacement_.clear();
-  rush_.clear();
   tracks_.clear();
   echoes_.clear();
   slip_.clear();
@@ -79,7 +76,9 @@ void ModernLocalizer::bridge(const std::string& why, const OdometryGap& gap) {
     filter_.bridge(gap.step, gap.noise);
   }
   if (supervisor_.is_tracking()) {
-    supervisor_.suspect_after_gap(why, gap.may_be_kidnapped);
+    supervisor_.suspect({.reason = why,
+                         .log_prior = log_prior::kAfterGap,
+                         .needed_fixtures = gap.may_be_kidnapped ? params_.rules.enter_fixtures : 1});
   } else {
     bank_.bridge(gap.step, gap.noise);
   }
@@ -93,19 +92,6 @@ void ModernLocalizer::add_frame(const SightingFrame& frame) {
   }
 }
 
-void ModernLocalizer::add_sonar(const SonarScan& scan) {
-  echoes_.add(scan);
-  if (queue_.history().is_empty()) {
-    return;
-  }
-  // a fixture in view tells better, and at once, whether the robot is carried
-  const bool sees_fixture = scan.utime - corrections_.utime() < kFixtureInView;
-  const bool is_kidnapped = surroundings_.look(scan, queue_.history().newest().odom_from_robot);
-  if (is_kidnapped && !sees_fixture && supervisor_.has_leader() && !is_displaced_) {
-    supervisor_.suspect({"the sonars hear everything move while the wheels stand still", log_prior::kAfterMisfit});
-  }
-}
-
 void ModernLocalizer::add_base_state(const BaseState& state) {
   motors_enabled_ = state.motors_enabled || !state.connected;
 }
@@ -115,7 +101,7 @@ void ModernLocalizer::recall(const PoseBelief& belief) {
     return;
   }
   filter_.start(belief);
-  supervisor_.recall();
+  supervisor_.suspect({"the pose from before the restart waits for a fixture that confirms it", log_prior::kAfterMiss});
 }
 
 void ModernLocalizer::add_guess(const PoseBelief& guess) {
@@ -175,7 +161,6 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   advance(timed.odometry);
   const SightingFrame frame = usable_sightings(timed.frame, timed.odometry);
   const std::vector<int> objects = tracks_.update(frame, timed.odometry.odom_from_robot, odometer_);
-  const bool is_rushing = rush_.look(frame, timed.odometry.odom_from_robot);
   if (displacement_.look(frame, objects, tracks_, timed.odometry.odom_from_robot)) {
     wait_for_rest(frame, timed.odometry);
     return;
@@ -188,7 +173,7 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   bank_.observe(frame, objects, tracks_, timed.odometry, odometer_);
   if (supervisor_.has_leader()) {
     monitor_.allow_kidnapping(!motors_enabled_);
-    track(frame, objects, timed.odometry, is_rushing);
+    track(frame, objects, timed.odometry);
   }
   supervisor_.favour_predicting_pose();
   if (!supervisor_.is_tracking()) {
@@ -227,34 +212,25 @@ bool ModernLocalizer::is_followed() const {
 void ModernLocalizer::begin_at_rest() {
   is_displaced_ = false;
   displacement_.clear();
-  rush_.clear();
   echoes_.clear();
   slip_.clear();
   supervisor_.resume(is_followed());
 }
 
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
-                            const OdometryReading& odometry, bool is_rushing) {
+                            const OdometryReading& odometry) {
   const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
-  if (supervisor_.is_recalled()) {
-    supervisor_.judge_recalled_pose(objects, matches);
-    if (!supervisor_.has_leader()) {
-      return;
-    }
-  }
   const auto contradiction = monitor_.look(frame, objects, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
                                            distance_since_fixture(), supervisor_.is_suspected());
   if (contradiction) {
     suspect(*contradiction, frame, odometry);
-  } else if (is_rushing && matches.empty() && !supervisor_.is_suspected()) {
-    supervisor_.suspect({"what is seen rushes past faster than the wheels turn", log_prior::kAfterMisfit, true});
   }
   const Pose2 before = filter_.belief().pose;
   correct_filter(frame, matches, odometry);
   const Pose2 after = filter_.belief().pose;
   if (!motors_enabled_ && supervisor_.is_tracking() &&
       (distance(before, after) > kMovedByHand || std::abs(wrap_angle(after.theta - before.theta)) > kTurnedByHand)) {
-    supervisor_.suspect("the robot was moved by hand while its motors were off", log_prior::kAfterMiss);
+    supervisor_.suspect({"the robot was moved by hand while its motors were off", log_prior::kAfterMiss});
   }
 }
 
@@ -366,11 +342,8 @@ LocalizerEstimate ModernLocalizer::estimate() const {
   LocalizerEstimate estimate;
   estimate.state = supervisor_.state();
   estimate.reason = supervisor_.reason();
-  estimate.fixture_utime = corrections_.utime();
-  estimate.has_nis = corrections_.mean_nis().has_value();
-  estimate.nis = corrections_.mean_nis().value_or(0.0);
   const Pose2 ahead = since_filter();
-  estimate.distance_since_fixture = distance_since_fixture() + std::hypot(ahead.x, ahead.y);
+  corrections_.write_to(estimate, odometer_ + std::hypot(ahead.x, ahead.y));
   if (supervisor_.has_leader()) {
     estimate.estimator = EstimatorKind::kKalmanFilter;
     estimate.belief = filter_.belief_after(ahead);

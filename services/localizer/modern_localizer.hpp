@@ -9,10 +9,8 @@
 #include "services/localizer/hypotheses/echo_collector.hpp"
 #include "services/localizer/hypotheses/hypothesis_bank.hpp"
 #include "services/localizer/integrity/match_monitor.hpp"
-#include "services/localizer/integrity/motion_outlier.hpp"
 #include "services/localizer/integrity/odometry_consistency.hpp"
 #include "services/localizer/integrity/slip_by_sonar.hpp"
-#include "services/localizer/integrity/sonar_change.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
 #include "services/localizer/integrity/tracking_supervisor.hpp"
 #include "services/localizer/model/frame_queue.hpp"
@@ -40,7 +38,7 @@ class ModernLocalizer final : public Localizer {
 
   void add_odometry(const OdometryReading& reading) override;
   void add_frame(const SightingFrame& frame) override;
-  void add_sonar(const SonarScan& scan) override;
+  void add_sonar(const SonarScan& scan) override { echoes_.add(scan); }
   void add_base_state(const BaseState& state) override;
   void add_guess(const PoseBelief& guess) override;
   void recall(const PoseBelief& belief) override;
@@ -64,9 +62,7 @@ class ModernLocalizer final : public Localizer {
   void advance(const OdometryReading& odometry);
   void listen(std::int64_t until_utime);
   [[nodiscard]] SightingFrame usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const;
-  /// With `is_rushing` something in the image rushes past.
-  void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry,
-             bool is_rushing);
+  void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
   /// What fits nothing where the robot is held to be may be a fixture seen by a robot that slipped or was bumped: that
   /// pose competes with the doubted one, unless the sonars say that the robot is where it was: then the fixture hangs
   /// elsewhere, and a robot that nobody can have carried goes on.
@@ -97,8 +93,6 @@ class ModernLocalizer final : public Localizer {
   TrackingFilter filter_;
   MatchMonitor monitor_;
   OdometryConsistency displacement_;
-  MotionOutlier rush_;
-  SonarChange surroundings_;
   TrackingSupervisor supervisor_;
   SlipBySonar slip_;
   EchoCollector echoes_;

@@ -15,18 +15,12 @@ FixtureMap::FixtureMap(std::vector<Fixture> fixtures, double cell) : fixtures_(s
   if (fixtures_.empty()) {
     return;
   }
-  Eigen::Vector2d min = fixtures_.front().world_from_fixture.position();
-  Eigen::Vector2d max = min;
-  for (const Fixture& fixture : fixtures_) {
-    min = min.cwiseMin(fixture.world_from_fixture.position());
-    max = max.cwiseMax(fixture.world_from_fixture.position());
-  }
+  const Eigen::AlignedBox2d box = extent();
   // a fixture somebody put at 1e6 must not cost the memory of all cells between
-  const double extent = std::max(max.x() - min.x(), max.y() - min.y());
-  cell_ = std::max(cell_, extent / 1000.0);
-  origin_ = min;
-  columns_ = static_cast<int>((max.x() - min.x()) / cell_) + 1;
-  rows_ = static_cast<int>((max.y() - min.y()) / cell_) + 1;
+  cell_ = std::max(cell_, box.sizes().maxCoeff() / 1000.0);
+  origin_ = box.min();
+  columns_ = static_cast<int>(box.sizes().x() / cell_) + 1;
+  rows_ = static_cast<int>(box.sizes().y() / cell_) + 1;
   std::vector<std::size_t> cell_of;
   for (const Fixture& fixture : fixtures_) {
     const Eigen::Vector2d offset = fixture.world_from_fixture.position() - origin_;
@@ -55,6 +49,14 @@ FixtureMap::FixtureMap(std::vector<Fixture> fixtures, double cell) : fixtures_(s
       }
     }
   }
+}
+
+Eigen::AlignedBox2d FixtureMap::extent() const {
+  Eigen::AlignedBox2d box;
+  for (const Fixture& fixture : fixtures_) {
+    box.extend(fixture.world_from_fixture.position());
+  }
+  return box;
 }
 
 std::size_t FixtureMap::cell_index(int column, int row) const {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <deque>
 #include <set>
 #include <vector>
@@ -29,6 +29,8 @@ class FixtureMap {
   [[nodiscard]] int size() const { return static_cast<int>(fixtures_.size()); }
   /// Indices of the fixtures whose centre lies within `radius` [m] of a point of the world, appended to `found`.
   void find_near(const Eigen::Vector2d& point_in_world, double radius, std::vector<int>& found) const;
+  /// The smallest box around their centres [m]; empty without any.
+  [[nodiscard]] Eigen::AlignedBox2d extent() const;
   /// The smallest distance [m] between two fixtures' centres; 1e9 with fewer than two.
   [[nodiscard]] double smallest_spacing() const { return smallest_spacing_; }
 

@@ -53,27 +53,14 @@ Pose2 motion_onto(const Fixture& from, const Fixture& to, double theta) {
   return Pose2{to.world_from_fixture.x, to.world_from_fixture.y, wrap_angle(theta)} * Pose2{-moved.x, -moved.y, 0.0};
 }
 
-/// The extent of the map, or of the fixtures of a building without one, in cells.
+/// The floor in cells.
 GridGeometry place_grid(const PriorMap& walls, const FixtureMap& map, double cell) {
-  Eigen::Vector2d min = Eigen::Vector2d::Zero();
-  Eigen::Vector2d max = Eigen::Vector2d::Zero();
-  if (walls.geometry.size() > 0) {
-    min = walls.geometry.origin;
-    max = min + walls.geometry.resolution * Eigen::Vector2d(walls.geometry.columns, walls.geometry.rows);
-  } else if (map.size() > 0) {
-    min = max = map[0].world_from_fixture.position();
-    for (const Fixture& fixture : map.fixtures()) {
-      min = min.cwiseMin(fixture.world_from_fixture.position());
-      max = max.cwiseMax(fixture.world_from_fixture.position());
-    }
-    min -= Eigen::Vector2d::Constant(1.5);
-    max += Eigen::Vector2d::Constant(1.5);
-  }
+  const Eigen::AlignedBox2d floor = extent_of_floor(walls, map);
   GridGeometry grid;
   grid.resolution = cell;
-  grid.origin = min;
-  grid.columns = static_cast<int>(std::ceil((max.x() - min.x()) / cell));
-  grid.rows = static_cast<int>(std::ceil((max.y() - min.y()) / cell));
+  grid.origin = floor.min();
+  grid.columns = static_cast<int>(std::ceil(floor.sizes().x() / cell));
+  grid.rows = static_cast<int>(std::ceil(floor.sizes().y() / cell));
   return grid;
 }
 

@@ -24,7 +24,6 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   FrameComparison result;
   result.fixture_of_sighting.assign(frame_.sightings.size(), -1);
   result.log_likelihood.assign(frame_.sightings.size(), params_.misfit);
-  result.innovations.resize(frame_.sightings.size());
   thread_local std::vector<int> near;
   near.clear();
   model_.fixtures.find_near(belief.pose.position(), reach_, near);
@@ -33,8 +32,7 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   find_pairs(belief, near, pairs);
   // one-to-one, the best pair first: fixtures stand so far apart that a better sum of worse pairs does not occur
   if (pairs.size() > 1) {
-    std::stable_sort(pairs.begin(), pairs.end(),
-                     [](const Pair& a, const Pair& b) { return a.innovation.nis < b.innovation.nis; });
+    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.nis < b.nis; });
   }
   thread_local std::vector<int> taken;
   taken.clear();
@@ -45,7 +43,6 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
     }
     result.fixture_of_sighting[pair.sighting] = pair.fixture;
     result.log_likelihood[pair.sighting] = pair.log_likelihood;
-    result.innovations[pair.sighting] = pair.innovation;
     taken.push_back(pair.fixture);
   }
   for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
@@ -73,7 +70,7 @@ void FrameComparer::find_pairs(const PoseBelief& belief, const std::vector<int>&
       if (innovation.nis < params_.gate) {
         pairs.push_back({i, index,
                          std::max(params_.misfit, -0.5 * innovation.nis - std::min(3.0, innovation.log_volume)),
-                         innovation});
+                         innovation.nis});
       }
     }
   }

@@ -14,7 +14,6 @@ namespace luminav {
 struct FrameComparison {
   std::vector<int> fixture_of_sighting;  // -1 = fits none
   std::vector<double> log_likelihood;    // of each sighting
-  std::vector<Innovation> innovations;   // of those that fit
   std::vector<int> missed;               // fixtures well in view with nothing there
   std::vector<int> expected;             // fixtures well in view
 };
@@ -35,7 +34,7 @@ class FrameComparer {
     std::size_t sighting = 0;
     int fixture = 0;
     double log_likelihood = 0.0;
-    Innovation innovation;
+    double nis = 0.0;
   };
   void find_pairs(const PoseBelief& belief, const std::vector<int>& near, std::vector<Pair>& pairs) const;
   void expect(const PoseBelief& belief, const std::vector<int>& near, FrameComparison& result) const;

@@ -5,7 +5,6 @@
 #include "services/common/geometry/angle.hpp"
 #include "services/common/geometry/pose2.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
-#include "services/localizer/integrity/wheels_at_rest.hpp"
 
 namespace luminav {
 
@@ -19,7 +18,9 @@ class KidnapOpportunity {
 
   /// One image. True where the wheels come to rest, and have not paused since the last match: an opportunity begins.
   bool look(const Pose2& odom_from_robot) {
-    still_frames_ = are_wheels_at_rest(odom_at_frame_, odom_from_robot) ? still_frames_ + 1 : 0;
+    const Pose2 step = odom_at_frame_.inverse() * odom_from_robot;
+    const bool is_at_rest = std::hypot(step.x, step.y) < 0.001 && std::abs(step.theta) < radians(0.1);
+    still_frames_ = is_at_rest ? still_frames_ + 1 : 0;
     odom_at_frame_ = odom_from_robot;
     const bool begins = still_frames_ == 1 && !has_paused_;
     has_paused_ = has_paused_ || still_frames_ >= rules_.pause_frames;
@@ -50,13 +51,15 @@ class KidnapOpportunity {
       return std::hypot(moved.x, moved.y) < distance && std::abs(moved.theta) < turn;
     };
     // a robot that is lifted while driving rolls on a little after the last image
-    return moved_less(rules_.still_distance, rules_.still_turn) ||
+    return moved_less(kStillDistance, kStillTurn) ||
            (still_frames_ >= rules_.vanish_frames && moved_less(kStopDistance, kStopTurn));
   }
 
  private:
-  static constexpr double kStopDistance = 0.15;      // [m] since the last match, and standing now: it has just stopped
-  static constexpr double kStopTurn = radians(6.0);  // [rad] likewise
+  static constexpr double kStillDistance = 0.02;      // [m] since the last match: the robot stands still
+  static constexpr double kStillTurn = radians(1.5);  // [rad] likewise
+  static constexpr double kStopDistance = 0.15;       // [m] since the last match, and standing now: it has just stopped
+  static constexpr double kStopTurn = radians(6.0);   // [rad] likewise
 
   TrackingRules rules_;
   Pose2 odom_at_frame_;      // odom_from_robot at the newest image

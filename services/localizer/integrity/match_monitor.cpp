@@ -11,13 +11,14 @@ namespace {
 // different fixtures.
 constexpr double kMatchAge = 3.0;  // [s]
 constexpr int kTrustedFixtures = 8;
+constexpr int kMaxGap = 10;              // images in a row that show nothing strange: strange ones before were false
 constexpr int kStrangeImages = 10;       // of an object, beside fixtures that support the pose of a driving robot
 constexpr std::size_t kMaxObjects = 64;  // followed so at a time
 
 }  // namespace
 
 MatchMonitor::MatchMonitor(ObservationModel& model, const TrackingRules& rules)
-    : map_(model.fixtures), rules_(rules), newcomers_(rules), kidnap_(rules), missing_(model, rules) {}
+    : map_(model.fixtures), rules_(rules), kidnap_(rules), missing_(model, rules) {}
 
 std::optional<Contradiction> MatchMonitor::look(const SightingFrame& frame, const std::vector<int>& objects,
                                                 const ObjectTracks& tracks, const std::vector<FixtureMatch>& matches,
@@ -26,17 +27,10 @@ std::optional<Contradiction> MatchMonitor::look(const SightingFrame& frame, cons
   if (kidnap_.look(odom_from_robot)) {
     contradicting_ = 0;  // a kidnap can begin here
   }
-  const std::optional<Eigen::Vector2d> newcomer = newcomers_.look(frame, matches, odom_from_robot);
   if (!matches.empty()) {
     note_strangers(frame, objects, tracks, matches, belief);
     note_match(matches, belief);
     match_utime_ = frame.utime;
-    if (newcomer && !is_suspected && !map_.is_stranger(belief.pose * *newcomer)) {
-      misfit_ = belief.pose * *newcomer;
-      return Contradiction{fmt::format("something came into view at ({:.1f}, {:.1f}) though the robot stands still",
-                                       misfit_->x(), misfit_->y()),
-                           log_prior::kAfterMisfit};
-    }
     return std::nullopt;
   }
   const std::optional<Eigen::Vector2d> unexplained = find_unexplained(frame, objects, tracks, belief);
@@ -68,7 +62,6 @@ void MatchMonitor::reset() {
   strange_images_.clear();
   forget_run();
   missing_.clear();
-  newcomers_.clear();
 }
 
 void MatchMonitor::confirm(bool was_suspected) {

@@ -13,7 +13,6 @@
 #include "services/localizer/integrity/kidnap_opportunity.hpp"
 #include "services/localizer/integrity/missing_fixtures.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
-#include "services/localizer/integrity/unexpected_object.hpp"
 #include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/tracking/fixture_matching.hpp"
@@ -23,12 +22,13 @@ namespace luminav {
 /// What speaks against a tracked pose.
 struct Contradiction {
   std::string reason;
-  double log_prior = 0.0;  // prior that the old pose keeps nevertheless
-  bool is_misfit = false;  // something is seen that is no fixture, as opposed to a fixture that is not seen
+  double log_prior = 0.0;   // prior that the old pose keeps nevertheless
+  bool is_misfit = false;   // something is seen that is no fixture, as opposed to a fixture that is not seen
+  int needed_fixtures = 1;  // that the old pose must fit before it is held for true again
 };
 
 /// Watches a tracked pose for signs that it is wrong: sightings that fit nothing, fixtures that vanish though the robot
-/// stands still, fixtures that never come, things that come into view of a robot that stands.
+/// stands still, fixtures that never come.
 class MatchMonitor {
  public:
   /// The model must outlive this; its map learns where the building's file is wrong.
@@ -68,7 +68,6 @@ class MatchMonitor {
 
   FixtureMap& map_;
   TrackingRules rules_;
-  UnexpectedObject newcomers_;
   KidnapOpportunity kidnap_;
   MissingFixtures missing_;
   int misfit_run_ = 0;                     // images since the last match that show what fits nothing

@@ -2,14 +2,24 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
-
-#include "services/localizer/integrity/wheels_at_rest.hpp"
 
 namespace luminav {
 namespace {
 
-constexpr double kMaxInOneImage = 0.6;  // of a motion: more is the centre of a cut fixture found elsewhere
+constexpr std::array kGrips = {1.0, 0.5, 0.0};  // share of its own way by which a wheel moves the robot
+constexpr double kDeviations = 3.0;             // of image noise
+constexpr double kMaxInOneImage = 0.6;          // of a motion: more is the centre of a cut fixture found elsewhere
+constexpr std::int64_t kSpan = 600'000;         // [us] over which motions are compared
+constexpr int kFrames = 3;                      // images in a row that show it: somebody moves the robot
+
+/// The step of a robot whose wheels moved it by so much [m], along its mean heading.
+Pose2 step_of_wheels(double left, double right, double wheel_base) {
+  const double distance = 0.5 * (left + right);
+  const double turn = (right - left) / wheel_base;
+  return {distance * std::cos(0.5 * turn), distance * std::sin(0.5 * turn), wrap_angle(turn)};
+}
 
 }  // namespace
 
@@ -20,19 +30,13 @@ void OdometryConsistency::clear() {
 
 bool OdometryConsistency::look(const SightingFrame& frame, const std::vector<int>& objects, const ObjectTracks& tracks,
                                const Pose2& odom_from_robot) {
-  const auto span = static_cast<std::int64_t>(1e6 * rules_.displacement_time);
-  const std::int64_t oldest = frame.utime - span;
+  const std::int64_t oldest = frame.utime - kSpan;
   std::erase_if(looks_, [&](const Look& look) { return look.utime < oldest; });
-  if (!are_wheels_at_rest(odom_at_frame_, odom_from_robot)) {
-    at_rest_since_ = frame.utime;
-  }
-  odom_at_frame_ = odom_from_robot;
   const std::size_t first_of_now = looks_.size();
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const FixtureSighting& sighting = frame.sightings[i];
-    looks_.push_back(
-        {{frame.utime, odom_from_robot, sighting.robot_from_fixture, sighting.covariance.topLeftCorner<2, 2>()},
-         tracks.objects()[static_cast<std::size_t>(objects[i])].id});
+    looks_.push_back({frame.utime, tracks.objects()[static_cast<std::size_t>(objects[i])].id, odom_from_robot,
+                      sighting.robot_from_fixture, sighting.covariance.topLeftCorner<2, 2>()});
   }
   // What is in view for longest tells, and of things that came at once all must: one that is seen wrongly now and then
   // is not to speak for the others.
@@ -42,29 +46,44 @@ bool OdometryConsistency::look(const SightingFrame& frame, const std::vector<int
     const auto before =
         std::find_if(looks_.begin(), looks_.end(), [&](const Look& look) { return look.object == looks_[i].object; });
     if (before->utime <= since) {
-      displaced = (before->utime < since || displaced) && is_displaced(*before, looks_[i]) && moved_on(looks_[i]);
+      displaced = (before->utime < since || displaced) && is_beyond_slip(*before, looks_[i]) && moved_on(looks_[i]);
       since = before->utime;
     }
   }
   // what came into view just now cannot tell yet
-  const bool is_calm = !displaced && frame.utime - since >= span / 2;
+  const bool is_calm = !displaced && frame.utime - since >= kSpan / 2;
   if (displaced) {
     ++run_;
     displaced_utime_ = frame.utime;
   } else if (is_calm || displaced_utime_ < oldest) {
     run_ = 0;
   }
-  return run_ >= rules_.displacement_frames;
+  return run_ >= kFrames;
 }
 
-// Who is lifted while driving may have been moved by slipping wheels before, but not since they stand. Any look since
-// then tells: the first may be one that hardly says where the thing was.
-bool OdometryConsistency::is_displaced(const Look& before, const Look& now) const {
-  return is_beyond_slip(before, now, wheel_base_, rules_.displacement) ||
-         std::any_of(looks_.begin(), looks_.end(), [&](const Look& look) {
-           return look.object == now.object && look.utime >= at_rest_since_ &&
-                  is_beyond_slip(look, now, wheel_base_, rules_.displacement);
-         });
+bool OdometryConsistency::is_beyond_slip(const Look& before, const Look& now) const {
+  const Pose2 step = before.odom_from_robot.inverse() * now.odom_from_robot;
+  const double distance = step.x * std::cos(0.5 * step.theta) + step.y * std::sin(0.5 * step.theta);
+  const double left = distance - 0.5 * wheel_base_ * step.theta;
+  const double right = distance + 0.5 * wheel_base_ * step.theta;
+  for (const double left_grip : kGrips) {
+    for (const double right_grip : kGrips) {
+      const Pose2 moved = step_of_wheels(left_grip * left, right_grip * right, wheel_base_);
+      const Eigen::Vector2d offset =
+          now.robot_from_thing.position() - moved.inverse() * before.robot_from_thing.position();
+      const double length = offset.norm();
+      if (length <= displacement_) {
+        return false;
+      }
+      const Eigen::Vector2d direction = offset / length;
+      const Eigen::Vector2d then = PointTransform(moved).turned(direction);
+      const double variance = direction.dot(now.covariance * direction) + then.dot(before.covariance * then);
+      if (length <= displacement_ + kDeviations * std::sqrt(variance)) {
+        return false;
+      }
+    }
+  }
+  return true;
 }
 
 bool OdometryConsistency::moved_on(const Look& now) const {

@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "services/localizer/hypotheses/object_tracks.hpp"
-#include "services/localizer/integrity/slipping_wheels.hpp"
-#include "services/localizer/integrity/tracking_rules.hpp"
 
 namespace luminav {
 
@@ -15,32 +13,36 @@ namespace luminav {
 /// know where to, and a filter that follows a fixture by sight is misled.
 class OdometryConsistency {
  public:
-  /// `wheel_base` [m]
-  OdometryConsistency(double wheel_base, const TrackingRules& rules) : wheel_base_(wheel_base), rules_(rules) {}
+  /// `wheel_base` [m]; `displacement` [m] beyond image noise that wheels, slipping or not, do not explain.
+  OdometryConsistency(double wheel_base, double displacement) : wheel_base_(wheel_base), displacement_(displacement) {}
 
-  /// One image: its sightings with their object in the scene. True while the wheels do not explain how what is in view
-  /// for longest moved within the rules' time, neither as they turned nor if one or both of them slipped, in as many
-  /// images in a row as the rules ask for; and for as long at most while what is in view is too new to tell.
+  /// One image: its sightings with their object in the scene. True while the wheels do not explain, in three images in
+  /// a row, how what is in view for longest moved within 0.6 s, neither as they turned nor if one or both of them
+  /// slipped; and for as long at most while what is in view is too new to tell.
   [[nodiscard]] bool look(const SightingFrame& frame, const std::vector<int>& objects, const ObjectTracks& tracks,
                           const Pose2& odom_from_robot);
   /// Relative motion across now is unknown, or the scene begins anew.
   void clear();
 
  private:
-  struct Look : CeilingLook {
+  /// A thing on the ceiling as one image showed it.
+  struct Look {
+    std::int64_t utime = 0;  // [us]
     int object = 0;
+    Pose2 odom_from_robot;
+    Pose2 robot_from_thing;
+    Eigen::Matrix2d covariance;  // [m^2] of its place, robot frame
   };
 
-  /// Since `before`, or since they stand, the wheels do not explain where it is now.
-  [[nodiscard]] bool is_displaced(const Look& before, const Look& now) const;
+  /// No motion of the wheels between two looks at one thing, with full, half or no grip of each, explains where it is
+  /// now.
+  [[nodiscard]] bool is_beyond_slip(const Look& before, const Look& now) const;
   /// It went there from image to image and did not jump.
   [[nodiscard]] bool moved_on(const Look& now) const;
 
-  double wheel_base_;  // [m]
-  TrackingRules rules_;
+  double wheel_base_;                 // [m]
+  double displacement_;               // [m]
   std::deque<Look> looks_;            // oldest first
-  Pose2 odom_at_frame_;               // odom_from_robot at the image before
-  std::int64_t at_rest_since_ = 0;    // [us] of the first image since which the wheels stand
   int run_ = 0;                       // images that showed it, others that could not tell left out
   std::int64_t displaced_utime_ = 0;  // [us] of the last of them
 };

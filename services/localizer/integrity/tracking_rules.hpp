@@ -14,9 +14,6 @@ inline constexpr double kWhenPredicted = 5.0;  // more of it once a suspected po
 inline constexpr double kOfGuess = 6.0;        // of what a user says
 }  // namespace log_prior
 
-/// Images in a row that show nothing strange, after which strange ones before were false alarms.
-inline constexpr int kMaxGap = 10;
-
 /// When one hypothesis counts as the truth, and when no longer: what a robot's file may set.
 struct TrackingRules {
   // Log-score ahead of every other pose, listed or not, at first: neither a wall that is not heard nor one misfit may
@@ -30,14 +27,9 @@ struct TrackingRules {
   double leave_position_sigma = 0.16;         // [m] largest axis: beyond, 0.5 m are no longer two deviations away
   double leave_heading_sigma = radians(9.0);  // [rad]
   int misfit_frames = 5;                      // images that show what fits nothing; after a pause, that contradict
-  int newcomer_frames = 7;                    // images of what came into view of a standing robot and fits nothing
   int vanish_frames = 7;                      // images without a fixture that was there, the robot standing still
-  double still_distance = 0.02;               // [m] since the last match: the robot stands still
-  double still_turn = radians(1.5);           // [rad] likewise
   int pause_frames = 10;                      // images in a row without wheel motion: the robot may have been carried
-  double displacement_time = 0.6;             // [s] over which the motion of fixtures is compared with the wheels'
   double displacement = 0.15;                 // [m] beyond image noise that wheels, slipping or not, do not explain
-  int displacement_frames = 3;                // images in a row that show it: somebody moves the robot
   int miss_frames = 10;                       // images without a fixture that ought to be there
   int miss_fixtures = 2;                      // so many of them, and nothing else seen meanwhile ...
   double miss_distance = 1.5;                 // [m] ... or one of them over this way

@@ -12,7 +12,6 @@ namespace {
 constexpr double kRefuted = 6.0;                // log-score behind the best at which a leader is one no more
 constexpr double kSamePlace = 0.5;              // [m] a guess that near
 constexpr double kSameHeading = radians(20.0);  // and so little turned means the tracked pose
-constexpr int kSureFrames = 3;                  // images of an object after which it is one
 constexpr int kRestartFrames = 12;              // images with sightings that no hypothesis explains: begin anew
 constexpr const char* kNoFixtures = "the building's file names no fixtures";
 
@@ -155,7 +154,6 @@ bool TrackingSupervisor::declare_tracking(const Hypothesis& best) {
   }
   monitor_.confirm(best.id == suspected_id_);
   was_tracking_ = true;
-  is_recalled_ = false;
   wide_ = false;
   suspicion_.clear();
   may_predict_ = false;
@@ -181,35 +179,22 @@ void TrackingSupervisor::explain_ambiguity() {
   }
 }
 
-void TrackingSupervisor::suspect(const std::string& why, double log_prior) {
+void TrackingSupervisor::suspect(const Contradiction& contradiction) {
   was_tracking_ = true;  // so too a pose from before a restart
-  suspicion_ = why;
+  reason_ = suspicion_ = contradiction.reason;
   wide_ = false;
-  may_predict_ = false;
-  needed_fixtures_ = 1;
+  may_predict_ = contradiction.is_misfit;
+  needed_fixtures_ = contradiction.needed_fixtures;
   monitor_.reset();
   tracks_.clear();
   bank_.clear();
-  PoseBelief belief = filter_.belief();
-  bank_.add_guess(belief, log_prior);
-  leader_id_ = bank_.hypotheses().front().id;
-  suspected_id_ = leader_id_;
+  bank_.add_guess(filter_.belief(), contradiction.log_prior);
+  leader_id_ = suspected_id_ = bank_.hypotheses().front().id;
   state_ = LocalizerState::kAmbiguous;
-  reason_ = why;
-}
-
-void TrackingSupervisor::suspect(const Contradiction& contradiction) {
-  suspect(contradiction.reason, contradiction.log_prior);
-  may_predict_ = contradiction.is_misfit;
-}
-
-void TrackingSupervisor::suspect_after_gap(const std::string& why, bool may_be_kidnapped) {
-  suspect(why, log_prior::kAfterGap);
-  needed_fixtures_ = may_be_kidnapped ? rules_.enter_fixtures : 1;
 }
 
 void TrackingSupervisor::suspect_slip(const PoseBelief& slipped) {
-  suspect("the sonars hear the walls as if the wheels had slipped", log_prior::kAfterMiss);
+  suspect({"the sonars hear the walls as if the wheels had slipped", log_prior::kAfterMiss});
   bank_.add_guess(slipped, log_prior::kAfterMiss);
 }
 
@@ -221,39 +206,15 @@ void TrackingSupervisor::suspend(const std::string& why) {
 
 void TrackingSupervisor::resume(bool was_followed) {
   if (was_followed) {
-    suspect(reason_, log_prior::kAfterMisfit);
-    may_predict_ = true;
+    suspect({reason_, log_prior::kAfterMisfit, true});
     return;
   }
-  is_recalled_ = false;
   was_tracking_ = false;  // it is plain that it was carried: no pose is in doubt, and the search is as the first one
   monitor_.reset();
   tracks_.clear();
   bank_.clear();
   drop_leader(LocalizerState::kLost);
   reason_ = "nothing seen since the robot was moved elsewhere";
-}
-
-void TrackingSupervisor::recall() {
-  suspect("the pose from before the restart waits for a fixture that confirms it", log_prior::kAfterMiss);
-  is_recalled_ = true;
-}
-
-void TrackingSupervisor::judge_recalled_pose(const std::vector<int>& objects,
-                                             const std::vector<FixtureMatch>& matches) {
-  if (!matches.empty()) {
-    is_recalled_ = false;
-    return;
-  }
-  const bool is_contradicted = std::any_of(objects.begin(), objects.end(), [&](int object) {
-    return tracks_.objects()[static_cast<std::size_t>(object)].frames >= kSureFrames;
-  });
-  if (is_contradicted) {
-    is_recalled_ = false;
-    bank_.clear();
-    tracks_.clear();
-    drop_leader(state_);
-  }
 }
 
 void TrackingSupervisor::add_moved(const PoseBelief& belief, double log_prior) {

@@ -9,7 +9,6 @@
 #include "services/localizer/integrity/match_monitor.hpp"
 #include "services/localizer/integrity/tracking_rules.hpp"
 #include "services/localizer/model/pose_belief.hpp"
-#include "services/localizer/tracking/fixture_matching.hpp"
 #include "services/localizer/tracking/tracking_filter.hpp"
 
 namespace luminav {
@@ -27,12 +26,8 @@ class TrackingSupervisor {
   /// when the filter was started at another pose and is to be corrected by this very image.
   [[nodiscard]] bool decide(const SightingFrame& frame, double distance_since_fixture);
 
-  /// Puts the filter's pose in doubt: it becomes the only hypothesis, with `log_prior` as its prior, and the search
-  /// begins.
-  void suspect(const std::string& why, double log_prior);
+  /// Puts the filter's pose in doubt: it becomes the only hypothesis, and the search begins.
   void suspect(const Contradiction& contradiction);
-  /// Puts it in doubt for a gap in odometry; after a long one it must fit more than one fixture.
-  void suspect_after_gap(const std::string& why, bool may_be_kidnapped);
   /// Puts it in doubt for a slip of the wheels, after which the robot is rather at `slipped`.
   void suspect_slip(const PoseBelief& slipped);
   /// Adds where a doubted robot is if it slipped or was bumped. Another fixture that this pose predicts speaks for it.
@@ -42,10 +37,6 @@ class TrackingSupervisor {
   /// That is over, and what was seen before says nothing of where the robot is now. With `was_followed` the filter saw
   /// fixtures where it predicted them all the time.
   void resume(bool was_followed);
-  /// The filter's pose comes from before a restart: the first fixture seen confirms or refutes it.
-  void recall();
-  /// The first images after that.
-  void judge_recalled_pose(const std::vector<int>& objects, const std::vector<FixtureMatch>& matches);
   /// Gives a doubted pose, and the one it may have moved to, more weight once it predicted a fixture.
   void favour_predicting_pose();
   /// While TRACKING, after an image whose fixtures the filter matched: a leader that matched none of them goes where
@@ -60,7 +51,6 @@ class TrackingSupervisor {
   /// The filter follows a pose.
   [[nodiscard]] bool has_leader() const { return leader_id_ != 0; }
   [[nodiscard]] bool is_suspected() const { return !suspicion_.empty(); }
-  [[nodiscard]] bool is_recalled() const { return is_recalled_; }
 
  private:
   void drop_leader(LocalizerState state);
@@ -95,7 +85,6 @@ class TrackingSupervisor {
   std::string suspicion_;      // why the leader was put in doubt; "" = it is not
   bool may_predict_ = false;   // a fixture where the doubted leader has one speaks for it
   int needed_fixtures_ = 1;    // that must fit before the doubted leader is held for true again
-  bool is_recalled_ = false;   // the leader comes from before a restart, and no sighting has judged it yet
   int moved_id_ = 0;           // hypothesis that it slipped or was bumped, until it predicted a fixture; 0 = none
   int suspected_id_ = 0;       // hypothesis that was put in doubt last
   int unexplained_run_ = 0;    // images

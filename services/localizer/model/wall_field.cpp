@@ -64,4 +64,14 @@ double WallField::range_to_wall(const Eigen::Vector2d& from, const Eigen::Vector
   return limit;
 }
 
+Eigen::AlignedBox2d extent_of_floor(const PriorMap& map, const FixtureMap& fixtures) {
+  const GridGeometry& geometry = map.geometry;
+  if (geometry.size() > 0) {
+    return {geometry.origin, geometry.origin + geometry.resolution * Eigen::Vector2d(geometry.columns, geometry.rows)};
+  }
+  Eigen::AlignedBox2d box = fixtures.extent();
+  box.extend(fixtures.size() == 0 ? Eigen::Vector2d::Zero() : box.min());
+  return {box.min() - Eigen::Vector2d::Constant(2.0), box.max() + Eigen::Vector2d::Constant(2.0)};
+}
+
 }  // namespace luminav

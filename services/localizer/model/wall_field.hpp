@@ -1,11 +1,12 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "services/common/building/occupancy_grid.hpp"
+#include "services/common/ceiling/fixture_map.hpp"
 
 namespace luminav {
 
@@ -40,5 +41,8 @@ class WallField {
   std::vector<std::uint8_t> tiles_;  // [cm] to the nearest occupied cell's centre, row-major in tiles and of tiles
   std::size_t tile_columns_ = 0;
 };
+
+/// Where a robot may be [m]: the extent of the map; without one, of the fixtures and 2 m around.
+[[nodiscard]] Eigen::AlignedBox2d extent_of_floor(const PriorMap& map, const FixtureMap& fixtures);
 
 }  // namespace luminav

@@ -73,7 +73,6 @@ void PaperLocalizer::add_guess(const PoseBelief& guess) {
 /// The Kalman filter starts; until what is seen speaks for the pose it is not trusted.
 void PaperLocalizer::follow(const PoseBelief& belief, const std::string& why) {
   belief_ = belief;
-  matches_.restart_nis();
   reason_ = why;
 }
 
@@ -83,7 +82,7 @@ void PaperLocalizer::step(const FrameQueue::TimedFrame& timed) {
     delta = filter_odometry_->odom_from_robot.inverse() * timed.odometry.odom_from_robot;
   }
   filter_odometry_ = timed.odometry;
-  matches_.travel(std::hypot(delta.x, delta.y));
+  odometer_ += std::hypot(delta.x, delta.y);
   if (belief_) {
     predict(*belief_, delta, odometry_noise_with_systematics(delta, wheel_base_, errors_));
     step_kalman(timed);
@@ -107,7 +106,7 @@ void PaperLocalizer::step_particles(const FrameQueue::TimedFrame& timed) {
     update_odom_ = timed.odometry.odom_from_robot;
     move_particles();
     filter_.update(timed.frame.sightings);
-    matches_.note_image(timed.frame.utime);
+    corrections_.note(timed.frame.utime, odometer_);
     clusters_ = find_clusters(filter_, matcher_.map().smallest_spacing(), params_.clusters);
     reason_ = fmt::format("the heaviest of {} clusters holds {:.0f} % of the weight, log ratio {:.1f}",
                           clusters_.size(), 100.0 * clusters_.front().weight, confidence_.log_ratio());
@@ -156,13 +155,12 @@ void PaperLocalizer::step_kalman(const FrameQueue::TimedFrame& timed) {
     const Eigen::Matrix3d noise = params_.handover.images_per_view * matcher_.noise_of(sighting, fixture, odometry);
     const Innovation innovation = innovate(*belief_, sighting, fixture, noise);
     correct(*belief_, innovation, noise);
-    matches_.add_nis(innovation.nis);
-    matches_.note_image(timed.frame.utime);
+    corrections_.add(timed.frame.utime, odometer_, {innovation.nis});
     reason_ = "the Kalman filter follows the fixtures";
   }
   if (confidence_.is_refuted()) {
     give_up("what is seen and what is not speak against the pose");
-  } else if (matches_.distance_since() > params_.handover.blind_distance) {
+  } else if (corrections_.distance_since(odometer_) > params_.handover.blind_distance) {
     give_up(fmt::format("no fixture for {:.0f} m", params_.handover.blind_distance));
   }
 }
@@ -186,7 +184,7 @@ void PaperLocalizer::give_up(const std::string& why) {
 LocalizerEstimate PaperLocalizer::estimate() const {
   LocalizerEstimate estimate;
   estimate.reason = matcher_.map().size() == 0 ? "the building's file names no fixtures" : reason_;
-  matches_.write_to(estimate);
+  corrections_.write_to(estimate, odometer_);
   Pose2 ahead;
   if (filter_odometry_ && !queue_.history().is_empty()) {
     ahead = filter_odometry_->odom_from_robot.inverse() * queue_.history().newest().odom_from_robot;

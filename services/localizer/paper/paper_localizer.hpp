@@ -9,11 +9,11 @@
 #include "services/localizer/model/error_model.hpp"
 #include "services/localizer/model/frame_queue.hpp"
 #include "services/localizer/model/localizer.hpp"
-#include "services/localizer/paper/match_record.hpp"
 #include "services/localizer/paper/particle_filter.hpp"
 #include "services/localizer/paper/pose_clusters.hpp"
 #include "services/localizer/paper/pose_confidence.hpp"
 #include "services/localizer/paper/sighting_matcher.hpp"
+#include "services/localizer/tracking/correction_record.hpp"
 
 namespace luminav {
 
@@ -80,7 +80,8 @@ class PaperLocalizer final : public Localizer {
   std::optional<Pose2> view_odom_;    // at the last image that counted for the confidence
   std::optional<Pose2> candidate_;    // the heaviest cluster, as long as it stays the same one
   PoseConfidence confidence_;
-  MatchRecord matches_{0.05};
+  double odometer_ = 0.0;         // [m]
+  CorrectionRecord corrections_;  // by the images used
 };
 
 }  // namespace luminav

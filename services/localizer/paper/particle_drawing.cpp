@@ -7,10 +7,16 @@
 
 namespace luminav {
 
+void ParticleFilter::place(std::size_t particle, const Pose2& pose) {
+  x_[particle] = static_cast<float>(pose.x);
+  y_[particle] = static_cast<float>(pose.y);
+  theta_[particle] = static_cast<float>(wrap_angle(pose.theta));
+}
+
 void ParticleFilter::draw(std::size_t i) {
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    const Eigen::Vector2d place(min_.x() + random_.uniform() * (max_.x() - min_.x()),
-                                min_.y() + random_.uniform() * (max_.y() - min_.y()));
+    const Eigen::Vector2d place(random_.uniform(floor_.min().x(), floor_.max().x()),
+                                random_.uniform(floor_.min().y(), floor_.max().y()));
     x_[i] = static_cast<float>(place.x());
     y_[i] = static_cast<float>(place.y());
     if (walls_.is_free({x_[i], y_[i]})) {
@@ -33,9 +39,8 @@ void ParticleFilter::draw_facing(std::size_t i, const std::vector<FixtureSightin
                                      : 2.0 * kPi * random_.uniform();
     const Pose2 fixture_as_seen = fixture.world_from_fixture * Pose2{0.0, 0.0, turn};
     const Pose2 pose = fixture_as_seen * sighting.robot_from_fixture.inverse();
-    x_[i] = static_cast<float>(pose.x + random_.gauss() / params_.distance_gain);
-    y_[i] = static_cast<float>(pose.y + random_.gauss() / params_.distance_gain);
-    theta_[i] = static_cast<float>(wrap_angle(pose.theta + random_.gauss() / params_.angle_gain));
+    place(i, {pose.x + random_.gauss() / params_.distance_gain, pose.y + random_.gauss() / params_.distance_gain,
+              pose.theta + random_.gauss() / params_.angle_gain});
     if (walls_.is_free({x_[i], y_[i]})) {
       weight_[i] = 1.0F / static_cast<float>(count_);
       return;
@@ -64,9 +69,7 @@ void ParticleFilter::gather(const PoseBelief& belief, double share) {
   const Eigen::Matrix3d root = belief.covariance.llt().matrixL();
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector3d offset = root * Eigen::Vector3d(random_.gauss(), random_.gauss(), random_.gauss());
-    x_[i] = static_cast<float>(belief.pose.x + offset.x());
-    y_[i] = static_cast<float>(belief.pose.y + offset.y());
-    theta_[i] = static_cast<float>(wrap_angle(belief.pose.theta + offset.z()));
+    place(i, {belief.pose.x + offset.x(), belief.pose.y + offset.y(), belief.pose.theta + offset.z()});
   }
   fresh_from_ = std::max(fresh_from_, count);
 }

@@ -6,20 +6,22 @@
 #include <cmath>
 #include <numeric>
 
+#include "services/localizer/paper/particle_math.hpp"
+
 namespace luminav {
 namespace {
 
-constexpr std::size_t kLanes = 8;
-constexpr std::size_t kBlock = 256;       // particles worked on at once: all their arrays stay in the first-level cache
+constexpr std::size_t kBlock = 256;       // particles worked on at once: their arrays stay in the fastest cache
 constexpr std::size_t kMaxSightings = 8;  // a product of more could leave the range of float
+constexpr std::size_t kNoise = 65536 + kBlock;
 
-std::size_t with_room(std::size_t count) {
-  return (count + kLanes - 1) / kLanes * kLanes + kLanes;  // resampling writes up to eight beyond the end
-}
+/// Values of one block, beside the particles.
+using BlockValues = std::array<float, kBlock>;
 
-/// What one block needs beside the particles.
-struct BlockSpace {
-  alignas(32) std::array<float, kBlock> cosine, sine, projected_x, projected_y, dx, dy, theta, period;
+/// From each particle to the fixture nearest to where it has a sighting.
+struct NearestOffsets {
+  BlockValues dx, dy;         // [m] world axes
+  BlockValues theta, period;  // [rad] of the fixture
 };
 
 NoisyStep noisy_step(const Pose2& delta, const ParticleParams& params) {
@@ -43,19 +45,6 @@ NoisyStep noisy_step(const Pose2& delta, const ParticleParams& params) {
   return step;
 }
 
-/// Sums of weight, x, y, cosine, sine, xx, xy, yy, x theta, y theta, theta theta, theta about a reference pose.
-using MomentSums = Eigen::Matrix<double, 12, 1>;
-
-/// Mean and spread of particles; `m`: their sums for a weight of one.
-PoseBelief belief_of(const MomentSums& m, const Pose2& reference) {
-  PoseBelief belief;
-  belief.pose = {reference.x + m[1], reference.y + m[2], wrap_angle(reference.theta + std::atan2(m[4], m[3]))};
-  const Eigen::Vector3d mean(m[1], m[2], m[11]);
-  belief.covariance << m[5], m[6], m[8], m[6], m[7], m[9], m[8], m[9], m[10];
-  belief.covariance -= mean * mean.transpose();
-  return belief;
-}
-
 /// As many as asked for, or by the floor to search.
 std::size_t count_of(const ParticleParams& params, const WallField& walls, const Eigen::Vector2d& extent) {
   constexpr double kMax = 1e6;
@@ -72,6 +61,57 @@ std::size_t count_of(const ParticleParams& params, const WallField& walls, const
   return static_cast<std::size_t>(std::clamp(count, 1.0, kMax));
 }
 
+// The loops below are plain: the compiler makes vector instructions of them, the same for every x86-64 machine.
+
+/// Moves particles by a step with three noises each.
+void move(const NoisyStep& step, const std::array<const float*, 3>& noise, float* __restrict x, float* __restrict y,
+          float* __restrict theta, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float heading = theta[i] + step.first_turn + step.first_sigma * noise[0][i];
+    const float distance = step.distance + step.distance_sigma * noise[1][i];
+    x[i] += distance * cosine(heading);
+    y[i] += distance * sine(heading);
+    theta[i] = wrap_float(heading + step.second_turn + step.second_sigma * noise[2][i]);
+  }
+}
+
+/// Squared distance and heading difference, modulo the fixture's symmetry, of a sighting and the nearest fixture.
+struct Misfits {
+  BlockValues squared, turn;
+};
+
+void compare(const NearestOffsets& offsets, const Eigen::Matrix2f& metric, float seen_theta, const float* theta,
+             const BlockValues& cosines, const BlockValues& sines, Misfits& misfits, std::size_t count) {
+  const float xx = metric(0, 0);
+  const float xy = 2.0F * metric(0, 1);
+  const float yy = metric(1, 1);
+  const float max =
+      std::max(xx, yy) * static_cast<float>(NearestFixtureGrid::kFarthest * NearestFixtureGrid::kFarthest);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float forward = cosines[i] * offsets.dx[i] + sines[i] * offsets.dy[i];
+    const float left = cosines[i] * offsets.dy[i] - sines[i] * offsets.dx[i];
+    const float squared = xx * forward * forward + xy * forward * left + yy * left * left;
+    misfits.squared[i] = std::min(max, std::max(0.0F, squared));
+    const float period = offsets.period[i];
+    const float turn = theta[i] + seen_theta - offsets.theta[i];
+    const float wrapped = turn - period * nearest_integer(turn / std::max(1e-3F, period));
+    misfits.turn[i] = period > 0.0F ? wrapped : 0.0F;  // a round one has no heading
+  }
+}
+
+void add_equation_one(const Misfits& misfits, float angle_gain, float* __restrict sums, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    sums[i] += 1.0F / (1.0F + std::sqrt(misfits.squared[i]) + angle_gain * std::abs(misfits.turn[i]));
+  }
+}
+
+void multiply_gaussian(const Misfits& misfits, float angle_gain, float floor, float* __restrict products,
+                       std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    products[i] *= floor + exponential(-misfits.squared[i] - angle_gain * misfits.turn[i] * misfits.turn[i]);
+  }
+}
+
 }  // namespace
 
 ParticleFilter::ParticleFilter(const FixtureMap& map, const WallField& walls, const ParticleParams& params,
@@ -79,36 +119,21 @@ ParticleFilter::ParticleFilter(const FixtureMap& map, const WallField& walls, co
     : map_(map),
       walls_(walls),
       nearest_(map),
-      kernels_(particle_kernels()),
       params_(params),
       random_(seed),
-      min_(-5.0, -5.0),
-      max_(5.0, 5.0) {
-  if (walls_.has_walls()) {
-    const GridGeometry& geometry = walls_.map().geometry;
-    min_ = geometry.origin;
-    max_ = geometry.origin + geometry.resolution * Eigen::Vector2d(geometry.columns, geometry.rows);
-  } else if (map.size() > 0) {
-    min_ = max_ = map[0].world_from_fixture.position();
-    for (const Fixture& fixture : map.fixtures()) {
-      min_ = min_.cwiseMin(fixture.world_from_fixture.position());
-      max_ = max_.cwiseMax(fixture.world_from_fixture.position());
-    }
-    min_ -= Eigen::Vector2d(2.0, 2.0);
-    max_ += Eigen::Vector2d(2.0, 2.0);
-  }
-  count_ = count_of(params, walls_, max_ - min_);
-  for (std::vector<float>* values : {&x_, &y_, &theta_, &weight_}) {
-    values->assign(with_room(count_), 0.0F);
+      noise_(kNoise),
+      floor_(extent_of_floor(walls.map(), map)),
+      count_(count_of(params, walls, floor_.sizes())) {
+  weight_.assign(count_, 0.0F);
+  for (std::vector<float>* values : {&x_, &y_, &theta_}) {
+    values->assign(count_ + 2, 0.0F);  // resampling writes up to two beyond the end
   }
   if (params_.resampling == ParticleResampling::kSystematic) {
-    for (std::vector<float>* values : {&spare_x_, &spare_y_, &spare_theta_}) {
-      values->assign(with_room(count_), 0.0F);
-    }
+    spare_x_ = spare_y_ = spare_theta_ = x_;
   } else {
     order_.resize(count_);
   }
-  scored_.reserve(kMaxSightings);
+  std::generate(noise_.begin(), noise_.end(), [&] { return static_cast<float>(random_.gauss()); });
   scatter();
 }
 
@@ -120,53 +145,42 @@ std::size_t ParticleFilter::memory_bytes() const {
   return bytes;
 }
 
-NoiseKey ParticleFilter::next_key() {
-  const std::uint64_t bits = random_.next();
-  return {static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32)};
+const float* ParticleFilter::noise() {
+  return &noise_[random_.next() % (kNoise - kBlock)];
 }
 
 void ParticleFilter::predict(const Pose2& delta) {
   const NoisyStep step = noisy_step(delta, params_);
-  const NoiseKey key = next_key();
   const bool is_confined = walls_.has_walls() && std::abs(step.distance) > 1e-6F;
+  BlockValues x, y, theta;  // before the step
   for (std::size_t begin = 0; begin < count_; begin += kBlock) {
     const std::size_t count = std::min(kBlock, count_ - begin);
-    if (is_confined) {
-      move_inside_walls(step, begin, count, key);
-    } else {
-      kernels_.move(step, key, begin, &x_[begin], &y_[begin], &theta_[begin], count);
+    std::copy_n(&x_[begin], count, x.begin());
+    std::copy_n(&y_[begin], count, y.begin());
+    std::copy_n(&theta_[begin], count, theta.begin());
+    move(step, {noise(), noise(), noise()}, &x_[begin], &y_[begin], &theta_[begin], count);
+    for (std::size_t i = 0; is_confined && i < count; ++i) {
+      if (!walls_.is_free({x_[begin + i], y_[begin + i]})) {
+        move_again(begin + i, {x[i], y[i], theta[i]}, step);
+      }
     }
   }
 }
 
-void ParticleFilter::move_inside_walls(const NoisyStep& step, std::size_t begin, std::size_t count, NoiseKey key) {
-  std::array<float, kBlock> x;
-  std::array<float, kBlock> y;
-  std::array<float, kBlock> theta;
-  std::copy_n(&x_[begin], count, x.begin());
-  std::copy_n(&y_[begin], count, y.begin());
-  std::copy_n(&theta_[begin], count, theta.begin());
-  kernels_.move(step, key, begin, &x_[begin], &y_[begin], &theta_[begin], count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t particle = begin + i;
-    bool is_placed = walls_.is_free({x_[particle], y_[particle]});
-    for (int attempt = 0; attempt < params_.redraws && !is_placed; ++attempt) {
-      const double heading = theta[i] + step.first_turn + step.first_sigma * random_.gauss();
-      const double distance = step.distance + step.distance_sigma * random_.gauss();
-      const double after = step.second_turn + step.second_sigma * random_.gauss();
-      const Eigen::Vector2d place(x[i] + distance * std::cos(heading), y[i] + distance * std::sin(heading));
-      is_placed = walls_.is_free(place);
-      x_[particle] = static_cast<float>(place.x());
-      y_[particle] = static_cast<float>(place.y());
-      theta_[particle] = static_cast<float>(wrap_angle(heading + after));
-    }
-    if (!is_placed) {
-      x_[particle] = x[i];
-      y_[particle] = y[i];
-      theta_[particle] = theta[i];
-      weight_[particle] = 0.0F;  // among the worst, which the next update replaces
+void ParticleFilter::move_again(std::size_t particle, const Pose2& from, const NoisyStep& step) {
+  Pose2 pose;
+  for (int attempt = 0; attempt < params_.redraws; ++attempt) {
+    const double heading = from.theta + step.first_turn + step.first_sigma * random_.gauss();
+    const double distance = step.distance + step.distance_sigma * random_.gauss();
+    const double after = step.second_turn + step.second_sigma * random_.gauss();
+    pose = {from.x + distance * std::cos(heading), from.y + distance * std::sin(heading), wrap_angle(heading + after)};
+    if (walls_.is_free(pose.position())) {
+      place(particle, pose);
+      return;
     }
   }
+  place(particle, from);
+  weight_[particle] = 0.0F;  // among the worst, which the next update replaces
 }
 
 double ParticleFilter::free_probability(const Eigen::Vector2d& point) const {
@@ -188,50 +202,48 @@ double ParticleFilter::free_probability(const Eigen::Vector2d& point) const {
 }
 
 ParticleFilter::ScoredSighting ParticleFilter::prepare(const FixtureSighting& sighting) const {
-  ScoredSighting scored;
-  scored.x = static_cast<float>(sighting.robot_from_fixture.x);
-  scored.y = static_cast<float>(sighting.robot_from_fixture.y);
-  SightingScore& score = scored.score;
-  score.theta = static_cast<float>(sighting.robot_from_fixture.theta);
-  score.distance_gain = static_cast<float>(params_.distance_gain);
-  score.angle_gain = sighting.has_theta ? static_cast<float>(params_.angle_gain) : 0.0F;
+  const bool is_mean = params_.scoring == ParticleScoring::kEquationOne;
   // equation 1's distance in the sighting's own covariance: where the image's border cut a fixture, along it counts
   // less
   const double scale = 1.0 / params_.distance_gain;
-  const Eigen::Matrix2d spread =
-      sighting.covariance.topLeftCorner<2, 2>() + scale * scale * Eigen::Matrix2d::Identity();
-  const Eigen::Matrix2d metric = scale * scale * spread.inverse();
-  score.metric_xx = static_cast<float>(metric(0, 0));
-  score.metric_xy = static_cast<float>(metric(0, 1));
-  score.metric_yy = static_cast<float>(metric(1, 1));
   const double variance = params_.position_sigma * params_.position_sigma;
-  score.position_precision = static_cast<float>(0.5 / variance);
-  score.heading_precision =
-      sighting.has_theta ? static_cast<float>(0.5 / (params_.heading_sigma * params_.heading_sigma)) : 0.0F;
-  score.floor = static_cast<float>(params_.outlier);
-  return scored;
+  const Eigen::Matrix2d spread =
+      is_mean ? Eigen::Matrix2d(sighting.covariance.topLeftCorner<2, 2>() + scale * scale * Eigen::Matrix2d::Identity())
+              : Eigen::Matrix2d(2.0 * variance * Eigen::Matrix2d::Identity());
+  const double angle_gain = is_mean ? params_.angle_gain : 0.5 / (params_.heading_sigma * params_.heading_sigma);
+  return {.seen = sighting.robot_from_fixture,
+          .metric = spread.inverse().cast<float>(),
+          .angle_gain = sighting.has_theta ? static_cast<float>(angle_gain) : 0.0F};
 }
 
 void ParticleFilter::score_block(const float* x, const float* y, const float* theta,
                                  const std::vector<ScoredSighting>& sightings, float* scores, std::size_t count) const {
-  BlockSpace space;
   const bool is_mean = params_.scoring == ParticleScoring::kEquationOne;
   std::fill_n(scores, count, is_mean ? 0.0F : 1.0F);
-  kernels_.sine_cosine(theta, space.cosine.data(), space.sine.data(), count);
-  const NearestOffsets offsets{space.dx.data(), space.dy.data(), space.theta.data(), space.period.data()};
-  NearestFixtureGrid::BoxCandidates candidates;
+  BlockValues cosines, sines;
+  for (std::size_t i = 0; i < count; ++i) {
+    cosines[i] = cosine(theta[i]);
+    sines[i] = sine(theta[i]);
+  }
+  NearestOffsets offsets;
+  Misfits misfits;
   for (const ScoredSighting& sighting : sightings) {
-    const PointBox box = kernels_.project(x, y, space.cosine.data(), space.sine.data(), sighting.x, sighting.y,
-                                          space.projected_x.data(), space.projected_y.data(), count);
-    if (nearest_.find(box, candidates) && candidates.count > 0) {
-      kernels_.find_nearest(space.projected_x.data(), space.projected_y.data(), candidates.view(), offsets, count);
-    } else {
-      nearest_.find_each(space.projected_x.data(), space.projected_y.data(), offsets, count);
+    const auto seen_x = static_cast<float>(sighting.seen.x);
+    const auto seen_y = static_cast<float>(sighting.seen.y);
+    for (std::size_t i = 0; i < count; ++i) {
+      const float place_x = x[i] + cosines[i] * seen_x - sines[i] * seen_y;
+      const float place_y = y[i] + sines[i] * seen_x + cosines[i] * seen_y;
+      const NearestFixtureGrid::Entry& fixture = nearest_.at(place_x, place_y);
+      offsets.dx[i] = fixture.x - place_x;
+      offsets.dy[i] = fixture.y - place_y;
+      offsets.theta[i] = fixture.theta;
+      offsets.period[i] = fixture.period;
     }
+    compare(offsets, sighting.metric, static_cast<float>(sighting.seen.theta), theta, cosines, sines, misfits, count);
     if (is_mean) {
-      kernels_.add_equation_one(sighting.score, offsets, theta, space.cosine.data(), space.sine.data(), scores, count);
+      add_equation_one(misfits, sighting.angle_gain, scores, count);
     } else {
-      kernels_.multiply_gaussian(sighting.score, offsets, theta, scores, count);
+      multiply_gaussian(misfits, sighting.angle_gain, static_cast<float>(params_.outlier), scores, count);
     }
   }
   if (is_mean || walls_.has_walls()) {
@@ -247,15 +259,12 @@ double ParticleFilter::score(const Pose2& pose, const std::vector<FixtureSightin
   for (const FixtureSighting& sighting : sightings) {
     scored.push_back(prepare(sighting));
   }
-  std::array<float, kLanes> x;
-  std::array<float, kLanes> y;
-  std::array<float, kLanes> theta;
-  std::array<float, kLanes> scores;
-  x.fill(static_cast<float>(pose.x));
-  y.fill(static_cast<float>(pose.y));
-  theta.fill(static_cast<float>(pose.theta));
-  score_block(x.data(), y.data(), theta.data(), scored, scores.data(), kLanes);
-  return static_cast<double>(scores[0]);
+  const auto x = static_cast<float>(pose.x);
+  const auto y = static_cast<float>(pose.y);
+  const auto theta = static_cast<float>(pose.theta);
+  float score = 0.0F;
+  score_block(&x, &y, &theta, scored, &score, 1);
+  return static_cast<double>(score);
 }
 
 void ParticleFilter::update(const std::vector<FixtureSighting>& sightings) {
@@ -263,65 +272,74 @@ void ParticleFilter::update(const std::vector<FixtureSighting>& sightings) {
     return;
   }
   redraw_share(sightings);
-  scored_.clear();
+  std::vector<ScoredSighting> scored;
   for (std::size_t i = 0; i < std::min(kMaxSightings, sightings.size()); ++i) {
-    scored_.push_back(prepare(sightings[i]));
+    scored.push_back(prepare(sightings[i]));
   }
-  const NoiseKey key = next_key();
-  const Pose2 reference = pose(0);
-  MomentSums sums = MomentSums::Zero();
   for (std::size_t begin = 0; begin < count_; begin += kBlock) {
-    const std::size_t count = std::min(kBlock, count_ - begin);
-    weigh(begin, count, key);
-    const ParticleMoments m =
-        kernels_.moments(&x_[begin], &y_[begin], &theta_[begin], &weight_[begin], static_cast<float>(reference.x),
-                         static_cast<float>(reference.y), static_cast<float>(reference.theta), count);
-    MomentSums block;
-    block << m.weight, m.x, m.y, m.cosine, m.sine, m.xx, m.xy, m.yy, m.xt, m.yt, m.tt, m.t;
-    sums += block;
+    weigh(begin, std::min(kBlock, count_ - begin), scored);
   }
-  const double total = sums[0];
-  belief_ = belief_of(sums / total, reference);
   if (params_.resampling == ParticleResampling::kSystematic) {
-    resample_systematically(total);
-    return;
+    resample_systematically();
+  } else {
+    replace_worst(sightings);
   }
-  const auto scale = static_cast<float>(1.0 / total);
+}
+
+void ParticleFilter::weigh(std::size_t begin, std::size_t count, const std::vector<ScoredSighting>& sightings) {
+  const bool carries = params_.carries_weights && params_.resampling == ParticleResampling::kReplaceWorst;
+  BlockValues scores;
+  score_block(&x_[begin], &y_[begin], &theta_[begin], sightings, scores.data(), count);
+  if (params_.scoring == ParticleScoring::kEquationOne) {
+    const float* norm = noise();
+    const auto sigma = static_cast<float>(params_.weight_jitter);
+    for (std::size_t i = 0; i < count; ++i) {
+      scores[i] = std::max(1e-9F, scores[i] + sigma * norm[i]);  // negative weights have no meaning
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    weight_[begin + i] = carries ? weight_[begin + i] * scores[i] : scores[i];
+  }
+}
+
+void ParticleFilter::normalise_weights() {
+  const auto scale = static_cast<float>(1.0 / std::accumulate(weight_.begin(), weight_.end(), 0.0));
   for (float& weight : weight_) {
     weight *= scale;
   }
-  replace_worst(sightings);
 }
 
-void ParticleFilter::weigh(std::size_t begin, std::size_t count, NoiseKey key) {
-  const bool carries = params_.carries_weights && params_.resampling == ParticleResampling::kReplaceWorst;
-  std::array<float, kBlock> before;
-  std::copy_n(&weight_[begin], count, before.begin());
-  score_block(&x_[begin], &y_[begin], &theta_[begin], scored_, &weight_[begin], count);
-  if (params_.scoring == ParticleScoring::kEquationOne) {
-    const auto sigma = static_cast<float>(params_.weight_jitter);
-    kernels_.jitter(key, begin, sigma, 1e-9F, &weight_[begin], count);  // negative weights have no meaning
+// Kitagawa 1996. Most particles have none, one or two copies: two are written without asking, and the next particle
+// overwrites what is too much.
+void ParticleFilter::resample_systematically() {
+  normalise_weights();
+  const auto count = static_cast<double>(count_);
+  const double offset = random_.uniform();
+  double sum = 0.0;
+  std::size_t done = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    sum += static_cast<double>(weight_[i]);
+    const bool is_last = i + 1 == count_;  // it stands in for what rounding leaves over
+    const std::size_t next = is_last ? count_ : std::min(count_, static_cast<std::size_t>(sum * count + offset));
+    for (std::size_t k = done; k < std::max(next, done + 2); ++k) {
+      spare_x_[k] = x_[i];
+      spare_y_[k] = y_[i];
+      spare_theta_[k] = theta_[i];
+    }
+    done = next;
   }
-  for (std::size_t i = 0; i < count && carries; ++i) {
-    weight_[begin + i] *= before[i];
-  }
-  std::fill(&weight_[begin + count], &weight_[begin + (count + kLanes - 1) / kLanes * kLanes], 0.0F);
-}
-
-void ParticleFilter::resample_systematically(double total) {
-  kernels_.resample({x_.data(), y_.data(), theta_.data()}, weight_.data(), total, random_.uniform(),
-                    {spare_x_.data(), spare_y_.data(), spare_theta_.data()}, count_);
   x_.swap(spare_x_);
   y_.swap(spare_y_);
   theta_.swap(spare_theta_);
   std::fill_n(weight_.begin(), count_, 1.0F / static_cast<float>(count_));
-  const auto random = static_cast<std::size_t>(params_.random_share * static_cast<double>(count_));
+  const auto random = static_cast<std::size_t>(params_.random_share * count);
   for (std::size_t k = 0; k < random; ++k) {
     draw(k * count_ / random);  // particles of one origin lie side by side: spread over all of them
   }
 }
 
 void ParticleFilter::replace_worst(const std::vector<FixtureSighting>& sightings) {
+  normalise_weights();
   const auto random = static_cast<std::ptrdiff_t>(params_.random_share * static_cast<double>(count_));
   const auto copied = std::min(static_cast<std::ptrdiff_t>(params_.copied_share * static_cast<double>(count_)),
                                (static_cast<std::ptrdiff_t>(count_) - random) / 2);
@@ -357,10 +375,7 @@ void ParticleFilter::replace_worst(const std::vector<FixtureSighting>& sightings
     }
     weight_[to] = weight_[from];
   }
-  const double sum = std::accumulate(weight_.begin(), weight_.begin() + static_cast<std::ptrdiff_t>(count_), 0.0);
-  for (float& weight : weight_) {
-    weight = static_cast<float>(static_cast<double>(weight) / sum);
-  }
+  normalise_weights();
 }
 
 }  // namespace luminav

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <vector>
 
@@ -9,7 +9,6 @@
 #include "services/localizer/model/pose_belief.hpp"
 #include "services/localizer/model/wall_field.hpp"
 #include "services/localizer/paper/nearest_fixture_grid.hpp"
-#include "services/localizer/paper/particle_kernels.hpp"
 
 namespace luminav {
 
@@ -22,6 +21,16 @@ struct OdometryNoise {
   double turn_by_distance = 0.05;     // [rad/m] likewise, by the distance
   double distance_by_distance = 0.1;  // [m/m] noise of the distance, by the distance
   double distance_by_turn = 0.05;     // [m/rad] likewise, by both turns
+};
+
+/// One odometry step as turn, way, turn, with the deviations of their noise. Thrun et al. 2005, table 5.6.
+struct NoisyStep {
+  float first_turn = 0.0F;      // [rad]
+  float distance = 0.0F;        // [m] negative: backwards
+  float second_turn = 0.0F;     // [rad]
+  float first_sigma = 0.0F;     // [rad]
+  float distance_sigma = 0.0F;  // [m]
+  float second_sigma = 0.0F;    // [rad]
 };
 
 /// Parameters of the particle filter. The paper's: equation 1 and churn.
@@ -50,7 +59,7 @@ struct ParticleParams {
 /// Particle filter: odometry with noise inside the free space; each sighting scored against the nearest fixture, by the
 /// paper's equation 1 or by a Gaussian; the paper's resampling, in which the best are copied over the worst and some of
 /// the worst are drawn anew, or the systematic one. One float array per coordinate, 28 bytes a particle and 4 more for
-/// the paper's resampling; noise comes from a counter, so the order of work does not change the numbers.
+/// the paper's resampling.
 class ParticleFilter {
  public:
   ParticleFilter(const FixtureMap& map, const WallField& walls, const ParticleParams& params, std::uint64_t seed);
@@ -64,58 +73,55 @@ class ParticleFilter {
   /// Puts a share of the particles around a pose.
   void gather(const PoseBelief& belief, double share);
 
-  /// Mean and spread of all particles by their weights at the last update.
-  [[nodiscard]] const PoseBelief& belief() const { return belief_; }
   /// The score of a pose without equation 1's norm term: mean over the sightings of 1 / (1 + kd d + kt |dtheta|), or
   /// product of the Gaussians, times P(free).
   [[nodiscard]] double score(const Pose2& pose, const std::vector<FixtureSighting>& sightings) const;
 
   [[nodiscard]] std::size_t size() const { return count_; }
-  /// Corners [m] of the rectangle in which particles are drawn.
-  [[nodiscard]] const Eigen::Vector2d& low_corner() const { return min_; }
-  [[nodiscard]] const Eigen::Vector2d& high_corner() const { return max_; }
   [[nodiscard]] Pose2 pose(std::size_t i) const { return {x_[i], y_[i], theta_[i]}; }
   [[nodiscard]] double weight(std::size_t i) const { return static_cast<double>(weight_[i]); }
   /// Of all particles together, working space included.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
+  /// A sighting in the robot frame, and how it is scored.
   struct ScoredSighting {
-    float x = 0.0F;  // [m] in the robot frame
-    float y = 0.0F;
-    SightingScore score;
+    Pose2 seen;
+    Eigen::Matrix2f metric;   // squared distance = offset' * metric * offset, times the square of equation 1's gain
+    float angle_gain = 0.0F;  // of equation 1 [1/rad], or 1 / (2 sigma^2) of a Gaussian; 0 = it has no orientation
   };
   void draw(std::size_t i);
   /// Draws a particle where a fixture of the map looks as one of the sightings does; anywhere if that is in no free
   /// space.
   void draw_facing(std::size_t i, const std::vector<FixtureSighting>& sightings);
   void redraw_share(const std::vector<FixtureSighting>& sightings);
-  void move_inside_walls(const NoisyStep& step, std::size_t begin, std::size_t count, NoiseKey key);
+  /// Normal numbers for as many particles as a block has, from the table.
+  [[nodiscard]] const float* noise();
+  /// Moves a particle that would enter a wall with other noise; it stays where it was if no try is free.
+  void move_again(std::size_t particle, const Pose2& from, const NoisyStep& step);
+  void place(std::size_t particle, const Pose2& pose);
   [[nodiscard]] ScoredSighting prepare(const FixtureSighting& sighting) const;
+  /// Writes the scores of a block of particles.
   void score_block(const float* x, const float* y, const float* theta, const std::vector<ScoredSighting>& sightings,
                    float* scores, std::size_t count) const;
-  /// Weighs particles `begin` .. by the sightings in `scored_`.
-  void weigh(std::size_t begin, std::size_t count, NoiseKey key);
+  void weigh(std::size_t begin, std::size_t count, const std::vector<ScoredSighting>& sightings);
   void replace_worst(const std::vector<FixtureSighting>& sightings);
-  void resample_systematically(double total);
+  void resample_systematically();
+  void normalise_weights();
   [[nodiscard]] double free_probability(const Eigen::Vector2d& point) const;
-  [[nodiscard]] NoiseKey next_key();
 
   const FixtureMap& map_;
   const WallField& walls_;
   NearestFixtureGrid nearest_;
-  const ParticleKernels& kernels_;
   ParticleParams params_;
   SplitMix random_;
-  Eigen::Vector2d min_;  // [m] corners of where fixtures are, for buildings without a map
-  Eigen::Vector2d max_;
-  std::size_t count_ = 0;
+  std::vector<float> noise_;   // normal numbers; a block of particles takes a stretch that begins anywhere
+  Eigen::AlignedBox2d floor_;  // [m] in which particles are drawn
+  std::size_t count_;
   std::size_t fresh_from_ = 0;  // nothing was seen since particles from here on were drawn; count_: none
   std::vector<float> x_, y_, theta_, weight_;
   std::vector<float> spare_x_, spare_y_, spare_theta_;  // systematic resampling writes here
   std::vector<std::uint32_t> order_;                    // churn
-  std::vector<ScoredSighting> scored_;
-  PoseBelief belief_;
 };
 
 }  // namespace luminav

@@ -35,7 +35,6 @@ class PoseConfidence {
   explicit PoseConfidence(const ConfidenceParams& params) : params_(params) {}
 
   void restart() { log_ratio_ = 0.0; }
-  void trust() { log_ratio_ = params_.sure; }
   void add(const ViewEvidence& view) {
     const ConfidenceParams& p = params_;
     const double news = view.fits * std::log(p.fit_if_right / p.fit_if_wrong) +

@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "services/localizer/model/pose_belief.hpp"
+
 namespace luminav {
 
 /// When and where fixtures last corrected the filter, and whether it is as sure as it may be: the running mean of the
@@ -16,16 +18,26 @@ class CorrectionRecord {
       mean_nis_ = mean_nis_ ? *mean_nis_ + kShare * (value / 3.0 - *mean_nis_) : value / 3.0;
     }
     if (!nis.empty()) {
-      utime_ = utime;
-      odometer_ = odometer;
+      note(utime, odometer);
     }
   }
+  /// The image of this time was used otherwise.
+  void note(std::int64_t utime, double odometer) {
+    utime_ = utime;
+    odometer_ = odometer;
+  }
 
-  /// [us] of the last image with a match; 0 = none yet.
+  /// [us] of the last image used; 0 = none yet.
   [[nodiscard]] std::int64_t utime() const { return utime_; }
   /// [m] driven since.
   [[nodiscard]] double distance_since(double odometer) const { return odometer - odometer_; }
   [[nodiscard]] std::optional<double> mean_nis() const { return mean_nis_; }
+  void write_to(LocalizerEstimate& estimate, double odometer) const {
+    estimate.fixture_utime = utime_;
+    estimate.distance_since_fixture = distance_since(odometer);
+    estimate.has_nis = mean_nis_.has_value();
+    estimate.nis = mean_nis_.value_or(0.0);
+  }
 
  private:
   static constexpr double kShare = 0.02;  // of the newest

