@@ -160,6 +160,7 @@ struct Building {
   SearchManner search = SearchManner::kTurn;
   double ceiling_height = 2.8;  // [m]
   std::string map_file;         // absolute path of the map's YAML; "" = none
+  bool is_complete = true;      // false: lamps hang there that are not among the fixtures
   std::vector<Fixture> fixtures;
   std::vector<CeilingElement> elements;
   std::vector<Window> windows;

@@ -160,6 +160,7 @@ BuildingSource read_building_source(const std::filesystem::path& file) {
   building.search = search == "wander"  ? SearchManner::kWander
                     : search == "stand" ? SearchManner::kStand
                                         : SearchManner::kTurn;
+  building.is_complete = root.boolean("complete", building.is_complete);
   std::set<int> ids;
   for (const TomlTable& table : root.tables("fixture")) {
     building.fixtures.push_back(read_fixture(table, building.ceiling_height));
@@ -202,6 +203,7 @@ void write_building(const std::filesystem::path& file, const Building& building)
     text += fmt::format("map = {}\n", quoted(building.map_file));
   }
   text += fmt::format("search = \"{}\"\n", name_of(building.search));
+  text += building.is_complete ? "" : "complete = false  # a survey lists what was driven under\n";
   for (const Fixture& fixture : building.fixtures) {
     text += fixture_table(fixture, building.ceiling_height);
   }

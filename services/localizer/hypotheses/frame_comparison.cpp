@@ -6,7 +6,7 @@
 namespace luminav {
 namespace {
 
-constexpr double kStranger = -2.0;  // log-likelihood of what is known to be seen about there, and in no file
+constexpr double kStranger = -2.0;  // log-likelihood of what is in no file, where such things are known to hang
 
 }  // namespace
 
@@ -47,7 +47,8 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   }
   for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
     if (result.fixture_of_sighting[i] < 0 &&
-        model_.fixtures.is_stranger(belief.pose * frame_.sightings[i].robot_from_fixture.position())) {
+        (!model_.is_complete ||
+         model_.fixtures.is_stranger(belief.pose * frame_.sightings[i].robot_from_fixture.position()))) {
       result.log_likelihood[i] = kStranger;
     }
   }

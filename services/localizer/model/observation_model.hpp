@@ -18,6 +18,7 @@ struct ObservationModel {
   ObservationModel(const Building& building, const PriorMap& map, const RobotDescription& robot,
                    const ErrorParams& error_params)
       : fixtures(building.fixtures),
+        is_complete(building.is_complete),
         view(robot.camera),
         walls(map),
         ceiling_height(building.ceiling_height),
@@ -31,6 +32,7 @@ struct ObservationModel {
   [[nodiscard]] double reach() const { return view.radius(ceiling_height) + 1.0; }
 
   FixtureMap fixtures;
+  bool is_complete;  // whether all lamps are among them
   CeilingView view;
   WallField walls;
   double ceiling_height;    // [m]

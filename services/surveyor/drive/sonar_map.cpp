@@ -10,6 +10,8 @@ namespace {
 constexpr double kResolution = 0.1;  // [m] as the mapper's own grid
 constexpr int kMaxCells = 4096;      // per axis, as GRID_TILE's receivers accept
 constexpr double kMaxTurn = 1.0;     // [rad/s] faster, errors of time become errors of angle
+// [m] beyond the inscribed radius: what the planner keeps, and half the diagonal of a cell
+constexpr double kPassageMargin = 0.0875 + 0.07;
 
 /// What launch/robots/p3dx-mapping.toml sets for a map that is drawn for the first time.
 GridMapperParams mapping_params(const RobotDescription& robot) {
@@ -31,6 +33,32 @@ PriorMap empty_map(const GridGeometry& geometry) {
   map.geometry = geometry;
   map.cells.assign(geometry.size(), Prior::kUnknown);
   return map;
+}
+
+/// Frees what the sonars draw into a passage: where the robot drove between two things, it fits again. Their cones make
+/// the posts of a door too wide, and a planner keeps more distance than the robot needed.
+void open_passages(PriorMap& map, const std::vector<SurveyedPath::Stop>& stops, double radius) {
+  const int reach = static_cast<int>(std::ceil(radius / map.geometry.resolution));
+  for (const SurveyedPath::Stop& stop : stops) {
+    std::vector<std::size_t> left;
+    std::vector<std::size_t> right;
+    const Cell centre = map.geometry.cell_at(stop.world_from_robot.position());
+    for (int row = centre.row - reach; row <= centre.row + reach; ++row) {
+      for (int column = centre.column - reach; column <= centre.column + reach; ++column) {
+        const Cell cell{column, row};
+        const Eigen::Vector2d beside = stop.world_from_robot.inverse() * map.geometry.centre_of(cell);
+        if (map.geometry.contains(cell) && beside.norm() <= radius &&
+            map.cells[map.geometry.index(cell)] == Prior::kOccupied) {
+          (beside.y() > 0.0 ? left : right).push_back(map.geometry.index(cell));
+        }
+      }
+    }
+    if (!left.empty() && !right.empty()) {
+      for (const std::vector<std::size_t>& side : {left, right}) {
+        std::for_each(side.begin(), side.end(), [&map](std::size_t i) { map.cells[i] = Prior::kFree; });
+      }
+    }
+  }
 }
 
 /// The map without the rows and columns at its borders of which nothing is known and above which nothing hangs, but for
@@ -180,7 +208,9 @@ PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath
   for (const SurveyedPath::Stop& stop : stops) {
     map.mapper().mark_robot(stop.world_from_robot);
   }
-  return cropped(map.mapper().combined(), above);
+  PriorMap combined = map.mapper().combined();
+  open_passages(combined, stops, robot.inscribed_radius() + kPassageMargin);
+  return cropped(combined, above);
 }
 
 }  // namespace luminav

@@ -144,6 +144,7 @@ Building building_of(const Survey& survey, const SurveyLog& log, const CeilingKi
   building.name = name;
   building.ceiling_height = kinds.ceiling_height;
   building.map_file = "map.yaml";
+  building.is_complete = false;
   for (const SurveyedFixture& surveyed : survey.estimate.fixtures) {
     Fixture fixture = kinds.kinds[static_cast<std::size_t>(surveyed.kind)];
     fixture.id = static_cast<int>(building.fixtures.size()) + 1;

@@ -95,6 +95,15 @@ Fixture read_kind(const std::string& text) {
   return read_fixture_kind(TomlTable::load(folder.write("fixture.toml", text)), 2.7);
 }
 
+TEST(BuildingFile, SaysWhetherAllFixturesAreListed) {
+  const TemporaryFolder folder;
+  Building building = read_building(folder.write("building.toml", kHead));
+  EXPECT_TRUE(building.is_complete);
+  building.is_complete = false;
+  write_building(folder.path() / "building.toml", building);
+  EXPECT_FALSE(read_building(folder.path() / "building.toml").is_complete);
+}
+
 TEST(FixtureTable, SaysShapeSizeHeightAndLamps) {
   const Fixture bar = read_kind("length = 1.5\nwidth = 0.3\nlamps = 1\nheight = 2.4\n");
   EXPECT_EQ(bar.shape, FixtureShape::kRectangle);

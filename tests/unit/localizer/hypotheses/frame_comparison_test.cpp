@@ -21,6 +21,7 @@ class FrameComparisonTest : public ::testing::Test {
   static SightingFrame frame_of_the_fixture() {
     FixtureSighting sighting;
     sighting.length = 1.2;
+    sighting.width = 0.3;
     sighting.covariance = 1e-4 * Eigen::Matrix3d::Identity();
     return {0, {sighting}};
   }
@@ -43,6 +44,16 @@ TEST_F(FrameComparisonTest, APictureForTheLampsMissesNoneForTheyMayBeUnlit) {
   SightingFrame seen = frame_of_the_fixture();
   seen.shows_unlit = false;
   EXPECT_EQ(compare(seen).expected, std::vector{0});
+}
+
+TEST_F(FrameComparisonTest, AnUnlistedLampSaysLessWhereNotAllAreListed) {
+  SightingFrame elsewhere = frame_of_the_fixture();
+  elsewhere.sightings[0].robot_from_fixture = {0.0, 0.8, 0.0};
+  const double against = compare(elsewhere).log_likelihood[0];
+  EXPECT_DOUBLE_EQ(against, HypothesisParams{}.misfit);
+  model_.is_complete = false;
+  EXPECT_GT(compare(elsewhere).log_likelihood[0], against + 3.0);
+  EXPECT_LT(compare(elsewhere).log_likelihood[0], compare(frame_of_the_fixture()).log_likelihood[0]);
 }
 
 }  // namespace

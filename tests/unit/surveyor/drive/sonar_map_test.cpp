@@ -21,8 +21,9 @@ TEST(SurveyedPath, SharesOutWhatOdometryMissed) {
   EXPECT_NEAR(path.stops()[1].world_from_robot.y, 0.1, 1e-9);
 }
 
-/// A robot that drives 6 m between two walls at 1 m on both sides.
-TEST(SonarMap, DrawsWallsBesideThePathAndTheFloorBetweenThem) {
+/// What the sonars that look sideways draw of 6 m along the x axis, `distance(x, is_left)` [m] beside it.
+template <typename Distance>
+PriorMap map_beside(const Distance& distance) {
   const SurveyModel model = synthetic_model();
   const SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {6.0, 0.0}}, {}, model, {});
   const std::vector<KeyFrame> frames = choose_key_frames(synthetic.drive, model.robot.camera, 2.8);
@@ -34,14 +35,25 @@ TEST(SonarMap, DrawsWallsBesideThePathAndTheFloorBetweenThem) {
   for (const OdometryReading& reading : synthetic.drive.odometry) {
     for (int disc = 0; disc < 16; ++disc) {
       const Pose2& mounted = model.robot.sonar.robot_from_sonar[static_cast<std::size_t>(disc)];
-      const bool is_sideways = std::abs(std::sin(mounted.theta)) > 0.99;
-      if (is_sideways) {
-        echoes.push_back({disc, 1.0 - std::abs(mounted.y), true, reading.utime + 1000});
+      if (std::abs(std::sin(mounted.theta)) > 0.99) {
+        const double x = reading.odom_from_robot.x + mounted.x;
+        echoes.push_back({disc, distance(x, mounted.y > 0.0) - std::abs(mounted.y), true, reading.utime + 1000});
       }
     }
   }
-  const SurveyedPath path(synthetic.drive.odometry, frames, poses);
-  const PriorMap map = draw_sonar_map(echoes, path, model.robot);
+  return draw_sonar_map(echoes, SurveyedPath(synthetic.drive.odometry, frames, poses), model.robot);
+}
+
+int occupied_in(const PriorMap& map, double from_x, double to_x, double y) {
+  int occupied = 0;
+  for (double x = from_x; x < to_x; x += 0.1) {
+    occupied += map.at({x, y}) == Prior::kOccupied ? 1 : 0;
+  }
+  return occupied;
+}
+
+TEST(SonarMap, DrawsWallsBesideThePathAndTheFloorBetweenThem) {
+  const PriorMap map = map_beside([](double, bool) { return 1.0; });
   int walls = 0;
   for (double x = 1.0; x < 5.0; x += 0.5) {
     EXPECT_EQ(map.at({x, 0.05}), Prior::kFree);
@@ -51,6 +63,14 @@ TEST(SonarMap, DrawsWallsBesideThePathAndTheFloorBetweenThem) {
   }
   EXPECT_GE(walls, 6);
   EXPECT_EQ(map.at({3.0, 2.0}), Prior::kUnknown);
+}
+
+TEST(SonarMap, KeepsADoorOpenThatTheRobotDroveThrough) {
+  const auto is_door = [](double x) { return x > 2.5 && x < 3.5; };
+  const PriorMap door = map_beside([&](double x, bool) { return is_door(x) ? 0.33 : 1.0; });
+  EXPECT_EQ(occupied_in(door, 2.0, 4.0, 0.35) + occupied_in(door, 2.0, 4.0, -0.35), 0);
+  const PriorMap post = map_beside([&](double x, bool is_left) { return is_left && is_door(x) ? 0.33 : 1.0; });
+  EXPECT_GE(occupied_in(post, 2.0, 4.0, 0.35), 5) << "something on one side is no passage";
 }
 
 TEST(SonarMap, RefusesADriveThatGoesNowhere) {
