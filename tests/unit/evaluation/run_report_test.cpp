@@ -128,8 +128,9 @@ TEST(RunReport, TakesHeadingsOnlyOfGoalsThatAskedForOne) {
 }
 
 TEST(RunReport, TakesTheDetectorsFiguresFromTheWholeMatrix) {
-  const json s =
-      summary({}, {{"lit", 10, 1.0, 0.9, 0.0, 0.2, 0.1, 3.0}, {"matrix", 20, 0.99, 0.8, 1.5, 0.3, 0.2, 3.0}});
+  const json s = summary(
+      {}, {{.name = "lit", .precision = 1.0, .recall = 0.9, .centre_rms_px = 0.2, .orientation_rms_deg = 0.1},
+           {.name = "matrix", .precision = 0.99, .recall = 0.8, .centre_rms_px = 0.3, .orientation_rms_deg = 0.2}});
   EXPECT_EQ(s["precision"], 0.99);
   EXPECT_EQ(s["recall"], 0.8);
   EXPECT_EQ(s["centre_rms_px"], 0.3);
