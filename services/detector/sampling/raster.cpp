@@ -22,15 +22,15 @@ void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int width
   }
 }
 
-/// Means of as many sums beside each other as there were rows.
+/// Means of as many sums beside each other as there were rows, times `gain`.
 template <int kFactor>
-void fold(const std::uint16_t* sums, int cells, std::uint8_t* out) {
+void fold(const std::uint16_t* sums, int cells, int gain, std::uint8_t* out) {
   for (int x = 0; x < cells; ++x) {
-    int sum = kFactor * kFactor / 2;
+    int sum = 0;
     for (int i = 0; i < kFactor; ++i) {
       sum += sums[kFactor * x + i];
     }
-    out[x] = static_cast<std::uint8_t>(sum / (kFactor * kFactor));
+    out[x] = static_cast<std::uint8_t>(std::min(255, (gain * sum + kFactor * kFactor / 2) / (kFactor * kFactor)));
   }
 }
 
@@ -97,18 +97,16 @@ void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Comb
 }  // namespace
 
 LUMINAV_VECTOR_CLONES
-void brighten(const GreyView& image, int gain, GreyImage& result) {
-  result.width = image.width;
-  result.height = image.height;
-  result.pixels.resize(image.pixels.size());
-  std::uint8_t* out = result.pixels.data();
+void negate(std::span<const std::uint8_t> grey, std::vector<std::uint8_t>& result) {
+  result.resize(grey.size());
+  std::uint8_t* out = result.data();
 #pragma GCC ivdep
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    out[i] = static_cast<std::uint8_t>(std::min(255, image.pixels[i] * gain));
+  for (std::size_t i = 0; i < grey.size(); ++i) {
+    out[i] = static_cast<std::uint8_t>(255 - grey[i]);
   }
 }
 
-void reduce(const GreyView& image, int factor, Raster& result) {
+void reduce(const GreyView& image, int factor, Raster& result, int gain) {
   result.resize(image.width / factor, image.height / factor);
   const auto stride = static_cast<std::size_t>(image.width);
   constexpr int kWidest = 8192;  // [px]
@@ -118,7 +116,7 @@ void reduce(const GreyView& image, int factor, Raster& result) {
     const std::uint8_t* first = image.pixels.data() + static_cast<std::size_t>(y * factor) * stride;
     add_rows(first, stride, factor, width, sums.data());
     const auto fold_row = factor == 4 ? fold<4> : factor == 2 ? fold<2> : fold<1>;
-    fold_row(sums.data(), width / factor, result.row(y));
+    fold_row(sums.data(), width / factor, gain, result.row(y));
   }
 }
 

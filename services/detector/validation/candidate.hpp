@@ -21,6 +21,8 @@ struct CeilingFrame {
   double pixel_noise = 4.0;  // [grey]
   int brightest = 255;       // [grey] of the cells
   double saturated = 0.0;    // share of the cells
+  int gain = 1;              // by which `reduced` is brighter than the image
+  bool is_negative = false;  // of a picture in which bare battens are looked for, and so are its cells
 };
 
 /// Grey level of the cell that a pixel of the image belongs to.
@@ -58,7 +60,7 @@ inline std::optional<int> level_at(const CeilingFrame& frame, const CeilingCamer
   if (!pixel || !camera.is_in_image(*pixel)) {
     return std::nullopt;
   }
-  return cell_at(candidate.bright ? frame.reduced : frame.dark, *pixel, frame.factor);
+  return cell_at(candidate.bright || frame.is_negative ? frame.reduced : frame.dark, *pixel, frame.factor);
 }
 
 }  // namespace luminav

@@ -9,6 +9,7 @@ namespace {
 
 using Eigen::Vector2d;
 
+constexpr std::array kBothSides{1.0, -1.0};
 constexpr double kBlurredEdge = 2.5;    // [px] by which an outline may always miss, however coarse the pixels
 constexpr double kMaxAcross = 0.030;    // [m] 1 sigma of its place across
 constexpr double kMinAcross = 16.0;     // [px] of what is no speck
@@ -76,6 +77,34 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
     return Verdict::kMayBeAnother;
   }
   return candidate.bright ? contrast(frame, candidate) : Verdict::kAccepted;
+}
+
+bool CandidateChecks::lies_between_shadows(const CeilingFrame& frame, const Candidate& candidate) const {
+  constexpr int kPlaces = 12;
+  constexpr std::array kOut{0.02, 0.06, 0.11};  // [m] from its edge: in the shadow, where that fades, beyond
+  constexpr double kMinCeiling = 0.88;          // beyond, of the batten's grey level
+  constexpr double kMaxCeiling = 1.2;
+  constexpr double kMinShade = 0.7;  // of the ceiling's grey level: light comes from all around
+  const double edge = 0.5 * candidate.hypothesis.outline.width;
+  const PointTransform pose(candidate.fit.placement.pose);
+  const auto grey_at = [&](const Vector2d& place) {
+    return 255 - level_at(frame, camera_, candidate, pose, place).value_or(255);
+  };
+  return std::all_of(kBothSides.begin(), kBothSides.end(), [&](double side) {
+    int inside = 0;
+    std::array<int, 3> grey{};
+    for (int i = 0; i < kPlaces; ++i) {
+      const double along = 0.9 * candidate.hypothesis.outline.length * ((i + 0.5) / kPlaces - 0.5);
+      const bool in_view = grey_at({along, side * (edge + kOut.back())}) > 0;
+      inside += in_view ? grey_at({along, 0.0}) : 0;
+      for (std::size_t k = 0; k < grey.size(); ++k) {
+        grey[k] += in_view ? grey_at({along, side * (edge + kOut[k])}) : 0;
+      }
+    }
+    const auto [shade, fading, ceiling] = grey;
+    return shade > kMinShade * ceiling && 2 * fading > shade + ceiling && ceiling > kMinCeiling * inside &&
+           ceiling < kMaxCeiling * inside;
+  });
 }
 
 Verdict CandidateChecks::by_region(const CeilingFrame& frame, const Candidate& candidate) const {
