@@ -60,7 +60,7 @@ inline std::optional<int> level_at(const CeilingFrame& frame, const CeilingCamer
   if (!pixel || !camera.is_in_image(*pixel)) {
     return std::nullopt;
   }
-  return cell_at(candidate.bright || frame.is_negative ? frame.reduced : frame.dark, *pixel, frame.factor);
+  return cell_at(candidate.bright ? frame.reduced : frame.dark, *pixel, frame.factor);
 }
 
 }  // namespace luminav

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "services/detector/sampling/mean_profile.hpp"
+
 namespace luminav {
 namespace {
 
@@ -80,30 +82,29 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
 }
 
 bool CandidateChecks::lies_between_shadows(const CeilingFrame& frame, const Candidate& candidate) const {
-  constexpr int kPlaces = 12;
-  constexpr std::array kOut{0.02, 0.06, 0.11};  // [m] from its edge: in the shadow, where that fades, beyond
-  constexpr double kMinCeiling = 0.88;          // beyond, of the batten's grey level
-  constexpr double kMaxCeiling = 1.2;
+  constexpr double kInside = 0.02;     // [m] from the edge inwards, where the profile begins
+  constexpr double kMinCeiling = 0.9;  // beyond the shadow, of the batten's grey level
+  constexpr double kMaxCeiling = 1.15;
+  constexpr double kMaxShade = 0.97;
   constexpr double kMinShade = 0.7;  // of the ceiling's grey level: light comes from all around
-  const double edge = 0.5 * candidate.hypothesis.outline.width;
-  const PointTransform pose(candidate.fit.placement.pose);
-  const auto grey_at = [&](const Vector2d& place) {
-    return 255 - level_at(frame, camera_, candidate, pose, place).value_or(255);
-  };
+  const Outline& outline = candidate.hypothesis.outline;
   return std::all_of(kBothSides.begin(), kBothSides.end(), [&](double side) {
-    int inside = 0;
-    std::array<int, 3> grey{};
-    for (int i = 0; i < kPlaces; ++i) {
-      const double along = 0.9 * candidate.hypothesis.outline.length * ((i + 0.5) / kPlaces - 0.5);
-      const bool in_view = grey_at({along, side * (edge + kOut.back())}) > 0;
-      inside += in_view ? grey_at({along, 0.0}) : 0;
-      for (std::size_t k = 0; k < grey.size(); ++k) {
-        grey[k] += in_view ? grey_at({along, side * (edge + kOut[k])}) : 0;
-      }
-    }
-    const auto [shade, fading, ceiling] = grey;
-    return shade > kMinShade * ceiling && 2 * fading > shade + ceiling && ceiling > kMinCeiling * inside &&
-           ceiling < kMaxCeiling * inside;
+    const SideProfile profile =
+        mean_profile(frame.image, camera_,
+                     {candidate.fit.placement.pose, outline.height, Vector2d::UnitX(), side * Vector2d::UnitY()},
+                     {.first = 0.5 * outline.width - kInside,
+                      .steps = SideProfile::kMaxSteps,
+                      .from = -0.45 * outline.length,
+                      .apart = 0.9 * outline.length / (SideProfile::kMaxLines - 1),
+                      .count = SideProfile::kMaxLines});
+    const auto grey_at = [&](double out) {
+      return 255.0 - profile.grey[static_cast<std::size_t>((out + kInside) / SideProfile::kStep)];
+    };
+    const double shade = grey_at(0.02);
+    const double ceiling = grey_at(0.11);
+    return profile.lines > 0 && shade > kMinShade * ceiling && shade < kMaxShade * ceiling &&
+           2.0 * grey_at(0.06) > shade + ceiling && ceiling > kMinCeiling * grey_at(-kInside) &&
+           ceiling < kMaxCeiling * grey_at(-kInside);
   });
 }
 
