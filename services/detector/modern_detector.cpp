@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 
 constexpr std::array kLitLevels{250, 240, 225, 200, 175, 150, 125, 100, 80, 62, 48, 36, 28};  // [grey]
 constexpr std::array kDepths{60, 40, 27, 18, 12, 8, 6, 4};                                    // [grey]
-constexpr std::array kShadows{20, 14, 10, 7, 4};  // [grey] beside bare battens
+constexpr std::array kShadows{14, 8, 5};  // [grey] beside bare battens
 constexpr std::size_t kMedianSamples = 5000;
 // What is unlit is darker by a share of the ceiling's grey level: a dim image is multiplied first, up to this median.
 constexpr int kCeilingGrey = 120;

@@ -10,7 +10,7 @@ namespace luminav {
 namespace {
 
 LUMINAV_VECTOR_CLONES
-void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int width, std::uint16_t* sums) {
+void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int gain, int width, std::uint16_t* sums) {
   for (int x = 0; x < width; ++x) {
     sums[x] = first[x];
   }
@@ -20,17 +20,20 @@ void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int width
       sums[x] = static_cast<std::uint16_t>(sums[x] + row[x]);
     }
   }
+  for (int x = 0; x < width; ++x) {
+    sums[x] = static_cast<std::uint16_t>(std::min(255 * rows, gain * sums[x]));
+  }
 }
 
-/// Means of as many sums beside each other as there were rows, times `gain`.
+/// Means of as many sums beside each other as there were rows.
 template <int kFactor>
-void fold(const std::uint16_t* sums, int cells, int gain, std::uint8_t* out) {
+void fold(const std::uint16_t* sums, int cells, std::uint8_t* out) {
   for (int x = 0; x < cells; ++x) {
-    int sum = 0;
+    int sum = kFactor * kFactor / 2;
     for (int i = 0; i < kFactor; ++i) {
       sum += sums[kFactor * x + i];
     }
-    out[x] = static_cast<std::uint8_t>(std::min(255, (gain * sum + kFactor * kFactor / 2) / (kFactor * kFactor)));
+    out[x] = static_cast<std::uint8_t>(sum / (kFactor * kFactor));
   }
 }
 
@@ -114,9 +117,9 @@ void reduce(const GreyView& image, int factor, Raster& result, int gain) {
   const int width = std::min(result.width * factor, kWidest);
   for (int y = 0; y < result.height; ++y) {
     const std::uint8_t* first = image.pixels.data() + static_cast<std::size_t>(y * factor) * stride;
-    add_rows(first, stride, factor, width, sums.data());
+    add_rows(first, stride, factor, gain, width, sums.data());
     const auto fold_row = factor == 4 ? fold<4> : factor == 2 ? fold<2> : fold<1>;
-    fold_row(sums.data(), width / factor, gain, result.row(y));
+    fold_row(sums.data(), width / factor, result.row(y));
   }
 }
 
