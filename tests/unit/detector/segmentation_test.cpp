@@ -47,8 +47,8 @@ TEST(Reduce, TakesRoundedMeansOfSquares) {
   ASSERT_EQ(reduced.height, 1);
   EXPECT_EQ(reduced.row(0)[0], 3);   // 13 / 4
   EXPECT_EQ(reduced.row(0)[1], 10);  // 41 / 4
-  reduce({5, 2, pixels}, 2, reduced, 25);
-  EXPECT_EQ(reduced.row(0)[0], 81);  // 325 / 4
+  reduce({5, 2, pixels}, 2, reduced, 30);
+  EXPECT_EQ(reduced.row(0)[0], 98);  // 390 / 4
   EXPECT_EQ(reduced.row(0)[1], 255);
 }
 
