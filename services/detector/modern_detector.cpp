@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 
 constexpr std::array kLitLevels{250, 240, 225, 200, 175, 150, 125, 100, 80, 62, 48, 36, 28};  // [grey]
 constexpr std::array kDepths{60, 40, 27, 18, 12, 8, 6, 4};                                    // [grey]
-constexpr std::array kShadows{14, 8, 5};  // [grey] beside bare battens
+constexpr std::array kShadows{9, 5};  // [grey] beside bare battens
 constexpr std::size_t kMedianSamples = 5000;
 // What is unlit is darker by a share of the ceiling's grey level: a dim image is multiplied first, up to this median.
 constexpr int kCeilingGrey = 120;
@@ -122,7 +122,8 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
 void ModernDetector::look_for_bare(const CeilingFrame& unlit, DetectorTrace* trace) {
   negative_.width = unlit.image.width;
   negative_.height = unlit.image.height;
-  negate(unlit.image.pixels, negative_.pixels);
+  negative_.pixels.resize(unlit.image.pixels.size());
+  not_negated_ = unlit.image.pixels;
   negative_cells_.resize(unlit.reduced.width, unlit.reduced.height);
   negate(unlit.reduced.cells, negative_cells_.cells);
   contrast_.compute_narrow(negative_cells_, limits_.bare_radius, limits_.factor < 4);
@@ -173,6 +174,9 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
   const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(shape_, layer.bright, tolerance);
   if (hypotheses.empty()) {
     return;
+  }
+  if (frame.is_negative && !not_negated_.empty()) {
+    negate(std::exchange(not_negated_, {}), negative_.pixels);
   }
   OutlineFitParams params = fit_params(region, layer, frame);
   for (const OutlineHypothesis& hypothesis : hypotheses) {
