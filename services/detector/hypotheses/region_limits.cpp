@@ -10,10 +10,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kWindow = 1.35;      // times the widest: it may lie slantwise, and be a tenth wider than the file says
-constexpr double kLeastWhole = 0.75;  // of the shortest, what is whole is no shorter ...
-constexpr double kLeastCut = 0.2;     // ... and what the border cuts
-constexpr double kSlack = 1.4;        // times its size, and bloom, no region of a kind is larger
+constexpr double kWindow = 1.35;    // times the widest: it may lie slantwise, and be a tenth wider than the file says
+constexpr double kMinWhole = 0.75;  // of the shortest, what is whole is no shorter ...
+constexpr double kMinCut = 0.2;     // ... and what the border cuts
+constexpr double kSlack = 1.4;      // times its size, and bloom, no region of a kind is larger
 
 /// Of all fixtures; of one of two lamps half may burn alone.
 struct SizeLimits {
@@ -90,7 +90,7 @@ bool RegionLimits::may_be_a_kind(const Region& region, const CellPlane& plane) c
   const bool is_cut = plane.is_at_border(region.left, region.top) || plane.is_at_border(region.right, region.bottom);
   const double longest =
       plane.cell_size(column, row) * std::hypot(region.right - region.left + 1, region.bottom - region.top + 1);
-  return !(longest < (is_cut ? kLeastCut : kLeastWhole) * min_length) &&
+  return !(longest < (is_cut ? kMinCut : kMinWhole) * min_length) &&
          !(shorter * std::hypot(region.right - region.left, region.bottom - region.top) > max_extent) &&
          !(area * region.cells > max_area);  // no number says nothing
 }
