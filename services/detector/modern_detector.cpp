@@ -15,6 +15,7 @@ using Eigen::Vector2d;
 
 constexpr std::array kLitLevels{250, 240, 225, 200, 175, 150, 125, 100, 80, 62, 48, 36, 28};  // [grey]
 constexpr std::array kDepths{60, 40, 27, 18, 12, 8, 6, 4};                                    // [grey]
+constexpr std::array kShadows{9, 5};  // [grey] beside bare battens
 constexpr std::size_t kMedianSamples = 5000;
 // What is unlit is darker by a share of the ceiling's grey level: a dim image is multiplied first, up to this median.
 constexpr int kCeilingGrey = 120;
@@ -23,7 +24,8 @@ constexpr double kMaxNoise = 14.0;   // [grey] of a pixel: what varies more is n
 constexpr double kRagged = 0.02;     // [m] by which noise and grid lines may change a side of an unlit region
 constexpr double kOtherSize = 0.01;  // share by which an unlit region's length must miss to be tried as it is
 constexpr double kMinAcross = 16.0;  // [px] any dark speck looks like a smaller disc, any groove like a narrower lamp
-constexpr double kOfRegion = 0.4;    // score of a region's own rectangle, at most: edges say more
+constexpr double kMinBareVisible = 0.6;  // share of a bare batten: pieces of girders look like shorter ones
+constexpr double kOfRegion = 0.4;        // score of a region's own rectangle, at most: edges say more
 
 std::array<Vector2d, 4> corners_of(const Outline& outline, const OutlinePlacement& placement,
                                    const CeilingCamera& camera) {
@@ -88,12 +90,10 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
     return selection_.detections();
   }
   const int gain = std::clamp(kCeilingGrey / std::max(median_, 1), 1, kMaxGain);
-  const bool is_dim = gain > 1;
-  if (is_dim) {
-    brighten(image, gain, brightened_);
-    reduce(brightened_.view(), limits_.factor, brightened_cells_);
+  const Raster& unlit_cells = gain > 1 ? brightened_cells_ : reduced_;
+  if (gain > 1) {
+    reduce(image, limits_.factor, brightened_cells_, gain);
   }
-  const Raster& unlit_cells = is_dim ? brightened_cells_ : reduced_;
   contrast_.compute(unlit_cells, limits_.window_radius, limits_.ignore_lines);
   const double noise = std::clamp(contrast_.noise() * limits_.factor / gain, 1.0, kMaxNoise);
   const CeilingFrame frame{.image = image,
@@ -104,13 +104,37 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
                            .brightest = max_cell(reduced_),
                            .saturated = histogram.share_from(kLitLevels.front())};
   look_for(true, kLitLevels, frame, trace);
-  const CeilingFrame unlit_frame{.image = is_dim ? brightened_.view() : image,
+  const CeilingFrame unlit_frame{.image = image,
                                  .reduced = unlit_cells,
                                  .dark = contrast_.dark(),
                                  .factor = limits_.factor,
-                                 .pixel_noise = gain * noise};
+                                 .pixel_noise = noise,
+                                 .gain = gain};
   look_for(false, kDepths, unlit_frame, trace);
+  if (limits_.bare_radius > 0) {
+    look_for_bare(unlit_frame, trace);
+  }
   return selection_.detections();
+}
+
+/// A bare batten that is off is about as bright as the ceiling, and lies between its own shadows: in the negative it is
+/// a dark strip between two bright lines.
+void ModernDetector::look_for_bare(const CeilingFrame& unlit, DetectorTrace* trace) {
+  negative_.width = unlit.image.width;
+  negative_.height = unlit.image.height;
+  negative_.pixels.resize(unlit.image.pixels.size());
+  not_negated_ = unlit.image.pixels;
+  negative_cells_.resize(unlit.reduced.width, unlit.reduced.height);
+  negate(unlit.reduced.cells, negative_cells_.cells);
+  contrast_.compute_narrow(negative_cells_, limits_.bare_radius, limits_.factor < 4);
+  const CeilingFrame frame{.image = negative_.view(),
+                           .reduced = negative_cells_,
+                           .dark = contrast_.dark(),
+                           .factor = limits_.factor,
+                           .pixel_noise = unlit.pixel_noise,
+                           .gain = unlit.gain,
+                           .is_negative = true};
+  look_for(false, kShadows, frame, trace);
 }
 
 /// A fixture is brighter, or darker, than all around it, however the light is distributed: at some level it stands
@@ -119,7 +143,7 @@ void ModernDetector::look_for(bool bright, std::span<const int> levels, const Ce
                               DetectorTrace* trace) {
   tried_.clear();
   const double least = bright ? median_ + params_.lit_contrast : params_.unlit_contrast;
-  const Raster& cells = bright ? frame.reduced : limits_.is_eroded ? contrast_.eroded() : frame.dark;
+  const Raster& cells = bright ? frame.reduced : is_eroded(frame) ? contrast_.eroded() : frame.dark;
   const int brightest = max_cell(cells);
   for (const int level : levels) {
     if (level >= brightest || level < least) {
@@ -136,19 +160,23 @@ void ModernDetector::look_for(bool bright, std::span<const int> levels, const Ce
 
 void ModernDetector::look_at_region(const Region& region, const Layer& layer, const CeilingFrame& frame,
                                     DetectorTrace* trace) {
-  if (!shape_.take(region, !layer.bright && limits_.is_eroded ? 1 : 0, plane_)) {
+  if (!shape_.take(region, !layer.bright && is_eroded(frame) ? 1 : 0, plane_)) {
     return;
   }
   add_contour(shape_, limits_.factor, trace);
   const SizeTolerance tolerance{.share = params_.size_tolerance,
                                 .ragged = kRagged,
                                 .bloom = layer.bright ? params_.max_bloom : 0.0,
-                                .min_visible = 0.7 * params_.min_visible,
+                                .min_visible = frame.is_negative ? kMinBareVisible : 0.7 * params_.min_visible,
                                 .min_width = layer.bright ? 0.0 : kMinAcross * shape_.cell_size() / limits_.factor,
+                                .is_bare = frame.is_negative,
                                 .is_white = layer.bright && layer.level == kLitLevels.front()};
   const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(shape_, layer.bright, tolerance);
   if (hypotheses.empty()) {
     return;
+  }
+  if (frame.is_negative && !not_negated_.empty()) {
+    negate(std::exchange(not_negated_, {}), negative_.pixels);
   }
   OutlineFitParams params = fit_params(region, layer, frame);
   for (const OutlineHypothesis& hypothesis : hypotheses) {
@@ -179,6 +207,9 @@ Verdict ModernDetector::judge(const CeilingFrame& frame, const OutlineFitParams&
   if (candidate.bright) {
     const Verdict verdict = judge_edges(frame, params, hypothesis.start, candidate);
     return verdict == Verdict::kAccepted || !hypothesis.is_whole ? verdict : judge_region(frame, candidate);
+  }
+  if (frame.is_negative && !checks_.lies_between_shadows(frame, candidate)) {
+    return Verdict::kNoContrast;
   }
   // What is dark has no bloom: it is first looked for in its nominal size, then, as the file may be wrong, in that of
   // its region.
@@ -217,9 +248,9 @@ OutlineFitParams ModernDetector::fit_params(const Region& region, const Layer& l
     const std::uint8_t* row = cells.row(run.row);
     sum = std::accumulate(row + run.first, row + run.last + 1, sum);
   }
-  const double mean = static_cast<double>(sum) / std::max(region.cells, 1);
+  const double mean = static_cast<double>(sum) / (std::max(region.cells, 1) * frame.gain);
   return {.inside_brighter = layer.bright,
-          .min_edge = layer.bright ? params_.lit_edge : params_.unlit_edge,
+          .min_edge = layer.bright ? params_.lit_edge : params_.unlit_edge / frame.gain,
           .expected_step = mean - (layer.bright ? median_ : 0),
           .pixel_noise = frame.pixel_noise,
           .side_sigma = layer.bright ? 0.4 * params_.max_bloom : 0.008,

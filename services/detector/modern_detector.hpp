@@ -43,6 +43,9 @@ class ModernDetector {
     bool bright;
   };
   void look_for(bool bright, std::span<const int> levels, const CeilingFrame& frame, DetectorTrace* trace);
+  void look_for_bare(const CeilingFrame& unlit, DetectorTrace* trace);
+  /// By a cell: what is dark, unless it is narrow.
+  [[nodiscard]] bool is_eroded(const CeilingFrame& frame) const { return limits_.is_eroded && !frame.is_negative; }
   void look_at_region(const Region& region, const Layer& layer, const CeilingFrame& frame, DetectorTrace* trace);
   [[nodiscard]] Verdict judge(const CeilingFrame& frame, const OutlineFitParams& params, Candidate& candidate);
   [[nodiscard]] Verdict judge_edges(const CeilingFrame& frame, const OutlineFitParams& params,
@@ -57,8 +60,10 @@ class ModernDetector {
   CellPlane plane_;
   int median_ = 0;  // [grey] of the reduced image
   Raster reduced_;
-  GreyImage brightened_;  // of a dim image
-  Raster brightened_cells_;
+  Raster brightened_cells_;  // of a dim image
+  GreyImage negative_;       // of an image in which bare battens are looked for, once one is guessed ...
+  std::span<const std::uint8_t> not_negated_;  // ... and until then what it is to be made of
+  Raster negative_cells_;
   ContrastMap contrast_;
   RegionFinder finder_;
   RegionShape shape_;

@@ -14,7 +14,7 @@ constexpr double kMinDepth = 0.3;       // of its width, of a fixture of which o
 constexpr double kMinWidth = 0.55;      // of a lamp: its light may fade towards its sides
 constexpr double kTube = 0.026;         // [m] T8
 constexpr double kMaxWidth = 1.9;       // of a narrow one: blur and bloom
-constexpr double kMinFillOfPart = 0.5;  // of a piece's rectangle: the border cuts off a corner
+constexpr double kMinFillOfPart = 0.5;  // of the rectangle of a piece, whose corner may be cut off, or of a ragged one
 constexpr double kOfNarrow = 0.25;      // of the tolerance: grooves look like narrow lamps, seldom of their length
 constexpr double kMinFill = 0.68;       // of a region's rectangle, or of a disc's
 
@@ -66,7 +66,7 @@ void OutlineProposer::propose_whole(const Target& target, const RegionShape& sha
   const bool round = kind.shape == FixtureShape::kRound;
   const double of_rectangle = round ? 0.25 * kPi : 1.0;
   const double fill = target.scale * target.scale * shape.area() / (seen_length * seen_width * of_rectangle);
-  if (fill < (shape.touches_border() ? kMinFillOfPart : kMinFill)) {
+  if (fill < (shape.touches_border() || tolerance.is_bare ? kMinFillOfPart : kMinFill)) {
     return;
   }
   OutlineHypothesis& hypothesis = add(target, orientation, e.middle_along(), e.middle_across());
@@ -163,7 +163,7 @@ void OutlineProposer::propose_kind(const Target& target, const RegionShape& shap
   const bool bar = target.kind->shape == FixtureShape::kRectangle || target.burning > 0;
   const bool round = target.kind->shape == FixtureShape::kRound;
   const bool is_narrow = target.kind->width < tolerance.min_width;
-  if (is_narrow && (round || shape.touches_border())) {
+  if (tolerance.is_bare ? round || target.kind->width > kMaxBare : is_narrow && (round || shape.touches_border())) {
     return;
   }
   SizeTolerance own = tolerance;

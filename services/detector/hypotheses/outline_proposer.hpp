@@ -27,6 +27,7 @@ struct SizeTolerance {
   double bloom = 0.0;        // [m] by which light may widen a region on each side
   double min_visible = 0.3;  // share of a cut fixture's length
   double min_width = 0.0;    // [m] of what need not be whole and of its length
+  bool is_bare = false;      // between shadows, about as bright as the ceiling: its region is ragged
   bool is_white = false;     // all of it: what shines beside a lamp is as bright as the lamp
 };
 
@@ -34,6 +35,7 @@ struct SizeTolerance {
 /// outline is tried at each end that may be in view; where it cuts off a long side, one that starts from the other.
 class OutlineProposer {
  public:
+  static constexpr double kMaxBare = 0.2;   // [m] of width; wider fixtures have covers or louvres
   static constexpr double kMaxGlow = 0.25;  // width of a lamp with the glow beside it, of its length
 
   OutlineProposer(const CellPlane& plane, const CeilingCatalogue& catalogue) : plane_(&plane), catalogue_(&catalogue) {}

@@ -10,8 +10,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kWindow = 1.35;  // times the widest: it may lie slantwise, and be a tenth wider than the file says
-constexpr double kSlack = 1.4;    // times its size, and bloom, no region of a kind is larger
+constexpr double kWindow = 1.35;    // times the widest: it may lie slantwise, and be a tenth wider than the file says
+constexpr double kMinWhole = 0.75;  // of the shortest, what is whole is no shorter ...
+constexpr double kMinCut = 0.2;     // ... and what the border cuts
+constexpr double kSlack = 1.4;      // times its size, and bloom, no region of a kind is larger
 
 /// Of all fixtures; of one of two lamps half may burn alone.
 struct SizeLimits {
@@ -66,8 +68,12 @@ RegionLimits::RegionLimits(const ModernDetectorParams& params, const CeilingCame
   window_radius = static_cast<int>(std::ceil(0.5 * (kWindow * sizes.max_width + 0.08) / cell));
   min_cells = std::max(6, static_cast<int>(0.5 * params.min_visible * sizes.min_area / (cell * cell)));
   for (const CeilingKind& kind : catalogue.fixtures) {
+    if (kind.width <= OutlineProposer::kMaxBare && kind.shape != FixtureShape::kRound) {
+      bare_radius = std::max(bare_radius, static_cast<int>(std::ceil(0.5 * (kind.width + 0.03) / cell)));
+    }
     const double length = kSlack * kind.length + 2.0 * params.max_bloom;
     const double width = kSlack * kind.width + 2.0 * params.max_bloom;
+    min_length = std::min(min_length, kind.length);
     max_extent = std::max(max_extent, std::hypot(length, width));
     max_area = std::max({max_area, length * width, OutlineProposer::kMaxGlow * length * length});
   }
@@ -81,7 +87,11 @@ bool RegionLimits::may_be_a_kind(const Region& region, const CellPlane& plane) c
   const int row = (region.top + region.bottom) / 2;
   const double area = plane.cell_area(column, row);
   const double shorter = area / plane.cell_size(column, row);  // side of a cell, which tilt and lens stretch
-  return !(shorter * std::hypot(region.right - region.left, region.bottom - region.top) > max_extent) &&
+  const bool is_cut = plane.is_at_border(region.left, region.top) || plane.is_at_border(region.right, region.bottom);
+  const double longest =
+      plane.cell_size(column, row) * std::hypot(region.right - region.left + 1, region.bottom - region.top + 1);
+  return !(longest < (is_cut ? kMinCut : kMinWhole) * min_length) &&
+         !(shorter * std::hypot(region.right - region.left, region.bottom - region.top) > max_extent) &&
          !(area * region.cells > max_area);  // no number says nothing
 }
 

@@ -17,7 +17,9 @@ struct RegionLimits {
 
   int factor = 1;             // [px] side of a cell, clearly smaller than the narrowest fixture
   int window_radius = 0;      // [cells] of surroundings
+  int bare_radius = 0;        // [cells] the same for bare battens; 0: there are none
   int min_cells = 0;          // of a region
+  double min_length = 1e9;    // [m] of all kinds
   double max_extent = 0.0;    // [m] of a region
   double max_area = 0.0;      // [m^2]
   bool is_eroded = false;     // of dark regions, by a cell

@@ -10,7 +10,7 @@ namespace luminav {
 namespace {
 
 LUMINAV_VECTOR_CLONES
-void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int width, std::uint16_t* sums) {
+void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int gain, int width, std::uint16_t* sums) {
   for (int x = 0; x < width; ++x) {
     sums[x] = first[x];
   }
@@ -19,6 +19,9 @@ void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int width
     for (int x = 0; x < width; ++x) {
       sums[x] = static_cast<std::uint16_t>(sums[x] + row[x]);
     }
+  }
+  for (int x = 0; x < width; ++x) {
+    sums[x] = static_cast<std::uint16_t>(std::min(255 * rows, gain * sums[x]));
   }
 }
 
@@ -97,18 +100,16 @@ void running_extreme(const Raster& image, int radius, std::uint8_t neutral, Comb
 }  // namespace
 
 LUMINAV_VECTOR_CLONES
-void brighten(const GreyView& image, int gain, GreyImage& result) {
-  result.width = image.width;
-  result.height = image.height;
-  result.pixels.resize(image.pixels.size());
-  std::uint8_t* out = result.pixels.data();
+void negate(std::span<const std::uint8_t> grey, std::vector<std::uint8_t>& result) {
+  result.resize(grey.size());
+  std::uint8_t* out = result.data();
 #pragma GCC ivdep
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    out[i] = static_cast<std::uint8_t>(std::min(255, image.pixels[i] * gain));
+  for (std::size_t i = 0; i < grey.size(); ++i) {
+    out[i] = static_cast<std::uint8_t>(255 - grey[i]);
   }
 }
 
-void reduce(const GreyView& image, int factor, Raster& result) {
+void reduce(const GreyView& image, int factor, Raster& result, int gain) {
   result.resize(image.width / factor, image.height / factor);
   const auto stride = static_cast<std::size_t>(image.width);
   constexpr int kWidest = 8192;  // [px]
@@ -116,7 +117,7 @@ void reduce(const GreyView& image, int factor, Raster& result) {
   const int width = std::min(result.width * factor, kWidest);
   for (int y = 0; y < result.height; ++y) {
     const std::uint8_t* first = image.pixels.data() + static_cast<std::size_t>(y * factor) * stride;
-    add_rows(first, stride, factor, width, sums.data());
+    add_rows(first, stride, factor, gain, width, sums.data());
     const auto fold_row = factor == 4 ? fold<4> : factor == 2 ? fold<2> : fold<1>;
     fold_row(sums.data(), width / factor, result.row(y));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "services/common/image/grey_image.hpp"
@@ -26,11 +27,12 @@ struct Raster {
   }
 };
 
-/// Each pixel times `gain`, at most 255.
-void brighten(const GreyView& image, int gain, GreyImage& result);
+/// 255 less each grey level.
+void negate(std::span<const std::uint8_t> grey, std::vector<std::uint8_t>& result);
 
-/// Means of factor x factor squares, rounded; factor 1, 2 or 4. Rows and columns that fill no square are left out.
-void reduce(const GreyView& image, int factor, Raster& result);
+/// Means of factor x factor squares, rounded, times `gain`, at most 255; factor 1, 2 or 4. Rows and columns that fill
+/// no square are left out.
+void reduce(const GreyView& image, int factor, Raster& result, int gain = 1);
 
 /// The largest cell; 0 of none.
 int max_cell(const Raster& image);

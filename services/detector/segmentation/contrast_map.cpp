@@ -94,33 +94,48 @@ void unflatten(std::uint8_t* image, const std::uint8_t* mean, int count) {
   }
 }
 
-/// By how much the mean of 3 x 3 cells stays below the level.
+/// Means of 3 x 3 cells; at both ends, of three.
 LUMINAV_VECTOR_CLONES
-void sink_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below, const std::uint8_t* level,
-              int width, std::uint8_t* out) {
+void smooth_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below, int width,
+                std::uint8_t* out) {
 #pragma GCC ivdep
   for (int x = 1; x < width - 1; ++x) {
     const int sum = above[x - 1] + above[x] + above[x + 1] + here[x - 1] + here[x] + here[x + 1] + below[x - 1] +
                     below[x] + below[x + 1] + 4;
-    const int mean = (sum * 7282) >> 16;  // 7282 / 65536 = 1 / 9
-    out[x] = static_cast<std::uint8_t>(std::max(level[x] - mean, 0));
+    out[x] = static_cast<std::uint8_t>((sum * 7282) >> 16);  // 7282 / 65536 = 1 / 9
   }
   for (const int x : {0, width - 1}) {
-    out[x] = static_cast<std::uint8_t>(std::max(level[x] - (above[x] + here[x] + below[x] + 1) / 3, 0));
+    out[x] = static_cast<std::uint8_t>((above[x] + here[x] + below[x] + 1) / 3);
+  }
+}
+
+void smooth(const Raster& image, Raster& result) {
+  result.resize(image.width, image.height);
+  for (int y = 0; y < image.height; ++y) {
+    smooth_row(image.row(std::max(y - 1, 0)), image.row(y), image.row(std::min(y + 1, image.height - 1)), image.width,
+               result.row(y));
+  }
+}
+
+/// By how much each cell stays below its level.
+LUMINAV_VECTOR_CLONES
+void sink(const std::uint8_t* level, std::span<std::uint8_t> cells) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    cells[i] = static_cast<std::uint8_t>(std::max(level[i] - cells[i], 0));
   }
 }
 
 /// Below what is known at half the size.
 void sink_below(const Raster& half, const Raster& image, std::vector<std::uint8_t>& level, Raster& result) {
-  result.resize(image.width, image.height);
+  smooth(image, result);
   level.resize(static_cast<std::size_t>(image.width));
   for (int y = 0; y < image.height; ++y) {
     const std::uint8_t* coarse = half.row(std::min(y / 2, half.height - 1));
     for (int x = 0; x < image.width; ++x) {
       level[static_cast<std::size_t>(x)] = coarse[std::min(x / 2, half.width - 1)];
     }
-    sink_row(image.row(std::max(y - 1, 0)), image.row(y), image.row(std::min(y + 1, image.height - 1)), level.data(),
-             image.width, result.row(y));
+    sink(level.data(), {result.row(y), level.size()});
   }
 }
 
@@ -165,6 +180,17 @@ void ContrastMap::compute(const Raster& image, int radius, bool ignore_lines) {
     unflatten(closed_.row(y), mean_.row(y + margin) + margin, closed_.width);
   }
   sink_below(closed_, *clean, level_, dark_);
+}
+
+void ContrastMap::compute_narrow(const Raster& image, int radius, bool is_noisy) {
+  if (is_noisy) {
+    smooth(image, dark_);
+  } else {
+    dark_ = image;
+  }
+  dilate(dark_, radius, dilated_, scratch_);
+  erode(dilated_, radius, filled_, scratch_);
+  sink(filled_.cells.data(), dark_.cells);
 }
 
 }  // namespace luminav

@@ -17,6 +17,10 @@ class ContrastMap {
   /// `ignore_lines`: dark lines thinner than 4 cells (the grid between tiles) do not count as surroundings.
   void compute(const Raster& image, int radius, bool ignore_lines);
 
+  /// Of what is narrower than 2 radius + 1 cells only, below its rims, however bright these are (shadows in a
+  /// negative). `is_noisy`: cells are too small to be taken as they are.
+  void compute_narrow(const Raster& image, int radius, bool is_noisy);
+
   [[nodiscard]] const Raster& dark() const { return dark_; }
   /// The same without the outermost cell of whatever is dark, at every depth; the image border takes none.
   const Raster& eroded() {

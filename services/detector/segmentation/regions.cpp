@@ -53,6 +53,9 @@ int RegionFinder::join(int a, int b) {
     Part& from = parts_[static_cast<std::size_t>(other)];
     into.cells += from.cells;
     into.runs += from.runs;
+    into.left = std::min(into.left, from.left);
+    into.right = std::max(into.right, from.right);
+    into.bottom = std::max(into.bottom, from.bottom);
     from.joined_to = first;
   }
   return first;
@@ -80,11 +83,14 @@ void RegionFinder::take_runs(const Raster& image, int level) {
       }
       if (part < 0) {
         part = static_cast<int>(parts_.size());
-        parts_.push_back({.joined_to = part});
+        parts_.push_back({.joined_to = part, .left = first, .right = last, .top = y});
       }
       Part& own = parts_[static_cast<std::size_t>(part)];
       own.cells += last - first + 1;
       ++own.runs;
+      own.left = std::min(own.left, first);
+      own.right = std::max(own.right, last);
+      own.bottom = y;
       runs_.push_back({y, first, last});
       part_of_run_.push_back(part);
     });
@@ -103,29 +109,17 @@ const std::vector<Region>& RegionFinder::find(const Raster& image, int min_cells
     if (part.joined_to != static_cast<int>(i) || part.cells < min_cells) {
       continue;
     }
-    part.region = static_cast<int>(regions_.size());
-    const int beyond = image.width + image.height;
-    regions_.push_back({.cells = part.cells,
-                        .left = beyond,
-                        .right = -1,
-                        .top = beyond,
-                        .bottom = -1,
-                        .runs = std::span(runs_by_region_).subspan(taken, static_cast<std::size_t>(part.runs))});
+    part.is_region = true;
+    regions_.push_back({part.cells, part.left, part.right, part.top, part.bottom,
+                        std::span(runs_by_region_).subspan(taken, static_cast<std::size_t>(part.runs))});
     part.next_run = taken;
     taken += static_cast<std::size_t>(part.runs);
   }
   for (std::size_t i = 0; i < runs_.size() && taken > 0; ++i) {
     Part& part = parts_[static_cast<std::size_t>(root(part_of_run_[i]))];
-    if (part.region < 0) {
-      continue;
+    if (part.is_region) {
+      runs_by_region_[part.next_run++] = runs_[i];
     }
-    const Run& run = runs_[i];
-    runs_by_region_[part.next_run++] = run;
-    Region& region = regions_[static_cast<std::size_t>(part.region)];
-    region.left = std::min(region.left, run.first);
-    region.right = std::max(region.right, run.last);
-    region.top = std::min(region.top, run.row);
-    region.bottom = run.row;
   }
   return regions_;
 }

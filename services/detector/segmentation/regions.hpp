@@ -38,7 +38,11 @@ class RegionFinder {
     int joined_to = 0;  // itself: not to another
     int cells = 0;
     int runs = 0;
-    int region = -1;           // none: it is too small
+    int left = 0;
+    int right = 0;
+    int top = 0;
+    int bottom = 0;
+    bool is_region = false;    // else it is too small
     std::size_t next_run = 0;  // of the region, to be filled in
   };
   void take_runs(const Raster& image, int level);

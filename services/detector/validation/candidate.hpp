@@ -21,6 +21,8 @@ struct CeilingFrame {
   double pixel_noise = 4.0;  // [grey]
   int brightest = 255;       // [grey] of the cells
   double saturated = 0.0;    // share of the cells
+  int gain = 1;              // by which `reduced` is brighter than the image
+  bool is_negative = false;  // of a picture in which bare battens are looked for, and so are its cells
 };
 
 /// Grey level of the cell that a pixel of the image belongs to.

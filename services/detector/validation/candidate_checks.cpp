@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 
+#include "services/detector/sampling/mean_profile.hpp"
+
 namespace luminav {
 namespace {
 
 using Eigen::Vector2d;
 
+constexpr std::array kBothSides{1.0, -1.0};
 constexpr double kBlurredEdge = 2.5;    // [px] by which an outline may always miss, however coarse the pixels
 constexpr double kMaxAcross = 0.030;    // [m] 1 sigma of its place across
 constexpr double kMinAcross = 16.0;     // [px] of what is no speck
@@ -76,6 +79,33 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
     return Verdict::kMayBeAnother;
   }
   return candidate.bright ? contrast(frame, candidate) : Verdict::kAccepted;
+}
+
+bool CandidateChecks::lies_between_shadows(const CeilingFrame& frame, const Candidate& candidate) const {
+  constexpr double kInside = 0.02;     // [m] from the edge inwards, where the profile begins
+  constexpr double kMinCeiling = 0.9;  // beyond the shadow, of the batten's grey level
+  constexpr double kMaxCeiling = 1.15;
+  constexpr double kMaxShade = 0.97;
+  constexpr double kMinShade = 0.7;  // of the ceiling's grey level: light comes from all around
+  const Outline& outline = candidate.hypothesis.outline;
+  return std::all_of(kBothSides.begin(), kBothSides.end(), [&](double side) {
+    const SideProfile profile =
+        mean_profile(frame.image, camera_,
+                     {candidate.fit.placement.pose, outline.height, Vector2d::UnitX(), side * Vector2d::UnitY()},
+                     {.first = 0.5 * outline.width - kInside,
+                      .steps = SideProfile::kMaxSteps,
+                      .from = -0.45 * outline.length,
+                      .apart = 0.9 * outline.length / (SideProfile::kMaxLines - 1),
+                      .count = SideProfile::kMaxLines});
+    const auto grey_at = [&](double out) {
+      return 255.0 - profile.grey[static_cast<std::size_t>((out + kInside) / SideProfile::kStep)];
+    };
+    const double shade = grey_at(0.02);
+    const double ceiling = grey_at(0.11);
+    return profile.lines > 0 && shade > kMinShade * ceiling && shade < kMaxShade * ceiling &&
+           2.0 * grey_at(0.06) > shade + ceiling && ceiling > kMinCeiling * grey_at(-kInside) &&
+           ceiling < kMaxCeiling * grey_at(-kInside);
+  });
 }
 
 Verdict CandidateChecks::by_region(const CeilingFrame& frame, const Candidate& candidate) const {

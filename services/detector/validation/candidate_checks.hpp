@@ -20,6 +20,8 @@ class CandidateChecks {
       : params_(params), camera_(camera), other_kinds_(camera, catalogue) {}
 
   [[nodiscard]] Verdict by_edges(const CeilingFrame& frame, const Candidate& candidate) const;
+  /// Of a bare batten, before it is fitted: shadows are narrow, the ceiling beyond them is as bright as the batten.
+  [[nodiscard]] bool lies_between_shadows(const CeilingFrame& frame, const Candidate& candidate) const;
   /// Of a lamp that is whole in view.
   [[nodiscard]] Verdict by_region(const CeilingFrame& frame, const Candidate& candidate) const;
 

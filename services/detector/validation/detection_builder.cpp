@@ -192,35 +192,10 @@ const CeilingKind* DetectionBuilder::kind_of_part(const OutlineHypothesis& strip
   return found == catalogue_.fixtures.end() ? nullptr : &*found;
 }
 
-bool DetectionBuilder::has_dark_half(const CeilingFrame& frame, const Candidate& candidate) const {
-  constexpr double kDifference = 15.0;  // [grey] between the halves; two burning tubes both saturate
-  constexpr double kAcross = 0.38;      // of the width from the middle: the burning half shines over it
-  constexpr int kPlaces = 24;
-  const Outline& outline = candidate.hypothesis.outline;
-  const CeilingKind* kind = kind_of(outline);
-  if (kind == nullptr || kind->lamps < 2) {
-    return false;
-  }
-  const PointTransform pose(candidate.fit.placement.pose);
-  double difference = 0.0;
-  int seen = 0;
-  for (int i = 0; i < kPlaces; ++i) {
-    const double along = 0.9 * outline.length * ((i + 0.5) / kPlaces - 0.5);
-    const auto left = level_at(frame, camera_, candidate, pose, {along, kAcross * outline.width});
-    const auto right = level_at(frame, camera_, candidate, pose, {along, -kAcross * outline.width});
-    difference += left && right ? *left - *right : 0;
-    seen += left && right ? 1 : 0;
-  }
-  return seen >= 3 && std::abs(difference) > kDifference * seen;
-}
-
 std::optional<Detection> DetectionBuilder::resolve_strip(const CeilingFrame& frame, const Candidate& strip) const {
   const double width = strip.hypothesis.outline.width;
   const CeilingKind* single = kind_of(strip.hypothesis.outline);
   const CeilingKind* fixture_kind = kind_of_part(strip.hypothesis);
-  if (has_dark_half(frame, strip)) {
-    return detection_of(strip, DetectionState::kHalf);
-  }
   if (fixture_kind == nullptr) {
     return single == nullptr ? std::nullopt : std::optional(detection_of(strip, DetectionState::kLit));
   }

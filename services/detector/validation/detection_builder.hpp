@@ -26,8 +26,6 @@ class DetectionBuilder {
   };
   [[nodiscard]] Detection detection_of(const Candidate& candidate, DetectionState state) const;
   [[nodiscard]] std::optional<Detection> resolve_strip(const CeilingFrame& frame, const Candidate& strip) const;
-  /// True when one lamp of a lit fixture of two does not burn.
-  [[nodiscard]] bool has_dark_half(const CeilingFrame& frame, const Candidate& candidate) const;
   /// The kind of fixture that looks like this outline when it is whole; a null pointer when there is none.
   [[nodiscard]] const CeilingKind* kind_of(const Outline& outline) const;
   [[nodiscard]] bool ends_at_dark_lamps(const CeilingFrame& frame, const Candidate& square) const;

@@ -21,6 +21,7 @@ constexpr std::size_t kReach = 5;   // steps from a line's middle to the ceiling
 constexpr std::size_t kApart = 2;   // steps by which a line may lie elsewhere on the other side of the strip
 constexpr double kMinDepth = 3.0;   // [grey]
 constexpr double kMinSigmas = 2.0;  // of the mean of a band's lines
+constexpr double kRibbed = 0.6;     // of the stretches
 constexpr double kEnds = 0.3;       // of a line's depth: it does not go on
 constexpr double kClearlyDarker = 6.0;  // [grey]
 
@@ -58,8 +59,12 @@ GridLine deepest(const SideProfile& profile, std::size_t first, std::size_t last
 struct Evidence {
   double known = 0.0;  // [grey]
   double seen = 0.0;
+  int stretches = 0;  // of the side that are in view ...
+  int lined = 0;      // ... and in which there is a line
 
   [[nodiscard]] bool is_covered() const { return seen < kEnds * known; }
+  /// Tiles are longer than stretches, louvres have their ribs everywhere.
+  [[nodiscard]] bool is_louvre() const { return stretches >= 2 && lined > kRibbed * stretches; }
 };
 
 }  // namespace
@@ -112,12 +117,12 @@ int find_covered_side(const GreyView& image, const CeilingCamera& camera, const 
     const std::array<SideProfile, 2> beside{profile_of(kBeside, 1.0, first), profile_of(kBeside, -1.0, first)};
     const auto add = [&](const SideProfile& source) {
       if (source.lines < kMinLines) {
-        return;
+        return false;
       }
       // Of a line at the end of a stretch only the flank may be in it, and over there less still.
       const GridLine deepest_line = deepest(source, kReach + 1, source.steps - kReach - 2);
       if (deepest_line.depth < std::max(kMinDepth, kMinSigmas * pixel_noise / std::sqrt(source.lines))) {
-        return;
+        return false;
       }
       for (std::size_t side = 0; side < 2; ++side) {
         if (beside[side].lines >= kMinLines) {
@@ -127,13 +132,19 @@ int find_covered_side(const GreyView& image, const CeilingCamera& camera, const 
                          deepest_line.depth);
         }
       }
+      return true;
     };
-    add(beside[0]);
-    add(beside[1]);
+    for (std::size_t side = 0; side < 2; ++side) {
+      evidence[side].stretches += beside[side].lines >= kMinLines ? 1 : 0;
+      evidence[side].lined += add(beside[side]) ? 1 : 0;
+    }
     if (beside[0].lines < kMinLines || beside[1].lines < kMinLines) {
       add(profile_of(kBeyond, 1.0, first));
       add(profile_of(kBeyond, -1.0, first));
     }
+  }
+  if (evidence[0].is_louvre() != evidence[1].is_louvre()) {
+    return evidence[0].is_louvre() ? 1 : -1;
   }
   return (evidence[0].is_covered() ? 1 : 0) - (evidence[1].is_covered() ? 1 : 0);
 }

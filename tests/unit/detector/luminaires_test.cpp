@@ -40,6 +40,24 @@ TEST(Luminaires, FindNarrowUnlitOnesOnlyWhereTheyAreWholeInView) {
   }
 }
 
+TEST(Luminaires, FindABareBattenThatIsAsBrightAsTheCeilingBetweenItsShadows) {
+  const CeilingKind batten{.length = 1.2, .width = 0.14, .height = kHeight, .lamps = 2};
+  for (const double darker : {12.0, 50.0}) {  // a shadow, and the dark inside of an open girder
+    DrawnCeiling ceiling;
+    const Pose2 pose{0.1, 0.1, 0.3};
+    ceiling.shapes = {{.pose = pose, .length = 1.26, .width = 0.20, .state = DetectionState::kUnlit},
+                      {.pose = pose, .length = 1.2, .width = 0.14, .state = DetectionState::kUnlit}};
+    ceiling.shapes[0].darker = darker;
+    ceiling.shapes[1].darker = 0.0;
+    const auto detections = test::detect(ceiling, test::test_camera(), only(batten));
+    ASSERT_EQ(detections.size(), darker < 20.0 ? 1U : 0U);
+    if (!detections.empty()) {
+      EXPECT_EQ(detections[0].state, DetectionState::kUnlit);
+      test::expect_at(detections[0], pose, 5e-3, radians(0.4));
+    }
+  }
+}
+
 TEST(Luminaires, FindUnlitOnesThatAreLongerThanTheFileSays) {
   const CeilingKind told{.length = 1.08, .width = 0.135, .height = kHeight, .lamps = 1};
   DrawnCeiling ceiling;

@@ -32,13 +32,10 @@ Raster random_raster(int width, int height, std::uint32_t seed) {
   return raster;
 }
 
-TEST(Brighten, MultipliesAndSaturates) {
-  const std::vector<std::uint8_t> pixels{0, 3, 85, 86, 255};
-  GreyImage brighter;
-  brighten({5, 1, pixels}, 3, brighter);
-  EXPECT_EQ(brighter.width, 5);
-  EXPECT_EQ(brighter.height, 1);
-  EXPECT_EQ(brighter.pixels, (std::vector<std::uint8_t>{0, 9, 255, 255, 255}));
+TEST(Negate, TakesGreyLevelsFromWhite) {
+  std::vector<std::uint8_t> negative;
+  negate(std::vector<std::uint8_t>{0, 3, 255}, negative);
+  EXPECT_EQ(negative, (std::vector<std::uint8_t>{255, 252, 0}));
 }
 
 TEST(Reduce, TakesRoundedMeansOfSquares) {
@@ -50,6 +47,9 @@ TEST(Reduce, TakesRoundedMeansOfSquares) {
   ASSERT_EQ(reduced.height, 1);
   EXPECT_EQ(reduced.row(0)[0], 3);   // 13 / 4
   EXPECT_EQ(reduced.row(0)[1], 10);  // 41 / 4
+  reduce({5, 2, pixels}, 2, reduced, 30);
+  EXPECT_EQ(reduced.row(0)[0], 98);  // 390 / 4
+  EXPECT_EQ(reduced.row(0)[1], 255);
 }
 
 TEST(Reduce, ByFourEqualsTheMeanOfSixteen) {
