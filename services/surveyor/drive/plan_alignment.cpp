@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "services/common/building/distance_transform.hpp"
-#include "services/surveyor/survey/known_building.hpp"
+#include "services/surveyor/known_building.hpp"
 #include "services/surveyor/survey/part_joining.hpp"
 
 namespace luminav {

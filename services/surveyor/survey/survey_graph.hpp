@@ -9,10 +9,10 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/model/error_model.hpp"
 #include "services/localizer/model/wheel_correction.hpp"
+#include "services/surveyor/known_building.hpp"
 #include "services/surveyor/survey/ceiling_kinds.hpp"
 #include "services/surveyor/survey/fixture_passes.hpp"
 #include "services/surveyor/survey/key_frames.hpp"
-#include "services/surveyor/survey/known_building.hpp"
 
 namespace luminav {
 

@@ -1,4 +1,4 @@
-#include "services/surveyor/survey/known_building.hpp"
+#include "services/surveyor/known_building.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
