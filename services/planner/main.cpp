@@ -1,5 +1,6 @@
 #include <fstream>
 
+#include "services/common/configuration/building_file.hpp"
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
@@ -13,12 +14,14 @@ int main(int argc, char** argv) {
     luminav::CommandLine options("planner", "Plans the way to a goal and says how it is going.");
     bool maps = false;
     options.robot_file(robot_file).building_file(building_file).lcm_url(url).state_folder(state);
-    options.flag("--mapping", maps, "the map is being drawn: what nobody has seen counts as free, doors look narrow");
+    options.flag(
+        "--mapping", maps,
+        "while the building has no map, as it is being drawn: what nobody has seen counts as free, doors look narrow");
     if (const auto status = options.parse(argc, argv)) {
       return *status;
     }
     luminav::PlannerConfig config = luminav::read_planner_config(robot_file, building_file);
-    if (maps) {
+    if (maps && luminav::read_building(building_file).map_file.empty()) {
       config.plan_on_a_new_map();
     }
     config.state_folder = std::filesystem::path(state) / config.robot.name;

@@ -154,13 +154,20 @@ inline bool goes_against(const Zone& zone, const Eigen::Vector2d& movement) {
   return movement.dot(direction_of(zone)) < -kLaneAcross * movement.norm();
 }
 
+/// How well a survey knows the fixtures of the file that it wrote: RMS of their 1-sigma, which they share in part.
+struct SurveyAccuracy {
+  double position = 0.0;  // [m]
+  double heading = 0.0;   // [rad]
+};
+
 /// What is known of a building. Poses in the world frame.
 struct Building {
   std::string name;
   SearchManner search = SearchManner::kTurn;
-  double ceiling_height = 2.8;  // [m]
-  std::string map_file;         // absolute path of the map's YAML; "" = none
-  bool is_complete = true;      // false: lamps hang there that are not among the fixtures
+  double ceiling_height = 2.8;           // [m]
+  std::string map_file;                  // absolute path of the map's YAML; "" = none
+  bool is_complete = true;               // false: lamps hang there that are not among the fixtures
+  std::optional<SurveyAccuracy> survey;  // none: somebody measured them
   std::vector<Fixture> fixtures;
   std::vector<CeilingElement> elements;
   std::vector<Window> windows;

@@ -191,6 +191,11 @@ BuildingSource read_building_source(const std::filesystem::path& file) {
     building.zones.push_back(read_zone(table));
     source.zone_lines.push_back(table.line());
   }
+  if (root.has("survey")) {
+    const TomlTable table = root.table("survey");
+    building.survey = SurveyAccuracy{table.number("position", {1e-4, 10.0}), table.number("heading", {1e-5, 1.0})};
+    table.reject_unknown();
+  }
   root.reject_unknown();
   return source;
 }
@@ -232,6 +237,10 @@ void write_building(const std::filesystem::path& file, const Building& building)
     const std::string days = days_text(zone.hours.days);
     text += span.empty() ? "" : fmt::format("hours = \"{}\"\n", span);
     text += days.empty() ? "" : fmt::format("days = \"{}\"\n", days);
+  }
+  if (building.survey) {
+    text += fmt::format("\n[survey]  # 1-sigma of its fixtures\nposition = {:.4f}\nheading = {:.5f}\n",
+                        building.survey->position, building.survey->heading);
   }
   write_whole_file(file, text);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "services/common/ceiling/detection_conversion.hpp"
 #include "services/common/image/jpeg_codec.hpp"
@@ -172,7 +173,21 @@ bool DriveCollector::add(const fixture_detections_t& message) {
   return true;
 }
 
+bool DriveCollector::add(const pose_t& message) {
+  std::vector<ToldPose>& told = log_.drive.told;
+  const Pose2 pose{message.x, message.y, message.theta};
+  if (message.state != pose_t::STATE_TRACKING || !is_stamp(message.utime) ||
+      !std::isfinite(pose.x + pose.y + pose.theta) || (!told.empty() && message.utime <= told.back().utime)) {
+    return false;
+  }
+  told.push_back({message.utime, pose});
+  return true;
+}
+
 bool DriveCollector::add(const survey_command_t& message) {
+  if (message.action == survey_command_t::ACTION_FINISH && message.name == kExplored) {
+    return !std::exchange(log_.is_explored, true);
+  }
   const bool is_known = std::any_of(log_.places.begin(), log_.places.end(),
                                     [&](const NamedMoment& place) { return place.command == message.id; });
   if (message.action != survey_command_t::ACTION_PLACE || message.name.empty() || log_.drive.odometry.empty() ||
@@ -195,6 +210,7 @@ bool DriveCollector::add(std::string_view channel, const void* data, std::size_t
          (channel == channels::kSonar && add_bytes<sonar_t>(data, size)) ||
          (channel == channels::kFixtureDetections && add_bytes<fixture_detections_t>(data, size)) ||
          (channel == channels::kCameraImage && add_bytes<camera_image_t>(data, size)) ||
+         (channel == channels::kPose && add_bytes<pose_t>(data, size)) ||
          (channel == channels::kSurveyCommand && add_bytes<survey_command_t>(data, size));
 }
 

@@ -3,6 +3,7 @@
 #include <luminav/camera_image_t.hpp>
 #include <luminav/fixture_detections_t.hpp>
 #include <luminav/odometry_t.hpp>
+#include <luminav/pose_t.hpp>
 #include <luminav/sonar_t.hpp>
 #include <luminav/survey_command_t.hpp>
 #include <memory>
@@ -12,6 +13,8 @@
 #include "services/surveyor/drive/survey_log.hpp"
 
 namespace luminav {
+
+inline constexpr const char* kExplored = "explored";
 
 /// Collects a survey drive from its messages, in the order of a log or as they come: the same messages make the same
 /// drive. Each `add` says whether the message told something; a log without those that did not makes the same drive.
@@ -27,7 +30,10 @@ class DriveCollector {
   bool add(const sonar_t& message);
   bool add(const camera_image_t& message);
   bool add(const fixture_detections_t& message);
-  /// A place that a person names is where the last odometry was.
+  /// Where a localizer was sure to be: it says how the drive lies in a building that is known.
+  bool add(const pose_t& message);
+  /// A place that a person names is where the last odometry was; a FINISH called kExplored says that nothing was left
+  /// to explore.
   bool add(const survey_command_t& message);
   /// A message of a log; of other channels none tells something.
   bool add(std::string_view channel, const void* data, std::size_t size);

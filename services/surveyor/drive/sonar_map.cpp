@@ -28,11 +28,42 @@ GridMapperParams mapping_params(const RobotDescription& robot) {
   return params;
 }
 
-PriorMap empty_map(const GridGeometry& geometry) {
-  PriorMap map;
-  map.geometry = geometry;
-  map.cells.assign(geometry.size(), Prior::kUnknown);
-  return map;
+/// An older map at the resolution of ours and on its own cells, wide enough for a grid.
+PriorMap widened(const PriorMap& known, const GridGeometry& around) {
+  const PriorMap old = resample(known, kResolution);
+  const auto far = [](const GridGeometry& geometry) -> Eigen::Vector2d {
+    return geometry.origin + geometry.resolution * Eigen::Vector2d(geometry.columns, geometry.rows);
+  };
+  const Eigen::Array2d before = ((old.geometry.origin - around.origin).array() / kResolution).ceil().max(0.0);
+  const Eigen::Array2d behind = ((far(around) - far(old.geometry)).array() / kResolution).ceil().max(0.0);
+  GridGeometry geometry = old.geometry;
+  geometry.origin -= kResolution * before.matrix();
+  geometry.columns += static_cast<int>(before.x() + behind.x());
+  geometry.rows += static_cast<int>(before.y() + behind.y());
+  if (std::max(geometry.columns, geometry.rows) > kMaxCells) {
+    throw std::runtime_error("drive and building together span more than 409 m, which no map of the robot's holds");
+  }
+  PriorMap result = empty_map(geometry);
+  for (int row = 0; row < geometry.rows; ++row) {
+    for (int column = 0; column < geometry.columns; ++column) {
+      result.cells[geometry.index({column, row})] = old.at(geometry.centre_of({column, row}));
+    }
+  }
+  return result;
+}
+
+/// Nothing stands where the robot drove, whatever an older map says.
+void free_below(PriorMap& map, const Eigen::Vector2d& centre, double radius) {
+  const int reach = static_cast<int>(std::ceil(radius / map.geometry.resolution));
+  const Cell middle = map.geometry.cell_at(centre);
+  for (int row = middle.row - reach; row <= middle.row + reach; ++row) {
+    for (int column = middle.column - reach; column <= middle.column + reach; ++column) {
+      const Cell cell{column, row};
+      if (map.geometry.contains(cell) && (map.geometry.centre_of(cell) - centre).norm() <= radius) {
+        map.cells[map.geometry.index(cell)] = Prior::kFree;
+      }
+    }
+  }
 }
 
 /// Frees what the sonars draw into a passage: where the robot drove between two things, it fits again. Their cones make
@@ -98,6 +129,13 @@ PriorMap cropped(const PriorMap& map, const std::vector<Eigen::Vector2d>& above)
 
 }  // namespace
 
+PriorMap empty_map(const GridGeometry& geometry) {
+  PriorMap map;
+  map.geometry = geometry;
+  map.cells.assign(geometry.size(), Prior::kUnknown);
+  return map;
+}
+
 SurveyedPath::SurveyedPath(const std::vector<OdometryReading>& odometry, const std::vector<KeyFrame>& frames,
                            const std::vector<Pose2>& poses) {
   for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
@@ -123,8 +161,10 @@ SurveyedPath::SurveyedPath(const std::vector<OdometryReading>& odometry, const s
 }
 
 SonarMap::SonarMap(const RobotDescription& robot, const GridGeometry& geometry)
-    : robot_(robot),
-      mapper_(mapping_params(robot), empty_map(geometry), static_cast<int>(robot.sonar.robot_from_sonar.size())) {}
+    : SonarMap(robot, empty_map(geometry)) {}
+
+SonarMap::SonarMap(const RobotDescription& robot, const PriorMap& known)
+    : robot_(robot), mapper_(mapping_params(robot), known, static_cast<int>(robot.sonar.robot_from_sonar.size())) {}
 
 void SonarMap::hear(const SonarEcho& echo) {
   if (static_cast<std::size_t>(echo.disc) < robot_.sonar.robot_from_sonar.size() &&
@@ -182,8 +222,8 @@ GridGeometry geometry_around(const std::vector<SurveyedPath::Stop>& stops, doubl
 }
 
 SonarMap draw_along(const std::vector<SonarEcho>& echoes, const std::vector<SurveyedPath::Stop>& stops,
-                    const RobotDescription& robot, const GridGeometry& geometry) {
-  SonarMap map(robot, geometry);
+                    const RobotDescription& robot, const PriorMap& known) {
+  SonarMap map(robot, known);
   std::vector<SonarEcho> sorted = echoes;
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const SonarEcho& a, const SonarEcho& b) { return a.utime < b.utime; });
@@ -199,16 +239,20 @@ SonarMap draw_along(const std::vector<SonarEcho>& echoes, const std::vector<Surv
 }
 
 PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath& path, const RobotDescription& robot,
-                        const std::vector<Eigen::Vector2d>& above) {
+                        const std::vector<Eigen::Vector2d>& above, const PriorMap* known) {
   const std::vector<SurveyedPath::Stop>& stops = path.stops();
   if (stops.size() < 2) {
     throw std::runtime_error("the drive is too short to draw a map from");
   }
-  SonarMap map = draw_along(echoes, stops, robot, geometry_around(stops, robot.sonar.maximum_range + 1.0));
+  const GridGeometry around = geometry_around(stops, robot.sonar.maximum_range + 1.0);
+  SonarMap map = draw_along(echoes, stops, robot, known != nullptr ? widened(*known, around) : empty_map(around));
   for (const SurveyedPath::Stop& stop : stops) {
     map.mapper().mark_robot(stop.world_from_robot);
   }
   PriorMap combined = map.mapper().combined();
+  for (auto stop = stops.begin(); stop != stops.end() && known != nullptr; ++stop) {
+    free_below(combined, stop->world_from_robot.position(), robot.inscribed_radius());
+  }
   open_passages(combined, stops, robot.inscribed_radius() + kPassageMargin);
   return cropped(combined, above);
 }

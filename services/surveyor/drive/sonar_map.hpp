@@ -32,10 +32,13 @@ class SurveyedPath {
   std::vector<Stop> stops_;
 };
 
-/// What the sonars see along a path, with nothing known before, as a mapping drive draws it; the path may go on.
+/// What the sonars see along a path, as a mapping drive draws it; the path may go on.
 class SonarMap {
  public:
+  /// Nothing is known before.
   SonarMap(const RobotDescription& robot, const GridGeometry& geometry);
+  /// An older map is, whose walls explain the echoes that come from them.
+  SonarMap(const RobotDescription& robot, const PriorMap& known);
 
   /// An echo is drawn when the path has gone on beyond it. One from before the last stop but one never is.
   void hear(const SonarEcho& echo);
@@ -60,13 +63,17 @@ class SonarMap {
 /// that is too large for a map.
 GridGeometry geometry_around(const std::vector<SurveyedPath::Stop>& stops, double margin);
 
-/// The map of a path as far as it goes.
-SonarMap draw_along(const std::vector<SonarEcho>& echoes, const std::vector<SurveyedPath::Stop>& stops,
-                    const RobotDescription& robot, const GridGeometry& geometry);
+/// A map of which nothing is known.
+PriorMap empty_map(const GridGeometry& geometry);
 
-/// Draws what the sonars saw along a path, with nothing known before, as a mapping drive does. The map is as large as
-/// what is known of the floor and what hangs `above` it.
+/// The map of a path as far as it goes, over what was known before.
+SonarMap draw_along(const std::vector<SonarEcho>& echoes, const std::vector<SurveyedPath::Stop>& stops,
+                    const RobotDescription& robot, const PriorMap& known);
+
+/// Draws what the sonars saw along a path, as a mapping drive does. The map is as large as what is known of the floor
+/// and what hangs `above` it. With an older map in the same frame, its cells hold where the drive tells nothing else:
+/// walls in the way of the robot go, and things are added.
 PriorMap draw_sonar_map(const std::vector<SonarEcho>& echoes, const SurveyedPath& path, const RobotDescription& robot,
-                        const std::vector<Eigen::Vector2d>& above = {});
+                        const std::vector<Eigen::Vector2d>& above = {}, const PriorMap* known = nullptr);
 
 }  // namespace luminav

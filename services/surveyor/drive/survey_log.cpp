@@ -73,6 +73,7 @@ SurveyLog one_after_another(const std::vector<SurveyLog>& logs) {
     append(all.drive.odometry, log->drive.odometry, shift);
     append(all.drive.frames, log->drive.frames, shift);
     append(all.drive.echoes, log->drive.echoes, shift);
+    append(all.drive.told, log->drive.told, shift);
     append(all.places, log->places, shift);
     const bool begins_anew = before > 0 && before < all.drive.odometry.size();
     const std::int64_t other = begins_anew ? all.drive.odometry[before - 1].session + 1 : 0;
@@ -86,6 +87,7 @@ SurveyLog one_after_another(const std::vector<SurveyLog>& logs) {
     all.longest_gap = std::max(all.longest_gap, log->longest_gap);
     all.blind_way = std::max(all.blind_way, log->blind_way);
     all.is_cut = all.is_cut || log->is_cut;
+    all.is_explored = all.is_explored || log->is_explored;
   }
   return all;
 }

@@ -25,6 +25,7 @@ struct SurveyLog {
   double longest_gap = 0.0;   // [s] without ODOMETRY
   double blind_way = 0.0;     // [m] the longest way without an image
   bool is_cut = false;        // the log ends inside a message
+  bool is_explored = false;   // the robot went everywhere that it could reach
 };
 
 /// What of a log to take the sightings from.

@@ -1,6 +1,7 @@
 #include "services/surveyor/drive/survey_report.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,29 @@ constexpr double kUnsure = 0.15;       // [m] 1-sigma of a fixture's place from 
 constexpr double kWrongLength = 0.05;  // fraction by which a kind may look longer or shorter than the file says
 constexpr double kLongGap = 2.0;       // [s] without odometry
 constexpr double kLongBlindWay = 5.0;  // [m] without an image
+constexpr double kMoved = 0.20;        // [m] by which a fixture hangs elsewhere than its file has it
+constexpr int kExpected = 6;           // images that ought to have shown a fixture
+constexpr double kMinSigma = 0.002;    // [m, and rad] that no survey is better than
 constexpr double kLoopWay = 30.0;      // [m] from which a drive can be expected to close a loop
+
+/// The building that the survey goes on with; nullptr = none.
+const Building* base_of(const Survey& survey, const SurveyModel& model) {
+  return survey.is_placed ? &model.known->building : nullptr;
+}
+
+/// Numbers of the fixtures in the building's file.
+std::vector<int> ids_of(const Survey& survey, const SurveyModel& model) {
+  const Building* base = base_of(survey, model);
+  int last = 0;
+  for (std::size_t f = 0; base != nullptr && f < base->fixtures.size(); ++f) {
+    last = std::max(last, base->fixtures[f].id);
+  }
+  std::vector<int> ids;
+  for (const SurveyedFixture& fixture : survey.estimate.fixtures) {
+    ids.push_back(fixture.known >= 0 ? base->fixtures[static_cast<std::size_t>(fixture.known)].id : ++last);
+  }
+  return ids;
+}
 
 bool has_closure(const Survey& survey) {
   return std::any_of(survey.estimate.fixtures.begin(), survey.estimate.fixtures.end(),
@@ -87,7 +110,37 @@ void add_kind_remarks(const Survey& survey, const CeilingKinds& kinds, std::vect
   }
 }
 
-void add_closure_remarks(const Survey& survey, std::vector<std::string>& remarks) {
+/// What of the known building is not as its file says.
+void add_known_remarks(const Survey& survey, const SurveyModel& model, std::vector<std::string>& remarks) {
+  if (!survey.is_placed) {
+    if (model.known) {
+      remarks.push_back(why_not_placed(survey, model));
+    }
+    return;
+  }
+  std::vector<int> unseen;
+  for (std::size_t f = 0; f < survey.fixtures.size(); ++f) {
+    const SurveyedFixture& fixture = survey.estimate.fixtures[f];
+    if (fixture.known < 0) {
+      continue;
+    }
+    const int id = model.known->building.fixtures[static_cast<std::size_t>(fixture.known)].id;
+    const double moved = survey.fixtures[f].moved;
+    if (fixture.passes.empty() && survey.fixtures[f].expected >= kExpected) {
+      unseen.push_back(id);
+    } else if (!fixture.passes.empty() && moved > kMoved) {
+      remarks.push_back(fmt::format("fixture {} hangs {:.2f} m from where the file had it", id, moved));
+    }
+  }
+  if (!unseen.empty()) {
+    remarks.push_back(
+        fmt::format("not seen though the robot passed below: fixtures {} of the file; they stay in it: are "
+                    "they dark, or gone?",
+                    fmt::join(unseen, ", ")));
+  }
+}
+
+void add_closure_remarks(const Survey& survey, const std::vector<int>& ids, std::vector<std::string>& remarks) {
   if (!has_closure(survey) && survey.distance > kLoopWay) {
     remarks.push_back(
         "the drive passed no fixture twice: nothing checks the map, which bends by as much as the "
@@ -99,8 +152,9 @@ void add_closure_remarks(const Survey& survey, std::vector<std::string>& remarks
         "not closed between {} and {}: fixture {} may be fixture {} (+- {:.2f} m); drive once more from the one to the "
         "other",
         place(fixtures[static_cast<std::size_t>(doubt.fixture)].world_from_fixture),
-        place(fixtures[static_cast<std::size_t>(doubt.candidates.front())].world_from_fixture), doubt.fixture + 1,
-        doubt.candidates.front() + 1, doubt.sigma));
+        place(fixtures[static_cast<std::size_t>(doubt.candidates.front())].world_from_fixture),
+        ids[static_cast<std::size_t>(doubt.fixture)], ids[static_cast<std::size_t>(doubt.candidates.front())],
+        doubt.sigma));
   }
   int unsure = 0;
   for (const JudgedFixture& fixture : survey.fixtures) {
@@ -112,6 +166,18 @@ void add_closure_remarks(const Survey& survey, std::vector<std::string>& remarks
                     "drive there once more",
                     unsure, survey.fixtures.size(), kUnsure));
   }
+}
+
+/// Root mean square of the fixtures' 1-sigma.
+SurveyAccuracy accuracy_of(const Survey& survey) {
+  double position = 0.0;
+  double heading = 0.0;
+  for (const JudgedFixture& fixture : survey.fixtures) {
+    position += fixture.sigma_along * fixture.sigma_along;
+    heading += fixture.sigma_heading * fixture.sigma_heading;
+  }
+  const auto count = static_cast<double>(std::max<std::size_t>(1, survey.fixtures.size()));
+  return {std::max(kMinSigma, std::sqrt(position / count)), std::max(kMinSigma, std::sqrt(heading / count))};
 }
 
 const char* name_of(Judgement judgement) {
@@ -139,20 +205,36 @@ json to_json(const SurveyedFixture& fixture, const JudgedFixture& judged) {
 
 }  // namespace
 
-Building building_of(const Survey& survey, const SurveyLog& log, const CeilingKinds& kinds, const std::string& name) {
+Building building_of(const Survey& survey, const SurveyLog& log, const SurveyModel& model, const std::string& name) {
+  const Building* base = base_of(survey, model);
   Building building;
-  building.name = name;
-  building.ceiling_height = kinds.ceiling_height;
+  if (base != nullptr) {
+    building = *base;
+    building.fixtures.clear();
+  } else {
+    building.name = name;
+    building.ceiling_height = model.kinds.ceiling_height;
+    building.is_complete = false;
+    building.places.push_back({"start", survey.estimate.poses.front(), true});
+  }
   building.map_file = "map.yaml";
-  building.is_complete = false;
-  for (const SurveyedFixture& surveyed : survey.estimate.fixtures) {
-    Fixture fixture = kinds.kinds[static_cast<std::size_t>(surveyed.kind)];
-    fixture.id = static_cast<int>(building.fixtures.size()) + 1;
-    fixture.world_from_fixture = surveyed.world_from_fixture;
-    fixture.world_from_fixture.theta = wrap_modulo(surveyed.world_from_fixture.theta, symmetry_period(fixture.shape));
+  building.survey = accuracy_of(survey);
+  const std::vector<int> ids = ids_of(survey, model);
+  for (std::size_t f = 0; f < ids.size(); ++f) {
+    const SurveyedFixture& surveyed = survey.estimate.fixtures[f];
+    const bool is_known = surveyed.known >= 0;
+    Fixture fixture = is_known ? base->fixtures[static_cast<std::size_t>(surveyed.known)]
+                               : model.kinds.kinds[static_cast<std::size_t>(surveyed.kind)];
+    building.is_complete = building.is_complete && is_known;
+    fixture.id = ids[f];
+    if (!surveyed.passes.empty()) {
+      fixture.world_from_fixture = surveyed.world_from_fixture;
+      fixture.world_from_fixture.theta = wrap_modulo(surveyed.world_from_fixture.theta, symmetry_period(fixture.shape));
+    }
     building.fixtures.push_back(fixture);
   }
-  building.places.push_back({"start", survey.estimate.poses.front(), true});
+  // somebody said so of a file to which nothing is added, or the robot passed below all that it can reach
+  building.is_complete = building.is_complete || (log.is_explored && survey.left_out == 0.0);
   for (const NamedMoment& named : log.places) {
     if (const std::optional<Pose2> pose =
             pose_at(survey.frames, survey.estimate.poses, log.drive.odometry, named.utime)) {
@@ -163,22 +245,35 @@ Building building_of(const Survey& survey, const SurveyLog& log, const CeilingKi
   return building;
 }
 
-std::vector<std::string> remarks_on(const Survey& survey, const SurveyLog& log, const CeilingKinds& kinds) {
+std::string why_not_placed(const Survey& survey, const SurveyModel& model) {
+  std::vector<std::string> kinds;
+  add_kind_remarks(survey, model.kinds, kinds);
+  return fmt::format(
+      "{}: nobody can tell where in it the drive lies: of the {} fixtures that the robot passed fewer than six lie as "
+      "the "
+      "file has them, or they do so at several places; is it of this building, and to scale?{}{}",
+      model.known->file.string(), survey.fixtures.size(), kinds.empty() ? "" : " ", fmt::join(kinds, "; "));
+}
+
+std::vector<std::string> remarks_on(const Survey& survey, const SurveyLog& log, const SurveyModel& model) {
   std::vector<std::string> remarks;
   add_log_remarks(survey, log, remarks);
-  add_kind_remarks(survey, kinds, remarks);
+  add_kind_remarks(survey, model.kinds, remarks);
+  add_known_remarks(survey, model, remarks);
   if (!survey.estimate.has_converged) {
     remarks.push_back("the estimate did not settle: do not drive by this map");
   }
-  add_closure_remarks(survey, remarks);
+  add_closure_remarks(survey, ids_of(survey, model), remarks);
   return remarks;
 }
 
-std::string survey_json(const Survey& survey, const CeilingKinds& kinds, const std::vector<std::string>& remarks) {
+std::string survey_json(const Survey& survey, const SurveyModel& model, const std::vector<std::string>& remarks) {
+  const std::vector<int> number = ids_of(survey, model);
   json fixtures = json::array();
   for (std::size_t f = 0; f < survey.fixtures.size(); ++f) {
     json entry = to_json(survey.estimate.fixtures[f], survey.fixtures[f]);
-    entry["id"] = f + 1;
+    entry["id"] = number[f];
+    entry["is_known"] = survey.estimate.fixtures[f].known >= 0;
     const Eigen::Matrix3d& covariance = survey.fixtures[f].covariance;
     entry["covariance"] = std::vector<double>(covariance.data(), covariance.data() + covariance.size());
     entry["sigma_m"] = survey.fixtures[f].sigma_along;
@@ -195,17 +290,20 @@ std::string survey_json(const Survey& survey, const CeilingKinds& kinds, const s
   for (const ClosureDoubt& doubt : survey.doubts) {
     std::vector<int> ids;
     for (const int candidate : doubt.candidates) {
-      ids.push_back(candidate + 1);
+      ids.push_back(number[static_cast<std::size_t>(candidate)]);
     }
-    doubts.push_back({{"fixture", doubt.fixture + 1}, {"may_be", ids}, {"sigma_m", doubt.sigma}});
+    doubts.push_back(
+        {{"fixture", number[static_cast<std::size_t>(doubt.fixture)]}, {"may_be", ids}, {"sigma_m", doubt.sigma}});
   }
   const SurveyEstimate& estimate = survey.estimate;
+  const Pose2& begin = estimate.poses.front();
   return json{{"begin_utime", survey.frames.front().utime},
+              {"begin", {begin.x, begin.y, begin.theta}},
               {"distance_m", survey.distance},
               {"left_out_m", survey.left_out},
               {"joined_parts", survey.joined_parts},
               {"images", survey.frames.size()},
-              {"kinds", kinds.kinds.size()},
+              {"kinds", model.kinds.kinds.size()},
               {"excess_length", survey.excess_length},
               {"regularity", survey.regularity},
               {"has_converged", estimate.has_converged},
@@ -225,15 +323,16 @@ std::string survey_json(const Survey& survey, const CeilingKinds& kinds, const s
          "\n";
 }
 
-std::vector<int> unsure_fixtures(const Survey& survey) {
+std::vector<int> unsure_fixtures(const Survey& survey, const SurveyModel& model) {
+  const std::vector<int> number = ids_of(survey, model);
   std::vector<int> ids;
   for (std::size_t f = 0; f < survey.fixtures.size(); ++f) {
     if (survey.fixtures[f].sigma_along > kUnsure) {
-      ids.push_back(static_cast<int>(f) + 1);
+      ids.push_back(number[f]);
     }
   }
   for (const ClosureDoubt& doubt : survey.doubts) {
-    ids.push_back(doubt.fixture + 1);
+    ids.push_back(number[static_cast<std::size_t>(doubt.fixture)]);
   }
   return ids;
 }

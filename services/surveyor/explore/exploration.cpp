@@ -14,8 +14,9 @@ constexpr double kProgress = 0.3;     // [m] that a robot moves which is on its 
 
 }  // namespace
 
-void Exploration::begin() {
+void Exploration::begin(TriedFloor tried) {
   *this = Exploration(params_);
+  tried_ = std::move(tried);
   phase_ = Phase::kLooking;
   sentence_ = "exploring";
 }
@@ -76,6 +77,7 @@ void Exploration::update(std::int64_t now, const Surroundings& around) {
     }
     if (is_spent || is_over) {
       tried_.add(hoped_);
+      has_tried_ = true;
       phase_ = Phase::kLooking;
       searched_ = 0;                         // the next one at once
       leniency_ = is_spent ? 0 : leniency_;  // a door it was

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/common/geometry/pose2.hpp"
@@ -57,7 +58,8 @@ class Exploration {
 
   explicit Exploration(const ExplorationParams& params) : params_(params) {}
 
-  void begin();
+  /// `tried`: what a run before this one set out for.
+  void begin(TriedFloor tried = {});
   /// No longer: the robot is to stand. `why` is a plain sentence.
   void end(std::int64_t now, const std::string& why);
   [[nodiscard]] bool is_active() const {
@@ -75,6 +77,9 @@ class Exploration {
   [[nodiscard]] const std::optional<ExploreGoal>& request() const { return request_; }
   /// What the robot is at, in one plain sentence; "" = nothing.
   [[nodiscard]] const std::string& sentence() const { return sentence_; }
+  [[nodiscard]] const TriedFloor& tried() const { return tried_; }
+  /// Whether there is more of it since the last call.
+  [[nodiscard]] bool take_news_of_tried() { return std::exchange(has_tried_, false); }
   [[nodiscard]] const OpenFloor& open_floor() const { return floor_; }
 
  private:
@@ -93,6 +98,7 @@ class Exploration {
   Prospect goal_;
   std::vector<Eigen::Vector2d> hoped_;  // [m] world, cells that were open round the goal when it was chosen
   TriedFloor tried_;
+  bool has_tried_ = false;
   int drawing_ = 0;
   std::optional<GoalNews> news_;
   std::int64_t searched_ = 0;                        // [us]

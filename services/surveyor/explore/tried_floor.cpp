@@ -1,7 +1,12 @@
 #include "services/surveyor/explore/tried_floor.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <fstream>
 #include <set>
+
+#include "services/common/configuration/whole_file.hpp"
 
 namespace luminav {
 namespace {
@@ -33,6 +38,26 @@ void TriedFloor::add(const std::vector<Eigen::Vector2d>& points) {
 int TriedFloor::tries(const Eigen::Vector2d& point) const {
   const auto found = tries_.find(cell_of(point));
   return found == tries_.end() ? 0 : found->second;
+}
+
+TriedFloor read_tried_floor(const std::filesystem::path& file) {
+  TriedFloor tried;
+  std::ifstream stream(file);
+  long column = 0;
+  long row = 0;
+  int tries = 0;
+  while (stream >> column >> row >> tries) {
+    tried.tries_[{column, row}] = tries;
+  }
+  return tried;
+}
+
+void write_tried_floor(const std::filesystem::path& file, const TriedFloor& tried) {
+  std::string text;
+  for (const auto& [cell, tries] : tried.tries_) {
+    text += fmt::format("{} {} {}\n", cell.first, cell.second, tries);
+  }
+  write_whole_file(file, text);
 }
 
 }  // namespace luminav

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <map>
 #include <utility>
 #include <vector>
@@ -15,7 +16,15 @@ class TriedFloor {
   [[nodiscard]] int tries(const Eigen::Vector2d& point) const;
 
  private:
+  friend TriedFloor read_tried_floor(const std::filesystem::path& file);
+  friend void write_tried_floor(const std::filesystem::path& file, const TriedFloor& tried);
+
   std::map<std::pair<long, long>, int> tries_;  // by cell
 };
+
+/// What a run before kept; nothing where there is no file, and as much as is whole of one that was damaged.
+TriedFloor read_tried_floor(const std::filesystem::path& file);
+/// A line for each cell: column, row, how often. Throws std::runtime_error where it cannot be written.
+void write_tried_floor(const std::filesystem::path& file, const TriedFloor& tried);
 
 }  // namespace luminav

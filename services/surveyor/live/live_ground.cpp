@@ -26,7 +26,8 @@ void draw(LiveEstimate& estimate, const SurveyLog& log, const SurveyModel& model
   const Survey& survey = estimate.survey;
   estimate.path = SurveyedPath(log.drive.odometry, survey.frames, survey.estimate.poses).stops();
   if (!estimate.path.empty()) {
-    estimate.map = draw_along(log.drive.echoes, estimate.path, model.robot, geometry_around(estimate.path, kMargin));
+    estimate.map =
+        draw_along(log.drive.echoes, estimate.path, model.robot, empty_map(geometry_around(estimate.path, kMargin)));
   }
 }
 
@@ -116,7 +117,7 @@ void LiveGround::take(LiveEstimate& estimate, const SurveyLog& log) {
 
 void LiveGround::redraw(const SurveyLog& log) {
   if (!stops_.empty()) {
-    map_ = draw_along(log.drive.echoes, stops_, model_.robot, geometry_around(stops_, kMargin));
+    map_ = draw_along(log.drive.echoes, stops_, model_.robot, empty_map(geometry_around(stops_, kMargin)));
     ++drawing_;
   }
 }

@@ -1,6 +1,5 @@
 #include "services/surveyor/live/live_survey.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -26,10 +25,8 @@ void begin_at_first_pose(Survey& survey) {
   const Pose2 first = survey.estimate.poses.front();
   const double turn = -0.5 * kPi * std::round(first.theta / (0.5 * kPi));
   transform(survey.estimate, Pose2{0.0, 0.0, turn} * Pose2{-first.x, -first.y, 0.0});
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(turn).toRotationMatrix();
   for (JudgedFixture& fixture : survey.fixtures) {
-    fixture.covariance = (rotation * fixture.covariance * rotation.transpose()).eval();
+    fixture.covariance = turned(fixture.covariance, turn);
   }
 }
 
@@ -75,7 +72,7 @@ LiveEstimate live_estimate(Survey survey, const SurveyLog& log, const SurveyMode
   LiveEstimate result;
   result.survey = std::move(survey);
   begin_at_first_pose(result.survey);
-  result.remarks = remarks_on(result.survey, log, model.kinds);
+  result.remarks = remarks_on(result.survey, log, model);
   result.distance = driven_distance(log.drive.odometry);
   const OdometryReading& last = log.drive.odometry.back();
   if (const auto pose = pose_at(result.survey.frames, result.survey.estimate.poses, log.drive.odometry, last.utime)) {

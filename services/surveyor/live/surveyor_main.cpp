@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <string>
 
 #include "services/common/configuration/configuration_error.hpp"
@@ -9,10 +10,12 @@
 
 int main(int argc, char** argv) {
   return luminav::run_guarded("surveyor", [&] {
-    std::string robot_file, kinds_file, folder, url;
+    std::string robot_file, kinds_file, building_file, folder, url, state;
     luminav::CommandLine line("surveyor", "Draws the building's map while somebody drives the robot through it.");
-    line.robot_file(robot_file).lcm_url(url);
-    line.text("--kinds", kinds_file, "TOML file with ceiling_height and a [[kind]] for each kind of fixture", true)
+    line.robot_file(robot_file).lcm_url(url).state_folder(state);
+    line.text("--kinds", kinds_file,
+              "TOML file with ceiling_height and a [[kind]] for each kind of fixture; none = those of --building")
+        .text("--building", building_file, "building file or folder that the survey goes on with; none = a new one")
         .text("--out", folder, "folder of the survey: new, or one that is to be gone on with", true);
     std::string driver = "person";
     line.text("--driver", driver,
@@ -23,7 +26,11 @@ int main(int argc, char** argv) {
     if (driver != "person" && driver != "robot") {
       throw luminav::ConfigurationError("--driver = " + driver + ": must be person or robot");
     }
-    const luminav::SurveyorConfig config = luminav::read_surveyor_config(robot_file, kinds_file, folder);
+    for (std::string* file : {&kinds_file, &building_file}) {
+      *file = *file == "none" ? "" : *file;  // a configuration of processes has the same words each time
+    }
+    luminav::SurveyorConfig config = luminav::read_surveyor_config(robot_file, kinds_file, folder, building_file);
+    config.state = std::filesystem::path(state) / config.model.robot.name;
     const luminav::NetworkAccess access = luminav::read_network_access(robot_file);
     const luminav::LcmNetwork network = access.on(url);
     const auto lcm = luminav::open_lcm(network);

@@ -61,6 +61,7 @@ void SurveyorNode::read(const LogEvent& event) {
       (command.action == survey_command_t::ACTION_EXPLORE || command.action == survey_command_t::ACTION_STAY)) {
     driving_.is_told = true;
     driving_.is_noted = driving_.is_wanted = command.action == survey_command_t::ACTION_EXPLORE;
+    driving_.is_resumed = driving_.is_wanted;
   }
 }
 
@@ -162,7 +163,8 @@ void SurveyorNode::on_tile_request(const tile_request_t& message) {
 void SurveyorNode::explore() {
   if (driving_.is_wanted && !work_.under_way()) {  // of a long log the estimate comes first
     driving_.is_wanted = false;
-    driving_.exploration.begin();
+    driving_.exploration.begin(std::exchange(driving_.is_resumed, false) ? read_tried_floor(config_.tried_file())
+                                                                         : TriedFloor());
   }
   if (driving_.exploration.is_active() && !ground_.here()) {
     driving_.exploration.end(now_, "exploring ended: nobody knows where on the map the robot is; the survey goes on");
@@ -175,7 +177,31 @@ void SurveyorNode::explore() {
     driving_.exploration.update(now_, {ground_.map().grid(), ground_.looks(collector_.so_far().drive.frames),
                                        ground_.here()->world_from_robot, ground_.drawing()});
   }
-  wants_end_ = wants_end_ || driving_.exploration.phase() == Exploration::Phase::kFinished;
+  if (driving_.exploration.take_news_of_tried()) {
+    keep_tried_floor();
+  }
+  if (driving_.exploration.phase() == Exploration::Phase::kFinished) {
+    note_explored();
+    wants_end_ = true;
+  }
+}
+
+void SurveyorNode::keep_tried_floor() {
+  try {
+    write_tried_floor(config_.tried_file(), driving_.exploration.tried());
+  } catch (const std::runtime_error& error) {
+    failure_ = error.what();
+  }
+}
+
+void SurveyorNode::note_explored() {
+  survey_command_t command{};
+  command.utime = now_;
+  command.action = survey_command_t::ACTION_FINISH;
+  command.name = kExplored;
+  if (collector_.add(command)) {
+    record(channels::kSurveyCommand, command);
+  }
 }
 
 void SurveyorNode::publish_goal() {
@@ -217,6 +243,7 @@ std::string SurveyorNode::obey(const survey_command_t& command) {
   }
   if (command.action == survey_command_t::ACTION_EXPLORE) {
     driving_.is_wanted = !driving_.exploration.is_active();
+    driving_.is_resumed = false;  // somebody may want it to try everything once more
     return "";
   }
   if (command.action == survey_command_t::ACTION_STAY) {
@@ -244,7 +271,7 @@ void SurveyorNode::take_results() {
   if (wants_end_) {
     live_.begin_estimate();
     work_.write(collector_.collected(), config_.model,
-                {config_.folder, config_.folder / "survey.json", config_.folder / "plan.png"});
+                {config_.folder, config_.folder / "survey.json", config_.folder / "plan.png", config_.state});
   } else if (live_.is_estimate_due()) {  // of a finished one too: its page shows the map
     live_.begin_estimate();
     work_.estimate(collector_.collected(), config_.model);

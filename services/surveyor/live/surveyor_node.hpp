@@ -54,6 +54,7 @@ class SurveyorNode {
   struct Driving {
     Exploration exploration;
     bool is_wanted = false;   // as soon as the robot is heard
+    bool is_resumed = false;  // it was exploring when the surveyor ended
     bool is_told = false;     // the log says who drove last,
     bool is_noted = false;    // and that it is the robot
     bool is_allowed = false;  // no stop is engaged, and the motors are on
@@ -78,6 +79,10 @@ class SurveyorNode {
   void read(const LogEvent& event);
   /// Writes into the log who drives, if that has changed: a surveyor that is started again goes on.
   void note_who_drives();
+  /// Keeps what was tried for a surveyor that is started again.
+  void keep_tried_floor();
+  /// Writes into the log that nothing is left to explore: then the building has no lamp that is not listed.
+  void note_explored();
   void publish_goal();
   /// Why a command is not obeyed; "" = it is.
   std::string obey(const survey_command_t& command);

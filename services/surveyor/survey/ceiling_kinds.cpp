@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kAlike = 0.03;  // [m] sides that differ by less are one to the camera
 
-bool is_alike(const Fixture& a, const Fixture& b) {
+}  // namespace
+
+bool looks_alike(const Fixture& a, const Fixture& b) {
   return a.shape == b.shape && std::abs(a.length - b.length) < kAlike && std::abs(a.width - b.width) < kAlike;
 }
-
-}  // namespace
 
 CeilingKinds read_ceiling_kinds(const std::filesystem::path& file) {
   const TomlTable root = TomlTable::load(file);
@@ -26,7 +26,7 @@ CeilingKinds read_ceiling_kinds(const std::filesystem::path& file) {
     kind.id = static_cast<int>(kinds.kinds.size()) + 1;
     table.reject_unknown();
     for (const Fixture& other : kinds.kinds) {
-      if (is_alike(kind, other)) {
+      if (looks_alike(kind, other)) {
         table.fail("kind", fmt::format("looks like kind {}: sides must differ by at least {} m", other.id, kAlike));
       }
     }

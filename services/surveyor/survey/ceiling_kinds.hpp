@@ -18,6 +18,9 @@ struct CeilingKinds {
 /// or two of them look the same.
 CeilingKinds read_ceiling_kinds(const std::filesystem::path& file);
 
+/// Whether two fixtures are of one kind to the camera: their sides differ by less than 3 cm.
+bool looks_alike(const Fixture& a, const Fixture& b);
+
 /// A building with one fixture of each kind, for what needs to know the kinds only.
 Building building_of(const CeilingKinds& kinds);
 

@@ -3,7 +3,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
+#include <utility>
 
 #include "services/common/ceiling/ceiling_view.hpp"
 
@@ -67,15 +69,21 @@ std::vector<JudgedFixture> judge_fixtures(const SurveyEstimate& estimate, const 
         seen_whole += seen_in.count(static_cast<int>(i)) > 0 ? 1 : 0;
       }
     }
+    if (fixture.known >= 0) {
+      continue;  // a lamp that is dark today hangs there all the same
+    }
     if (judged[f].seen < kMinSeen || seen_whole < kMinSeenShare * judged[f].expected) {
       judged[f].judgement = Judgement::kSeldomSeen;
     }
-    order[f] = f;
   }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return judged[a].seen > judged[b].seen; });
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(estimate.fixtures[a].known >= 0, judged[a].seen) >
+           std::pair(estimate.fixtures[b].known >= 0, judged[b].seen);
+  });
   for (std::size_t i = 0; i < order.size(); ++i) {
-    for (std::size_t k = 0; k < i && judged[order[i]].judgement == Judgement::kFixture; ++k) {
+    const bool is_known = estimate.fixtures[order[i]].known >= 0;
+    for (std::size_t k = 0; k < i && !is_known && judged[order[i]].judgement == Judgement::kFixture; ++k) {
       if (judged[order[k]].judgement == Judgement::kFixture &&
           overlap(kind_of(order[i]), estimate.fixtures[order[i]].world_from_fixture, kind_of(order[k]),
                   estimate.fixtures[order[k]].world_from_fixture, kMaxOverlap)) {

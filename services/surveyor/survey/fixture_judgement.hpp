@@ -16,8 +16,9 @@ enum class Judgement {
 /// A fixture of an estimate, and how sure it is.
 struct JudgedFixture {
   Judgement judgement = Judgement::kFixture;
-  int seen = 0;      // key frames
-  int expected = 0;  // key frames that had all of it in view
+  int seen = 0;        // key frames
+  int expected = 0;    // key frames that had all of it in view
+  double moved = 0.0;  // [m] from where the known building has it
   // 1-sigma beside the place of the whole map, which nobody knows
   double sigma_along = 0.0;                              // [m] largest
   double sigma_across = 0.0;                             // [m] smallest
@@ -26,6 +27,7 @@ struct JudgedFixture {
 };
 
 /// Judges each fixture by how often it was seen beside how often it was in view, and by those that it overlaps.
+/// What the known building has is believed.
 std::vector<JudgedFixture> judge_fixtures(const SurveyEstimate& estimate, const std::vector<KeyFrame>& frames,
                                           const std::vector<FixturePass>& passes, const SurveyModel& model);
 

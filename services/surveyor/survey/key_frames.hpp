@@ -8,13 +8,20 @@
 
 namespace luminav {
 
+/// Where a localizer said that the robot was, and was sure of it.
+struct ToldPose {
+  std::int64_t utime = 0;  // [us]
+  Pose2 world_from_robot;  // in the world of the building that it was told
+};
+
 /// What a survey drive left behind, in the order of time: odometry as the wheels told it, images with their own stamp,
 /// no time offset added.
 struct SurveyDrive {
   std::vector<OdometryReading> odometry;
   std::vector<SightingFrame> frames;
   std::vector<SonarEcho> echoes;
-  bool has_lengths = false;  // the length of a bar that is whole in view is measured, and not its kind's
+  std::vector<ToldPose> told;  // none: no localizer ran
+  bool has_lengths = false;    // the length of a bar that is whole in view is measured, and not its kind's
 };
 
 /// An image of the drive and how the robot got there.

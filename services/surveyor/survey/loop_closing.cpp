@@ -99,7 +99,8 @@ class ClosureSearch {
   }
 
   [[nodiscard]] std::optional<Candidate> compare(int i, int j) const {
-    if (i == j || fixture(i).kind != fixture(j).kind || share_a_frame(i, j)) {
+    const bool are_known = fixture(i).known >= 0 && fixture(j).known >= 0;
+    if (i == j || are_known || fixture(i).kind != fixture(j).kind || share_a_frame(i, j)) {
       return std::nullopt;
     }
     const FixtureShape shape = kinds_.kinds[static_cast<std::size_t>(fixture(i).kind)].shape;
@@ -146,6 +147,9 @@ class ClosureSearch {
   }
 
   [[nodiscard]] double first_seen(int index) const {
+    if (fixture(index).passes.empty()) {
+      return 0.0;  // known before the drive
+    }
     const FixturePass& pass = passes_[static_cast<std::size_t>(fixture(index).passes.front())];
     return frames_[static_cast<std::size_t>(pass.sightings.front().frame)].travelled;
   }
@@ -182,7 +186,7 @@ class ClosureSearch {
   [[nodiscard]] bool is_banned(const Candidate& candidate, const std::vector<PassPair>& banned) const {
     const auto has = [&](int index, int pass) {
       const std::vector<int>& all = fixture(index).passes;
-      return std::find(all.begin(), all.end(), pass) != all.end();
+      return pass < 0 ? of_known(fixture(index).known) == pass : std::find(all.begin(), all.end(), pass) != all.end();
     };
     return std::any_of(banned.begin(), banned.end(), [&](const PassPair& pair) {
       return (has(candidate.first, pair.first) && has(candidate.second, pair.second)) ||
@@ -266,7 +270,7 @@ std::vector<PassPair> split_what_disagrees(SurveyEstimate& estimate, const std::
   std::vector<PassPair> pairs;
   std::vector<SurveyedFixture> split;
   for (SurveyedFixture& fixture : estimate.fixtures) {
-    if (fixture.passes.size() < 2) {
+    if (fixture.passes.size() < 2 && fixture.known < 0) {
       continue;
     }
     const double period = symmetry_period(kinds.kinds[static_cast<std::size_t>(fixture.kind)].shape);
@@ -283,7 +287,13 @@ std::vector<PassPair> split_what_disagrees(SurveyEstimate& estimate, const std::
         split.push_back({fixture.kind, {pass}, alone});
       }
     }
-    if (kept.empty()) {  // the passes are two heaps: one of them keeps the fixture
+    if (fixture.known >= 0) {
+      for (const int pass : fixture.passes) {
+        if (std::find(kept.begin(), kept.end(), pass) == kept.end()) {
+          pairs.push_back({of_known(fixture.known), pass});
+        }
+      }
+    } else if (kept.empty()) {  // the passes are two heaps: one of them keeps the fixture
       kept.push_back(split.back().passes.front());
       fixture.world_from_fixture = split.back().world_from_fixture;
       split.pop_back();

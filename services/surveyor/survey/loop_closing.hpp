@@ -15,9 +15,14 @@ struct FixturePair {
 
 /// Two passes below different fixtures.
 struct PassPair {
-  int first = 0;  // index into the passes
+  int first = 0;  // index into the passes, or of_known(): not below that fixture
   int second = 0;
 };
+
+/// Stands for a fixture of the known building among passes.
+inline int of_known(int known) {
+  return -1 - known;
+}
 
 /// A fixture that may be one that was seen before, and may not.
 struct ClosureDoubt {

@@ -5,6 +5,8 @@
 #include <set>
 #include <tuple>
 
+#include "services/common/ceiling/ceiling_view.hpp"
+
 namespace luminav {
 namespace {
 
@@ -18,7 +20,9 @@ constexpr double kMinScore = 18.0;            // log ratio from which the best m
 constexpr double kMargin = 6.0;               // and by which it has to lead
 constexpr double kApart = 0.6;                // [m] between two motions' middles that are not the same,
 constexpr double kApartTurn = radians(20.0);  // [rad] likewise
+constexpr double kMaxInWalls = 0.02;          // of a path's images: a door may have been drawn shut
 constexpr std::size_t kMaxRefined = 40;       // motions that are fitted
+constexpr double kSight = 0.4;                // of the view's radius, within which no fixture is missed
 constexpr double kCell = 0.1;                 // [m] of a floor that was passed
 constexpr double kRestDistance = 0.06;        // [m] by which a fixture may seem to move before a robot at rest,
 constexpr double kRestTurn = radians(3.0);    // [rad] likewise
@@ -47,6 +51,10 @@ FixtureMap index_of(const SurveyEstimate& estimate, const CeilingKinds& kinds) {
 }
 
 }  // namespace
+
+double sight_of(const SurveyModel& model) {
+  return kSight * CeilingView(model.robot.camera).mean_radius(model.kinds.ceiling_height);
+}
 
 PassedFloor::PassedFloor(const std::vector<Pose2>& poses, double sight) {
   const long reach = std::lround(sight / kCell);
@@ -183,9 +191,27 @@ PartJoining::Match PartJoining::refine(const Match& rough) const {
   return match({shift.x(), shift.y(), theta}, kFine);
 }
 
+bool PartJoining::crosses_walls(const Pose2& map_from_part) const {
+  if (walls_ == nullptr) {
+    return false;
+  }
+  const auto in_wall = std::count_if(part_.poses.begin(), part_.poses.end(), [&](const Pose2& pose) {
+    return walls_->at((map_from_part * pose).position()) == Prior::kOccupied;
+  });
+  return static_cast<double>(in_wall) > kMaxInWalls * static_cast<double>(part_.poses.size());
+}
+
 std::optional<PartJoint> PartJoining::find() const {
+  return best_of(candidates(), kMinScore);
+}
+
+std::optional<PartJoint> PartJoining::find_among(const std::vector<Pose2>& told) const {
+  return best_of(told, 0.5 * kMinScore);
+}
+
+std::optional<PartJoint> PartJoining::best_of(const std::vector<Pose2>& motions, double min_score) const {
   std::vector<Match> matches;
-  for (const Pose2& motion : candidates()) {
+  for (const Pose2& motion : motions) {
     Match found = match(motion, kCoarse);
     if (found.joint.pairs.size() >= 2) {
       matches.push_back(std::move(found));
@@ -199,6 +225,7 @@ std::optional<PartJoint> PartJoining::find() const {
       each = refine(each);
     }
   }
+  std::erase_if(matches, [this](const Match& each) { return crosses_walls(each.joint.map_from_part); });
   std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) { return a.score > b.score; });
   if (matches.empty() || matches.front().joint.pairs.size() < kMinPairs) {
     return std::nullopt;
@@ -212,7 +239,7 @@ std::optional<PartJoint> PartJoining::find() const {
         (a * middle - b * middle).norm() < kApart && std::abs(wrap_angle(a.theta - b.theta)) < kApartTurn;
     return is_same || other.score + kMargin <= best.score;
   });
-  return best.score >= kMinScore && is_clear ? std::optional(best.joint) : std::nullopt;
+  return best.score >= min_score && is_clear ? std::optional(best.joint) : std::nullopt;
 }
 
 std::optional<PartJoint> PartJoining::find_at_rest(const KeyFrame& last, const KeyFrame& first) const {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "services/common/building/occupancy_grid.hpp"
 #include "services/common/ceiling/fixture_map.hpp"
 #include "services/surveyor/survey/loop_closing.hpp"
 #include "services/surveyor/survey/survey_graph.hpp"
@@ -21,6 +22,9 @@ class PassedFloor {
  private:
   std::set<std::pair<long, long>> cells_;
 };
+
+/// Nearer [m] to the robot no fixture is missed.
+double sight_of(const SurveyModel& model);
 
 /// How the map of one part of a drive lies on that of another.
 struct PartJoint {
@@ -40,6 +44,12 @@ class PartJoining {
   /// a second for two maps of 120 fixtures.
   [[nodiscard]] std::optional<PartJoint> find() const;
 
+  /// The same among motions that a localizer told, each good to half a metre: half as much has to agree.
+  [[nodiscard]] std::optional<PartJoint> find_among(const std::vector<Pose2>& told) const;
+
+  /// A part whose path runs through the walls of this map does not lie there; nullptr = no walls are known.
+  void keep_out_of(const PriorMap* walls) { walls_ = walls; }
+
   /// The joint of a robot that was not moved between the last frame of the map and the first of the part, where both
   /// see the same.
   [[nodiscard]] std::optional<PartJoint> find_at_rest(const KeyFrame& last, const KeyFrame& first) const;
@@ -50,6 +60,8 @@ class PartJoining {
     double score = 0.0;
   };
   [[nodiscard]] std::vector<Pose2> candidates() const;
+  [[nodiscard]] std::optional<PartJoint> best_of(const std::vector<Pose2>& motions, double min_score) const;
+  [[nodiscard]] bool crosses_walls(const Pose2& map_from_part) const;
   [[nodiscard]] Match match(const Pose2& map_from_part, double tolerance) const;
   /// Fixtures of each that the other one passed and did not see, beside a match's pairs.
   [[nodiscard]] int missed(const PartJoint& joint) const;
@@ -63,6 +75,7 @@ class PartJoining {
   FixtureMap map_index_;
   PassedFloor map_floor_;
   PassedFloor part_floor_;
+  const PriorMap* walls_ = nullptr;
 };
 
 }  // namespace luminav

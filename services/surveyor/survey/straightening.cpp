@@ -1,5 +1,6 @@
 #include "services/surveyor/survey/straightening.hpp"
 
+#include <Eigen/Geometry>
 #include <complex>
 
 namespace luminav {
@@ -36,6 +37,12 @@ double dominant_direction(const SurveyEstimate& estimate, const CeilingKinds& ki
     }
   }
   return 0.25 * std::arg(sum);
+}
+
+Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double angle) {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(angle).toRotationMatrix();
+  return rotation * covariance * rotation.transpose();
 }
 
 void transform(SurveyEstimate& estimate, const Pose2& new_from_old) {

@@ -11,6 +11,9 @@ double dominant_direction(const SurveyEstimate& estimate, const CeilingKinds& ki
 /// x, and moves it so that no pose or fixture has a negative coordinate.
 void straighten(SurveyEstimate& estimate, double direction);
 
+/// A covariance of (x, y, theta) in axes that are turned by an angle [rad].
+Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double angle);
+
 /// Moves the whole estimate.
 void transform(SurveyEstimate& estimate, const Pose2& new_from_old);
 

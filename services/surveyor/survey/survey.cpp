@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "services/common/ceiling/ceiling_view.hpp"
 #include "services/surveyor/survey/carry_search.hpp"
 #include "services/surveyor/survey/part_joining.hpp"
 #include "services/surveyor/survey/straightening.hpp"
@@ -26,7 +25,8 @@ constexpr double kMaxMisfit = 4.5;            // deviations of a sighting that c
 constexpr double kMaxDisagreement = 0.15;     // [m] by which a pass may differ from its fixture
 constexpr double kMaxTurn = radians(5.0);     // [rad] likewise
 constexpr int kMaxRounds = 12;                // of closing loops
-constexpr double kSight = 0.4;                // of the view's radius, within which no fixture is missed
+constexpr std::int64_t kSameTime = 50'000;    // [us] between an image and what a localizer said
+constexpr std::size_t kToldEvery = 50;        // key frames between two of these
 constexpr double kCoarseRightAngle = radians(6.0);  // [rad] the first pull on a path that has bent on the way
 
 /// Distance [m] driven.
@@ -138,14 +138,42 @@ std::pair<SurveyEstimate, std::vector<int>> believed_of(const Survey& survey, co
   return {believed, number};
 }
 
-/// How a part lies on a map; `at_rest`: only if it begins where the map's last image was taken.
-std::optional<PartJoint> find_joint(const Survey& map, const Survey& part, const SurveyModel& model, bool at_rest) {
-  const double sight = kSight * CeilingView(model.robot.camera).mean_radius(model.kinds.ceiling_height);
+/// How a part lies in the known building by what a localizer said on the way.
+std::vector<Pose2> told_motions(const Survey& part, const std::vector<ToldPose>& told) {
+  std::vector<Pose2> motions;
+  auto next = told.begin();
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < part.frames.size(); ++i) {
+    const std::int64_t utime = part.frames[i].utime;
+    next = std::find_if(next, told.end(), [&](const ToldPose& each) { return each.utime + kSameTime >= utime; });
+    if (next != told.end() && next->utime <= utime + kSameTime && (motions.empty() || i >= used + kToldEvery)) {
+      motions.push_back(next->world_from_robot * part.estimate.poses[i].inverse());
+      used = i;
+    }
+  }
+  return motions;
+}
+
+/// How to look for the place of a part on a map.
+struct JoinRule {
+  bool at_rest = false;                         // only where the map's last image was taken
+  const PriorMap* walls = nullptr;              // in the map's frame, through which nobody drives
+  const std::vector<ToldPose>* told = nullptr;  // likewise: looked at first
+};
+
+std::optional<PartJoint> find_joint(const Survey& map, const Survey& part, const SurveyModel& model,
+                                    const JoinRule& rule) {
   const auto [first, first_number] = believed_of(map, model);
   const auto [second, second_number] = believed_of(part, model);
-  const PartJoining joining(first, second, model.kinds, sight);
-  std::optional<PartJoint> joint =
-      at_rest ? joining.find_at_rest(map.frames.back(), part.frames.front()) : joining.find();
+  PartJoining joining(first, second, model.kinds, sight_of(model));
+  joining.keep_out_of(rule.walls);
+  std::optional<PartJoint> joint;
+  if (rule.at_rest) {
+    joint = joining.find_at_rest(map.frames.back(), part.frames.front());
+  } else {
+    joint = rule.told != nullptr ? joining.find_among(told_motions(part, *rule.told)) : std::nullopt;
+    joint = joint ? joint : joining.find();
+  }
   if (joint) {
     for (FixturePair& pair : joint->pairs) {
       pair = {first_number[static_cast<std::size_t>(pair.first)], second_number[static_cast<std::size_t>(pair.second)]};
@@ -199,6 +227,10 @@ Survey put_together(Survey map, const Survey& part, const PartJoint& joint) {
     }
     map.estimate.fixtures.push_back(std::move(fixture));
   }
+  if (frames == 0) {
+    map.estimate.wheels = part.estimate.wheels;
+    map.estimate.camera = part.estimate.camera;
+  }
   std::vector<FixturePair> pairs = joint.pairs;
   for (FixturePair& pair : pairs) {
     pair.second += fixtures;
@@ -211,11 +243,11 @@ Survey put_together(Survey map, const Survey& part, const PartJoint& joint) {
 }
 
 /// A map with a part on it, if the graph of both agrees that what was taken for one fixture is one.
-std::optional<Survey> join(const Survey& map, const Survey& part, const SurveyModel& model, bool at_rest) {
-  if (map.passes.empty() || part.passes.empty()) {
+std::optional<Survey> join(const Survey& map, const Survey& part, const SurveyModel& model, const JoinRule& rule) {
+  if (map.estimate.fixtures.empty() || part.estimate.fixtures.empty()) {
     return std::nullopt;
   }
-  const std::optional<PartJoint> joint = find_joint(map, part, model, at_rest);
+  const std::optional<PartJoint> joint = find_joint(map, part, model, rule);
   if (!joint) {
     return std::nullopt;
   }
@@ -231,34 +263,60 @@ std::optional<Survey> join(const Survey& map, const Survey& part, const SurveyMo
   return survey;
 }
 
-/// First those that begin where the one before ended, then those that lie on the longest by what both saw. What cannot
-/// be placed is left out.
-Survey join_parts(const std::vector<Survey>& parts, const SurveyModel& model) {
+/// What the known building has, before anything was driven.
+Survey survey_of(const KnownBuilding& known) {
+  Survey survey;
+  survey.joined_parts = -1;  // the first part is placed, the others are joined to it
+  survey.estimate = estimate_of(known);
+  return survey;
+}
+
+/// Lays chains on a map, one after the other as they find their place, and takes those away.
+void lay_on(Survey& map, std::vector<Survey>& chains, const SurveyModel& model, const JoinRule& rule) {
+  bool has_grown = true;
+  while (has_grown) {
+    has_grown = false;
+    for (auto chain = chains.begin(); chain != chains.end() && !has_grown; ++chain) {
+      if (std::optional<Survey> larger = join(map, *chain, model, rule)) {
+        map = std::move(*larger);
+        chains.erase(chain);
+        has_grown = true;
+      }
+    }
+  }
+}
+
+/// The longest of those with fixtures, which it takes away: others are no map.
+Survey take_longest(std::vector<Survey>& chains) {
+  const auto longest = std::max_element(chains.begin(), chains.end(), [](const Survey& a, const Survey& b) {
+    return std::pair(!a.passes.empty(), a.distance) < std::pair(!b.passes.empty(), b.distance);
+  });
+  Survey survey = std::move(*longest);
+  chains.erase(longest);
+  return survey;
+}
+
+/// First those that begin where the one before ended, then those that lie on the known building, or else on the
+/// longest, by what both saw. What cannot be placed is left out.
+Survey join_parts(const std::vector<Survey>& parts, const SurveyModel& model, const std::vector<ToldPose>& told) {
   std::vector<Survey> chains;
   for (const Survey& part : parts) {
-    std::optional<Survey> longer = chains.empty() ? std::nullopt : join(chains.back(), part, model, true);
+    std::optional<Survey> longer = chains.empty() ? std::nullopt : join(chains.back(), part, model, {.at_rest = true});
     if (longer) {
       chains.back() = std::move(*longer);
     } else {
       chains.push_back(part);
     }
   }
-  // of those with fixtures: others are no map
-  const auto longest = std::max_element(chains.begin(), chains.end(), [](const Survey& a, const Survey& b) {
-    return std::pair(!a.passes.empty(), a.distance) < std::pair(!b.passes.empty(), b.distance);
-  });
-  Survey survey = std::move(*longest);
-  chains.erase(longest);
-  bool has_grown = true;
-  while (has_grown) {
-    has_grown = false;
-    for (auto chain = chains.begin(); chain != chains.end() && !has_grown; ++chain) {
-      if (std::optional<Survey> larger = join(survey, *chain, model, false)) {
-        survey = std::move(*larger);
-        chains.erase(chain);
-        has_grown = true;
-      }
-    }
+  Survey survey;
+  if (model.known) {
+    survey = survey_of(*model.known);
+    lay_on(survey, chains, model, {.walls = model.known->map ? &*model.known->map : nullptr, .told = &told});
+    survey.is_placed = !survey.frames.empty();
+  }
+  if (!survey.is_placed) {
+    survey = take_longest(chains);
+    lay_on(survey, chains, model, {});
   }
   for (const Survey& chain : chains) {
     survey.left_out += chain.distance;
@@ -313,6 +371,14 @@ void drop_what_is_none(Survey& survey, const SurveyModel& model) {
   survey.doubts = std::move(doubts);
 }
 
+/// Distance [m] of a fixture from where the known building has it.
+double moved_by(const SurveyedFixture& fixture, const SurveyModel& model) {
+  return fixture.known < 0
+             ? 0.0
+             : distance(fixture.world_from_fixture,
+                        model.known->building.fixtures[static_cast<std::size_t>(fixture.known)].world_from_fixture);
+}
+
 void check(const SurveyDrive& drive) {
   if (drive.odometry.size() < 2) {
     throw std::runtime_error("the log has no ODOMETRY: without it nobody knows how far the robot drove");
@@ -348,7 +414,7 @@ Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model) {
   for (std::vector<KeyFrame>& part : parts_of(frames)) {
     parts.push_back(survey_part(std::move(part), model));
   }
-  Survey survey = join_parts(parts, model);
+  Survey survey = join_parts(parts, model, drive.told);
   if (survey.passes.empty()) {
     throw std::runtime_error(
         fmt::format("no fixture of the {} kinds was seen in {} images over {:.0f} m: do the sizes in the file of kinds "
@@ -364,8 +430,13 @@ Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model) {
   drop_what_is_none(survey, model);
   prior.row = kRow;  // not before: passes not yet joined are no row
   survey.estimate = graph.optimise(survey.estimate, prior);
-  straighten(survey.estimate,
-             prior.right_angle > 0.0 ? survey.estimate.direction : dominant_direction(survey.estimate, model.kinds));
+  for (std::size_t f = 0; f < survey.fixtures.size(); ++f) {
+    survey.fixtures[f].moved = moved_by(survey.estimate.fixtures[f], model);
+  }
+  if (!survey.is_placed) {
+    straighten(survey.estimate,
+               prior.right_angle > 0.0 ? survey.estimate.direction : dominant_direction(survey.estimate, model.kinds));
+  }
   add_uncertainty(survey.fixtures, survey.estimate, graph.fixture_covariance(survey.estimate, prior));
   return survey;
 }

@@ -13,11 +13,12 @@ namespace luminav {
 struct Survey {
   std::vector<KeyFrame> frames;  // of the parts that are on the map
   std::vector<FixturePass> passes;
-  SurveyEstimate estimate;              // straight: fixtures along the axes, the longer side of the building along x
+  SurveyEstimate estimate;              // straight, the longer side along x; or in the frame of the known building
   std::vector<JudgedFixture> fixtures;  // in the estimate's order
   std::vector<JudgedFixture> dropped;   // likewise
   std::vector<ClosureDoubt> doubts;
   double regularity = 0.0;            // 0..1 how far the fixtures hang at right angles
+  bool is_placed = false;             // on the known building, in whose frame it then is
   double distance = 0.0;              // [m] driven on this map
   int joined_parts = 0;               // of the drive, beside the longest
   double left_out = 0.0;              // [m] driven in parts of which nobody knows where they lie
@@ -25,7 +26,8 @@ struct Survey {
 };
 
 /// Makes a map of fixtures from a drive. Throws std::runtime_error, with one plain sentence, for a drive that says
-/// nothing: no odometry, no images, no fixture of any kind. Cost: seconds for a drive of 600 m.
+/// nothing: no odometry, no images, no fixture of any kind. One that cannot be placed on the known building gets a map
+/// of its own. Cost: seconds for a drive of 600 m.
 Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model);
 
 /// How far headings agree modulo a quarter turn: 1 = all, 0 = they point anywhere.

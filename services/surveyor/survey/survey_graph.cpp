@@ -35,6 +35,22 @@ bool shows_length(const FixtureSighting& sighting, const Fixture& kind) {
          kind.length > 1.5 * kind.width;
 }
 
+/// A fixture against its place in the file of a known building.
+struct KnownResidual {
+  Pose2 world_from_fixture;
+  KnownAccuracy sigma;
+  double period;  // [rad] of its heading; 0 = it has none
+
+  template <typename T>
+  bool operator()(const T* fixture, T* residual) const {
+    residual[0] = (fixture[0] - world_from_fixture.x) / sigma.position;
+    residual[1] = (fixture[1] - world_from_fixture.y) / sigma.position;
+    residual[2] =
+        period == 0.0 ? T(0.0) : wrapped_residual(T(fixture[2] - world_from_fixture.theta), period) / sigma.heading;
+    return true;
+  }
+};
+
 /// A fixture's heading against the building's.
 struct RightAngleResidual {
   double sigma;  // [rad]
@@ -92,6 +108,12 @@ double length_sigma_of(const std::vector<FixturePass>& passes, const CeilingKind
   return std::hypot(kLengthSigma, kLengthBias * std::sqrt(count));
 }
 
+/// Whether a file says where the estimate lies.
+bool has_known(const SurveyEstimate& estimate) {
+  return std::any_of(estimate.fixtures.begin(), estimate.fixtures.end(),
+                     [](const SurveyedFixture& fixture) { return fixture.known >= 0; });
+}
+
 bool shows_one_end(const FixtureSighting& sighting) {
   return sighting.near_end_visible != sighting.far_end_visible;
 }
@@ -128,6 +150,15 @@ SightingResidual residual_of(const FixtureSighting& sighting, const KeyFrame& fr
 }
 
 }  // namespace
+
+SurveyEstimate estimate_of(const KnownBuilding& known) {
+  SurveyEstimate estimate;
+  for (std::size_t f = 0; f < known.building.fixtures.size(); ++f) {
+    estimate.fixtures.push_back(
+        {known.kinds[f], {}, known.building.fixtures[f].world_from_fixture, static_cast<int>(f)});
+  }
+  return estimate;
+}
 
 struct SurveyGraph::Problem {
   std::vector<Triple> poses;
@@ -188,6 +219,22 @@ void SurveyGraph::add_priors(Problem& problem) const {
                                  nullptr, problem.camera.data());
 }
 
+void SurveyGraph::add_known(Problem& problem, const SurveyEstimate& estimate) const {
+  const auto is_refined = [](const SurveyedFixture& fixture) { return fixture.known >= 0 && !fixture.passes.empty(); };
+  const auto refined = std::count_if(estimate.fixtures.begin(), estimate.fixtures.end(), is_refined);
+  for (std::size_t f = 0; f < estimate.fixtures.size(); ++f) {
+    if (estimate.fixtures[f].known < 0) {
+      continue;
+    }
+    const Fixture& hangs = model_.known->building.fixtures[static_cast<std::size_t>(estimate.fixtures[f].known)];
+    const int sharing = is_refined(estimate.fixtures[f]) ? static_cast<int>(refined) : 1;  // others keep their place
+    problem.ceres.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<KnownResidual, 3, 3>(new KnownResidual{
+            hangs.world_from_fixture, accuracy_of(model_.known->building, sharing), symmetry_period(hangs.shape)}),
+        new ceres::HuberLoss(kOutlier), problem.fixtures[f].data());
+  }
+}
+
 void SurveyGraph::add_building(Problem& problem, const SurveyEstimate& estimate, const BuildingPrior& prior) const {
   for (std::size_t f = 0; f < estimate.fixtures.size() && prior.right_angle > 0.0; ++f) {
     const Fixture& kind = model_.kinds.kinds[static_cast<std::size_t>(estimate.fixtures[f].kind)];
@@ -232,8 +279,11 @@ std::unique_ptr<SurveyGraph::Problem> SurveyGraph::build(const SurveyEstimate& e
   add_odometry(*problem);
   add_priors(*problem);
   add_building(*problem, estimate, prior);
-  problem->ceres.AddParameterBlock(problem->poses.front().data(), 3);
-  problem->ceres.SetParameterBlockConstant(problem->poses.front().data());
+  add_known(*problem, estimate);
+  if (!has_known(estimate)) {
+    problem->ceres.AddParameterBlock(problem->poses.front().data(), 3);
+    problem->ceres.SetParameterBlockConstant(problem->poses.front().data());
+  }
   return problem;
 }
 
@@ -289,7 +339,7 @@ Eigen::MatrixXd SurveyGraph::fixture_covariance(const SurveyEstimate& estimate, 
   for (Triple& fixture : problem->fixtures) {
     options.parameter_blocks.push_back(fixture.data());
   }
-  for (std::size_t i = 1; i < problem->poses.size(); ++i) {
+  for (std::size_t i = has_known(estimate) ? 0 : 1; i < problem->poses.size(); ++i) {
     if (problem->ceres.HasParameterBlock(problem->poses[i].data())) {
       options.parameter_blocks.push_back(problem->poses[i].data());
     }

@@ -3,11 +3,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/model/error_model.hpp"
 #include "services/localizer/model/wheel_correction.hpp"
+#include "services/surveyor/known_building.hpp"
 #include "services/surveyor/survey/ceiling_kinds.hpp"
 #include "services/surveyor/survey/fixture_passes.hpp"
 #include "services/surveyor/survey/key_frames.hpp"
@@ -20,13 +22,15 @@ struct SurveyModel {
   ErrorParams errors;
   WheelCorrection wheels;  // from a calibration drive, if there was one
   CeilingKinds kinds;
+  std::optional<KnownBuilding> known;  // that the survey goes on with
 };
 
-/// A fixture as the drive saw it: one or more passes.
+/// A fixture as the drive saw it: one or more passes, or none below one that is known.
 struct SurveyedFixture {
   int kind = 0;             // index into the kinds
   std::vector<int> passes;  // indices, in the order of the drive
   Pose2 world_from_fixture;
+  int known = -1;  // index into the fixtures of the known building; -1 = it is in no file
 };
 
 /// All that a survey estimates.
@@ -40,6 +44,9 @@ struct SurveyEstimate {
   bool has_converged = false;
 };
 
+/// What the known building has, before anything was driven.
+SurveyEstimate estimate_of(const KnownBuilding& known);
+
 /// How strongly a building is believed to be what buildings are like; 0 = not at all. What hangs otherwise loses its
 /// say (Cauchy), so that the prior sharpens what agrees and drags nothing.
 struct BuildingPrior {
@@ -48,7 +55,8 @@ struct BuildingPrior {
 };
 
 /// Batch estimate of poses, fixtures, wheels and camera of one part of a drive, with the sightings' and the wheels' own
-/// errors, as in a calibration drive but with fixtures that nobody has measured. The first pose stays where it is.
+/// errors, as in a calibration drive but with fixtures that nobody has measured. Known ones keep to their file as
+/// surely as it is; without any the first pose stays where it is.
 class SurveyGraph {
  public:
   /// Everything is kept by reference.
@@ -71,6 +79,7 @@ class SurveyGraph {
   void add_odometry(Problem& problem) const;
   void add_building(Problem& problem, const SurveyEstimate& estimate, const BuildingPrior& prior) const;
   void add_priors(Problem& problem) const;
+  void add_known(Problem& problem, const SurveyEstimate& estimate) const;
 
   const SurveyModel& model_;
   const std::vector<KeyFrame>& frames_;

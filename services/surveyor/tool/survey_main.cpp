@@ -21,6 +21,8 @@ struct Request {
   std::vector<std::string> logs;
   std::string robot;
   std::string kinds;
+  std::string building;
+  std::string align;
   std::string out;
   std::string json;
   std::string png;
@@ -45,14 +47,18 @@ void print(const Survey& survey, const CeilingKinds& kinds, const std::vector<st
 
 int run(const Request& request) {
   refuse_a_building_in(request.out);  // before the log is read, which takes its time
-  const SurveyModel model = read_survey_model(request.robot, request.kinds);
+  if (!request.building.empty() && !request.align.empty()) {
+    throw ConfigurationError("--building and --align: one of them says what frame the survey is in");
+  }
+  const SurveyModel model = read_survey_model(request.robot, request.kinds, request.building);
   const SightingSource source =
       request.detections ? SightingSource::kDetections : SightingSource::kImagesElseDetections;
   std::vector<SurveyLog> logs;
   for (const std::string& file : request.logs) {
     logs.push_back(read_survey_log(file, request.robot, model.kinds, source));
   }
-  const WrittenSurvey written = write_survey(one_after_another(logs), model, {request.out, request.json, request.png});
+  const WrittenSurvey written =
+      write_survey(one_after_another(logs), model, {request.out, request.json, request.png, "", request.align});
   print(written.survey, model.kinds, written.remarks);
   fmt::print("{}: look at it with scripts/check-building\n",
              (fs::absolute(request.out).lexically_normal() / "building.toml").string());
@@ -67,7 +73,14 @@ int main(int argc, char** argv) {
   line.robot_file(request.robot);
   line.positional("log", request.logs,
                   "LCM logs with ODOMETRY, SONAR and FIXTURE_DETECTIONS or CAMERA_IMAGE, in the order driven", true)
-      .text("--kinds", request.kinds, "TOML file with ceiling_height and a [[kind]] for each kind of fixture", true)
+      .text(
+          "--kinds", request.kinds,
+          "TOML file with ceiling_height and a [[kind]] for each kind of fixture; with --building only for what is new")
+      .text("--building", request.building,
+            "building file or folder to go on with: frame, names and fixtures hold (to what its [survey] says, else to "
+            "2 cm "
+            "and 1 degree), what was driven under is refined, the rest added")
+      .text("--align", request.align, "building file or map.yaml of a floor plan in whose frame the result is written")
       .text("--out", request.out, "new folder for building.toml and map.yaml", true)
       .flag("--detections", request.detections, "take the log's detections, also where it has images")
       .output_file("--json", request.json,

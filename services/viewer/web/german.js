@@ -28,8 +28,8 @@ export const GERMAN = {
   'The map is being written …': 'Die Karte wird geschrieben …',
   'Finished.': 'Fertig.',
   'This went wrong:': 'Das ging schief:',
-  'It lies in {}: look at it with scripts/check-building, and start the robot with it.':
-    'Sie liegt in {}: mit scripts/check-building ansehen, und den Roboter damit starten.',
+  'It lies in {}. All that drives the robot begins anew with it; then send it to a place.':
+    'Sie liegt in {}. Die Dienste des Roboters beginnen neu mit ihr; danach kann er an einen Ort geschickt werden.',
   '{} driven · {} lamps': '{} gefahren · {} Leuchten',
   '{} of them to be passed once more': '{} davon noch einmal abfahren',
   'the survey': 'die Vermessung',

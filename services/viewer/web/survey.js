@@ -42,7 +42,7 @@ export class Survey {
     $('survey-card').hidden = false;
     $('survey-card').dataset.state = state;
     $('survey-state').textContent = translated(SURVEY_STATES[state] ?? state);
-    $('survey-reason').textContent = isOver ? t`It lies in ${folder}: look at it with scripts/check-building, and start the robot with it.` : reason;
+    $('survey-reason').textContent = isOver ? t`It lies in ${folder}. All that drives the robot begins anew with it; then send it to a place.` : reason;
     const open = fixtures.filter((one) => one.open).length;
     $('survey-figures').textContent = t`${metres(distance)} driven · ${fixtures.length} lamps`;
     $('survey-open').textContent = open ? t`${open} of them to be passed once more` : '';

@@ -1,7 +1,7 @@
 #include "tests/evaluation/survey_score/written_survey.hpp"
 
+#include <array>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "services/common/building/map_file.hpp"
 #include "services/common/configuration/building_file.hpp"
@@ -12,12 +12,10 @@ namespace luminav {
 WrittenFolder read_written_survey(const std::filesystem::path& building_file, const std::filesystem::path& json_file) {
   WrittenFolder written;
   written.building = read_building(building_file);
-  if (written.building.places.empty() || written.building.places.front().name != "start") {
-    throw std::runtime_error(building_file.string() + ": does not say where the drive began");
-  }
-  written.begin = written.building.places.front().pose;
   written.map = read_map(written.building.map_file);
   const nlohmann::json report = nlohmann::json::parse(read_whole_file(json_file));
+  const auto begin = report.at("begin").get<std::array<double, 3>>();
+  written.begin = {begin[0], begin[1], begin[2]};
   written.begin_utime = report.at("begin_utime").get<std::int64_t>();
   for (std::size_t f = 0; f < written.building.fixtures.size(); ++f) {
     ScoredFixture scored{written.building.fixtures[f], {}};

@@ -12,8 +12,10 @@
 
 #include "services/common/building/building_check.hpp"
 #include "services/common/building/map_file.hpp"
+#include "services/common/configuration/building_file.hpp"
 #include "services/common/configuration/whole_file.hpp"
 #include "services/common/process/channels.hpp"
+#include "services/localizer/pose_memory.hpp"
 #include "services/surveyor/drive/survey_writing.hpp"
 #include "services/surveyor/live/surveyor_config.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -208,6 +210,42 @@ TEST_F(SurveyorNodeTest, FinishWritesWhatTheSurveyMakesOfItsLog) {
   for (const BuildingFinding& finding : check_building(source, &map)) {
     EXPECT_NE(finding.kind, FindingKind::kError) << finding.text;
   }
+}
+
+TEST_F(SurveyorNodeTest, FinishTellsTheLocalizerWhereTheRobotIs) {
+  SurveyorConfig told = config();
+  told.state = folder_.path() / "state";
+  SurveyorNode node(lcm_, told);
+  robot_.drive(0, kSteps);
+  finish(node);
+  const Building building = read_building(folder_.path() / "school" / "building.toml");
+  EXPECT_FALSE(building.is_complete);
+  const std::optional<RememberedPose> end = PoseMemory(told.state, building).load();
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->building, building.name);
+  EXPECT_EQ(end->fixtures, static_cast<int>(building.fixtures.size()));
+  EXPECT_EQ(end->session, 1);
+  const double way = distance(end->belief.pose, building.places.front().pose);
+  EXPECT_NEAR(way, end->odom_from_robot.x, 0.15);  // along the corridor; the first image was taken at -0.09 m
+}
+
+// A corridor of equal lamps looks the same from both of its ends.
+TEST_F(SurveyorNodeTest, WritesNothingOfADriveThatHasNoClearPlaceInTheKnownBuilding) {
+  {
+    SurveyorNode node(lcm_, config());
+    robot_.drive(0, kSteps);
+    finish(node);
+  }
+  status_ = {};
+  SurveyorNode node(lcm_, read_surveyor_config(kRobot, "", folder_.path() / "again", folder_.path() / "school"));
+  robot_.drive(0, kSteps);
+  EXPECT_THAT(status_.fixtures, SizeIs(testing::Ge(6U))) << "the map grows all the same";
+  finish(node);
+  EXPECT_EQ(status_.state, survey_status_t::STATE_FAILED);
+  EXPECT_THAT(status_.reason, HasSubstr("school/building.toml: nobody can tell where in it the drive lies"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "again" / "building.toml"));
+  robot_.drive(kSteps, kSteps + 20);
+  EXPECT_GT(status_.distance, kStep * kSteps) << "it goes on";
 }
 
 TEST_F(SurveyorNodeTest, KilledItGoesOnAsIfNothingHadHappened) {

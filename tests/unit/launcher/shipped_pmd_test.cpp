@@ -30,12 +30,12 @@ TEST(ShippedConfigurations, ReadAndHaveAScriptThatStartsThem) {
 }
 
 TEST(ShippedConfigurations, CarryNoPathOfAMachineAndOnlyVariablesThatLaunchSets) {
-  const std::set<std::string> known = {"LUMINAV_BIN",       "LUMINAV_ROBOT",     "LUMINAV_SCENARIO",
-                                       "LUMINAV_BUILDING",  "LUMINAV_SEED",      "LUMINAV_SIMULATOR_PORT",
-                                       "LUMINAV_DEVICE",    "LUMINAV_CAMERA",    "LUMINAV_STATE",
-                                       "LUMINAV_IMAGE_URL", "LUMINAV_MAX_SPEED", "LUMINAV_LCM_URL",
-                                       "LUMINAV_LOG",       "LUMINAV_SPEED",     "LUMINAV_KINDS",
-                                       "LUMINAV_SURVEY",    "LUMINAV_LISTEN",    "LUMINAV_SURVEY_DRIVER"};
+  const std::set<std::string> known = {
+      "LUMINAV_BIN",    "LUMINAV_ROBOT",          "LUMINAV_SCENARIO",     "LUMINAV_BUILDING",
+      "LUMINAV_SEED",   "LUMINAV_SIMULATOR_PORT", "LUMINAV_DEVICE",       "LUMINAV_CAMERA",
+      "LUMINAV_STATE",  "LUMINAV_IMAGE_URL",      "LUMINAV_MAX_SPEED",    "LUMINAV_LCM_URL",
+      "LUMINAV_LOG",    "LUMINAV_SPEED",          "LUMINAV_KINDS",        "LUMINAV_SURVEY",
+      "LUMINAV_LISTEN", "LUMINAV_SURVEY_BEGIN",   "LUMINAV_SURVEY_DRIVER"};
   for (const auto& path : shipped()) {
     for (const Command& command : read_pmd(path).commands) {
       const CommandWords words = split_command(command.exec, [](const std::string&) { return std::nullopt; });

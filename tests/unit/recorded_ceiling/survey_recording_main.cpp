@@ -36,8 +36,8 @@ int run(const std::string& robot, const std::string& png) {
   fmt::print("rows {:.2f} degrees apart, by the notes 90; fixtures {:.2f} degrees from their rows, by the notes 0\n",
              degrees(std::abs(grid.angle)), degrees(grid.turn));
   if (!png.empty()) {
-    draw_building_png(png, building_of(survey, {}, recorded.model.kinds, "recorded hall"), nullptr,
-                      unsure_fixtures(survey));
+    draw_building_png(png, building_of(survey, {}, recorded.model, "recorded hall"), nullptr,
+                      unsure_fixtures(survey, recorded.model));
   }
   return 0;
 }

@@ -104,6 +104,18 @@ TEST(BuildingFile, SaysWhetherAllFixturesAreListed) {
   EXPECT_FALSE(read_building(folder.path() / "building.toml").is_complete);
 }
 
+TEST(BuildingFile, SaysHowWellASurveyKnowsIt) {
+  const TemporaryFolder folder;
+  Building building = read_building(folder.write("building.toml", kHead));
+  EXPECT_FALSE(building.survey);
+  building.survey = SurveyAccuracy{0.025, 0.004};
+  write_building(folder.path() / "building.toml", building);
+  const Building read = read_building(folder.path() / "building.toml");
+  ASSERT_TRUE(read.survey);
+  EXPECT_NEAR(read.survey->position, 0.025, 1e-9);
+  EXPECT_NEAR(read.survey->heading, 0.004, 1e-9);
+}
+
 TEST(FixtureTable, SaysShapeSizeHeightAndLamps) {
   const Fixture bar = read_kind("length = 1.5\nwidth = 0.3\nlamps = 1\nheight = 2.4\n");
   EXPECT_EQ(bar.shape, FixtureShape::kRectangle);

@@ -51,6 +51,35 @@ TEST(DriveCollector, TakesMessagesOfALogAsIfTheyHadJustCome) {
   EXPECT_EQ(collector.so_far().drive.odometry[0].odom_from_robot.x, 2.0);
 }
 
+TEST(DriveCollector, KeepsPosesOfWhichALocalizerWasSure) {
+  DriveCollector collector;
+  pose_t message{};
+  message.utime = 1'000'000;
+  message.x = 3.0;
+  message.state = pose_t::STATE_AMBIGUOUS;
+  EXPECT_FALSE(collector.add(message));
+  message.state = pose_t::STATE_TRACKING;
+  EXPECT_TRUE(collector.add(message));
+  EXPECT_FALSE(collector.add(message)) << "old";
+  message.utime = 2'000'000;
+  message.y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(collector.add(message));
+  ASSERT_THAT(collector.so_far().drive.told, SizeIs(1));
+  EXPECT_EQ(collector.so_far().drive.told[0].world_from_robot.x, 3.0);
+}
+
+TEST(DriveCollector, KnowsThatNothingWasLeftToExplore) {
+  DriveCollector collector;
+  survey_command_t message = place(1, kExplored);
+  message.action = survey_command_t::ACTION_FINISH;
+  EXPECT_TRUE(collector.add(message));
+  EXPECT_TRUE(collector.collected().is_explored);
+  message.name = "";  // somebody else finished it
+  DriveCollector other;
+  EXPECT_FALSE(other.add(message));
+  EXPECT_FALSE(other.collected().is_explored);
+}
+
 TEST(DriveCollector, NamesThePlaceOfTheLastOdometry) {
   DriveCollector collector;
   EXPECT_FALSE(collector.add(place(7, "lift"))) << "nobody knows where";

@@ -23,7 +23,7 @@ TEST(SurveyedPath, SharesOutWhatOdometryMissed) {
 
 /// What the sonars that look sideways draw of 6 m along the x axis, `distance(x, is_left)` [m] beside it.
 template <typename Distance>
-PriorMap map_beside(const Distance& distance) {
+PriorMap map_beside(const Distance& distance, const PriorMap* known = nullptr) {
   const SurveyModel model = synthetic_model();
   const SyntheticDrive synthetic = drive_along({{0.0, 0.0}, {6.0, 0.0}}, {}, model, {});
   const std::vector<KeyFrame> frames = choose_key_frames(synthetic.drive, model.robot.camera, 2.8);
@@ -41,7 +41,7 @@ PriorMap map_beside(const Distance& distance) {
       }
     }
   }
-  return draw_sonar_map(echoes, SurveyedPath(synthetic.drive.odometry, frames, poses), model.robot);
+  return draw_sonar_map(echoes, SurveyedPath(synthetic.drive.odometry, frames, poses), model.robot, {}, known);
 }
 
 int occupied_in(const PriorMap& map, double from_x, double to_x, double y) {
@@ -50,6 +50,29 @@ int occupied_in(const PriorMap& map, double from_x, double to_x, double y) {
     occupied += map.at({x, y}) == Prior::kOccupied ? 1 : 0;
   }
   return occupied;
+}
+
+TEST(SonarMap, IsLaidOverAnOlderMap) {
+  PriorMap old;
+  old.geometry = {0.05, {-3.02, -4.03}, 600, 160};
+  old.cells.assign(old.geometry.size(), Prior::kFree);
+  const auto wall = [&](double x0, double y0, double x1, double y1) {
+    for (double x = x0; x < x1; x += 0.04) {
+      for (double y = y0; y < y1; y += 0.04) {
+        old.cells[old.geometry.index(old.geometry.cell_at({x, y}))] = Prior::kOccupied;
+      }
+    }
+  };
+  wall(3.0, -0.6, 3.1, 0.6);    // the robot drove through it
+  wall(20.0, -2.0, 20.1, 2.0);  // where it never was
+  wall(0.0, 1.0, 6.0, 1.1);     // the one to its left
+  const PriorMap map = map_beside([](double, bool is_left) { return is_left ? 1.05 : 0.8; }, &old);
+  EXPECT_EQ(map.at({3.05, 0.0}), Prior::kFree);
+  EXPECT_EQ(map.at({20.05, 1.0}), Prior::kOccupied);
+  EXPECT_EQ(map.at({15.0, 1.0}), Prior::kFree);
+  EXPECT_GE(occupied_in(map, 1.0, 5.0, 1.05), 38);
+  EXPECT_GE(std::max(occupied_in(map, 1.0, 5.0, -0.78), occupied_in(map, 1.0, 5.0, -0.88)), 20);  // new
+  EXPECT_NEAR(std::remainder(map.geometry.origin.x() - old.geometry.origin.x(), 0.1), 0.0, 1e-9);
 }
 
 TEST(SonarMap, DrawsWallsBesideThePathAndTheFloorBetweenThem) {
