@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -81,9 +82,7 @@ std::optional<RememberedPose> PoseMemory::load() const {
     }
     pose.odom_from_robot = {odom[0], odom[1], odom[2]};
     pose.belief.pose = {world[0], world[1], world[2]};
-    for (int i = 0; i < 9; ++i) {
-      pose.belief.covariance(i / 3, i % 3) = covariance[static_cast<std::size_t>(i)];
-    }
+    pose.belief.covariance = Eigen::Map<const Eigen::Matrix3d>(covariance.data());
     return pose.belief.covariance.allFinite() && pose.belief.covariance.diagonal().minCoeff() > 0.0
                ? std::optional(pose)
                : std::nullopt;
@@ -98,20 +97,17 @@ bool PoseMemory::save(const RememberedPose& pose) const {
   }
   std::error_code error;
   std::filesystem::create_directories(file_.parent_path(), error);
-  const Eigen::Matrix3d& c = pose.belief.covariance;
-  std::string name;
-  for (const char letter : pose.building) {
-    name += letter == '"' || letter == '\\' ? '_' : letter;
-  }
+  std::string name = pose.building;
+  std::replace_if(
+      name.begin(), name.end(), [](char letter) { return letter == '"' || letter == '\\'; }, '_');
+  const auto list = [](const Pose2& p) { return fmt::format("[{:.9f}, {:.9f}, {:.9f}]", p.x, p.y, p.theta); };
   try {
     write_whole_file(
         file_,
-        fmt::format("building = \"{}\"\nfixtures = {}\nsession = {}\nodom_from_robot = [{:.9f}, {:.9f}, {:.9f}]\n"
-                    "world_from_robot = [{:.9f}, {:.9f}, {:.9f}]\n"
-                    "covariance = [{:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}, {:.9e}]\n",
-                    name, pose.fixtures, pose.session, pose.odom_from_robot.x, pose.odom_from_robot.y,
-                    pose.odom_from_robot.theta, pose.belief.pose.x, pose.belief.pose.y, pose.belief.pose.theta, c(0, 0),
-                    c(0, 1), c(0, 2), c(1, 0), c(1, 1), c(1, 2), c(2, 0), c(2, 1), c(2, 2)),
+        fmt::format("building = \"{}\"\nfixtures = {}\nsession = {}\nodom_from_robot = {}\nworld_from_robot = {}\n"
+                    "covariance = [{:.9e}]\n",
+                    name, pose.fixtures, pose.session, list(pose.odom_from_robot), list(pose.belief.pose),
+                    fmt::join(pose.belief.covariance.reshaped(), ", ")),
         Durability::kRenamed);
   } catch (const std::runtime_error&) {
     return false;

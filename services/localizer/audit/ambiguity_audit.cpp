@@ -47,7 +47,6 @@ std::vector<int> costly_fixtures(const AuditFloor& floor, const std::vector<Audi
   }
   std::vector<int> fixtures(cost.size());
   std::iota(fixtures.begin(), fixtures.end(), 0);
-  std::erase_if(fixtures, [&](int index) { return floor.fixture(index).id < 0; });  // elements
   std::stable_sort(fixtures.begin(), fixtures.end(),
                    [&](int a, int b) { return cost[static_cast<std::size_t>(a)] > cost[static_cast<std::size_t>(b)]; });
   fixtures.resize(std::min(kMaxCandidates, fixtures.size()));

@@ -8,38 +8,14 @@
 namespace luminav {
 namespace {
 
-constexpr int kElementLamps = 1000;  // lamps of a fixture that stands for an element: its kind is added
-constexpr int kRingTurns = 24;       // that the ring round a single round fixture is cut into, as the localizer does
-constexpr double kRingReach = 6.0;   // [m] from a round fixture to what may come into view next ...
+constexpr int kRingTurns = 24;      // that the ring round a single round fixture is cut into, as the localizer does
+constexpr double kRingReach = 6.0;  // [m] from a round fixture to what may come into view next ...
 constexpr std::size_t kMaxPartners = 6;   // ... the nearest of which count
 constexpr double kSameTurn = radians(3);  // motions that differ by less are one
 constexpr double kIndexCell = 1.5;        // [m] most questions are for 0.25 m, some for the view
 
-std::vector<Fixture> landmarks(const Building& building, bool with_elements) {
-  std::vector<Fixture> fixtures = building.fixtures;
-  if (with_elements) {
-    for (const CeilingElement& element : building.elements) {
-      Fixture fixture;
-      fixture.id = -1;
-      fixture.shape = element.kind == ElementKind::kDetector || element.kind == ElementKind::kSpeaker
-                          ? FixtureShape::kRound
-                      : element.length == element.width ? FixtureShape::kSquare
-                                                        : FixtureShape::kRectangle;
-      fixture.world_from_fixture = element.world_from_element;
-      fixture.length = element.length;
-      fixture.width = element.width;
-      fixture.height = building.ceiling_height;
-      fixture.lamps = kElementLamps + static_cast<int>(element.kind);
-      fixtures.push_back(fixture);
-    }
-  }
-  return fixtures;
-}
-
 bool is_same_kind(const Fixture& a, const Fixture& b) {
-  const bool are_elements = a.lamps >= kElementLamps || b.lamps >= kElementLamps;
-  return a.shape == b.shape && std::abs(a.length - b.length) < 0.15 && std::abs(a.width - b.width) < 0.08 &&
-         (!are_elements || a.lamps == b.lamps);
+  return a.shape == b.shape && std::abs(a.length - b.length) < 0.15 && std::abs(a.width - b.width) < 0.08;
 }
 
 double direction(const Fixture& from, const Fixture& to) {
@@ -69,7 +45,7 @@ GridGeometry place_grid(const PriorMap& walls, const FixtureMap& map, double cel
 AuditFloor::AuditFloor(const Building& building, const PriorMap& walls, const CameraDescription& camera,
                        const AuditParams& params)
     : params_(params),
-      map_(landmarks(building, params.with_elements), kIndexCell),
+      map_(building.fixtures, kIndexCell),
       walls_(walls),
       view_radius_(CeilingView(camera).mean_radius(building.ceiling_height)) {
   find_places(walls);

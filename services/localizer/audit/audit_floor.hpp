@@ -20,7 +20,6 @@ struct AuditParams {
   double alias_clearance = 0.10;           // [m] nearer to a wall nobody can be: such an alias is refuted
   double position_tolerance = 0.25;        // [m] fixtures nearer than this to each other's images are alike
   double heading_tolerance = radians(12);  // [rad] likewise
-  bool with_elements = false;              // vents, detectors and the like count as landmarks
 };
 
 /// A motion of the plane from the true pose to an alias.

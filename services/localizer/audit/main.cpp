@@ -171,15 +171,13 @@ int run(int argc, char** argv) {
   std::string robot_file;
   std::string json_file;
   std::string png_file;
-  bool with_elements = false;
   CommandLine line("audit",
                    "Says from where in a building the ceiling's fixtures do not tell the pose, how far the "
                    "robot must drive until they do, and which change would help.");
   line.positional("building", buildings, "building file, or its folder", true);
   line.text("--robot", robot_file, "robot file, for the camera; default: robots/p3dx.toml that comes with the project")
       .output_file("--json", json_file, "where the result is written, place by place")
-      .output_file("--png", png_file, "where a picture is written")
-      .flag("--elements", with_elements, "vents, detectors and the like count as landmarks too");
+      .output_file("--png", png_file, "where a picture is written");
   if (const auto status = line.parse(argc, argv)) {
     return *status;
   }
@@ -198,9 +196,7 @@ int run(int argc, char** argv) {
   if (building.fixtures.empty()) {
     throw std::runtime_error(file.string() + ": names no fixtures");
   }
-  AuditParams params;
-  params.with_elements = with_elements;
-  const AuditFloor floor(building, walls, read_robot(std::filesystem::path(robot_file)).camera, params);
+  const AuditFloor floor(building, walls, read_robot(std::filesystem::path(robot_file)).camera, AuditParams{});
   if (floor.ground().points.empty()) {
     throw std::runtime_error(file.string() + ": its map has no place where a robot could stand");
   }

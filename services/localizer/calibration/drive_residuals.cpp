@@ -25,9 +25,6 @@ Eigen::Matrix3d noise_of_sighting(const FixtureSighting& sighting, const Fixture
   // the floor's tilt changes from metre to metre, and several images fall on each
   const double floor = 2.0 * std::pow(height * errors.floor_tilt, 2);
   noise.diagonal() += Eigen::Vector3d(floor, floor, 0.0);
-  if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
-    noise(2, 2) += kNoAngle;
-  }
   return noise;
 }
 

@@ -92,6 +92,15 @@ bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& param
 
 namespace {
 
+/// Removes the elements for which a claim holds and returns them.
+template <typename Element, typename Claim>
+std::vector<Element> take_if(std::vector<Element>& elements, const Claim& claim) {
+  std::vector<Element> taken;
+  std::copy_if(elements.begin(), elements.end(), std::back_inserter(taken), claim);
+  std::erase_if(elements, claim);
+  return taken;
+}
+
 void settle(Hypothesis& hypothesis, std::vector<ObjectVote> votes, std::vector<FixtureAbsence> absences,
             const HypothesisParams& params) {
   if (votes.empty() && absences.empty()) {
@@ -107,19 +116,11 @@ void settle(Hypothesis& hypothesis, std::vector<ObjectVote> votes, std::vector<F
 
 void settle_what_is_over(Hypothesis& hypothesis, std::span<const ObjectTrack> forgotten, double odometer,
                          const HypothesisParams& params) {
-  std::vector<ObjectVote> votes;
   const auto is_forgotten = [&](const ObjectVote& vote) {
     return std::any_of(forgotten.begin(), forgotten.end(), [&](const ObjectTrack& o) { return o.id == vote.object; });
   };
-  if (!forgotten.empty()) {
-    std::copy_if(hypothesis.votes.begin(), hypothesis.votes.end(), std::back_inserter(votes), is_forgotten);
-    std::erase_if(hypothesis.votes, is_forgotten);
-  }
-  std::vector<FixtureAbsence> absences;
   const auto is_passed = [&](const FixtureAbsence& absence) { return odometer - absence.odometer > kPassedBy; };
-  std::copy_if(hypothesis.absences.begin(), hypothesis.absences.end(), std::back_inserter(absences), is_passed);
-  std::erase_if(hypothesis.absences, is_passed);
-  settle(hypothesis, std::move(votes), std::move(absences), params);
+  settle(hypothesis, take_if(hypothesis.votes, is_forgotten), take_if(hypothesis.absences, is_passed), params);
 }
 
 void settle_all(Hypothesis& hypothesis, const HypothesisParams& params) {

@@ -175,11 +175,8 @@ void HypothesisBank::correct(Hypothesis& hypothesis, const FrameComparison& comp
     hypothesis.last_match = round_.frame.utime;
     const FixtureSighting& sighting = round_.frame.sightings[i];
     const Fixture& fixture = model_.fixtures[comparison.fixture_of_sighting[i]];
-    Eigen::Matrix3d white = white_sighting_covariance(sighting, fixture, model_.errors);
-    if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
-      white(2, 2) += kNoAngle;
-    }
-    const Eigen::Matrix3d noise = (white + comparer_->systematic_error(i)) / round_.share;
+    const Eigen::Matrix3d noise =
+        (white_sighting_covariance(sighting, fixture, model_.errors) + comparer_->systematic_error(i)) / round_.share;
     // several corrections in one image: linearise each at the pose the one before it left
     const Innovation innovation = innovate(hypothesis.belief, sighting, fixture, noise);
     luminav::correct(hypothesis.belief, innovation, noise);
@@ -250,14 +247,6 @@ PoseBelief HypothesisBank::belief_now(std::size_t index) const {
     predict(belief, pending_.motion().step.pose, pending_.motion().step.covariance);
   }
   return belief;
-}
-
-Pose2 HypothesisBank::pose_now(std::size_t index) const {
-  Pose2 pose = hypotheses_[index].belief.pose;
-  if (awaits_visit(index) && round_.motion.has_moved) {
-    pose = pose * round_.motion.step.pose;
-  }
-  return pending_.motion().has_moved ? pose * pending_.motion().step.pose : pose;
 }
 
 void HypothesisBank::tidy() {

@@ -69,7 +69,6 @@ class HypothesisBank {
   [[nodiscard]] std::vector<Hypothesis>& hypotheses() { return hypotheses_; }
   /// Belief of a hypothesis carried to now; its own may be that of the round's image.
   [[nodiscard]] PoseBelief belief_now(std::size_t index) const;
-  [[nodiscard]] Pose2 pose_now(std::size_t index) const;
   /// Score of "all that was seen is something else": what a pose not in the list would have.
   [[nodiscard]] double null_score() const { return null_.score(); }
   /// Units of work done in this step.

@@ -83,35 +83,14 @@ void HypothesisRanking::merge_next(const std::vector<Hypothesis>& hypotheses, Wo
 }
 
 void HypothesisRanking::arrange(std::vector<Hypothesis>& hypotheses, double best_sonar) {
-  // from[i]: whose place i takes; those that are not kept go to the end. Along its cycles each moves once.
-  std::vector<std::uint32_t> from;
-  from.reserve(hypotheses.size());
-  std::vector<bool> is_kept(hypotheses.size(), false);
+  std::vector<Hypothesis> arranged;
+  arranged.reserve(kept_.size());
   for (const Ranked& kept : kept_) {
-    hypotheses[kept.index].log_posterior = kept.log_posterior;
-    hypotheses[kept.index].sonar_part = held_by_sonar(hypotheses[kept.index], best_sonar, params_);
-    is_kept[kept.index] = true;
-    from.push_back(kept.index);
+    Hypothesis& hypothesis = arranged.emplace_back(std::move(hypotheses[kept.index]));
+    hypothesis.log_posterior = kept.log_posterior;
+    hypothesis.sonar_part = held_by_sonar(hypothesis, best_sonar, params_);
   }
-  for (std::uint32_t i = 0; i < hypotheses.size(); ++i) {
-    if (!is_kept[i]) {
-      from.push_back(i);
-    }
-  }
-  for (std::uint32_t start = 0; start < from.size(); ++start) {
-    if (from[start] == start) {
-      continue;
-    }
-    Hypothesis first = std::move(hypotheses[start]);
-    std::uint32_t to = start;
-    while (from[to] != start) {
-      hypotheses[to] = std::move(hypotheses[from[to]]);
-      to = std::exchange(from[to], to);
-    }
-    hypotheses[to] = std::move(first);
-    from[to] = to;
-  }
-  hypotheses.resize(kept_.size());
+  hypotheses = std::move(arranged);
 }
 
 }  // namespace luminav

@@ -115,7 +115,7 @@ void HypothesisSeeding::spawn(const Fixture& fixture, const std::vector<Hypothes
   Eigen::Matrix3d noise =
       white_sighting_covariance(sighting_, fixture, model_.errors) +
       systematic_sighting_covariance(sighting_, model_.height_above_camera(), 0.3, 0.3, model_.errors);
-  noise(2, 2) += turns.variance;
+  noise(2, 2) += fixture.shape == FixtureShape::kRound ? turns.variance - kNoAngle : 0.0;
   for (int turn = 0; turn < turns.count; ++turn) {
     Hypothesis hypothesis;
     hypothesis.belief.pose = fixture.world_from_fixture * Pose2{0.0, 0.0, wrap_angle(turn * turns.step)} *

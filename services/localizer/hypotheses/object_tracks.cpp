@@ -54,11 +54,7 @@ std::vector<int> ObjectTracks::update(const SightingFrame& frame, const Pose2& o
                                          position_covariance_in_odom(object.best, object.odom_from_robot) +
                                          kDrift * kDrift * Eigen::Matrix2d::Identity();
       const Eigen::Vector2d offset = odom_from_sighting.position() - object.odom_from_object.position();
-      const double determinant = covariance.determinant();
-      const double squared =
-          (covariance(1, 1) * offset.x() * offset.x() - 2.0 * covariance(0, 1) * offset.x() * offset.y() +
-           covariance(0, 0) * offset.y() * offset.y()) /
-          determinant;
+      const double squared = offset.dot(covariance.inverse() * offset);
       if (squared < min) {
         min = squared;
         nearest = static_cast<int>(i);

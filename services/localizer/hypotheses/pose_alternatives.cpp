@@ -30,7 +30,7 @@ std::vector<WeightedPose> weigh(const HypothesisBank& bank, const Pose2& ahead, 
     sum += std::exp(score(hypothesis) - best);
   }
   for (std::size_t i = 0; i < std::min(max, hypotheses.size()); ++i) {
-    result.push_back({bank.pose_now(i) * ahead, std::exp(score(hypotheses[i]) - best) / sum,
+    result.push_back({bank.belief_now(i).pose * ahead, std::exp(score(hypotheses[i]) - best) / sum,
                       position_sigma(hypotheses[i].belief.covariance)});
   }
   return result;

@@ -52,6 +52,9 @@ Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const
   covariance(0, 0) += squared(params.sighting_position);
   covariance(1, 1) += squared(params.sighting_position);
   covariance(2, 2) += squared(params.sighting_heading);
+  if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
+    covariance(2, 2) += kNoAngle;
+  }
   const bool is_half = sighting.state == SightingState::kHalf;
   const bool is_stretch = sighting.clipped && !sighting.near_end_visible && !sighting.far_end_visible;
   if (!is_half && !is_stretch) {

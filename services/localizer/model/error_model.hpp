@@ -38,8 +38,11 @@ Eigen::Matrix3d odometry_noise(const Pose2& delta, double wheel_base, const Erro
 /// step's share in `memory` [m], so that it is right for gaps of about that length.
 Eigen::Matrix3d odometry_noise_with_systematics(const Pose2& delta, double wheel_base, const ErrorParams& params);
 
+/// A variance that says "not measured" [rad^2].
+inline constexpr double kNoAngle = 1e4;
+
 /// White part of a sighting's covariance, robot frame: the detector's own, with a floor, and what a half-lit
-/// fixture leaves open.
+/// fixture leaves open. The angle of one that shows none has kNoAngle.
 Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const Fixture& fixture,
                                           const ErrorParams& params);
 

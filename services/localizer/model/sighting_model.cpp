@@ -26,10 +26,7 @@ Eigen::Vector3d sighting_residual(const FixtureSighting& sighting, const Pose2& 
 }
 
 Innovation innovate(const PoseBelief& belief, const FixtureSighting& sighting, const Fixture& fixture,
-                    Eigen::Matrix3d noise) {
-  if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
-    noise(2, 2) += kNoAngle;
-  }
+                    const Eigen::Matrix3d& noise) {
   const ExpectedSighting expected = expect_sighting(belief.pose, fixture.world_from_fixture);
   Innovation innovation;
   innovation.residual = sighting_residual(sighting, expected.robot_from_fixture, fixture.shape);
@@ -41,21 +38,8 @@ Innovation innovate(const PoseBelief& belief, const FixtureSighting& sighting, c
   return innovation;
 }
 
-namespace {
-
-/// robot's pose by sighting, the inverse of expect_sighting's Jacobian: there the position's part is a rotation.
-Eigen::Matrix3d inverse_of_jacobian(const Eigen::Matrix3d& j) {
-  Eigen::Matrix3d inverse;
-  inverse << j(0, 0), j(1, 0), j(0, 0) * j(0, 2) + j(1, 0) * j(1, 2),  //
-      j(0, 1), j(1, 1), j(0, 1) * j(0, 2) + j(1, 1) * j(1, 2),         //
-      0.0, 0.0, -1.0;
-  return inverse;
-}
-
-}  // namespace
-
 void correct(PoseBelief& belief, const Innovation& innovation, const Eigen::Matrix3d& noise) {
-  const Eigen::Matrix3d pose_by_sighting = inverse_of_jacobian(innovation.jacobian);
+  const Eigen::Matrix3d pose_by_sighting = innovation.jacobian.inverse();
   fuse_pose(belief, pose_by_sighting * innovation.residual, pose_by_sighting * noise * pose_by_sighting.transpose());
 }
 

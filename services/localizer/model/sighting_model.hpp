@@ -9,9 +9,6 @@
 
 namespace luminav {
 
-/// A variance that says "not measured" [rad^2].
-inline constexpr double kNoAngle = 1e4;
-
 /// Where a fixture appears in the robot frame, and how that changes with the robot's pose.
 struct ExpectedSighting {
   Pose2 robot_from_fixture;
@@ -34,9 +31,9 @@ struct Innovation {
   double log_volume = 0.0;                                   // half the log of det(covariance) / det(noise)
 };
 
-/// Innovation of a belief; `noise` is the sighting's whole covariance (an angle not measured gets kNoAngle).
+/// Innovation of a belief; `noise` is the sighting's whole covariance, as of white_sighting_covariance.
 Innovation innovate(const PoseBelief& belief, const FixtureSighting& sighting, const Fixture& fixture,
-                    Eigen::Matrix3d noise);
+                    const Eigen::Matrix3d& noise);
 
 /// Kalman correction with a noise that may be larger than the one the innovation was gated with.
 void correct(PoseBelief& belief, const Innovation& innovation, const Eigen::Matrix3d& noise);

@@ -201,9 +201,6 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
     expectation.noise.diagonal() += Eigen::Vector3d(
         squared(errors_.fixture_position), squared(errors_.fixture_position), squared(errors_.fixture_heading));
   }
-  if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
-    expectation.noise(2, 2) += kNoAngle;
-  }
   return expectation;
 }
 
