@@ -219,6 +219,9 @@ void ModernLocalizer::begin_at_rest() {
 
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
                             const OdometryReading& odometry) {
+  for (const int fixture : model_.fixtures.doubted()) {
+    filter_.doubt(fixture);
+  }
   const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
   const auto contradiction = monitor_.look(frame, objects, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
                                            distance_since_fixture(), supervisor_.is_suspected());
@@ -276,9 +279,10 @@ std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const Sight
   for (const FixtureMatch& match : matches) {
     const FixtureSighting& sighting = frame.sightings[match.sighting];
     const Fixture& fixture = model_.fixtures[match.fixture];
-    if (filter.innovate(sighting, match.fixture, fixture, odometry.linear, odometry.angular).nis >
-        params_.tracking.gate) {
-      filter.widen(kFixtureSurprise);
+    const Innovation innovation =
+        filter.innovate(sighting, match.fixture, fixture, odometry.linear, odometry.angular);
+    if (innovation.nis > params_.tracking.gate) {
+      filter.share(innovation.residual, match.fixture, odometer_);
     }
     nis.push_back(filter.correct(sighting, match.fixture, fixture, odometry.linear, odometry.angular, odometer_));
   }

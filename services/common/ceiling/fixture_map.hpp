@@ -37,6 +37,7 @@ class FixtureMap {
   /// It was missed though the pose was right (moved, dead or gone): that it is not seen says nothing any more.
   void doubt(int index) { doubted_.insert(index); }
   [[nodiscard]] bool is_doubted(int index) const { return doubted_.count(index) > 0; }
+  [[nodiscard]] const std::set<int>& doubted() const { return doubted_; }
   /// Something is seen there [world] that no fixture explains, and the pose is right.
   void add_stranger(const Eigen::Vector2d& place);
   /// What is seen there is known to be no fixture, or one that hangs elsewhere than the file says.

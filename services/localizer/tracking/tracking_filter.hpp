@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <map>
 
 #include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/model/error_model.hpp"
@@ -42,6 +43,11 @@ class TrackingFilter {
 
   /// Admits that the pose is less sure than thought.
   void widen(const Eigen::Vector3d& variances) { covariance_.topLeftCorner<3, 3>().diagonal() += variances; }
+  /// Takes it that a fixture may hang elsewhere than the file says. Where it hangs is estimated when it is seen, and
+  /// remembered when it is seen again.
+  void doubt(int fixture);
+  /// Admits that either the pose or the fixture is off by a residual [m, m, rad] that neither explains.
+  void share(const Eigen::Vector3d& residual, int fixture, double odometer);
   /// Moves on by a step that no odometry measured; its covariance in the frame at its beginning.
   void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
 
@@ -70,13 +76,19 @@ class TrackingFilter {
     Jacobian jacobian;
     Eigen::Matrix3d noise;
   };
+  struct FixtureOffset {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  };
   struct Slot {
     int fixture = -1;
     double odometer = 0.0;  // [m] when last used
   };
-  [[nodiscard]] Expectation expect(const FixtureSighting& sighting, const Fixture& fixture, int slot, double linear,
-                                   double angular) const;
+  [[nodiscard]] Expectation expect(const FixtureSighting& sighting, int index, const Fixture& fixture, int slot,
+                                   double linear, double angular) const;
   [[nodiscard]] int slot_of(int fixture) const;
+  /// Of a fixture that is in no slot.
+  [[nodiscard]] FixtureOffset prior_of(int fixture) const;
   int take_slot(int fixture, double odometer);
   [[nodiscard]] Pose2 corrected(const Pose2& delta) const;
 
@@ -88,6 +100,7 @@ class TrackingFilter {
   State state_ = State::Zero();
   Covariance covariance_ = Covariance::Identity();
   std::array<Slot, kSlots> slots_;
+  std::map<int, FixtureOffset> doubted_;  // fixtures that may hang elsewhere
 };
 
 }  // namespace luminav
