@@ -260,6 +260,7 @@ void ModernLocalizer::suspect(const Contradiction& contradiction, const Sighting
   const bool is_same = is_same_place(filter_.belief().pose, belief.pose, params_.hypotheses);
   if (!hangs_elsewhere && is_same) {
     filter_ = moved;  // the bank does not tell the two apart
+    monitor_.forget_misfit();
   }
   supervisor_.suspect(contradiction);
   if (!hangs_elsewhere && !is_same) {

@@ -47,6 +47,7 @@ class MatchMonitor {
   /// The pose is TRACKING again. With `was_suspected` it is the pose that was suspected: then the map is doubted, at
   /// the fixture that was missing or where the object was seen.
   void confirm(bool was_suspected);
+  void forget_misfit() { misfit_.reset(); }
 
  private:
   /// Restarts the counts of the images in a row.
