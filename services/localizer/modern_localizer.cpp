@@ -280,10 +280,9 @@ std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const Sight
   for (const FixtureMatch& match : matches) {
     const FixtureSighting& sighting = frame.sightings[match.sighting];
     const Fixture& fixture = model_.fixtures[match.fixture];
-    const Innovation innovation =
-        filter.innovate(sighting, match.fixture, fixture, odometry.linear, odometry.angular);
-    if (innovation.nis > params_.tracking.gate) {
-      filter.share(innovation.residual, match.fixture, odometer_);
+    if (filter.innovate(sighting, match.fixture, fixture, odometry.linear, odometry.angular).nis >
+        params_.tracking.gate) {
+      filter.widen(kFixtureSurprise);
     }
     nis.push_back(filter.correct(sighting, match.fixture, fixture, odometry.linear, odometry.angular, odometer_));
   }

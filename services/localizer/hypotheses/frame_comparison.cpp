@@ -7,9 +7,6 @@ namespace luminav {
 namespace {
 
 constexpr double kStranger = -2.0;  // log-likelihood of what is in no file, where such things are known to hang
-// Of a fixture of the right kind that hangs elsewhere than the file says, so far at most [m].
-constexpr double kHangsElsewhere = -4.5;
-constexpr double kMaxOffset = 0.6;
 
 }  // namespace
 
@@ -48,7 +45,6 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
     result.log_likelihood[pair.sighting] = pair.log_likelihood;
     taken.push_back(pair.fixture);
   }
-  find_moved(belief, near, taken, result);
   for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
     if (result.fixture_of_sighting[i] < 0 &&
         (!model_.is_complete ||
@@ -56,29 +52,8 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
       result.log_likelihood[i] = kStranger;
     }
   }
-  expect(belief, near, taken, result);
+  expect(belief, near, result);
   return result;
-}
-
-void FrameComparer::find_moved(const PoseBelief& belief, const std::vector<int>& near, std::vector<int>& taken,
-                               FrameComparison& result) const {
-  for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
-    if (result.fixture_of_sighting[i] >= 0) {
-      continue;
-    }
-    const FixtureSighting& sighting = frame_.sightings[i];
-    const Eigen::Vector2d place = belief.pose * sighting.robot_from_fixture.position();
-    const auto moved = std::find_if(near.begin(), near.end(), [&](int index) {
-      const Fixture& fixture = model_.fixtures[index];
-      return (fixture.world_from_fixture.position() - place).norm() < kMaxOffset &&
-             fits_kind_and_size(sighting, fixture, KindGate{}) &&
-             std::find(taken.begin(), taken.end(), index) == taken.end();
-    });
-    if (moved != near.end()) {
-      result.log_likelihood[i] = kHangsElsewhere;
-      taken.push_back(*moved);
-    }
-  }
 }
 
 void FrameComparer::find_pairs(const PoseBelief& belief, const std::vector<int>& near, std::vector<Pair>& pairs) const {
@@ -102,8 +77,7 @@ void FrameComparer::find_pairs(const PoseBelief& belief, const std::vector<int>&
   }
 }
 
-void FrameComparer::expect(const PoseBelief& belief, const std::vector<int>& near, const std::vector<int>& taken,
-                           FrameComparison& result) const {
+void FrameComparer::expect(const PoseBelief& belief, const std::vector<int>& near, FrameComparison& result) const {
   const double margin = params_.miss_margin + 2.0 * position_sigma(belief.covariance);
   const Pose2 robot_from_world = belief.pose.inverse();
   const PointTransform to_robot(robot_from_world);
@@ -116,9 +90,10 @@ void FrameComparer::expect(const PoseBelief& belief, const std::vector<int>& nea
       continue;
     }
     const bool something_there =
-        std::find(taken.begin(), taken.end(), index) != taken.end() ||
         std::any_of(frame_.sightings.begin(), frame_.sightings.end(), [&](const FixtureSighting& s) {
-          return distance(s.robot_from_fixture, robot_from_fixture) < 0.5 * fixture.length + 0.2;
+          const double offset = distance(s.robot_from_fixture, robot_from_fixture);
+          return offset < 0.5 * fixture.length + 0.2 ||
+                 (offset < FixtureMap::kMaxOffset && fits_kind_and_size(s, fixture, KindGate{}));
         });
     if (!something_there && !frame_.shows_unlit) {
       continue;  // it may hang there unlit

@@ -37,11 +37,7 @@ class FrameComparer {
     double nis = 0.0;
   };
   void find_pairs(const PoseBelief& belief, const std::vector<int>& near, std::vector<Pair>& pairs) const;
-  /// Sightings that fit no fixture where the file has it but one that may hang elsewhere; such are added to `taken`.
-  void find_moved(const PoseBelief& belief, const std::vector<int>& near, std::vector<int>& taken,
-                  FrameComparison& result) const;
-  void expect(const PoseBelief& belief, const std::vector<int>& near, const std::vector<int>& taken,
-              FrameComparison& result) const;
+  void expect(const PoseBelief& belief, const std::vector<int>& near, FrameComparison& result) const;
 
   const SightingFrame& frame_;
   const ObservationModel& model_;

@@ -74,7 +74,7 @@ void MatchMonitor::confirm(bool was_suspected) {
   if (was_suspected && misfit_) {
     map_.add_stranger(*misfit_);
     std::vector<int> near;
-    map_.find_near(*misfit_, 0.6, near);
+    map_.find_near(*misfit_, FixtureMap::kMaxOffset, near);
     for (const int fixture : near) {
       map_.doubt(fixture);
     }

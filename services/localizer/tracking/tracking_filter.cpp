@@ -141,12 +141,12 @@ int TrackingFilter::take_slot(int fixture, double odometer) {
       return (a.fixture < 0 ? -1.0 : a.odometer) < (b.fixture < 0 ? -1.0 : b.odometer);
     });
     slot = static_cast<int>(oldest - slots_.begin());
-    const int first = kFixtures + 3 * slot;
-    if (const auto known = doubted_.find(oldest->fixture); known != doubted_.end()) {
-      known->second = {state_.segment<3>(first), covariance_.block<3, 3>(first, first)};
+    const FixtureOffset prior = offset_of(fixture);
+    if (const auto leaving = doubted_.find(oldest->fixture); leaving != doubted_.end()) {
+      leaving->second = offset_of(leaving->first);
     }
     oldest->fixture = fixture;
-    const FixtureOffset prior = prior_of(fixture);
+    const int first = kFixtures + 3 * slot;
     state_.segment<3>(first) = prior.mean;
     covariance_.middleRows<3>(first).setZero();
     covariance_.middleCols<3>(first).setZero();
@@ -156,7 +156,11 @@ int TrackingFilter::take_slot(int fixture, double odometer) {
   return slot;
 }
 
-TrackingFilter::FixtureOffset TrackingFilter::prior_of(int fixture) const {
+FixtureOffset TrackingFilter::offset_of(int fixture) const {
+  if (const int slot = slot_of(fixture); slot >= 0) {
+    const int first = kFixtures + 3 * slot;
+    return {state_.segment<3>(first), covariance_.block<3, 3>(first, first)};
+  }
   if (const auto known = doubted_.find(fixture); known != doubted_.end()) {
     return known->second;
   }
@@ -175,22 +179,13 @@ void TrackingFilter::doubt(int fixture) {
   }
 }
 
-void TrackingFilter::share(const Eigen::Vector3d& residual, int fixture, double odometer) {
-  (void)residual;
-  (void)odometer;
-  if (doubted_.count(fixture) == 0) {
-    widen({0.0036, 0.0036, 0.0007});
-  }
-}
-
 TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighting, int index, const Fixture& fixture,
                                                    int slot, double linear, double angular) const {
   Pose2 world_from_fixture = fixture.world_from_fixture;
-  const FixtureOffset prior = prior_of(index);
-  const Eigen::Vector3d offset = slot >= 0 ? state_.segment<3>(kFixtures + 3 * slot).eval() : prior.mean;
-  world_from_fixture.x += offset.x();
-  world_from_fixture.y += offset.y();
-  world_from_fixture.theta += offset.z();
+  const FixtureOffset offset = offset_of(index);
+  world_from_fixture.x += offset.mean.x();
+  world_from_fixture.y += offset.mean.y();
+  world_from_fixture.theta += offset.mean.z();
   const Pose2 pose{state_(0), state_(1), state_(2)};
   const ExpectedSighting ideal = expect_sighting(pose, world_from_fixture);
   const double x = ideal.robot_from_fixture.x;
@@ -232,7 +227,7 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
   if (slot >= 0) {
     expectation.jacobian.middleCols<3>(kFixtures + 3 * slot) = by_fixture;
   } else {
-    expectation.noise += by_fixture * prior.covariance * by_fixture.transpose();
+    expectation.noise += by_fixture * offset.covariance * by_fixture.transpose();
   }
   if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
     expectation.noise(2, 2) += kNoAngle;

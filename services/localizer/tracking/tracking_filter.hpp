@@ -20,6 +20,12 @@ struct TrackingParams {
   double floor_length = 1.0;   // [m] over which the floor's tilt changes
 };
 
+/// How far a fixture hangs from where the building's file has it, along the world's axes and turned. [m, m, rad]
+struct FixtureOffset {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
 /// Extended Kalman filter of the robot's pose together with what is wrong with robot, camera and the fixtures seen
 /// lately. Because the errors that do not average away are states with a known prior, looking at one fixture for long
 /// does not make the pose surer than fixture and camera are; and what driving reveals of them is put to use.
@@ -43,11 +49,12 @@ class TrackingFilter {
 
   /// Admits that the pose is less sure than thought.
   void widen(const Eigen::Vector3d& variances) { covariance_.topLeftCorner<3, 3>().diagonal() += variances; }
-  /// Takes it that a fixture may hang elsewhere than the file says. Where it hangs is estimated when it is seen, and
-  /// remembered when it is seen again.
+  /// Takes it that a fixture may hang elsewhere than the file says: from then on it tells less of the pose, and the
+  /// pose, known by others, tells where it hangs.
   void doubt(int fixture);
-  /// Admits that either the pose or the fixture is off by a residual [m, m, rad] that neither explains.
-  void share(const Eigen::Vector3d& residual, int fixture, double odometer);
+  /// Returns how far a fixture hangs from its place in the file, by what was seen of it lately or, if it is doubted,
+  /// ever.
+  [[nodiscard]] FixtureOffset offset_of(int fixture) const;
   /// Moves on by a step that no odometry measured; its covariance in the frame at its beginning.
   void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
 
@@ -76,10 +83,6 @@ class TrackingFilter {
     Jacobian jacobian;
     Eigen::Matrix3d noise;
   };
-  struct FixtureOffset {
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  };
   struct Slot {
     int fixture = -1;
     double odometer = 0.0;  // [m] when last used
@@ -87,8 +90,6 @@ class TrackingFilter {
   [[nodiscard]] Expectation expect(const FixtureSighting& sighting, int index, const Fixture& fixture, int slot,
                                    double linear, double angular) const;
   [[nodiscard]] int slot_of(int fixture) const;
-  /// Of a fixture that is in no slot.
-  [[nodiscard]] FixtureOffset prior_of(int fixture) const;
   int take_slot(int fixture, double odometer);
   [[nodiscard]] Pose2 corrected(const Pose2& delta) const;
 
@@ -100,7 +101,7 @@ class TrackingFilter {
   State state_ = State::Zero();
   Covariance covariance_ = Covariance::Identity();
   std::array<Slot, kSlots> slots_;
-  std::map<int, FixtureOffset> doubted_;  // fixtures that may hang elsewhere
+  std::map<int, FixtureOffset> doubted_;  // where they were when seen last
 };
 
 }  // namespace luminav
