@@ -219,6 +219,9 @@ void ModernLocalizer::begin_at_rest() {
 
 void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
                             const OdometryReading& odometry) {
+  for (const int fixture : model_.fixtures.doubted()) {
+    filter_.doubt(fixture);
+  }
   const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
   const auto contradiction = monitor_.look(frame, objects, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
                                            distance_since_fixture(), supervisor_.is_suspected());
@@ -257,6 +260,7 @@ void ModernLocalizer::suspect(const Contradiction& contradiction, const Sighting
   const bool is_same = is_same_place(filter_.belief().pose, belief.pose, params_.hypotheses);
   if (!hangs_elsewhere && is_same) {
     filter_ = moved;  // the bank does not tell the two apart
+    monitor_.forget_misfit();
   }
   supervisor_.suspect(contradiction);
   if (!hangs_elsewhere && !is_same) {

@@ -22,6 +22,8 @@ struct KindGate {
 /// known pose taught about their file, by which all poses are judged: a doubt of a fixture is none of the pose.
 class FixtureMap {
  public:
+  static constexpr double kMaxOffset = 0.6;  // [m] a fixture that hangs elsewhere is looked for within it
+
   explicit FixtureMap(std::vector<Fixture> fixtures, double cell = 3.0);
 
   [[nodiscard]] const std::vector<Fixture>& fixtures() const { return fixtures_; }
@@ -34,9 +36,12 @@ class FixtureMap {
   /// The smallest distance [m] between two fixtures' centres; 1e9 with fewer than two.
   [[nodiscard]] double smallest_spacing() const { return smallest_spacing_; }
 
-  /// It was missed though the pose was right (moved, dead or gone): that it is not seen says nothing any more.
+  /// It was missed, or seen elsewhere, though the pose was right (moved, dead or gone): that it is not seen says
+  /// nothing any more.
   void doubt(int index) { doubted_.insert(index); }
   [[nodiscard]] bool is_doubted(int index) const { return doubted_.count(index) > 0; }
+  /// Indices of the fixtures in doubt.
+  [[nodiscard]] const std::set<int>& doubted() const { return doubted_; }
   /// Something is seen there [world] that no fixture explains, and the pose is right.
   void add_stranger(const Eigen::Vector2d& place);
   /// What is seen there is known to be no fixture, or one that hangs elsewhere than the file says.

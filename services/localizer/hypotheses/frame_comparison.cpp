@@ -91,7 +91,9 @@ void FrameComparer::expect(const PoseBelief& belief, const std::vector<int>& nea
     }
     const bool something_there =
         std::any_of(frame_.sightings.begin(), frame_.sightings.end(), [&](const FixtureSighting& s) {
-          return distance(s.robot_from_fixture, robot_from_fixture) < 0.5 * fixture.length + 0.2;
+          const double offset = distance(s.robot_from_fixture, robot_from_fixture);
+          return offset < 0.5 * fixture.length + 0.2 ||
+                 (offset < FixtureMap::kMaxOffset && fits_kind_and_size(s, fixture, KindGate{}));
         });
     if (!something_there && !frame_.shows_unlit) {
       continue;  // it may hang there unlit

@@ -73,6 +73,11 @@ void MatchMonitor::confirm(bool was_suspected) {
   }
   if (was_suspected && misfit_) {
     map_.add_stranger(*misfit_);
+    std::vector<int> near;
+    map_.find_near(*misfit_, FixtureMap::kMaxOffset, near);
+    for (const int fixture : near) {
+      map_.doubt(fixture);
+    }
   }
   missed_fixture_ = -1;
   misfit_.reset();

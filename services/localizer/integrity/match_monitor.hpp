@@ -47,6 +47,8 @@ class MatchMonitor {
   /// The pose is TRACKING again. With `was_suspected` it is the pose that was suspected: then the map is doubted, at
   /// the fixture that was missing or where the object was seen.
   void confirm(bool was_suspected);
+  /// The pose was corrected by what it did not explain: that is no fault of the map.
+  void forget_misfit() { misfit_.reset(); }
 
  private:
   /// Restarts the counts of the images in a row.

@@ -12,6 +12,7 @@ namespace {
 constexpr double kRefuted = 6.0;                // log-score behind the best at which a leader is one no more
 constexpr double kSamePlace = 0.5;              // [m] a guess that near
 constexpr double kSameHeading = radians(20.0);  // and so little turned means the tracked pose
+constexpr double kDeviations = 3.0;             // by which a doubted fixture must be off to be named
 constexpr int kRestartFrames = 12;              // images with sightings that no hypothesis explains: begin anew
 constexpr const char* kNoFixtures = "the building's file names no fixtures";
 
@@ -118,10 +119,23 @@ void TrackingSupervisor::judge_tracked_pose(double distance_since_fixture) {
   } else {
     reason_ = fmt::format("one pose explains all that was seen; known to {:.0f} mm and {:.1f} degrees", 1e3 * sigma,
                           degrees(heading_sigma));
-    if (map_.doubts() > 0) {
-      reason_ += fmt::format("; the building's file is doubted at {} places", map_.doubts());
+    reason_ += describe_doubts();
+  }
+}
+
+std::string TrackingSupervisor::describe_doubts() const {
+  if (map_.doubts() == 0) {
+    return "";
+  }
+  std::string text = fmt::format("; the building's file is doubted at {} places", map_.doubts());
+  for (const int fixture : map_.doubted()) {
+    const FixtureOffset offset = filter_.offset_of(fixture);
+    const double sigma = largest_position_sigma(offset.covariance);
+    if (offset.mean.head<2>().norm() > kDeviations * sigma) {
+      text += fmt::format(", fixture {} hangs {:.2f} m off it", map_[fixture].id, offset.mean.head<2>().norm());
     }
   }
+  return text;
 }
 
 bool TrackingSupervisor::resume_tracking(const SightingFrame& frame) {

@@ -57,6 +57,8 @@ class TrackingSupervisor {
   void drop_refuted_leader();
   [[nodiscard]] bool begin_anew_if_unexplained(const SightingFrame& frame);
   void judge_tracked_pose(double distance_since_fixture);
+  /// What a known pose tells of the building's file: how many places are in doubt, and which fixtures hang elsewhere.
+  [[nodiscard]] std::string describe_doubts() const;
   [[nodiscard]] bool resume_tracking(const SightingFrame& frame);
   [[nodiscard]] bool may_declare(const Hypothesis& best, const SightingFrame& frame) const;
   [[nodiscard]] bool declare_tracking(const Hypothesis& best);

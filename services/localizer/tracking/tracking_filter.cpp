@@ -7,6 +7,9 @@
 namespace luminav {
 namespace {
 
+// How far a doubted fixture may hang from where the file has it: 0.3 m and 10 degrees. [m^2, m^2, rad^2]
+const Eigen::Vector3d kDoubted{0.09, 0.09, 0.03};
+
 double squared(double value) {
   return value * value;
 }
@@ -138,27 +141,51 @@ int TrackingFilter::take_slot(int fixture, double odometer) {
       return (a.fixture < 0 ? -1.0 : a.odometer) < (b.fixture < 0 ? -1.0 : b.odometer);
     });
     slot = static_cast<int>(oldest - slots_.begin());
+    const FixtureOffset prior = offset_of(fixture);
+    if (const auto leaving = doubted_.find(oldest->fixture); leaving != doubted_.end()) {
+      leaving->second = offset_of(leaving->first);
+    }
     oldest->fixture = fixture;
     const int first = kFixtures + 3 * slot;
-    state_.segment<3>(first).setZero();
+    state_.segment<3>(first) = prior.mean;
     covariance_.middleRows<3>(first).setZero();
     covariance_.middleCols<3>(first).setZero();
-    covariance_(first, first) = covariance_(first + 1, first + 1) = squared(errors_.fixture_position);
-    covariance_(first + 2, first + 2) = squared(errors_.fixture_heading);
+    covariance_.block<3, 3>(first, first) = prior.covariance;
   }
   slots_[static_cast<std::size_t>(slot)].odometer = odometer;
   return slot;
 }
 
-TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighting, const Fixture& fixture, int slot,
-                                                   double linear, double angular) const {
-  Pose2 world_from_fixture = fixture.world_from_fixture;
-  if (slot >= 0) {
+FixtureOffset TrackingFilter::offset_of(int fixture) const {
+  if (const int slot = slot_of(fixture); slot >= 0) {
     const int first = kFixtures + 3 * slot;
-    world_from_fixture.x += state_(first);
-    world_from_fixture.y += state_(first + 1);
-    world_from_fixture.theta += state_(first + 2);
+    return {state_.segment<3>(first), covariance_.block<3, 3>(first, first)};
   }
+  if (const auto known = doubted_.find(fixture); known != doubted_.end()) {
+    return known->second;
+  }
+  FixtureOffset prior;
+  prior.covariance.diagonal() << squared(errors_.fixture_position), squared(errors_.fixture_position),
+      squared(errors_.fixture_heading);
+  return prior;
+}
+
+void TrackingFilter::doubt(int fixture) {
+  if (!doubted_.try_emplace(fixture, FixtureOffset{Eigen::Vector3d::Zero(), kDoubted.asDiagonal()}).second) {
+    return;
+  }
+  if (const int slot = slot_of(fixture); slot >= 0) {
+    covariance_.diagonal().segment<3>(kFixtures + 3 * slot) += kDoubted;
+  }
+}
+
+TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighting, int index, const Fixture& fixture,
+                                                   int slot, double linear, double angular) const {
+  Pose2 world_from_fixture = fixture.world_from_fixture;
+  const FixtureOffset offset = offset_of(index);
+  world_from_fixture.x += offset.mean.x();
+  world_from_fixture.y += offset.mean.y();
+  world_from_fixture.theta += offset.mean.z();
   const Pose2 pose{state_(0), state_(1), state_(2)};
   const ExpectedSighting ideal = expect_sighting(pose, world_from_fixture);
   const double x = ideal.robot_from_fixture.x;
@@ -193,20 +220,21 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
   expectation.jacobian.col(kTime) = by_time;
   expectation.jacobian.col(kLens) = by_lens;
   expectation.noise = white_sighting_covariance(sighting, fixture, errors_);
+  // the fixture's place moves the picture as the robot's moves it back; its heading turns it about its own centre
+  Eigen::Matrix3d by_fixture = Eigen::Matrix3d::Zero();
+  by_fixture.leftCols<2>() = -ideal.jacobian.leftCols<2>();
+  by_fixture(2, 2) = 1.0;
   if (slot >= 0) {
-    // the fixture's place moves the picture as the robot's moves it back; its heading turns it about its own centre
-    expectation.jacobian.middleCols<2>(kFixtures + 3 * slot) = -ideal.jacobian.leftCols<2>();
-    expectation.jacobian(2, kFixtures + 3 * slot + 2) = 1.0;
+    expectation.jacobian.middleCols<3>(kFixtures + 3 * slot) = by_fixture;
   } else {
-    expectation.noise.diagonal() += Eigen::Vector3d(
-        squared(errors_.fixture_position), squared(errors_.fixture_position), squared(errors_.fixture_heading));
+    expectation.noise += by_fixture * offset.covariance * by_fixture.transpose();
   }
   return expectation;
 }
 
 Innovation TrackingFilter::innovate(const FixtureSighting& sighting, int index, const Fixture& fixture, double linear,
                                     double angular) const {
-  const Expectation expectation = expect(sighting, fixture, slot_of(index), linear, angular);
+  const Expectation expectation = expect(sighting, index, fixture, slot_of(index), linear, angular);
   Innovation innovation;
   innovation.residual = expectation.residual;
   innovation.jacobian = expectation.jacobian.leftCols<3>();
@@ -220,7 +248,7 @@ Innovation TrackingFilter::innovate(const FixtureSighting& sighting, int index, 
 double TrackingFilter::correct(const FixtureSighting& sighting, int index, const Fixture& fixture, double linear,
                                double angular, double odometer) {
   const int slot = take_slot(index, odometer);
-  const Expectation expectation = expect(sighting, fixture, slot, linear, angular);
+  const Expectation expectation = expect(sighting, index, fixture, slot, linear, angular);
   const Eigen::Matrix<double, kSize, 3> cross = covariance_ * expectation.jacobian.transpose();
   const Eigen::Matrix3d innovation = expectation.jacobian * cross + expectation.noise;
   const Eigen::Matrix3d inverse = innovation.inverse();

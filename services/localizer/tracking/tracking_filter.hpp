@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <map>
 
 #include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/model/error_model.hpp"
@@ -17,6 +18,12 @@ struct TrackingParams {
   double wheel_walk = 0.0005;  // [fraction per sqrt m] of scale and turn: tyres and floors differ from place to place
   double drift_walk = 0.001;   // [rad/m per sqrt m] of the heading's drift per metre
   double floor_length = 1.0;   // [m] over which the floor's tilt changes
+};
+
+/// How far a fixture hangs from where the building's file has it, along the world's axes and turned. [m, m, rad]
+struct FixtureOffset {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
 /// Extended Kalman filter of the robot's pose together with what is wrong with robot, camera and the fixtures seen
@@ -42,6 +49,12 @@ class TrackingFilter {
 
   /// Admits that the pose is less sure than thought.
   void widen(const Eigen::Vector3d& variances) { covariance_.topLeftCorner<3, 3>().diagonal() += variances; }
+  /// Takes it that a fixture may hang elsewhere than the file says: from then on it tells less of the pose, and the
+  /// pose, known by others, tells where it hangs.
+  void doubt(int fixture);
+  /// Returns how far a fixture hangs from its place in the file, by what was seen of it lately or, if it is doubted,
+  /// ever.
+  [[nodiscard]] FixtureOffset offset_of(int fixture) const;
   /// Moves on by a step that no odometry measured; its covariance in the frame at its beginning.
   void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
 
@@ -74,8 +87,8 @@ class TrackingFilter {
     int fixture = -1;
     double odometer = 0.0;  // [m] when last used
   };
-  [[nodiscard]] Expectation expect(const FixtureSighting& sighting, const Fixture& fixture, int slot, double linear,
-                                   double angular) const;
+  [[nodiscard]] Expectation expect(const FixtureSighting& sighting, int index, const Fixture& fixture, int slot,
+                                   double linear, double angular) const;
   [[nodiscard]] int slot_of(int fixture) const;
   int take_slot(int fixture, double odometer);
   [[nodiscard]] Pose2 corrected(const Pose2& delta) const;
@@ -88,6 +101,7 @@ class TrackingFilter {
   State state_ = State::Zero();
   Covariance covariance_ = Covariance::Identity();
   std::array<Slot, kSlots> slots_;
+  std::map<int, FixtureOffset> doubted_;  // where they were when seen last
 };
 
 }  // namespace luminav

@@ -36,6 +36,25 @@ TEST_F(FrameComparisonTest, AFixtureInViewIsExpectedAndMissedWhereNothingIsSeen)
   EXPECT_EQ(compare({}).missed, std::vector{0});
 }
 
+TEST_F(FrameComparisonTest, AFixtureThatHangsElsewhereFitsNotAndIsNotMissed) {
+  Building building = one_fixture();
+  building.fixtures[0].shape = FixtureShape::kRound;
+  building.fixtures[0].length = building.fixtures[0].width = 0.3;
+  const ObservationModel model(building, {}, {}, {});
+  SightingFrame frame = frame_of_the_fixture();
+  FixtureSighting& sighting = frame.sightings[0];
+  sighting.shape = FixtureShape::kRound;
+  sighting.length = sighting.width = 0.3;
+  const auto look = [&](double offset) {
+    sighting.robot_from_fixture = {0.0, offset, 0.0};
+    const PoseBelief under{{5.0, 5.0, 0.0}, 1e-6 * Eigen::Matrix3d::Identity()};
+    return FrameComparer(frame, 0.0, 0.0, model, {}).compare(under);
+  };
+  EXPECT_EQ(look(0.5).fixture_of_sighting, std::vector{-1});
+  EXPECT_TRUE(look(0.5).missed.empty());
+  EXPECT_EQ(look(0.7).missed, std::vector{0});
+}
+
 TEST_F(FrameComparisonTest, APictureForTheLampsMissesNoneForTheyMayBeUnlit) {
   SightingFrame nothing;
   nothing.shows_unlit = false;

@@ -68,5 +68,37 @@ TEST(TrackingFilter, AConsideredErrorIsNeverEstimated) {
   EXPECT_LT(std::abs(filter.belief().pose.x), 0.02);
 }
 
+TEST(TrackingFilter, ADoubtedFixtureTellsWhereItHangsAndNotWhereTheRobotIs) {
+  const auto pose_after_fixture_beside_its_place = [](bool is_doubted) {
+    TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{});
+    filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()});
+    if (is_doubted) {
+      filter.doubt(0);
+    }
+    Fixture fixture;
+    fixture.world_from_fixture = {0.4, 0.0, 0.0};  // it hangs above the robot
+    filter.correct(overhead(), 0, fixture, 0.0, 0.0, 0.0);
+    EXPECT_EQ(filter.offset_of(0).mean.x() < -0.3, is_doubted);
+    return filter.belief().pose.x;
+  };
+  EXPECT_GT(pose_after_fixture_beside_its_place(false), 0.1);
+  EXPECT_LT(pose_after_fixture_beside_its_place(true), 0.02);
+}
+
+TEST(TrackingFilter, WhereADoubtedFixtureHangsIsRememberedWhenOthersWereSeen) {
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{});
+  filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()});
+  filter.doubt(0);
+  Fixture moved;
+  moved.world_from_fixture = {0.4, 0.0, 0.0};
+  filter.correct(overhead(), 0, moved, 0.0, 0.0, 0.0);
+  for (int i = 1; i <= TrackingFilter::kSlots; ++i) {
+    filter.correct(overhead(), i, Fixture{}, 0.0, 0.0, 0.0);
+  }
+  EXPECT_NEAR(filter.offset_of(0).mean.x(), -0.4, 0.05);
+  EXPECT_LT(filter.offset_of(0).covariance(0, 0), 0.05 * 0.05);
+  EXPECT_EQ(filter.offset_of(1 + TrackingFilter::kSlots).mean.norm(), 0.0);
+}
+
 }  // namespace
 }  // namespace luminav
