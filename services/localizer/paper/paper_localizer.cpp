@@ -28,13 +28,12 @@ bool has_moved(const std::optional<Pose2>& since, const Pose2& now, const Handov
 
 PaperLocalizer::PaperLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
                                const ErrorParams& errors, const PaperLocalizerParams& params, std::uint64_t seed)
-    : model_(building, walls, robot, errors),
+    : matcher_(building, walls, robot.camera, errors, {params.handover.gate, params.handover.view_margin}),
+      wheel_base_(robot.wheel_base),
+      errors_(errors),
       params_(params),
-      filter_(model_.fixtures, model_.walls, params.particles, seed),
-      confidence_(params.confidence) {
-  comparison_.gate = params.handover.gate;
-  comparison_.miss_margin = params.handover.view_margin;
-}
+      filter_(matcher_.map(), matcher_.walls(), params.particles, seed),
+      confidence_(params.confidence) {}
 
 void PaperLocalizer::add_odometry(const OdometryReading& reading) {
   const OdometryHistory& history = queue_.history();
@@ -85,36 +84,36 @@ void PaperLocalizer::step(const FrameQueue::TimedFrame& timed) {
   filter_odometry_ = timed.odometry;
   odometer_ += std::hypot(delta.x, delta.y);
   if (belief_) {
-    predict(*belief_, delta, odometry_noise_with_systematics(delta, model_.wheel_base, model_.errors));
-    step_kalman(timed.frame, timed.odometry);
+    predict(*belief_, delta, odometry_noise_with_systematics(delta, wheel_base_, errors_));
+    step_kalman(timed);
   } else {
     pending_ = pending_ * delta;
     for (PoseCluster& cluster : clusters_) {
       cluster.belief.pose = cluster.belief.pose * delta;
     }
     candidate_ = candidate_ ? std::optional<Pose2>(*candidate_ * delta) : std::nullopt;
-    step_particles(timed.frame, timed.odometry);
+    step_particles(timed);
   }
 }
 
-void PaperLocalizer::step_particles(const SightingFrame& frame, const OdometryReading& odometry) {
+void PaperLocalizer::step_particles(const FrameQueue::TimedFrame& timed) {
   const HandoverParams& rules = params_.handover;
-  const bool sees = !frame.sightings.empty() && model_.fixtures.size() > 0;
+  const bool sees = !timed.frame.sightings.empty() && matcher_.map().size() > 0;
   if (has_moved(std::optional<Pose2>(Pose2{}), pending_, rules)) {
     move_particles();
   }
-  if (sees && has_moved(update_odom_, odometry.odom_from_robot, rules)) {
-    update_odom_ = odometry.odom_from_robot;
+  if (sees && has_moved(update_odom_, timed.odometry.odom_from_robot, rules)) {
+    update_odom_ = timed.odometry.odom_from_robot;
     move_particles();
-    filter_.update(frame.sightings);
-    corrections_.note(frame.utime, odometer_);
-    clusters_ = find_clusters(filter_, model_.fixtures.smallest_spacing(), params_.clusters);
+    filter_.update(timed.frame.sightings);
+    corrections_.note(timed.frame.utime, odometer_);
+    clusters_ = find_clusters(filter_, matcher_.map().smallest_spacing(), params_.clusters);
     reason_ = fmt::format("the heaviest of {} clusters holds {:.0f} % of the weight, log ratio {:.1f}",
                           clusters_.size(), 100.0 * clusters_.front().weight, confidence_.log_ratio());
   }
-  if (!clusters_.empty() && has_moved(view_odom_, odometry.odom_from_robot, rules)) {
-    view_odom_ = odometry.odom_from_robot;
-    weigh_candidate({frame, odometry.linear, odometry.angular, model_, comparison_});
+  if (!clusters_.empty() && has_moved(view_odom_, timed.odometry.odom_from_robot, rules)) {
+    view_odom_ = timed.odometry.odom_from_robot;
+    weigh_candidate(timed);
   }
 }
 
@@ -124,17 +123,7 @@ void PaperLocalizer::move_particles() {
   pending_ = {};
 }
 
-ViewEvidence PaperLocalizer::view_from(const PoseBelief& belief, const FrameComparison& comparison) const {
-  ViewEvidence view;
-  for (const int fixture : comparison.fixture_of_sighting) {
-    (fixture >= 0 ? view.fits : view.misfits) += 1;
-  }
-  view.absent = static_cast<int>(comparison.missed.size());
-  view.is_in_wall = !model_.walls.is_free(belief.pose.position());
-  return view;
-}
-
-void PaperLocalizer::weigh_candidate(const FrameComparer& comparer) {
+void PaperLocalizer::weigh_candidate(const FrameQueue::TimedFrame& timed) {
   const HandoverParams& rules = params_.handover;
   const PoseCluster& best = clusters_.front();
   const Pose2& pose = best.belief.pose;
@@ -143,7 +132,7 @@ void PaperLocalizer::weigh_candidate(const FrameComparer& comparer) {
     confidence_.restart();
   }
   candidate_ = pose;
-  confidence_.add(view_from(best.belief, comparer.compare(best.belief)));
+  confidence_.add(matcher_.compare(best.belief, timed));
   const bool is_sharp = position_sigma(best.belief.covariance) <= rules.spread &&
                         std::sqrt(best.belief.covariance(2, 2)) <= rules.heading_spread;
   if (confidence_.is_sure() && is_sharp && best.weight >= rules.share) {
@@ -151,25 +140,22 @@ void PaperLocalizer::weigh_candidate(const FrameComparer& comparer) {
   }
 }
 
-void PaperLocalizer::step_kalman(const SightingFrame& frame, const OdometryReading& odometry) {
-  const FrameComparer comparer(frame, odometry.linear, odometry.angular, model_, comparison_);
-  const FrameComparison comparison = comparer.compare(*belief_);
+void PaperLocalizer::step_kalman(const FrameQueue::TimedFrame& timed) {
+  const OdometryReading& odometry = timed.odometry;
   if (has_moved(view_odom_, odometry.odom_from_robot, params_.handover)) {
     view_odom_ = odometry.odom_from_robot;
-    confidence_.add(view_from(*belief_, comparison));
+    confidence_.add(matcher_.compare(*belief_, timed));
   }
-  for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
-    if (comparison.fixture_of_sighting[i] < 0) {
+  for (const FixtureSighting& sighting : timed.frame.sightings) {
+    const int index = matcher_.match(*belief_, sighting, odometry);
+    if (index < 0) {
       continue;
     }
-    const FixtureSighting& sighting = frame.sightings[i];
-    const Fixture& fixture = model_.fixtures[comparison.fixture_of_sighting[i]];
-    const Eigen::Matrix3d noise =
-        params_.handover.images_per_view *
-        (white_sighting_covariance(sighting, fixture, model_.errors) + comparer.systematic_error(i));
+    const Fixture& fixture = matcher_.map()[index];
+    const Eigen::Matrix3d noise = params_.handover.images_per_view * matcher_.noise_of(sighting, fixture, odometry);
     const Innovation innovation = innovate(*belief_, sighting, fixture, noise);
     correct(*belief_, innovation, noise);
-    corrections_.add(frame.utime, odometer_, {innovation.nis});
+    corrections_.add(timed.frame.utime, odometer_, {innovation.nis});
     reason_ = "the Kalman filter follows the fixtures";
   }
   if (confidence_.is_refuted()) {
@@ -197,7 +183,7 @@ void PaperLocalizer::give_up(const std::string& why) {
 
 LocalizerEstimate PaperLocalizer::estimate() const {
   LocalizerEstimate estimate;
-  estimate.reason = model_.fixtures.size() == 0 ? "the building's file names no fixtures" : reason_;
+  estimate.reason = matcher_.map().size() == 0 ? "the building's file names no fixtures" : reason_;
   corrections_.write_to(estimate, odometer_);
   Pose2 ahead;
   if (filter_odometry_ && !queue_.history().is_empty()) {
@@ -207,7 +193,7 @@ LocalizerEstimate PaperLocalizer::estimate() const {
     estimate.state = confidence_.log_ratio() > 0.0 ? LocalizerState::kTracking : LocalizerState::kAmbiguous;
     estimate.estimator = EstimatorKind::kKalmanFilter;
     estimate.belief = *belief_;
-    predict(estimate.belief, ahead, odometry_noise_with_systematics(ahead, model_.wheel_base, model_.errors));
+    predict(estimate.belief, ahead, odometry_noise_with_systematics(ahead, wheel_base_, errors_));
   } else if (!clusters_.empty()) {
     estimate.state = LocalizerState::kAmbiguous;
     estimate.estimator = EstimatorKind::kParticleFilter;

@@ -6,13 +6,13 @@
 
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/hypotheses/frame_comparison.hpp"
+#include "services/localizer/model/error_model.hpp"
 #include "services/localizer/model/frame_queue.hpp"
 #include "services/localizer/model/localizer.hpp"
-#include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/paper/particle_filter.hpp"
 #include "services/localizer/paper/pose_clusters.hpp"
 #include "services/localizer/paper/pose_confidence.hpp"
+#include "services/localizer/paper/sighting_matcher.hpp"
 #include "services/localizer/tracking/correction_record.hpp"
 
 namespace luminav {
@@ -58,18 +58,17 @@ class PaperLocalizer final : public Localizer {
 
  private:
   void step(const FrameQueue::TimedFrame& timed);
-  void step_particles(const SightingFrame& frame, const OdometryReading& odometry);
-  void step_kalman(const SightingFrame& frame, const OdometryReading& odometry);
+  void step_particles(const FrameQueue::TimedFrame& timed);
+  void step_kalman(const FrameQueue::TimedFrame& timed);
   void move_particles();
-  void weigh_candidate(const FrameComparer& comparer);
-  /// How what an image shows fits a pose.
-  [[nodiscard]] ViewEvidence view_from(const PoseBelief& belief, const FrameComparison& comparison) const;
+  void weigh_candidate(const FrameQueue::TimedFrame& timed);
   void follow(const PoseBelief& belief, const std::string& why);
   void give_up(const std::string& why);
 
-  ObservationModel model_;
+  SightingMatcher matcher_;
+  double wheel_base_;  // [m]
+  ErrorParams errors_;
   PaperLocalizerParams params_;
-  HypothesisParams comparison_;  // when a fixture explains a sighting, and when it had to be sighted
   FrameQueue queue_;
   ParticleFilter filter_;
   std::vector<PoseCluster> clusters_;
