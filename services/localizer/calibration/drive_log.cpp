@@ -87,6 +87,19 @@ std::vector<OdometryReading> corrected(const std::vector<OdometryReading>& odome
   return result;
 }
 
+/// Takes the frames up to `end` [us of odometry] that came after `begin`; `next` moves on behind them.
+std::vector<SightingFrame> take_frames(const DriveLog& log, std::int64_t offset, std::int64_t begin, std::int64_t end,
+                                       std::size_t& next) {
+  std::vector<SightingFrame> taken;
+  for (; next < log.frames.size() && log.frames[next].utime + offset <= end; ++next) {
+    if (log.frames[next].utime + offset > begin) {
+      taken.push_back(log.frames[next]);
+      taken.back().utime += offset;
+    }
+  }
+  return taken;
+}
+
 }  // namespace
 
 FollowedDrive follow_drive(const DriveLog& log, const LocalizerConfig& config, double spacing, double turn) {
@@ -112,14 +125,9 @@ FollowedDrive follow_drive(const DriveLog& log, const LocalizerConfig& config, d
       has_kept = false;
     }
     // Frames reach the localizer with the odometry after them. What it believes then is carried back to each.
-    std::vector<SightingFrame> arrived;
-    for (; next_frame < log.frames.size() && log.frames[next_frame].utime + offset <= now.utime; ++next_frame) {
-      SightingFrame frame = log.frames[next_frame];
-      frame.utime += offset;
-      if (i > 0 && frame.utime > before.utime) {
-        localizer->add_frame(frame);
-        arrived.push_back(frame);
-      }
+    const std::vector<SightingFrame> arrived = take_frames(log, offset, before.utime, now.utime, next_frame);
+    for (const SightingFrame& frame : arrived) {
+      localizer->add_frame(frame);
     }
     localizer->add_odometry(now);
     const LocalizerEstimate estimate = localizer->estimate();
