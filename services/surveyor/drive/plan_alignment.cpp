@@ -7,7 +7,7 @@
 
 #include "services/common/building/distance_transform.hpp"
 #include "services/surveyor/known_building.hpp"
-#include "services/surveyor/survey/part_joining.hpp"
+#include "services/surveyor/parts/part_joining.hpp"
 
 namespace luminav {
 namespace {

@@ -50,6 +50,7 @@ SurveyEstimate merge(SurveyEstimate estimate, const std::vector<FixturePair>& pa
 /// Takes passes out of their fixture that, by the poses they were seen from, belong elsewhere by more than `limit` [m]
 /// or `limit_heading` [rad]: each becomes a fixture of its own again, and pairs of it and the others are told.
 std::vector<PassPair> split_what_disagrees(SurveyEstimate& estimate, const std::vector<FixturePass>& passes,
-                                           const CeilingKinds& kinds, double limit, double limit_heading);
+                                           const CeilingKinds& kinds, double limit = 0.15,
+                                           double limit_heading = radians(5.0));
 
 }  // namespace luminav

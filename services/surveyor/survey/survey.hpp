@@ -30,7 +30,4 @@ struct Survey {
 /// of its own. Cost: seconds for a drive of 600 m.
 Survey survey_drive(const SurveyDrive& drive, const SurveyModel& model);
 
-/// How far headings agree modulo a quarter turn: 1 = all, 0 = they point anywhere.
-double regularity_of(const SurveyEstimate& estimate, const CeilingKinds& kinds);
-
 }  // namespace luminav

@@ -1,4 +1,4 @@
-#include "services/surveyor/survey/part_joining.hpp"
+#include "services/surveyor/parts/part_joining.hpp"
 
 #include <algorithm>
 #include <cmath>

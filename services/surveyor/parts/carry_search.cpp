@@ -1,4 +1,4 @@
-#include "services/surveyor/survey/carry_search.hpp"
+#include "services/surveyor/parts/carry_search.hpp"
 
 #include <algorithm>
 #include <cmath>
