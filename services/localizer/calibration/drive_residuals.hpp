@@ -109,8 +109,9 @@ struct OdometryResidual {
     const T s = sin(from[2]);
     const T dx = to[0] - from[0];
     const T dy = to[1] - from[1];
-    const T ex = c * dx + s * dy - x;
-    const T ey = c * dy - s * dx - y;
+    // in metres of the wheels: a map that shrinks would take their noise with it
+    const T ex = (c * dx + s * dy - x) / (1.0 + wheels[0]);
+    const T ey = (c * dy - s * dx - y) / (1.0 + wheels[0]);
     const T et = wrapped_residual(T(to[2] - from[2] - theta), 2.0 * kPi);
     for (int row = 0; row < 3; ++row) {
       residual[row] = weight(row, 0) * ex + weight(row, 1) * ey + weight(row, 2) * et;

@@ -27,7 +27,20 @@ TEST(DriveResiduals, AreZeroForAMotionThatTheWheelsTold) {
   EXPECT_NEAR(std::hypot(error[0], error[1], error[2]), 0.0, 1e-12);
   const double larger[3] = {0.1, 0.0, 0.0};
   residual(from, to, larger, error);
-  EXPECT_NEAR(error[0], -0.1, 1e-12);
+  EXPECT_NEAR(error[0], -0.1 / 1.1, 1e-12);
+}
+
+TEST(DriveResiduals, AreAsLargeInASmallerMap) {
+  const OdometryResidual residual{{{1.0, 0.0, 0.0}}, 0.33, Eigen::Matrix3d::Identity()};
+  for (const double scale : {0.0, -0.05, 0.05}) {
+    const double from[3] = {0.0, 0.0, 0.0};
+    const double to[3] = {1.02 * (1.0 + scale), 0.03 * (1.0 + scale), 0.0};
+    const double wheels[3] = {scale, 0.0, 0.0};
+    double error[3] = {};
+    residual(from, to, wheels, error);
+    EXPECT_NEAR(error[0], 0.02, 1e-12);
+    EXPECT_NEAR(error[1], 0.03, 1e-12);
+  }
 }
 
 TEST(DriveResiduals, SeeAFixtureWhereItHangsAndLongerFromNearer) {
