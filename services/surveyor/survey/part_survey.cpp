@@ -4,6 +4,7 @@
 #include <complex>
 #include <utility>
 
+#include "services/surveyor/survey/fixture_compass.hpp"
 #include "services/surveyor/survey/straightening.hpp"
 #include "services/surveyor/survey/wheel_guess.hpp"
 
@@ -26,13 +27,11 @@ double distance_of(const std::vector<KeyFrame>& frames) {
   return sum;
 }
 
-/// Every pass a fixture of its own, along the path that the wheels told.
-SurveyEstimate first_estimate(const Survey& survey, const SurveyModel& model) {
+/// Every pass a fixture of its own, along a path.
+SurveyEstimate estimate_along(std::vector<Pose2> path, const WheelCorrection& wheels, const Survey& survey) {
   SurveyEstimate estimate;
-  const double wheel_base = model.robot.wheel_base;
-  const WheelCorrection wheels = guess_wheels(survey.frames, survey.passes, wheel_base, model.wheels);
   estimate.wheels = {wheels.scale, wheels.ratio, wheels.base};
-  estimate.poses = dead_reckoning(survey.frames, wheel_base, wheels);
+  estimate.poses = std::move(path);
   for (std::size_t p = 0; p < survey.passes.size(); ++p) {
     const FixturePass& pass = survey.passes[p];
     const PassSighting& middle = pass.sightings[pass.sightings.size() / 2];
@@ -98,12 +97,19 @@ Survey survey_part(std::vector<KeyFrame> frames, const SurveyModel& model) {
   survey.distance = distance_of(frames);
   survey.frames = std::move(frames);
   survey.passes = find_passes(survey.frames, model.kinds);
-  if (!survey.passes.empty()) {
-    const SurveyGraph graph(model, survey.frames, survey.passes);
-    survey.estimate = graph.optimise(first_estimate(survey, model), {});
-    const BuildingPrior prior = learn_prior(survey, model, graph);
-    close_loops(survey, model, graph, prior);
+  if (survey.passes.empty()) {
+    return survey;
   }
+  const SurveyGraph graph(model, survey.frames, survey.passes);
+  const double wheel_base = model.robot.wheel_base;
+  const WheelCorrection wheels = guess_wheels(survey.frames, survey.passes, wheel_base, model.wheels);
+  const std::vector<Pose2> path = dead_reckoning(survey.frames, wheel_base, wheels);
+  survey.estimate = estimate_along(hold_heading(path, survey.passes), wheels, survey);
+  const BuildingPrior prior = learn_prior(survey, model, graph);
+  if (prior.right_angle == 0.0) {
+    survey.estimate = graph.optimise(estimate_along(path, wheels, survey), prior);
+  }
+  close_loops(survey, model, graph, prior);
   return survey;
 }
 
