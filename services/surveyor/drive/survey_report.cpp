@@ -140,6 +140,23 @@ void add_known_remarks(const Survey& survey, const SurveyModel& model, std::vect
   }
 }
 
+/// Of what never burned among lamps that did, some may be none.
+void add_lamp_remarks(const Survey& survey, const std::vector<int>& ids, std::vector<std::string>& remarks) {
+  std::vector<int> dark;
+  for (std::size_t f = 0; f < survey.fixtures.size(); ++f) {
+    const SurveyedFixture& fixture = survey.estimate.fixtures[f];
+    if (fixture.known < 0 && !survey.fixtures[f].has_burned) {
+      dark.push_back(ids[f]);
+    }
+  }
+  if (!dark.empty() && 2 * dark.size() < survey.fixtures.size()) {
+    remarks.push_back(
+        fmt::format("fixtures {} never burned while most did: are they lamps? A vent of a lamp's size looks like one "
+                    "that is off; the robot finds its way by it all the same, and a report of lamps will call it dead",
+                    fmt::join(dark, ", ")));
+  }
+}
+
 void add_closure_remarks(const Survey& survey, const std::vector<int>& ids, std::vector<std::string>& remarks) {
   if (!has_closure(survey) && survey.distance > kLoopWay) {
     remarks.push_back(
@@ -200,7 +217,8 @@ json to_json(const SurveyedFixture& fixture, const JudgedFixture& judged) {
           {"theta", pose.theta},
           {"passes", fixture.passes.size()},
           {"seen", judged.seen},
-          {"expected", judged.expected}};
+          {"expected", judged.expected},
+          {"has_burned", judged.has_burned}};
 }
 
 }  // namespace
@@ -263,6 +281,7 @@ std::vector<std::string> remarks_on(const Survey& survey, const SurveyLog& log, 
   if (!survey.estimate.has_converged) {
     remarks.push_back("the estimate did not settle: do not drive by this map");
   }
+  add_lamp_remarks(survey, ids_of(survey, model), remarks);
   add_closure_remarks(survey, ids_of(survey, model), remarks);
   return remarks;
 }

@@ -27,6 +27,15 @@ std::set<int> frames_of(const SurveyedFixture& fixture, const std::vector<Fixtur
   return frames;
 }
 
+bool has_burned(const SurveyedFixture& fixture, const std::vector<FixturePass>& passes) {
+  return std::any_of(fixture.passes.begin(), fixture.passes.end(), [&](int pass) {
+    const std::vector<PassSighting>& sightings = passes[static_cast<std::size_t>(pass)].sightings;
+    return std::any_of(sightings.begin(), sightings.end(), [](const PassSighting& seen) {
+      return seen.sighting.state == SightingState::kLit || seen.sighting.state == SightingState::kHalf;
+    });
+  });
+}
+
 /// Whether two rectangles on the ceiling overlap by more than a share of their shorter sides, on the axes of both.
 bool overlap(const Fixture& a, const Pose2& world_from_a, const Fixture& b, const Pose2& world_from_b, double share) {
   const Eigen::Vector2d between = world_from_b.position() - world_from_a.position();
@@ -61,6 +70,7 @@ std::vector<JudgedFixture> judge_fixtures(const SurveyEstimate& estimate, const 
     const SurveyedFixture& fixture = estimate.fixtures[f];
     const std::set<int> seen_in = frames_of(fixture, passes);
     judged[f].seen = static_cast<int>(seen_in.size());
+    judged[f].has_burned = has_burned(fixture, passes);
     int seen_whole = 0;
     for (std::size_t i = 0; i < frames.size(); ++i) {
       const Pose2 robot_from_fixture = estimate.poses[i].inverse() * fixture.world_from_fixture;

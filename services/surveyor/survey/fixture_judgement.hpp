@@ -16,9 +16,10 @@ enum class Judgement {
 /// A fixture of an estimate, and how sure it is.
 struct JudgedFixture {
   Judgement judgement = Judgement::kFixture;
-  int seen = 0;        // key frames
-  int expected = 0;    // key frames that had all of it in view
-  double moved = 0.0;  // [m] from where the known building has it
+  int seen = 0;             // key frames
+  int expected = 0;         // key frames that had all of it in view
+  bool has_burned = false;  // seen lit, or half so
+  double moved = 0.0;       // [m] from where the known building has it
   // 1-sigma beside the place of the whole map, which nobody knows
   double sigma_along = 0.0;                              // [m] largest
   double sigma_across = 0.0;                             // [m] smallest

@@ -169,7 +169,8 @@ void judge(const WorldTruth& world, const Witness& witness, const ExploringOptio
       begin = point.utime <= written->begin_utime ? point.pose : begin;
     }
     result.score = score_survey(written->fixtures, world, path, begin * written->begin.inverse());
-    result.found = static_cast<int>(written->fixtures.size()) - result.score.doubled - result.score.invented;
+    const SurveyScore& score = result.score;
+    result.found = static_cast<int>(written->fixtures.size()) - score.doubled - score.alike - score.invented;
     result.floor_share = known_share(world, path, *written, result.score);
   }
   if (!options.picture_file.empty()) {

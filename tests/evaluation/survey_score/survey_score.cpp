@@ -13,6 +13,7 @@ namespace luminav {
 namespace {
 
 constexpr double kSame = 0.6;     // [m] between a surveyed fixture and the true one that it is
+constexpr double kAlike = 0.05;   // [m] by which an element's sides may differ from those of a fixture like it
 constexpr double kMinLook = 0.6;  // [m] of driving with all of a fixture in view
 constexpr double kMargin = 0.10;  // [m] to the border of the view
 constexpr int kRounds = 5;        // of matching and fitting
@@ -35,6 +36,17 @@ std::vector<int> match(const std::vector<ScoredFixture>& surveyed, const std::ve
     matches.push_back(nearest);
   }
   return matches;
+}
+
+/// Whether an element hangs there that looks like the surveyed fixture.
+bool is_an_element(const ScoredFixture& scored, const std::vector<CeilingElement>& elements,
+                   const Pose2& truth_from_survey) {
+  const Pose2 at = truth_from_survey * scored.fixture.world_from_fixture;
+  return std::any_of(elements.begin(), elements.end(), [&](const CeilingElement& element) {
+    return distance(at, element.world_from_element) < kSame &&
+           std::abs(element.length - scored.fixture.length) < kAlike &&
+           std::abs(element.width - scored.fixture.width) < kAlike;
+  });
 }
 
 struct Similarity {
@@ -120,7 +132,7 @@ SurveyScore score_survey(const std::vector<ScoredFixture>& surveyed, const World
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(similarity.rigid.theta).toRotationMatrix();
   for (std::size_t s = 0; s < surveyed.size(); ++s) {
     if (matches[s] < 0) {
-      ++score.invented;
+      ++(is_an_element(surveyed[s], world.building.elements, similarity.rigid) ? score.alike : score.invented);
       continue;
     }
     const Fixture& hangs = truth[static_cast<std::size_t>(matches[s])];
@@ -150,9 +162,10 @@ SurveyScore score_survey(const std::vector<ScoredFixture>& surveyed, const World
 
 std::string to_text(const SurveyScore& score) {
   return fmt::format(
-      "{} of {} fixtures found, {} doubled, {} invented; {:.1f} cm and {:.2f} deg RMS, {:.1f} cm at worst; scale "
+      "{} of {} fixtures found, {} doubled, {} vents, {} invented; {:.1f} cm and {:.2f} deg RMS, {:.1f} cm at worst; "
+      "scale "
       "{:+.2f} %; normalised error squared {:.2f}",
-      score.found, score.driven_under, score.doubled, score.invented, 100.0 * score.position_rms,
+      score.found, score.driven_under, score.doubled, score.alike, score.invented, 100.0 * score.position_rms,
       degrees(score.heading_rms), 100.0 * score.worst, 100.0 * score.scale, score.normalised_squared);
 }
 
@@ -160,6 +173,7 @@ std::string to_json(const SurveyScore& score) {
   const nlohmann::json figures = {{"driven_under", score.driven_under},
                                   {"found", score.found},
                                   {"doubled", score.doubled},
+                                  {"alike", score.alike},
                                   {"invented", score.invented},
                                   {"position_rms_m", score.position_rms},
                                   {"heading_rms_deg", degrees(score.heading_rms)},

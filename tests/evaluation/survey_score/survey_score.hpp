@@ -20,7 +20,8 @@ struct SurveyScore {
   int driven_under = 0;             // true fixtures that were wholly in view for at least kMinLook of driving
   int found = 0;                    // of these
   int doubled = 0;                  // surveyed ones beside another one of the same true fixture
-  int invented = 0;                 // surveyed ones where nothing hangs
+  int alike = 0;                    // surveyed ones where a vent, or the like, of the same size hangs
+  int invented = 0;                 // where nothing hangs
   double position_rms = 0.0;        // [m] after the rigid motion that fits best
   double heading_rms = 0.0;         // [rad]
   double worst = 0.0;               // [m]

@@ -13,6 +13,7 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 /// A survey of two fixtures, of which the second is not sure.
 Survey small_survey() {
@@ -166,6 +167,16 @@ TEST(SurveyReport, SaysThatAKindWasMeasuredWrong) {
   Survey survey = small_survey();
   survey.excess_length = {0.1};
   EXPECT_THAT(remarks_on(survey, good_log(), synthetic_model()), Contains(HasSubstr("look 10 % longer")));
+}
+
+TEST(SurveyReport, AsksWhetherWhatNeverBurnedIsALamp) {
+  Survey survey = small_survey();
+  survey.estimate.fixtures.push_back({0, {3}, {7.0, 2.0, 0.0}});
+  survey.fixtures.resize(3);
+  survey.fixtures[0].has_burned = survey.fixtures[2].has_burned = true;
+  EXPECT_THAT(remarks_on(survey, good_log(), synthetic_model()), Contains(HasSubstr("fixtures 2 never burned")));
+  survey.fixtures[2].has_burned = false;  // by day, with the lamps off, nothing follows
+  EXPECT_THAT(remarks_on(survey, good_log(), synthetic_model()), Not(Contains(HasSubstr("never burned"))));
 }
 
 TEST(SurveyReport, SaysWhereToDriveOnceMore) {

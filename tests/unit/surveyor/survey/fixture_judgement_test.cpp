@@ -50,6 +50,13 @@ TEST_F(FixtureJudgementTest, BelievesWhatIsSeenWheneverItIsInView) {
   EXPECT_GE(judged.expected, 6);
 }
 
+TEST_F(FixtureJudgementTest, SaysWhetherOneBurned) {
+  add({2.0, 0.0, 0.0}, 6);
+  EXPECT_FALSE(judge().front().has_burned);
+  passes_.front().sightings.back().sighting.state = SightingState::kHalf;
+  EXPECT_TRUE(judge().front().has_burned);
+}
+
 TEST_F(FixtureJudgementTest, DropsWhatIsSeenTooSeldom) {
   add({2.0, 0.0, 0.0}, 2);
   EXPECT_EQ(judge().front().judgement, Judgement::kSeldomSeen);
