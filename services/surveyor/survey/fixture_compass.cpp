@@ -1,6 +1,5 @@
 #include "services/surveyor/survey/fixture_compass.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <complex>
 

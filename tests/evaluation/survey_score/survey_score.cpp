@@ -163,8 +163,7 @@ SurveyScore score_survey(const std::vector<ScoredFixture>& surveyed, const World
 std::string to_text(const SurveyScore& score) {
   return fmt::format(
       "{} of {} fixtures found, {} doubled, {} vents, {} invented; {:.1f} cm and {:.2f} deg RMS, {:.1f} cm at worst; "
-      "scale "
-      "{:+.2f} %; normalised error squared {:.2f}",
+      "scale {:+.2f} %; normalised error squared {:.2f}",
       score.found, score.driven_under, score.doubled, score.alike, score.invented, 100.0 * score.position_rms,
       degrees(score.heading_rms), 100.0 * score.worst, 100.0 * score.scale, score.normalised_squared);
 }
