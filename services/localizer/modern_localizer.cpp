@@ -160,8 +160,8 @@ SightingFrame ModernLocalizer::usable_sightings(const SightingFrame& frame, cons
 void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
   advance(timed.odometry);
   const SightingFrame frame = usable_sightings(timed.frame, timed.odometry);
-  const std::vector<int> objects = tracks_.update(frame, timed.odometry.odom_from_robot, odometer_);
-  if (displacement_.look(frame, objects, tracks_, timed.odometry.odom_from_robot)) {
+  tracks_.update(frame, timed.odometry.odom_from_robot, odometer_);
+  if (displacement_.look(frame, tracks_, timed.odometry.odom_from_robot)) {
     wait_for_rest(frame, timed.odometry);
     return;
   }
@@ -170,10 +170,10 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
     return;
   }
   listen(frame.utime);
-  bank_.observe(frame, objects, tracks_, timed.odometry, odometer_);
+  bank_.observe(frame, tracks_, timed.odometry, odometer_);
   if (supervisor_.has_leader()) {
     monitor_.allow_kidnapping(!motors_enabled_);
-    track(frame, objects, timed.odometry);
+    track(frame, timed.odometry);
   }
   supervisor_.favour_predicting_pose();
   if (!supervisor_.is_tracking()) {
@@ -217,13 +217,12 @@ void ModernLocalizer::begin_at_rest() {
   supervisor_.resume(is_followed());
 }
 
-void ModernLocalizer::track(const SightingFrame& frame, const std::vector<int>& objects,
-                            const OdometryReading& odometry) {
+void ModernLocalizer::track(const SightingFrame& frame, const OdometryReading& odometry) {
   for (const int fixture : model_.fixtures.doubted()) {
     filter_.doubt(fixture);
   }
   const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
-  const auto contradiction = monitor_.look(frame, objects, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
+  const auto contradiction = monitor_.look(frame, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
                                            distance_since_fixture(), supervisor_.is_suspected());
   if (contradiction) {
     suspect(*contradiction, frame, odometry);

@@ -62,7 +62,7 @@ class ModernLocalizer final : public Localizer {
   void advance(const OdometryReading& odometry);
   void listen(std::int64_t until_utime);
   [[nodiscard]] SightingFrame usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const;
-  void track(const SightingFrame& frame, const std::vector<int>& objects, const OdometryReading& odometry);
+  void track(const SightingFrame& frame, const OdometryReading& odometry);
   /// What fits nothing where the robot is held to be may be a fixture seen by a robot that slipped or was bumped: that
   /// pose competes with the doubted one, unless the sonars say that the robot is where it was: then the fixture hangs
   /// elsewhere, and a robot that nobody can have carried goes on.

@@ -28,9 +28,8 @@ struct EvidenceRound {
   OdometryReading odometry;              // at the image's time
   double odometer = 0.0;                 // [m] likewise
   double share = 1.0;                    // of the image's constant errors that are drawn anew
-  std::vector<ObjectTrack> objects;      // the scene with this image
+  ObjectTracks scene;                    // with this image
   std::vector<ObjectTrack> forgotten;    // since the round before
-  std::vector<int> object_of_sighting;   // index into `objects`
   std::vector<int> images_of_sighting;   // images that this one stands for
   int images = 1;                        // likewise, whatever they show
   std::vector<PlacedEcho> echoes;        // in the robot frame of the image

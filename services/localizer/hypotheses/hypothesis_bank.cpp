@@ -42,22 +42,21 @@ std::size_t HypothesisBank::max_echoes() const {
                                   std::max<std::size_t>(1, kUnitsPerEcho * hypotheses_.size()));
 }
 
-void HypothesisBank::observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting,
-                             ObjectTracks& tracks, const OdometryReading& odometry, double odometer) {
+void HypothesisBank::observe(const SightingFrame& frame, const ObjectTracks& tracks, const OdometryReading& odometry,
+                             double odometer) {
   pending_.add_image(tracks.forgotten());
   if (phase_ == Phase::kIdle) {
-    const std::vector<ObjectTrack> before = std::exchange(round_.objects, tracks.objects());
+    const ObjectTracks before = std::exchange(round_.scene, tracks);
     round_.images_of_sighting.clear();
-    for (const int index : object_of_sighting) {
-      const ObjectTrack& object = round_.objects[static_cast<std::size_t>(index)];
-      const auto known =
-          std::find_if(before.begin(), before.end(), [&](const ObjectTrack& o) { return o.id == object.id; });
-      const int images = object.frames - (known == before.end() ? 0 : known->frames);
+    for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
+      const ObjectTrack& object = tracks.seen(i);
+      const auto known = std::find_if(before.objects().begin(), before.objects().end(),
+                                      [&](const ObjectTrack& o) { return o.id == object.id; });
+      const int images = object.frames - (known == before.objects().end() ? 0 : known->frames);
       round_.images_of_sighting.push_back(std::clamp(images, 1, EvidenceRound::kMaxImages));
     }
     round_.has_image = true;
     round_.frame = frame;
-    round_.object_of_sighting = object_of_sighting;
     round_.odometry = odometry;
     round_.odometer = odometer;
     begin_round();
@@ -87,7 +86,7 @@ void HypothesisBank::begin_round() {
     null_.settle();
   }
   if (round_.has_image) {
-    null_.see(round_.objects, round_.forgotten, params_);
+    null_.see(round_.scene.objects(), round_.forgotten, params_);
     comparer_.emplace(round_.frame, round_.odometry.linear, round_.odometry.angular, model_, params_);
   }
   next_ = 0;
@@ -157,10 +156,9 @@ void HypothesisBank::compare(Hypothesis& hypothesis) const {
   settle_what_is_over(hypothesis, round_.forgotten, round_.odometer, params_);
   const FrameComparison comparison = comparer_->compare(hypothesis.belief);
   for (std::size_t i = 0; i < round_.frame.sightings.size(); ++i) {
-    const ObjectTrack& object = round_.objects[static_cast<std::size_t>(round_.object_of_sighting[i])];
     // a sharp view tells more than one cut by the border
     const double sigma = largest_position_sigma(round_.frame.sightings[i].covariance);
-    add_evidence(hypothesis, object, comparison.fixture_of_sighting[i], comparison.log_likelihood[i],
+    add_evidence(hypothesis, round_.scene.seen(i), comparison.fixture_of_sighting[i], comparison.log_likelihood[i],
                  1.0 / (1.0 + sigma * sigma / 0.01), round_.images_of_sighting[i]);
   }
   correct(hypothesis, comparison);

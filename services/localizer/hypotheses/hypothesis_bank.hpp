@@ -45,10 +45,10 @@ class HypothesisBank {
   void listen(const std::vector<PlacedEcho>& echoes) { pending_.listen(echoes); }
   /// Echoes that leave the next round short.
   [[nodiscard]] std::size_t max_echoes() const;
-  /// One image: sightings (rolling shutter taken out) with their object in the scene. Begins a round with it, or goes
-  /// on with the one begun.
-  void observe(const SightingFrame& frame, const std::vector<int>& object_of_sighting, ObjectTracks& tracks,
-               const OdometryReading& odometry, double odometer);
+  /// One image: sightings (rolling shutter taken out) and the scene with them. Begins a round with it, or goes on with
+  /// the one begun.
+  void observe(const SightingFrame& frame, const ObjectTracks& tracks, const OdometryReading& odometry,
+               double odometer);
   /// The same without an image.
   void wait();
   /// New poses from objects of the scene that have not yet been used for it.

@@ -39,8 +39,8 @@ void HypothesisSeeding::begin(const EvidenceRound& round, ObjectTracks& tracks, 
   abort();
   round_ = &round;
   sonar_ = sonar;
-  for (std::size_t i = 0; i < round.objects.size(); ++i) {
-    const ObjectTrack& object = round.objects[i];
+  for (std::size_t i = 0; i < round.scene.objects().size(); ++i) {
+    const ObjectTrack& object = round.scene.objects()[i];
     if (object.seeded || !object.is_visible || object.frames < 3 ||
         largest_position_sigma(object.best.covariance) > params_.seed_position_sigma) {
       continue;
@@ -56,7 +56,7 @@ void HypothesisSeeding::begin(const EvidenceRound& round, ObjectTracks& tracks, 
   // What else was seen lately counts for the newcomers as for all others, carried here by odometry.
   const Pose2& odom_from_robot = round.odometry.odom_from_robot;
   recent_.sightings.clear();
-  for (const ObjectTrack& object : round.objects) {
+  for (const ObjectTrack& object : round.scene.objects()) {
     FixtureSighting moved = object.best;
     moved.robot_from_fixture = odom_from_robot.inverse() * object.odom_from_object;
     const Pose2 step = object.odom_from_robot.inverse() * odom_from_robot;
@@ -95,7 +95,7 @@ std::vector<Hypothesis> HypothesisSeeding::next(const std::vector<Hypothesis>& k
 }
 
 void HypothesisSeeding::begin_seed_object(const std::vector<Hypothesis>& known, WorkBudget& budget) {
-  const ObjectTrack& object = round_->objects[seed_objects_[seed_object_]];
+  const ObjectTrack& object = round_->scene.objects()[seed_objects_[seed_object_]];
   sighting_ = object.best;
   sighting_.robot_from_fixture = round_->odometry.odom_from_robot.inverse() * object.odom_from_object;
   taken_.emplace(known.size());
@@ -141,7 +141,7 @@ void HypothesisSeeding::spawn(const Fixture& fixture, const std::vector<Hypothes
 
 // A pose near the seed object's that does not explain it is another one: it must not keep out the right one beside it.
 bool HypothesisSeeding::explains_seed_object(const Hypothesis& hypothesis) const {
-  const int object = round_->objects[seed_objects_[seed_object_]].id;
+  const int object = round_->scene.objects()[seed_objects_[seed_object_]].id;
   return std::any_of(hypothesis.votes.begin(), hypothesis.votes.end(),
                      [&](const ObjectVote& vote) { return vote.object == object && vote.fixture >= 0; });
 }
@@ -163,9 +163,9 @@ bool HypothesisSeeding::is_possible_place(const PoseBelief& belief) const {
 
 void HypothesisSeeding::add_scene_evidence(Hypothesis& hypothesis) const {
   const FrameComparison comparison = comparer_->compare(hypothesis.belief);
-  hypothesis.votes.reserve(round_->objects.size());
-  for (std::size_t i = 0; i < round_->objects.size(); ++i) {
-    const ObjectTrack& seen = round_->objects[i];
+  hypothesis.votes.reserve(round_->scene.objects().size());
+  for (std::size_t i = 0; i < round_->scene.objects().size(); ++i) {
+    const ObjectTrack& seen = round_->scene.objects()[i];
     add_evidence(hypothesis, seen, comparison.fixture_of_sighting[i], comparison.log_likelihood[i], 1.0, 1);
     hypothesis.votes.back().frames = seen.frames;
     hypothesis.votes.back().matches = comparison.fixture_of_sighting[i] >= 0 ? seen.frames : 0;

@@ -32,7 +32,7 @@ void ObjectTracks::clear() {
   forgotten_.clear();
 }
 
-std::vector<int> ObjectTracks::update(const SightingFrame& frame, const Pose2& odom_from_robot, double odometer) {
+void ObjectTracks::update(const SightingFrame& frame, const Pose2& odom_from_robot, double odometer) {
   forgotten_.clear();
   const auto is_stale = [&](const ObjectTrack& object) { return odometer - object.odometer > kForgetAfter; };
   std::copy_if(objects_.begin(), objects_.end(), std::back_inserter(forgotten_), is_stale);
@@ -40,10 +40,10 @@ std::vector<int> ObjectTracks::update(const SightingFrame& frame, const Pose2& o
   for (ObjectTrack& object : objects_) {
     object.is_visible = false;
   }
-  std::vector<int> indices;
+  seen_.clear();
   for (const FixtureSighting& sighting : frame.sightings) {
     const Pose2 odom_from_sighting = odom_from_robot * sighting.robot_from_fixture;
-    int nearest = -1;
+    std::size_t nearest = objects_.size();
     double min = kGate;
     for (std::size_t i = 0; i < objects_.size(); ++i) {
       const ObjectTrack& object = objects_[i];
@@ -57,11 +57,10 @@ std::vector<int> ObjectTracks::update(const SightingFrame& frame, const Pose2& o
       const double squared = offset.dot(covariance.inverse() * offset);
       if (squared < min) {
         min = squared;
-        nearest = static_cast<int>(i);
+        nearest = i;
       }
     }
-    if (nearest < 0) {
-      nearest = static_cast<int>(objects_.size());
+    if (nearest == objects_.size()) {
       ObjectTrack object;
       object.id = next_id_++;
       object.best = sighting;
@@ -69,7 +68,7 @@ std::vector<int> ObjectTracks::update(const SightingFrame& frame, const Pose2& o
       object.odom_from_robot = odom_from_robot;
       objects_.push_back(object);
     }
-    ObjectTrack& object = objects_[static_cast<std::size_t>(nearest)];
+    ObjectTrack& object = objects_[nearest];
     ++object.frames;
     object.is_visible = true;
     object.odometer = odometer;
@@ -79,9 +78,8 @@ std::vector<int> ObjectTracks::update(const SightingFrame& frame, const Pose2& o
       object.odom_from_object = odom_from_sighting;
       object.odom_from_robot = odom_from_robot;
     }
-    indices.push_back(nearest);
+    seen_.push_back(nearest);
   }
-  return indices;
 }
 
 }  // namespace luminav

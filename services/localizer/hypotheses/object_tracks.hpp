@@ -24,18 +24,21 @@ struct ObjectTrack {
 /// up.
 class ObjectTracks {
  public:
-  /// Takes in one image's sightings and returns the index into `objects()` for each of them. `odometer` [m] is the way
-  /// driven so far. Objects that were forgotten are moved to `forgotten()`, valid until the next call.
-  std::vector<int> update(const SightingFrame& frame, const Pose2& odom_from_robot, double odometer);
+  /// Takes in one image's sightings. `odometer` [m] is the way driven so far. Objects that were forgotten are moved to
+  /// `forgotten()`, valid until the next call.
+  void update(const SightingFrame& frame, const Pose2& odom_from_robot, double odometer);
   void clear();
 
   [[nodiscard]] const std::vector<ObjectTrack>& objects() const { return objects_; }
   [[nodiscard]] std::vector<ObjectTrack>& objects() { return objects_; }
+  /// What a sighting of the newest image is.
+  [[nodiscard]] const ObjectTrack& seen(std::size_t sighting) const { return objects_[seen_[sighting]]; }
   [[nodiscard]] const std::vector<ObjectTrack>& forgotten() const { return forgotten_; }
 
  private:
   std::vector<ObjectTrack> objects_;
   std::vector<ObjectTrack> forgotten_;
+  std::vector<std::size_t> seen_;  // by sighting of the newest image
   int next_id_ = 1;
 };
 

@@ -20,20 +20,20 @@ constexpr std::size_t kMaxObjects = 64;  // followed so at a time
 MatchMonitor::MatchMonitor(ObservationModel& model, const TrackingRules& rules)
     : map_(model.fixtures), rules_(rules), kidnap_(rules), missing_(model, rules) {}
 
-std::optional<Contradiction> MatchMonitor::look(const SightingFrame& frame, const std::vector<int>& objects,
-                                                const ObjectTracks& tracks, const std::vector<FixtureMatch>& matches,
-                                                const PoseBelief& belief, const Pose2& odom_from_robot,
-                                                double distance_since_match, bool is_suspected) {
+std::optional<Contradiction> MatchMonitor::look(const SightingFrame& frame, const ObjectTracks& tracks,
+                                                const std::vector<FixtureMatch>& matches, const PoseBelief& belief,
+                                                const Pose2& odom_from_robot, double distance_since_match,
+                                                bool is_suspected) {
   if (kidnap_.look(odom_from_robot)) {
     contradicting_ = 0;  // a kidnap can begin here
   }
   if (!matches.empty()) {
-    note_strangers(frame, objects, tracks, matches, belief);
+    note_strangers(frame, tracks, matches, belief);
     note_match(matches, belief);
     match_utime_ = frame.utime;
     return std::nullopt;
   }
-  const std::optional<Eigen::Vector2d> unexplained = find_unexplained(frame, objects, tracks, belief);
+  const std::optional<Eigen::Vector2d> unexplained = find_unexplained(frame, tracks, belief);
   const bool lacks_something = missing_.look(frame, belief, kidnap_);
   quiet_ = unexplained || lacks_something ? 0 : quiet_ + 1;
   if (quiet_ > kMaxGap) {
@@ -104,9 +104,8 @@ void MatchMonitor::note_match(const std::vector<FixtureMatch>& matches, const Po
   }
 }
 
-void MatchMonitor::note_strangers(const SightingFrame& frame, const std::vector<int>& objects,
-                                  const ObjectTracks& tracks, const std::vector<FixtureMatch>& matches,
-                                  const PoseBelief& belief) {
+void MatchMonitor::note_strangers(const SightingFrame& frame, const ObjectTracks& tracks,
+                                  const std::vector<FixtureMatch>& matches, const PoseBelief& belief) {
   if (kidnap_.are_wheels_still()) {
     return;
   }
@@ -116,7 +115,7 @@ void MatchMonitor::note_strangers(const SightingFrame& frame, const std::vector<
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const bool is_matched =
         std::any_of(matches.begin(), matches.end(), [&](const FixtureMatch& match) { return match.sighting == i; });
-    int& images = strange_images_[tracks.objects()[static_cast<std::size_t>(objects[i])].id];
+    int& images = strange_images_[tracks.seen(i).id];
     images = is_matched ? -kStrangeImages : images + 1;  // a fixture that is hard to see is no stranger
     if (images == kStrangeImages) {
       map_.add_stranger(belief.pose * frame.sightings[i].robot_from_fixture.position());
@@ -124,14 +123,12 @@ void MatchMonitor::note_strangers(const SightingFrame& frame, const std::vector<
   }
 }
 
-std::optional<Eigen::Vector2d> MatchMonitor::find_unexplained(const SightingFrame& frame,
-                                                              const std::vector<int>& objects,
-                                                              const ObjectTracks& tracks,
+std::optional<Eigen::Vector2d> MatchMonitor::find_unexplained(const SightingFrame& frame, const ObjectTracks& tracks,
                                                               const PoseBelief& belief) const {
   std::optional<Eigen::Vector2d> unexplained;
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const Eigen::Vector2d place = belief.pose * frame.sightings[i].robot_from_fixture.position();
-    if (!map_.is_stranger(place) && tracks.objects()[static_cast<std::size_t>(objects[i])].frames >= 2) {
+    if (!map_.is_stranger(place) && tracks.seen(i).frames >= 2) {
       unexplained = place;
     }
   }

@@ -34,12 +34,12 @@ class MatchMonitor {
   /// The model must outlive this; its map learns where the building's file is wrong.
   MatchMonitor(ObservationModel& model, const TrackingRules& rules);
 
-  /// One image: its sightings with their object in the scene, and those that fitted; `distance_since_match` [m].
+  /// One image: the scene with it, and the sightings that fitted; `distance_since_match` [m].
   /// A contradiction is told once the rules' number of images showed it; with `is_suspected` images only count.
-  [[nodiscard]] std::optional<Contradiction> look(const SightingFrame& frame, const std::vector<int>& objects,
-                                                  const ObjectTracks& tracks, const std::vector<FixtureMatch>& matches,
-                                                  const PoseBelief& belief, const Pose2& odom_from_robot,
-                                                  double distance_since_match, bool is_suspected);
+  [[nodiscard]] std::optional<Contradiction> look(const SightingFrame& frame, const ObjectTracks& tracks,
+                                                  const std::vector<FixtureMatch>& matches, const PoseBelief& belief,
+                                                  const Pose2& odom_from_robot, double distance_since_match,
+                                                  bool is_suspected);
   /// While the motors are off a hand may move the robot: then it counts as having stood still.
   void allow_kidnapping(bool allowed) { kidnap_.set_motors_off(allowed); }
   /// Restarts all counts: the pose was suspected.
@@ -55,15 +55,13 @@ class MatchMonitor {
   void forget_run();
   void note_match(const std::vector<FixtureMatch>& matches, const PoseBelief& belief);
   /// While other fixtures support the pose of a robot that drives, what fits none puts the map in doubt, not the pose.
-  void note_strangers(const SightingFrame& frame, const std::vector<int>& objects, const ObjectTracks& tracks,
-                      const std::vector<FixtureMatch>& matches, const PoseBelief& belief);
+  void note_strangers(const SightingFrame& frame, const ObjectTracks& tracks, const std::vector<FixtureMatch>& matches,
+                      const PoseBelief& belief);
   /// True if the pose predicted many fixtures and the wheels have turned since its last match: nobody can have carried
   /// the robot away so quickly.
   [[nodiscard]] bool is_beyond_kidnapping(std::int64_t utime) const;
   /// Where [world] something is seen that is no fixture of the building.
-  [[nodiscard]] std::optional<Eigen::Vector2d> find_unexplained(const SightingFrame& frame,
-                                                                const std::vector<int>& objects,
-                                                                const ObjectTracks& tracks,
+  [[nodiscard]] std::optional<Eigen::Vector2d> find_unexplained(const SightingFrame& frame, const ObjectTracks& tracks,
                                                                 const PoseBelief& belief) const;
   /// So many images contradict that a robot which may have been carried was.
   [[nodiscard]] bool was_kidnapped() const;

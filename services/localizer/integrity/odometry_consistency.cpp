@@ -28,15 +28,14 @@ void OdometryConsistency::clear() {
   run_ = 0;
 }
 
-bool OdometryConsistency::look(const SightingFrame& frame, const std::vector<int>& objects, const ObjectTracks& tracks,
-                               const Pose2& odom_from_robot) {
+bool OdometryConsistency::look(const SightingFrame& frame, const ObjectTracks& tracks, const Pose2& odom_from_robot) {
   const std::int64_t oldest = frame.utime - kSpan;
   std::erase_if(looks_, [&](const Look& look) { return look.utime < oldest; });
   const std::size_t first_of_now = looks_.size();
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const FixtureSighting& sighting = frame.sightings[i];
-    looks_.push_back({frame.utime, tracks.objects()[static_cast<std::size_t>(objects[i])].id, odom_from_robot,
-                      sighting.robot_from_fixture, sighting.covariance.topLeftCorner<2, 2>()});
+    looks_.push_back({frame.utime, tracks.seen(i).id, odom_from_robot, sighting.robot_from_fixture,
+                      sighting.covariance.topLeftCorner<2, 2>()});
   }
   // What is in view for longest tells, and of things that came at once all must: one that is seen wrongly now and then
   // is not to speak for the others.

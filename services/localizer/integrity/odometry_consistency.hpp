@@ -16,11 +16,10 @@ class OdometryConsistency {
   /// `wheel_base` [m]; `displacement` [m] beyond image noise that wheels, slipping or not, do not explain.
   OdometryConsistency(double wheel_base, double displacement) : wheel_base_(wheel_base), displacement_(displacement) {}
 
-  /// One image: its sightings with their object in the scene. True while the wheels do not explain, in three images in
+  /// One image, and the scene with it. True while the wheels do not explain, in three images in
   /// a row, how what is in view for longest moved within 0.6 s, neither as they turned nor if one or both of them
   /// slipped; and for as long at most while what is in view is too new to tell.
-  [[nodiscard]] bool look(const SightingFrame& frame, const std::vector<int>& objects, const ObjectTracks& tracks,
-                          const Pose2& odom_from_robot);
+  [[nodiscard]] bool look(const SightingFrame& frame, const ObjectTracks& tracks, const Pose2& odom_from_robot);
   /// Relative motion across now is unknown, or the scene begins anew.
   void clear();
 

@@ -68,8 +68,8 @@ class WatchedRobot {
       wanderer_y_ += 0.7 * kPeriod;
       see({-0.6, wanderer_y_, 0.0});
     }
-    const std::vector<int> objects = tracks_.update(frame, odom_, 0.0);
-    return watch_.look(frame, objects, tracks_, odom_);
+    tracks_.update(frame, odom_, 0.0);
+    return watch_.look(frame, tracks_, odom_);
   }
 
   std::mt19937_64 generator_{3};
