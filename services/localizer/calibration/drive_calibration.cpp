@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "services/localizer/calibration/drive_residuals.hpp"
 #include "services/localizer/model/error_model.hpp"
@@ -90,20 +91,20 @@ void add_priors(ceres::Problem& problem, Unknowns& unknowns, const LocalizerConf
   }
 }
 
+/// A block of unknowns as they were found; what the drive says nothing of is known as well as before.
 template <std::size_t kCount>
-std::array<double, kCount> sigmas(ceres::Problem& problem, const std::array<double, kCount>& block,
-                                  const std::array<double, kCount>& priors) {
+std::array<CalibratedValue, kCount> estimates(ceres::Problem& problem, const std::array<double, kCount>& block,
+                                              const std::array<double, kCount>& priors) {
   ceres::Covariance::Options options;
   options.num_threads = 1;
   ceres::Covariance covariance(options);
-  std::array<double, kCount> result = priors;
   std::array<double, kCount * kCount> values{};
   const std::vector<std::pair<const double*, const double*>> blocks = {{block.data(), block.data()}};
-  if (covariance.Compute(blocks, &problem) &&
-      covariance.GetCovarianceBlock(block.data(), block.data(), values.data())) {
-    for (std::size_t i = 0; i < kCount; ++i) {
-      result[i] = std::sqrt(std::max(0.0, values[i * kCount + i]));
-    }
+  const bool is_told =
+      covariance.Compute(blocks, &problem) && covariance.GetCovarianceBlock(block.data(), block.data(), values.data());
+  std::array<CalibratedValue, kCount> result;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    result[i] = {block[i], is_told ? std::sqrt(std::max(0.0, values[i * kCount + i])) : priors[i]};
   }
   return result;
 }
@@ -142,20 +143,12 @@ DriveCalibration calibrate_drive(const std::vector<KnownFrame>& frames, const Lo
   result.residual = std::sqrt(2.0 * summary.final_cost /
                               std::max(1.0, static_cast<double>(summary.num_residuals - summary.num_parameters)));
   const ErrorParams& errors = config.errors;
-  const Triple wheel_sigmas =
-      sigmas(problem, unknowns.wheels, Triple{errors.wheel_scale, errors.wheel_ratio, errors.wheel_base});
-  const Camera camera_sigmas = sigmas(problem, unknowns.camera,
-                                      Camera{errors.camera_tilt, errors.camera_tilt, errors.camera_yaw,
-                                             errors.camera_scale, errors.camera_time_offset, errors.lens_residual});
-  result.wheel_scale = {unknowns.wheels[0], wheel_sigmas[0]};
-  result.wheel_ratio = {unknowns.wheels[1], wheel_sigmas[1]};
-  result.wheel_base = {unknowns.wheels[2], wheel_sigmas[2]};
-  result.tilt_x = {unknowns.camera[0], camera_sigmas[0]};
-  result.tilt_y = {unknowns.camera[1], camera_sigmas[1]};
-  result.yaw = {unknowns.camera[2], camera_sigmas[2]};
-  result.camera_scale = {unknowns.camera[3], camera_sigmas[3]};
-  result.time_offset = {unknowns.camera[4], camera_sigmas[4]};
-  result.lens = {unknowns.camera[5], camera_sigmas[5]};
+  std::tie(result.wheel_scale, result.wheel_ratio, result.wheel_base) = std::tuple_cat(
+      estimates(problem, unknowns.wheels, Triple{errors.wheel_scale, errors.wheel_ratio, errors.wheel_base}));
+  std::tie(result.tilt_x, result.tilt_y, result.yaw, result.camera_scale, result.time_offset, std::ignore) =
+      std::tuple_cat(estimates(problem, unknowns.camera,
+                               Camera{errors.camera_tilt, errors.camera_tilt, errors.camera_yaw, errors.camera_scale,
+                                      errors.camera_time_offset, errors.lens_residual}));
   return result;
 }
 

@@ -25,7 +25,6 @@ struct DriveCalibration {
   CalibratedValue yaw;           // [rad]
   CalibratedValue camera_scale;  // fraction: of the height between camera and ceiling
   CalibratedValue time_offset;   // [s]
-  CalibratedValue lens;          // k1 left over
   std::size_t frames = 0;
   std::size_t sightings = 0;
   double distance = 0.0;  // [m]

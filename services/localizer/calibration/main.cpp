@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "services/common/configuration/robot_file.hpp"
@@ -52,21 +53,9 @@ void check_camera(const std::string& log, const CameraDescription& camera) {
   }
   const CameraDescription then = read_robot(kept).camera;
   const auto numbers = [](const CameraDescription& c) {
-    std::vector<double> all{c.mounting.x,
-                            c.mounting.y,
-                            c.mounting.z,
-                            c.mounting.roll,
-                            c.mounting.pitch,
-                            c.mounting.yaw,
-                            c.time_offset,
-                            c.row_time,
-                            c.intrinsics.fx,
-                            c.intrinsics.fy,
-                            c.intrinsics.cx,
-                            c.intrinsics.cy,
-                            static_cast<double>(c.intrinsics.model)};
-    all.insert(all.end(), c.intrinsics.distortion.begin(), c.intrinsics.distortion.end());
-    return all;
+    const auto& [at, lens] = std::tie(c.mounting, c.intrinsics);
+    return std::tuple(at.x, at.y, at.z, at.roll, at.pitch, at.yaw, c.time_offset, c.row_time, lens.fx, lens.fy, lens.cx,
+                      lens.cy, lens.model, lens.distortion);
   };
   if (numbers(then) != numbers(camera)) {
     throw std::runtime_error(
@@ -105,8 +94,8 @@ int run(int argc, char** argv) {
   const auto [frames, unused] = follow_drive(log, config, kSpacing, kTurn);
   const std::string why = fmt::format(
       "{} images used; of the others {} were taken while the pose was not known (the localizer begins anew, whatever "
-      "it "
-      "knew while this was recorded), {} less than {:.1f} m and {:.0f} deg from one that is used, {} without a known "
+      "it knew while this was recorded), {} less than {:.1f} m and {:.0f} deg from one that is used, {} without a "
+      "known "
       "fixture",
       frames.size(), unused.not_tracking, unused.too_near, kSpacing, degrees(kTurn), unused.without_fixture);
   if (frames.size() < kMinFrames) {
