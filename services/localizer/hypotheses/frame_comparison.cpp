@@ -27,23 +27,15 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   thread_local std::vector<int> near;
   near.clear();
   model_.fixtures.find_near(belief.pose.position(), reach_, near);
-  thread_local std::vector<Pair> pairs;
+  thread_local std::vector<FixtureMatch> pairs;
   pairs.clear();
   find_pairs(belief, near, pairs);
-  // one-to-one, the best pair first: fixtures stand so far apart that a better sum of worse pairs does not occur
   if (pairs.size() > 1) {
-    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.nis < b.nis; });
+    keep_best(pairs);
   }
-  thread_local std::vector<int> taken;
-  taken.clear();
-  for (const Pair& pair : pairs) {
-    if (result.fixture_of_sighting[pair.sighting] >= 0 ||
-        std::find(taken.begin(), taken.end(), pair.fixture) != taken.end()) {
-      continue;
-    }
+  for (const FixtureMatch& pair : pairs) {
     result.fixture_of_sighting[pair.sighting] = pair.fixture;
     result.log_likelihood[pair.sighting] = pair.log_likelihood;
-    taken.push_back(pair.fixture);
   }
   for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
     if (result.fixture_of_sighting[i] < 0 &&
@@ -56,7 +48,8 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   return result;
 }
 
-void FrameComparer::find_pairs(const PoseBelief& belief, const std::vector<int>& near, std::vector<Pair>& pairs) const {
+void FrameComparer::find_pairs(const PoseBelief& belief, const std::vector<int>& near,
+                               std::vector<FixtureMatch>& pairs) const {
   for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
     const FixtureSighting& sighting = frame_.sightings[i];
     const Eigen::Vector2d place = belief.pose * sighting.robot_from_fixture.position();
@@ -69,9 +62,8 @@ void FrameComparer::find_pairs(const PoseBelief& belief, const std::vector<int>&
       const Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, model_.errors) + systematic_[i];
       const Innovation innovation = innovate(belief, sighting, fixture, noise);
       if (innovation.nis < params_.gate) {
-        pairs.push_back({i, index,
-                         std::max(params_.misfit, -0.5 * innovation.nis - std::min(3.0, innovation.log_volume)),
-                         innovation.nis});
+        pairs.push_back({i, index, innovation.nis,
+                         std::max(params_.misfit, -0.5 * innovation.nis - std::min(3.0, innovation.log_volume))});
       }
     }
   }

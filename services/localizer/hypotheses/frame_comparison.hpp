@@ -30,13 +30,7 @@ class FrameComparer {
   [[nodiscard]] const Eigen::Matrix3d& systematic_error(std::size_t sighting) const { return systematic_[sighting]; }
 
  private:
-  struct Pair {
-    std::size_t sighting = 0;
-    int fixture = 0;
-    double log_likelihood = 0.0;
-    double nis = 0.0;
-  };
-  void find_pairs(const PoseBelief& belief, const std::vector<int>& near, std::vector<Pair>& pairs) const;
+  void find_pairs(const PoseBelief& belief, const std::vector<int>& near, std::vector<FixtureMatch>& pairs) const;
   void expect(const PoseBelief& belief, const std::vector<int>& near, FrameComparison& result) const;
 
   const SightingFrame& frame_;

@@ -1,6 +1,7 @@
 #include "services/localizer/model/sighting_model.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 namespace luminav {
@@ -23,6 +24,20 @@ Eigen::Vector3d sighting_residual(const FixtureSighting& sighting, const Pose2& 
   const double period = sighting.has_theta ? symmetry_period(shape) : 0.0;
   return {sighting.robot_from_fixture.x - expected.x, sighting.robot_from_fixture.y - expected.y,
           wrap_modulo(sighting.robot_from_fixture.theta - expected.theta, period)};
+}
+
+void keep_best(std::vector<FixtureMatch>& matches) {
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const FixtureMatch& a, const FixtureMatch& b) { return a.nis < b.nis; });
+  auto end = matches.begin();
+  for (const FixtureMatch& match : matches) {
+    if (std::none_of(matches.begin(), end, [&](const FixtureMatch& better) {
+          return better.sighting == match.sighting || better.fixture == match.fixture;
+        })) {
+      *end++ = match;
+    }
+  }
+  matches.erase(end, matches.end());
 }
 
 Innovation innovate(const PoseBelief& belief, const FixtureSighting& sighting, const Fixture& fixture,

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <vector>
 
 #include "services/common/building/building.hpp"
 #include "services/common/ceiling/fixture_sighting.hpp"
@@ -30,6 +32,18 @@ struct Innovation {
   double nis = 0.0;                                          // squared Mahalanobis length of the residual
   double log_volume = 0.0;                                   // half the log of det(covariance) / det(noise)
 };
+
+/// A sighting taken as a fixture of the building.
+struct FixtureMatch {
+  std::size_t sighting = 0;
+  int fixture = 0;
+  double nis = 0.0;
+  double log_likelihood = 0.0;
+};
+
+/// Leaves one match for each sighting and fixture, the best first: fixtures stand so far apart that a better sum of
+/// worse matches does not occur.
+void keep_best(std::vector<FixtureMatch>& matches);
 
 /// Innovation of a belief; `noise` is the sighting's whole covariance, as of white_sighting_covariance.
 Innovation innovate(const PoseBelief& belief, const FixtureSighting& sighting, const Fixture& fixture,

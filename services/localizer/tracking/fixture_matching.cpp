@@ -1,16 +1,17 @@
 #include "services/localizer/tracking/fixture_matching.hpp"
 
 #include <Eigen/Dense>
-#include <algorithm>
 
 namespace luminav {
 namespace {
 
 constexpr double kNear = 1.5;  // [m] beyond it no tracked pose explains a sighting
 
-std::vector<FixtureMatch> find_candidates(const TrackingFilter& filter, const FixtureMap& map,
+}  // namespace
+
+std::vector<FixtureMatch> match_sightings(const TrackingFilter& filter, const FixtureMap& map,
                                           const SightingFrame& frame, const OdometryReading& odometry, double gate) {
-  std::vector<FixtureMatch> candidates;
+  std::vector<FixtureMatch> matches;
   const Pose2 pose = filter.belief().pose;
   std::vector<int> near;
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
@@ -26,28 +27,11 @@ std::vector<FixtureMatch> find_candidates(const TrackingFilter& filter, const Fi
       const Eigen::Matrix3d generous = innovation.covariance + kFixtureSurprise.asDiagonal().toDenseMatrix();
       const double nis = innovation.residual.dot(generous.inverse() * innovation.residual);
       if (nis < gate) {
-        candidates.push_back({i, index, nis});
+        matches.push_back({i, index, nis});
       }
     }
   }
-  return candidates;
-}
-
-}  // namespace
-
-std::vector<FixtureMatch> match_sightings(const TrackingFilter& filter, const FixtureMap& map,
-                                          const SightingFrame& frame, const OdometryReading& odometry, double gate) {
-  std::vector<FixtureMatch> candidates = find_candidates(filter, map, frame, odometry, gate);
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const FixtureMatch& a, const FixtureMatch& b) { return a.nis < b.nis; });
-  std::vector<FixtureMatch> matches;
-  for (const FixtureMatch& candidate : candidates) {
-    if (std::none_of(matches.begin(), matches.end(), [&](const FixtureMatch& m) {
-          return m.sighting == candidate.sighting || m.fixture == candidate.fixture;
-        })) {
-      matches.push_back(candidate);
-    }
-  }
+  keep_best(matches);
   return matches;
 }
 

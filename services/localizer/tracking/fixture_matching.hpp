@@ -12,13 +12,6 @@ namespace luminav {
 /// By how much a fixture may stand beside its place and still be that fixture: 60 mm and 1.5 degrees. [m^2, m^2, rad^2]
 inline const Eigen::Vector3d kFixtureSurprise{0.0036, 0.0036, 0.0007};
 
-/// A sighting taken as a fixture of the building.
-struct FixtureMatch {
-  std::size_t sighting = 0;
-  int fixture = 0;
-  double nis = 0.0;
-};
-
 /// Which sighting is which fixture, one to one and the best pairs first, for a pose as well known as the filter's.
 std::vector<FixtureMatch> match_sightings(const TrackingFilter& filter, const FixtureMap& map,
                                           const SightingFrame& frame, const OdometryReading& odometry, double gate);
