@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "services/localizer/hypotheses/evidence_round.hpp"
+#include "services/localizer/hypotheses/evidence_collector.hpp"
 #include "services/localizer/hypotheses/frame_comparison.hpp"
 #include "services/localizer/hypotheses/hypothesis.hpp"
 #include "services/localizer/hypotheses/pose_hash.hpp"
