@@ -252,12 +252,9 @@ double TrackingFilter::correct(const FixtureSighting& sighting, int index, const
   const Eigen::Matrix<double, kSize, 3> cross = covariance_ * expectation.jacobian.transpose();
   const Eigen::Matrix3d innovation = expectation.jacobian * cross + expectation.noise;
   const Eigen::Matrix3d inverse = innovation.inverse();
-  Eigen::Matrix<double, kSize, 3> gain = cross * inverse;
+  const Eigen::Matrix<double, kSize, 3> gain = cross * inverse;
   const double nis = expectation.residual.dot(inverse * expectation.residual);
-  if (!params_.learn_errors) {
-    gain.bottomRows<kSize - 3>().setZero();
-  }
-  // P - K H P - P H' K' + K S K', valid for any gain (Schmidt's included)
+  // P - K H P - P H' K' + K S K', which rounding leaves positive
   const Covariance reduction = gain * cross.transpose();
   covariance_ += gain * innovation * gain.transpose() - reduction - reduction.transpose();
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();

@@ -14,7 +14,6 @@ namespace luminav {
 
 struct TrackingParams {
   double gate = 16.27;         // chi2(3) at 99.9 %
-  bool learn_errors = true;    // false: constant errors are considered, not estimated (Schmidt)
   double wheel_walk = 0.0005;  // [fraction per sqrt m] of scale and turn: tyres and floors differ from place to place
   double drift_walk = 0.001;   // [rad/m per sqrt m] of the heading's drift per metre
   double floor_length = 1.0;   // [m] over which the floor's tilt changes
@@ -29,7 +28,7 @@ struct FixtureOffset {
 /// Extended Kalman filter of the robot's pose together with what is wrong with robot, camera and the fixtures seen
 /// lately. Because the errors that do not average away are states with a known prior, looking at one fixture for long
 /// does not make the pose surer than fixture and camera are; and what driving reveals of them is put to use.
-/// Schmidt 1966 (consider states); Martinelli et al. 2007 for the wheels' part.
+/// Martinelli et al. 2007 for the wheels' part.
 class TrackingFilter {
  public:
   TrackingFilter(double height_above_camera, const Eigen::Vector2d& robot_from_camera, double wheel_base,
@@ -64,7 +63,7 @@ class TrackingFilter {
 
   // Layout of the state. Wheels: ground covered per odometry metre - 1, drift of the heading [rad/m], turn per odometry
   // turn - 1. Camera: tilt as shift of the ceiling along x and y [rad], yaw [rad], scale - 1, time offset [s]. Floor:
-  // tilt likewise. Lens: k1 left over. Lens: k1 left over. Then x, y, theta [m, rad] of each fixture in its slot, world
+  // tilt likewise. Lens: k1 left over. Then x, y, theta [m, rad] of each fixture in its slot, world
   // axes.
   static constexpr int kScale = 3, kDrift = 4, kTurn = 5, kTilt = 6, kYaw = 8, kCameraScale = 9, kTime = 10,
                        kFloor = 11, kLens = 13;

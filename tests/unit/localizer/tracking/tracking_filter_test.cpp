@@ -60,14 +60,6 @@ TEST(TrackingFilter, LearnsThatTheWheelsAreLargerThanBelieved) {
   EXPECT_NEAR(filter.state()(TrackingFilter::kScale), 0.015, 0.004);
 }
 
-TEST(TrackingFilter, AConsideredErrorIsNeverEstimated) {
-  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{.learn_errors = false});
-  filter.start({{0.1, 0.0, 0.0}, Eigen::Vector3d(0.04, 0.04, 0.04).asDiagonal()});
-  filter.correct(overhead(), 0, Fixture{}, 0.0, 0.0, 0.0);
-  EXPECT_EQ(filter.state().tail<TrackingFilter::kSize - 3>().norm(), 0.0);
-  EXPECT_LT(std::abs(filter.belief().pose.x), 0.02);
-}
-
 TEST(TrackingFilter, ADoubtedFixtureTellsWhereItHangsAndNotWhereTheRobotIs) {
   const auto pose_after_fixture_beside_its_place = [](bool is_doubted) {
     TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{});
