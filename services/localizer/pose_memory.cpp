@@ -23,6 +23,22 @@ constexpr double kMinPosition = 0.05;          // [m] 1-sigma added
 constexpr double kMinHeading = radians(3.0);   // [rad]
 constexpr double kUnseenTurn = radians(5.0);   // [rad per m] of unseen way
 
+/// The remembered pose carried to where odometry stands now; nothing when the session is another one, so that nobody
+/// knows how the robot moved meanwhile, or when it drove so far that odometry alone does not tell enough.
+std::optional<PoseBelief> carry_forward(const RememberedPose& remembered, const OdometryReading& odometry) {
+  const Pose2 delta = remembered.odom_from_robot.inverse() * odometry.odom_from_robot;
+  const double distance = std::hypot(delta.x, delta.y);
+  if (odometry.session != remembered.session || distance > kFarthest) {
+    return std::nullopt;
+  }
+  PoseBelief belief = remembered.belief;
+  belief.pose = belief.pose * delta;
+  const double position = kMinPosition + kUnseenDistance * distance;
+  const double heading = kMinHeading + kUnseenTurn * distance;
+  belief.covariance += Eigen::Vector3d(position * position, position * position, heading * heading).asDiagonal();
+  return belief;
+}
+
 }  // namespace
 
 PoseMemory::PoseMemory(const std::filesystem::path& folder, const Building& building)
@@ -38,7 +54,7 @@ std::optional<PoseBelief> PoseMemory::recall(const OdometryReading& odometry) {
   if (!remembered || remembered->building != building_ || remembered->fixtures != fixtures_) {
     return std::nullopt;
   }
-  auto belief = carry_forward(*remembered, odometry.session, odometry.odom_from_robot);
+  auto belief = carry_forward(*remembered, odometry);
   if (belief) {
     is_remembered_ = true;
     saved_utime_ = odometry.utime;
@@ -121,21 +137,6 @@ void PoseMemory::forget() {
   if (!file_.empty()) {
     std::filesystem::remove(file_, error);
   }
-}
-
-std::optional<PoseBelief> carry_forward(const RememberedPose& remembered, std::int64_t session,
-                                        const Pose2& odom_from_robot) {
-  const Pose2 delta = remembered.odom_from_robot.inverse() * odom_from_robot;
-  const double distance = std::hypot(delta.x, delta.y);
-  if (session != remembered.session || distance > kFarthest) {
-    return std::nullopt;
-  }
-  PoseBelief belief = remembered.belief;
-  belief.pose = belief.pose * delta;
-  const double position = kMinPosition + kUnseenDistance * distance;
-  const double heading = kMinHeading + kUnseenTurn * distance;
-  belief.covariance += Eigen::Vector3d(position * position, position * position, heading * heading).asDiagonal();
-  return belief;
 }
 
 }  // namespace luminav

@@ -52,9 +52,4 @@ class PoseMemory {
   std::int64_t saved_utime_ = 0;  // [us] of the pose written last
 };
 
-/// The remembered pose carried to where odometry stands now; nothing when the session is another one, so that nobody
-/// knows how the robot moved meanwhile, or when it drove so far that odometry alone does not tell enough.
-std::optional<PoseBelief> carry_forward(const RememberedPose& remembered, std::int64_t session,
-                                        const Pose2& odom_from_robot);
-
 }  // namespace luminav
