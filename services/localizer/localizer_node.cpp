@@ -126,7 +126,7 @@ void LocalizerNode::on_sonar(const sonar_t& message) {
 }
 
 void LocalizerNode::on_robot_status(const robot_status_t& message) {
-  localizer_->add_base_state({message.utime, message.connected != 0, message.motors_enabled != 0});
+  localizer_->set_motors_enabled(message.motors_enabled != 0 || message.connected == 0);
 }
 
 void LocalizerNode::on_initial_pose(const initial_pose_t& message) {
@@ -173,19 +173,19 @@ void LocalizerNode::publish_pose(const LocalizerEstimate& estimate) {
 void LocalizerNode::publish_hypotheses(std::int64_t utime) {
   hypotheses_t message{};
   message.utime = utime;
+  const auto add = [](const WeightedPose& pose, auto& x, auto& y, auto& theta, auto& weight) {
+    x.push_back(static_cast<float>(pose.pose.x));
+    y.push_back(static_cast<float>(pose.pose.y));
+    theta.push_back(static_cast<float>(pose.pose.theta));
+    weight.push_back(static_cast<float>(pose.weight));
+  };
   for (const WeightedPose& pose : localizer_->hypotheses(kMaxHypotheses)) {
-    message.x.push_back(static_cast<float>(pose.pose.x));
-    message.y.push_back(static_cast<float>(pose.pose.y));
-    message.theta.push_back(static_cast<float>(pose.pose.theta));
-    message.weight.push_back(static_cast<float>(pose.weight));
+    add(pose, message.x, message.y, message.theta, message.weight);
     message.sigma.push_back(static_cast<float>(pose.position_sigma));
   }
   message.count = static_cast<std::int32_t>(message.x.size());
   for (const WeightedPose& particle : localizer_->particles(kMaxParticles)) {
-    message.particle_x.push_back(static_cast<float>(particle.pose.x));
-    message.particle_y.push_back(static_cast<float>(particle.pose.y));
-    message.particle_theta.push_back(static_cast<float>(particle.pose.theta));
-    message.particle_weight.push_back(static_cast<float>(particle.weight));
+    add(particle, message.particle_x, message.particle_y, message.particle_theta, message.particle_weight);
   }
   message.particle_count = static_cast<std::int32_t>(message.particle_x.size());
   lcm_.publish(channels::kHypotheses, &message);

@@ -92,10 +92,6 @@ void ModernLocalizer::add_frame(const SightingFrame& frame) {
   }
 }
 
-void ModernLocalizer::add_base_state(const BaseState& state) {
-  motors_enabled_ = state.motors_enabled || !state.connected;
-}
-
 void ModernLocalizer::recall(const PoseBelief& belief) {
   if (supervisor_.has_leader()) {
     return;

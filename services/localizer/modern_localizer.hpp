@@ -39,7 +39,7 @@ class ModernLocalizer final : public Localizer {
   void add_odometry(const OdometryReading& reading) override;
   void add_frame(const SightingFrame& frame) override;
   void add_sonar(const SonarScan& scan) override { echoes_.add(scan); }
-  void add_base_state(const BaseState& state) override;
+  void set_motors_enabled(bool enabled) override { motors_enabled_ = enabled; }
   void add_guess(const PoseBelief& guess) override;
   void recall(const PoseBelief& belief) override;
   [[nodiscard]] LocalizerEstimate estimate() const override;

@@ -10,13 +10,6 @@
 
 namespace luminav {
 
-/// What the robot's base says of itself, as far as it matters here.
-struct BaseState {
-  std::int64_t utime = 0;  // [us]
-  bool connected = true;
-  bool motors_enabled = true;
-};
-
 /// Finds and follows the robot's pose. Two users: the paper's method and the modern one. Inputs come in the order they
 /// arrive; images may be late, and are placed at their own time by odometry.
 class Localizer {
@@ -25,7 +18,8 @@ class Localizer {
   virtual void add_odometry(const OdometryReading& reading) = 0;
   virtual void add_frame(const SightingFrame& frame) = 0;
   virtual void add_sonar(const SonarScan& scan) = 0;
-  virtual void add_base_state(const BaseState& state) = 0;
+  /// With the motors off a hand may move the robot.
+  virtual void set_motors_enabled(bool enabled) = 0;
   /// A pose from outside that is to be weighed against what is seen.
   virtual void add_guess(const PoseBelief& guess) = 0;
   /// A pose from before a restart, carried to now by odometry. Held for true once the first sighting agrees.

@@ -47,7 +47,7 @@ class PaperLocalizer final : public Localizer {
   void add_odometry(const OdometryReading& reading) override;
   void add_frame(const SightingFrame& frame) override;
   void add_sonar(const SonarScan&) override {}
-  void add_base_state(const BaseState&) override {}
+  void set_motors_enabled(bool) override {}
   void add_guess(const PoseBelief& guess) override;
   void recall(const PoseBelief& belief) override { follow(belief, "the pose from before the restart"); }
   [[nodiscard]] LocalizerEstimate estimate() const override;
