@@ -28,11 +28,10 @@ bool has_moved(const std::optional<Pose2>& since, const Pose2& now, const Handov
 
 PaperLocalizer::PaperLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
                                const ErrorParams& errors, const PaperLocalizerParams& params, std::uint64_t seed)
-    : matcher_(building, walls, robot.camera, errors, {params.handover.gate, params.handover.view_margin}),
-      wheel_base_(robot.wheel_base),
-      errors_(errors),
+    : model_(building, walls, robot, errors),
+      matcher_(model_, {params.handover.gate, params.handover.view_margin}),
       params_(params),
-      filter_(matcher_.map(), matcher_.walls(), params.particles, seed),
+      filter_(model_.fixtures, model_.walls, params.particles, seed),
       confidence_(params.confidence) {}
 
 void PaperLocalizer::add_odometry(const OdometryReading& reading) {
@@ -84,7 +83,7 @@ void PaperLocalizer::step(const FrameQueue::TimedFrame& timed) {
   filter_odometry_ = timed.odometry;
   odometer_ += std::hypot(delta.x, delta.y);
   if (belief_) {
-    predict(*belief_, delta, odometry_noise_with_systematics(delta, wheel_base_, errors_));
+    predict(*belief_, delta, odometry_noise_with_systematics(delta, model_.wheel_base, model_.errors));
     step_kalman(timed);
   } else {
     pending_ = pending_ * delta;
@@ -98,7 +97,7 @@ void PaperLocalizer::step(const FrameQueue::TimedFrame& timed) {
 
 void PaperLocalizer::step_particles(const FrameQueue::TimedFrame& timed) {
   const HandoverParams& rules = params_.handover;
-  const bool sees = !timed.frame.sightings.empty() && matcher_.map().size() > 0;
+  const bool sees = !timed.frame.sightings.empty() && model_.fixtures.size() > 0;
   if (has_moved(std::optional<Pose2>(Pose2{}), pending_, rules)) {
     move_particles();
   }
@@ -107,7 +106,7 @@ void PaperLocalizer::step_particles(const FrameQueue::TimedFrame& timed) {
     move_particles();
     filter_.update(timed.frame.sightings);
     corrections_.note(timed.frame.utime, odometer_);
-    clusters_ = find_clusters(filter_, matcher_.map().smallest_spacing(), params_.clusters);
+    clusters_ = find_clusters(filter_, model_.fixtures.smallest_spacing(), params_.clusters);
     reason_ = fmt::format("the heaviest of {} clusters holds {:.0f} % of the weight, log ratio {:.1f}",
                           clusters_.size(), 100.0 * clusters_.front().weight, confidence_.log_ratio());
   }
@@ -151,7 +150,7 @@ void PaperLocalizer::step_kalman(const FrameQueue::TimedFrame& timed) {
     if (index < 0) {
       continue;
     }
-    const Fixture& fixture = matcher_.map()[index];
+    const Fixture& fixture = model_.fixtures[index];
     const Eigen::Matrix3d noise = params_.handover.images_per_view * matcher_.noise_of(sighting, fixture, odometry);
     const Innovation innovation = innovate(*belief_, sighting, fixture, noise);
     correct(*belief_, innovation, noise);
@@ -183,7 +182,7 @@ void PaperLocalizer::give_up(const std::string& why) {
 
 LocalizerEstimate PaperLocalizer::estimate() const {
   LocalizerEstimate estimate;
-  estimate.reason = matcher_.map().size() == 0 ? "the building's file names no fixtures" : reason_;
+  estimate.reason = model_.fixtures.size() == 0 ? "the building's file names no fixtures" : reason_;
   corrections_.write_to(estimate, odometer_);
   Pose2 ahead;
   if (filter_odometry_ && !queue_.history().is_empty()) {
@@ -193,7 +192,7 @@ LocalizerEstimate PaperLocalizer::estimate() const {
     estimate.state = confidence_.log_ratio() > 0.0 ? LocalizerState::kTracking : LocalizerState::kAmbiguous;
     estimate.estimator = EstimatorKind::kKalmanFilter;
     estimate.belief = *belief_;
-    predict(estimate.belief, ahead, odometry_noise_with_systematics(ahead, wheel_base_, errors_));
+    predict(estimate.belief, ahead, odometry_noise_with_systematics(ahead, model_.wheel_base, model_.errors));
   } else if (!clusters_.empty()) {
     estimate.state = LocalizerState::kAmbiguous;
     estimate.estimator = EstimatorKind::kParticleFilter;

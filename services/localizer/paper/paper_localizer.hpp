@@ -6,9 +6,9 @@
 
 #include "services/common/building/building.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/localizer/model/error_model.hpp"
 #include "services/localizer/model/frame_queue.hpp"
 #include "services/localizer/model/localizer.hpp"
+#include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/paper/particle_filter.hpp"
 #include "services/localizer/paper/pose_clusters.hpp"
 #include "services/localizer/paper/pose_confidence.hpp"
@@ -65,9 +65,8 @@ class PaperLocalizer final : public Localizer {
   void follow(const PoseBelief& belief, const std::string& why);
   void give_up(const std::string& why);
 
+  ObservationModel model_;
   SightingMatcher matcher_;
-  double wheel_base_;  // [m]
-  ErrorParams errors_;
   PaperLocalizerParams params_;
   FrameQueue queue_;
   ParticleFilter filter_;

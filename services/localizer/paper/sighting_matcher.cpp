@@ -6,30 +6,22 @@
 
 namespace luminav {
 
-SightingMatcher::SightingMatcher(const Building& building, const PriorMap& walls, const CameraDescription& camera,
-                                 const ErrorParams& errors, const MatchLimits& limits)
-    : map_(building.fixtures),
-      walls_(walls),
-      view_(camera),
-      ceiling_height_(building.ceiling_height),
-      errors_(errors),
-      limits_(limits) {}
-
 Eigen::Matrix3d SightingMatcher::noise_of(const FixtureSighting& sighting, const Fixture& fixture,
                                           const OdometryReading& odometry) const {
-  const double height = std::max(0.2, view_.height_above_camera(ceiling_height_));
-  return white_sighting_covariance(sighting, fixture, errors_) +
-         systematic_sighting_covariance(sighting, height, odometry.linear, odometry.angular, errors_);
+  return white_sighting_covariance(sighting, fixture, model_.errors) +
+         systematic_sighting_covariance(sighting, model_.height_above_camera(), odometry.linear, odometry.angular,
+                                        model_.errors);
 }
 
 int SightingMatcher::match(const PoseBelief& belief, const FixtureSighting& sighting,
                            const OdometryReading& odometry) const {
   std::vector<int> near;
-  map_.find_near(belief.pose * sighting.robot_from_fixture.position(), 1.5, near);
+  model_.fixtures.find_near(belief.pose * sighting.robot_from_fixture.position(), 1.5, near);
   int nearest = -1;
   double min_nis = limits_.gate;
   for (const int index : near) {
-    const double nis = innovate(belief, sighting, map_[index], noise_of(sighting, map_[index], odometry)).nis;
+    const double nis =
+        innovate(belief, sighting, model_.fixtures[index], noise_of(sighting, model_.fixtures[index], odometry)).nis;
     if (nis < min_nis) {
       min_nis = nis;
       nearest = index;
@@ -47,15 +39,15 @@ ViewEvidence SightingMatcher::compare(const PoseBelief& belief, const FrameQueue
     matched.push_back(fixture);
   }
   std::vector<int> near;
-  map_.find_near(belief.pose.position(), view_.radius(ceiling_height_), near);
+  model_.fixtures.find_near(belief.pose.position(), model_.view.radius(model_.ceiling_height), near);
   for (const int index : near) {
-    const Pose2 robot_from_fixture = belief.pose.inverse() * map_[index].world_from_fixture;
+    const Pose2 robot_from_fixture = belief.pose.inverse() * model_.fixtures[index].world_from_fixture;
     if (std::find(matched.begin(), matched.end(), index) == matched.end() &&
-        view_.is_wholly_visible(robot_from_fixture, map_[index], limits_.view_margin)) {
+        model_.view.is_wholly_visible(robot_from_fixture, model_.fixtures[index], limits_.view_margin)) {
       ++view.absent;
     }
   }
-  view.is_in_wall = !walls_.is_free(belief.pose.position());
+  view.is_in_wall = !model_.walls.is_free(belief.pose.position());
   return view;
 }
 

@@ -1,12 +1,8 @@
 #pragma once
 
-#include "services/common/building/building.hpp"
-#include "services/common/ceiling/ceiling_view.hpp"
-#include "services/common/ceiling/fixture_map.hpp"
-#include "services/localizer/model/error_model.hpp"
 #include "services/localizer/model/frame_queue.hpp"
+#include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/model/pose_belief.hpp"
-#include "services/localizer/model/wall_field.hpp"
 #include "services/localizer/paper/pose_confidence.hpp"
 
 namespace luminav {
@@ -21,8 +17,8 @@ struct MatchLimits {
 /// whole image fits.
 class SightingMatcher {
  public:
-  SightingMatcher(const Building& building, const PriorMap& walls, const CameraDescription& camera,
-                  const ErrorParams& errors, const MatchLimits& limits);
+  /// The model must outlive this.
+  SightingMatcher(const ObservationModel& model, const MatchLimits& limits) : model_(model), limits_(limits) {}
 
   /// Index of the fixture that explains a sighting best within the gate; -1: none.
   [[nodiscard]] int match(const PoseBelief& belief, const FixtureSighting& sighting,
@@ -32,15 +28,8 @@ class SightingMatcher {
                                          const OdometryReading& odometry) const;
   [[nodiscard]] ViewEvidence compare(const PoseBelief& belief, const FrameQueue::TimedFrame& timed) const;
 
-  [[nodiscard]] const FixtureMap& map() const { return map_; }
-  [[nodiscard]] const WallField& walls() const { return walls_; }
-
  private:
-  FixtureMap map_;
-  WallField walls_;
-  CeilingView view_;
-  double ceiling_height_;  // [m]
-  ErrorParams errors_;
+  const ObservationModel& model_;
   MatchLimits limits_;
 };
 

@@ -12,7 +12,7 @@ class SightingMatcherTest : public ::testing::Test {
  protected:
   /// The fixture of that index as seen from the pose.
   [[nodiscard]] FixtureSighting sighting_of(int index) const {
-    const Fixture& fixture = matcher_.map()[index];
+    const Fixture& fixture = model_.fixtures[index];
     FixtureSighting sighting;
     sighting.robot_from_fixture = belief_.pose.inverse() * fixture.world_from_fixture;
     sighting.covariance *= 1e-6;
@@ -22,9 +22,10 @@ class SightingMatcherTest : public ::testing::Test {
   }
 
   testing::TestBuilding corridor_ = testing::symmetric_corridor(4, 3.0);
-  SightingMatcher matcher_{corridor_.building, corridor_.walls, CameraDescription{}, ErrorParams{}, MatchLimits{}};
+  ObservationModel model_{corridor_.building, corridor_.walls, {}, {}};
+  SightingMatcher matcher_{model_, MatchLimits{}};
   PoseBelief belief_{
-      {matcher_.map()[0].world_from_fixture.position().x(), matcher_.map()[0].world_from_fixture.position().y(), 0.0},
+      {model_.fixtures[0].world_from_fixture.position().x(), model_.fixtures[0].world_from_fixture.position().y(), 0.0},
       1e-4 * Eigen::Matrix3d::Identity()};
 };
 
@@ -37,9 +38,9 @@ TEST_F(SightingMatcherTest, ExplainsASightingByTheFixtureThatIsThere) {
 
 TEST_F(SightingMatcherTest, TrustsNoAngleThatWasNotMeasured) {
   FixtureSighting sighting = sighting_of(0);
-  EXPECT_LT(matcher_.noise_of(sighting, matcher_.map()[0], {})(2, 2), 1.0);
+  EXPECT_LT(matcher_.noise_of(sighting, model_.fixtures[0], {})(2, 2), 1.0);
   sighting.has_theta = false;
-  EXPECT_GT(matcher_.noise_of(sighting, matcher_.map()[0], {})(2, 2), 1e3);
+  EXPECT_GT(matcher_.noise_of(sighting, model_.fixtures[0], {})(2, 2), 1e3);
 }
 
 TEST_F(SightingMatcherTest, CountsWhatFitsWhatDoesNotAndWhatIsMissing) {
