@@ -65,7 +65,6 @@ void read_particles(const TomlTable& table, ParticleParams& params) {
       table.number("distance_by_distance", params.noise.distance_by_distance, {0.0, 10.0});
   params.noise.distance_by_turn = table.number("distance_by_turn", params.noise.distance_by_turn, {0.0, 10.0});
   params.redraws = table.count("redraws", params.redraws, {0.0, 100.0});
-  params.carries_weights = table.boolean("carries_weights", params.carries_weights);
   params.drawn_weight = table.number("drawn_weight", params.drawn_weight, {0.0, 100.0});
   params.facing_share = table.number("facing_share", params.facing_share, kFraction);
   params.copied_share = table.number("copied_share", params.copied_share, {0.0, 0.45});

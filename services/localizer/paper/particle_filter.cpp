@@ -287,7 +287,7 @@ void ParticleFilter::update(const std::vector<FixtureSighting>& sightings) {
 }
 
 void ParticleFilter::weigh(std::size_t begin, std::size_t count, const std::vector<ScoredSighting>& sightings) {
-  const bool carries = params_.carries_weights && params_.resampling == ParticleResampling::kReplaceWorst;
+  const bool carries = params_.resampling == ParticleResampling::kReplaceWorst;
   BlockValues scores;
   score_block(&x_[begin], &y_[begin], &theta_[begin], sightings, scores.data(), count);
   if (params_.scoring == ParticleScoring::kEquationOne) {
@@ -361,8 +361,7 @@ void ParticleFilter::replace_worst(const std::vector<FixtureSighting>& sightings
     } else {
       draw(worst);
     }
-    weight_[worst] =
-        params_.carries_weights ? static_cast<float>(params_.drawn_weight / static_cast<double>(count_)) : 1e-9F;
+    weight_[worst] = static_cast<float>(params_.drawn_weight / static_cast<double>(count_));
   }
   for (std::ptrdiff_t k = 0; k < copied; ++k) {
     const std::uint32_t from = *(order_.begin() + k);
@@ -370,10 +369,7 @@ void ParticleFilter::replace_worst(const std::vector<FixtureSighting>& sightings
     x_[to] = x_[from];
     y_[to] = y_[from];
     theta_[to] = theta_[from];
-    if (params_.carries_weights) {
-      weight_[from] *= 0.5F;  // both together stand for what the one stood for
-    }
-    weight_[to] = weight_[from];
+    weight_[to] = weight_[from] *= 0.5F;  // both together stand for what the one stood for
   }
   normalise_weights();
 }

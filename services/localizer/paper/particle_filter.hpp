@@ -49,11 +49,10 @@ struct ParticleParams {
   OdometryNoise noise{};
   int redraws = 5;  // tries to move a particle without entering a wall
   ParticleResampling resampling = ParticleResampling::kReplaceWorst;
-  bool carries_weights = true;  // churn: weights are multiplied from update to update, and a copy halves its weight
-  double drawn_weight = 1.0;    // of a particle drawn anew, in shares of the mean weight
-  double copied_share = 0.10;   // churn: the best replace as many of the worst
-  double random_share = 0.05;   // of the worst (churn) or of all (systematic) are drawn anew
-  double facing_share = 0.5;    // of what is drawn anew: where a sighting fits a fixture; the others anywhere
+  double drawn_weight = 1.0;   // churn: of a particle drawn anew, in shares of the mean weight
+  double copied_share = 0.10;  // churn: the best replace as many of the worst
+  double random_share = 0.05;  // of the worst (churn) or of all (systematic) are drawn anew
+  double facing_share = 0.5;   // of what is drawn anew: where a sighting fits a fixture; the others anywhere
 };
 
 /// Particle filter: odometry with noise inside the free space; each sighting scored against the nearest fixture, by the
