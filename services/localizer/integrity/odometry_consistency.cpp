@@ -37,24 +37,22 @@ bool OdometryConsistency::look(const SightingFrame& frame, const ObjectTracks& t
     looks_.push_back({frame.utime, tracks.seen(i).id, odom_from_robot, sighting.robot_from_fixture,
                       sighting.covariance.topLeftCorner<2, 2>()});
   }
-  // What is in view for longest tells, and of things that came at once all must: one that is seen wrongly now and then
-  // is not to speak for the others.
-  std::int64_t since = frame.utime;
-  bool displaced = false;
+  // What came into view just now cannot tell yet. Of the others all must: one that is seen wrongly now and then is not
+  // to speak for them.
+  bool can_tell = false;
+  bool displaced = true;
   for (std::size_t i = first_of_now; i < looks_.size(); ++i) {
     const auto before =
         std::find_if(looks_.begin(), looks_.end(), [&](const Look& look) { return look.object == looks_[i].object; });
-    if (before->utime <= since) {
-      displaced = (before->utime < since || displaced) && is_beyond_slip(*before, looks_[i]) && moved_on(looks_[i]);
-      since = before->utime;
+    if (frame.utime - before->utime >= kSpan / 2) {
+      can_tell = true;
+      displaced = displaced && is_beyond_slip(*before, looks_[i]) && moved_on(looks_[i]);
     }
   }
-  // what came into view just now cannot tell yet
-  const bool is_calm = !displaced && frame.utime - since >= kSpan / 2;
-  if (displaced) {
-    ++run_;
-    displaced_utime_ = frame.utime;
-  } else if (is_calm || displaced_utime_ < oldest) {
+  if (can_tell) {
+    run_ = displaced ? run_ + 1 : 0;
+    told_utime_ = frame.utime;
+  } else if (told_utime_ < oldest) {
     run_ = 0;
   }
   return run_ >= kFrames;

@@ -17,7 +17,7 @@ class OdometryConsistency {
   OdometryConsistency(double wheel_base, double displacement) : wheel_base_(wheel_base), displacement_(displacement) {}
 
   /// One image, and the scene with it. True while the wheels do not explain, in three images in
-  /// a row, how what is in view for longest moved within 0.6 s, neither as they turned nor if one or both of them
+  /// a row, how what is in view for a while moved within 0.6 s, neither as they turned nor if one or both of them
   /// slipped; and for as long at most while what is in view is too new to tell.
   [[nodiscard]] bool look(const SightingFrame& frame, const ObjectTracks& tracks, const Pose2& odom_from_robot);
   /// Relative motion across now is unknown, or the scene begins anew.
@@ -39,11 +39,11 @@ class OdometryConsistency {
   /// It went there from image to image and did not jump.
   [[nodiscard]] bool moved_on(const Look& now) const;
 
-  double wheel_base_;                 // [m]
-  double displacement_;               // [m]
-  std::deque<Look> looks_;            // oldest first
-  int run_ = 0;                       // images that showed it, others that could not tell left out
-  std::int64_t displaced_utime_ = 0;  // [us] of the last of them
+  double wheel_base_;            // [m]
+  double displacement_;          // [m]
+  std::deque<Look> looks_;       // oldest first
+  int run_ = 0;                  // images that showed it, others that could not tell left out
+  std::int64_t told_utime_ = 0;  // [us] of the last that could
 };
 
 }  // namespace luminav
