@@ -32,13 +32,9 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
   table.read("enter_position_sigma", rules.enter_position_sigma, {0.01, 5.0});
   table.read("leave_position_sigma", rules.leave_position_sigma, {0.01, 5.0});
   table.read("leave_heading_sigma", rules.leave_heading_sigma, {0.01, 3.0});
-  table.read("misfit_frames", rules.misfit_frames, {1, 1000});
-  table.read("vanish_frames", rules.vanish_frames, {1, 1000});
+  table.read("doubt", rules.doubt, {0.1, 1000.0});
   table.read("pause_frames", rules.pause_frames, {1, 1000});
   table.read("displacement", rules.displacement, {0.0, 10.0});
-  table.read("miss_frames", rules.miss_frames, {1, 1000});
-  table.read("miss_fixtures", rules.miss_fixtures, {1, 100});
-  table.read("miss_distance", rules.miss_distance, {0.0, 100.0});
   table.reject_unknown();
 }
 

@@ -186,7 +186,8 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
 void ModernLocalizer::doubt_after_slip() {
   const std::optional<Pose2> slipped = slip_.take();
   if (slipped && supervisor_.is_tracking()) {
-    supervisor_.suspect_slip({*slipped, filter_.belief().covariance});
+    supervisor_.suspect({"the sonars hear the walls as if the wheels had slipped", log_prior::kAfterMiss});
+    bank_.add_guess({*slipped, filter_.belief().covariance}, log_prior::kAfterMiss);
   }
 }
 
@@ -218,9 +219,8 @@ void ModernLocalizer::track(const SightingFrame& frame, const OdometryReading& o
     filter_.doubt(fixture);
   }
   const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
-  const auto contradiction = monitor_.look(frame, tracks_, matches, filter_.belief(), odometry.odom_from_robot,
-                                           distance_since_fixture(), supervisor_.is_suspected());
-  if (contradiction) {
+  const auto contradiction = monitor_.look(frame, tracks_, matches, filter_.belief(), odometry.odom_from_robot);
+  if (contradiction && !supervisor_.is_suspected()) {
     suspect(*contradiction, frame, odometry);
   }
   const Pose2 before = filter_.belief().pose;
@@ -232,12 +232,12 @@ void ModernLocalizer::track(const SightingFrame& frame, const OdometryReading& o
   }
 }
 
-void ModernLocalizer::suspect(const Contradiction& contradiction, const SightingFrame& frame,
+void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& frame,
                               const OdometryReading& odometry) {
   TrackingFilter moved = filter_;
   moved.widen(kUnnoticedMotion);
   const std::vector<FixtureMatch> matches = find_matches(moved, frame, odometry);
-  if (!contradiction.is_misfit || matches.empty()) {
+  if (!contradiction.misfit || matches.empty()) {
     supervisor_.suspect(contradiction);
     return;
   }
@@ -249,13 +249,14 @@ void ModernLocalizer::suspect(const Contradiction& contradiction, const Sighting
     for (const FixtureMatch& match : matches) {
       model_.fixtures.doubt(match.fixture);
     }
-    monitor_.confirm(true);
+    supervisor_.doubt_map(contradiction);
+    monitor_.restart();
     return;
   }
   const bool is_same = is_same_place(filter_.belief().pose, belief.pose, params_.hypotheses);
   if (!hangs_elsewhere && is_same) {
-    filter_ = moved;  // the bank does not tell the two apart
-    monitor_.forget_misfit();
+    filter_ = moved;               // the bank does not tell the two apart
+    contradiction.misfit.reset();  // that is no fault of the map
   }
   supervisor_.suspect(contradiction);
   if (!hangs_elsewhere && !is_same) {

@@ -8,10 +8,10 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/hypotheses/echo_collector.hpp"
 #include "services/localizer/hypotheses/hypothesis_bank.hpp"
-#include "services/localizer/integrity/match_monitor.hpp"
+#include "services/localizer/integrity/integrity_model.hpp"
 #include "services/localizer/integrity/odometry_consistency.hpp"
+#include "services/localizer/integrity/pose_monitor.hpp"
 #include "services/localizer/integrity/slip_by_sonar.hpp"
-#include "services/localizer/integrity/tracking_rules.hpp"
 #include "services/localizer/integrity/tracking_supervisor.hpp"
 #include "services/localizer/model/frame_queue.hpp"
 #include "services/localizer/model/localizer.hpp"
@@ -66,7 +66,7 @@ class ModernLocalizer final : public Localizer {
   /// What fits nothing where the robot is held to be may be a fixture seen by a robot that slipped or was bumped: that
   /// pose competes with the doubted one, unless the sonars say that the robot is where it was: then the fixture hangs
   /// elsewhere, and a robot that nobody can have carried goes on.
-  void suspect(const Contradiction& contradiction, const SightingFrame& frame, const OdometryReading& odometry);
+  void suspect(Contradiction contradiction, const SightingFrame& frame, const OdometryReading& odometry);
   [[nodiscard]] std::vector<FixtureMatch> find_matches(const TrackingFilter& filter, const SightingFrame& frame,
                                                        const OdometryReading& odometry) const;
   /// Returns the normalised innovation squared of each match.
@@ -91,7 +91,7 @@ class ModernLocalizer final : public Localizer {
   ObjectTracks tracks_;
   HypothesisBank bank_;
   TrackingFilter filter_;
-  MatchMonitor monitor_;
+  PoseMonitor monitor_;
   OdometryConsistency displacement_;
   TrackingSupervisor supervisor_;
   SlipBySonar slip_;

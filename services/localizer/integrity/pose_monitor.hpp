@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "services/localizer/hypotheses/object_tracks.hpp"
+#include "services/localizer/integrity/integrity_model.hpp"
+#include "services/localizer/integrity/kidnap_opportunity.hpp"
+#include "services/localizer/model/observation_model.hpp"
+#include "services/localizer/model/pose_belief.hpp"
+#include "services/localizer/tracking/fixture_matching.hpp"
+
+namespace luminav {
+
+/// Sums what the images since the last match say against a tracked pose: sightings that fit nothing, fixtures that
+/// vanish from a robot that stands, fixtures that never come.
+class PoseMonitor {
+ public:
+  /// The model must outlive this; its map learns where the building's file is wrong.
+  PoseMonitor(ObservationModel& model, const TrackingRules& rules)
+      : model_(model), rules_(rules), kidnap_(rules.pause_frames) {}
+
+  /// One image, the scene with it, and the sightings that fitted. Tells what contradicts the pose once that is enough.
+  [[nodiscard]] std::optional<Contradiction> look(const SightingFrame& frame, const ObjectTracks& tracks,
+                                                  const std::vector<FixtureMatch>& matches, const PoseBelief& belief,
+                                                  const Pose2& odom_from_robot);
+  /// While the motors are off a hand may move the robot.
+  void allow_kidnapping(bool allowed) { kidnap_.set_motors_off(allowed); }
+  /// Restarts the sum.
+  void restart();
+  /// Another pose is followed from now on: nothing speaks for it yet.
+  void begin_anew();
+
+ private:
+  void match(const SightingFrame& frame, const std::vector<FixtureMatch>& matches, const PoseBelief& belief);
+  /// While other fixtures support the pose of a robot that drives, what fits none puts the map in doubt, not the pose.
+  void note_strangers(const SightingFrame& frame, const ObjectTracks& tracks, const std::vector<FixtureMatch>& matches,
+                      const PoseBelief& belief);
+  /// Adds the evidence of fixtures that ought to be in view and are not seen.
+  void add_missing(const SightingFrame& frame, const PoseBelief& belief);
+  /// Which share of a fixture must be in view to miss it, and how far [m] inside the image; nothing is seen there.
+  [[nodiscard]] bool is_missing(int index, const Pose2& robot_from_fixture, const PoseBelief& belief) const;
+  /// True if the pose predicted many fixtures and the wheels have turned since its last match: nobody can have carried
+  /// the robot away so quickly.
+  [[nodiscard]] bool is_beyond_kidnapping(std::int64_t utime) const;
+  /// Where [world] something is seen that is no fixture of the building.
+  [[nodiscard]] std::optional<Eigen::Vector2d> find_misfit(const SightingFrame& frame, const ObjectTracks& tracks,
+                                                           const PoseBelief& belief) const;
+
+  ObservationModel& model_;
+  TrackingRules rules_;
+  KidnapOpportunity kidnap_;
+  double misfit_ = 0.0;                // log-evidence of what fits nothing
+  std::map<int, double> missing_;      // log-evidence of fixtures that are not seen
+  std::map<int, double> seen_;         // fixtures of the last match, and which share of them was in view
+  std::set<int> predicted_;            // fixtures that came where the pose has them
+  std::int64_t match_utime_ = 0;       // [us] of the last match
+  std::map<int, int> strange_images_;  // of objects that fitted nothing while others supported the pose
+};
+
+}  // namespace luminav
