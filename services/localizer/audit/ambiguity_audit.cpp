@@ -29,7 +29,7 @@ double counted(const AuditStart& start) {
 bool is_touched(const AuditFloor& floor, const AuditStart& start, int changed) {
   const Eigen::Vector2d& point = floor.ground().points[static_cast<std::size_t>(start.place)];
   const Eigen::Vector2d fixture = floor.fixture(changed).world_from_fixture.position();
-  const double reach = start.distance + floor.view_radius() + floor.params().position_tolerance;
+  const double reach = start.distance + floor.view_radius() + AuditFloor::kPositionTolerance;
   return (fixture - point).norm() < reach ||
          std::any_of(start.deciding.begin(), start.deciding.end(), [&](const AliasMotion& motion) {
            return (motion.true_from_alias * fixture - point).norm() < reach;
@@ -163,7 +163,7 @@ double never_share(const std::vector<AuditStart>& starts) {
 
 std::vector<AuditChange> best_changes(const AuditFloor& floor, const std::vector<AuditStart>& starts, std::size_t max) {
   std::vector<AuditChange> changes;
-  if (mean_distance(starts) < floor.params().cell) {
+  if (mean_distance(starts) < AuditFloor::kCell) {
     return changes;
   }
   std::vector<AuditStart> before;

@@ -8,6 +8,9 @@
 namespace luminav {
 namespace {
 
+constexpr double kClearance = 0.25;                // [m] that the robot's middle keeps from walls
+constexpr double kAliasClearance = 0.10;           // [m] nearer to a wall nobody can be: such an alias is refuted
+constexpr double kHeadingTolerance = radians(12);  // [rad] fixtures turned by less are alike
 constexpr int kRingTurns = 24;      // that the ring round a single round fixture is cut into, as the localizer does
 constexpr double kRingReach = 6.0;  // [m] from a round fixture to what may come into view next ...
 constexpr std::size_t kMaxPartners = 6;   // ... the nearest of which count
@@ -42,23 +45,21 @@ GridGeometry place_grid(const PriorMap& walls, const FixtureMap& map, double cel
 
 }  // namespace
 
-AuditFloor::AuditFloor(const Building& building, const PriorMap& walls, const CameraDescription& camera,
-                       const AuditParams& params)
-    : params_(params),
-      map_(building.fixtures, kIndexCell),
+AuditFloor::AuditFloor(const Building& building, const PriorMap& walls, const CameraDescription& camera)
+    : map_(building.fixtures, kIndexCell),
       walls_(walls),
       view_radius_(CeilingView(camera).mean_radius(building.ceiling_height)) {
   find_places(walls);
 }
 
 void AuditFloor::find_places(const PriorMap& walls) {
-  const GridGeometry grid = place_grid(walls, map_, params_.cell);
+  const GridGeometry grid = place_grid(walls, map_, kCell);
   std::vector<std::int32_t> place_of_cell(grid.size(), -1);
   std::vector<Cell> cells;
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       const Eigen::Vector2d point = grid.centre_of({column, row});
-      if (walls_.is_free(point) && walls_.distance_to_wall(point) > params_.clearance) {
+      if (walls_.is_free(point) && walls_.distance_to_wall(point) > kClearance) {
         place_of_cell[grid.index({column, row})] = static_cast<std::int32_t>(cells.size());
         cells.push_back({column, row});
         ground_.points.push_back(point);
@@ -124,10 +125,10 @@ std::vector<double> AuditFloor::turns(int anchor, const std::vector<int>& partne
   for (const int partner : partners) {
     const double length = distance(map_[anchor].world_from_fixture, map_[partner].world_from_fixture);
     around.clear();
-    map_.find_near(map_[to].world_from_fixture.position(), length + params_.position_tolerance, around);
+    map_.find_near(map_[to].world_from_fixture.position(), length + kPositionTolerance, around);
     for (const int other : around) {
       if (other != to && is_same_kind(map_[partner], map_[other]) &&
-          distance(map_[to].world_from_fixture, map_[other].world_from_fixture) > length - params_.position_tolerance) {
+          distance(map_[to].world_from_fixture, map_[other].world_from_fixture) > length - kPositionTolerance) {
         add(direction(map_[to], map_[other]) - direction(map_[anchor], map_[partner]));
       }
     }
@@ -146,8 +147,8 @@ std::vector<AliasMotion> AuditFloor::aliases(std::int32_t place, int changed) co
   const Eigen::Vector2d& point = ground_.points[static_cast<std::size_t>(place)];
   const auto add = [&](int to, double theta) {
     const AliasMotion motion(motion_onto(map_[from], map_[to], theta));
-    const bool is_itself = (motion.alias_from_true * point - point).norm() < params_.position_tolerance &&
-                           std::abs(wrap_angle(theta)) < params_.heading_tolerance;
+    const bool is_itself = (motion.alias_from_true * point - point).norm() < kPositionTolerance &&
+                           std::abs(wrap_angle(theta)) < kHeadingTolerance;
     if (!is_itself && is_alias(motion, place, changed)) {
       motions.push_back(motion);
     }
@@ -169,22 +170,22 @@ bool AuditFloor::is_alike(int index, const Eigen::Vector2d& moved, double turn, 
   const Fixture& a = map_[index];
   const Fixture& b = map_[other];
   return is_same_kind(a, b) && (index == changed) == (other == changed) &&
-         (moved - b.world_from_fixture.position()).norm() < params_.position_tolerance &&
+         (moved - b.world_from_fixture.position()).norm() < kPositionTolerance &&
          std::abs(wrap_modulo(a.world_from_fixture.theta + turn - b.world_from_fixture.theta,
-                              symmetry_period(b.shape))) < params_.heading_tolerance;
+                              symmetry_period(b.shape))) < kHeadingTolerance;
 }
 
 bool AuditFloor::has_image(const PointTransform& motion, double turn, int index, int changed) const {
   const Eigen::Vector2d moved = motion * map_[index].world_from_fixture.position();
   thread_local std::vector<int> near;
   near.clear();
-  map_.find_near(moved, params_.position_tolerance, near);
+  map_.find_near(moved, kPositionTolerance, near);
   return std::any_of(near.begin(), near.end(), [&](int other) { return is_alike(index, moved, turn, other, changed); });
 }
 
 bool AuditFloor::is_alias(const AliasMotion& motion, std::int32_t place, int changed) const {
   const Eigen::Vector2d alias = motion.alias_from_true * ground_.points[static_cast<std::size_t>(place)];
-  if (!walls_.is_free(alias) || walls_.distance_to_wall(alias) < params_.alias_clearance) {
+  if (!walls_.is_free(alias) || walls_.distance_to_wall(alias) < kAliasClearance) {
     return false;
   }
   const std::vector<int>& seen = in_view(place);
@@ -195,7 +196,7 @@ bool AuditFloor::is_alias(const AliasMotion& motion, std::int32_t place, int cha
   // what the alias would see and the robot does not; at the border of the view tolerance decides
   thread_local std::vector<int> near;
   near.clear();
-  map_.find_near(alias, view_radius_ - params_.position_tolerance, near);
+  map_.find_near(alias, view_radius_ - kPositionTolerance, near);
   return std::all_of(near.begin(), near.end(),
                      [&](int index) { return has_image(motion.true_from_alias, -motion.theta, index, changed); });
 }

@@ -14,14 +14,6 @@
 
 namespace luminav {
 
-struct AuditParams {
-  double cell = 0.25;                      // [m] between places looked at
-  double clearance = 0.25;                 // [m] that the robot's middle keeps from walls
-  double alias_clearance = 0.10;           // [m] nearer to a wall nobody can be: such an alias is refuted
-  double position_tolerance = 0.25;        // [m] fixtures nearer than this to each other's images are alike
-  double heading_tolerance = radians(12);  // [rad] likewise
-};
-
 /// A motion of the plane from the true pose to an alias.
 struct AliasMotion {
   explicit AliasMotion(const Pose2& motion)
@@ -36,12 +28,14 @@ struct AliasMotion {
 /// out: the view is taken for a disc as large as the image. Whoever asks may do so from any thread.
 class AuditFloor {
  public:
-  AuditFloor(const Building& building, const PriorMap& walls, const CameraDescription& camera,
-             const AuditParams& params);
+  static constexpr double kCell = 0.25;  ///< [m] between places looked at
+  static constexpr double kPositionTolerance =
+      0.25;  ///< [m] fixtures nearer than this to each other's images are alike
 
-  [[nodiscard]] const AuditParams& params() const { return params_; }
+  AuditFloor(const Building& building, const PriorMap& walls, const CameraDescription& camera);
+
   [[nodiscard]] double view_radius() const { return view_radius_; }
-  /// Where a robot may stand, `cell` apart, and which places are next to which.
+  /// Where a robot may stand, `kCell` apart, and which places are next to which.
   [[nodiscard]] const WalkGround& ground() const { return ground_; }
   /// Fixtures in view from a place, as indices.
   [[nodiscard]] const std::vector<int>& in_view(std::int32_t place) const {
@@ -70,7 +64,6 @@ class AuditFloor {
   /// A fixture, moved, would be taken for one that hangs there.
   [[nodiscard]] bool has_image(const PointTransform& motion, double turn, int index, int changed) const;
 
-  AuditParams params_;
   FixtureMap map_;
   WallField walls_;
   double view_radius_;  // [m]

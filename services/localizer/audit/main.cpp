@@ -141,12 +141,12 @@ void draw_picture(const std::string& file, const Findings& findings) {
                   colour, cv::FILLED);
   };
   for (const Eigen::Vector2d& point : points) {
-    fill(point, 0.5 * floor.params().cell, {90, 90, 90});
+    fill(point, 0.5 * AuditFloor::kCell, {90, 90, 90});
   }
   const double places_per_start = static_cast<double>(points.size()) / static_cast<double>(starts.size());
   for (const AuditStart& start : starts) {  // each as large as its share of the floor, with a rim to tell them apart
     fill(points[static_cast<std::size_t>(start.place)],
-         (places_per_start > 1.0 ? 0.35 : 0.5) * floor.params().cell * std::sqrt(places_per_start),
+         (places_per_start > 1.0 ? 0.35 : 0.5) * AuditFloor::kCell * std::sqrt(places_per_start),
          colour_of(start.distance));
   }
   for (const Fixture& fixture : building.fixtures) {
@@ -196,7 +196,7 @@ int run(int argc, char** argv) {
   if (building.fixtures.empty()) {
     throw std::runtime_error(file.string() + ": names no fixtures");
   }
-  const AuditFloor floor(building, walls, read_robot(std::filesystem::path(robot_file)).camera, AuditParams{});
+  const AuditFloor floor(building, walls, read_robot(std::filesystem::path(robot_file)).camera);
   if (floor.ground().points.empty()) {
     throw std::runtime_error(file.string() + ": its map has no place where a robot could stand");
   }

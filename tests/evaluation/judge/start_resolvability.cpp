@@ -39,7 +39,7 @@ double StartResolvability::distance(const std::filesystem::path& building_file, 
   // outside of the lock: who asks for another ceiling need not wait
   std::call_once(audit->is_made, [&] {
     const PriorMap walls = building.map_file.empty() ? PriorMap{} : read_map(building.map_file);
-    audit->floor.emplace(building, walls, read_robot(robot_file).camera, AuditParams{});
+    audit->floor.emplace(building, walls, read_robot(robot_file).camera);
   });
   const std::vector<Eigen::Vector2d>& points = audit->floor->ground().points;
   const auto nearest = std::min_element(

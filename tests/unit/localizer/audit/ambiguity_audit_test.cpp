@@ -17,7 +17,7 @@ CameraDescription camera() {
 }
 
 AuditFloor floor_of(const testing::TestBuilding& building) {
-  return {building.building, building.walls, camera(), AuditParams{}};
+  return {building.building, building.walls, camera()};
 }
 
 std::vector<AuditStart> all_starts(const AuditFloor& floor) {
