@@ -68,22 +68,12 @@ double score_of(const Hypothesis& hypothesis, double best_sonar, const Hypothesi
   return log_posterior;
 }
 
-void NullHypothesis::see(std::span<const ObjectTrack> scene, std::span<const ObjectTrack> forgotten,
-                         const HypothesisParams& params) {
-  const auto misfit = [&](const ObjectTrack& object) {
-    return params.misfit * std::min(1.0, static_cast<double>(object.frames) / params.frames_for_full_vote);
-  };
-  active_score_ = 0.0;
+double score_of_misfits(std::span<const ObjectTrack> scene, const HypothesisParams& params) {
+  double score = 0.0;
   for (const ObjectTrack& object : scene) {
-    active_score_ += misfit(object);
+    score += params.misfit * std::min(1.0, static_cast<double>(object.frames) / params.frames_for_full_vote);
   }
-  for (const ObjectTrack& object : forgotten) {
-    closed_score_ += misfit(object);
-  }
-}
-
-void NullHypothesis::settle() {
-  closed_score_ += std::exchange(active_score_, 0.0);
+  return score;
 }
 
 bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params) {

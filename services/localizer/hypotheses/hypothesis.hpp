@@ -83,22 +83,8 @@ void add_absence(Hypothesis& hypothesis, std::span<const int> expected, std::spa
 /// What `log_posterior` should be; `best_sonar` is the best sonar score of all hypotheses.
 [[nodiscard]] double score_of(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params);
 
-/// The hypothesis that all that was seen is something else: it has the score of a pose that no list holds.
-class NullHypothesis {
- public:
-  /// The scene of an image, and the objects that were `forgotten` since the one before.
-  void see(std::span<const ObjectTrack> scene, std::span<const ObjectTrack> forgotten, const HypothesisParams& params);
-  /// The scene is over.
-  void settle();
-  /// Of all objects.
-  [[nodiscard]] double score() const { return closed_score_ + active_score_; }
-  /// Of objects that are over.
-  [[nodiscard]] double closed_score() const { return closed_score_; }
-
- private:
-  double closed_score_ = 0.0;
-  double active_score_ = 0.0;
-};
+/// Score of the objects of a scene if all of them are something else than fixtures: what a pose that no list holds has.
+[[nodiscard]] double score_of_misfits(std::span<const ObjectTrack> scene, const HypothesisParams& params);
 
 /// Two poses so near each other that they are one hypothesis.
 [[nodiscard]] bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params);

@@ -30,7 +30,8 @@ HypothesisBank::HypothesisBank(const ObservationModel& model, const HypothesisPa
 void HypothesisBank::clear() {
   ++beginnings_;
   hypotheses_.clear();
-  null_ = {};
+  closed_null_score_ = 0.0;
+  round_.scene.clear();
   best_sonar_ = 0.0;
   phase_ = Phase::kIdle;
   seeding_.abort();
@@ -46,6 +47,7 @@ void HypothesisBank::observe(const SightingFrame& frame, const ObjectTracks& tra
                              double odometer) {
   pending_.add_image(tracks.forgotten());
   if (phase_ == Phase::kIdle) {
+    close_scene();
     const ObjectTracks before = std::exchange(round_.scene, tracks);
     round_.images_of_sighting.clear();
     for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
@@ -66,11 +68,19 @@ void HypothesisBank::observe(const SightingFrame& frame, const ObjectTracks& tra
 
 void HypothesisBank::wait() {
   if (phase_ == Phase::kIdle) {
+    close_scene();
     round_.has_image = false;
     round_.frame = {};
     begin_round();
   }
   compare_next();
+}
+
+void HypothesisBank::close_scene() {
+  if (pending_.motion().settles) {
+    closed_null_score_ += score_of_misfits(round_.scene.objects(), params_);
+    round_.scene.clear();
+  }
 }
 
 void HypothesisBank::begin_round() {
@@ -82,11 +92,8 @@ void HypothesisBank::begin_round() {
     round_.stretch.clear();
   }
   round_best_sonar_ = -1e18;
-  if (round_.motion.settles) {
-    null_.settle();
-  }
   if (round_.has_image) {
-    null_.see(round_.scene.objects(), round_.forgotten, params_);
+    closed_null_score_ += score_of_misfits(round_.forgotten, params_);
     comparer_.emplace(round_.frame, round_.odometry.linear, round_.odometry.angular, model_, params_);
   }
   next_ = 0;
@@ -198,7 +205,7 @@ void HypothesisBank::spawn_next() {
   }
   while (!seeding_.is_complete() && !budget_.is_spent()) {
     for (Hypothesis& hypothesis : seeding_.next(hypotheses_, budget_)) {
-      hypothesis.closed_score = null_.closed_score();
+      hypothesis.closed_score = closed_null_score_;
       if (score_of(hypothesis, best_sonar_, params_) >= min_log_posterior_) {
         add(std::move(hypothesis));
       }
@@ -216,7 +223,7 @@ void HypothesisBank::add(Hypothesis hypothesis) {
 void HypothesisBank::add_guess(const PoseBelief& belief, double log_prior) {
   Hypothesis guess;
   guess.belief = belief;
-  guess.closed_score = null_.closed_score();
+  guess.closed_score = closed_null_score_;
   guess.sonar = best_sonar_;
   guess.log_prior = log_prior;
   guess.belief.pose = standing(hypotheses_.size(), belief.pose);

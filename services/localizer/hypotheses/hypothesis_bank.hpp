@@ -69,13 +69,17 @@ class HypothesisBank {
   /// Belief of a hypothesis carried to now; its own may be that of the round's image.
   [[nodiscard]] PoseBelief belief_now(std::size_t index) const;
   /// Score of "all that was seen is something else": what a pose not in the list would have.
-  [[nodiscard]] double null_score() const { return null_.score(); }
+  [[nodiscard]] double null_score() const {
+    return closed_null_score_ + score_of_misfits(round_.scene.objects(), params_);
+  }
   /// Units of work done in this step.
   [[nodiscard]] int work_done() const { return budget_.spent(); }
 
  private:
   enum class Phase { kIdle, kCompare, kCompared, kSpawn, kRank };
 
+  /// Relative motion to what was seen is unknown: none of it is seen again.
+  void close_scene();
   void begin_round();
   void compare_next();
   [[nodiscard]] bool may_lead(const Hypothesis& hypothesis) const;
@@ -92,7 +96,7 @@ class HypothesisBank {
   const ObservationModel& model_;
   HypothesisParams params_;
   std::vector<Hypothesis> hypotheses_;
-  NullHypothesis null_;
+  double closed_null_score_ = 0.0;  // of "all that was seen is something else", for objects that are over
   double best_sonar_ = 0.0;
   int next_id_ = 1;
   int beginnings_ = 0;

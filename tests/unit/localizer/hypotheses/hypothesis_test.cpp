@@ -11,26 +11,22 @@ ObjectTrack seen_in(int frames) {
   return object;
 }
 
-TEST(NullHypothesis, HasTheScoreOfAPoseThatExplainsNothing) {
+TEST(Hypothesis, HasAFullMisfitForEachObjectSeenOftenIfItExplainsNothing) {
   const HypothesisParams params;
-  NullHypothesis null;
-  EXPECT_EQ(null.score(), 0.0);
-  null.see(std::vector{seen_in(params.frames_for_full_vote), seen_in(100)}, {}, params);
-  EXPECT_DOUBLE_EQ(null.score(), 2.0 * params.misfit);
-  null.see(std::vector{seen_in(params.frames_for_full_vote / 2)}, {}, params);
-  EXPECT_DOUBLE_EQ(null.score(), 0.5 * params.misfit) << "an image shows all that is there";
+  const auto score = [&](const std::vector<ObjectTrack>& scene) { return score_of_misfits(scene, params); };
+  EXPECT_EQ(score({}), 0.0);
+  EXPECT_DOUBLE_EQ(score({seen_in(params.frames_for_full_vote), seen_in(100)}), 2.0 * params.misfit);
+  EXPECT_DOUBLE_EQ(score({seen_in(params.frames_for_full_vote / 2)}), 0.5 * params.misfit);
 }
 
-TEST(NullHypothesis, KeepsTheScoreOfWhatIsOver) {
+TEST(Hypothesis, ThatExplainsNothingHasTheScoreOfTheMisfits) {
   const HypothesisParams params;
-  NullHypothesis null;
-  null.see(std::vector{seen_in(100)}, std::vector{seen_in(100)}, params);
-  EXPECT_DOUBLE_EQ(null.closed_score(), params.misfit);
-  null.settle();
-  EXPECT_DOUBLE_EQ(null.closed_score(), 2.0 * params.misfit);
-  EXPECT_DOUBLE_EQ(null.score(), 2.0 * params.misfit);
-  null.see({}, {}, params);
-  EXPECT_DOUBLE_EQ(null.score(), 2.0 * params.misfit);
+  Hypothesis hypothesis;
+  ObjectTrack object = seen_in(3);
+  add_evidence(hypothesis, object, -1, params.misfit, 1.0, object.frames);
+  EXPECT_DOUBLE_EQ(score_of(hypothesis, 0.0, params), score_of_misfits(std::vector{object}, params));
+  settle_all(hypothesis, params);
+  EXPECT_DOUBLE_EQ(hypothesis.closed_score, score_of_misfits(std::vector{object}, params));
 }
 
 }  // namespace
