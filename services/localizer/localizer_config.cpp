@@ -9,20 +9,6 @@
 namespace luminav {
 namespace {
 
-void read_hypotheses(const TomlTable& table, HypothesisParams& params) {
-  table.read("gate", params.gate, {1.0, 1000.0});
-  table.read("misfit", params.misfit, {-50.0, -0.1});
-  table.read("miss_probability", params.miss_probability, {0.001, 0.999});
-  table.read("miss_margin", params.miss_margin, {0.0, 2.0});
-  table.read("sonar_weight", params.sonar_weight, {0.0, 1000.0});
-  table.read("sonar_surface", params.sonar_surface, {0.05, 10.0});
-  table.read("sonar_looks", params.sonar_looks, {1, 1000});
-  table.read("sonar_cap", params.sonar_cap, {0.0, 1000.0});
-  table.read("prune", params.prune, {1.0, 1000.0});
-  table.read("max", params.max, {1, 1e6});
-  table.reject_unknown();
-}
-
 void read_rules(const TomlTable& table, TrackingRules& rules) {
   table.read("first_margin", rules.first_margin, {0.0, 100.0});
   table.read("enter_margin", rules.enter_margin, {0.0, 100.0});
@@ -33,8 +19,6 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
   table.read("leave_position_sigma", rules.leave_position_sigma, {0.01, 5.0});
   table.read("leave_heading_sigma", rules.leave_heading_sigma, {0.01, 3.0});
   table.read("doubt", rules.doubt, {0.1, 1000.0});
-  table.read("pause_frames", rules.pause_frames, {1, 1000});
-  table.read("displacement", rules.displacement, {0.0, 10.0});
   table.reject_unknown();
 }
 
@@ -81,7 +65,6 @@ LocalizerConfig read_localizer_config(const std::filesystem::path& robot_file,
   const RobotErrors errors = read_robot_errors(table);
   config.wheels = errors.wheels;
   config.errors = errors.errors;
-  read_hypotheses(table.table("hypotheses"), config.modern.hypotheses);
   read_rules(table.table("rules"), config.modern.rules);
   read_particles(table.table("particles"), config.paper.particles);
   table.reject_unknown();

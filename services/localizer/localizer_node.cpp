@@ -163,8 +163,8 @@ void LocalizerNode::publish_pose(const LocalizerEstimate& estimate) {
   pose.angular = odometry_.angular;
   pose.fixture_utime = estimate.fixture_utime;
   pose.distance_since_fixture = estimate.distance_since_fixture;
-  pose.has_nis = estimate.has_nis ? 1 : 0;
-  pose.nis = estimate.nis;
+  pose.has_nis = estimate.nis ? 1 : 0;
+  pose.nis = estimate.nis.value_or(0.0);
   pose.initial_pose_id = guess_id_;
   lcm_.publish(channels::kPose, &pose);
   ++pose.sequence;

@@ -31,13 +31,12 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       params_(params),
       bank_(model_, params.hypotheses),
       filter_(model_.height_above_camera(), {robot.camera.mounting.x, robot.camera.mounting.y}, robot.wheel_base,
-              errors, params.tracking),
+              errors),
       monitor_(model_, params.rules),
-      displacement_(robot.wheel_base, params.rules.displacement),
+      displacement_(robot.wheel_base),
       supervisor_(model_.fixtures, tracks_, bank_, filter_, monitor_, params.rules),
       slip_(model_.walls, robot.sonar.half_angle),
-      echoes_(robot.sonar, {params.hypotheses.sonar_test_distance, params.hypotheses.sonar_turn,
-                            params.hypotheses.sonar_surface, params.hypotheses.sonar_looks}) {}
+      echoes_(robot.sonar, params.hypotheses) {}
 
 void ModernLocalizer::add_odometry(const OdometryReading& reading) {
   bank_.begin_step();
@@ -266,7 +265,7 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
 
 std::vector<FixtureMatch> ModernLocalizer::find_matches(const TrackingFilter& filter, const SightingFrame& frame,
                                                         const OdometryReading& odometry) const {
-  return match_sightings(filter, model_.fixtures, frame, odometry, params_.tracking.gate);
+  return match_sightings(filter, model_.fixtures, frame, odometry);
 }
 
 std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const SightingFrame& frame,
@@ -276,8 +275,7 @@ std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const Sight
   for (const FixtureMatch& match : matches) {
     const FixtureSighting& sighting = frame.sightings[match.sighting];
     const Fixture& fixture = model_.fixtures[match.fixture];
-    if (filter.innovate(sighting, match.fixture, fixture, odometry.linear, odometry.angular).nis >
-        params_.tracking.gate) {
+    if (filter.innovate(sighting, match.fixture, fixture, odometry.linear, odometry.angular).nis > kMatchGate) {
       filter.widen(kFixtureSurprise);
     }
     nis.push_back(filter.correct(sighting, match.fixture, fixture, odometry.linear, odometry.angular, odometer_));

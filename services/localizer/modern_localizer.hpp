@@ -25,7 +25,6 @@ namespace luminav {
 
 struct ModernLocalizerParams {
   HypothesisParams hypotheses;
-  TrackingParams tracking;
   TrackingRules rules;
 };
 

@@ -18,6 +18,7 @@ constexpr std::int64_t kAlive = 20'000'000;  // [us] after an echo in which a di
 constexpr double kFarther = 0.5;             // [m] by which an earlier reading of a disc went farther than its newest
 constexpr double kPassage = 1.0;             // [m] from the disc: what passes there passes on from there
 constexpr double kSector = radians(30.0);
+constexpr int kPassageLooks = 2;  // beams that pass a place one way and count: one in a hundred is silent by chance
 
 /// Keeps so many, evenly over the ring.
 void thin_out(std::vector<PlacedEcho>& echoes, std::size_t max) {
@@ -76,14 +77,14 @@ void EchoCollector::forget_places() {
 
 bool EchoCollector::has_listened_at(const Pose2& odom_from_robot) const {
   return std::any_of(places_.begin(), places_.end(), [&](const Pose2& place) {
-    return distance(place, odom_from_robot) < rules_.distance &&
-           std::abs(wrap_angle(place.theta - odom_from_robot.theta)) < rules_.turn;
+    return distance(place, odom_from_robot) < params_.sonar_test_distance &&
+           std::abs(wrap_angle(place.theta - odom_from_robot.theta)) < params_.sonar_turn;
   });
 }
 
 double EchoCollector::look_at(const Eigen::Vector2d& place_in_odom, int sector, int max_looks) {
-  const int column = static_cast<int>(std::floor(place_in_odom.x() / rules_.surface));
-  const int row = static_cast<int>(std::floor(place_in_odom.y() / rules_.surface));
+  const int column = static_cast<int>(std::floor(place_in_odom.x() / params_.sonar_surface));
+  const int row = static_cast<int>(std::floor(place_in_odom.y() / params_.sonar_surface));
   auto surface = std::find_if(surfaces_.begin(), surfaces_.end(), [&](const Surface& s) {
     return s.column == column && s.row == row && s.sector == sector;
   });
@@ -114,7 +115,7 @@ std::vector<PlacedEcho> EchoCollector::place_readings(int disc, std::int64_t uti
 }
 
 std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHistory& history, std::size_t max) {
-  if (distance_since_ < rules_.distance && turn_since_ < rules_.turn) {
+  if (distance_since_ < params_.sonar_test_distance && turn_since_ < params_.sonar_turn) {
     return {};
   }
   const auto now = history.at(utime);
@@ -160,9 +161,9 @@ std::vector<PlacedEcho> EchoCollector::take(std::int64_t utime, const OdometryHi
     const Eigen::Vector2d along = (echo.end - echo.disc) / echo.range;
     const double heading = wrap_angle(now->odom_from_robot.theta + std::atan2(along.y(), along.x()));
     const int sector = static_cast<int>(std::floor((heading + kPi) / kSector));
-    echo.weight = echo.weight > 0.0 ? look_at(now->odom_from_robot * echo.end, kNoSector, rules_.looks) : 0.0;
+    echo.weight = echo.weight > 0.0 ? look_at(now->odom_from_robot * echo.end, kNoSector, params_.sonar_looks) : 0.0;
     echo.passage_weight =
-        look_at(now->odom_from_robot * Eigen::Vector2d(echo.disc + kPassage * along), sector, rules_.passage_looks);
+        look_at(now->odom_from_robot * Eigen::Vector2d(echo.disc + kPassage * along), sector, kPassageLooks);
   }
   std::erase_if(echoes, [](const PlacedEcho& echo) { return echo.weight == 0.0 && echo.passage_weight == 0.0; });
   return echoes;

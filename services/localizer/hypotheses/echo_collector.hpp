@@ -6,20 +6,11 @@
 
 #include "services/common/ceiling/odometry_history.hpp"
 #include "services/common/configuration/robot_file.hpp"
-#include "services/common/geometry/angle.hpp"
+#include "services/localizer/hypotheses/hypothesis.hpp"
 #include "services/localizer/hypotheses/sonar_evidence.hpp"
 #include "services/localizer/model/localizer.hpp"
 
 namespace luminav {
-
-/// What makes an echo new evidence.
-struct EchoRules {
-  double distance = 0.3;        // [m] or
-  double turn = radians(30.0);  // [rad]: how far a collection must be from all earlier ones
-  double surface = 0.5;         // [m] of a wall or a thing that is heard as one
-  int looks = 4;                // echoes of it that count; together they have the weight of one
-  int passage_looks = 2;        // likewise beams that pass a place one way: one in a hundred is silent by chance
-};
 
 /// Collects sonar echoes until the robot has moved enough for new evidence. Echoes heard at one place repeat each
 /// other's errors, also on a later visit. Echoes of one surface do so from everywhere, since the map has it or not:
@@ -27,8 +18,8 @@ struct EchoRules {
 /// wall. The same holds for beams that pass a place in one direction, silent ones included.
 class EchoCollector {
  public:
-  EchoCollector(const SonarRing& sonar, const EchoRules& rules)
-      : sonar_(sonar), rules_(rules), heard_utime_(sonar.robot_from_sonar.size(), 0) {}
+  EchoCollector(const SonarRing& sonar, const HypothesisParams& params)
+      : sonar_(sonar), params_(params), heard_utime_(sonar.robot_from_sonar.size(), 0) {}
 
   /// Keeps readings of known discs that are neither too near nor near the end of the range, and silence of discs that
   /// heard something lately: a dead disc is silent too.
@@ -65,7 +56,7 @@ class EchoCollector {
   double look_at(const Eigen::Vector2d& place_in_odom, int sector, int max_looks);
 
   SonarRing sonar_;
-  EchoRules rules_;
+  HypothesisParams params_;
   int list_ = 0;                           // that hears them
   std::vector<SonarEcho> echoes_;          // silent ones too
   std::vector<std::int64_t> heard_utime_;  // [us] last echo, by disc; 0 = none yet

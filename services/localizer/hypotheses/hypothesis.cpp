@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace luminav {
 namespace {
@@ -82,23 +81,19 @@ bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& param
 
 namespace {
 
-/// Removes the elements for which a claim holds and returns them.
-template <typename Element, typename Claim>
-std::vector<Element> take_if(std::vector<Element>& elements, const Claim& claim) {
-  std::vector<Element> taken;
-  std::copy_if(elements.begin(), elements.end(), std::back_inserter(taken), claim);
-  std::erase_if(elements, claim);
-  return taken;
-}
-
-void settle(Hypothesis& hypothesis, std::vector<ObjectVote> votes, std::vector<FixtureAbsence> absences,
+/// Moves the score of the votes and absences for which the claims hold to `closed_score`.
+template <typename VoteClaim, typename AbsenceClaim>
+void settle(Hypothesis& hypothesis, const VoteClaim& is_over, const AbsenceClaim& is_passed,
             const HypothesisParams& params) {
-  if (votes.empty() && absences.empty()) {
+  if (std::none_of(hypothesis.votes.begin(), hypothesis.votes.end(), is_over) &&
+      std::none_of(hypothesis.absences.begin(), hypothesis.absences.end(), is_passed)) {
     return;
   }
   Hypothesis over;
-  over.votes = std::move(votes);
-  over.absences = std::move(absences);
+  std::copy_if(hypothesis.votes.begin(), hypothesis.votes.end(), std::back_inserter(over.votes), is_over);
+  std::copy_if(hypothesis.absences.begin(), hypothesis.absences.end(), std::back_inserter(over.absences), is_passed);
+  std::erase_if(hypothesis.votes, is_over);
+  std::erase_if(hypothesis.absences, is_passed);
   hypothesis.closed_score += score_of(over, 0.0, params);
 }
 
@@ -110,11 +105,12 @@ void settle_what_is_over(Hypothesis& hypothesis, std::span<const ObjectTrack> fo
     return std::any_of(forgotten.begin(), forgotten.end(), [&](const ObjectTrack& o) { return o.id == vote.object; });
   };
   const auto is_passed = [&](const FixtureAbsence& absence) { return odometer - absence.odometer > kPassedBy; };
-  settle(hypothesis, take_if(hypothesis.votes, is_forgotten), take_if(hypothesis.absences, is_passed), params);
+  settle(hypothesis, is_forgotten, is_passed, params);
 }
 
 void settle_all(Hypothesis& hypothesis, const HypothesisParams& params) {
-  settle(hypothesis, std::exchange(hypothesis.votes, {}), std::exchange(hypothesis.absences, {}), params);
+  const auto always = [](const auto&) { return true; };
+  settle(hypothesis, always, always, params);
 }
 
 }  // namespace luminav

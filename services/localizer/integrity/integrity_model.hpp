@@ -55,8 +55,6 @@ struct TrackingRules {
   double leave_position_sigma = 0.16;         // [m] largest axis: beyond, 0.5 m are no longer two deviations away
   double leave_heading_sigma = radians(9.0);  // [rad]
   double doubt = 10.0;                        // log-evidence of the images since the last match that suspects the pose
-  int pause_frames = 10;                      // images in a row without wheel motion: the robot may have been carried
-  double displacement = 0.15;                 // [m] beyond image noise that wheels, slipping or not, do not explain
 };
 
 /// What speaks against a tracked pose.

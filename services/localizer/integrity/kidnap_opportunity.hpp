@@ -12,10 +12,8 @@ namespace luminav {
 /// have its motors off.
 class KidnapOpportunity {
  public:
-  static constexpr int kHaltFrames = 3;  ///< images in a row without wheel motion: it has stood for a moment
-
-  /// `pause_frames`: images in a row without wheel motion in which it may be carried.
-  explicit KidnapOpportunity(int pause_frames) : pause_frames_(pause_frames) {}
+  static constexpr int kHaltFrames = 3;    ///< images in a row without wheel motion: it has stood for a moment
+  static constexpr int kPauseFrames = 10;  ///< likewise: it may have been carried
 
   /// One image.
   void look(const Pose2& odom_from_robot) {
@@ -32,7 +30,7 @@ class KidnapOpportunity {
   /// While the motors are off a hand may move the robot: then it counts as having stood still.
   void set_motors_off(bool off) { are_motors_off_ = off; }
 
-  [[nodiscard]] bool was_given() const { return longest_still_ >= pause_frames_ || are_motors_off_; }
+  [[nodiscard]] bool was_given() const { return longest_still_ >= kPauseFrames || are_motors_off_; }
   /// Nobody can have carried it off: the wheels did not even stand for a moment.
   [[nodiscard]] bool is_excluded() const { return longest_still_ < kHaltFrames && !are_motors_off_; }
   /// The wheels did not turn before the newest image.
@@ -53,7 +51,6 @@ class KidnapOpportunity {
     return std::hypot(step.x, step.y) < distance && std::abs(step.theta) < turn;
   }
 
-  int pause_frames_;
   Pose2 odom_at_frame_;    // odom_from_robot at the newest image
   Pose2 odom_at_match_;    // odom_from_robot at the last match
   int still_frames_ = 0;   // images in a row without wheel motion

@@ -9,7 +9,8 @@ namespace luminav {
 namespace {
 
 constexpr std::array kGrips = {1.0, 0.5, 0.0};  // share of its own way by which a wheel moves the robot
-constexpr double kDeviations = 3.0;             // of image noise
+constexpr double kDisplacement = 0.15;          // [m] that wheels, slipping or not, do not explain ...
+constexpr double kDeviations = 3.0;             // ... beyond so many of image noise
 constexpr double kMaxInOneImage = 0.6;          // of a motion: more is the centre of a cut fixture found elsewhere
 constexpr std::int64_t kSpan = 600'000;         // [us] over which motions are compared
 constexpr int kFrames = 3;                      // images in a row that show it: somebody moves the robot
@@ -69,13 +70,13 @@ bool OdometryConsistency::is_beyond_slip(const Look& before, const Look& now) co
       const Eigen::Vector2d offset =
           now.robot_from_thing.position() - moved.inverse() * before.robot_from_thing.position();
       const double length = offset.norm();
-      if (length <= displacement_) {
+      if (length <= kDisplacement) {
         return false;
       }
       const Eigen::Vector2d direction = offset / length;
       const Eigen::Vector2d then = PointTransform(moved).turned(direction);
       const double variance = direction.dot(now.covariance * direction) + then.dot(before.covariance * then);
-      if (length <= displacement_ + kDeviations * std::sqrt(variance)) {
+      if (length <= kDisplacement + kDeviations * std::sqrt(variance)) {
         return false;
       }
     }

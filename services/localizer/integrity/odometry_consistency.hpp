@@ -13,8 +13,8 @@ namespace luminav {
 /// know where to, and a filter that follows a fixture by sight is misled.
 class OdometryConsistency {
  public:
-  /// `wheel_base` [m]; `displacement` [m] beyond image noise that wheels, slipping or not, do not explain.
-  OdometryConsistency(double wheel_base, double displacement) : wheel_base_(wheel_base), displacement_(displacement) {}
+  /// `wheel_base` [m].
+  explicit OdometryConsistency(double wheel_base) : wheel_base_(wheel_base) {}
 
   /// One image, and the scene with it. True while the wheels do not explain, in three images in
   /// a row, how what is in view for a while moved within 0.6 s, neither as they turned nor if one or both of them
@@ -40,7 +40,6 @@ class OdometryConsistency {
   [[nodiscard]] bool moved_on(const Look& now) const;
 
   double wheel_base_;            // [m]
-  double displacement_;          // [m]
   std::deque<Look> looks_;       // oldest first
   int run_ = 0;                  // images that showed it, others that could not tell left out
   std::int64_t told_utime_ = 0;  // [us] of the last that could

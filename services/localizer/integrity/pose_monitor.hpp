@@ -21,8 +21,7 @@ namespace luminav {
 class PoseMonitor {
  public:
   /// The model must outlive this; its map learns where the building's file is wrong.
-  PoseMonitor(ObservationModel& model, const TrackingRules& rules)
-      : model_(model), rules_(rules), kidnap_(rules.pause_frames) {}
+  PoseMonitor(ObservationModel& model, const TrackingRules& rules) : model_(model), rules_(rules) {}
 
   /// One image, the scene with it, and the sightings that fitted. Tells what contradicts the pose once that is enough.
   [[nodiscard]] std::optional<Contradiction> look(const SightingFrame& frame, const ObjectTracks& tracks,

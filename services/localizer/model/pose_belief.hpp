@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,7 @@ struct LocalizerEstimate {
   PoseBelief belief;                    // best guess unless TRACKING
   std::int64_t fixture_utime = 0;       // [us] of the last image whose sightings were used
   double distance_since_fixture = 0.0;  // [m]
-  bool has_nis = false;
-  double nis = 0.0;  // normalised innovation squared per degree of freedom, running mean
+  std::optional<double> nis;            // normalised innovation squared per degree of freedom, running mean
 };
 
 /// Square root of the mean position variance [m].

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/localizer/hypotheses/pose_alternatives.hpp"
 #include "services/localizer/model/sighting_model.hpp"
 
 namespace luminav {
@@ -29,7 +30,7 @@ bool has_moved(const std::optional<Pose2>& since, const Pose2& now, const Handov
 PaperLocalizer::PaperLocalizer(const Building& building, const PriorMap& walls, const RobotDescription& robot,
                                const ErrorParams& errors, const PaperLocalizerParams& params, std::uint64_t seed)
     : model_(building, walls, robot, errors),
-      matcher_(model_, {params.handover.gate, params.handover.view_margin}),
+      matcher_(model_, params.handover.limits),
       params_(params),
       filter_(model_.fixtures, model_.walls, params.particles, seed),
       confidence_(params.confidence) {}
@@ -197,13 +198,8 @@ LocalizerEstimate PaperLocalizer::estimate() const {
     estimate.state = LocalizerState::kAmbiguous;
     estimate.estimator = EstimatorKind::kParticleFilter;
     estimate.belief = clusters_.front().belief;
+    widen_over(hypotheses(clusters_.size()), estimate.belief);
     estimate.belief.pose = estimate.belief.pose * ahead;
-    for (const PoseCluster& cluster : clusters_) {
-      const Eigen::Vector3d offset(cluster.belief.pose.x - clusters_.front().belief.pose.x,
-                                   cluster.belief.pose.y - clusters_.front().belief.pose.y,
-                                   wrap_angle(cluster.belief.pose.theta - clusters_.front().belief.pose.theta));
-      estimate.belief.covariance += cluster.weight * offset * offset.transpose();
-    }
   } else {
     estimate.belief.covariance = unknown_pose_covariance();
   }

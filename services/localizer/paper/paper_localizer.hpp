@@ -24,11 +24,10 @@ struct HandoverParams {
   double share = 0.8;           // weight of the heaviest cluster
   double spread = 0.25;         // [m]
   double heading_spread = radians(10.0);  // [rad]
-  double gate = 11.34;                    // chi2(3) at 99 %
-  double view_margin = 0.15;              // [m] to the image's border within which a fixture need not be sighted
-  double images_per_view = 8.0;           // they share lens, tilt and fixture errors: each counts for that much less
-  double blind_distance = 12.0;           // [m] without a match
-  double gathered_share = 0.1;            // of the particles that start around the old pose after giving up
+  MatchLimits limits;
+  double images_per_view = 8.0;  // they share lens, tilt and fixture errors: each counts for that much less
+  double blind_distance = 12.0;  // [m] without a match
+  double gathered_share = 0.1;   // of the particles that start around the old pose after giving up
 };
 
 struct PaperLocalizerParams {

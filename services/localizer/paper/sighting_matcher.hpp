@@ -9,7 +9,7 @@ namespace luminav {
 
 /// When a fixture explains a sighting, and when it had to be sighted.
 struct MatchLimits {
-  double gate = 11.34;        // of the normalised innovation squared
+  double gate = 11.34;        // of the normalised innovation squared: chi2(3) at 99 %
   double view_margin = 0.15;  // [m] to the image's border
 };
 

@@ -35,8 +35,7 @@ class CorrectionRecord {
   void write_to(LocalizerEstimate& estimate, double odometer) const {
     estimate.fixture_utime = utime_;
     estimate.distance_since_fixture = distance_since(odometer);
-    estimate.has_nis = mean_nis_.has_value();
-    estimate.nis = mean_nis_.value_or(0.0);
+    estimate.nis = mean_nis_;
   }
 
  private:

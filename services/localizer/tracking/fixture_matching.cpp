@@ -10,7 +10,7 @@ constexpr double kNear = 1.5;  // [m] beyond it no tracked pose explains a sight
 }  // namespace
 
 std::vector<FixtureMatch> match_sightings(const TrackingFilter& filter, const FixtureMap& map,
-                                          const SightingFrame& frame, const OdometryReading& odometry, double gate) {
+                                          const SightingFrame& frame, const OdometryReading& odometry) {
   std::vector<FixtureMatch> matches;
   const Pose2 pose = filter.belief().pose;
   std::vector<int> near;
@@ -26,7 +26,7 @@ std::vector<FixtureMatch> match_sightings(const TrackingFilter& filter, const Fi
       // fixtures stand metres apart: one that is a little beside its place is still that fixture
       const Eigen::Matrix3d generous = innovation.covariance + kFixtureSurprise.asDiagonal().toDenseMatrix();
       const double nis = innovation.residual.dot(generous.inverse() * innovation.residual);
-      if (nis < gate) {
+      if (nis < kMatchGate) {
         matches.push_back({i, index, nis});
       }
     }

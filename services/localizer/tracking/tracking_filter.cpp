@@ -10,6 +10,10 @@ namespace {
 // How far a doubted fixture may hang from where the file has it: 0.3 m and 10 degrees. [m^2, m^2, rad^2]
 const Eigen::Vector3d kDoubted{0.09, 0.09, 0.03};
 
+constexpr double kWheelWalk = 0.0005;  // [fraction per sqrt m] of scale and turn: tyres and floors differ in places
+constexpr double kDriftWalk = 0.001;   // [rad/m per sqrt m] of the heading's drift per metre
+constexpr double kFloorLength = 1.0;   // [m] over which the floor's tilt changes
+
 double squared(double value) {
   return value * value;
 }
@@ -17,12 +21,11 @@ double squared(double value) {
 }  // namespace
 
 TrackingFilter::TrackingFilter(double height_above_camera, const Eigen::Vector2d& robot_from_camera, double wheel_base,
-                               const ErrorParams& errors, const TrackingParams& params)
+                               const ErrorParams& errors)
     : height_above_camera_(height_above_camera),
       robot_from_camera_(robot_from_camera),
       wheel_base_(wheel_base),
-      errors_(errors),
-      params_(params) {
+      errors_(errors) {
   // What was learnt of the robot outlives a new start of the pose.
   covariance_.setZero();
   covariance_(kScale, kScale) = squared(errors.wheel_scale);
@@ -113,11 +116,11 @@ void TrackingFilter::predict(const Pose2& delta) {
   state_.head<3>() << after.x, after.y, after.theta;
 
   const double noisy_distance = noise_distance(delta, wheel_base_);
-  covariance_(kScale, kScale) += squared(params_.wheel_walk) * noisy_distance;
-  covariance_(kDrift, kDrift) += squared(params_.drift_walk) * noisy_distance;
-  covariance_(kTurn, kTurn) += squared(params_.wheel_walk) * noisy_distance;
+  covariance_(kScale, kScale) += squared(kWheelWalk) * noisy_distance;
+  covariance_(kDrift, kDrift) += squared(kDriftWalk) * noisy_distance;
+  covariance_(kTurn, kTurn) += squared(kWheelWalk) * noisy_distance;
   // first-order Gauss-Markov process in space, stationary at floor_tilt
-  const double keep = std::exp(-distance / params_.floor_length);
+  const double keep = std::exp(-distance / kFloorLength);
   state_.segment<2>(kFloor) *= keep;
   covariance_.middleRows<2>(kFloor) *= keep;
   covariance_.middleCols<2>(kFloor) *= keep;

@@ -12,13 +12,6 @@
 
 namespace luminav {
 
-struct TrackingParams {
-  double gate = 16.27;         // chi2(3) at 99.9 %
-  double wheel_walk = 0.0005;  // [fraction per sqrt m] of scale and turn: tyres and floors differ from place to place
-  double drift_walk = 0.001;   // [rad/m per sqrt m] of the heading's drift per metre
-  double floor_length = 1.0;   // [m] over which the floor's tilt changes
-};
-
 /// How far a fixture hangs from where the building's file has it, along the world's axes and turned. [m, m, rad]
 struct FixtureOffset {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -32,7 +25,7 @@ struct FixtureOffset {
 class TrackingFilter {
  public:
   TrackingFilter(double height_above_camera, const Eigen::Vector2d& robot_from_camera, double wheel_base,
-                 const ErrorParams& errors, const TrackingParams& params);
+                 const ErrorParams& errors);
 
   /// Starts at a pose. Its covariance must be wide enough for the constant errors of camera and fixtures; the first
   /// corrections then tie the pose to them.
@@ -96,7 +89,6 @@ class TrackingFilter {
   Eigen::Vector2d robot_from_camera_;  // [m]
   double wheel_base_;                  // [m]
   ErrorParams errors_;
-  TrackingParams params_;
   State state_ = State::Zero();
   Covariance covariance_ = Covariance::Identity();
   std::array<Slot, kSlots> slots_;

@@ -12,7 +12,7 @@ namespace {
 /// A robot with four discs that hears something 1 m from each of them, wherever it is.
 class ListeningRobot {
  public:
-  ListeningRobot() : collector_(ring(), EchoRules{}) {}
+  ListeningRobot() : collector_(ring(), HypothesisParams{}) {}
 
   /// Drives straight to a place, and says how often it listened on the way.
   int drive_to(const Pose2& odom_from_robot) {

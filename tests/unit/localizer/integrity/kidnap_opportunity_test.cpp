@@ -5,7 +5,7 @@
 namespace luminav {
 namespace {
 
-constexpr int kPause = 10;  // [images]
+constexpr int kPause = KidnapOpportunity::kPauseFrames;
 
 /// A robot whose pose has just predicted a fixture.
 class KidnapOpportunities : public ::testing::Test {
@@ -22,7 +22,7 @@ class KidnapOpportunities : public ::testing::Test {
     }
   }
 
-  KidnapOpportunity kidnap_{kPause};
+  KidnapOpportunity kidnap_;
   Pose2 odom_{1.0, 0.0, 0.0};
 };
 

@@ -75,7 +75,7 @@ class WatchedRobot {
   std::mt19937_64 generator_{3};
   std::normal_distribution<double> noise_{0.0, kNoise};
   ObjectTracks tracks_;
-  OdometryConsistency watch_{kWheelBase, 0.15};
+  OdometryConsistency watch_{kWheelBase};
   Pose2 truth_;
   Pose2 odom_;
   std::int64_t utime_ = 1'000'000'000;

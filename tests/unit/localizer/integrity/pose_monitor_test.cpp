@@ -65,13 +65,13 @@ TEST_F(PoseMonitorTest, SuspectsAPoseForTheSecondFixtureThatIsMissed) {
 }
 
 TEST_F(PoseMonitorTest, SuspectsAPoseForOneFixtureAfterTheRobotMayHaveBeenCarried) {
-  miss(12.0, rules_.pause_frames + 1);
+  miss(12.0, KidnapOpportunity::kPauseFrames + 1);
   EXPECT_LT(miss(5.0, 100, 0.03), 5);
 }
 
 TEST_F(PoseMonitorTest, SuspectsAPoseForAFixtureThatVanishesFromAStandingRobot) {
   EXPECT_FALSE(look(5.0, {0.0}, 0.0, {{0, 0, 0.0}}));
-  EXPECT_LT(miss(5.0, 100), rules_.pause_frames);
+  EXPECT_LT(miss(5.0, 100), KidnapOpportunity::kPauseFrames);
 }
 
 TEST_F(PoseMonitorTest, MissesNothingThatTheMapDoubtsOrTheImageShowsOrCannotShow) {

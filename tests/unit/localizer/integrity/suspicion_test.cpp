@@ -29,7 +29,7 @@ class CorridorDrive {
   /// With one more fixture at `extra`, if given.
   explicit CorridorDrive(std::optional<double> extra = {}, const TrackingRules& rules = {})
       : corridor_(corridor(extra)),
-        localizer_(corridor_.building, corridor_.walls, robot(), ErrorParams{}, {{}, {}, rules}) {
+        localizer_(corridor_.building, corridor_.walls, robot(), ErrorParams{}, {{}, rules}) {
     localizer_.recall({{x_, kMiddle, 0.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()});
   }
 

@@ -17,7 +17,7 @@ FixtureSighting overhead() {
 
 TEST(TrackingFilter, LookingForLongDoesNotMakeItSurerThanCameraAndFixture) {
   const ErrorParams errors;
-  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, errors, TrackingParams{});
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, errors);
   filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(0.04, 0.04, 0.04).asDiagonal()});
   Fixture fixture;
   for (int i = 0; i < 1000; ++i) {
@@ -31,7 +31,7 @@ TEST(TrackingFilter, LookingForLongDoesNotMakeItSurerThanCameraAndFixture) {
 }
 
 TEST(TrackingFilter, CovarianceStaysPositiveOverALongDrive) {
-  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{});
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
   filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(0.04, 0.04, 0.04).asDiagonal()});
   for (int i = 0; i < 5000; ++i) {
     filter.predict({0.03, 0.0, 0.0});
@@ -45,7 +45,7 @@ TEST(TrackingFilter, CovarianceStaysPositiveOverALongDrive) {
 }
 
 TEST(TrackingFilter, LearnsThatTheWheelsAreLargerThanBelieved) {
-  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{});
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
   filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(0.04, 0.04, 0.04).asDiagonal()});
   double truth = 0.0;
   for (int i = 1; i <= 2400; ++i) {
@@ -62,7 +62,7 @@ TEST(TrackingFilter, LearnsThatTheWheelsAreLargerThanBelieved) {
 
 TEST(TrackingFilter, ADoubtedFixtureTellsWhereItHangsAndNotWhereTheRobotIs) {
   const auto pose_after_fixture_beside_its_place = [](bool is_doubted) {
-    TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{});
+    TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
     filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()});
     if (is_doubted) {
       filter.doubt(0);
@@ -78,7 +78,7 @@ TEST(TrackingFilter, ADoubtedFixtureTellsWhereItHangsAndNotWhereTheRobotIs) {
 }
 
 TEST(TrackingFilter, WhereADoubtedFixtureHangsIsRememberedWhenOthersWereSeen) {
-  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{}, TrackingParams{});
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
   filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()});
   filter.doubt(0);
   Fixture moved;
