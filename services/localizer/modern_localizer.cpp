@@ -16,9 +16,13 @@ constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypothes
 constexpr std::int64_t kMaxExtrapolated = 150'000;  // [us] from the newest odometry, which comes at 10 Hz
 constexpr std::size_t kMaxSightings = 12;           // of one image
 constexpr int kMaxUnmatched = 3;                // images in a row in which a fixture followed by sight may be missed
+constexpr double kNear = 1.5;                   // [m] beyond it no tracked pose explains a sighting
+constexpr double kMatchGate = 16.27;            // of the normalised innovation squared: chi2(3) at 99.9 %
 constexpr double kMovedByHand = 0.05;           // [m] by which one image moves a pose that wheels did not move
 constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 
+// By how much a fixture may stand beside its place and still be that fixture: 60 mm and 1.5 degrees. [m^2, m^2, rad^2]
+const Eigen::Vector3d kFixtureSurprise{0.0036, 0.0036, 0.0007};
 // What a slip or a bump does before an image shows it: 0.3 m and 10 degrees. [m^2, m^2, rad^2]
 const Eigen::Vector3d kUnnoticedMotion{0.09, 0.09, 0.03};
 constexpr double kHangsElsewhere = -0.9;  // log-ratio of the sonars below which the fixture moved, not the robot
@@ -265,7 +269,28 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
 
 std::vector<FixtureMatch> ModernLocalizer::find_matches(const TrackingFilter& filter, const SightingFrame& frame,
                                                         const OdometryReading& odometry) const {
-  return match_sightings(filter, model_.fixtures, frame, odometry);
+  std::vector<FixtureMatch> matches;
+  std::vector<int> near;
+  for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
+    const FixtureSighting& sighting = frame.sightings[i];
+    near.clear();
+    model_.fixtures.find_near(filter.belief().pose * sighting.robot_from_fixture.position(), kNear, near);
+    for (const int index : near) {
+      const Fixture& fixture = model_.fixtures[index];
+      if (!fits_kind_and_size(sighting, fixture, KindGate{})) {
+        continue;
+      }
+      const Innovation innovation = filter.innovate(sighting, index, fixture, odometry.linear, odometry.angular);
+      // fixtures stand metres apart: one that is a little beside its place is still that fixture
+      const Eigen::Matrix3d generous = innovation.covariance + kFixtureSurprise.asDiagonal().toDenseMatrix();
+      const double nis = innovation.residual.dot(generous.inverse() * innovation.residual);
+      if (nis < kMatchGate) {
+        matches.push_back({i, index, nis});
+      }
+    }
+  }
+  keep_best(matches);
+  return matches;
 }
 
 std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const SightingFrame& frame,

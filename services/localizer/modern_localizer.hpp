@@ -18,7 +18,6 @@
 #include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/model/odometry_gap.hpp"
 #include "services/localizer/tracking/correction_record.hpp"
-#include "services/localizer/tracking/fixture_matching.hpp"
 #include "services/localizer/tracking/tracking_filter.hpp"
 
 namespace luminav {
@@ -66,6 +65,7 @@ class ModernLocalizer final : public Localizer {
   /// pose competes with the doubted one, unless the sonars say that the robot is where it was: then the fixture hangs
   /// elsewhere, and a robot that nobody can have carried goes on.
   void suspect(Contradiction contradiction, const SightingFrame& frame, const OdometryReading& odometry);
+  /// Which sighting is which fixture, for a pose as well known as the filter's.
   [[nodiscard]] std::vector<FixtureMatch> find_matches(const TrackingFilter& filter, const SightingFrame& frame,
                                                        const OdometryReading& odometry) const;
   /// Returns the normalised innovation squared of each match.

@@ -9,24 +9,25 @@ namespace {
 constexpr double kPassedBy = 1.5;  // [m] driven since a fixture was expected last: its pass is over
 constexpr std::size_t kMaxConfirmed = 16;
 
+template <typename Element, typename Claim>
+Element& find_or_add(std::vector<Element>& elements, const Claim& claim) {
+  const auto found = std::find_if(elements.begin(), elements.end(), claim);
+  return found != elements.end() ? *found : elements.emplace_back();
+}
+
 }  // namespace
 
 void add_evidence(Hypothesis& hypothesis, const ObjectTrack& object, int fixture, double log_likelihood, double weight,
                   int images) {
-  auto found = std::find_if(hypothesis.votes.begin(), hypothesis.votes.end(),
-                            [&](const ObjectVote& v) { return v.object == object.id; });
-  if (found == hypothesis.votes.end()) {
-    hypothesis.votes.push_back({});
-    found = hypothesis.votes.end() - 1;
-    found->object = object.id;
-  }
-  found->weight += weight;
-  found->weighted_sum += weight * log_likelihood;
-  found->frames += images;
-  found->fixture = fixture;
+  ObjectVote& vote = find_or_add(hypothesis.votes, [&](const ObjectVote& v) { return v.object == object.id; });
+  vote.object = object.id;
+  vote.weight += weight;
+  vote.weighted_sum += weight * log_likelihood;
+  vote.frames += images;
+  vote.fixture = fixture;
   if (fixture >= 0) {
-    found->matches += images;
-    if (found->matches >= 3 && 2 * found->matches > found->frames && hypothesis.confirmed.size() < kMaxConfirmed &&
+    vote.matches += images;
+    if (vote.matches >= 3 && 2 * vote.matches > vote.frames && hypothesis.confirmed.size() < kMaxConfirmed &&
         std::find(hypothesis.confirmed.begin(), hypothesis.confirmed.end(), fixture) == hypothesis.confirmed.end()) {
       hypothesis.confirmed.push_back(fixture);
     }
@@ -36,15 +37,12 @@ void add_evidence(Hypothesis& hypothesis, const ObjectTrack& object, int fixture
 void add_absence(Hypothesis& hypothesis, std::span<const int> expected, std::span<const int> missed, double odometer,
                  int images) {
   for (const int index : expected) {
-    auto absence = std::find_if(hypothesis.absences.begin(), hypothesis.absences.end(),
-                                [&](const FixtureAbsence& w) { return w.fixture == index; });
-    if (absence == hypothesis.absences.end()) {
-      hypothesis.absences.push_back({index, 0, 0, odometer});
-      absence = hypothesis.absences.end() - 1;
-    }
-    absence->expected += images;
-    absence->odometer = odometer;
-    absence->missed += std::find(missed.begin(), missed.end(), index) != missed.end() ? images : 0;
+    FixtureAbsence& absence =
+        find_or_add(hypothesis.absences, [&](const FixtureAbsence& w) { return w.fixture == index; });
+    absence.fixture = index;
+    absence.expected += images;
+    absence.odometer = odometer;
+    absence.missed += std::find(missed.begin(), missed.end(), index) != missed.end() ? images : 0;
   }
 }
 

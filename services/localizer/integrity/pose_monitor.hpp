@@ -12,7 +12,7 @@
 #include "services/localizer/integrity/kidnap_opportunity.hpp"
 #include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/model/pose_belief.hpp"
-#include "services/localizer/tracking/fixture_matching.hpp"
+#include "services/localizer/model/sighting_model.hpp"
 
 namespace luminav {
 
