@@ -39,7 +39,7 @@ inline constexpr double kCalm = -0.2;       // of such things before: nothing st
 inline constexpr double kVanished = 1.5;    // a fixture that was seen from here is not
 inline constexpr double kCarried = 2.0;     // one is missing since the robot may have been carried
 inline constexpr double kMissed = 0.5;      // one is missing: the detector overlooks it from some places ...
-inline constexpr double kMostMissed = 5.0;  // ... perhaps all the while the robot passes
+inline constexpr double kMaxMissed = 5.0;  // ... perhaps all the while the robot passes
 }  // namespace log_evidence
 
 /// When one hypothesis counts as the truth, and when no longer: what a robot's file may set.

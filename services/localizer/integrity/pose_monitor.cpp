@@ -138,7 +138,7 @@ void PoseMonitor::add_missing(const SightingFrame& frame, const PoseBelief& beli
     } else if (kidnap_.stands_still() && seen_.contains(index)) {
       evidence += log_evidence::kVanished;
     } else {
-      evidence = std::max(evidence, std::min(evidence + log_evidence::kMissed, log_evidence::kMostMissed));
+      evidence = std::max(evidence, std::min(evidence + log_evidence::kMissed, log_evidence::kMaxMissed));
     }
   }
 }

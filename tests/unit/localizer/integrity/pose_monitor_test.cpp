@@ -56,7 +56,7 @@ TEST_F(PoseMonitorTest, DoesNotSuspectAPoseForOneFixtureThatARobotPasses) {
 }
 
 TEST_F(PoseMonitorTest, SuspectsAPoseForTheSecondFixtureThatIsMissed) {
-  const int enough = static_cast<int>(log_evidence::kMostMissed / log_evidence::kMissed);
+  const int enough = static_cast<int>(log_evidence::kMaxMissed / log_evidence::kMissed);
   EXPECT_EQ(miss(5.0, enough, 0.03), enough);
   EXPECT_EQ(miss(20.0, 100, 0.03), enough - 1);
   ASSERT_TRUE(contradiction_);
