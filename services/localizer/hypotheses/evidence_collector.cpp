@@ -12,8 +12,6 @@ void EvidenceCollector::clear() {
   motion_ = {};
   echoes_.clear();
   forgotten_.clear();
-  trail_.clear();
-  has_stretch_ = false;
 }
 
 void EvidenceCollector::advance(const Pose2& delta) {
@@ -22,12 +20,9 @@ void EvidenceCollector::advance(const Pose2& delta) {
   const double distance = std::hypot(delta.x, delta.y);
   motion_.distance += distance;
   distance_since_correction_ += distance + 0.5 * std::abs(delta.theta);
-  has_stretch_ |= trail_.advance(delta);
 }
 
 void EvidenceCollector::bridge(const Pose2& step, const Eigen::Matrix3d& noise) {
-  trail_.clear();
-  has_stretch_ = false;
   motion_.has_moved = true;
   motion_.settles = true;
   predict(motion_.step, step, noise);
@@ -41,7 +36,6 @@ void EvidenceCollector::add_image(const std::vector<ObjectTrack>& forgotten) {
 
 void EvidenceCollector::hand_over(EvidenceRound& round) {
   round.echoes = std::exchange(echoes_, {});
-  round.stretch = std::exchange(has_stretch_, false) ? trail_.points() : std::vector<Eigen::Vector2d>{};
   round.motion = std::exchange(motion_, {});
   if (round.has_image) {
     round.images = std::min(std::exchange(images_, 0), EvidenceRound::kMaxImages);

@@ -6,7 +6,6 @@
 #include "services/common/ceiling/fixture_sighting.hpp"
 #include "services/localizer/hypotheses/object_tracks.hpp"
 #include "services/localizer/hypotheses/sonar_evidence.hpp"
-#include "services/localizer/hypotheses/trajectory_check.hpp"
 #include "services/localizer/model/observation_model.hpp"
 #include "services/localizer/model/pose_belief.hpp"
 
@@ -27,16 +26,15 @@ struct EvidenceRound {
 
   bool has_image = false;
   SightingFrame frame;
-  OdometryReading odometry;              // at the image's time
-  double odometer = 0.0;                 // [m] likewise
-  double share = 1.0;                    // of the image's constant errors that are drawn anew
-  ObjectTracks scene;                    // with this image
-  std::vector<ObjectTrack> forgotten;    // since the round before
-  std::vector<int> images_of_sighting;   // images that this one stands for
-  int images = 1;                        // likewise, whatever they show
-  std::vector<PlacedEcho> echoes;        // in the robot frame of the image
-  std::vector<Eigen::Vector2d> stretch;  // driven last [m, robot frame of the image]
-  RoundMotion motion;                    // since the round before
+  OdometryReading odometry;             // at the image's time
+  double odometer = 0.0;                // [m] likewise
+  double share = 1.0;                   // of the image's constant errors that are drawn anew
+  ObjectTracks scene;                   // with this image
+  std::vector<ObjectTrack> forgotten;   // since the round before
+  std::vector<int> images_of_sighting;  // images that this one stands for
+  int images = 1;                       // likewise, whatever they show
+  std::vector<PlacedEcho> echoes;       // in the robot frame of the image
+  RoundMotion motion;                   // since the round before
 };
 
 /// Collects what is driven, heard and seen while one round of evidence goes on, for the next.
@@ -69,8 +67,6 @@ class EvidenceCollector {
   std::vector<PlacedEcho> echoes_;
   std::vector<ObjectTrack> forgotten_;
   int images_ = 0;
-  TrajectoryCheck trail_;
-  bool has_stretch_ = false;
   double distance_since_correction_ = 0.0;  // [m], turns counted in
 };
 

@@ -88,9 +88,6 @@ void HypothesisBank::begin_round() {
   if (!model_.walls.has_walls() || hypotheses_.empty()) {
     round_.echoes.clear();
   }
-  if (!model_.walls.has_walls() || hypotheses_.size() <= 1) {
-    round_.stretch.clear();
-  }
   round_best_sonar_ = -1e18;
   if (round_.has_image) {
     closed_null_score_ += score_of_misfits(round_.forgotten, params_);
@@ -105,7 +102,7 @@ void HypothesisBank::compare_next() {
     return;
   }
   const int cost = 2 + (round_.has_image ? 1 + static_cast<int>(round_.frame.sightings.size()) : 0) +
-                   kUnitsPerEcho * static_cast<int>(round_.echoes.size()) + (round_.stretch.empty() ? 0 : 6);
+                   kUnitsPerEcho * static_cast<int>(round_.echoes.size());
   while (next_ < hypotheses_.size()) {
     if (budget_.is_spent()) {
       return;
@@ -153,9 +150,6 @@ void HypothesisBank::move(Hypothesis& hypothesis) const {
     const double room = model_.walls.distance_to_wall(hypothesis.belief.pose.position()) - 0.10;
     const double sigma = std::max(0.05, position_sigma(hypothesis.belief.covariance));
     hypothesis.walls += log_of_normal_tail(room / sigma) * round_.motion.distance / params_.wall_test_distance;
-  }
-  if (!round_.stretch.empty()) {
-    hypothesis.walls += log_likelihood_of_trail(hypothesis.belief, round_.stretch, model_.walls);
   }
 }
 
