@@ -58,8 +58,8 @@ class RegionShape {
   void add_orientation(double theta);
   [[nodiscard]] Extents extents(const Eigen::Vector2d& along) const;  // a direction
 
-  std::vector<Eigen::Vector2i> points_;
   std::vector<Eigen::Vector2i> hull_;
+  std::vector<Eigen::Vector2i> right_;  // side of it
   std::vector<Corner> corners_;
   std::vector<Edge> edges_;
   std::vector<Orientation> orientations_;
