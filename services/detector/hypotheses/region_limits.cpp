@@ -78,6 +78,7 @@ RegionLimits::RegionLimits(const ModernDetectorParams& params, const CeilingCame
     max_area = std::max({max_area, length * width, OutlineProposer::kMaxGlow * length * length});
   }
   // grid lines between tiles are thinner than two cells; the narrowest fixture must survive
+  is_narrow = sizes.max_width * factor < kMinAcross * cell;
   is_eroded = sizes.min_width / cell >= 5.0;
   ignore_lines = sizes.min_width / cell >= 7.5;
 }
