@@ -145,11 +145,13 @@ void ModernDetector::look_for(bool bright, std::span<const int> levels, const Ce
   tried_.clear();
   const double least = bright ? median_ + params_.lit_contrast : params_.unlit_contrast;
   const Raster& cells = bright ? frame.reduced : is_eroded(frame) ? contrast_.eroded() : frame.dark;
-  const int brightest = max_cell(cells);
+  int known = 0;  // cells above the level before
   for (const int level : levels) {
-    if (level >= brightest || level < least) {
-      continue;
+    const int above = level < least ? 0 : cells_above(cells, level);
+    if (above < known + limits_.min_cells) {
+      continue;  // hardly any region has changed
     }
+    known = above;
     for (const Region& region : finder_.find(cells, limits_.min_cells, level)) {
       if (limits_.may_be_a_kind(region, plane_) && !selection_.explains(middle_of(region, plane_))) {
         look_at_region(region, {level, bright}, frame, trace);
