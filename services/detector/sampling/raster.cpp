@@ -121,16 +121,18 @@ void reduce(const GreyView& image, int factor, Raster& result, int gain) {
 LUMINAV_VECTOR_CLONES
 int cells_above(const Raster& image, int level) {
   const auto floor = static_cast<std::uint8_t>(level);
-  int count = 0;
-  for (int y = 0; y < image.height; ++y) {
-    const std::uint8_t* row = image.row(y);
-    std::uint16_t of_row = 0;
-    for (int x = 0; x < image.width; ++x) {
-      of_row = static_cast<std::uint16_t>(of_row + (row[x] > floor ? 1 : 0));
+  constexpr std::size_t kChunk = 240;  // cells, which a byte can count
+  std::size_t count = 0;
+  for (std::size_t first = 0; first < image.cells.size(); first += kChunk) {
+    const std::uint8_t* cells = image.cells.data() + first;
+    const std::size_t size = std::min(kChunk, image.cells.size() - first);
+    std::uint8_t of_chunk = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      of_chunk = static_cast<std::uint8_t>(of_chunk + (cells[i] > floor ? 1 : 0));
     }
-    count += of_row;
+    count += of_chunk;
   }
-  return count;
+  return static_cast<int>(count);
 }
 
 LUMINAV_VECTOR_CLONES
