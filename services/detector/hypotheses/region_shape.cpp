@@ -60,11 +60,10 @@ bool RegionShape::take(const Region& region, int shrunk, const CellPlane& plane)
   if (corners_.size() < 3) {
     return false;
   }
-  const int column = (region.left + region.right) / 2;
-  const int row = (region.top + region.bottom) / 2;
-  cell_size_ = plane.cell_size(column, row);
+  const auto [side, area] = plane.footprint((region.left + region.right) / 2, (region.top + region.bottom) / 2);
+  cell_size_ = side;
   grow_ = (0.5 + shrunk) * cell_size_;
-  eroded_area_ = region.cells * plane.cell_area(column, row);
+  eroded_area_ = region.cells * area;
   area_ = eroded_area_ + shrunk * cell_size_ * hull_length();
   choose_orientations();
   return area_ > 0.0;  // false of no number
@@ -92,7 +91,8 @@ RegionShape::Extents RegionShape::extents(const Vector2d& along) const {
   return {e.min_along - grow_, e.max_along + grow_, e.min_across - grow_, e.max_across + grow_};
 }
 
-void RegionShape::add_orientation(double theta) {
+void RegionShape::add_orientation(const Vector2d& edge) {
+  const double theta = std::atan2(edge.y(), edge.x());
   constexpr double kDistinct = radians(2.0);
   for (const Orientation& known : orientations_) {
     if (std::abs(wrap_modulo(theta - known.theta, 0.5 * kPi)) < kDistinct) {
@@ -109,24 +109,24 @@ void RegionShape::choose_orientations() {
   orientations_.clear();
   edges_.clear();
   double smallest = 1e18;
-  double theta_of_smallest = 0.0;
+  Vector2d along_smallest = Vector2d::UnitX();
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const Corner& a = corners_[i];
     const Corner& b = corners_[(i + 1) % corners_.size()];
     const Vector2d edge = b.place - a.place;
-    edges_.push_back({edge.norm(), std::atan2(edge.y(), edge.x()), !(a.at_border && b.at_border)});
+    edges_.push_back({edge, edge.norm(), !(a.at_border && b.at_border)});
     const Extents e = extents(edge / edges_.back().length);
     if (e.length() * e.width() < smallest) {
       smallest = e.length() * e.width();
-      theta_of_smallest = edges_.back().theta;
+      along_smallest = edge;
     }
   }
-  add_orientation(theta_of_smallest);
+  add_orientation(along_smallest);
   if (touches_border_) {
     std::sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) { return a.length > b.length; });
     for (const Edge& edge : edges_) {
       if (edge.own && orientations_.size() < kMaxOrientations) {
-        add_orientation(edge.theta);
+        add_orientation(edge.along);
       }
     }
   }
