@@ -16,6 +16,7 @@ using Eigen::Vector2d;
 constexpr std::array kLitLevels{250, 240, 225, 200, 175, 150, 125, 100, 80, 62, 48, 36, 28};  // [grey]
 constexpr std::array kDepths{60, 40, 27, 18, 12, 8, 6, 4};                                    // [grey]
 constexpr std::array kShadows{9, 5};  // [grey] beside bare battens
+constexpr int kFewCells = 6;          // by which no region changes
 constexpr std::size_t kMedianSamples = 5000;
 // What is unlit is darker by a share of the ceiling's grey level: a dim image is multiplied first, up to this median.
 constexpr int kCeilingGrey = 120;
@@ -148,8 +149,8 @@ void ModernDetector::look_for(bool bright, std::span<const int> levels, const Ce
   int known = 0;  // cells above the level before
   for (const int level : levels) {
     const int above = level < least ? 0 : cells_above(cells, level);
-    if (above < known + limits_.min_cells) {
-      continue;  // hardly any region has changed
+    if (above < known + kFewCells) {
+      continue;  // regions are those of the level before
     }
     known = above;
     for (const Region& region : finder_.find(cells, limits_.min_cells, level)) {
