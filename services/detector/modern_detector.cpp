@@ -16,14 +16,14 @@ using Eigen::Vector2d;
 constexpr std::array kLitLevels{250, 240, 225, 200, 175, 150, 125, 100, 80, 62, 48, 36, 28};  // [grey]
 constexpr std::array kDepths{60, 40, 27, 18, 12, 8, 6, 4};                                    // [grey]
 constexpr std::array kShadows{9, 5};  // [grey] beside bare battens
+constexpr int kFewCells = 6;          // by which no region changes
 constexpr std::size_t kMedianSamples = 5000;
 // What is unlit is darker by a share of the ceiling's grey level: a dim image is multiplied first, up to this median.
 constexpr int kCeilingGrey = 120;
 constexpr int kMaxGain = 3;
-constexpr double kMaxNoise = 14.0;   // [grey] of a pixel: what varies more is no noise
-constexpr double kRagged = 0.02;     // [m] by which noise and grid lines may change a side of an unlit region
-constexpr double kOtherSize = 0.01;  // share by which an unlit region's length must miss to be tried as it is
-constexpr double kMinAcross = 16.0;  // [px] any dark speck looks like a smaller disc, any groove like a narrower lamp
+constexpr double kMaxNoise = 14.0;       // [grey] of a pixel: what varies more is no noise
+constexpr double kRagged = 0.02;         // [m] by which noise and grid lines may change a side of an unlit region
+constexpr double kOtherSize = 0.01;      // share by which an unlit region's length must miss to be tried as it is
 constexpr double kMinBareVisible = 0.6;  // share of a bare batten: pieces of girders look like shorter ones
 constexpr double kOfRegion = 0.4;        // score of a region's own rectangle, at most: edges say more
 
@@ -94,8 +94,7 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
   if (gain > 1) {
     reduce(image, limits_.factor, brightened_cells_, gain);
   }
-  contrast_.compute(unlit_cells, limits_.window_radius, limits_.ignore_lines);
-  const double noise = std::clamp(contrast_.noise() * limits_.factor / gain, 1.0, kMaxNoise);
+  const double noise = std::clamp(contrast_.noise_of(unlit_cells) * limits_.factor / gain, 1.0, kMaxNoise);
   const CeilingFrame frame{.image = image,
                            .reduced = reduced_,
                            .dark = contrast_.dark(),
@@ -110,7 +109,10 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
                                  .factor = limits_.factor,
                                  .pixel_noise = noise,
                                  .gain = gain};
-  look_for(false, kDepths, unlit_frame, trace);
+  if (!limits_.is_narrow) {
+    contrast_.compute(unlit_cells, limits_.window_radius, limits_.ignore_lines);
+    look_for(false, kDepths, unlit_frame, trace);
+  }
   if (limits_.bare_radius > 0) {
     look_for_bare(unlit_frame, trace);
   }
@@ -144,11 +146,13 @@ void ModernDetector::look_for(bool bright, std::span<const int> levels, const Ce
   tried_.clear();
   const double least = bright ? median_ + params_.lit_contrast : params_.unlit_contrast;
   const Raster& cells = bright ? frame.reduced : is_eroded(frame) ? contrast_.eroded() : frame.dark;
-  const int brightest = max_cell(cells);
+  int known = 0;  // cells above the level before
   for (const int level : levels) {
-    if (level >= brightest || level < least) {
-      continue;
+    const int above = level < least ? 0 : cells_above(cells, level);
+    if (above < known + kFewCells) {
+      continue;  // regions are those of the level before
     }
+    known = above;
     for (const Region& region : finder_.find(cells, limits_.min_cells, level)) {
       if (limits_.may_be_a_kind(region, plane_) && !selection_.explains(middle_of(region, plane_))) {
         look_at_region(region, {level, bright}, frame, trace);
@@ -164,13 +168,14 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
     return;
   }
   add_contour(shape_, limits_.factor, trace);
-  const SizeTolerance tolerance{.share = params_.size_tolerance,
-                                .ragged = kRagged,
-                                .bloom = layer.bright ? params_.max_bloom : 0.0,
-                                .min_visible = frame.is_negative ? kMinBareVisible : 0.7 * params_.min_visible,
-                                .min_width = layer.bright ? 0.0 : kMinAcross * shape_.cell_size() / limits_.factor,
-                                .is_bare = frame.is_negative,
-                                .is_white = layer.bright && layer.level == kLitLevels.front()};
+  const SizeTolerance tolerance{
+      .share = params_.size_tolerance,
+      .ragged = kRagged,
+      .bloom = layer.bright ? params_.max_bloom : 0.0,
+      .min_visible = frame.is_negative ? kMinBareVisible : 0.7 * params_.min_visible,
+      .min_width = layer.bright ? 0.0 : RegionLimits::kMinAcross * shape_.cell_size() / limits_.factor,
+      .is_bare = frame.is_negative,
+      .is_white = layer.bright && layer.level == kLitLevels.front()};
   const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(shape_, layer.bright, tolerance);
   if (hypotheses.empty()) {
     return;

@@ -229,7 +229,7 @@ std::optional<Vector2d> CeilingCamera::pixel_of(const Vector3d& point_in_camera)
     }
     distorted = distort_pinhole(point_in_camera.head<2>() * (1.0 / point_in_camera.z()), intrinsics_.distortion);
   } else {
-    const double planar = std::hypot(point_in_camera.x(), point_in_camera.y());
+    const double planar = point_in_camera.head<2>().norm();
     const double angle = std::atan2(planar, point_in_camera.z());
     if (angle > largest_angle_) {
       return std::nullopt;

@@ -32,21 +32,12 @@ Vector2d CellPlane::at(int column, int row) const {
       .cast<double>();
 }
 
-std::pair<Vector2d, Vector2d> CellPlane::steps(int column, int row) const {
+CellPlane::Footprint CellPlane::footprint(int column, int row) const {
   const int x = std::clamp(column, 0, width_ - 2);
   const int y = std::clamp(row, 0, height_ - 2);
-  const Vector2d here = at(x, y);
-  return {at(x + 1, y) - here, at(x, y + 1) - here};
-}
-
-double CellPlane::cell_size(int column, int row) const {
-  const auto [right, down] = steps(column, row);
-  return std::max(right.norm(), down.norm());
-}
-
-double CellPlane::cell_area(int column, int row) const {
-  const auto [right, down] = steps(column, row);
-  return std::abs(right.x() * down.y() - right.y() * down.x());
+  const Vector2d right = at(x + 1, y) - at(x, y);
+  const Vector2d down = at(x, y + 1) - at(x, y);
+  return {std::max(right.norm(), down.norm()), std::abs(right.x() * down.y() - right.y() * down.x())};
 }
 
 }  // namespace luminav

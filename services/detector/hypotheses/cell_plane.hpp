@@ -15,9 +15,12 @@ class CellPlane {
 
   /// Robot frame [m]; not a number where the ray does not reach the ceiling within `kFarthest` heights.
   [[nodiscard]] Eigen::Vector2d at(int column, int row) const;
-  /// Side of a cell on the ceiling [m], at its largest.
-  [[nodiscard]] double cell_size(int column, int row) const;
-  [[nodiscard]] double cell_area(int column, int row) const;  // [m^2]
+  /// What a cell covers of the ceiling.
+  struct Footprint {
+    double side;  // [m] at its largest
+    double area;  // [m^2]
+  };
+  [[nodiscard]] Footprint footprint(int column, int row) const;
   [[nodiscard]] bool is_at_border(int column, int row) const {
     return column <= 0 || row <= 0 || column >= width_ - 1 || row >= height_ - 1;
   }
@@ -28,9 +31,6 @@ class CellPlane {
   static constexpr double kFarthest = 4.0;
 
  private:
-  /// Steps to the next cell in x and in y [m].
-  [[nodiscard]] std::pair<Eigen::Vector2d, Eigen::Vector2d> steps(int column, int row) const;
-
   int width_;
   int height_;
   double ceiling_height_;

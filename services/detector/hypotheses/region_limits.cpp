@@ -78,18 +78,16 @@ RegionLimits::RegionLimits(const ModernDetectorParams& params, const CeilingCame
     max_area = std::max({max_area, length * width, OutlineProposer::kMaxGlow * length * length});
   }
   // grid lines between tiles are thinner than two cells; the narrowest fixture must survive
+  is_narrow = sizes.max_width * factor < kMinAcross * cell;
   is_eroded = sizes.min_width / cell >= 5.0;
   ignore_lines = sizes.min_width / cell >= 7.5;
 }
 
 bool RegionLimits::may_be_a_kind(const Region& region, const CellPlane& plane) const {
-  const int column = (region.left + region.right) / 2;
-  const int row = (region.top + region.bottom) / 2;
-  const double area = plane.cell_area(column, row);
-  const double shorter = area / plane.cell_size(column, row);  // side of a cell, which tilt and lens stretch
+  const auto [side, area] = plane.footprint((region.left + region.right) / 2, (region.top + region.bottom) / 2);
+  const double shorter = area / side;  // tilt and lens stretch a cell
   const bool is_cut = plane.is_at_border(region.left, region.top) || plane.is_at_border(region.right, region.bottom);
-  const double longest =
-      plane.cell_size(column, row) * std::hypot(region.right - region.left + 1, region.bottom - region.top + 1);
+  const double longest = side * std::hypot(region.right - region.left + 1, region.bottom - region.top + 1);
   return !(longest < (is_cut ? kMinCut : kMinWhole) * min_length) &&
          !(shorter * std::hypot(region.right - region.left, region.bottom - region.top) > max_extent) &&
          !(area * region.cells > max_area);  // no number says nothing

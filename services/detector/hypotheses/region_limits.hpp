@@ -15,6 +15,8 @@ struct RegionLimits {
   /// False when it is larger than everything that hangs here.
   [[nodiscard]] bool may_be_a_kind(const Region& region, const CellPlane& plane) const;
 
+  static constexpr double kMinAcross = 16.0;  // [px] any dark groove looks like a narrower lamp, any speck like a disc
+
   int factor = 1;             // [px] side of a cell, clearly smaller than the narrowest fixture
   int window_radius = 0;      // [cells] of surroundings
   int bare_radius = 0;        // [cells] the same for bare battens; 0: there are none
@@ -22,6 +24,7 @@ struct RegionLimits {
   double min_length = 1e9;    // [m] of all kinds
   double max_extent = 0.0;    // [m] of a region
   double max_area = 0.0;      // [m^2]
+  bool is_narrow = false;     // all that hangs here, too narrow to be told from grooves when it is dark
   bool is_eroded = false;     // of dark regions, by a cell
   bool ignore_lines = false;  // between tiles
 };

@@ -13,46 +13,41 @@ using Eigen::Vector2i;
 
 constexpr std::size_t kMaxOrientations = 8;
 
-std::int64_t cross(const Vector2i& o, const Vector2i& a, const Vector2i& b) {
-  return static_cast<std::int64_t>(a.x() - o.x()) * (b.y() - o.y()) -
-         static_cast<std::int64_t>(a.y() - o.y()) * (b.x() - o.x());
+int cross(const Vector2i& o, const Vector2i& a, const Vector2i& b) {
+  return (a.x() - o.x()) * (b.y() - o.y()) - (a.y() - o.y()) * (b.x() - o.x());
 }
 
-/// Andrew's monotone chain; the points come sorted by row, then column.
-void convex_hull(const std::vector<Vector2i>& points, std::vector<Vector2i>& hull) {
+/// Andrew's monotone chain, of one side: what bends outwards (`turn` = 1 on the left) beyond the last two is left out.
+void extend(std::vector<Vector2i>& chain, const Vector2i& point, int turn) {
+  while (chain.size() >= 2 && turn * cross(chain[chain.size() - 2], chain.back(), point) >= 0) {
+    chain.pop_back();
+  }
+  chain.push_back(point);
+}
+
+/// Of each row only the outermost cells may be corners of the hull: one chain down the left, one down the right.
+void convex_hull(std::span<const Run> runs, std::vector<Vector2i>& hull, std::vector<Vector2i>& right) {
   hull.clear();
-  const auto extend = [&](const Vector2i& point, std::size_t keep) {
-    while (hull.size() >= keep + 2 && cross(hull[hull.size() - 2], hull.back(), point) <= 0) {
-      hull.pop_back();
+  right.clear();
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (i == 0 || runs[i].row != runs[i - 1].row) {
+      extend(hull, {runs[i].first, runs[i].row}, 1);
     }
-    hull.push_back(point);
-  };
-  for (const Vector2i& point : points) {
-    extend(point, 0);
+    if (i + 1 == runs.size() || runs[i].row != runs[i + 1].row) {
+      extend(right, {runs[i].last, runs[i].row}, -1);
+    }
   }
-  const std::size_t lower = hull.size() - 1;
-  for (auto point = points.rbegin() + 1; point != points.rend(); ++point) {
-    extend(*point, lower);
-  }
-  if (hull.size() > 1) {
-    hull.pop_back();
+  for (auto point = right.rbegin(); point != right.rend(); ++point) {
+    if (*point != hull.back() && *point != hull.front()) {
+      hull.push_back(*point);
+    }
   }
 }
 
 }  // namespace
 
 bool RegionShape::take(const Region& region, int shrunk, const CellPlane& plane) {
-  points_.clear();
-  for (const Run& run : region.runs) {
-    points_.emplace_back(run.first, run.row);
-    if (run.last != run.first) {
-      points_.emplace_back(run.last, run.row);
-    }
-  }
-  if (points_.size() < 3) {
-    return false;
-  }
-  convex_hull(points_, hull_);
+  convex_hull(region.runs, hull_, right_);
   corners_.clear();
   touches_border_ = false;
   for (const Vector2i& cell : hull_) {
@@ -65,11 +60,10 @@ bool RegionShape::take(const Region& region, int shrunk, const CellPlane& plane)
   if (corners_.size() < 3) {
     return false;
   }
-  const int column = (region.left + region.right) / 2;
-  const int row = (region.top + region.bottom) / 2;
-  cell_size_ = plane.cell_size(column, row);
+  const auto [side, area] = plane.footprint((region.left + region.right) / 2, (region.top + region.bottom) / 2);
+  cell_size_ = side;
   grow_ = (0.5 + shrunk) * cell_size_;
-  eroded_area_ = region.cells * plane.cell_area(column, row);
+  eroded_area_ = region.cells * area;
   area_ = eroded_area_ + shrunk * cell_size_ * hull_length();
   choose_orientations();
   return area_ > 0.0;  // false of no number
@@ -97,7 +91,8 @@ RegionShape::Extents RegionShape::extents(const Vector2d& along) const {
   return {e.min_along - grow_, e.max_along + grow_, e.min_across - grow_, e.max_across + grow_};
 }
 
-void RegionShape::add_orientation(double theta) {
+void RegionShape::add_orientation(const Vector2d& edge) {
+  const double theta = std::atan2(edge.y(), edge.x());
   constexpr double kDistinct = radians(2.0);
   for (const Orientation& known : orientations_) {
     if (std::abs(wrap_modulo(theta - known.theta, 0.5 * kPi)) < kDistinct) {
@@ -114,24 +109,24 @@ void RegionShape::choose_orientations() {
   orientations_.clear();
   edges_.clear();
   double smallest = 1e18;
-  double theta_of_smallest = 0.0;
+  Vector2d along_smallest = Vector2d::UnitX();
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const Corner& a = corners_[i];
     const Corner& b = corners_[(i + 1) % corners_.size()];
     const Vector2d edge = b.place - a.place;
-    edges_.push_back({edge.norm(), std::atan2(edge.y(), edge.x()), !(a.at_border && b.at_border)});
+    edges_.push_back({edge, edge.norm(), !(a.at_border && b.at_border)});
     const Extents e = extents(edge / edges_.back().length);
     if (e.length() * e.width() < smallest) {
       smallest = e.length() * e.width();
-      theta_of_smallest = edges_.back().theta;
+      along_smallest = edge;
     }
   }
-  add_orientation(theta_of_smallest);
+  add_orientation(along_smallest);
   if (touches_border_) {
     std::sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) { return a.length > b.length; });
     for (const Edge& edge : edges_) {
       if (edge.own && orientations_.size() < kMaxOrientations) {
-        add_orientation(edge.theta);
+        add_orientation(edge.along);
       }
     }
   }

@@ -48,18 +48,18 @@ class RegionShape {
     Eigen::Vector2d place;  // [m] on the reference ceiling
     bool at_border;
   };
-  struct Edge {  // of the hull
-    double length;
-    double theta;
-    bool own;  // not along the image border
+  struct Edge {             // of the hull
+    Eigen::Vector2d along;  // as long as the edge
+    double length;          // [m]
+    bool own;               // not along the image border
   };
   [[nodiscard]] double hull_length() const;  // [m] all around, through cell centres
   void choose_orientations();
-  void add_orientation(double theta);
+  void add_orientation(const Eigen::Vector2d& edge);
   [[nodiscard]] Extents extents(const Eigen::Vector2d& along) const;  // a direction
 
-  std::vector<Eigen::Vector2i> points_;
   std::vector<Eigen::Vector2i> hull_;
+  std::vector<Eigen::Vector2i> right_;  // side of it
   std::vector<Corner> corners_;
   std::vector<Edge> edges_;
   std::vector<Orientation> orientations_;

@@ -9,31 +9,28 @@
 namespace luminav {
 namespace {
 
+/// One row of cells, from the sums of their columns, then of these two by two.
 LUMINAV_VECTOR_CLONES
-void add_rows(const std::uint8_t* first, std::size_t stride, int rows, int gain, int width, std::uint16_t* sums) {
-  for (int x = 0; x < width; ++x) {
-    sums[x] = first[x];
-  }
-  for (int y = 1; y < rows; ++y) {
+void reduce_row(const std::uint8_t* first, std::size_t stride, int factor, int gain, int width, std::uint16_t* sums,
+                std::uint8_t* out) {
+  std::copy_n(first, width, sums);
+  for (int y = 1; y < factor; ++y) {
     const std::uint8_t* row = first + static_cast<std::size_t>(y) * stride;
     for (int x = 0; x < width; ++x) {
       sums[x] = static_cast<std::uint16_t>(sums[x] + row[x]);
     }
   }
-  for (int x = 0; x < width; ++x) {
-    sums[x] = static_cast<std::uint16_t>(std::min(255 * rows, gain * sums[x]));
-  }
-}
-
-/// Means of as many sums beside each other as there were rows.
-template <int kFactor>
-void fold(const std::uint16_t* sums, int cells, std::uint8_t* out) {
-  for (int x = 0; x < cells; ++x) {
-    int sum = kFactor * kFactor / 2;
-    for (int i = 0; i < kFactor; ++i) {
-      sum += sums[kFactor * x + i];
+  int cells = width;
+  for (; cells * factor > width; cells /= 2) {
+#pragma GCC ivdep
+    for (int x = 0; x < cells / 2; ++x) {
+      sums[x] = static_cast<std::uint16_t>(sums[2 * x] + sums[2 * x + 1]);
     }
-    out[x] = static_cast<std::uint8_t>(sum / (kFactor * kFactor));
+  }
+  const int shift = factor / 2 * 2;  // 1, 4, 16 pixels
+  const int half = (1 << shift) / 2;
+  for (int x = 0; x < cells; ++x) {
+    out[x] = static_cast<std::uint8_t>(std::min((gain * sums[x] + half) >> shift, 255));
   }
 }
 
@@ -117,10 +114,25 @@ void reduce(const GreyView& image, int factor, Raster& result, int gain) {
   const int width = std::min(result.width * factor, kWidest);
   for (int y = 0; y < result.height; ++y) {
     const std::uint8_t* first = image.pixels.data() + static_cast<std::size_t>(y * factor) * stride;
-    add_rows(first, stride, factor, gain, width, sums.data());
-    const auto fold_row = factor == 4 ? fold<4> : factor == 2 ? fold<2> : fold<1>;
-    fold_row(sums.data(), width / factor, result.row(y));
+    reduce_row(first, stride, factor, gain, width, sums.data(), result.row(y));
   }
+}
+
+LUMINAV_VECTOR_CLONES
+int cells_above(const Raster& image, int level) {
+  const auto floor = static_cast<std::uint8_t>(level);
+  constexpr std::size_t kChunk = 240;  // cells, which a byte can count
+  std::size_t count = 0;
+  for (std::size_t first = 0; first < image.cells.size(); first += kChunk) {
+    const std::uint8_t* cells = image.cells.data() + first;
+    const std::size_t size = std::min(kChunk, image.cells.size() - first);
+    std::uint8_t of_chunk = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      of_chunk = static_cast<std::uint8_t>(of_chunk + (cells[i] > floor ? 1 : 0));
+    }
+    count += of_chunk;
+  }
+  return static_cast<int>(count);
 }
 
 LUMINAV_VECTOR_CLONES

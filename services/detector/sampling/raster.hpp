@@ -34,6 +34,8 @@ void negate(std::span<const std::uint8_t> grey, std::vector<std::uint8_t>& resul
 /// no square are left out.
 void reduce(const GreyView& image, int factor, Raster& result, int gain = 1);
 
+/// How many are brighter.
+int cells_above(const Raster& image, int level);
 /// The largest cell; 0 of none.
 int max_cell(const Raster& image);
 

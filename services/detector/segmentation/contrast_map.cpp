@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "services/common/geometry/vector_clones.hpp"
 #include "services/detector/sampling/grey_histogram.hpp"
@@ -42,36 +43,38 @@ void continue_beyond(const Raster& image, int margin, Raster& result) {
   }
 }
 
+LUMINAV_VECTOR_CLONES
+void add_row(const std::uint8_t* enters, const std::uint8_t* leaves, int width, int* sums) {
+#pragma GCC ivdep
+  for (int x = 0; x < width; ++x) {
+    sums[x] += enters[x] - leaves[x];
+  }
+}
+
 /// Means over 2 radius + 1 cells in x and y; at the border its own cells are repeated.
 void average(const Raster& image, int radius, Raster& result, std::vector<int>& sums) {
   const int width = image.width;
-  const int height = image.height;
+  const int last = image.height - 1;
   const int window = 2 * radius + 1;
   const float share = 1.0F / static_cast<float>(window * window);
-  result.resize(width, height);
-  sums.assign(static_cast<std::size_t>(width), 0);
+  result.resize(width, image.height);
+  sums.assign(static_cast<std::size_t>(width + window), 0);
+  int* columns = sums.data() + radius;
+  const std::vector<std::uint8_t>& nothing = result.cells;
+  std::fill_n(result.cells.begin(), width, std::uint8_t{0});
   for (int dy = -radius; dy <= radius; ++dy) {
-    const std::uint8_t* row = image.row(std::clamp(dy, 0, height - 1));
-    for (int x = 0; x < width; ++x) {
-      sums[static_cast<std::size_t>(x)] += row[x];
-    }
+    add_row(image.row(std::clamp(dy, 0, last)), nothing.data(), width, columns);
   }
-  const auto column = [&](int x) { return sums[static_cast<std::size_t>(std::clamp(x, 0, width - 1))]; };
-  for (int y = 0; y < height; ++y) {
-    int sum = 0;
-    for (int dx = -radius; dx <= radius; ++dx) {
-      sum += column(dx);
-    }
+  for (int y = 0; y <= last; ++y) {
+    std::fill_n(sums.begin(), radius, columns[0]);
+    std::fill_n(columns + width, radius + 1, columns[width - 1]);
+    int sum = std::accumulate(sums.begin(), sums.begin() + window, 0);
     std::uint8_t* out = result.row(y);
     for (int x = 0; x < width; ++x) {
       out[x] = static_cast<std::uint8_t>(share * static_cast<float>(sum) + 0.5F);
-      sum += column(x + radius + 1) - column(x - radius);
+      sum += columns[x + radius + 1] - columns[x - radius];
     }
-    const std::uint8_t* enters = image.row(std::min(y + radius + 1, height - 1));
-    const std::uint8_t* leaves = image.row(std::max(y - radius, 0));
-    for (int x = 0; x < width; ++x) {
-      sums[static_cast<std::size_t>(x)] += enters[x] - leaves[x];
-    }
+    add_row(image.row(std::min(y + radius + 1, last)), image.row(std::max(y - radius, 0)), width, columns);
   }
 }
 
@@ -126,38 +129,44 @@ void sink(const std::uint8_t* level, std::span<std::uint8_t> cells) {
   }
 }
 
+LUMINAV_VECTOR_CLONES
+void double_cells(const std::uint8_t* cells, int count, std::uint8_t* out) {
+#pragma GCC ivdep
+  for (int x = 0; x < count; ++x) {
+    out[2 * x] = cells[x];
+    out[2 * x + 1] = cells[x];
+  }
+}
+
 /// Below what is known at half the size.
 void sink_below(const Raster& half, const Raster& image, std::vector<std::uint8_t>& level, Raster& result) {
   smooth(image, result);
   level.resize(static_cast<std::size_t>(image.width));
   for (int y = 0; y < image.height; ++y) {
     const std::uint8_t* coarse = half.row(std::min(y / 2, half.height - 1));
-    for (int x = 0; x < image.width; ++x) {
-      level[static_cast<std::size_t>(x)] = coarse[std::min(x / 2, half.width - 1)];
-    }
+    double_cells(coarse, half.width, level.data());
+    level.back() = coarse[half.width - 1];  // of an odd width
     sink(level.data(), {result.row(y), level.size()});
   }
 }
 
-/// Median absolute difference of horizontal neighbours, over every seventh row, as a standard deviation.
-double noise_of(const Raster& image, std::vector<std::uint8_t>& steps) {
+}  // namespace
+
+double ContrastMap::noise_of(const Raster& image) {
   constexpr double kMinNoise = 0.3;
   constexpr std::size_t kSamples = 4096;
-  steps.clear();
+  steps_.clear();
   for (int y = 3; y < image.height; y += 7) {
     const std::uint8_t* row = image.row(y);
     for (int x = 0; x + 1 < image.width; ++x) {
-      steps.push_back(static_cast<std::uint8_t>(std::abs(row[x] - row[x + 1])));
+      steps_.push_back(static_cast<std::uint8_t>(std::abs(row[x] - row[x + 1])));
     }
   }
   // median of |a - b| = 0.954 sigma of one
-  return std::max(kMinNoise, GreyHistogram(steps, 1 + steps.size() / kSamples).interpolated_median() / 0.954);
+  return std::max(kMinNoise, GreyHistogram(steps_, 1 + steps_.size() / kSamples).interpolated_median() / 0.954);
 }
 
-}  // namespace
-
 void ContrastMap::compute(const Raster& image, int radius, bool ignore_lines) {
-  noise_ = noise_of(image, steps_);
   const Raster* clean = &image;
   if (ignore_lines) {
     dilate(image, 1, dilated_, scratch_);

@@ -27,8 +27,9 @@ class ContrastMap {
     erode(dark_, 1, eroded_, scratch_);
     return eroded_;
   }
-  /// Noise of one cell of the reduced image [grey], from the median difference of neighbours.
-  [[nodiscard]] double noise() const { return noise_; }
+  /// Noise of one cell [grey]: median absolute difference of horizontal neighbours, over every seventh row, as a
+  /// standard deviation.
+  double noise_of(const Raster& image);
 
  private:
   Raster clean_;  // without lines
@@ -45,7 +46,6 @@ class ContrastMap {
   std::vector<int> sums_;
   std::vector<std::uint8_t> steps_;  // between neighbours
   std::vector<std::uint8_t> level_;  // of the surroundings of a row
-  double noise_ = 1.0;
 };
 
 }  // namespace luminav

@@ -58,8 +58,8 @@ class Proposals : public testing::Test {
 
 TEST(CellPlane, KnowsWhereCellsLieAndHowLargeTheyAre) {
   const CellPlane plane(straight_up(), kFactor, kHeight);
-  EXPECT_NEAR(plane.cell_size(80, 60), 0.01805, 1e-4);
-  EXPECT_NEAR(plane.cell_area(80, 60), 0.01805 * 0.01805, 1e-6);
+  EXPECT_NEAR(plane.footprint(80, 60).side, 0.01805, 1e-4);
+  EXPECT_NEAR(plane.footprint(80, 60).area, 0.01805 * 0.01805, 1e-6);
   EXPECT_TRUE(plane.is_at_border(0, 60));
   EXPECT_FALSE(plane.is_at_border(1, 60));
 }
