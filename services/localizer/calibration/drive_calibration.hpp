@@ -30,6 +30,9 @@ struct DriveCalibration {
   double distance = 0.0;  // [m]
   double residual = 0.0;  // root mean square of the sightings' residuals in deviations
   bool has_converged = false;
+
+  /// False where no robot explains what was seen: of a drive through a wrong pose nothing may be used.
+  [[nodiscard]] bool fits() const { return has_converged && residual < 3.0; }
 };
 
 /// Batch estimate over a whole drive: all poses, the fixtures' own errors and the robot's, with the priors of `errors`.

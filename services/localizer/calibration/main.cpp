@@ -108,6 +108,12 @@ int run(int argc, char** argv) {
   if (!calibration.has_converged) {
     throw std::runtime_error("the estimate did not settle; nothing is written");
   }
+  if (!calibration.fits()) {
+    throw std::runtime_error(
+        fmt::format("residuals of {:.1f} deviations are no robot's: the pose was wrong for a while, or fixtures "
+                    "hang elsewhere than the file says; nothing is written",
+                    calibration.residual));
+  }
   if (!only_look) {
     const std::string target = out.empty() ? robot : out;
     write_whole_file(target, write_into(read_whole_file(robot), calibration, config));

@@ -6,8 +6,7 @@
 
 namespace luminav {
 
-// Kalman filter of three states, written out: the matrices are symmetric and small enough for closed forms, which take
-// two thirds of the time of Eigen's fixed-size products. No allocation.
+// Kalman filter of three states. No allocation.
 
 /// Moves a belief by an odometry step; `noise` in the frame at the step's beginning.
 void predict(PoseBelief& belief, const Pose2& delta, const Eigen::Matrix3d& noise);
