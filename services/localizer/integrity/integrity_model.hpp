@@ -34,11 +34,11 @@ inline constexpr double kOfGuess = 6.0;        // of what a user says
 
 /// What one image says against the pose. Images come 15 a second and share their errors: each counts for little.
 namespace log_evidence {
-inline constexpr double kMisfit = 2.0;      // something is seen that no fixture explains
-inline constexpr double kCalm = -0.2;       // of such things before: nothing strange is seen
-inline constexpr double kVanished = 1.5;    // a fixture that was seen from here is not
-inline constexpr double kCarried = 2.0;     // one is missing since the robot may have been carried
-inline constexpr double kMissed = 0.5;      // one is missing: the detector overlooks it from some places ...
+inline constexpr double kMisfit = 2.0;     // something is seen that no fixture explains
+inline constexpr double kCalm = -0.2;      // of such things before: nothing strange is seen
+inline constexpr double kVanished = 1.5;   // a fixture that was seen from here is not
+inline constexpr double kCarried = 2.0;    // one is missing since the robot may have been carried
+inline constexpr double kMissed = 0.5;     // one is missing: the detector overlooks it from some places ...
 inline constexpr double kMaxMissed = 5.0;  // ... perhaps all the while the robot passes
 }  // namespace log_evidence
 
