@@ -95,8 +95,7 @@ int run(int argc, char** argv) {
   const std::string why = fmt::format(
       "{} images used; of the others {} were taken while the pose was not known (the localizer begins anew, whatever "
       "it knew while this was recorded), {} less than {:.1f} m and {:.0f} deg from one that is used, {} without a "
-      "known "
-      "fixture",
+      "known fixture",
       frames.size(), unused.not_tracking, unused.too_near, kSpacing, degrees(kTurn), unused.without_fixture);
   if (frames.size() < kMinFrames) {
     throw std::runtime_error(

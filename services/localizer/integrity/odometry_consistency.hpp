@@ -16,9 +16,9 @@ class OdometryConsistency {
   /// `wheel_base` [m].
   explicit OdometryConsistency(double wheel_base) : wheel_base_(wheel_base) {}
 
-  /// One image, and the scene with it. True while the wheels do not explain, in three images in
-  /// a row, how what is in view for a while moved within 0.6 s, neither as they turned nor if one or both of them
-  /// slipped; and for as long at most while what is in view is too new to tell.
+  /// One image, and the scene with it. True while the wheels do not explain, in three images in a row, how what is in
+  /// view for a while moved within 0.6 s, neither as they turned nor if one or both of them slipped; and for as long at
+  /// most while what is in view is too new to tell.
   [[nodiscard]] bool look(const SightingFrame& frame, const ObjectTracks& tracks, const Pose2& odom_from_robot);
   /// Relative motion across now is unknown, or the scene begins anew.
   void clear();
