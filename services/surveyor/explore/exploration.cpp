@@ -112,11 +112,14 @@ void Exploration::choose(std::int64_t now, const FrontierSearch& found) {
 }
 
 void Exploration::drive_home(std::int64_t now, bool is_over, bool has_moved) {
-  if (is_over) {
+  if (is_over && news_->has_arrived) {
     phase_ = Phase::kFinished;
-    sentence_ = news_->has_arrived ? "explored, and back where it began"
-                                   : "explored; the robot did not come back to where it began: " + news_->cause;
-  } else if (has_moved) {
+    sentence_ = "explored, and back where it began";
+  } else if (is_over && ++home_tries_ >= params_.home_tries) {
+    end(now, fmt::format("explored; the robot did not come back to where it began: {}",
+                         news_->cause.empty() ? "it stood still on the way" : news_->cause));
+    phase_ = Phase::kFinished;
+  } else if (is_over || has_moved) {
     go(now, Eigen::Vector2d::Zero());
   }
 }

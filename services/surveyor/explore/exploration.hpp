@@ -22,6 +22,7 @@ struct ExplorationParams {
   double patience = 20.0;      ///< [s] at one place on the way, until another goal is taken
   double dwell = 3.0;          ///< [s] at a goal that shows nothing, until that is believed
   int looks = 3;               ///< around in a row that find nothing, until that is believed
+  int home_tries = 3;          ///< to drive home, the robot's last goal
 };
 
 /// What the planner says of the goal that it has.
@@ -106,6 +107,7 @@ class Exploration {
   std::int64_t progress_ = 0;                        // [us] when it moved on last
   std::int64_t arrived_ = 0;                         // [us] there; 0: not yet
   int empty_ = 0;                                    // looks in a row that found nothing
+  int home_tries_ = 0;                               // that failed
   std::size_t leniency_ = 0;                         // which of them
   OpenFloor floor_;
   std::string sentence_;

@@ -52,6 +52,16 @@ class ExplorationTest : public testing::Test {
   void answer(bool is_over, bool has_arrived) {
     exploration_.hear({asked_.id, is_over, has_arrived, false, asked_.position, has_arrived ? "" : "a wall"});
   }
+  /// The robot wants home.
+  void find_nothing_more() {
+    for (int i = 0; i < 200 && exploration_.phase() != Exploration::Phase::kHome; ++i) {
+      looks_ = {{1.0, 1.0}, {2.5, 1.0}, {4.0, 1.0}, {5.5, 1.0}};
+      look({1.0, 1.0, 0.0});
+      if (exploration_.phase() == Exploration::Phase::kDriving) {
+        answer(true, false);
+      }
+    }
+  }
 
   OccupancyGrid grid_ = corridor();
   std::vector<Eigen::Vector2d> looks_;
@@ -195,18 +205,28 @@ TEST_F(ExplorationTest, CancelsItsGoalWhenItIsToldToEnd) {
   EXPECT_EQ(exploration_.sentence(), "enough");
 }
 
-TEST_F(ExplorationTest, SaysWhenItDidNotComeHome) {
-  for (int i = 0; i < 200 && exploration_.phase() != Exploration::Phase::kHome; ++i) {
-    looks_ = {{1.0, 1.0}, {2.5, 1.0}, {4.0, 1.0}, {5.5, 1.0}};
+TEST_F(ExplorationTest, TriesThreeTimesToComeHome) {
+  find_nothing_more();
+  for (int tried = 0; tried < 3; ++tried) {
+    ASSERT_EQ(exploration_.phase(), Exploration::Phase::kHome);
+    answer(true, false);
     look({1.0, 1.0, 0.0});
-    if (exploration_.phase() == Exploration::Phase::kDriving) {
-      answer(true, false);
-    }
   }
-  answer(true, false);
-  look({1.0, 1.0, 0.0});
   EXPECT_EQ(exploration_.phase(), Exploration::Phase::kFinished);
   EXPECT_THAT(exploration_.sentence(), HasSubstr("a wall"));
+  EXPECT_TRUE(asked_.is_cancel);
+}
+
+TEST_F(ExplorationTest, IsHomeWhenASecondTrySucceeds) {
+  find_nothing_more();
+  answer(false, false);
+  for (int second = 0; second < 30; ++second) {  // stands still
+    look({1.0, 1.0, 0.0});
+  }
+  answer(true, true);
+  look({});
+  EXPECT_EQ(exploration_.phase(), Exploration::Phase::kFinished);
+  EXPECT_THAT(exploration_.sentence(), HasSubstr("back where it began"));
 }
 
 }  // namespace
