@@ -40,6 +40,8 @@ class FixtureMap {
   /// nothing any more.
   void doubt(int index) { doubted_.insert(index); }
   [[nodiscard]] bool is_doubted(int index) const { return doubted_.count(index) > 0; }
+  /// How far one in doubt may hang from where the file has it: 0.3 m and 10 degrees, 1-sigma. [m^2, m^2, rad^2]
+  [[nodiscard]] static Eigen::Vector3d doubt_variance() { return {0.09, 0.09, 0.03}; }
   /// Indices of the fixtures in doubt.
   [[nodiscard]] const std::set<int>& doubted() const { return doubted_; }
   /// Something is seen there [world] that no fixture explains, and the pose is right.

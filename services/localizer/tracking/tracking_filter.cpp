@@ -3,19 +3,24 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace luminav {
 namespace {
 
-// How far a doubted fixture may hang from where the file has it: 0.3 m and 10 degrees. [m^2, m^2, rad^2]
-const Eigen::Vector3d kDoubted{0.09, 0.09, 0.03};
-
 constexpr double kWheelWalk = 0.0005;  // [fraction per sqrt m] of scale and turn: tyres and floors differ in places
 constexpr double kDriftWalk = 0.001;   // [rad/m per sqrt m] of the heading's drift per metre
+constexpr int kMaxIterations = 5;      // of a correction ...
+constexpr double kSettled = 0.01;      // [m, rad] ... until it moves the state by less
 constexpr double kFloorLength = 1.0;   // [m] over which the floor's tilt changes
 
 double squared(double value) {
   return value * value;
+}
+
+Pose2 displaced(const Fixture& fixture, const FixtureOffset& offset) {
+  const Pose2& place = fixture.world_from_fixture;
+  return {place.x + offset.mean.x(), place.y + offset.mean.y(), place.theta + offset.mean.z()};
 }
 
 }  // namespace
@@ -50,7 +55,9 @@ void TrackingFilter::start(const PoseBelief& belief) {
   state_.tail<3 * kSlots>().setZero();
   state_.head<3>() << belief.pose.x, belief.pose.y, belief.pose.theta;
   covariance_.topLeftCorner<3, 3>() = belief.covariance;
+  linearised_ = belief.pose;
   slots_ = {};
+  doubted_.clear();  // another pose would tell other places
 }
 
 Pose2 TrackingFilter::corrected(const Pose2& delta) const {
@@ -92,8 +99,8 @@ void TrackingFilter::predict(const Pose2& delta) {
   // d(pose after) / d(pose, scale, drift, turn)
   Eigen::Matrix<double, 3, 6> f = Eigen::Matrix<double, 3, 6>::Zero();
   f.leftCols<3>().setIdentity();
-  f(0, 2) = -dy;
-  f(1, 2) = dx;
+  f(0, 2) = -(after.y - linearised_.y);
+  f(1, 2) = after.x - linearised_.x;
   f(0, 3) = dx / (1.0 + state_(kScale));
   f(1, 3) = dy / (1.0 + state_(kScale));
   f(2, 4) = forward * distance;
@@ -114,6 +121,7 @@ void TrackingFilter::predict(const Pose2& delta) {
   covariance_.topLeftCorner<3, 3>() = 0.5 * (corner + corner.transpose()) +
                                       rotation * odometry_noise(delta, wheel_base_, errors_) * rotation.transpose();
   state_.head<3>() << after.x, after.y, after.theta;
+  linearised_ = after;
 
   const double noisy_distance = noise_distance(delta, wheel_base_);
   covariance_(kScale, kScale) += squared(kWheelWalk) * noisy_distance;
@@ -148,7 +156,7 @@ int TrackingFilter::take_slot(int fixture, double odometer) {
     if (const auto leaving = doubted_.find(oldest->fixture); leaving != doubted_.end()) {
       leaving->second = offset_of(leaving->first);
     }
-    oldest->fixture = fixture;
+    *oldest = {fixture, odometer, {}};
     const int first = kFixtures + 3 * slot;
     state_.segment<3>(first) = prior.mean;
     covariance_.middleRows<3>(first).setZero();
@@ -174,23 +182,24 @@ FixtureOffset TrackingFilter::offset_of(int fixture) const {
 }
 
 void TrackingFilter::doubt(int fixture) {
-  if (!doubted_.try_emplace(fixture, FixtureOffset{Eigen::Vector3d::Zero(), kDoubted.asDiagonal()}).second) {
+  if (!doubted_.try_emplace(fixture, FixtureOffset{Eigen::Vector3d::Zero(), FixtureMap::doubt_variance().asDiagonal()})
+           .second) {
     return;
   }
   if (const int slot = slot_of(fixture); slot >= 0) {
-    covariance_.diagonal().segment<3>(kFixtures + 3 * slot) += kDoubted;
+    covariance_.diagonal().segment<3>(kFixtures + 3 * slot) += FixtureMap::doubt_variance();
+    slots_[static_cast<std::size_t>(slot)].linearised.reset();
   }
 }
 
 TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighting, int index, const Fixture& fixture,
                                                    int slot, double linear, double angular) const {
-  Pose2 world_from_fixture = fixture.world_from_fixture;
   const FixtureOffset offset = offset_of(index);
-  world_from_fixture.x += offset.mean.x();
-  world_from_fixture.y += offset.mean.y();
-  world_from_fixture.theta += offset.mean.z();
+  const Pose2 world_from_fixture = displaced(fixture, offset);
   const Pose2 pose{state_(0), state_(1), state_(2)};
   const ExpectedSighting ideal = expect_sighting(pose, world_from_fixture);
+  const std::optional<Pose2> held = slot < 0 ? std::nullopt : slots_[static_cast<std::size_t>(slot)].linearised;
+  const Eigen::Matrix3d by_pose = expect_sighting(linearised_, held.value_or(world_from_fixture)).jacobian;
   const double x = ideal.robot_from_fixture.x;
   const double y = ideal.robot_from_fixture.y;
   // Each error shifts the ceiling's picture by a field over the ceiling; what the field does to the fixture's heading
@@ -215,7 +224,7 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
   Expectation expectation;
   expectation.residual = sighting_residual(sighting, expected, fixture.shape);
   expectation.jacobian.setZero();
-  expectation.jacobian.leftCols<3>() = ideal.jacobian;
+  expectation.jacobian.leftCols<3>() = by_pose;
   expectation.jacobian.col(kTilt) = expectation.jacobian.col(kFloor) = by_tilt_x;
   expectation.jacobian.col(kTilt + 1) = expectation.jacobian.col(kFloor + 1) = by_tilt_y;
   expectation.jacobian.col(kYaw) = by_yaw;
@@ -225,7 +234,7 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
   expectation.noise = white_sighting_covariance(sighting, fixture, errors_);
   // the fixture's place moves the picture as the robot's moves it back; its heading turns it about its own centre
   Eigen::Matrix3d by_fixture = Eigen::Matrix3d::Zero();
-  by_fixture.leftCols<2>() = -ideal.jacobian.leftCols<2>();
+  by_fixture.leftCols<2>() = -by_pose.leftCols<2>();
   by_fixture(2, 2) = 1.0;
   if (slot >= 0) {
     expectation.jacobian.middleCols<3>(kFixtures + 3 * slot) = by_fixture;
@@ -240,28 +249,46 @@ Innovation TrackingFilter::innovate(const FixtureSighting& sighting, int index, 
   const Expectation expectation = expect(sighting, index, fixture, slot_of(index), linear, angular);
   Innovation innovation;
   innovation.residual = expectation.residual;
-  innovation.jacobian = expectation.jacobian.leftCols<3>();
   innovation.covariance = expectation.jacobian * covariance_ * expectation.jacobian.transpose() + expectation.noise;
   innovation.nis = innovation.residual.dot(innovation.covariance.inverse() * innovation.residual);
-  innovation.log_volume =
-      0.5 * std::log(std::max(1.0, innovation.covariance.determinant() / expectation.noise.determinant()));
   return innovation;
 }
 
 double TrackingFilter::correct(const FixtureSighting& sighting, int index, const Fixture& fixture, double linear,
                                double angular, double odometer) {
   const int slot = take_slot(index, odometer);
-  const Expectation expectation = expect(sighting, index, fixture, slot, linear, angular);
-  const Eigen::Matrix<double, kSize, 3> cross = covariance_ * expectation.jacobian.transpose();
-  const Eigen::Matrix3d innovation = expectation.jacobian * cross + expectation.noise;
-  const Eigen::Matrix3d inverse = innovation.inverse();
-  const Eigen::Matrix<double, kSize, 3> gain = cross * inverse;
-  const double nis = expectation.residual.dot(inverse * expectation.residual);
+  std::optional<Pose2>& linearised = slots_[static_cast<std::size_t>(slot)].linearised;
+  const bool may_linearise_anew = !linearised || !doubted_.contains(index);
+  const State before = state_;
+  Expectation expectation;
+  Eigen::Matrix<double, kSize, 3> cross, gain;
+  Eigen::Matrix3d innovation;
+  double nis = 0.0;
+  // Iterated (Bell and Cathey 1993), as long as what was linearised elsewhere before does not forbid it.
+  for (int i = 0; i < kMaxIterations; ++i) {
+    expectation = expect(sighting, index, fixture, slot, linear, angular);
+    cross = covariance_ * expectation.jacobian.transpose();
+    innovation = expectation.jacobian * cross + expectation.noise;
+    const Eigen::Matrix3d inverse = innovation.inverse();
+    gain = cross * inverse;
+    const Eigen::Vector3d residual = expectation.residual - expectation.jacobian * (before - state_);
+    nis = i == 0 ? residual.dot(inverse * residual) : nis;
+    const State corrected = before + gain * residual;
+    const double moved = (corrected - state_).lpNorm<Eigen::Infinity>();
+    state_ = corrected;
+    if (!may_linearise_anew || moved < kSettled) {
+      break;
+    }
+    linearised_ = {state_(0), state_(1), state_(2)};
+    linearised.reset();
+  }
+  if (!linearised) {
+    linearised = displaced(fixture, offset_of(index));
+  }
   // P - K H P - P H' K' + K S K', which rounding leaves positive
   const Covariance reduction = gain * cross.transpose();
   covariance_ += gain * innovation * gain.transpose() - reduction - reduction.transpose();
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
-  state_ += gain * expectation.residual;
   state_(2) = wrap_angle(state_(2));
   return nis;
 }

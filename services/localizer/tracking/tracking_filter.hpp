@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 
 #include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/model/error_model.hpp"
@@ -77,7 +78,8 @@ class TrackingFilter {
   };
   struct Slot {
     int fixture = -1;
-    double odometer = 0.0;  // [m] when last used
+    double odometer = 0.0;            // [m] when last used
+    std::optional<Pose2> linearised;  // world_from_fixture about which it is linearised
   };
   [[nodiscard]] Expectation expect(const FixtureSighting& sighting, int index, const Fixture& fixture, int slot,
                                    double linear, double angular) const;
@@ -91,6 +93,9 @@ class TrackingFilter {
   ErrorParams errors_;
   State state_ = State::Zero();
   Covariance covariance_ = Covariance::Identity();
+  // About one estimate of each pose and each fixture in doubt: with a second one after a correction the two together
+  // would tell a heading that nothing shows (Huang, Mourikis and Roumeliotis 2010).
+  Pose2 linearised_;
   std::array<Slot, kSlots> slots_;
   std::map<int, FixtureOffset> doubted_;  // where they were when seen last
 };

@@ -92,5 +92,29 @@ TEST(TrackingFilter, WhereADoubtedFixtureHangsIsRememberedWhenOthersWereSeen) {
   EXPECT_EQ(filter.offset_of(1 + TrackingFilter::kSlots).mean.norm(), 0.0);
 }
 
+/// Deviation of the heading [rad] that begins as 3 degrees, after a drive past a round lamp beside its place; the first
+/// images show it `bias` [m] too far ahead.
+double heading_sigma_below_a_displaced_lamp(double bias) {
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
+  filter.start({{-1.0, 0.0, 0.0}, Eigen::Vector3d(0.01, 0.01, radians(3.0) * radians(3.0)).asDiagonal()});
+  filter.doubt(0);
+  Fixture lamp;
+  lamp.shape = FixtureShape::kRound;
+  lamp.world_from_fixture = {0.3, 0.5, 0.0};  // by the file; it hangs at (0, 0.2)
+  for (int i = 0; i <= 200; ++i) {
+    const double x = -1.0 + 0.01 * i;
+    FixtureSighting sighting = overhead();
+    sighting.robot_from_fixture = {-x + (i < 30 ? bias : 0.0), 0.2, 0.0};
+    filter.correct(sighting, 0, lamp, 0.15, 0.0, x);
+    filter.predict({0.01, 0.0, 0.0});
+  }
+  return std::sqrt(filter.belief().covariance(2, 2));
+}
+
+TEST(TrackingFilter, ARoundLampBesideItsPlaceTellsNoHeading) {
+  EXPECT_GT(heading_sigma_below_a_displaced_lamp(0.0), 0.95 * radians(3.0));
+  EXPECT_GT(heading_sigma_below_a_displaced_lamp(0.1), 0.95 * radians(3.0));
+}
+
 }  // namespace
 }  // namespace luminav
