@@ -241,7 +241,7 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
   moved.widen(kUnnoticedMotion);
   const std::vector<FixtureMatch> matches = find_matches(moved, frame, odometry);
   if (!contradiction.misfit || matches.empty()) {
-    supervisor_.suspect(contradiction);
+    put_in_doubt(contradiction);
     return;
   }
   correct(moved, frame, matches, odometry);
@@ -261,9 +261,21 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
     filter_ = moved;               // the bank does not tell the two apart
     contradiction.misfit.reset();  // that is no fault of the map
   }
-  supervisor_.suspect(contradiction);
+  put_in_doubt(contradiction);
   if (!hangs_elsewhere && !is_same) {
     supervisor_.add_moved(belief, contradiction.log_prior);
+  }
+}
+
+void ModernLocalizer::put_in_doubt(const Contradiction& contradiction) {
+  supervisor_.suspect(contradiction);
+  if (contradiction.misfit) {
+    // If the pose is right, what is seen there hangs elsewhere: it must not correct the pose when that is less sure.
+    std::vector<int> near;
+    model_.fixtures.find_near(*contradiction.misfit, FixtureMap::kMaxOffset, near);
+    for (const int fixture : near) {
+      filter_.doubt(fixture);
+    }
   }
 }
 

@@ -65,6 +65,8 @@ class ModernLocalizer final : public Localizer {
   /// pose competes with the doubted one, unless the sonars say that the robot is where it was: then the fixture hangs
   /// elsewhere, and a robot that nobody can have carried goes on.
   void suspect(Contradiction contradiction, const SightingFrame& frame, const OdometryReading& odometry);
+  /// Makes the pose one of many; the filter goes on as if it was right, and a fixture hung elsewhere.
+  void put_in_doubt(const Contradiction& contradiction);
   /// Which sighting is which fixture, for a pose as well known as the filter's.
   [[nodiscard]] std::vector<FixtureMatch> find_matches(const TrackingFilter& filter, const SightingFrame& frame,
                                                        const OdometryReading& odometry) const;
