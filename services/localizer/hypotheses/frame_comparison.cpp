@@ -6,7 +6,8 @@
 namespace luminav {
 namespace {
 
-constexpr double kStranger = -2.0;  // log-likelihood of what is in no file, where such things are known to hang
+constexpr double kStranger = -2.0;     // log-likelihood of what is in no file, where such things are known to hang
+constexpr double kMaxLogVolume = 3.0;  // that a fixture costs a pose which does not know where to see it
 
 }  // namespace
 
@@ -18,6 +19,16 @@ FrameComparer::FrameComparer(const SightingFrame& frame, double linear, double a
     systematic_.push_back(
         systematic_sighting_covariance(sighting, model.height_above_camera(), linear, angular, model.errors));
   }
+}
+
+Eigen::Matrix3d FrameComparer::noise(std::size_t sighting, int fixture) const {
+  Eigen::Matrix3d noise =
+      white_sighting_covariance(frame_.sightings[sighting], model_.fixtures[fixture], model_.errors) +
+      systematic_[sighting];
+  if (model_.fixtures.is_doubted(fixture)) {
+    noise += FixtureMap::doubt_variance().asDiagonal();
+  }
+  return noise;
 }
 
 FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
@@ -59,11 +70,11 @@ void FrameComparer::find_pairs(const PoseBelief& belief, const std::vector<int>&
           !fits_kind_and_size(sighting, fixture, KindGate{})) {
         continue;
       }
-      const Eigen::Matrix3d noise = white_sighting_covariance(sighting, fixture, model_.errors) + systematic_[i];
-      const Innovation innovation = innovate(belief, sighting, fixture, noise);
+      const Innovation innovation = innovate(belief, sighting, fixture, noise(i, index));
       if (innovation.nis < params_.gate) {
-        pairs.push_back({i, index, innovation.nis,
-                         std::max(params_.misfit, -0.5 * innovation.nis - std::min(3.0, innovation.log_volume))});
+        const double volume =
+            model_.fixtures.is_doubted(index) ? kMaxLogVolume : std::min(kMaxLogVolume, innovation.log_volume);
+        pairs.push_back({i, index, innovation.nis, std::max(params_.misfit, -0.5 * innovation.nis - volume)});
       }
     }
   }

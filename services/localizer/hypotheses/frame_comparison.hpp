@@ -26,8 +26,8 @@ class FrameComparer {
                 const HypothesisParams& params);
 
   [[nodiscard]] FrameComparison compare(const PoseBelief& belief) const;
-  /// What constant errors of camera and time may do to a sighting, whichever fixture and pose it is.
-  [[nodiscard]] const Eigen::Matrix3d& systematic_error(std::size_t sighting) const { return systematic_[sighting]; }
+  /// Covariance of a sighting taken as that fixture, whatever the pose; in the robot frame.
+  [[nodiscard]] Eigen::Matrix3d noise(std::size_t sighting, int fixture) const;
 
  private:
   void find_pairs(const PoseBelief& belief, const std::vector<int>& near, std::vector<FixtureMatch>& pairs) const;
@@ -36,8 +36,8 @@ class FrameComparer {
   const SightingFrame& frame_;
   const ObservationModel& model_;
   const HypothesisParams& params_;
-  double reach_;  // [m] of the view, see ObservationModel
-  std::vector<Eigen::Matrix3d> systematic_;
+  double reach_;                             // [m] of the view, see ObservationModel
+  std::vector<Eigen::Matrix3d> systematic_;  // what constant errors of camera and time may do to each sighting
 };
 
 }  // namespace luminav

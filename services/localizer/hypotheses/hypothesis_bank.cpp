@@ -174,8 +174,7 @@ void HypothesisBank::correct(Hypothesis& hypothesis, const FrameComparison& comp
     hypothesis.last_match = round_.frame.utime;
     const FixtureSighting& sighting = round_.frame.sightings[i];
     const Fixture& fixture = model_.fixtures[comparison.fixture_of_sighting[i]];
-    const Eigen::Matrix3d noise =
-        (white_sighting_covariance(sighting, fixture, model_.errors) + comparer_->systematic_error(i)) / round_.share;
+    const Eigen::Matrix3d noise = comparer_->noise(i, comparison.fixture_of_sighting[i]) / round_.share;
     // several corrections in one image: linearise each at the pose the one before it left
     const Innovation innovation = innovate(hypothesis.belief, sighting, fixture, noise);
     luminav::correct(hypothesis.belief, innovation, noise);
