@@ -240,30 +240,20 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
   TrackingFilter moved = filter_;
   moved.widen(kUnnoticedMotion);
   const std::vector<FixtureMatch> matches = find_matches(moved, frame, odometry);
-  if (!contradiction.misfit || matches.empty()) {
-    put_in_doubt(contradiction);
-    return;
+  bool may_have_moved = contradiction.misfit && !matches.empty();
+  if (may_have_moved) {
+    correct(moved, frame, matches, odometry);
+    const PoseBelief held = filter_.belief();
+    may_have_moved = slip_.log_ratio(moved.belief().pose, held, odometry.odom_from_robot) >= kHangsElsewhere;
   }
-  correct(moved, frame, matches, odometry);
-  const PoseBelief belief = moved.belief();
-  const bool hangs_elsewhere =
-      slip_.log_ratio(belief.pose, filter_.belief(), odometry.odom_from_robot) < kHangsElsewhere;
-  if (hangs_elsewhere && contradiction.log_prior >= log_prior::kWhenDriving) {  // nobody can have carried the robot
-    for (const FixtureMatch& match : matches) {
-      model_.fixtures.doubt(match.fixture);
-    }
-    supervisor_.doubt_map(contradiction);
-    monitor_.restart();
-    return;
-  }
-  const bool is_same = is_same_place(filter_.belief().pose, belief.pose, params_.hypotheses);
-  if (!hangs_elsewhere && is_same) {
+  const bool is_same = may_have_moved && is_same_place(filter_.belief().pose, moved.belief().pose, params_.hypotheses);
+  if (is_same) {
     filter_ = moved;               // the bank does not tell the two apart
     contradiction.misfit.reset();  // that is no fault of the map
   }
   put_in_doubt(contradiction);
-  if (!hangs_elsewhere && !is_same) {
-    supervisor_.add_moved(belief, contradiction.log_prior);
+  if (may_have_moved && !is_same) {
+    supervisor_.add_moved(moved.belief(), contradiction.log_prior);
   }
 }
 

@@ -62,8 +62,7 @@ class ModernLocalizer final : public Localizer {
   [[nodiscard]] SightingFrame usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const;
   void track(const SightingFrame& frame, const OdometryReading& odometry);
   /// What fits nothing where the robot is held to be may be a fixture seen by a robot that slipped or was bumped: that
-  /// pose competes with the doubted one, unless the sonars say that the robot is where it was: then the fixture hangs
-  /// elsewhere, and a robot that nobody can have carried goes on.
+  /// pose competes with the doubted one, unless the sonars say that the robot is where it was.
   void suspect(Contradiction contradiction, const SightingFrame& frame, const OdometryReading& odometry);
   /// Makes the pose one of many; the filter goes on as if it was right, and a fixture hung elsewhere.
   void put_in_doubt(const Contradiction& contradiction);

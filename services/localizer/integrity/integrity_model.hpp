@@ -25,7 +25,6 @@ namespace luminav {
 /// Log-priors of poses that somebody says, or that were held for true until something contradicted them.
 namespace log_prior {
 inline constexpr double kAfterMisfit = 6.0;    // of the old pose: what was seen did not fit it
-inline constexpr double kWhenDriving = 13.0;   // likewise, and nobody can have carried the robot since its last match
 inline constexpr double kAfterMiss = 10.0;     // likewise, and only something was missing
 inline constexpr double kAfterGap = 13.0;      // likewise, and only odometry was away for a while
 inline constexpr double kWhenPredicted = 5.0;  // more of it once a suspected pose predicted the next fixture

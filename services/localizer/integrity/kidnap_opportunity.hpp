@@ -12,8 +12,7 @@ namespace luminav {
 /// have its motors off.
 class KidnapOpportunity {
  public:
-  static constexpr int kHaltFrames = 3;    ///< images in a row without wheel motion: it has stood for a moment
-  static constexpr int kPauseFrames = 10;  ///< likewise: it may have been carried
+  static constexpr int kPauseFrames = 10;  ///< images in a row without wheel motion: it may have been carried
 
   /// One image.
   void look(const Pose2& odom_from_robot) {
@@ -31,8 +30,6 @@ class KidnapOpportunity {
   void set_motors_off(bool off) { are_motors_off_ = off; }
 
   [[nodiscard]] bool was_given() const { return longest_still_ >= kPauseFrames || are_motors_off_; }
-  /// Nobody can have carried it off: the wheels did not even stand for a moment.
-  [[nodiscard]] bool is_excluded() const { return longest_still_ < kHaltFrames && !are_motors_off_; }
   /// The wheels did not turn before the newest image.
   [[nodiscard]] bool are_wheels_still() const { return still_frames_ > 0; }
   /// How the wheels moved the robot since the last match, in the robot frame there.

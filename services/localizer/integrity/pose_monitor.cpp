@@ -8,10 +8,6 @@
 namespace luminav {
 namespace {
 
-// The pose of a driving robot is believed against a misfit if its last match is not older and it predicted so many
-// different fixtures.
-constexpr std::int64_t kMatchAge = 3'000'000;  // [us]
-constexpr std::size_t kTrustedFixtures = 8;
 constexpr int kStrangeImages = 10;       // of an object, beside fixtures that support the pose of a driving robot
 constexpr std::size_t kMaxObjects = 64;  // followed so at a time
 constexpr double kVisibleMargin = 0.03;  // [m] from the image border, beside twice the pose's own error
@@ -27,18 +23,17 @@ std::optional<Contradiction> PoseMonitor::look(const SightingFrame& frame, const
   kidnap_.look(odom_from_robot);
   if (!matches.empty()) {
     note_strangers(frame, tracks, matches, belief);
-    match(frame, matches, belief);
+    match(matches, belief);
     return std::nullopt;
   }
   const std::optional<Eigen::Vector2d> misfit = find_misfit(frame, tracks, belief);
   misfit_ = std::max(0.0, misfit_ + (misfit ? log_evidence::kMisfit : log_evidence::kCalm));
   if (misfit && misfit_ >= rules_.doubt) {
-    return Contradiction{
-        .reason =
-            fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none", misfit->x(), misfit->y()),
-        .log_prior = is_beyond_kidnapping(frame.utime) ? log_prior::kWhenDriving : log_prior::kAfterMisfit,
-        .may_predict = true,
-        .misfit = misfit};
+    return Contradiction{.reason = fmt::format("a fixture is seen at ({:.1f}, {:.1f}) where the building has none",
+                                               misfit->x(), misfit->y()),
+                         .log_prior = log_prior::kAfterMisfit,
+                         .may_predict = true,
+                         .misfit = misfit};
   }
   add_missing(frame, belief);
   double sum = 0.0;
@@ -64,21 +59,17 @@ void PoseMonitor::restart() {
 void PoseMonitor::begin_anew() {
   restart();
   seen_.clear();
-  predicted_.clear();
   strange_images_.clear();
 }
 
-void PoseMonitor::match(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
-                        const PoseBelief& belief) {
+void PoseMonitor::match(const std::vector<FixtureMatch>& matches, const PoseBelief& belief) {
   restart();
   kidnap_.match();
-  match_utime_ = frame.utime;
   seen_.clear();
   for (const FixtureMatch& match : matches) {
     const Fixture& fixture = model_.fixtures[match.fixture];
     const Pose2 robot_from_fixture = belief.pose.inverse() * fixture.world_from_fixture;
     seen_[match.fixture] = model_.view.visible_share(robot_from_fixture, fixture, 0.0);
-    predicted_.insert(match.fixture);
   }
 }
 
@@ -141,10 +132,6 @@ void PoseMonitor::add_missing(const SightingFrame& frame, const PoseBelief& beli
       evidence = std::max(evidence, std::min(evidence + log_evidence::kMissed, log_evidence::kMaxMissed));
     }
   }
-}
-
-bool PoseMonitor::is_beyond_kidnapping(std::int64_t utime) const {
-  return kidnap_.is_excluded() && predicted_.size() >= kTrustedFixtures && utime - match_utime_ < kMatchAge;
 }
 
 std::optional<Eigen::Vector2d> PoseMonitor::find_misfit(const SightingFrame& frame, const ObjectTracks& tracks,

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <map>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "services/localizer/hypotheses/object_tracks.hpp"
@@ -35,7 +33,7 @@ class PoseMonitor {
   void begin_anew();
 
  private:
-  void match(const SightingFrame& frame, const std::vector<FixtureMatch>& matches, const PoseBelief& belief);
+  void match(const std::vector<FixtureMatch>& matches, const PoseBelief& belief);
   /// While other fixtures support the pose of a robot that drives, what fits none puts the map in doubt, not the pose.
   void note_strangers(const SightingFrame& frame, const ObjectTracks& tracks, const std::vector<FixtureMatch>& matches,
                       const PoseBelief& belief);
@@ -43,9 +41,6 @@ class PoseMonitor {
   void add_missing(const SightingFrame& frame, const PoseBelief& belief);
   /// Which share of a fixture must be in view to miss it, and how far [m] inside the image; nothing is seen there.
   [[nodiscard]] bool is_missing(int index, const Pose2& robot_from_fixture, const PoseBelief& belief) const;
-  /// True if the pose predicted many fixtures and the wheels have turned since its last match: nobody can have carried
-  /// the robot away so quickly.
-  [[nodiscard]] bool is_beyond_kidnapping(std::int64_t utime) const;
   /// Where [world] something is seen that is no fixture of the building.
   [[nodiscard]] std::optional<Eigen::Vector2d> find_misfit(const SightingFrame& frame, const ObjectTracks& tracks,
                                                            const PoseBelief& belief) const;
@@ -56,8 +51,6 @@ class PoseMonitor {
   double misfit_ = 0.0;                // log-evidence of what fits nothing
   std::map<int, double> missing_;      // log-evidence of fixtures that are not seen
   std::map<int, double> seen_;         // fixtures of the last match, and which share of them was in view
-  std::set<int> predicted_;            // fixtures that came where the pose has them
-  std::int64_t match_utime_ = 0;       // [us] of the last match
   std::map<int, int> strange_images_;  // of objects that fitted nothing while others supported the pose
 };
 
