@@ -72,6 +72,7 @@ void FrameComparer::find_pairs(const PoseBelief& belief, const std::vector<int>&
       }
       const Innovation innovation = innovate(belief, sighting, fixture, noise(i, index));
       if (innovation.nis < params_.gate) {
+        // a doubted one may be seen in many places: that any pose finds it there must not cost nothing
         const double volume =
             model_.fixtures.is_doubted(index) ? kMaxLogVolume : std::min(kMaxLogVolume, innovation.log_volume);
         pairs.push_back({i, index, innovation.nis, std::max(params_.misfit, -0.5 * innovation.nis - volume)});

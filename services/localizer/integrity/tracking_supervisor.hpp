@@ -29,8 +29,6 @@ class TrackingSupervisor {
   void suspect(const Contradiction& contradiction);
   /// Adds where a doubted robot is if it slipped or was bumped. Another fixture that this pose predicts speaks for it.
   void add_moved(const PoseBelief& belief, double log_prior);
-  /// The pose is right in spite of it: the map is doubted, at the fixture that was missing or where something was seen.
-  void doubt_map(const Contradiction& contradiction);
   /// While somebody moves the robot nothing is known.
   void suspend(const std::string& why);
   /// That is over, and what was seen before says nothing of where the robot is now. With `was_followed` the filter saw
@@ -55,6 +53,8 @@ class TrackingSupervisor {
   enum class Phase { kSearching, kFollowing, kBlind, kDoubted, kDisplaced };
 
   void enter(Phase phase, LocalizerState state, std::string reason);
+  /// The pose is right in spite of it: the map is doubted, at the fixture that was missing or where something was seen.
+  void doubt_map(const Contradiction& contradiction);
   /// What was seen says nothing any more of where the robot is; no pose is followed.
   void search_anew(const std::string& why);
   /// A leader that is refuted is one no more.
