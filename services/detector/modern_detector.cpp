@@ -78,7 +78,7 @@ ModernDetector::ModernDetector(const ModernDetectorParams& params, const Ceiling
       proposer_(plane_, catalogue_),
       fitter_(camera_),
       checks_(params_, camera_, catalogue_),
-      selection_(camera_, catalogue_) {}
+      selection_(camera_, catalogue_, params.max_bloom) {}
 
 const std::vector<Detection>& ModernDetector::detect(const GreyView& image, DetectorTrace* trace) {
   selection_.begin_frame();

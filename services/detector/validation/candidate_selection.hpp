@@ -15,7 +15,8 @@ namespace luminav {
 /// left out (non-maximum suppression).
 class CandidateSelection {
  public:
-  CandidateSelection(const CeilingCamera& camera, const CeilingCatalogue& catalogue) : builder_(camera, catalogue) {}
+  CandidateSelection(const CeilingCamera& camera, const CeilingCatalogue& catalogue, double max_bloom)
+      : builder_(camera, catalogue, max_bloom) {}
 
   void begin_frame();
   void add(const Candidate& candidate) { accepted_.push_back(candidate); }

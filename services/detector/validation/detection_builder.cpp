@@ -56,11 +56,15 @@ std::optional<Detection> DetectionBuilder::build(const CeilingFrame& frame, cons
                                               : std::optional(detection_of(candidate, DetectionState::kLit));
 }
 
+/// Light widens what burns: a piece as wide as one kind may be of a narrower one.
 DetectionBuilder::Extent DetectionBuilder::lengths_of(const Candidate& candidate, double seen) const {
   const Outline& outline = candidate.hypothesis.outline;
+  const double width = outline.width + 2.0 * candidate.fit.placement.side_outset;
+  const double bloom = candidate.bright ? 2.0 * max_bloom_ : 0.0;
   Extent lengths{outline.length, outline.length};
   for (const CeilingKind& kind : catalogue_.fixtures) {
-    if (kind.shape == FixtureShape::kRectangle && std::abs(kind.width - outline.width) < 0.02 && kind.length > seen) {
+    if (kind.shape == FixtureShape::kRectangle && kind.length > seen - kSameLength && kind.width < width + kSameWidth &&
+        kind.width > width - bloom - kSameWidth) {
       lengths.from = std::min(lengths.from, kind.length);
       lengths.to = std::max(lengths.to, kind.length);
     }
@@ -69,7 +73,7 @@ DetectionBuilder::Extent DetectionBuilder::lengths_of(const Candidate& candidate
 }
 
 /// Only a stretch is seen: the centre lies anywhere within what is left of the length.
-void DetectionBuilder::place_stretch(const Candidate& candidate, Extent& extent, Detection& detection) const {
+void DetectionBuilder::place_stretch(const Candidate& candidate, double length, Extent& extent, Detection& detection) {
   const double middle = 0.5 * (extent.from + extent.to);
   detection.robot_from_fixture = detection.robot_from_fixture * Pose2{middle, 0.0, 0.0};
   Matrix3d shift = Matrix3d::Identity();
@@ -77,22 +81,9 @@ void DetectionBuilder::place_stretch(const Candidate& candidate, Extent& extent,
   detection.covariance = shift * detection.covariance * shift.transpose();
   detection.covariance.row(0).setZero();
   detection.covariance.col(0).setZero();
-  const double hidden = candidate.hypothesis.outline.length - (extent.to - extent.from) +
-                        2.0 * std::max(0.0, candidate.fit.placement.side_outset);
+  const double hidden = length - (extent.to - extent.from) + 2.0 * std::max(0.0, candidate.fit.placement.side_outset);
   detection.covariance(0, 0) = kOpenPlace * std::pow(std::max(0.0, hidden), 2) + 1e-4;
   extent = {extent.from - middle, extent.to - middle};
-}
-
-/// From one end on: its bloom does not cancel, and other kinds of this width may be longer or shorter.
-void DetectionBuilder::place_by_one_end(const Candidate& candidate, Extent& extent, Detection& detection) const {
-  const double outset = candidate.fit.placement.side_outset;
-  detection.covariance(0, 0) += outset * outset;  // an end may bloom less than a side, or twice as much
-  const Extent lengths = lengths_of(candidate, extent.to - extent.from);
-  const double inward = detection.far_end_visible ? -1.0 : 1.0;
-  const double shift = 0.5 * inward * (0.5 * (lengths.from + lengths.to) - candidate.hypothesis.outline.length);
-  detection.robot_from_fixture = detection.robot_from_fixture * Pose2{shift, 0.0, 0.0};
-  detection.covariance(0, 0) += std::pow(0.25 * (lengths.to - lengths.from), 2);
-  extent = {extent.from - shift, extent.to - shift};
 }
 
 void DetectionBuilder::draw_corners(const Candidate& candidate, const Extent& extent, Detection& detection) const {
@@ -126,10 +117,16 @@ Detection DetectionBuilder::detection_of(const Candidate& candidate, DetectionSt
   detection.near_end_visible = !bar || fit.end_visible(kNearEnd);
   Extent extent{detection.near_end_visible ? -0.5 * outline.length : fit.visible_from,
                 detection.far_end_visible ? 0.5 * outline.length : fit.visible_to};
+  const Extent lengths = lengths_of(candidate, extent.to - extent.from);
+  if (detection.far_end_visible != detection.near_end_visible) {
+    // an end may bloom less than a side, or twice as much, and does not cancel the other's
+    detection.covariance(0, 0) += std::pow(fit.placement.side_outset, 2);
+    if (lengths.to - lengths.from > kSameLength) {  // nobody knows how far from the end the centre lies
+      detection.far_end_visible = detection.near_end_visible = false;
+    }
+  }
   if (!detection.far_end_visible && !detection.near_end_visible) {
-    place_stretch(candidate, extent, detection);
-  } else if (detection.far_end_visible != detection.near_end_visible) {
-    place_by_one_end(candidate, extent, detection);
+    place_stretch(candidate, lengths.to, extent, detection);
   }
   if (outline.shape == FixtureShape::kRound) {
     detection.covariance.row(2).setZero();

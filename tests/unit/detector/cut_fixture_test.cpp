@@ -182,6 +182,23 @@ TEST(CutFixture, LeavesTheCentreOpenWhenNoEndIsSeen) {
   EXPECT_NEAR(detections[0].robot_from_fixture.y, truth.y, 2e-3);
 }
 
+TEST(CutFixture, LeavesTheCentreOpenWhenALongerKindLooksLikeIt) {
+  const Pose2 truth{0.85, 0.1, 0.0};  // in view from x = 0.4 to 1.08 m
+  const DrawnCeiling ceiling{.shapes = {{.pose = truth, .length = 0.9, .width = 0.15}}};
+  CeilingCatalogue catalogue = test::test_catalogue();
+  catalogue.fixtures = {{.length = 0.9, .width = 0.15, .lamps = 1}};
+  const auto one_kind = detect(ceiling, test::test_camera(), catalogue);
+  ASSERT_EQ(one_kind.size(), 1U);
+  EXPECT_TRUE(one_kind[0].near_end_visible);
+  expect_at(one_kind[0], truth, 10e-3, radians(0.3));
+  catalogue.fixtures.push_back({.length = 1.5, .width = 0.17, .lamps = 1});  // bloom makes the other one as wide
+  const auto two_kinds = detect(ceiling, test::test_camera(), catalogue);
+  ASSERT_EQ(two_kinds.size(), 1U);
+  EXPECT_FALSE(two_kinds[0].near_end_visible);
+  EXPECT_LT(std::abs(two_kinds[0].robot_from_fixture.x - truth.x), 2.0 * std::sqrt(two_kinds[0].covariance(0, 0)));
+  EXPECT_NEAR(two_kinds[0].robot_from_fixture.y, truth.y, 10e-3);
+}
+
 TEST(CutFixture, TellsACutFixtureFromACutVentByItsSmoothSurface) {
   CeilingCatalogue catalogue = test::test_catalogue();
   for (CeilingKind& element : catalogue.elements) {

@@ -94,7 +94,7 @@ TEST(CandidateChecks, TakeNoPanesOfASkylightForLamps) {
 
 TEST(DetectionBuilder, DescribesAWholeLamp) {
   const CeilingCatalogue catalogue{.fixtures = {{.length = 1.2, .width = 0.15, .lamps = 1}}, .elements = {}};
-  const DetectionBuilder builder(model(), catalogue);
+  const DetectionBuilder builder(model(), catalogue, 0.07);
   Candidate candidate;
   candidate.hypothesis.outline = kStrip;
   candidate.fit.placement = kBurningHalf;
@@ -112,7 +112,7 @@ TEST(DetectionBuilder, DescribesAWholeLamp) {
 
 TEST(CandidateSelection, TakesTheBestOfThoseThatClaimAPlace) {
   const CeilingCatalogue catalogue{.fixtures = {{.length = 1.2, .width = 0.15, .lamps = 1}}, .elements = {}};
-  CandidateSelection selection(model(), catalogue);
+  CandidateSelection selection(model(), catalogue, 0.07);
   const GreyImage image = half_lit(0.0, 0.0);
   Raster reduced;
   reduce(image.view(), 4, reduced);
