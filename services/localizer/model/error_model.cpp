@@ -46,8 +46,24 @@ Eigen::Matrix3d odometry_noise_with_systematics(const Pose2& delta, double wheel
   return noise;
 }
 
+namespace {
+
+/// Variance along a fixture of a stretch of it, which lies anywhere there; 0 where an end is seen. [m^2]
+double variance_of_stretch(const FixtureSighting& sighting, const Fixture& fixture) {
+  const bool is_stretch = sighting.clipped && !sighting.near_end_visible && !sighting.far_end_visible;
+  return is_stretch ? squared(std::max(0.0, fixture.length - sighting.length)) / 12.0 : 0.0;
+}
+
+Eigen::Matrix3d variance_in_direction(double theta, double variance) {
+  const Eigen::Vector3d direction(std::cos(theta), std::sin(theta), 0.0);
+  return variance * direction * direction.transpose();
+}
+
+}  // namespace
+
 Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const Fixture& fixture,
                                           const ErrorParams& params) {
+  const double theta = sighting.robot_from_fixture.theta;
   Eigen::Matrix3d covariance = sighting.covariance;
   covariance(0, 0) += squared(params.sighting_position);
   covariance(1, 1) += squared(params.sighting_position);
@@ -55,24 +71,19 @@ Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const
   if (!sighting.has_theta || symmetry_period(fixture.shape) == 0.0) {
     covariance(2, 2) += kNoAngle;
   }
-  const bool is_half = sighting.state == SightingState::kHalf;
-  const bool is_stretch = sighting.clipped && !sighting.near_end_visible && !sighting.far_end_visible;
-  if (!is_half && !is_stretch) {
-    return covariance;
+  if (sighting.state == SightingState::kHalf) {
+    covariance += variance_in_direction(theta + 0.5 * kPi, squared(0.25 * std::max(fixture.width, sighting.width)));
   }
-  const Eigen::Vector2d along(std::cos(sighting.robot_from_fixture.theta), std::sin(sighting.robot_from_fixture.theta));
-  if (is_half) {
-    const Eigen::Vector2d across(-along.y(), along.x());
-    const double width = std::max(fixture.width, sighting.width);
-    covariance.topLeftCorner<2, 2>() += squared(0.25 * width) * across * across.transpose();
-  }
-  if (is_stretch) {
-    // it lies anywhere along the fixture, and the detector may have thought of a shorter kind
-    const double uniform = squared(std::max(0.0, fixture.length - sighting.length)) / 12.0;
-    const double reported = along.dot(sighting.covariance.topLeftCorner<2, 2>() * along);
-    covariance.topLeftCorner<2, 2>() += std::max(0.0, uniform - reported) * along * along.transpose();
-  }
-  return covariance;
+  // the detector may have thought of a shorter kind
+  const Eigen::Vector3d along(std::cos(theta), std::sin(theta), 0.0);
+  const double reported = along.dot(sighting.covariance * along);
+  return covariance + variance_in_direction(theta, std::max(0.0, variance_of_stretch(sighting, fixture) - reported));
+}
+
+Eigen::Matrix3d covariance_shared_by_pass(const FixtureSighting& sighting, const Fixture& fixture) {
+  constexpr double kImages = 30.0;
+  return variance_in_direction(sighting.robot_from_fixture.theta,
+                               (kImages - 1.0) * variance_of_stretch(sighting, fixture));
 }
 
 Eigen::Matrix3d systematic_sighting_covariance(const FixtureSighting& sighting, double height_above_camera,

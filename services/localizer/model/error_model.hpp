@@ -46,6 +46,10 @@ inline constexpr double kNoAngle = 1e4;
 Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const Fixture& fixture,
                                           const ErrorParams& params);
 
+/// What a correction takes for white noise besides, robot frame: all images of a pass may show the same stretch of a
+/// fixture, and their mean knows no better than one of them where along the fixture it lies.
+Eigen::Matrix3d covariance_shared_by_pass(const FixtureSighting& sighting, const Fixture& fixture);
+
 /// The constant part, robot frame: tilt, yaw, scale, lens, time offset and the fixture's own error; twist in the robot
 /// frame.
 Eigen::Matrix3d systematic_sighting_covariance(const FixtureSighting& sighting, double height_above_camera,

@@ -267,6 +267,7 @@ double TrackingFilter::correct(const FixtureSighting& sighting, int index, const
   // Iterated (Bell and Cathey 1993), as long as what was linearised elsewhere before does not forbid it.
   for (int i = 0; i < kMaxIterations; ++i) {
     expectation = expect(sighting, index, fixture, slot, linear, angular);
+    expectation.noise += covariance_shared_by_pass(sighting, fixture);
     cross = covariance_ * expectation.jacobian.transpose();
     innovation = expectation.jacobian * cross + expectation.noise;
     const Eigen::Matrix3d inverse = innovation.inverse();

@@ -60,6 +60,21 @@ TEST(TrackingFilter, LearnsThatTheWheelsAreLargerThanBelieved) {
   EXPECT_NEAR(filter.state()(TrackingFilter::kScale), 0.015, 0.004);
 }
 
+TEST(TrackingFilter, AStretchSeenForLongTellsNoPlaceAlongItsFixture) {
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
+  filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
+  FixtureSighting stretch = overhead();
+  stretch.clipped = true;
+  stretch.near_end_visible = stretch.far_end_visible = false;
+  stretch.length = 0.4;
+  stretch.robot_from_fixture = {0.4, 0.0, 0.0};  // its near end in fact, of the 1.2 m
+  for (int i = 0; i < 30; ++i) {
+    filter.correct(stretch, 0, Fixture{}, 0.0, 0.0, 0.0);
+  }
+  EXPECT_LT(std::abs(filter.belief().pose.x), 2.0 * std::sqrt(filter.belief().covariance(0, 0)));
+  EXPECT_LT(filter.belief().covariance(1, 1), 0.002);
+}
+
 TEST(TrackingFilter, ADoubtedFixtureTellsWhereItHangsAndNotWhereTheRobotIs) {
   const auto pose_after_fixture_beside_its_place = [](bool is_doubted) {
     TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
