@@ -258,7 +258,8 @@ double TrackingSupervisor::margin() const {
 }
 
 double TrackingSupervisor::needed_margin() const {
-  return phase_ == Phase::kBlind ? rules_.leave_margin : was_tracking_ ? rules_.enter_margin : rules_.first_margin;
+  const bool is_blind_leader = phase_ == Phase::kBlind && bank_.hypotheses().front().id == leader_id_;
+  return is_blind_leader ? rules_.leave_margin : was_tracking_ ? rules_.enter_margin : rules_.first_margin;
 }
 
 bool TrackingSupervisor::is_ahead_without_sonar() const {
