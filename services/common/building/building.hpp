@@ -164,10 +164,11 @@ struct SurveyAccuracy {
 struct Building {
   std::string name;
   SearchManner search = SearchManner::kTurn;
-  double ceiling_height = 2.8;           // [m]
-  std::string map_file;                  // absolute path of the map's YAML; "" = none
-  bool is_complete = true;               // false: lamps hang there that are not among the fixtures
-  std::optional<SurveyAccuracy> survey;  // none: somebody measured them
+  double ceiling_height = 2.8;             // [m]
+  std::string map_file;                    // absolute path of the map's YAML; "" = none
+  bool is_complete = true;                 // false: lamps hang there that are not among the fixtures
+  std::optional<SurveyAccuracy> survey;    // none: somebody measured them
+  std::vector<Eigen::Vector2d> seen_from;  // [m] where a survey saw the ceiling: all lamps around are fixtures
   std::vector<Fixture> fixtures;
   std::vector<CeilingElement> elements;
   std::vector<Window> windows;

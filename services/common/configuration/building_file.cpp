@@ -194,6 +194,7 @@ BuildingSource read_building_source(const std::filesystem::path& file) {
   if (root.has("survey")) {
     const TomlTable table = root.table("survey");
     building.survey = SurveyAccuracy{table.number("position", {1e-4, 10.0}), table.number("heading", {1e-5, 1.0})};
+    building.seen_from = table.points("seen_from");
     table.reject_unknown();
   }
   root.reject_unknown();
@@ -241,6 +242,10 @@ void write_building(const std::filesystem::path& file, const Building& building)
   if (building.survey) {
     text += fmt::format("\n[survey]  # 1-sigma of its fixtures\nposition = {:.4f}\nheading = {:.5f}\n",
                         building.survey->position, building.survey->heading);
+    if (!building.seen_from.empty()) {
+      text += fmt::format("seen_from = {}  # within 1 m of these places all lamps are listed\n",
+                          polygon_text(building.seen_from));
+    }
   }
   write_whole_file(file, text);
 }

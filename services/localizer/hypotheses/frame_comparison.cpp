@@ -49,9 +49,8 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
     result.log_likelihood[pair.sighting] = pair.log_likelihood;
   }
   for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
-    if (result.fixture_of_sighting[i] < 0 &&
-        (!model_.is_complete ||
-         model_.fixtures.is_stranger(belief.pose * frame_.sightings[i].robot_from_fixture.position()))) {
+    const Eigen::Vector2d place = belief.pose * frame_.sightings[i].robot_from_fixture.position();
+    if (result.fixture_of_sighting[i] < 0 && (!model_.is_listed(place) || model_.fixtures.is_stranger(place))) {
       result.log_likelihood[i] = kStranger;
     }
   }

@@ -6,6 +6,7 @@
 #include "services/common/building/occupancy_grid.hpp"
 #include "services/common/ceiling/ceiling_view.hpp"
 #include "services/common/ceiling/fixture_map.hpp"
+#include "services/common/ceiling/seen_ceiling.hpp"
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/model/error_model.hpp"
 #include "services/localizer/model/wall_field.hpp"
@@ -19,6 +20,7 @@ struct ObservationModel {
                    const ErrorParams& error_params)
       : fixtures(building.fixtures),
         is_complete(building.is_complete),
+        seen(building.seen_from),
         view(robot.camera),
         walls(map),
         ceiling_height(building.ceiling_height),
@@ -31,8 +33,12 @@ struct ObservationModel {
   /// Distance [m] from the robot's middle beyond which no fixture is in view, by its centre: none is longer than 2 m.
   [[nodiscard]] double reach() const { return view.radius(ceiling_height) + 1.0; }
 
+  /// Whether a lamp there [world] would be among the fixtures.
+  [[nodiscard]] bool is_listed(const Eigen::Vector2d& place) const { return is_complete || seen.contains(place); }
+
   FixtureMap fixtures;
   bool is_complete;  // whether all lamps are among them
+  SeenCeiling seen;  // where they are in any case
   CeilingView view;
   WallField walls;
   double ceiling_height;    // [m]

@@ -221,6 +221,18 @@ json to_json(const SurveyedFixture& fixture, const JudgedFixture& judged) {
           {"has_burned", judged.has_burned}};
 }
 
+/// Adds places of the robot, the ones that lie apart.
+void add_seen_from(const std::vector<Pose2>& poses, std::vector<Eigen::Vector2d>& places) {
+  constexpr double kApart = 0.5;  // [m]
+  for (const Pose2& pose : poses) {
+    if (std::none_of(places.begin(), places.end(), [&](const Eigen::Vector2d& place) {
+          return (place - pose.position()).squaredNorm() < kApart * kApart;
+        })) {
+      places.push_back(pose.position());
+    }
+  }
+}
+
 }  // namespace
 
 Building building_of(const Survey& survey, const SurveyLog& log, const SurveyModel& model, const std::string& name) {
@@ -253,6 +265,9 @@ Building building_of(const Survey& survey, const SurveyLog& log, const SurveyMod
   }
   // somebody said so of a file to which nothing is added, or the robot passed below all that it can reach
   building.is_complete = building.is_complete || (log.is_explored && survey.left_out == 0.0);
+  if (!building.is_complete) {
+    add_seen_from(survey.estimate.poses, building.seen_from);
+  }
   for (const NamedMoment& named : log.places) {
     if (const std::optional<Pose2> pose =
             pose_at(survey.frames, survey.estimate.poses, log.drive.odometry, named.utime)) {

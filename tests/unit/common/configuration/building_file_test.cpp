@@ -109,9 +109,11 @@ TEST(BuildingFile, SaysHowWellASurveyKnowsIt) {
   Building building = read_building(folder.write("building.toml", kHead));
   EXPECT_FALSE(building.survey);
   building.survey = SurveyAccuracy{0.025, 0.004};
+  building.seen_from = {{1.0, 2.5}, {-3.0, 0.0}};
   write_building(folder.path() / "building.toml", building);
   const Building read = read_building(folder.path() / "building.toml");
   ASSERT_TRUE(read.survey);
+  EXPECT_EQ(read.seen_from, building.seen_from);
   EXPECT_NEAR(read.survey->position, 0.025, 1e-9);
   EXPECT_NEAR(read.survey->heading, 0.004, 1e-9);
 }

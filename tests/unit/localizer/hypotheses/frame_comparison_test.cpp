@@ -73,6 +73,11 @@ TEST_F(FrameComparisonTest, AnUnlistedLampSaysLessWhereNotAllAreListed) {
   model_.is_complete = false;
   EXPECT_GT(compare(elsewhere).log_likelihood[0], against + 3.0);
   EXPECT_LT(compare(elsewhere).log_likelihood[0], compare(frame_of_the_fixture()).log_likelihood[0]);
+  model_.seen = SeenCeiling({Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(9.0, 3.0)});
+  EXPECT_EQ(model_.is_listed({0.3, 0.8}), true);
+  EXPECT_EQ(model_.is_listed({4.0, 1.0}), false);
+  EXPECT_EQ(model_.is_listed({-1.3, 0.0}), false);
+  EXPECT_EQ(model_.is_listed({99.0, 1e9}), false);
 }
 
 }  // namespace

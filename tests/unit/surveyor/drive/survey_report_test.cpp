@@ -103,6 +103,18 @@ TEST(SurveyReport, SaysWhatIsNotAsTheKnownBuildingHasIt) {
   EXPECT_THAT(why_not_placed(survey, model), HasSubstr("look 10 % longer"));
 }
 
+TEST(SurveyReport, SaysFromWhereTheCeilingWasSeen) {
+  const SurveyModel model = synthetic_model();
+  Survey survey = small_survey();
+  survey.estimate.poses = {{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.6, 0.0, 0.0}, {0.6, 0.9, 0.0}, {0.2, 0.0, 0.0}};
+  const std::vector<Eigen::Vector2d> places = {{0.0, 0.0}, {0.6, 0.0}, {0.6, 0.9}};
+  EXPECT_EQ(building_of(survey, good_log(), model, "school").seen_from, places);
+  SurveyModel going_on = synthetic_model();
+  Survey second = survey_of_known(going_on);
+  going_on.known->building.seen_from = {{9.0, 9.0}};
+  EXPECT_EQ(building_of(second, good_log(), going_on, "").seen_from.front(), Eigen::Vector2d(9.0, 9.0));
+}
+
 TEST(SurveyReport, CallsABuildingCompleteThatWasExploredOrIsAndLacksNothing) {
   const SurveyModel model = synthetic_model();
   SurveyLog log = good_log();
