@@ -41,16 +41,15 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   thread_local std::vector<FixtureMatch> pairs;
   pairs.clear();
   find_pairs(belief, near, pairs);
-  if (pairs.size() > 1) {
-    keep_best(pairs);
-  }
+  keep_best(pairs);
   for (const FixtureMatch& pair : pairs) {
     result.fixture_of_sighting[pair.sighting] = pair.fixture;
     result.log_likelihood[pair.sighting] = pair.log_likelihood;
   }
   for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
     const Eigen::Vector2d place = belief.pose * frame_.sightings[i].robot_from_fixture.position();
-    if (result.fixture_of_sighting[i] < 0 && (!model_.is_listed(place) || model_.fixtures.is_stranger(place))) {
+    if (result.fixture_of_sighting[i] < 0 &&
+        (!(model_.is_complete || model_.seen.contains(place)) || model_.fixtures.is_stranger(place))) {
       result.log_likelihood[i] = kStranger;
     }
   }

@@ -15,6 +15,22 @@ Element& find_or_add(std::vector<Element>& elements, const Claim& claim) {
   return found != elements.end() ? *found : elements.emplace_back();
 }
 
+/// Moves the score of the votes and absences for which the claims hold to `closed_score`.
+template <typename VoteClaim, typename AbsenceClaim>
+void settle(Hypothesis& hypothesis, const VoteClaim& is_over, const AbsenceClaim& is_passed,
+            const HypothesisParams& params) {
+  if (std::none_of(hypothesis.votes.begin(), hypothesis.votes.end(), is_over) &&
+      std::none_of(hypothesis.absences.begin(), hypothesis.absences.end(), is_passed)) {
+    return;
+  }
+  Hypothesis over;
+  std::copy_if(hypothesis.votes.begin(), hypothesis.votes.end(), std::back_inserter(over.votes), is_over);
+  std::copy_if(hypothesis.absences.begin(), hypothesis.absences.end(), std::back_inserter(over.absences), is_passed);
+  std::erase_if(hypothesis.votes, is_over);
+  std::erase_if(hypothesis.absences, is_passed);
+  hypothesis.closed_score += score_of(over, 0.0, params);
+}
+
 }  // namespace
 
 void add_evidence(Hypothesis& hypothesis, const ObjectTrack& object, int fixture, double log_likelihood, double weight,
@@ -76,26 +92,6 @@ double score_of_misfits(std::span<const ObjectTrack> scene, const HypothesisPara
 bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params) {
   return distance(a, b) < params.merge_distance && std::abs(wrap_angle(a.theta - b.theta)) < params.merge_angle;
 }
-
-namespace {
-
-/// Moves the score of the votes and absences for which the claims hold to `closed_score`.
-template <typename VoteClaim, typename AbsenceClaim>
-void settle(Hypothesis& hypothesis, const VoteClaim& is_over, const AbsenceClaim& is_passed,
-            const HypothesisParams& params) {
-  if (std::none_of(hypothesis.votes.begin(), hypothesis.votes.end(), is_over) &&
-      std::none_of(hypothesis.absences.begin(), hypothesis.absences.end(), is_passed)) {
-    return;
-  }
-  Hypothesis over;
-  std::copy_if(hypothesis.votes.begin(), hypothesis.votes.end(), std::back_inserter(over.votes), is_over);
-  std::copy_if(hypothesis.absences.begin(), hypothesis.absences.end(), std::back_inserter(over.absences), is_passed);
-  std::erase_if(hypothesis.votes, is_over);
-  std::erase_if(hypothesis.absences, is_passed);
-  hypothesis.closed_score += score_of(over, 0.0, params);
-}
-
-}  // namespace
 
 void settle_what_is_over(Hypothesis& hypothesis, std::span<const ObjectTrack> forgotten, double odometer,
                          const HypothesisParams& params) {

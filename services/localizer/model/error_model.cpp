@@ -10,6 +10,17 @@ double squared(double value) {
   return value * value;
 }
 
+/// Variance along a fixture of a stretch of it, which lies anywhere there; 0 where an end is seen. [m^2]
+double variance_of_stretch(const FixtureSighting& sighting, const Fixture& fixture) {
+  const bool is_stretch = sighting.clipped && !sighting.near_end_visible && !sighting.far_end_visible;
+  return is_stretch ? squared(std::max(0.0, fixture.length - sighting.length)) / 12.0 : 0.0;
+}
+
+Eigen::Matrix3d variance_in_direction(double theta, double variance) {
+  const Eigen::Vector3d direction(std::cos(theta), std::sin(theta), 0.0);
+  return variance * direction * direction.transpose();
+}
+
 }  // namespace
 
 double noise_distance(const Pose2& delta, double wheel_base) {
@@ -45,21 +56,6 @@ Eigen::Matrix3d odometry_noise_with_systematics(const Pose2& delta, double wheel
   noise(2, 2) += drift;
   return noise;
 }
-
-namespace {
-
-/// Variance along a fixture of a stretch of it, which lies anywhere there; 0 where an end is seen. [m^2]
-double variance_of_stretch(const FixtureSighting& sighting, const Fixture& fixture) {
-  const bool is_stretch = sighting.clipped && !sighting.near_end_visible && !sighting.far_end_visible;
-  return is_stretch ? squared(std::max(0.0, fixture.length - sighting.length)) / 12.0 : 0.0;
-}
-
-Eigen::Matrix3d variance_in_direction(double theta, double variance) {
-  const Eigen::Vector3d direction(std::cos(theta), std::sin(theta), 0.0);
-  return variance * direction * direction.transpose();
-}
-
-}  // namespace
 
 Eigen::Matrix3d white_sighting_covariance(const FixtureSighting& sighting, const Fixture& fixture,
                                           const ErrorParams& params) {

@@ -33,9 +33,6 @@ struct ObservationModel {
   /// Distance [m] from the robot's middle beyond which no fixture is in view, by its centre: none is longer than 2 m.
   [[nodiscard]] double reach() const { return view.radius(ceiling_height) + 1.0; }
 
-  /// Whether a lamp there [world] would be among the fixtures.
-  [[nodiscard]] bool is_listed(const Eigen::Vector2d& place) const { return is_complete || seen.contains(place); }
-
   FixtureMap fixtures;
   bool is_complete;  // whether all lamps are among them
   SeenCeiling seen;  // where they are in any case

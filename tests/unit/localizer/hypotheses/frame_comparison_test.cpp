@@ -73,11 +73,19 @@ TEST_F(FrameComparisonTest, AnUnlistedLampSaysLessWhereNotAllAreListed) {
   model_.is_complete = false;
   EXPECT_GT(compare(elsewhere).log_likelihood[0], against + 3.0);
   EXPECT_LT(compare(elsewhere).log_likelihood[0], compare(frame_of_the_fixture()).log_likelihood[0]);
-  model_.seen = SeenCeiling({Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(9.0, 3.0)});
-  EXPECT_EQ(model_.is_listed({0.3, 0.8}), true);
-  EXPECT_EQ(model_.is_listed({4.0, 1.0}), false);
-  EXPECT_EQ(model_.is_listed({-1.3, 0.0}), false);
-  EXPECT_EQ(model_.is_listed({99.0, 1e9}), false);
+  model_.seen = SeenCeiling({{5.0, 5.8}});
+  EXPECT_DOUBLE_EQ(compare(elsewhere).log_likelihood[0], against) << "a survey looked there";
+}
+
+TEST(SeenCeiling, ContainsWhatIsNearAPlace) {
+  const SeenCeiling seen({{0.0, 0.0}, {9.0, 3.0}});
+  EXPECT_TRUE(seen.contains({0.3, 0.8}));
+  EXPECT_TRUE(seen.contains({9.0, 3.8}));
+  for (const Eigen::Vector2d& point :
+       {Eigen::Vector2d(4.0, 1.0), Eigen::Vector2d(-1.3, 0.0), Eigen::Vector2d(99.0, 1e9)}) {
+    EXPECT_FALSE(seen.contains(point)) << point.transpose();
+  }
+  EXPECT_FALSE(SeenCeiling({}).contains({0.0, 0.0}));
 }
 
 }  // namespace
