@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <unordered_set>
 #include <vector>
 
 namespace luminav {
@@ -9,17 +11,14 @@ namespace luminav {
 /// file.
 class SeenCeiling {
  public:
-  /// Places of the robot [m, world] from which it saw the ceiling.
+  /// Places of the robot [m, world, within 100 km] from which it saw the ceiling.
   explicit SeenCeiling(const std::vector<Eigen::Vector2d>& places);
 
-  /// True for a point of the ceiling [m, world] within 1 m of such a place.
+  /// True for a point of the ceiling [m, world] within 1 m of such a place, to 0.2 m.
   [[nodiscard]] bool contains(const Eigen::Vector2d& point) const;
 
  private:
-  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();  // [m] world, lower left corner of the cells
-  int columns_ = 0;
-  int rows_ = 0;
-  std::vector<bool> cells_;  // row by row
+  std::unordered_set<std::int64_t> cells_;
 };
 
 }  // namespace luminav

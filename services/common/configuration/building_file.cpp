@@ -16,6 +16,16 @@ namespace {
 constexpr Range kCoordinate{-1e5, 1e5};
 constexpr Range kHeading{-7.0, 7.0};  // a full turn either way is accepted and wrapped
 
+std::vector<Eigen::Vector2d> read_points(const TomlTable& table, std::string_view key) {
+  std::vector<Eigen::Vector2d> points = table.points(key);
+  for (const Eigen::Vector2d& point : points) {
+    if (!(point.cwiseAbs().maxCoeff() <= kCoordinate.max)) {
+      table.fail(key, fmt::format("has a point that is no place within {:.0f} m", kCoordinate.max));
+    }
+  }
+  return points;
+}
+
 Pose2 read_pose(const TomlTable& table) {
   return {table.number("x", kCoordinate), table.number("y", kCoordinate),
           wrap_angle(table.number("theta", 0.0, kHeading))};
@@ -70,12 +80,7 @@ Zone read_zone(const TomlTable& table) {
               : kind == "one-way" ? ZoneKind::kOneWay
               : kind == "quiet"   ? ZoneKind::kQuiet
                                   : ZoneKind::kKeepOut;
-  zone.polygon = table.points("polygon");
-  for (const Eigen::Vector2d& corner : zone.polygon) {
-    if (!(corner.cwiseAbs().maxCoeff() <= kCoordinate.max)) {
-      table.fail("polygon", fmt::format("has a corner that is no place within {:.0f} m", kCoordinate.max));
-    }
-  }
+  zone.polygon = read_points(table, "polygon");
   if (!is_simple(zone.polygon)) {
     table.fail("polygon", "must be a list of at least three [x, y] corners in metres whose edges do not cross");
   }
@@ -194,7 +199,7 @@ BuildingSource read_building_source(const std::filesystem::path& file) {
   if (root.has("survey")) {
     const TomlTable table = root.table("survey");
     building.survey = SurveyAccuracy{table.number("position", {1e-4, 10.0}), table.number("heading", {1e-5, 1.0})};
-    building.seen_from = table.points("seen_from");
+    building.seen_from = read_points(table, "seen_from");
     table.reject_unknown();
   }
   root.reject_unknown();

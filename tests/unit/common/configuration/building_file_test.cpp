@@ -114,6 +114,9 @@ TEST(BuildingFile, SaysHowWellASurveyKnowsIt) {
   const Building read = read_building(folder.path() / "building.toml");
   ASSERT_TRUE(read.survey);
   EXPECT_EQ(read.seen_from, building.seen_from);
+  building.seen_from = {{1.0, 1e9}};
+  write_building(folder.path() / "building.toml", building);
+  EXPECT_THROW((void)read_building(folder.path() / "building.toml"), ConfigurationError);
   EXPECT_NEAR(read.survey->position, 0.025, 1e-9);
   EXPECT_NEAR(read.survey->heading, 0.004, 1e-9);
 }
