@@ -104,9 +104,10 @@ bool OtherKinds::is_striped(const CeilingFrame& frame, const Candidate& candidat
          std::hypot(kRough * fit.step(), noise);
 }
 
-/// True when it is as bright, or dark, farther from the side in view than a narrower thing and its blur would reach.
+/// True when it is as bright, or dark, from beyond where a narrower thing and its blur would end to the border.
 bool OtherKinds::reaches_beyond(const CeilingFrame& frame, const Candidate& candidate, Side side, double width) const {
   constexpr int kPlaces = 32;
+  constexpr double kStep = 0.02;  // [m]
   const Outline& outline = candidate.hypothesis.outline;
   const PointTransform pose(candidate.fit.placement.pose);
   const double outwards = side == kLeftSide ? 1.0 : -1.0;
@@ -115,10 +116,14 @@ bool OtherKinds::reaches_beyond(const CeilingFrame& frame, const Candidate& cand
   int looked = 0;
   for (int i = 0; i < kPlaces; ++i) {
     const double along = 0.92 * outline.length * ((i + 0.5) / kPlaces - 0.5);
-    const auto inside =
-        level_at(frame, camera_, candidate, pose, {along, outwards * (0.5 * outline.width - 0.5 * width)});
-    const auto beyond =
-        level_at(frame, camera_, candidate, pose, {along, outwards * (0.5 * outline.width - width - blur)});
+    const auto level = [&](double depth) {
+      return level_at(frame, camera_, candidate, pose, {along, outwards * (0.5 * outline.width - depth)});
+    };
+    const auto inside = level(0.5 * width);
+    std::optional<int> beyond;
+    for (double depth = width + blur; depth < 0.9 * outline.width && level(depth); depth += kStep) {
+      beyond = level(depth);
+    }
     if (inside && beyond) {
       ++looked;
       alike += *beyond > (candidate.bright ? 0.88 : 0.5) * *inside ? 1 : 0;

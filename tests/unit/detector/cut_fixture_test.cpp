@@ -167,6 +167,19 @@ TEST(CutFixture, LeavesOutAPieceThatIsNoDeeperThanANarrowerFixture) {
   EXPECT_TRUE(detect(ceiling).empty());
 }
 
+TEST(CutFixture, TakesNoStripBesideTheBorderForTheSideOfAPanel) {
+  CeilingCatalogue catalogue = test::test_catalogue();
+  catalogue.fixtures = {{.length = 1.5, .width = 0.2, .lamps = 1},
+                        {.shape = FixtureShape::kSquare, .length = 1.0, .width = 1.0, .lamps = 1}};
+  // the image ends 1.08 m ahead and 1.44 m to the left
+  for (const Pose2& truth : {Pose2{-0.75, 1.30, 0.0}, Pose2{0.6, 1.32, 0.0}, Pose2{0.9, 1.32, 0.0}}) {
+    const DrawnCeiling ceiling{.shapes = {{.pose = truth, .length = 1.5, .width = 0.2}}, .bloom = 400.0};
+    for (const Detection& detection : detect(ceiling, test::test_camera(), catalogue)) {
+      EXPECT_EQ(detection.shape, FixtureShape::kRectangle) << truth.x;
+    }
+  }
+}
+
 TEST(CutFixture, LeavesTheCentreOpenWhenNoEndIsSeen) {
   CeilingCatalogue catalogue = test::test_catalogue();
   catalogue.fixtures = {{.length = 3.0, .width = 0.3, .height = 2.8, .lamps = 2}};
