@@ -147,27 +147,26 @@ void LocalizerNode::on_initial_pose(const initial_pose_t& message) {
 }
 
 void LocalizerNode::publish_pose(const LocalizerEstimate& estimate) {
-  pose_t& pose = pose_;
-  pose.utime = odometry_.utime;
-  pose.session = odometry_.session;
-  pose.state = static_cast<std::int8_t>(estimate.state);
-  pose.reason = estimate.reason;
-  pose.estimator = static_cast<std::int8_t>(estimate.estimator);
-  pose.x = estimate.belief.pose.x;
-  pose.y = estimate.belief.pose.y;
-  pose.theta = estimate.belief.pose.theta;
+  pose_.utime = odometry_.utime;
+  pose_.session = odometry_.session;
+  pose_.state = static_cast<std::int8_t>(estimate.state);
+  pose_.reason = estimate.reason;
+  pose_.estimator = static_cast<std::int8_t>(estimate.estimator);
+  pose_.x = estimate.belief.pose.x;
+  pose_.y = estimate.belief.pose.y;
+  pose_.theta = estimate.belief.pose.theta;
   for (int i = 0; i < 9; ++i) {
-    pose.covariance[i] = estimate.belief.covariance(i / 3, i % 3);
+    pose_.covariance[i] = estimate.belief.covariance(i / 3, i % 3);
   }
-  pose.linear = odometry_.linear;
-  pose.angular = odometry_.angular;
-  pose.fixture_utime = estimate.fixture_utime;
-  pose.distance_since_fixture = estimate.distance_since_fixture;
-  pose.has_nis = estimate.nis ? 1 : 0;
-  pose.nis = estimate.nis.value_or(0.0);
-  pose.initial_pose_id = guess_id_;
-  lcm_.publish(channels::kPose, &pose);
-  ++pose.sequence;
+  pose_.linear = odometry_.linear;
+  pose_.angular = odometry_.angular;
+  pose_.fixture_utime = estimate.fixture_utime;
+  pose_.distance_since_fixture = estimate.distance_since_fixture;
+  pose_.has_nis = estimate.nis ? 1 : 0;
+  pose_.nis = estimate.nis.value_or(0.0);
+  pose_.initial_pose_id = guess_id_;
+  lcm_.publish(channels::kPose, &pose_);
+  ++pose_.sequence;
 }
 
 void LocalizerNode::publish_hypotheses(std::int64_t utime) {

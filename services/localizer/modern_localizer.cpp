@@ -251,13 +251,6 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
     filter_ = moved;               // the bank does not tell the two apart
     contradiction.misfit.reset();  // that is no fault of the map
   }
-  put_in_doubt(contradiction);
-  if (may_have_moved && !is_same) {
-    supervisor_.add_moved(moved.belief(), contradiction.log_prior);
-  }
-}
-
-void ModernLocalizer::put_in_doubt(const Contradiction& contradiction) {
   supervisor_.suspect(contradiction);
   if (contradiction.misfit) {
     // If the pose is right, what is seen there hangs elsewhere: it must not correct the pose when that is less sure.
@@ -266,6 +259,9 @@ void ModernLocalizer::put_in_doubt(const Contradiction& contradiction) {
     for (const int fixture : near) {
       filter_.doubt(fixture);
     }
+  }
+  if (may_have_moved && !is_same) {
+    supervisor_.add_moved(moved.belief(), contradiction.log_prior);
   }
 }
 

@@ -64,8 +64,6 @@ class ModernLocalizer final : public Localizer {
   /// What fits nothing where the robot is held to be may be a fixture seen by a robot that slipped or was bumped: that
   /// pose competes with the doubted one, unless the sonars say that the robot is where it was.
   void suspect(Contradiction contradiction, const SightingFrame& frame, const OdometryReading& odometry);
-  /// Makes the pose one of many; the filter goes on as if it was right, and a fixture hung elsewhere.
-  void put_in_doubt(const Contradiction& contradiction);
   /// Which sighting is which fixture, for a pose as well known as the filter's.
   [[nodiscard]] std::vector<FixtureMatch> find_matches(const TrackingFilter& filter, const SightingFrame& frame,
                                                        const OdometryReading& odometry) const;

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
 
+#include "services/common/configuration/toml_lines.hpp"
 #include "services/common/configuration/toml_table.hpp"
 #include "services/common/configuration/whole_file.hpp"
 
@@ -113,17 +113,14 @@ bool PoseMemory::save(const RememberedPose& pose) const {
   }
   std::error_code error;
   std::filesystem::create_directories(file_.parent_path(), error);
-  std::string name = pose.building;
-  std::replace_if(
-      name.begin(), name.end(), [](char letter) { return letter == '"' || letter == '\\'; }, '_');
   const auto list = [](const Pose2& p) { return fmt::format("[{:.9f}, {:.9f}, {:.9f}]", p.x, p.y, p.theta); };
   try {
     write_whole_file(
         file_,
-        fmt::format("building = \"{}\"\nfixtures = {}\nsession = {}\nodom_from_robot = {}\nworld_from_robot = {}\n"
+        fmt::format("building = {}\nfixtures = {}\nsession = {}\nodom_from_robot = {}\nworld_from_robot = {}\n"
                     "covariance = [{:.9e}]\n",
-                    name, pose.fixtures, pose.session, list(pose.odom_from_robot), list(pose.belief.pose),
-                    fmt::join(pose.belief.covariance.reshaped(), ", ")),
+                    quoted(pose.building), pose.fixtures, pose.session, list(pose.odom_from_robot),
+                    list(pose.belief.pose), fmt::join(pose.belief.covariance.reshaped(), ", ")),
         Durability::kRenamed);
   } catch (const std::runtime_error&) {
     return false;

@@ -644,6 +644,7 @@ TEST_F(PoseMemoryTest, SurvivesADamagedMemory) {
 }
 
 TEST_F(PoseMemoryTest, KeepsAPoseInDoubtForFiveSeconds) {
+  building_.building.name = "the \"old\" house\\annexe";  // any name that a file may give
   PoseMemory memory(folder_, building_.building);
   LocalizerEstimate estimate;
   estimate.belief.pose = {3.0, 2.0, 0.5};
