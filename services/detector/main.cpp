@@ -1,3 +1,5 @@
+#include <opencv2/core.hpp>
+
 #include "services/common/network/network_access.hpp"
 #include "services/common/process/channel_filter.hpp"
 #include "services/common/process/command_line.hpp"
@@ -18,6 +20,7 @@ int main(int argc, char** argv) {
     const luminav::DetectorConfig config = luminav::read_detector_config(robot_file, building_file);
     const luminav::LcmNetwork network = luminav::read_network_access(robot_file).on(lcm_url);
     const auto lcm = luminav::open_lcm(network);
+    cv::setNumThreads(1);  // pictures are small
     luminav::DetectorNode node(*lcm, config);
     luminav::receive_only(*lcm, network, node.channels());
     luminav::EventLoop loop(*lcm, "detector", config.robot, network);

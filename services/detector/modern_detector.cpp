@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "services/detector/sampling/grey_histogram.hpp"
 
@@ -84,7 +83,7 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
   selection_.begin_frame();
   tried_.begin_frame();
   reduce(image, limits_.factor, reduced_);
-  const GreyHistogram histogram(reduced_.cells, 1 + reduced_.cells.size() / kMedianSamples);
+  const GreyHistogram histogram(cells_of(reduced_), 1 + reduced_.total() / kMedianSamples);
   median_ = histogram.median();
   if (catalogue_.fixtures.empty()) {
     return selection_.detections();
@@ -95,12 +94,14 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
     reduce(image, limits_.factor, brightened_cells_, gain);
   }
   const double noise = std::clamp(contrast_.noise_of(unlit_cells) * limits_.factor / gain, 1.0, kMaxNoise);
+  double brightest = 0.0;
+  cv::minMaxLoc(reduced_, nullptr, &brightest);
   const CeilingFrame frame{.image = image,
                            .reduced = reduced_,
                            .dark = contrast_.dark(),
                            .factor = limits_.factor,
                            .pixel_noise = noise,
-                           .brightest = max_cell(reduced_),
+                           .brightest = static_cast<int>(brightest),
                            .saturated = histogram.share_from(kLitLevels.front())};
   look_for(true, kLitLevels, frame, trace);
   const CeilingFrame unlit_frame{.image = image,
@@ -122,14 +123,11 @@ const std::vector<Detection>& ModernDetector::detect(const GreyView& image, Dete
 /// A bare batten that is off is about as bright as the ceiling, and lies between its own shadows: in the negative it is
 /// a dark strip between two bright lines.
 void ModernDetector::look_for_bare(const CeilingFrame& unlit, DetectorTrace* trace) {
-  negative_.width = unlit.image.width;
-  negative_.height = unlit.image.height;
-  negative_.pixels.resize(unlit.image.pixels.size());
-  not_negated_ = unlit.image.pixels;
-  negative_cells_.resize(unlit.reduced.width, unlit.reduced.height);
-  negate(unlit.reduced.cells, negative_cells_.cells);
+  cv::bitwise_not(raster_of(unlit.image), negative_);
+  cv::bitwise_not(unlit.reduced, negative_cells_);
   contrast_.compute_narrow(negative_cells_, limits_.bare_radius, limits_.factor < 4);
-  const CeilingFrame frame{.image = negative_.view(),
+  const GreyView negative = view_of(negative_);
+  const CeilingFrame frame{.image = negative,
                            .reduced = negative_cells_,
                            .dark = contrast_.dark(),
                            .factor = limits_.factor,
@@ -148,12 +146,16 @@ void ModernDetector::look_for(bool bright, std::span<const int> levels, const Ce
   const Raster& cells = bright ? frame.reduced : is_eroded(frame) ? contrast_.eroded() : frame.dark;
   int known = 0;  // cells above the level before
   for (const int level : levels) {
-    const int above = level < least ? 0 : cells_above(cells, level);
+    if (level < least) {
+      break;
+    }
+    cv::compare(cells, level, mask_, cv::CMP_GT);
+    const int above = cv::countNonZero(mask_);
     if (above < known + kFewCells) {
       continue;  // regions are those of the level before
     }
     known = above;
-    for (const Region& region : finder_.find(cells, limits_.min_cells, level)) {
+    for (const Region& region : finder_.find(mask_, limits_.min_cells)) {
       if (limits_.may_be_a_kind(region, plane_) && !selection_.explains(middle_of(region, plane_))) {
         look_at_region(region, {level, bright}, frame, trace);
       }
@@ -179,9 +181,6 @@ void ModernDetector::look_at_region(const Region& region, const Layer& layer, co
   const std::vector<OutlineHypothesis>& hypotheses = proposer_.propose(shape_, layer.bright, tolerance);
   if (hypotheses.empty()) {
     return;
-  }
-  if (frame.is_negative && !not_negated_.empty()) {
-    negate(std::exchange(not_negated_, {}), negative_.pixels);
   }
   OutlineFitParams params = fit_params(region, layer, frame);
   for (const OutlineHypothesis& hypothesis : hypotheses) {
@@ -250,7 +249,7 @@ OutlineFitParams ModernDetector::fit_params(const Region& region, const Layer& l
   const Raster& cells = layer.bright ? frame.reduced : frame.dark;
   int sum = 0;
   for (const Run& run : region.runs) {
-    const std::uint8_t* row = cells.row(run.row);
+    const std::uint8_t* row = cells[run.row];
     sum = std::accumulate(row + run.first, row + run.last + 1, sum);
   }
   const double mean = static_cast<double>(sum) / (std::max(region.cells, 1) * frame.gain);

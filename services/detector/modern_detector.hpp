@@ -61,8 +61,8 @@ class ModernDetector {
   int median_ = 0;  // [grey] of the reduced image
   Raster reduced_;
   Raster brightened_cells_;  // of a dim image
-  GreyImage negative_;       // of an image in which bare battens are looked for, once one is guessed ...
-  std::span<const std::uint8_t> not_negated_;  // ... and until then what it is to be made of
+  Raster mask_;              // of what is above a level
+  Raster negative_;          // of an image in which bare battens are looked for
   Raster negative_cells_;
   ContrastMap contrast_;
   RegionFinder finder_;

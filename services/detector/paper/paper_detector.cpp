@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "services/detector/sampling/raster.hpp"
+
 namespace luminav {
 namespace {
 
@@ -60,7 +62,7 @@ void PaperDetector::detect(const GreyView& image, double median, std::vector<Det
     return;
   }
   // OpenCV has no constant view; nothing writes to it
-  const cv::Mat grey(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
+  const cv::Mat grey = raster_of(image);
   segment(grey, median);
   cv::bitwise_or(lit_, unlit_, combined_);
   for (const cv::Mat& mask : {combined_, lit_, unlit_}) {

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "services/detector/sampling/raster.hpp"
 
 namespace luminav {
@@ -23,29 +20,13 @@ class ContrastMap {
 
   [[nodiscard]] const Raster& dark() const { return dark_; }
   /// The same without the outermost cell of whatever is dark, at every depth; the image border takes none.
-  const Raster& eroded() {
-    erode(dark_, 1, eroded_, scratch_);
-    return eroded_;
-  }
-  /// Noise of one cell [grey]: median absolute difference of horizontal neighbours, over every seventh row, as a
-  /// standard deviation.
-  double noise_of(const Raster& image);
+  const Raster& eroded();
+  /// Noise of one cell [grey]: median absolute difference of horizontal neighbours, as a standard deviation.
+  [[nodiscard]] static double noise_of(const Raster& image);
 
  private:
-  Raster clean_;  // without lines
-  Raster dilated_;
-  Raster half_;    // half the size again: surroundings are smooth, so they may be computed coarsely
-  Raster wide_;    // continued beyond the borders
-  Raster opened_;  // without lamps
-  Raster mean_;    // of that
-  Raster filled_;
-  Raster closed_;
-  Raster scratch_;
   Raster dark_;
   Raster eroded_;
-  std::vector<int> sums_;
-  std::vector<std::uint8_t> steps_;  // between neighbours
-  std::vector<std::uint8_t> level_;  // of the surroundings of a row
 };
 
 }  // namespace luminav

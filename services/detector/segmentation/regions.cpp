@@ -4,20 +4,10 @@
 #include <cstdint>
 #include <cstring>
 
-#include "services/common/geometry/vector_clones.hpp"
-
 namespace luminav {
 namespace {
 
-LUMINAV_VECTOR_CLONES
-void mark_above(const std::uint8_t* row, std::uint8_t floor, std::span<std::uint8_t> mask) {
-#pragma GCC ivdep
-  for (std::size_t x = 0; x < mask.size(); ++x) {
-    mask[x] = row[x] > floor ? 1 : 0;
-  }
-}
-
-/// Calls `take` with the first and the last place of every run of ones.
+/// Calls `take` with the first and the last place of every run of 255s.
 template <typename Take>
 void for_each_run(std::span<const std::uint8_t> mask, Take take) {
   const auto find_from = [&](std::size_t from, int value) {
@@ -26,7 +16,7 @@ void for_each_run(std::span<const std::uint8_t> mask, Take take) {
                             : static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - mask.data());
   };
   for (std::size_t end = 0; end < mask.size();) {
-    const std::size_t first = find_from(end, 1);
+    const std::size_t first = find_from(end, 255);
     end = find_from(first, 0);
     if (first < end) {
       take(static_cast<int>(first), static_cast<int>(end) - 1);
@@ -61,18 +51,15 @@ int RegionFinder::join(int a, int b) {
   return first;
 }
 
-void RegionFinder::take_runs(const Raster& image, int level) {
+void RegionFinder::take_runs(const Raster& mask) {
   runs_.clear();
   part_of_run_.clear();
   parts_.clear();
-  mask_.resize(static_cast<std::size_t>(image.width));
-  const auto floor = static_cast<std::uint8_t>(std::clamp(level, 0, 255));
   std::size_t above = 0;  // first run of the row above that may touch
   std::size_t above_end = 0;
-  for (int y = 0; y < image.height; ++y) {
+  for (int y = 0; y < mask.rows; ++y) {
     const std::size_t row_begin = runs_.size();
-    mark_above(image.row(y), floor, mask_);
-    for_each_run(mask_, [&](int first, int last) {
+    for_each_run({mask[y], static_cast<std::size_t>(mask.cols)}, [&](int first, int last) {
       while (above < above_end && runs_[above].last < first - 1) {
         ++above;
       }
@@ -99,8 +86,8 @@ void RegionFinder::take_runs(const Raster& image, int level) {
   }
 }
 
-const std::vector<Region>& RegionFinder::find(const Raster& image, int min_cells, int level) {
-  take_runs(image, level);
+const std::vector<Region>& RegionFinder::find(const Raster& mask, int min_cells) {
+  take_runs(mask);
   regions_.clear();
   runs_by_region_.resize(runs_.size());
   std::size_t taken = 0;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -15,7 +14,7 @@ struct Run {
   int last = 0;
 };
 
-/// A connected part (8 neighbours) of what is brighter than a level.
+/// A connected part (8 neighbours) of a mask.
 struct Region {
   int cells = 0;
   int left = 0;
@@ -25,12 +24,11 @@ struct Region {
   std::span<const Run> runs;  // from the top, each row's from the left
 };
 
-/// Finds the connected parts of what is brighter than a level, from their runs: the cost follows the number
-/// of runs, not of cells.
+/// Finds the connected parts of a mask from their runs: the cost follows the number of runs, not of cells.
 class RegionFinder {
  public:
-  /// Parts of at least `min_cells` cells above `level` [grey]; valid until the next call.
-  const std::vector<Region>& find(const Raster& image, int min_cells, int level = 0);
+  /// Parts of at least `min_cells` cells of what is 255 and not 0; valid until the next call.
+  const std::vector<Region>& find(const Raster& mask, int min_cells);
 
  private:
   /// What is connected as far as the rows above tell; parts that prove to be one are joined to the first of them.
@@ -45,11 +43,10 @@ class RegionFinder {
     bool is_region = false;    // else it is too small
     std::size_t next_run = 0;  // of the region, to be filled in
   };
-  void take_runs(const Raster& image, int level);
+  void take_runs(const Raster& mask);
   int root(int part);
   int join(int a, int b);
 
-  std::vector<std::uint8_t> mask_;  // of a row: 1 above the level
   std::vector<Run> runs_;
   std::vector<int> part_of_run_;
   std::vector<Part> parts_;

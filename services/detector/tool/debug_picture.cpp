@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <span>
 
+#include "services/detector/sampling/raster.hpp"
+
 namespace luminav {
 namespace {
 
@@ -33,9 +35,8 @@ void draw_outline(cv::Mat& picture, std::span<const Eigen::Vector2d> corners, co
 
 cv::Mat draw_debug_picture(const GreyView& image, const DetectorTrace& trace,
                            const std::vector<Detection>& detections) {
-  const cv::Mat grey(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
   cv::Mat picture;
-  cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(raster_of(image), picture, cv::COLOR_GRAY2BGR);
   for (const auto& contour : trace.contours) {
     draw_outline(picture, contour, kRed, 1);
   }

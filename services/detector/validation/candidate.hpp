@@ -27,9 +27,9 @@ struct CeilingFrame {
 
 /// Grey level of the cell that a pixel of the image belongs to.
 inline int cell_at(const Raster& cells, const Eigen::Vector2d& pixel, int factor) {
-  const int column = std::clamp(static_cast<int>((pixel.x() + 0.5) / factor), 0, cells.width - 1);
-  const int row = std::clamp(static_cast<int>((pixel.y() + 0.5) / factor), 0, cells.height - 1);
-  return cells.row(row)[column];
+  const int column = std::clamp(static_cast<int>((pixel.x() + 0.5) / factor), 0, cells.cols - 1);
+  const int row = std::clamp(static_cast<int>((pixel.y() + 0.5) / factor), 0, cells.rows - 1);
+  return cells(row, column);
 }
 
 /// A guess of what a region shows, and where it lies: by its edges, or by the region's own rectangle.

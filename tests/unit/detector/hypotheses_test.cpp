@@ -26,17 +26,13 @@ CeilingCamera straight_up() {
 class DrawnRegion {
  public:
   DrawnRegion(int left, int top, int columns, int rows) {
-    mask_.resize(160, 120);
-    std::fill(mask_.cells.begin(), mask_.cells.end(), std::uint8_t{0});
-    for (int y = top; y < top + rows; ++y) {
-      std::fill_n(mask_.row(y) + left, columns, std::uint8_t{1});
-    }
-    regions_ = finder_.find(mask_, 1);
+    Raster mask(120, 160, std::uint8_t{0});
+    mask(cv::Rect(left, top, columns, rows)) = 255;
+    regions_ = finder_.find(mask, 1);
   }
   [[nodiscard]] const Region& region() const { return regions_.front(); }
 
  private:
-  Raster mask_;
   RegionFinder finder_;
   std::vector<Region> regions_;
 };
@@ -94,11 +90,9 @@ TEST_F(Proposals, TryACutRegionFromTheEndInView) {
 }
 
 TEST_F(Proposals, GuessNothingOfARegionThatFillsHalfOfItsRectangle) {
-  Raster mask;
-  mask.resize(160, 120);
-  std::fill(mask.cells.begin(), mask.cells.end(), std::uint8_t{0});
+  Raster mask(120, 160, std::uint8_t{0});
   for (int y = 50; y < 67; ++y) {
-    std::fill_n(mask.row(y) + 40, (y - 50) * 4 + 3, std::uint8_t{1});  // a triangle
+    std::fill_n(mask[y] + 40, (y - 50) * 4 + 3, std::uint8_t{255});  // a triangle
   }
   RegionFinder finder;
   RegionShape shape;

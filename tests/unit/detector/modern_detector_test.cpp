@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "services/detector/detector.hpp"
-#include "tests/unit/detector/allocation_count.hpp"
 #include "tests/unit/detector/ceiling_picture.hpp"
 #include "tests/unit/detector/drawn_detections.hpp"
 
@@ -241,34 +240,6 @@ TEST(Detector, TakesImagesOfAnotherSizeWhenTheAspectFits) {
   const auto detections = detector.detect(image.view());
   ASSERT_EQ(detections.size(), 1U);
   expect_at(detections[0], truth, 1e-3, radians(0.05));
-}
-
-TEST(ModernDetector, AllocatesNothingOnceItHasSeenSuchImages) {
-  DrawnCeiling lit;
-  lit.shapes = {{.pose = {0.3, 0.4, 1.3}}, {.pose = {-0.4, -0.6, 1.2}, .width = 0.15}};
-  DrawnCeiling unlit;
-  unlit.joint_depth = 20.0;
-  unlit.noise = 6.0;
-  unlit.shapes = {{.pose = {0.4, 0.1, 0.2}, .state = DetectionState::kUnlit, .darker = 40.0},
-                  {.pose = {-0.5, 0.3, 0.0}, .length = 0.6, .state = DetectionState::kUnlit, .slats = 20.0}};
-  const CameraDescription camera = test::test_camera();
-  std::vector<GreyImage> images;
-  for (const DrawnCeiling& ceiling : {lit, unlit, DrawnCeiling{}}) {
-    images.push_back(test::draw_ceiling(ceiling, camera, test::test_catalogue().ceiling_height));
-  }
-  Detector detector({}, camera, test::test_catalogue());
-  std::size_t found = 0;
-  const auto allocations_of_a_round = [&] {
-    const std::size_t before = test::allocation_count();
-    found = 0;
-    for (const GreyImage& image : images) {
-      found += detector.detect(image.view()).size();
-    }
-    return test::allocation_count() - before;
-  };
-  EXPECT_GT(allocations_of_a_round(), 0U);
-  EXPECT_EQ(allocations_of_a_round(), 0U);
-  EXPECT_GE(found, 3U);
 }
 
 TEST(Detector, RefusesImagesThatAreNotWholeOrOfAnotherAspect) {
