@@ -13,16 +13,17 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kLines = 10;          // across a band ...
-constexpr int kMinLines = 5;        // ... in view
-constexpr double kPitch = 0.12;     // [m] from one stretch to the next; they overlap, so that no line is lost between
-constexpr double kFromEnd = 0.02;   // [m] from the strip's ends, where its bloom is rounded
-constexpr std::size_t kReach = 5;   // steps from a line's middle to the ceiling beside it
-constexpr std::size_t kApart = 2;   // steps by which a line may lie elsewhere on the other side of the strip
-constexpr double kMinDepth = 3.0;   // [grey]
-constexpr double kMinSigmas = 2.0;  // of the mean of a band's lines
-constexpr double kRibbed = 0.6;     // of the stretches
-constexpr double kEnds = 0.3;       // of a line's depth: it does not go on
+constexpr int kLines = 10;           // across a band ...
+constexpr int kMinLines = 5;         // ... in view
+constexpr double kPitch = 0.12;      // [m] from one stretch to the next; they overlap, so that no line is lost between
+constexpr double kFromEnd = 0.02;    // [m] from the strip's ends, where its bloom is rounded
+constexpr std::size_t kReach = 5;    // steps from a line's middle to the ceiling beside it
+constexpr std::size_t kApart = 2;    // steps by which a line may lie elsewhere on the other side of the strip
+constexpr std::size_t kOblique = 8;  // steps within which one is looked for that does not run across the strip
+constexpr double kMinDepth = 3.0;    // [grey]
+constexpr double kMinSigmas = 3.5;   // of the mean of a band's lines
+constexpr double kRibbed = 0.6;      // of the stretches
+constexpr double kEnds = 0.3;        // of a line's depth: it does not go on
 constexpr double kClearlyDarker = 6.0;  // [grey]
 
 using Band = std::array<double, 2>;  // [widths of the strip] outwards of its edge
@@ -109,19 +110,30 @@ int find_covered_side(const GreyView& image, const CeilingCamera& camera, const 
                          .apart = side * (band[1] - band[0]) * strip.width / (kLines - 1),
                          .count = kLines});
   };
+  /// An oblique line lies elsewhere on the other side, and tells nothing of it.
+  const auto runs_across = [&](const GridLine& found, const Band& band, double side, double first) {
+    const double middle = 0.5 * (band[0] + band[1]);
+    const auto step_in = [&](const Band& half) {
+      const std::size_t from = found.step - std::min(found.step, kOblique);
+      return static_cast<double>(deepest(profile_of(half, side, first), from, found.step + kOblique).step);
+    };
+    return std::abs(step_in({band[0], middle}) - step_in({middle, band[1]})) <= 1.0;
+  };
   constexpr double kStretch = SideProfile::kStep * (SideProfile::kMaxSteps - 1);
   const int stretches = std::max(1, static_cast<int>((strip.length - 2.0 * kFromEnd - kStretch) / kPitch) + 1);
   std::array<Evidence, 2> evidence;
   for (int i = 0; i < stretches; ++i) {
     const double first = (i - 0.5 * (stretches - 1)) * kPitch - 0.5 * kStretch;
     const std::array<SideProfile, 2> beside{profile_of(kBeside, 1.0, first), profile_of(kBeside, -1.0, first)};
-    const auto add = [&](const SideProfile& source) {
+    const auto add = [&](const Band& band, double outwards) {
+      const SideProfile source = profile_of(band, outwards, first);
       if (source.lines < kMinLines) {
         return false;
       }
       // Of a line at the end of a stretch only the flank may be in it, and over there less still.
       const GridLine deepest_line = deepest(source, kReach + 1, source.steps - kReach - 2);
-      if (deepest_line.depth < std::max(kMinDepth, kMinSigmas * pixel_noise / std::sqrt(source.lines))) {
+      if (deepest_line.depth < std::max(kMinDepth, kMinSigmas * pixel_noise / std::sqrt(source.lines)) ||
+          !runs_across(deepest_line, band, outwards, first)) {
         return false;
       }
       for (std::size_t side = 0; side < 2; ++side) {
@@ -136,11 +148,11 @@ int find_covered_side(const GreyView& image, const CeilingCamera& camera, const 
     };
     for (std::size_t side = 0; side < 2; ++side) {
       evidence[side].stretches += beside[side].lines >= kMinLines ? 1 : 0;
-      evidence[side].lined += add(beside[side]) ? 1 : 0;
+      evidence[side].lined += add(kBeside, side == 0 ? 1.0 : -1.0) ? 1 : 0;
     }
     if (beside[0].lines < kMinLines || beside[1].lines < kMinLines) {
-      add(profile_of(kBeyond, 1.0, first));
-      add(profile_of(kBeyond, -1.0, first));
+      add(kBeyond, 1.0);
+      add(kBeyond, -1.0);
     }
   }
   if (evidence[0].is_louvre() != evidence[1].is_louvre()) {
