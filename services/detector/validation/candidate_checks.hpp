@@ -17,7 +17,7 @@ namespace luminav {
 class CandidateChecks {
  public:
   CandidateChecks(const ModernDetectorParams& params, const CeilingCamera& camera, const CeilingCatalogue& catalogue)
-      : params_(params), camera_(camera), other_kinds_(camera, catalogue) {}
+      : params_(params), camera_(camera), other_kinds_(camera, catalogue, params.max_bloom) {}
 
   [[nodiscard]] Verdict by_edges(const CeilingFrame& frame, const Candidate& candidate) const;
   /// Of a bare batten, before it is fitted: shadows are narrow, the ceiling beyond them is as bright as the batten.

@@ -28,14 +28,17 @@ bool OtherKinds::may_be(const CeilingFrame& frame, const Candidate& candidate) c
   if (!only && is_of_other_height(candidate)) {
     return true;
   }
-  const double seen = fit.visible_to - fit.visible_from;
+  const bool is_whole_side = fit.ends_visible() == 2;
+  const double seen =
+      is_whole_side ? outline.length + 2.0 * fit.placement.end_outset : fit.visible_to - fit.visible_from;
+  const double bloom = candidate.bright ? 2.0 * max_bloom_ : 0.0;
+  const double slack = is_whole_side ? 2.0 * kOtherWidth : kOtherWidth;
   const auto may_be = [&](double length, double width) {
-    const bool long_enough =
-        fit.ends_visible() == 2 ? std::abs(length - outline.length) < 2.0 * kOtherWidth : length > seen - kOtherWidth;
-    if (!only) {
-      return long_enough && std::abs(width - outline.width) < kOtherWidth + 0.1 * outline.width;
+    if (length < seen - bloom - slack || (is_whole_side && length > seen + slack)) {
+      return false;
     }
-    return long_enough && (width > outline.width - kOtherWidth || !reaches_beyond(frame, candidate, *only, width));
+    return only ? width > outline.width - kOtherWidth || !reaches_beyond(frame, candidate, *only, width)
+                : std::abs(width - outline.width) < kOtherWidth + 0.1 * outline.width;
   };
   for (const CeilingKind& element : catalogue_.elements) {
     if ((element.luminous || !candidate.bright) &&
@@ -44,17 +47,13 @@ bool OtherKinds::may_be(const CeilingFrame& frame, const Candidate& candidate) c
       return true;
     }
   }
-  for (const CeilingKind& kind : catalogue_.fixtures) {
-    const bool other = kind.shape != FixtureShape::kRound && (std::abs(kind.width - outline.width) > kOtherWidth);
-    if (only && other && may_be(kind.length, kind.width)) {
-      return true;
-    }
-    if (only && candidate.bright && kind.lamps >= 2 && kind.shape == FixtureShape::kRectangle &&
-        may_be(kind.length, 0.5 * kind.width)) {
-      return true;
-    }
-  }
-  return false;
+  return only && std::any_of(catalogue_.fixtures.begin(), catalogue_.fixtures.end(), [&](const CeilingKind& kind) {
+           const bool is_bar = kind.shape == FixtureShape::kRectangle;
+           const bool is_other =
+               kind.shape != FixtureShape::kRound && std::abs(kind.width - outline.width) > kOtherWidth;
+           return (is_other && may_be(kind.length, kind.width)) || (is_bar && may_be(kind.width, kind.length)) ||
+                  (is_bar && candidate.bright && kind.lamps >= 2 && may_be(kind.length, 0.5 * kind.width));
+         });
 }
 
 bool OtherKinds::is_of_other_height(const Candidate& candidate) const {

@@ -9,7 +9,9 @@ namespace luminav {
 /// What else that is listed may look like a piece of a fixture.
 class OtherKinds {
  public:
-  OtherKinds(const CeilingCamera& camera, const CeilingCatalogue& catalogue) : camera_(camera), catalogue_(catalogue) {}
+  /// Light widens a lamp by up to `max_bloom` [m] on each side.
+  OtherKinds(const CeilingCamera& camera, const CeilingCatalogue& catalogue, double max_bloom)
+      : camera_(camera), catalogue_(catalogue), max_bloom_(max_bloom) {}
 
   /// True when another listed kind, of which more is hidden, may look like this piece.
   [[nodiscard]] bool may_be(const CeilingFrame& frame, const Candidate& candidate) const;
@@ -23,6 +25,7 @@ class OtherKinds {
 
   CeilingCamera camera_;
   CeilingCatalogue catalogue_;
+  double max_bloom_;  // [m]
 };
 
 }  // namespace luminav

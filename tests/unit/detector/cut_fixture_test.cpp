@@ -161,6 +161,31 @@ TEST(CutFixture, TakesNoLampForAHalfByAJointThatIsSeenBesideOneSideOnly) {
   }
 }
 
+TEST(CutFixture, TakesNoLampForAHalfByJointsThatRunObliquely) {
+  const std::vector<Pose2> truths{{-1.00, 0.02, radians(-67.0)},
+                                  {1.09, -0.25, radians(68.0)},
+                                  {-0.35, 0.48, radians(-61.0)},
+                                  {0.20, 0.32, radians(-31.0)}};
+  for (const Pose2& truth : truths) {
+    const auto detections = detect({.shapes = {{.pose = truth, .width = 0.15}}, .joint_depth = 20.0, .bloom = 40.0});
+    ASSERT_EQ(detections.size(), 1U) << truth.x;
+    EXPECT_EQ(detections[0].state, DetectionState::kLit) << truth.x;
+  }
+}
+
+TEST(CutFixture, TakesNoEndOfALampForTheSideOfOneAcrossIt) {
+  CeilingCatalogue catalogue = test::test_catalogue();
+  catalogue.fixtures = {{.length = 1.2, .width = 0.3, .lamps = 2},
+                        {.shape = FixtureShape::kSquare, .length = 0.6, .width = 0.6, .lamps = 1}};
+  // its end is in view, and the border cuts it lengthwise: 1.08 m behind, 1.44 m to the right
+  const Pose2 truth{-0.94, -1.75, radians(-85.0)};
+  const DrawnCeiling ceiling{.shapes = {{.pose = truth}}, .joint_depth = 20.0, .bloom = 160.0};
+  for (const Detection& detection : detect(ceiling, test::test_camera(), catalogue)) {
+    EXPECT_EQ(detection.shape, FixtureShape::kRectangle);
+    EXPECT_LT(std::abs(wrap_axis(detection.robot_from_fixture.theta - truth.theta)), 0.1);
+  }
+}
+
 TEST(CutFixture, LeavesOutAPieceThatIsNoDeeperThanANarrowerFixture) {
   DrawnCeiling ceiling;
   ceiling.shapes = {{.pose = {1.13, 0.1, 0.5 * kPi}}};  // 0.1 m of it is in view, and fixtures of 0.15 m are listed
