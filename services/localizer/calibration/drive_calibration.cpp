@@ -47,7 +47,8 @@ double add_sightings(ceres::Problem& problem, Unknowns& unknowns, const std::vec
           known.sighting.has_theta ? symmetry_period(fixture.shape) : 0.0,
           fixture.length,
           known.sighting.length,
-          known.sighting.clipped || known.sighting.state == SightingState::kHalf ? 0.0 : 1.0 / kLengthSigma};
+          known.sighting.clipped || known.sighting.state == SightingState::kHalf ? 0.0 : 1.0 / kLengthSigma,
+          fixture.shape == FixtureShape::kSquare};
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SightingResidual, 4, 3, 3, 6>(residual),
                                new ceres::HuberLoss(kOutlier), unknowns.poses[i].data(),
                                unknowns.fixtures[known.fixture].data(), unknowns.camera.data());

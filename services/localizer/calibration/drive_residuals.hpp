@@ -40,6 +40,7 @@ struct SightingResidual {
   double length;               // [m] of the fixture
   double measured_length;      // [m]
   double length_weight = 0.0;  // [1/m] 0 = not all of it was in view
+  bool is_square = false;      // its direction is the mean of its sides'
 
   template <typename T>
   bool operator()(const T* pose, const T* fixture, const T* camera, T* residual) const {
@@ -65,8 +66,9 @@ struct SightingResidual {
                       camera[4] * (angular * y - linear);
     const T shift_y = height * (camera[1] + tilt * py + camera[2] * px + camera[3] * py + camera[5] * squared * py) -
                       camera[4] * angular * x;
-    const T shift_theta =
-        across * (camera[0] * ax + camera[1] * ay) + camera[2] - camera[4] * angular + 2.0 * camera[5] * along * across;
+    const T of_length = across * (camera[0] * ax + camera[1] * ay) + 2.0 * camera[5] * along * across;
+    const T of_width = along * (camera[0] * ay - camera[1] * ax) - 2.0 * camera[5] * along * across;
+    const T shift_theta = (is_square ? 0.5 * (of_length + of_width) : of_length) + camera[2] - camera[4] * angular;
     const T ex = measured.x() - x - shift_x;
     const T ey = measured.y() - y - shift_y;
     const T et = period == 0.0 ? T(0.0) : wrapped_residual(T(measured.z() - theta - shift_theta), period);

@@ -203,18 +203,23 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
   const double x = ideal.robot_from_fixture.x;
   const double y = ideal.robot_from_fixture.y;
   // Each error shifts the ceiling's picture by a field over the ceiling; what the field does to the fixture's heading
-  // is its derivative along the long side, seen across it.
+  // is its derivative along the long side, seen across it, and to a square's the mean of both sides'.
   const double h = height_above_camera_;
   const Eigen::Vector2d p = (ideal.robot_from_fixture.position() - robot_from_camera_) / h;
   const Eigen::Vector2d axis(std::cos(ideal.robot_from_fixture.theta), std::sin(ideal.robot_from_fixture.theta));
+  const Eigen::Vector2d across_axis(axis.y(), -axis.x());
   const double along = p.dot(axis);
-  const double across = -p.x() * axis.y() + p.y() * axis.x();
+  const double across = -p.dot(across_axis);
   const Eigen::Vector3d by_yaw(-h * p.y(), h * p.x(), 1.0);
   const Eigen::Vector3d by_scale(h * p.x(), h * p.y(), 0.0);
   const Eigen::Vector3d by_time(-linear + angular * y, -angular * x, -angular);
-  const Eigen::Vector3d by_tilt_x(h * (1.0 + p.x() * p.x()), h * p.x() * p.y(), across * axis.x());
-  const Eigen::Vector3d by_tilt_y(h * p.x() * p.y(), h * (1.0 + p.y() * p.y()), across * axis.y());
-  const Eigen::Vector3d by_lens(h * p.squaredNorm() * p.x(), h * p.squaredNorm() * p.y(), 2.0 * along * across);
+  const bool is_square = fixture.shape == FixtureShape::kSquare;
+  const Eigen::Vector2d by_tilt = is_square ? Eigen::Vector2d(0.5 * (across * axis + along * across_axis))
+                                            : Eigen::Vector2d(across * axis);  // of the heading
+  const Eigen::Vector3d by_tilt_x(h * (1.0 + p.x() * p.x()), h * p.x() * p.y(), by_tilt.x());
+  const Eigen::Vector3d by_tilt_y(h * p.x() * p.y(), h * (1.0 + p.y() * p.y()), by_tilt.y());
+  const Eigen::Vector3d by_lens(h * p.squaredNorm() * p.x(), h * p.squaredNorm() * p.y(),
+                                is_square ? 0.0 : 2.0 * along * across);
   const double tilt_x = state_(kTilt) + state_(kFloor);
   const double tilt_y = state_(kTilt + 1) + state_(kFloor + 1);
   const Eigen::Vector3d shift = tilt_x * by_tilt_x + tilt_y * by_tilt_y + state_(kYaw) * by_yaw +

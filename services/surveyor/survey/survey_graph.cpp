@@ -146,7 +146,8 @@ SightingResidual residual_of(const FixtureSighting& sighting, const KeyFrame& fr
           sighting.has_theta ? symmetry_period(kind.shape) : 0.0,
           kind.length,
           sighting.length,
-          frame.has_lengths && shows_length(sighting, kind) ? 1.0 / length_sigma : 0.0};
+          frame.has_lengths && shows_length(sighting, kind) ? 1.0 / length_sigma : 0.0,
+          kind.shape == FixtureShape::kSquare};
 }
 
 }  // namespace

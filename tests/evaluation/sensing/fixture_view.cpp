@@ -238,6 +238,13 @@ bool CeilingViewer::view(std::size_t index, const Pose2& world_from_fixture, dou
     }
     mean += *point / kPoints;
     direction += offset * *point;
+    if (fixture.shape == FixtureShape::kSquare) {  // its sides across have as much say
+      const auto beside = as_believed(world_from_fixture * Pose2{0.0, 0.0, 0.5 * kPi}, offset, index);
+      if (!beside) {
+        return false;
+      }
+      direction += offset * Vector2d(beside->y(), -beside->x());
+    }
   }
   const auto near_end = as_believed(world_from_fixture, -0.5 * fixture.length, index);
   const auto far_end = as_believed(world_from_fixture, 0.5 * fixture.length, index);

@@ -58,6 +58,40 @@ TEST(DriveResiduals, SeeAFixtureWhereItHangsAndLongerFromNearer) {
   EXPECT_NEAR(error[3], -0.012, 1e-12);
 }
 
+TEST(DriveResiduals, TurnASquareUnderATiltedCameraByTheMeanOfItsSides) {
+  constexpr double kHeight = 2.5;
+  const Eigen::Vector2d tilt(0.015, -0.03);
+  const Pose2 square{1.2, 0.9, 0.3};
+  const auto seen = [&](const Eigen::Vector2d& place) {  // through a camera that is turned, exactly
+    const Eigen::Vector2d p = square * place / kHeight;
+    return Eigen::Vector2d(kHeight * (p + tilt) / (1.0 - tilt.dot(p)));
+  };
+  const Eigen::Vector2d along = seen({0.3, 0.0}) - seen({-0.3, 0.0});
+  const Eigen::Vector2d across = seen({0.0, 0.3}) - seen({0.0, -0.3});
+  const double theta = 0.5 * (std::atan2(along.y(), along.x()) + std::atan2(-across.x(), across.y()));
+  const Eigen::Vector2d centre = seen({0.0, 0.0});
+  SightingResidual residual{{centre.x(), centre.y(), theta},
+                            {},
+                            Eigen::Matrix3d::Identity(),
+                            {0.0, 0.0},
+                            kHeight,
+                            0.0,
+                            0.0,
+                            0.5 * kPi,
+                            0.6,
+                            0.6};
+  residual.is_square = true;
+  const double pose[3] = {0.0, 0.0, 0.0};
+  const double fixture[3] = {square.x, square.y, square.theta};
+  const double camera[6] = {tilt.x(), tilt.y(), 0.0, 0.0, 0.0, 0.0};
+  double error[4] = {};
+  residual(pose, fixture, camera, error);
+  EXPECT_LT(std::abs(error[2]), radians(0.05));
+  residual.is_square = false;
+  residual(pose, fixture, camera, error);
+  EXPECT_GT(std::abs(error[2]), radians(0.3)) << "the long side of a bar turns otherwise";
+}
+
 TEST(DriveResiduals, TrustOdometryLessTheFartherItGoes) {
   const std::vector<Pose2> one = {{0.1, 0.0, 0.0}};
   const std::vector<Pose2> ten(10, Pose2{0.1, 0.0, 0.0});

@@ -60,6 +60,35 @@ TEST(TrackingFilter, LearnsThatTheWheelsAreLargerThanBelieved) {
   EXPECT_NEAR(filter.state()(TrackingFilter::kScale), 0.015, 0.004);
 }
 
+TEST(TrackingFilter, ASquareUnderATiltedCameraTurnsByTheMeanOfItsSides) {
+  constexpr double kHeight = 2.5;
+  const Eigen::Vector2d tilt(0.015, -0.03);
+  ErrorParams errors;
+  errors.camera_tilt = 0.03;
+  TrackingFilter filter(kHeight, {0.0, 0.0}, 0.33, errors);
+  filter.start({{-1.5, 0.0, 0.0}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
+  Fixture square;
+  square.shape = FixtureShape::kSquare;
+  square.length = square.width = 0.6;
+  square.world_from_fixture = {0.0, 0.9, 0.3};
+  for (Pose2 robot{-1.5, 0.0, 0.0}; robot.x < 1.5; robot.x += 0.02) {
+    const Pose2 at = robot.inverse() * square.world_from_fixture;
+    const auto seen = [&](const Eigen::Vector2d& place) {
+      const Eigen::Vector2d p = at * place / kHeight;
+      return Eigen::Vector2d(kHeight * (p + tilt) / (1.0 - tilt.dot(p)));
+    };
+    const Eigen::Vector2d along = seen({0.3, 0.0}) - seen({-0.3, 0.0});
+    const Eigen::Vector2d across = seen({0.0, 0.3}) - seen({0.0, -0.3});
+    FixtureSighting sighting = overhead();
+    sighting.shape = FixtureShape::kSquare;
+    sighting.robot_from_fixture = {seen({0.0, 0.0}).x(), seen({0.0, 0.0}).y(),
+                                   0.5 * (std::atan2(along.y(), along.x()) + std::atan2(-across.x(), across.y()))};
+    filter.correct(sighting, 0, square, 0.0, 0.0, robot.x + 1.5);
+    filter.predict({0.02, 0.0, 0.0});
+  }
+  EXPECT_LT(std::abs(filter.belief().pose.theta), radians(0.3));
+}
+
 TEST(TrackingFilter, AStretchSeenForLongTellsNoPlaceAlongItsFixture) {
   TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
   filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
