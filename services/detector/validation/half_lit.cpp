@@ -132,8 +132,11 @@ int find_covered_side(const GreyView& image, const CeilingCamera& camera, const 
       }
       // Of a line at the end of a stretch only the flank may be in it, and over there less still.
       const GridLine deepest_line = deepest(source, kReach + 1, source.steps - kReach - 2);
-      if (deepest_line.depth < std::max(kMinDepth, kMinSigmas * pixel_noise / std::sqrt(source.lines)) ||
-          !runs_across(deepest_line, band, outwards, first)) {
+      if (deepest_line.depth < std::max(kMinDepth, kMinSigmas * pixel_noise / std::sqrt(source.lines))) {
+        return false;
+      }
+      if (!runs_across(deepest_line, band, outwards, first)) {
+        evidence[outwards > 0.0 ? 0 : 1].seen += deepest_line.depth;  // whatever its direction, it is not covered
         return false;
       }
       for (std::size_t side = 0; side < 2; ++side) {

@@ -129,7 +129,7 @@ TEST(CutFixture, LeavesOutTheEndOfALampWhoseBloomReachesTheBorder) {
     const auto detections = detect({.shapes = {{.pose = truth}}, .bloom = 160.0});
     ASSERT_EQ(detections.size(), 1U) << aside;
     expect_by_one_end(detections[0], truth);
-    EXPECT_LT(std::sqrt(detections[0].covariance(1, 1)), 0.03) << aside;
+    EXPECT_LT(std::sqrt(detections[0].covariance(1, 1)), 0.035) << aside;
   }
 }
 
