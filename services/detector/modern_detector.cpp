@@ -24,7 +24,9 @@ constexpr double kMaxNoise = 14.0;       // [grey] of a pixel: what varies more 
 constexpr double kRagged = 0.02;         // [m] by which noise and grid lines may change a side of an unlit region
 constexpr double kOtherSize = 0.01;      // share by which an unlit region's length must miss to be tried as it is
 constexpr double kMinBareVisible = 0.6;  // share of a bare batten: pieces of girders look like shorter ones
-constexpr double kOfRegion = 0.4;        // score of a region's own rectangle, at most: edges say more
+constexpr double kMeanBloom = 0.25;      // of the most; what is cut is placed by one side, and bloom would draw it near
+constexpr double kBloomSigma = 0.4;
+constexpr double kOfRegion = 0.4;  // score of a region's own rectangle, at most: edges say more
 
 std::array<Vector2d, 4> corners_of(const Outline& outline, const OutlinePlacement& placement,
                                    const CeilingCamera& camera) {
@@ -257,7 +259,8 @@ OutlineFitParams ModernDetector::fit_params(const Region& region, const Layer& l
           .min_edge = layer.bright ? params_.lit_edge : params_.unlit_edge / frame.gain,
           .expected_step = mean - (layer.bright ? median_ : 0),
           .pixel_noise = frame.pixel_noise,
-          .side_sigma = layer.bright ? 0.4 * params_.max_bloom : 0.008,
+          .side_mean = layer.bright ? kMeanBloom * params_.max_bloom : 0.0,
+          .side_sigma = layer.bright ? kBloomSigma * params_.max_bloom : 0.008,
           .edge_sigma_px = params_.edge_sigma_px,
           .outline_sigma_px = params_.outline_sigma_px};
 }

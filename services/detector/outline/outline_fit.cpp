@@ -134,7 +134,7 @@ bool OutlineFitter::measure(const GreyView& image, const EdgeSearchParams& searc
   return true;
 }
 
-/// The sides lie about where the nominal size has them, light widens all sides about alike, and what no edge holds
+/// The sides lie about where the nominal size and the light that widens all alike have them, and what no edge holds
 /// stays where it is.
 OutlineFitter::Equations OutlineFitter::prior(const Outline& outline, const OutlineFitParams& params,
                                               const OutlinePlacement& placement) const {
@@ -148,7 +148,8 @@ OutlineFitter::Equations OutlineFitter::prior(const Outline& outline, const Outl
   equations.information.bottomRightCorner<2, 2>() << of_side + of_difference, -of_difference, -of_difference,
       of_difference;
   equations.right_side.tail<2>() =
-      -equations.information.bottomRightCorner<2, 2>() * Vector2d(placement.side_outset, placement.end_outset);
+      -equations.information.bottomRightCorner<2, 2>() *
+      Vector2d(placement.side_outset - params.side_mean, placement.end_outset - params.side_mean);
   return equations;
 }
 

@@ -16,7 +16,8 @@ struct OutlineFitParams {
   double min_edge = 10.0;          // [grey] step that counts as an edge
   double expected_step = 100.0;    // [grey] about what it should be: fainter ones are averaged over longer stretches
   double pixel_noise = 4.0;        // [grey] 1 sigma
-  double side_sigma = 0.01;        // [m] how much wider than its nominal size the outline may look, 1 sigma
+  double side_mean = 0.0;          // [m] by how much wider than its nominal size the outline looks on each side
+  double side_sigma = 0.01;        // [m] 1 sigma of that
   double end_sigma = 0.008;        // [m] by how much more it may look longer on each end, 1 sigma
   double edge_sigma_px = 0.15;     // [px] least error of one edge point
   double outline_sigma_px = 0.06;  // [px] error that the points of a side share
