@@ -1,12 +1,7 @@
 #include "services/localizer/modern_localizer.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Dense>
-#include <algorithm>
 #include <cmath>
-
-#include "services/localizer/hypotheses/pose_alternatives.hpp"
 
 namespace luminav {
 namespace {
@@ -382,10 +377,6 @@ LocalizerEstimate ModernLocalizer::estimate() const {
     estimate.belief.covariance = unknown_pose_covariance();
   }
   return estimate;
-}
-
-std::vector<WeightedPose> ModernLocalizer::hypotheses(std::size_t max) const {
-  return weigh(bank_, since_filter(), max);
 }
 
 }  // namespace luminav

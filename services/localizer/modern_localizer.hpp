@@ -8,6 +8,7 @@
 #include "services/common/configuration/robot_file.hpp"
 #include "services/localizer/hypotheses/echo_collector.hpp"
 #include "services/localizer/hypotheses/hypothesis_bank.hpp"
+#include "services/localizer/hypotheses/pose_alternatives.hpp"
 #include "services/localizer/integrity/integrity_model.hpp"
 #include "services/localizer/integrity/odometry_consistency.hpp"
 #include "services/localizer/integrity/pose_monitor.hpp"
@@ -41,7 +42,9 @@ class ModernLocalizer final : public Localizer {
   void add_guess(const PoseBelief& guess) override;
   void recall(const PoseBelief& belief) override;
   [[nodiscard]] LocalizerEstimate estimate() const override;
-  [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t max) const override;
+  [[nodiscard]] std::vector<WeightedPose> hypotheses(std::size_t max) const override {
+    return weigh(bank_, since_filter(), max);
+  }
   [[nodiscard]] std::vector<WeightedPose> particles(std::size_t) const override { return {}; }
   [[nodiscard]] std::int64_t frames_dropped() const override { return queue_.dropped(); }
   [[nodiscard]] std::int64_t last_frame_used() const override { return queue_.last_used(); }

@@ -213,13 +213,12 @@ TrackingFilter::Expectation TrackingFilter::expect(const FixtureSighting& sighti
   const Eigen::Vector3d by_yaw(-h * p.y(), h * p.x(), 1.0);
   const Eigen::Vector3d by_scale(h * p.x(), h * p.y(), 0.0);
   const Eigen::Vector3d by_time(-linear + angular * y, -angular * x, -angular);
-  const bool is_square = fixture.shape == FixtureShape::kSquare;
-  const Eigen::Vector2d by_tilt = is_square ? Eigen::Vector2d(0.5 * (across * axis + along * across_axis))
-                                            : Eigen::Vector2d(across * axis);  // of the heading
+  const double of_width = fixture.shape == FixtureShape::kSquare ? 0.5 : 0.0;
+  const Eigen::Vector2d by_tilt = (1.0 - of_width) * across * axis + of_width * along * across_axis;  // of the heading
   const Eigen::Vector3d by_tilt_x(h * (1.0 + p.x() * p.x()), h * p.x() * p.y(), by_tilt.x());
   const Eigen::Vector3d by_tilt_y(h * p.x() * p.y(), h * (1.0 + p.y() * p.y()), by_tilt.y());
   const Eigen::Vector3d by_lens(h * p.squaredNorm() * p.x(), h * p.squaredNorm() * p.y(),
-                                is_square ? 0.0 : 2.0 * along * across);
+                                2.0 * (1.0 - 2.0 * of_width) * along * across);
   const double tilt_x = state_(kTilt) + state_(kFloor);
   const double tilt_y = state_(kTilt + 1) + state_(kFloor + 1);
   const Eigen::Vector3d shift = tilt_x * by_tilt_x + tilt_y * by_tilt_y + state_(kYaw) * by_yaw +
