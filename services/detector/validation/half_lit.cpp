@@ -56,6 +56,15 @@ GridLine deepest(const SideProfile& profile, std::size_t first, std::size_t last
   return line;
 }
 
+/// An oblique line lies elsewhere on the other side, and tells nothing of it. `inner` and `outer` halves of a band.
+bool runs_across(const GridLine& line, const SideProfile& inner, const SideProfile& outer) {
+  const auto step_in = [&](const SideProfile& half) {
+    const std::size_t from = line.step - std::min(line.step, kOblique);
+    return static_cast<double>(deepest(half, from, line.step + kOblique).step);
+  };
+  return std::abs(step_in(inner) - step_in(outer)) <= 1.0;
+}
+
 /// Sums over the lines that are known to run towards a side.
 struct Evidence {
   double known = 0.0;  // [grey]
@@ -110,15 +119,6 @@ int find_covered_side(const GreyView& image, const CeilingCamera& camera, const 
                          .apart = side * (band[1] - band[0]) * strip.width / (kLines - 1),
                          .count = kLines});
   };
-  /// An oblique line lies elsewhere on the other side, and tells nothing of it.
-  const auto runs_across = [&](const GridLine& found, const Band& band, double side, double first) {
-    const double middle = 0.5 * (band[0] + band[1]);
-    const auto step_in = [&](const Band& half) {
-      const std::size_t from = found.step - std::min(found.step, kOblique);
-      return static_cast<double>(deepest(profile_of(half, side, first), from, found.step + kOblique).step);
-    };
-    return std::abs(step_in({band[0], middle}) - step_in({middle, band[1]})) <= 1.0;
-  };
   constexpr double kStretch = SideProfile::kStep * (SideProfile::kMaxSteps - 1);
   const int stretches = std::max(1, static_cast<int>((strip.length - 2.0 * kFromEnd - kStretch) / kPitch) + 1);
   std::array<Evidence, 2> evidence;
@@ -135,7 +135,9 @@ int find_covered_side(const GreyView& image, const CeilingCamera& camera, const 
       if (deepest_line.depth < std::max(kMinDepth, kMinSigmas * pixel_noise / std::sqrt(source.lines))) {
         return false;
       }
-      if (!runs_across(deepest_line, band, outwards, first)) {
+      const double middle = 0.5 * (band[0] + band[1]);
+      if (!runs_across(deepest_line, profile_of({band[0], middle}, outwards, first),
+                       profile_of({middle, band[1]}, outwards, first))) {
         evidence[outwards > 0.0 ? 0 : 1].seen += deepest_line.depth;  // whatever its direction, it is not covered
         return false;
       }
