@@ -25,8 +25,8 @@ constexpr double kRagged = 0.02;         // [m] by which noise and grid lines ma
 constexpr double kOtherSize = 0.01;      // share by which an unlit region's length must miss to be tried as it is
 constexpr double kMinBareVisible = 0.6;  // share of a bare batten: pieces of girders look like shorter ones
 constexpr double kMeanBloom = 0.25;      // of the most; what is cut is placed by one side, and bloom would draw it near
-constexpr double kBloomSigma = 0.4;
-constexpr double kOfRegion = 0.4;  // score of a region's own rectangle, at most: edges say more
+constexpr double kBloomSigma = 0.4;      // of the most, 1 sigma
+constexpr double kOfRegion = 0.4;        // score of a region's own rectangle, at most: edges say more
 
 std::array<Vector2d, 4> corners_of(const Outline& outline, const OutlinePlacement& placement,
                                    const CeilingCamera& camera) {
