@@ -71,7 +71,7 @@ void Exploration::update(std::int64_t now, const Surroundings& around) {
                              around.world_from_robot.position());
   floor_ = found.open_floor();
   if (phase_ == Phase::kDriving) {
-    const bool is_spent = found.gain_of(hoped_) < params_.spent_share * goal_.gain;
+    const bool is_spent = found.open_share(hoped_) < params_.spent_share;
     if (!is_spent && !is_over && !has_moved) {
       return;
     }

@@ -6,6 +6,7 @@
 
 #include "services/planner/search/cost_field.hpp"
 #include "services/planner/space/configuration_space.hpp"
+#include "services/surveyor/explore/unseen_rooms.hpp"
 
 namespace luminav {
 namespace {
@@ -72,8 +73,10 @@ void FrontierSearch::find_open(const OccupancyGrid& grid, const Leniency& lenien
   std::vector<std::uint8_t> seen(geometry_.size(), 0);
   mark_around(looks, params_.view_radius, seen);
   std::vector<CostSeed> reached;
+  std::vector<std::uint8_t> is_reached(geometry_.size(), 0);
   for (std::size_t i = 0; i < ways_.size(); ++i) {
     if (ways_[i] < kNone) {
+      is_reached[i] = 1;
       floor_.reachable += cell_area;
       worth_[i] = seen[i] == 0 ? cell_area : 0.0;
       floor_.unseen += worth_[i];
@@ -83,8 +86,10 @@ void FrontierSearch::find_open(const OccupancyGrid& grid, const Leniency& lenien
   const ConfigurationSpace passable = space_of(grid, params_, leniency, true);
   const ConfigurationSpace roomy = space_of(grid, params_, {leniency.occupied_log_odds}, true);
   const std::vector<double> beyond = ways_from(passable, reached);
+  rooms_ = find_unseen_rooms(roomy, is_reached, params_.room_area);
   for (std::size_t i = 0; i < beyond.size(); ++i) {
-    if (beyond[i] > 0.0 && beyond[i] <= params_.frontier_depth && ways_[i] == kNone && !roomy.is_blocked(cell_of(i))) {
+    if (beyond[i] > 0.0 && beyond[i] <= params_.frontier_depth && ways_[i] == kNone && !roomy.is_blocked(cell_of(i)) &&
+        (rooms_[i] != 0 || !leniency.only_rooms)) {
       worth_[i] = params_.frontier_weight * cell_area;
       frontier_.push_back(i);
     }
@@ -232,12 +237,12 @@ double FrontierSearch::worth_at(const Eigen::Vector2d& position) const {
   return geometry_.contains(cell) ? worth_[geometry_.index(cell)] : 0.0;
 }
 
-double FrontierSearch::gain_of(const std::vector<Eigen::Vector2d>& cells) const {
-  double gain = 0.0;
-  for (const Eigen::Vector2d& cell : cells) {
-    gain += worth_at(cell);
-  }
-  return gain;
+double FrontierSearch::open_share(const std::vector<Eigen::Vector2d>& cells) const {
+  const auto open = std::count_if(cells.begin(), cells.end(), [&](const Eigen::Vector2d& position) {
+    const Cell cell = geometry_.cell_at(position);
+    return geometry_.contains(cell) && (worth_[geometry_.index(cell)] > 0.0 || rooms_[geometry_.index(cell)] != 0);
+  });
+  return static_cast<double>(open) / std::max<double>(1.0, static_cast<double>(cells.size()));
 }
 
 }  // namespace luminav

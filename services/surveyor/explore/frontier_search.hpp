@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct FrontierParams {
   double fixed_cost = 1.0;         ///< [m] of way that each goal costs beside its path
   double retry_share = 0.5;        ///< what was tried in vain counts by that less each time
   int max_tries = 3;               ///< and no more after so many
+  double room_area = 4.0;          ///< [m^2] of unknown floor that hangs together may be a room
 };
 
 /// What may be a way although the map has none for the robot there: walls of less evidence, gaps of less width.
@@ -26,6 +28,7 @@ struct Leniency {
   double occupied_log_odds = 0.8;  ///< evidence above makes a wall
   double room = 1.0;               ///< share of the hard radius from the middle of a gap to what bounds it
   double min_gain = 0.3;           ///< [m^2] less is not worth going for
+  bool only_rooms = false;         ///< a way counts only if what may be a room lies behind it
 };
 
 /// A place and what is to be seen from there.
@@ -51,8 +54,9 @@ class FrontierSearch {
                  const std::vector<Eigen::Vector2d>& looks, const TriedFloor& tried, const Eigen::Vector2d& robot);
 
   [[nodiscard]] const OpenFloor& open_floor() const { return floor_; }
-  /// What some cells [m, world] are worth now [m^2].
-  [[nodiscard]] double gain_of(const std::vector<Eigen::Vector2d>& cells) const;
+  /// Share of some cells [m, world] that are open still: worth going for, or of what may be a room, though there is no
+  /// way there now. Echoes of its posts may draw a door shut while the robot looks at it from near.
+  [[nodiscard]] double open_share(const std::vector<Eigen::Vector2d>& cells) const;
   /// Centres [m, world] of the open cells that the best place is for.
   [[nodiscard]] const std::vector<Eigen::Vector2d>& best_cells() const { return best_cells_; }
 
@@ -74,6 +78,7 @@ class FrontierSearch {
   GridGeometry geometry_;
   std::vector<double> ways_;           // [m] from the robot over known floor with room for it; infinite: none
   std::vector<double> worth_;          // [m^2] per cell
+  std::vector<std::uint8_t> rooms_;    // per cell: unknown floor that may be a room
   std::vector<std::size_t> frontier_;  // unknown cells behind it
   std::vector<double> sums_;           // of worth_ from the lower left corner, a row and a column more
   OpenFloor floor_;
