@@ -92,6 +92,7 @@ void Exploration::choose(std::int64_t now, const FrontierSearch& found) {
     goal_ = *floor_.best;
     hoped_ = found.best_cells();
     empty_ = 0;
+    is_home_ = false;
     phase_ = Phase::kDriving;
     go(now, goal_.position);
     sentence_ = fmt::format("exploring: {} open ends, {:.0f} of {:.0f} m2 of ceiling seen; driving to ({:.1f}, {:.1f})",
@@ -103,6 +104,9 @@ void Exploration::choose(std::int64_t now, const FrontierSearch& found) {
     ++leniency_;
     empty_ = 0;
     phase_ = Phase::kLooking;
+  } else if (is_home_) {
+    phase_ = Phase::kFinished;
+    sentence_ = "explored, and back where it began";
   } else {
     phase_ = Phase::kHome;
     go(now, Eigen::Vector2d::Zero());
@@ -113,8 +117,11 @@ void Exploration::choose(std::int64_t now, const FrontierSearch& found) {
 
 void Exploration::drive_home(std::int64_t now, bool is_over, bool has_moved) {
   if (is_over && news_->has_arrived) {
-    phase_ = Phase::kFinished;
-    sentence_ = "explored, and back where it began";
+    is_home_ = true;
+    phase_ = Phase::kLooking;
+    leniency_ = 0;
+    empty_ = 0;
+    sentence_ = "exploring: back where it began, looking once more";
   } else if (is_over && ++home_tries_ >= params_.home_tries) {
     end(now, fmt::format("explored; the robot did not come back to where it began: {}",
                          news_->cause.empty() ? "it stood still on the way" : news_->cause));

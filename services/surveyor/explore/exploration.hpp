@@ -15,8 +15,8 @@ namespace luminav {
 struct ExplorationParams {
   FrontierParams search;
   /// Tried one after the other when nothing is left: echoes of a door's posts draw it narrow or shut, but not as surely
-  /// as a wall. The first is the planner's own; gaps that seem to lead nowhere come last, and hardly twice.
-  std::vector<Leniency> leniencies = {{0.8, 1.0, 0.3}, {2.4, 0.6, 0.7, true}, {3.2, 0.6, 0.7, true}, {3.2, 0.6, 1.5}};
+  /// as a wall. The first is the planner's own; gaps that seem to lead nowhere come last, and seldom thrice.
+  std::vector<Leniency> leniencies = {{0.8, 1.0, 0.3}, {2.4, 0.6, 0.7, true}, {3.2, 0.6, 0.7, true}, {3.2, 0.6, 1.0}};
   double search_period = 1.0;  ///< [s]
   double spent_share = 0.3;    ///< a goal is dropped when less than that share of what was hoped for is open still
   double patience = 20.0;      ///< [s] at one place on the way, until another goal is taken
@@ -51,8 +51,9 @@ struct Surroundings {
 };
 
 /// Explores: goes where most is to be seen for the way there until nothing that it can reach is left, tries doors that
-/// its sonars drew shut, drives home to where the survey began and is finished. Who takes the robot elsewhere ends it;
-/// who pauses it or engages a stop has it wait.
+/// its sonars drew shut, drives home to where the survey began, looks once more from there (the room that it was in may
+/// have been drawn shut) and is finished. Who takes the robot elsewhere ends it; who pauses it or engages a stop has it
+/// wait.
 class Exploration {
  public:
   enum class Phase { kIdle, kLooking, kDriving, kHome, kFinished };
@@ -109,6 +110,7 @@ class Exploration {
   int empty_ = 0;                                    // looks in a row that found nothing
   int home_tries_ = 0;                               // that failed
   std::size_t leniency_ = 0;                         // which of them
+  bool is_home_ = false;                             // back, and nothing found since
   OpenFloor floor_;
   std::string sentence_;
 };

@@ -63,6 +63,14 @@ class ExplorationTest : public testing::Test {
     }
   }
 
+  /// The robot arrives where it began, and looks around there.
+  void come_home() {
+    answer(true, true);
+    for (int i = 0; i < 20; ++i) {
+      look({1.0, 1.0, 0.0});
+    }
+  }
+
   OccupancyGrid grid_ = corridor();
   std::vector<Eigen::Vector2d> looks_;
   Exploration exploration_{ExplorationParams{}};
@@ -83,8 +91,7 @@ TEST_F(ExplorationTest, GoesOnUntilAllWasSeenAndDrivesHome) {
   ASSERT_EQ(exploration_.phase(), Exploration::Phase::kHome);
   EXPECT_EQ(asked_.position, Eigen::Vector2d::Zero());
   EXPECT_NEAR(exploration_.open_floor().unseen, 0.0, 0.2);
-  answer(true, true);
-  look({});
+  come_home();
   EXPECT_EQ(exploration_.phase(), Exploration::Phase::kFinished);
   EXPECT_THAT(exploration_.sentence(), HasSubstr("back where it began"));
 }
@@ -217,14 +224,25 @@ TEST_F(ExplorationTest, TriesThreeTimesToComeHome) {
   EXPECT_TRUE(asked_.is_cancel);
 }
 
+TEST_F(ExplorationTest, GoesOnWhenItSeesMoreFromHome) {
+  grid_ = corridor_known_for(16);
+  for (int row = 0; row < grid_.geometry.rows; ++row) {
+    grid_.evidence[grid_.geometry.index({31, row})] = 80;  // a door that echoes drew shut
+  }
+  find_nothing_more();
+  ASSERT_EQ(exploration_.phase(), Exploration::Phase::kHome);
+  grid_ = corridor_known_for(16);
+  come_home();
+  EXPECT_EQ(exploration_.phase(), Exploration::Phase::kDriving);
+}
+
 TEST_F(ExplorationTest, IsHomeWhenASecondTrySucceeds) {
   find_nothing_more();
   answer(false, false);
   for (int second = 0; second < 30; ++second) {  // stands still
     look({1.0, 1.0, 0.0});
   }
-  answer(true, true);
-  look({});
+  come_home();
   EXPECT_EQ(exploration_.phase(), Exploration::Phase::kFinished);
   EXPECT_THAT(exploration_.sentence(), HasSubstr("back where it began"));
 }
