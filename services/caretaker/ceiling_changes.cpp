@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMinOffset = 0.10;        // [m] more than a known pose is wrong by
+constexpr double kMinOffset = 0.15;        // [m] more than a pose that counts is wrong by, each time alike
 constexpr double kMinTurn = radians(8.0);  // [rad]
 constexpr double kAgreement = 0.08;        // [m] between visits
 constexpr double kAgreementTurn = radians(6.0);

@@ -16,7 +16,8 @@ constexpr double kMatchGate = 16.27;            // of the normalised innovation 
 constexpr double kMovedByHand = 0.05;           // [m] by which one image moves a pose that wheels did not move
 constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 
-// By how much a fixture may stand beside its place and still be that fixture: 60 mm and 1.5 degrees. [m^2, m^2, rad^2]
+// By how much a fixture may stand beside its place and still be that fixture: 60 mm and 1.5 degrees, and as much for
+// the pose: either may be wrong when it comes into view. [m^2, m^2, rad^2]
 const Eigen::Vector3d kFixtureSurprise{0.0036, 0.0036, 0.0007};
 // What a slip or a bump does before an image shows it: 0.3 m and 10 degrees. [m^2, m^2, rad^2]
 const Eigen::Vector3d kUnnoticedMotion{0.09, 0.09, 0.03};
@@ -295,6 +296,9 @@ std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const Sight
     const Fixture& fixture = model_.fixtures[match.fixture];
     if (filter.innovate(sighting, match.fixture, fixture, odometry.linear, odometry.angular).nis > kMatchGate) {
       filter.widen(kFixtureSurprise);
+      if (!filter.has_in_view(match.fixture, odometer_)) {
+        filter.widen_place(match.fixture, kFixtureSurprise);
+      }
     }
     nis.push_back(filter.correct(sighting, match.fixture, fixture, odometry.linear, odometry.angular, odometer_));
   }

@@ -57,7 +57,8 @@ void TrackingFilter::start(const PoseBelief& belief) {
   covariance_.topLeftCorner<3, 3>() = belief.covariance;
   linearised_ = belief.pose;
   slots_ = {};
-  doubted_.clear();  // another pose would tell other places
+  unsure_.clear();  // another pose would tell other places
+  doubted_.clear();
 }
 
 Pose2 TrackingFilter::corrected(const Pose2& delta) const {
@@ -153,7 +154,7 @@ int TrackingFilter::take_slot(int fixture, double odometer) {
     });
     slot = static_cast<int>(oldest - slots_.begin());
     const FixtureOffset prior = offset_of(fixture);
-    if (const auto leaving = doubted_.find(oldest->fixture); leaving != doubted_.end()) {
+    if (const auto leaving = unsure_.find(oldest->fixture); leaving != unsure_.end()) {
       leaving->second = offset_of(leaving->first);
     }
     *oldest = {fixture, odometer, {}};
@@ -172,7 +173,7 @@ FixtureOffset TrackingFilter::offset_of(int fixture) const {
     const int first = kFixtures + 3 * slot;
     return {state_.segment<3>(first), covariance_.block<3, 3>(first, first)};
   }
-  if (const auto known = doubted_.find(fixture); known != doubted_.end()) {
+  if (const auto known = unsure_.find(fixture); known != unsure_.end()) {
     return known->second;
   }
   FixtureOffset prior;
@@ -181,14 +182,23 @@ FixtureOffset TrackingFilter::offset_of(int fixture) const {
   return prior;
 }
 
-void TrackingFilter::doubt(int fixture) {
-  if (!doubted_.try_emplace(fixture, FixtureOffset{Eigen::Vector3d::Zero(), FixtureMap::doubt_variance().asDiagonal()})
-           .second) {
-    return;
-  }
+bool TrackingFilter::has_in_view(int fixture, double odometer) const {
+  constexpr double kInView = 0.5;  // [m]
+  const int slot = slot_of(fixture);
+  return slot >= 0 && odometer - slots_[static_cast<std::size_t>(slot)].odometer < kInView;
+}
+
+void TrackingFilter::widen_place(int fixture, const Eigen::Vector3d& variances) {
+  unsure_.try_emplace(fixture, offset_of(fixture)).first->second.covariance.diagonal() += variances;
   if (const int slot = slot_of(fixture); slot >= 0) {
-    covariance_.diagonal().segment<3>(kFixtures + 3 * slot) += FixtureMap::doubt_variance();
+    covariance_.diagonal().segment<3>(kFixtures + 3 * slot) += variances;
     slots_[static_cast<std::size_t>(slot)].linearised.reset();
+  }
+}
+
+void TrackingFilter::doubt(int fixture) {
+  if (doubted_.insert(fixture).second) {
+    widen_place(fixture, FixtureMap::doubt_variance());
   }
 }
 
@@ -262,7 +272,7 @@ double TrackingFilter::correct(const FixtureSighting& sighting, int index, const
                                double angular, double odometer) {
   const int slot = take_slot(index, odometer);
   std::optional<Pose2>& linearised = slots_[static_cast<std::size_t>(slot)].linearised;
-  const bool may_linearise_anew = !linearised || !doubted_.contains(index);
+  const bool may_linearise_anew = !linearised || !unsure_.contains(index);
   const State before = state_;
   Expectation expectation;
   Eigen::Matrix<double, kSize, 3> cross, gain;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "services/common/ceiling/fixture_map.hpp"
 #include "services/localizer/model/error_model.hpp"
@@ -42,11 +43,15 @@ class TrackingFilter {
 
   /// Admits that the pose is less sure than thought.
   void widen(const Eigen::Vector3d& variances) { covariance_.topLeftCorner<3, 3>().diagonal() += variances; }
+  /// Returns whether a fixture was seen less than 0.5 m ago: if it is seen elsewhere now, the robot moved.
+  [[nodiscard]] bool has_in_view(int fixture, double odometer) const;
+  /// Admits that the place of a fixture is less sure than thought; where it is seen is remembered from then on.
+  void widen_place(int fixture, const Eigen::Vector3d& variances);
   /// Takes it that a fixture may hang elsewhere than the file says: from then on it tells less of the pose, and the
   /// pose, known by others, tells where it hangs.
   void doubt(int fixture);
-  /// Returns how far a fixture hangs from its place in the file, by what was seen of it lately or, if it is doubted,
-  /// ever.
+  /// Returns how far a fixture hangs from its place in the file, by what was seen of it lately or, if its place is not
+  /// sure, ever.
   [[nodiscard]] FixtureOffset offset_of(int fixture) const;
   /// Moves on by a step that no odometry measured; its covariance in the frame at its beginning.
   void bridge(const Pose2& step, const Eigen::Matrix3d& noise);
@@ -93,11 +98,12 @@ class TrackingFilter {
   ErrorParams errors_;
   State state_ = State::Zero();
   Covariance covariance_ = Covariance::Identity();
-  // About one estimate of each pose and each fixture in doubt: with a second one after a correction the two together
+  // About one estimate of each pose and each unsure fixture: with a second one after a correction the two together
   // would tell a heading that nothing shows (Huang, Mourikis and Roumeliotis 2010).
   Pose2 linearised_;
   std::array<Slot, kSlots> slots_;
-  std::map<int, FixtureOffset> doubted_;  // where they were when seen last
+  std::map<int, FixtureOffset> unsure_;  // places that are: where they were when seen last
+  std::set<int> doubted_;
 };
 
 }  // namespace luminav

@@ -121,6 +121,26 @@ TEST(TrackingFilter, ADoubtedFixtureTellsWhereItHangsAndNotWhereTheRobotIs) {
   EXPECT_LT(pose_after_fixture_beside_its_place(true), 0.02);
 }
 
+TEST(TrackingFilter, WhatSurprisesIsSharedByPoseAndFixtureAndLearntInTheEnd) {
+  TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
+  filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()});
+  const Eigen::Vector3d surprise{0.0036, 0.0036, 0.0007};
+  filter.widen(surprise);
+  filter.widen_place(0, surprise);
+  Fixture moved;
+  moved.world_from_fixture = {0.0, 0.26, 0.0};  // by the file; it hangs above the robot
+  filter.correct(overhead(), 0, moved, 0.0, 0.0, 0.0);
+  EXPECT_LT(filter.offset_of(0).mean.y(), -0.10);
+  for (int pass = 1; pass < 5; ++pass) {
+    for (int i = 1; i <= TrackingFilter::kSlots; ++i) {
+      filter.correct(overhead(), pass * 10 + i, Fixture{}, 0.0, 0.0, 0.0);
+    }
+    filter.correct(overhead(), 0, moved, 0.0, 0.0, 0.0);
+  }
+  EXPECT_NEAR(filter.offset_of(0).mean.y(), -0.26, 0.04);
+  EXPECT_NEAR(filter.belief().pose.y, 0.0, 0.03);
+}
+
 TEST(TrackingFilter, WhereADoubtedFixtureHangsIsRememberedWhenOthersWereSeen) {
   TrackingFilter filter(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
   filter.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()});
