@@ -100,8 +100,7 @@ void VisitRecorder::look(const LookedAtFrame& looked, const OdometryReading& rob
   const std::int64_t utime = looked.frame.utime;
   end_visits_before(utime - static_cast<std::int64_t>(params_.absence * kSecond));
   const Pose2& world_from_robot = robot.odom_from_robot;
-  std::vector<int> near;
-  map_.find_near(world_from_robot.position(), radius_, near);
+  const std::vector<int> near = map_.near(world_from_robot.position(), radius_);
   std::vector<FixtureSighting> sightings;
   for (const FixtureSighting& sighting : looked.frame.sightings) {
     const double height = near.empty() ? 0.0 : map_[near.front()].height;

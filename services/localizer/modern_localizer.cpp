@@ -250,9 +250,7 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
   supervisor_.suspect(contradiction);
   if (contradiction.misfit) {
     // If the pose is right, what is seen there hangs elsewhere: it must not correct the pose when that is less sure.
-    std::vector<int> near;
-    model_.fixtures.find_near(*contradiction.misfit, FixtureMap::kMaxOffset, near);
-    for (const int fixture : near) {
+    for (const int fixture : model_.fixtures.near(*contradiction.misfit, FixtureMap::kMaxOffset)) {
       filter_.doubt(fixture);
     }
   }
@@ -264,12 +262,10 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
 std::vector<FixtureMatch> ModernLocalizer::find_matches(const TrackingFilter& filter, const SightingFrame& frame,
                                                         const OdometryReading& odometry) const {
   std::vector<FixtureMatch> matches;
-  std::vector<int> near;
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const FixtureSighting& sighting = frame.sightings[i];
-    near.clear();
-    model_.fixtures.find_near(filter.belief().pose * sighting.robot_from_fixture.position(), kNear, near);
-    for (const int index : near) {
+    const Eigen::Vector2d place = filter.belief().pose * sighting.robot_from_fixture.position();
+    for (const int index : model_.fixtures.near(place, kNear)) {
       const Fixture& fixture = model_.fixtures[index];
       if (!fits_kind_and_size(sighting, fixture, KindGate{})) {
         continue;

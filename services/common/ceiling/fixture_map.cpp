@@ -38,11 +38,8 @@ FixtureMap::FixtureMap(std::vector<Fixture> fixtures, double cell) : fixtures_(s
   for (std::size_t i = 0; i < fixtures_.size(); ++i) {
     members_[static_cast<std::size_t>(next[cell_of[i]]++)] = static_cast<int>(i);
   }
-  std::vector<int> near;
   for (std::size_t i = 0; i < fixtures_.size(); ++i) {
-    near.clear();
-    find_near(fixtures_[i].world_from_fixture.position(), std::min(smallest_spacing_, 20.0), near);
-    for (const int j : near) {
+    for (const int j : near(fixtures_[i].world_from_fixture.position(), std::min(smallest_spacing_, 20.0))) {
       if (j != static_cast<int>(i)) {
         smallest_spacing_ =
             std::min(smallest_spacing_, distance(fixtures_[i].world_from_fixture, (*this)[j].world_from_fixture));
@@ -63,9 +60,10 @@ std::size_t FixtureMap::cell_index(int column, int row) const {
   return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
 }
 
-void FixtureMap::find_near(const Eigen::Vector2d& point_in_world, double radius, std::vector<int>& found) const {
+std::vector<int> FixtureMap::near(const Eigen::Vector2d& point_in_world, double radius) const {
+  std::vector<int> found;
   if (fixtures_.empty() || !point_in_world.allFinite()) {
-    return;
+    return found;
   }
   const Eigen::Vector2d offset = (point_in_world - origin_).cwiseMax(-1e6).cwiseMin(1e6);
   const int first_column = std::max(0, static_cast<int>(std::floor((offset.x() - radius) / cell_)));
@@ -84,6 +82,7 @@ void FixtureMap::find_near(const Eigen::Vector2d& point_in_world, double radius,
       }
     }
   }
+  return found;
 }
 
 void FixtureMap::add_stranger(const Eigen::Vector2d& place) {

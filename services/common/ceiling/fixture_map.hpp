@@ -29,8 +29,8 @@ class FixtureMap {
   [[nodiscard]] const std::vector<Fixture>& fixtures() const { return fixtures_; }
   [[nodiscard]] const Fixture& operator[](int index) const { return fixtures_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] int size() const { return static_cast<int>(fixtures_.size()); }
-  /// Indices of the fixtures whose centre lies within `radius` [m] of a point of the world, appended to `found`.
-  void find_near(const Eigen::Vector2d& point_in_world, double radius, std::vector<int>& found) const;
+  /// Indices of the fixtures whose centre lies within `radius` [m] of a point of the world.
+  [[nodiscard]] std::vector<int> near(const Eigen::Vector2d& point_in_world, double radius) const;
   /// The smallest box around their centres [m]; empty without any.
   [[nodiscard]] Eigen::AlignedBox2d extent() const;
   /// The smallest distance [m] between two fixtures' centres; 1e9 with fewer than two.

@@ -63,8 +63,7 @@ void AuditFloor::find_places(const PriorMap& walls) {
         place_of_cell[grid.index({column, row})] = static_cast<std::int32_t>(cells.size());
         cells.push_back({column, row});
         ground_.points.push_back(point);
-        in_view_.emplace_back();
-        map_.find_near(point, view_radius_, in_view_.back());
+        in_view_.push_back(map_.near(point, view_radius_));
       }
     }
   }
@@ -90,8 +89,7 @@ std::vector<int> AuditFloor::partners(int anchor, std::int32_t place) const {
   std::vector<int> found = in_view(place);
   const bool is_alone = found.size() < 2;
   if (is_alone) {
-    found.clear();
-    map_.find_near(map_[anchor].world_from_fixture.position(), kRingReach, found);
+    found = map_.near(map_[anchor].world_from_fixture.position(), kRingReach);
   }
   std::erase(found, anchor);
   const auto away = [&](int index) {
@@ -121,12 +119,9 @@ std::vector<double> AuditFloor::turns(int anchor, const std::vector<int>& partne
     }
     return turns;
   }
-  thread_local std::vector<int> around;
   for (const int partner : partners) {
     const double length = distance(map_[anchor].world_from_fixture, map_[partner].world_from_fixture);
-    around.clear();
-    map_.find_near(map_[to].world_from_fixture.position(), length + kPositionTolerance, around);
-    for (const int other : around) {
+    for (const int other : map_.near(map_[to].world_from_fixture.position(), length + kPositionTolerance)) {
       if (other != to && is_same_kind(map_[partner], map_[other]) &&
           distance(map_[to].world_from_fixture, map_[other].world_from_fixture) > length - kPositionTolerance) {
         add(direction(map_[to], map_[other]) - direction(map_[anchor], map_[partner]));
@@ -177,9 +172,7 @@ bool AuditFloor::is_alike(int index, const Eigen::Vector2d& moved, double turn, 
 
 bool AuditFloor::has_image(const PointTransform& motion, double turn, int index, int changed) const {
   const Eigen::Vector2d moved = motion * map_[index].world_from_fixture.position();
-  thread_local std::vector<int> near;
-  near.clear();
-  map_.find_near(moved, kPositionTolerance, near);
+  const std::vector<int> near = map_.near(moved, kPositionTolerance);
   return std::any_of(near.begin(), near.end(), [&](int other) { return is_alike(index, moved, turn, other, changed); });
 }
 
@@ -194,9 +187,7 @@ bool AuditFloor::is_alias(const AliasMotion& motion, std::int32_t place, int cha
     return false;
   }
   // what the alias would see and the robot does not; at the border of the view tolerance decides
-  thread_local std::vector<int> near;
-  near.clear();
-  map_.find_near(alias, view_radius_ - kPositionTolerance, near);
+  const std::vector<int> near = map_.near(alias, view_radius_ - kPositionTolerance);
   return std::all_of(near.begin(), near.end(),
                      [&](int index) { return has_image(motion.true_from_alias, -motion.theta, index, changed); });
 }

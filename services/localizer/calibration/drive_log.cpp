@@ -23,11 +23,9 @@ constexpr double kSurelyNear = 0.4;  // [m] between a fixture and where the trac
 std::vector<KnownSighting> recognise(const SightingFrame& frame, const OdometryReading& at, const Pose2& pose,
                                      const FixtureMap& map, const CeilingView& view, double ceiling_height) {
   std::vector<KnownSighting> known;
-  std::vector<int> near;
   for (const FixtureSighting& raw : frame.sightings) {
     const FixtureSighting sighting = view.without_rolling_shutter(raw, ceiling_height, at.linear, at.angular);
-    near.clear();
-    map.find_near(pose * sighting.robot_from_fixture.position(), kSurelyNear, near);
+    const std::vector<int> near = map.near(pose * sighting.robot_from_fixture.position(), kSurelyNear);
     if (near.size() == 1 && fits_kind_and_size(sighting, map[near.front()], KindGate{})) {
       known.push_back({near.front(), sighting});
     }

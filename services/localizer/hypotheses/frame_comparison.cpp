@@ -35,9 +35,7 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   FrameComparison result;
   result.fixture_of_sighting.assign(frame_.sightings.size(), -1);
   result.log_likelihood.assign(frame_.sightings.size(), params_.misfit);
-  thread_local std::vector<int> near;
-  near.clear();
-  model_.fixtures.find_near(belief.pose.position(), reach_, near);
+  const std::vector<int> near = model_.fixtures.near(belief.pose.position(), reach_);
   thread_local std::vector<FixtureMatch> pairs;
   pairs.clear();
   find_pairs(belief, near, pairs);

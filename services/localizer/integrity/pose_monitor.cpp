@@ -112,9 +112,7 @@ void PoseMonitor::add_missing(const SightingFrame& frame, const PoseBelief& beli
   if (!frame.shows_unlit) {
     return;
   }
-  std::vector<int> near;
-  model_.fixtures.find_near(belief.pose.position(), model_.reach(), near);
-  for (const int index : near) {
+  for (const int index : model_.fixtures.near(belief.pose.position(), model_.reach())) {
     const Fixture& fixture = model_.fixtures[index];
     const Pose2 robot_from_fixture = belief.pose.inverse() * fixture.world_from_fixture;
     const bool is_there = std::any_of(frame.sightings.begin(), frame.sightings.end(), [&](const FixtureSighting& s) {

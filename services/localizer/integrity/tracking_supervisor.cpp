@@ -157,9 +157,7 @@ void TrackingSupervisor::doubt_map(const Contradiction& contradiction) {
   }
   if (contradiction.misfit) {
     map_.add_stranger(*contradiction.misfit);
-    std::vector<int> near;
-    map_.find_near(*contradiction.misfit, FixtureMap::kMaxOffset, near);
-    for (const int fixture : near) {
+    for (const int fixture : map_.near(*contradiction.misfit, FixtureMap::kMaxOffset)) {
       map_.doubt(fixture);
     }
   }

@@ -15,11 +15,9 @@ Eigen::Matrix3d SightingMatcher::noise_of(const FixtureSighting& sighting, const
 
 int SightingMatcher::match(const PoseBelief& belief, const FixtureSighting& sighting,
                            const OdometryReading& odometry) const {
-  std::vector<int> near;
-  model_.fixtures.find_near(belief.pose * sighting.robot_from_fixture.position(), 1.5, near);
   int nearest = -1;
   double min_nis = limits_.gate;
-  for (const int index : near) {
+  for (const int index : model_.fixtures.near(belief.pose * sighting.robot_from_fixture.position(), 1.5)) {
     const double nis =
         innovate(belief, sighting, model_.fixtures[index], noise_of(sighting, model_.fixtures[index], odometry)).nis;
     if (nis < min_nis) {
@@ -38,9 +36,7 @@ ViewEvidence SightingMatcher::compare(const PoseBelief& belief, const FrameQueue
     (fixture >= 0 ? view.fits : view.misfits) += 1;
     matched.push_back(fixture);
   }
-  std::vector<int> near;
-  model_.fixtures.find_near(belief.pose.position(), model_.view.radius(model_.ceiling_height), near);
-  for (const int index : near) {
+  for (const int index : model_.fixtures.near(belief.pose.position(), model_.view.radius(model_.ceiling_height))) {
     const Pose2 robot_from_fixture = belief.pose.inverse() * model_.fixtures[index].world_from_fixture;
     if (std::find(matched.begin(), matched.end(), index) == matched.end() &&
         model_.view.is_wholly_visible(robot_from_fixture, model_.fixtures[index], limits_.view_margin)) {

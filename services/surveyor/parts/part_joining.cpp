@@ -115,14 +115,11 @@ std::vector<Pose2> PartJoining::candidates() const {
 PartJoining::Match PartJoining::match(const Pose2& map_from_part, double tolerance) const {
   Match match{{map_from_part, {}}, 0.0};
   std::vector<bool> is_taken(map_.fixtures.size(), false);
-  std::vector<int> near;
   for (std::size_t b = 0; b < part_.fixtures.size(); ++b) {
     const Pose2 there = map_from_part * part_.fixtures[b].world_from_fixture;
     int best = -1;
     double nearest = tolerance;
-    near.clear();
-    map_index_.find_near(there.position(), tolerance, near);
-    for (const int index : near) {
+    for (const int index : map_index_.near(there.position(), tolerance)) {
       const auto a = static_cast<std::size_t>(index);
       const double apart = distance(map_.fixtures[a].world_from_fixture, there);
       if (apart < nearest && !is_taken[a] && is_alike(map_.fixtures[a], there, part_.fixtures[b])) {

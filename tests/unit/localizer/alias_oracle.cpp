@@ -64,10 +64,7 @@ bool AliasOracle::is_refuted(const Pose2& truth, const Pose2& alias) const {
 }
 
 bool AliasOracle::explains(const Pose2& pose, const Pose2& seen_from) const {
-  thread_local std::vector<int> near;
-  thread_local std::vector<int> there;
-  near.clear();
-  map_.find_near(seen_from.position(), radius_, near);
+  const std::vector<int> near = map_.near(seen_from.position(), radius_);
   return std::all_of(near.begin(), near.end(), [&](int index) {
     const Fixture& fixture = map_[index];
     const Pose2 robot_from_fixture = seen_from.inverse() * fixture.world_from_fixture;
@@ -75,8 +72,7 @@ bool AliasOracle::explains(const Pose2& pose, const Pose2& seen_from) const {
       return true;
     }
     const Pose2 expected = pose * robot_from_fixture;
-    there.clear();
-    map_.find_near(expected.position(), kAlike, there);
+    const std::vector<int> there = map_.near(expected.position(), kAlike);
     return std::any_of(there.begin(), there.end(), [&](int other) {
       const Fixture& candidate = map_[other];
       return is_same_kind(fixture, candidate) &&

@@ -94,17 +94,13 @@ TEST(FixtureMap, FindsWhatLiesNearAndOnlyThat) {
   fixtures[1].world_from_fixture = {2.4, 0.0, 0.0};
   fixtures[2].world_from_fixture = {40.0, 30.0, 0.0};
   const FixtureMap map(fixtures);
-  std::vector<int> found;
-  map.find_near({0.5, 0.0}, 2.0, found);
-  EXPECT_EQ(found, (std::vector<int>{0, 1}));
+  EXPECT_EQ(map.near({0.5, 0.0}, 2.0), (std::vector<int>{0, 1}));
   EXPECT_NEAR(map.smallest_spacing(), 2.4, 1e-12);
 }
 
 TEST(FixtureMap, IsEmptyWithoutFixtures) {
   const FixtureMap map({});
-  std::vector<int> found;
-  map.find_near({0.0, 0.0}, 100.0, found);
-  EXPECT_TRUE(found.empty());
+  EXPECT_TRUE(map.near({0.0, 0.0}, 100.0).empty());
 }
 
 TEST(FixtureMap, TellsOneLampFromTwoLampFixtures) {
