@@ -92,19 +92,21 @@ void Exploration::choose(std::int64_t now, const FrontierSearch& found) {
     goal_ = *floor_.best;
     hoped_ = found.best_cells();
     empty_ = 0;
-    is_home_ = false;
     phase_ = Phase::kDriving;
     go(now, goal_.position);
     sentence_ = fmt::format("exploring: {} open ends, {:.0f} of {:.0f} m2 of ceiling seen; driving to ({:.1f}, {:.1f})",
                             floor_.frontiers, floor_.reachable - floor_.unseen, floor_.reachable, goal_.position.x(),
                             goal_.position.y());
-  } else if (++empty_ < params_.looks) {
-    phase_ = Phase::kLooking;
-  } else if (leniency_ + 1 < params_.leniencies.size()) {
+    return;
+  }
+  phase_ = phase_ == Phase::kLastLook ? phase_ : Phase::kLooking;
+  if (++empty_ < params_.looks) {
+    return;
+  }
+  empty_ = 0;
+  if (leniency_ + 1 < params_.leniencies.size()) {
     ++leniency_;
-    empty_ = 0;
-    phase_ = Phase::kLooking;
-  } else if (is_home_) {
+  } else if (phase_ == Phase::kLastLook) {
     phase_ = Phase::kFinished;
     sentence_ = "explored, and back where it began";
   } else {
@@ -117,10 +119,8 @@ void Exploration::choose(std::int64_t now, const FrontierSearch& found) {
 
 void Exploration::drive_home(std::int64_t now, bool is_over, bool has_moved) {
   if (is_over && news_->has_arrived) {
-    is_home_ = true;
-    phase_ = Phase::kLooking;
+    phase_ = Phase::kLastLook;
     leniency_ = 0;
-    empty_ = 0;
     sentence_ = "exploring: back where it began, looking once more";
   } else if (is_over && ++home_tries_ >= params_.home_tries) {
     end(now, fmt::format("explored; the robot did not come back to where it began: {}",
@@ -140,7 +140,7 @@ void Exploration::go(std::int64_t now, const Eigen::Vector2d& position) {
 }
 
 bool Exploration::judge_goal(std::int64_t now, const Eigen::Vector2d& robot) {
-  if (phase_ == Phase::kLooking || !news_ || news_->goal_id != goal_id_) {
+  if (phase_ == Phase::kLooking || phase_ == Phase::kLastLook || !news_ || news_->goal_id != goal_id_) {
     return false;
   }
   if ((robot - stood_).norm() > kProgress) {

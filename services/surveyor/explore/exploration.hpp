@@ -56,7 +56,7 @@ struct Surroundings {
 /// wait.
 class Exploration {
  public:
-  enum class Phase { kIdle, kLooking, kDriving, kHome, kFinished };
+  enum class Phase { kIdle, kLooking, kDriving, kHome, kLastLook, kFinished };
 
   explicit Exploration(const ExplorationParams& params) : params_(params) {}
 
@@ -64,9 +64,7 @@ class Exploration {
   void begin(TriedFloor tried = {});
   /// No longer: the robot is to stand. `why` is a plain sentence.
   void end(std::int64_t now, const std::string& why);
-  [[nodiscard]] bool is_active() const {
-    return phase_ == Phase::kLooking || phase_ == Phase::kDriving || phase_ == Phase::kHome;
-  }
+  [[nodiscard]] bool is_active() const { return phase_ != Phase::kIdle && phase_ != Phase::kFinished; }
   [[nodiscard]] Phase phase() const { return phase_; }
 
   void hear(const GoalNews& news);
@@ -110,7 +108,6 @@ class Exploration {
   int empty_ = 0;                                    // looks in a row that found nothing
   int home_tries_ = 0;                               // that failed
   std::size_t leniency_ = 0;                         // which of them
-  bool is_home_ = false;                             // back, and nothing found since
   OpenFloor floor_;
   std::string sentence_;
 };
