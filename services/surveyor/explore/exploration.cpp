@@ -89,14 +89,12 @@ void Exploration::update(std::int64_t now, const Surroundings& around) {
 
 void Exploration::choose(std::int64_t now, const FrontierSearch& found) {
   if (floor_.best) {
-    goal_ = *floor_.best;
     hoped_ = found.best_cells();
     empty_ = 0;
     phase_ = Phase::kDriving;
-    go(now, goal_.position);
+    go(now, floor_.best->position);
     sentence_ = fmt::format("exploring: {} open ends, {:.0f} of {:.0f} m2 of ceiling seen; driving to ({:.1f}, {:.1f})",
-                            floor_.frontiers, floor_.reachable - floor_.unseen, floor_.reachable, goal_.position.x(),
-                            goal_.position.y());
+                            floor_.frontiers, floor_.reachable - floor_.unseen, floor_.reachable, sent_.x(), sent_.y());
     return;
   }
   phase_ = phase_ == Phase::kLastLook ? phase_ : Phase::kLooking;

@@ -15,7 +15,7 @@ namespace luminav {
 struct ExplorationParams {
   FrontierParams search;
   /// Tried one after the other when nothing is left: echoes of a door's posts draw it narrow or shut, but not as surely
-  /// as a wall. The first is the planner's own; gaps that seem to lead nowhere come last, and seldom thrice.
+  /// as a wall. The first is the planner's own; gaps that seem to lead nowhere come last, if much may lie behind.
   std::vector<Leniency> leniencies = {{0.8, 1.0, 0.3}, {2.4, 0.6, 0.7, true}, {3.2, 0.6, 0.7, true}, {3.2, 0.6, 1.0}};
   double search_period = 1.0;  ///< [s]
   double spent_share = 0.3;    ///< a goal is dropped when less than that share of what was hoped for is open still
@@ -95,8 +95,7 @@ class Exploration {
   std::optional<ExploreGoal> request_;
   std::int64_t goal_id_ = 0;
   Eigen::Vector2d sent_ = Eigen::Vector2d::Zero();  // [m] world, where to
-  Prospect goal_;
-  std::vector<Eigen::Vector2d> hoped_;  // [m] world, cells that were open round the goal when it was chosen
+  std::vector<Eigen::Vector2d> hoped_;              // [m] world, cells that were open round the goal when it was chosen
   TriedFloor tried_;
   bool has_tried_ = false;
   int drawing_ = 0;
