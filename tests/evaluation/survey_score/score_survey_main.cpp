@@ -80,6 +80,9 @@ void write_aligned(const std::filesystem::path& folder, const WrittenFolder& wri
   for (Fixture& fixture : survey.fixtures) {
     fixture.world_from_fixture = alignment * fixture.world_from_fixture;
   }
+  for (Eigen::Vector2d& place : survey.seen_from) {
+    place = alignment * place;
+  }
   survey.map_file = "map.yaml";
   survey.places = hung.places;
   survey.search = hung.search;
