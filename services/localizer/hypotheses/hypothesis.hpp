@@ -63,8 +63,9 @@ struct Hypothesis {
   double sonar_part = 0.0;     // of that: what the sonars hold against it, at most 0
   std::vector<ObjectVote> votes;
   std::vector<FixtureAbsence> absences;
-  std::vector<int> confirmed;   // different fixtures that fitted, at most 16
-  std::int64_t last_match = 0;  // [us]
+  std::vector<int> confirmed;       // different fixtures that fitted, at most 16
+  std::int64_t last_match = 0;      // [us]
+  std::int64_t last_explained = 0;  // [us] likewise, or what was seen hangs where the file need not list it
 };
 
 /// Counts an image of an object: `fixture` is what it is taken for there, -1 = none; a weight below 1 for a cut one. It

@@ -161,6 +161,9 @@ void HypothesisBank::compare(Hypothesis& hypothesis) const {
     const double sigma = largest_position_sigma(round_.frame.sightings[i].covariance);
     add_evidence(hypothesis, round_.scene.seen(i), comparison.fixture_of_sighting[i], comparison.log_likelihood[i],
                  1.0 / (1.0 + sigma * sigma / 0.01), round_.images_of_sighting[i]);
+    if (comparison.fixture_of_sighting[i] >= 0 || comparison.log_likelihood[i] > params_.misfit) {
+      hypothesis.last_explained = round_.frame.utime;
+    }
   }
   correct(hypothesis, comparison);
   add_absence(hypothesis, comparison.expected, comparison.missed, round_.odometer, round_.images);

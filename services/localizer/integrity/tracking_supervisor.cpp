@@ -80,7 +80,7 @@ bool TrackingSupervisor::is_unexplained(const SightingFrame& frame) {
   // a pose in doubt is not given up for a thing that is no fixture as long as others explain that
   const auto asked = has_leader() ? all.end() : all.begin() + std::min<std::ptrdiff_t>(1, std::ssize(all));
   const bool is_explained =
-      std::any_of(all.begin(), asked, [&](const Hypothesis& h) { return h.last_match == frame.utime; });
+      std::any_of(all.begin(), asked, [&](const Hypothesis& h) { return h.last_explained == frame.utime; });
   unexplained_run_ = is_explained ? 0 : unexplained_run_ + 1;
   return unexplained_run_ >= kRestartFrames;
 }

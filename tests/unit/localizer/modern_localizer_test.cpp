@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/unit/localizer/trial.hpp"
 
 namespace luminav {
@@ -149,6 +151,37 @@ TEST(ModernLocalizer, SaysThatABuildingWithoutFixturesCannotBeUsed) {
   localizer.add_odometry({1'100'000, 1, {}, 0.0, 0.0});
   EXPECT_EQ(localizer.estimate().state, LocalizerState::kLost);
   EXPECT_NE(localizer.estimate().reason.find("no fixtures"), std::string::npos);
+}
+
+// The file of a survey lists one of three lamps in a row: the search goes on below those that it does not list.
+TEST(ModernLocalizer, KeepsItsPosesWhereTheFileNeedNotListWhatIsSeen) {
+  for (const bool is_complete : {false, true}) {
+    Building building;
+    building.ceiling_height = 2.8;
+    building.is_complete = is_complete;
+    building.fixtures.emplace_back();
+    building.fixtures.front().world_from_fixture = {0.0, 0.0, 0.0};
+    ModernLocalizer localizer(building, PriorMap{}, robot(), ErrorParams{}, ModernLocalizerParams{});
+    bool began_anew = false;
+    for (int step = 0; step < 150; ++step) {
+      const std::int64_t utime = 1'000'000'000 + 100'000 * step;
+      const double x = 0.04 * step;
+      localizer.add_odometry({utime, 1, {x, 0.0, 0.0}, 0.4, 0.0});
+      SightingFrame frame{utime, {}};
+      const double hangs = 2.4 * std::round(x / 2.4) - x;
+      if (std::abs(hangs) < 0.6) {
+        FixtureSighting& sighting = frame.sightings.emplace_back();
+        sighting.robot_from_fixture = {hangs, 0.0, 0.0};
+        sighting.covariance = Eigen::Vector3d(1e-5, 1e-5, 1e-5).asDiagonal();
+        sighting.length = building.fixtures.front().length;
+        sighting.width = building.fixtures.front().width;
+        sighting.state = SightingState::kLit;
+      }
+      localizer.add_frame(frame);
+      began_anew = began_anew || localizer.estimate().reason.find("searching anew") != std::string::npos;
+    }
+    EXPECT_EQ(began_anew, is_complete);
+  }
 }
 
 TEST(ModernLocalizer, LeavesTrackingWhenOdometryJumps) {
