@@ -47,7 +47,7 @@ GridGeometry around_fixtures(const std::vector<Fixture>& fixtures, double margin
 }  // namespace
 
 CeilingForecast::CeilingForecast(const Building& building, const PriorMap& walls, double view_radius, double clearance)
-    : building_(building), view_radius_(view_radius) {
+    : building_(building), seen_(building.seen_from), view_radius_(view_radius) {
   ceiling_ = around_fixtures(building_.fixtures, view_radius + kCeilingCell);
   nearest_.assign(ceiling_.size(), -1);
   std::vector<float> min(ceiling_.size(), 1e9F);
@@ -82,6 +82,10 @@ const Fixture* CeilingForecast::fixture_above(const Eigen::Vector2d& place) cons
   }
   const Fixture& fixture = building_.fixtures[static_cast<std::size_t>(index)];
   return (fixture.world_from_fixture.position() - place).norm() <= view_radius_ ? &fixture : nullptr;
+}
+
+bool CeilingForecast::knows(const Eigen::Vector2d& place) const {
+  return building_.is_complete || seen_.contains(place) || fixture_above(place) != nullptr;
 }
 
 CeilingForecast::Room CeilingForecast::room_at(const Eigen::Vector2d& place) const {

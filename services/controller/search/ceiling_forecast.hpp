@@ -6,6 +6,7 @@
 
 #include "services/common/building/building.hpp"
 #include "services/common/building/occupancy_grid.hpp"
+#include "services/common/ceiling/seen_ceiling.hpp"
 
 namespace luminav {
 
@@ -21,6 +22,8 @@ class CeilingForecast {
   [[nodiscard]] bool is_empty() const { return building_.fixtures.empty(); }
   /// The fixture nearest to a place [m, world] among those seen from there; nullptr = none.
   [[nodiscard]] const Fixture* fixture_above(const Eigen::Vector2d& place) const;
+  /// True where the file tells what there is: everywhere, or where a survey that lists a part was.
+  [[nodiscard]] bool knows(const Eigen::Vector2d& place) const;
   [[nodiscard]] double view_radius() const { return view_radius_; }
   [[nodiscard]] bool has_room(const Eigen::Vector2d& place) const;
   /// There is room, and a wall so near that its echoes may be drawn there, as into a doorway between its posts.
@@ -31,6 +34,7 @@ class CeilingForecast {
   [[nodiscard]] Room room_at(const Eigen::Vector2d& place) const;
 
   Building building_;
+  SeenCeiling seen_{{}};
   double view_radius_ = 0.0;           // [m]
   GridGeometry ceiling_;               // of `nearest_`
   std::vector<std::int32_t> nearest_;  // fixture whose centre is nearest to the cell's, -1 = none is near

@@ -14,6 +14,9 @@ constexpr double kSameAxis = 0.4;     // [rad] and no more turned than that
 std::optional<PredictedView> predict(const CeilingForecast& forecast, const PossiblePose& pose,
                                      const Eigen::Vector2d& place, bool is_known_floor) {
   const Eigen::Vector2d there = pose.world_from_odom * place;
+  if (!forecast.knows(there)) {
+    return std::nullopt;
+  }
   PredictedView view;
   view.is_wall = !is_known_floor && !forecast.has_room(there);
   view.fixture = view.is_wall ? nullptr : forecast.fixture_above(there);

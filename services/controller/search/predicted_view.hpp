@@ -25,7 +25,8 @@ struct PredictedView {
 };
 
 /// What a pose predicts of a place [m, odom]; where sonar knows that the floor is free it is no wall for any. Nothing
-/// where a fixture would be at the border of the image, which may be seen or not.
+/// where the building's file says nothing, and where a fixture would be at the border of the image, which may be seen
+/// or not.
 [[nodiscard]] std::optional<PredictedView> predict(const CeilingForecast& forecast, const PossiblePose& pose,
                                                    const Eigen::Vector2d& place, bool is_known_floor);
 

@@ -67,6 +67,26 @@ TEST_F(DisambiguationTest, SaysTheSameInAnyOdometryFrame) {
   EXPECT_LT((found->back() - Eigen::Vector2d(3, 0)).norm(), 1.0);
 }
 
+TEST_F(DisambiguationTest, IsNotDrawnToWhereASurveyHasNotBeen) {
+  Building building;
+  building.fixtures = kTwoAlike;
+  PriorMap surveyed = floor_with_walls({});
+  for (std::size_t i = 0; i < surveyed.cells.size(); ++i) {
+    const Eigen::Vector2d place = surveyed.geometry.centre_of(
+        {static_cast<int>(i) % surveyed.geometry.columns, static_cast<int>(i) / surveyed.geometry.columns});
+    surveyed.cells[i] = place.x() < 1.5 ? Prior::kFree : Prior::kUnknown;  // nothing is known around the second pose
+  }
+  building.fixtures.resize(2);
+  const auto far = [&] {
+    const Disambiguation disambiguation(CeilingForecast(building, surveyed, 1.2, 0.28));
+    return disambiguation.path({Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), {}}, kBelowEither, map_);
+  };
+  EXPECT_TRUE(far()) << "of a whole building, what is no floor is known to be none";
+  building.is_complete = false;
+  building.seen_from = {{0.0, 0.0}, {20.0, 0.0}};
+  EXPECT_FALSE(far());
+}
+
 TEST_F(DisambiguationTest, GoesAroundAWallThatAllHave) {
   const PriorMap walls = floor_with_walls({{{-2, 1.2}, {2, 1.4}}, {{18, 1.2}, {22, 1.4}}});
   const auto found = path(kTwoAlike, walls, kBelowEither);
