@@ -6,7 +6,8 @@
 namespace luminav {
 namespace {
 
-constexpr double kStranger = -2.0;     // log-likelihood of what is in no file, where such things are known to hang
+constexpr double kUnlisted = -3.5;     // log-likelihood of a lamp where the file need not list it
+constexpr double kStranger = -2.0;     // likewise of what is in no file, where such things were seen before
 constexpr double kMaxLogVolume = 3.0;  // that a fixture costs a pose which does not know where to see it
 
 }  // namespace
@@ -46,9 +47,9 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   }
   for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
     const Eigen::Vector2d place = belief.pose * frame_.sightings[i].robot_from_fixture.position();
-    if (result.fixture_of_sighting[i] < 0 &&
-        (!(model_.is_complete || model_.seen.contains(place)) || model_.fixtures.is_stranger(place))) {
-      result.log_likelihood[i] = kStranger;
+    const bool is_stranger = model_.fixtures.is_stranger(place);
+    if (result.fixture_of_sighting[i] < 0 && (is_stranger || !(model_.is_complete || model_.seen.contains(place)))) {
+      result.log_likelihood[i] = is_stranger ? kStranger : kUnlisted;
     }
   }
   expect(belief, near, result);

@@ -71,7 +71,7 @@ TEST_F(FrameComparisonTest, AnUnlistedLampSaysLessWhereNotAllAreListed) {
   const double against = compare(elsewhere).log_likelihood[0];
   EXPECT_DOUBLE_EQ(against, HypothesisParams{}.misfit);
   model_.is_complete = false;
-  EXPECT_GT(compare(elsewhere).log_likelihood[0], against + 3.0);
+  EXPECT_GT(compare(elsewhere).log_likelihood[0], against + 2.0);
   EXPECT_LT(compare(elsewhere).log_likelihood[0], compare(frame_of_the_fixture()).log_likelihood[0]);
   model_.seen = SeenCeiling({{5.0, 5.8}});
   EXPECT_DOUBLE_EQ(compare(elsewhere).log_likelihood[0], against) << "a survey looked there";
