@@ -18,6 +18,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 import java.util.concurrent.Callable;
+import java.util.concurrent.ExecutionException;
 import java.util.concurrent.FutureTask;
 import javax.imageio.ImageIO;
 import javax.swing.JInternalFrame;
@@ -110,8 +111,15 @@ public final class SpyProbe {
 
   private static boolean within(String what, Callable<Boolean> condition) throws Exception {
     for (long end = System.currentTimeMillis() + PATIENCE; System.currentTimeMillis() < end; Thread.sleep(PAUSE)) {
-      if (onSwing(condition)) {
-        return true;
+      try {
+        if (onSwing(condition)) {
+          return true;
+        }
+      } catch (ExecutionException error) {
+        // lcm-spy adds rows on a thread of its own, and its sorter knows them a moment later
+        if (!(error.getCause() instanceof IndexOutOfBoundsException)) {
+          throw error;
+        }
       }
     }
     System.out.println("FAILED: waited in vain for " + what);
