@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <future>
+#include <map>
 #include <numeric>
 #include <random>
 #include <set>
@@ -24,31 +25,17 @@ double counted(const AuditStart& start) {
   return std::min(start.distance, kNeverDistance);
 }
 
-/// Whether a changed fixture may change the walk from a start: it, or what is taken for it, is in view from somewhere
-/// on a walk of that length.
-bool is_touched(const AuditFloor& floor, const AuditStart& start, int changed) {
-  const Eigen::Vector2d& point = floor.ground().points[static_cast<std::size_t>(start.place)];
-  const Eigen::Vector2d fixture = floor.fixture(changed).world_from_fixture.position();
-  const double reach = start.distance + floor.view_radius() + AuditFloor::kPositionTolerance;
-  return (fixture - point).norm() < reach ||
-         std::any_of(start.deciding.begin(), start.deciding.end(), [&](const AliasMotion& motion) {
-           return (motion.true_from_alias * fixture - point).norm() < reach;
-         });
-}
-
 /// The fixtures in view where most is driven.
 std::vector<int> costly_fixtures(const AuditFloor& floor, const std::vector<AuditStart>& starts) {
-  std::vector<double> cost;
+  std::map<int, double> cost;
   for (const AuditStart& start : starts) {
     for (const int index : floor.in_view(start.place)) {
-      cost.resize(std::max(cost.size(), static_cast<std::size_t>(index) + 1), 0.0);
-      cost[static_cast<std::size_t>(index)] += counted(start);
+      cost[index] += counted(start);
     }
   }
-  std::vector<int> fixtures(cost.size());
-  std::iota(fixtures.begin(), fixtures.end(), 0);
-  std::stable_sort(fixtures.begin(), fixtures.end(),
-                   [&](int a, int b) { return cost[static_cast<std::size_t>(a)] > cost[static_cast<std::size_t>(b)]; });
+  std::vector<int> fixtures;
+  std::transform(cost.begin(), cost.end(), std::back_inserter(fixtures), [](const auto& each) { return each.first; });
+  std::stable_sort(fixtures.begin(), fixtures.end(), [&](int a, int b) { return cost[a] > cost[b]; });
   fixtures.resize(std::min(kMaxCandidates, fixtures.size()));
   return fixtures;
 }
@@ -63,11 +50,7 @@ AuditStart StartAudit::in_sight(std::int32_t place, double enough) {
   const ResolvingWalk::Result walk = walk_.find(
       place, aliases.size(),
       [&](std::size_t alias, std::int32_t at) { return floor_.is_alias(aliases[alias], at, changed_); }, enough);
-  AuditStart start{place, aliases.size(), walk.length};
-  for (const std::size_t alias : walk.deciding) {
-    start.deciding.push_back(aliases[alias]);
-  }
-  return start;
+  return {place, aliases.size(), walk.length};
 }
 
 AuditStart StartAudit::at(std::int32_t place) {
@@ -85,11 +68,8 @@ AuditStart StartAudit::at(std::int32_t place) {
     if (!known.insert(floor_.in_view(*next)).second) {
       continue;  // the place where the same came into view is nearer
     }
-    AuditStart from = in_sight(*next, best.distance - blind_.distance(*next));
-    if (blind_.distance(*next) + from.distance < best.distance) {
-      best.distance = blind_.distance(*next) + from.distance;
-      best.deciding = std::move(from.deciding);
-    }
+    const AuditStart from = in_sight(*next, best.distance - blind_.distance(*next));
+    best.distance = std::min(best.distance, blind_.distance(*next) + from.distance);
   }
   return best;
 }
@@ -166,24 +146,13 @@ std::vector<AuditChange> best_changes(const AuditFloor& floor, const std::vector
   if (mean_distance(starts) < AuditFloor::kCell) {
     return changes;
   }
-  std::vector<AuditStart> before;
+  std::vector<std::int32_t> places;
   for (std::size_t i = 0; i < std::min(kMaxForChanges, starts.size()); ++i) {
-    before.push_back(starts[i * starts.size() / std::min(kMaxForChanges, starts.size())]);
+    places.push_back(starts[i * starts.size() / std::min(kMaxForChanges, starts.size())].place);
   }
+  const std::vector<AuditStart> before = audit_starts(floor, places, nullptr);
   for (const int fixture : costly_fixtures(floor, starts)) {
-    std::vector<std::size_t> touched;
-    std::vector<std::int32_t> places;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      if (is_touched(floor, before[i], fixture)) {
-        touched.push_back(i);
-        places.push_back(before[i].place);
-      }
-    }
-    std::vector<AuditStart> after = before;
-    std::vector<AuditStart> again = audit_starts(floor, places, nullptr, fixture);
-    for (std::size_t i = 0; i < touched.size(); ++i) {
-      after[touched[i]] = std::move(again[i]);
-    }
+    const std::vector<AuditStart> after = audit_starts(floor, places, nullptr, fixture);
     changes.push_back({floor.fixture(fixture).id, mean_distance(after) - mean_distance(before),
                        never_share(after) - never_share(before)});
   }

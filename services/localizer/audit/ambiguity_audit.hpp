@@ -16,7 +16,6 @@ struct AuditStart {
   std::int32_t place = 0;
   std::size_t aliases = 0;  // other poses that look the same, half turns included; 0 where nothing is seen
   double distance = 0.0;    // [m] that somebody who knows the pose drives to have it proved; infinite: never
-  std::vector<AliasMotion> deciding{};  // aliases that the walk had to be found for
 };
 
 /// Finds the shortest drives that prove the pose. Robot and alias drive side by side until one of them sees what the

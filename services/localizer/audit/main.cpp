@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -122,19 +123,15 @@ cv::Scalar colour_of(double distance) {
 void draw_picture(const std::string& file, const Findings& findings) {
   const auto& [building, floor, starts, changes] = findings;
   const std::vector<Eigen::Vector2d>& points = floor.ground().points;
-  Eigen::Vector2d min = points.front();
-  Eigen::Vector2d max = points.front();
-  for (const Eigen::Vector2d& point : points) {
-    min = min.cwiseMin(point);
-    max = max.cwiseMax(point);
-  }
+  Eigen::AlignedBox2d box;
+  std::for_each(points.begin(), points.end(), [&](const Eigen::Vector2d& point) { box.extend(point); });
   const double margin = 0.8;  // [m]
-  const double scale = std::clamp(1500.0 / std::max(1.0, (max - min).maxCoeff() + 2.0 * margin), 4.0, 80.0);
+  const double scale = std::clamp(1500.0 / std::max(1.0, box.sizes().maxCoeff() + 2.0 * margin), 4.0, 80.0);
   const auto pixel = [&](const Eigen::Vector2d& point) {
-    return cv::Point(static_cast<int>(scale * (point.x() - min.x() + margin)),
-                     static_cast<int>(scale * (max.y() - point.y() + margin)));
+    return cv::Point(static_cast<int>(scale * (point.x() - box.min().x() + margin)),
+                     static_cast<int>(scale * (box.max().y() - point.y() + margin)));
   };
-  const cv::Point corner = pixel({max.x() + margin, min.y() - margin});
+  const cv::Point corner = pixel({box.max().x() + margin, box.min().y() - margin});
   cv::Mat image(corner.y + 1, corner.x + 1, CV_8UC3, cv::Scalar(40, 40, 40));
   const auto fill = [&](const Eigen::Vector2d& point, double half, const cv::Scalar& colour) {
     cv::rectangle(image, pixel(point + Eigen::Vector2d(-half, half)), pixel(point + Eigen::Vector2d(half, -half)),
