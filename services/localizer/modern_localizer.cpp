@@ -140,9 +140,8 @@ void ModernLocalizer::listen(std::int64_t until_utime) {
 }
 
 SightingFrame ModernLocalizer::usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const {
-  SightingFrame usable;
-  usable.utime = frame.utime;
-  usable.shows_unlit = frame.shows_unlit;
+  SightingFrame usable = frame;
+  usable.sightings.clear();
   for (const FixtureSighting& sighting : frame.sightings) {
     if (sighting.fit >= kMinFit && usable.sightings.size() < kMaxSightings) {
       usable.sightings.push_back(
