@@ -6,7 +6,6 @@
 namespace luminav {
 namespace {
 
-constexpr double kUnlisted = -3.5;     // log-likelihood of a lamp where the file need not list it
 constexpr double kStranger = -2.0;     // likewise of what is in no file, where such things were seen before
 constexpr double kMaxLogVolume = 3.0;  // that a fixture costs a pose which does not know where to see it
 
@@ -36,6 +35,7 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   FrameComparison result;
   result.fixture_of_sighting.assign(frame_.sightings.size(), -1);
   result.log_likelihood.assign(frame_.sightings.size(), params_.misfit);
+  result.may_be_unlisted.assign(frame_.sightings.size(), false);
   const std::vector<int> near = model_.fixtures.near(belief.pose.position(), reach_);
   thread_local std::vector<FixtureMatch> pairs;
   pairs.clear();
@@ -47,9 +47,10 @@ FrameComparison FrameComparer::compare(const PoseBelief& belief) const {
   }
   for (std::size_t i = 0; i < frame_.sightings.size(); ++i) {
     const Eigen::Vector2d place = belief.pose * frame_.sightings[i].robot_from_fixture.position();
-    const bool is_stranger = model_.fixtures.is_stranger(place);
-    if (result.fixture_of_sighting[i] < 0 && (is_stranger || !(model_.is_complete || model_.seen.contains(place)))) {
-      result.log_likelihood[i] = is_stranger ? kStranger : kUnlisted;
+    if (result.fixture_of_sighting[i] < 0) {
+      const bool is_stranger = model_.fixtures.is_stranger(place);
+      result.log_likelihood[i] = is_stranger ? kStranger : params_.misfit;
+      result.may_be_unlisted[i] = !is_stranger && !model_.is_complete && !model_.seen.contains(place);
     }
   }
   expect(belief, near, result);

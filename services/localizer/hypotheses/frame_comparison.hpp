@@ -13,9 +13,15 @@ namespace luminav {
 /// What one image says about one pose: which fixture each sighting is, and which fixtures should have been seen.
 struct FrameComparison {
   std::vector<int> fixture_of_sighting;  // -1 = fits none
-  std::vector<double> log_likelihood;    // of each sighting
+  std::vector<double> log_likelihood;    // of each sighting if the building's file lists all
+  std::vector<bool> may_be_unlisted;     // it fits none, where the building's file need not list it
   std::vector<int> missed;               // fixtures well in view with nothing there
   std::vector<int> expected;             // fixtures well in view
+
+  /// Log-likelihood of a sighting of that object.
+  [[nodiscard]] double of(std::size_t sighting, const ObjectTrack& object) const {
+    return may_be_unlisted[sighting] ? log_likelihood_unlisted(object) : log_likelihood[sighting];
+  }
 };
 
 /// Compares one image with what poses would show there. What is the same for all poses is worked out once.

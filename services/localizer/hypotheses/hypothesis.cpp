@@ -8,6 +8,12 @@ namespace {
 
 constexpr double kPassedBy = 1.5;  // [m] driven since a fixture was expected last: its pass is over
 constexpr std::size_t kMaxConfirmed = 16;
+constexpr double kUnlisted = -3.5;
+constexpr double kUnlistedInRow = -1.5;  // little more than a fixture that fits costs: a lamp was to be expected there
+
+double share_of_vote(int images, const HypothesisParams& params) {
+  return std::min(1.0, static_cast<double>(images) / params.frames_for_full_vote);
+}
 
 template <typename Element, typename Claim>
 Element& find_or_add(std::vector<Element>& elements, const Claim& claim) {
@@ -70,8 +76,7 @@ double score_of(const Hypothesis& hypothesis, double best_sonar, const Hypothesi
   double log_posterior =
       hypothesis.closed_score + hypothesis.walls + hypothesis.log_prior + held_by_sonar(hypothesis, best_sonar, params);
   for (const ObjectVote& vote : hypothesis.votes) {
-    log_posterior += vote.weighted_sum / std::max(1e-9, vote.weight) *
-                     std::min(1.0, static_cast<double>(vote.frames) / params.frames_for_full_vote);
+    log_posterior += vote.weighted_sum / std::max(1e-9, vote.weight) * share_of_vote(vote.frames, params);
   }
   for (const FixtureAbsence& absence : hypothesis.absences) {
     const double share = static_cast<double>(absence.missed) / std::max(1, absence.expected);
@@ -81,10 +86,14 @@ double score_of(const Hypothesis& hypothesis, double best_sonar, const Hypothesi
   return log_posterior;
 }
 
-double score_of_misfits(std::span<const ObjectTrack> scene, const HypothesisParams& params) {
+double log_likelihood_unlisted(const ObjectTrack& object) {
+  return object.extends_row ? kUnlistedInRow : kUnlisted;
+}
+
+double score_of_misfits(std::span<const ObjectTrack> objects, bool may_be_unlisted, const HypothesisParams& params) {
   double score = 0.0;
-  for (const ObjectTrack& object : scene) {
-    score += params.misfit * std::min(1.0, static_cast<double>(object.frames) / params.frames_for_full_vote);
+  for (const ObjectTrack& object : objects) {
+    score += (may_be_unlisted ? log_likelihood_unlisted(object) : params.misfit) * share_of_vote(object.frames, params);
   }
   return score;
 }

@@ -84,8 +84,12 @@ void add_absence(Hypothesis& hypothesis, std::span<const int> expected, std::spa
 /// What `log_posterior` should be; `best_sonar` is the best sonar score of all hypotheses.
 [[nodiscard]] double score_of(const Hypothesis& hypothesis, double best_sonar, const HypothesisParams& params);
 
-/// Score of the objects of a scene if all of them are something else than fixtures: what a pose that no list holds has.
-[[nodiscard]] double score_of_misfits(std::span<const ObjectTrack> scene, const HypothesisParams& params);
+/// Log-likelihood of an object that hangs where the building's file need not list it.
+[[nodiscard]] double log_likelihood_unlisted(const ObjectTrack& object);
+/// Score of objects if all are something else than listed fixtures: what a pose that no list holds has. With
+/// `may_be_unlisted` it comes from where the file need not list them.
+[[nodiscard]] double score_of_misfits(std::span<const ObjectTrack> objects, bool may_be_unlisted,
+                                      const HypothesisParams& params);
 
 /// Two poses so near each other that they are one hypothesis.
 [[nodiscard]] bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params);

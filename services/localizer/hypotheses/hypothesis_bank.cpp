@@ -78,7 +78,7 @@ void HypothesisBank::wait() {
 
 void HypothesisBank::close_scene() {
   if (pending_.motion().settles) {
-    closed_null_score_ += score_of_misfits(round_.scene.objects(), params_);
+    closed_null_score_ += score_of_misfits(round_.scene.objects(), !model_.is_complete, params_);
     round_.scene.clear();
   }
 }
@@ -90,7 +90,7 @@ void HypothesisBank::begin_round() {
   }
   round_best_sonar_ = -1e18;
   if (round_.has_image) {
-    closed_null_score_ += score_of_misfits(round_.forgotten, params_);
+    closed_null_score_ += score_of_misfits(round_.forgotten, !model_.is_complete, params_);
     comparer_.emplace(round_.frame, round_.odometry.linear, round_.odometry.angular, model_, params_);
   }
   next_ = 0;
@@ -159,9 +159,10 @@ void HypothesisBank::compare(Hypothesis& hypothesis) const {
   for (std::size_t i = 0; i < round_.frame.sightings.size(); ++i) {
     // a sharp view tells more than one cut by the border
     const double sigma = largest_position_sigma(round_.frame.sightings[i].covariance);
-    add_evidence(hypothesis, round_.scene.seen(i), comparison.fixture_of_sighting[i], comparison.log_likelihood[i],
+    const double log_likelihood = comparison.of(i, round_.scene.seen(i));
+    add_evidence(hypothesis, round_.scene.seen(i), comparison.fixture_of_sighting[i], log_likelihood,
                  1.0 / (1.0 + sigma * sigma / 0.01), round_.images_of_sighting[i]);
-    if (comparison.fixture_of_sighting[i] >= 0 || comparison.log_likelihood[i] > params_.misfit) {
+    if (comparison.fixture_of_sighting[i] >= 0 || log_likelihood > params_.misfit) {
       hypothesis.last_explained = round_.frame.utime;
     }
   }

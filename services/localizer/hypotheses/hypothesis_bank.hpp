@@ -70,7 +70,7 @@ class HypothesisBank {
   [[nodiscard]] PoseBelief belief_now(std::size_t index) const;
   /// Score of "all that was seen is something else": what a pose not in the list would have.
   [[nodiscard]] double null_score() const {
-    return closed_null_score_ + score_of_misfits(round_.scene.objects(), params_);
+    return closed_null_score_ + score_of_misfits(round_.scene.objects(), false, params_);
   }
   /// Units of work done in this step.
   [[nodiscard]] int work_done() const { return budget_.spent(); }

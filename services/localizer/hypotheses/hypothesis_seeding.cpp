@@ -166,7 +166,7 @@ void HypothesisSeeding::add_scene_evidence(Hypothesis& hypothesis) const {
   hypothesis.votes.reserve(round_->scene.objects().size());
   for (std::size_t i = 0; i < round_->scene.objects().size(); ++i) {
     const ObjectTrack& seen = round_->scene.objects()[i];
-    add_evidence(hypothesis, seen, comparison.fixture_of_sighting[i], comparison.log_likelihood[i], 1.0, 1);
+    add_evidence(hypothesis, seen, comparison.fixture_of_sighting[i], comparison.of(i, seen), 1.0, 1);
     hypothesis.votes.back().frames = seen.frames;
     hypothesis.votes.back().matches = comparison.fixture_of_sighting[i] >= 0 ? seen.frames : 0;
   }

@@ -10,13 +10,24 @@ namespace {
 constexpr double kForgetAfter = 4.0;  // [m] driven: odometry drifts some 10 cm and 4 degrees
 constexpr double kDrift = 0.15;       // [m] 1-sigma of odometry and cut fixtures between two images of an object
 constexpr double kGate = 9.0;         // squared Mahalanobis distance
+constexpr double kMaxPitch = 6.0;     // [m] of the lamps of a row
+constexpr double kOffRow = 0.35;      // [m] that one of them is seen beside its place in the row
 
 Eigen::Matrix2d position_covariance_in_odom(const FixtureSighting& sighting, const Pose2& odom_from_robot) {
-  const double c = std::cos(odom_from_robot.theta);
-  const double s = std::sin(odom_from_robot.theta);
-  Eigen::Matrix2d rotation;
-  rotation << c, -s, s, c;
+  const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(odom_from_robot.theta).toRotationMatrix();
   return rotation * sighting.covariance.topLeftCorner<2, 2>() * rotation.transpose();
+}
+
+bool extends_row(const ObjectTrack& object, const std::vector<ObjectTrack>& objects) {
+  const auto place = [](const ObjectTrack& o) { return o.odom_from_object.position(); };
+  const auto is_next = [&](const ObjectTrack& first, const ObjectTrack& last) {
+    return first.id != last.id && std::max(first.id, last.id) < object.id &&
+           (place(object) - place(last)).norm() < kMaxPitch &&
+           (2.0 * place(last) - place(first) - place(object)).norm() < kOffRow;
+  };
+  return std::any_of(objects.begin(), objects.end(), [&](const ObjectTrack& last) {
+    return std::any_of(objects.begin(), objects.end(), [&](const ObjectTrack& first) { return is_next(first, last); });
+  });
 }
 
 }  // namespace
@@ -79,6 +90,9 @@ void ObjectTracks::update(const SightingFrame& frame, const Pose2& odom_from_rob
       object.odom_from_robot = odom_from_robot;
     }
     seen_.push_back(nearest);
+  }
+  for (const std::size_t i : seen_) {
+    objects_[i].extends_row = objects_[i].extends_row || extends_row(objects_[i], objects_);
   }
 }
 

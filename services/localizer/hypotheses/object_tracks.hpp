@@ -10,13 +10,14 @@ namespace luminav {
 /// One thing on the ceiling, followed from image to image by odometry alone, whatever the world pose may be.
 struct ObjectTrack {
   int id = 0;
-  FixtureSighting best;     // the sharpest sighting; its pose is not used, odom_from_object is
-  Pose2 odom_from_object;   // by the newest sighting that was about as sharp as the best
-  Pose2 odom_from_robot;    // where that sighting was made
-  int frames = 0;           // images that showed it
-  bool is_visible = false;  // in the newest image
-  double odometer = 0.0;    // [m] of the robot when last seen
-  bool seeded = false;      // hypotheses were made from it
+  FixtureSighting best;      // the sharpest sighting; its pose is not used, odom_from_object is
+  Pose2 odom_from_object;    // by the newest sighting that was about as sharp as the best
+  Pose2 odom_from_robot;     // where that sighting was made
+  int frames = 0;            // images that showed it
+  bool is_visible = false;   // in the newest image
+  double odometer = 0.0;     // [m] of the robot when last seen
+  bool extends_row = false;  // hangs as far from one seen before it as that from another: a lamp of a row does
+  bool seeded = false;       // hypotheses were made from it
 };
 
 /// The objects seen lately. Many images of one object are one piece of evidence, not many: its errors are the same in

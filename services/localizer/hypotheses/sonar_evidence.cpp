@@ -7,7 +7,9 @@
 namespace luminav {
 namespace {
 
-constexpr double kFromWall = 0.6;    // share of echoes that come from the building's walls
+constexpr double kFromWall = 0.6;  // share of echoes that come from the building's walls
+// That an echo from where the map may hide a wall speaks for the pose: about what one at the right pose does.
+constexpr double kUnseen = 0.7;
 constexpr double kBehindWall = 0.7;  // that an echo from behind a wall speaks against the pose
 // That a wall which faces the disc is not heard: one beam in a hundred is so, and two of one wall by the same cause.
 // Both together, doubled as all sonar is, must not decide alone (TrackingRules::first_margin).
@@ -53,10 +55,11 @@ double log_likelihood_of_echoes(const PoseBelief& belief, std::span<const Placed
       }
     }
     const double hit = nearest / sigma;
-    const double wall = std::log(1.0 + kFromWall / (1.0 - kFromWall) * std::exp(-0.5 * hit * hit));
+    double wall = std::log(1.0 + kFromWall / (1.0 - kFromWall) * std::exp(-0.5 * hit * hit));
     // from behind a wall, on all of the beam: only a map that is wrong there explains it
     const double behind = echo.range - 0.3 - 2.0 * sigma;
     const bool is_behind = behind > 0.0 && *std::max_element(reaches.begin(), reaches.end()) < behind;
+    wall = !is_behind && walls.may_hide_wall(world_from_robot * echo.end) ? std::max(wall, kUnseen) : wall;
     sum += echo.weight * (is_behind ? wall - kBehindWall : wall);
     sum -= is_behind && faces_wall(reaches) ? echo.passage_weight * kThroughWall : 0.0;
   }

@@ -22,7 +22,7 @@ struct ObservationModel {
         is_complete(building.is_complete),
         seen(building.seen_from),
         view(robot.camera),
-        walls(map),
+        walls(map, building.is_complete),
         ceiling_height(building.ceiling_height),
         wheel_base(robot.wheel_base),
         sonar_half_angle(robot.sonar.half_angle),

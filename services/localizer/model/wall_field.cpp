@@ -7,7 +7,8 @@
 
 namespace luminav {
 
-WallField::WallField(const PriorMap& map) : map_(resample(map, kResolution)) {
+WallField::WallField(const PriorMap& map, bool is_complete)
+    : map_(resample(map, kResolution)), is_complete_(is_complete) {
   const auto columns = static_cast<std::size_t>(map_.geometry.columns);
   const auto rows = static_cast<std::size_t>(map_.geometry.rows);
   if (columns == 0 || rows == 0) {

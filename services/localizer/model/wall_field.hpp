@@ -15,7 +15,7 @@ namespace luminav {
 class WallField {
  public:
   WallField() = default;
-  explicit WallField(const PriorMap& map);
+  explicit WallField(const PriorMap& map, bool is_complete = true);
 
   [[nodiscard]] bool has_walls() const { return !tiles_.empty(); }
   /// [m] to the nearest occupied cell, 0 inside one, at most kFarthest; bilinear between cell centres. Outside the map
@@ -23,6 +23,10 @@ class WallField {
   [[nodiscard]] double distance_to_wall(const Eigen::Vector2d& point_in_world) const;
   /// Free in the building's map; without a map always.
   [[nodiscard]] bool is_free(const Eigen::Vector2d& point_in_world) const;
+  /// Unknown in a map that need not show all walls.
+  [[nodiscard]] bool may_hide_wall(const Eigen::Vector2d& point_in_world) const {
+    return !is_complete_ && map_.at(point_in_world) == Prior::kUnknown;
+  }
   /// Way [m] from a point along a direction to the first occupied cell, at most `limit`.
   [[nodiscard]] double range_to_wall(const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double limit) const;
   /// The map at 0.1 m.
@@ -38,6 +42,7 @@ class WallField {
   }
 
   PriorMap map_;
+  bool is_complete_ = true;
   std::vector<std::uint8_t> tiles_;  // [cm] to the nearest occupied cell's centre, row-major in tiles and of tiles
   std::size_t tile_columns_ = 0;
 };

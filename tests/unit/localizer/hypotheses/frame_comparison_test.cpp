@@ -68,13 +68,15 @@ TEST_F(FrameComparisonTest, APictureForTheLampsMissesNoneForTheyMayBeUnlit) {
 TEST_F(FrameComparisonTest, AnUnlistedLampSaysLessWhereNotAllAreListed) {
   SightingFrame elsewhere = frame_of_the_fixture();
   elsewhere.sightings[0].robot_from_fixture = {0.0, 0.8, 0.0};
-  const double against = compare(elsewhere).log_likelihood[0];
+  const auto likelihood = [&](const SightingFrame& frame) { return compare(frame).of(0, ObjectTrack{}); };
+  const double against = likelihood(elsewhere);
   EXPECT_DOUBLE_EQ(against, HypothesisParams{}.misfit);
   model_.is_complete = false;
-  EXPECT_GT(compare(elsewhere).log_likelihood[0], against + 2.0);
-  EXPECT_LT(compare(elsewhere).log_likelihood[0], compare(frame_of_the_fixture()).log_likelihood[0]);
+  EXPECT_DOUBLE_EQ(likelihood(elsewhere), log_likelihood_unlisted(ObjectTrack{}));
+  EXPECT_GT(likelihood(elsewhere), against + 2.0);
+  EXPECT_LT(likelihood(elsewhere), likelihood(frame_of_the_fixture()));
   model_.seen = SeenCeiling({{5.0, 5.8}});
-  EXPECT_DOUBLE_EQ(compare(elsewhere).log_likelihood[0], against) << "a survey looked there";
+  EXPECT_DOUBLE_EQ(likelihood(elsewhere), against) << "a survey looked there";
 }
 
 TEST(SeenCeiling, ContainsWhatIsNearAPlace) {

@@ -11,17 +11,21 @@ namespace {
 constexpr double kHalfAngle = radians(12.5);
 constexpr double kFieldError = 0.03;  // of a log-likelihood: the field knows its walls to a cell
 
-/// 6 m x 6 m, free, with walls from y = 0 to y = 6 in these columns of 0.1 m.
-WallField field(const std::vector<int>& columns) {
+/// 6 m x 6 m, free but for the columns of 0.1 m from `unknown_from` on, with walls from y = 0 to y = 6 in these
+/// columns.
+WallField field(const std::vector<int>& columns, int unknown_from = 60, bool is_complete = true) {
   PriorMap map;
   map.geometry = {0.1, {0.0, 0.0}, 60, 60};
   map.cells.assign(map.geometry.size(), Prior::kFree);
   for (int row = 0; row < 60; ++row) {
+    for (int column = unknown_from; column < 60; ++column) {
+      map.cells[map.geometry.index({column, row})] = Prior::kUnknown;
+    }
     for (const int column : columns) {
       map.cells[map.geometry.index({column, row})] = Prior::kOccupied;
     }
   }
-  return WallField(map);
+  return WallField(map, is_complete);
 }
 
 PoseBelief at(const Pose2& pose, double sigma = 0.0) {
@@ -84,6 +88,16 @@ TEST_F(SonarEvidence, HearsNoWallThroughAnother) {
   EXPECT_NEAR(of(at(facing_), {echo_at(3.0)}), -0.7, kFieldError);
   walls_ = field({50});
   EXPECT_NEAR(of(at(facing_), {echo_at(3.0)}), std::log(2.5), kFieldError) << "it is heard where none is before it";
+}
+
+TEST_F(SonarEvidence, CountsAnEchoFromWhereTheMapMayHideAWallAsOneAtTheRightPose) {
+  walls_ = field({}, 40, false);
+  EXPECT_NEAR(of(at(facing_), {echo_at(3.0)}), 0.7, kFieldError);
+  EXPECT_NEAR(of(at(facing_), {echo_at(1.0)}), 0.0, kFieldError) << "it is known to be free there";
+  walls_ = field({}, 40, true);
+  EXPECT_NEAR(of(at(facing_), {echo_at(3.0)}), 0.0, kFieldError) << "the map shows all walls";
+  walls_ = field({39}, 40, false);
+  EXPECT_NEAR(of(at(facing_), {echo_at(3.0)}), -0.7, kFieldError) << "it came through a wall";
 }
 
 TEST_F(SonarEvidence, LetsAPoseBeAsWrongAsItsCovarianceSays) {
