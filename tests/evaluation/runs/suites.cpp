@@ -144,7 +144,8 @@ std::vector<SuiteEntry> suite_entries(const std::string& suite, const std::files
     return entries;
   }
   entries = named_entries(suite);
-  for (SuiteEntry& entry : made_entries(suite, generated)) {
+  // Absolute: scenarios below it name buildings there, and a relative name is read from the scenario's own folder.
+  for (SuiteEntry& entry : made_entries(suite, std::filesystem::absolute(generated))) {
     entries.push_back(std::move(entry));
   }
   if (entries.empty() && !has_detector_part(suite)) {

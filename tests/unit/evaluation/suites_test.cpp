@@ -79,6 +79,12 @@ TEST(Suites, MissionsAreFiveHundredGoalsSomeBehindAClosedDoor) {
   EXPECT_LT(to_refuse, 50);
 }
 
+TEST(Suites, MayBeMadeInARelativeFolder) {
+  const auto entries = suite_entries("missions", std::filesystem::relative(generated() / "relative"));
+  ASSERT_FALSE(entries.empty());
+  EXPECT_NO_THROW((void)read_scenario(entries.front().scenario));
+}
+
 TEST(Suites, ZonesAreTwoHundredMissionsWithFiveZonesEach) {
   int to_refuse = 0;
   int carried = 0;
