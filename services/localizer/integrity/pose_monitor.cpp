@@ -137,7 +137,7 @@ std::optional<Eigen::Vector2d> PoseMonitor::find_misfit(const SightingFrame& fra
   std::optional<Eigen::Vector2d> misfit;
   for (std::size_t i = 0; i < frame.sightings.size(); ++i) {
     const Eigen::Vector2d place = belief.pose * frame.sightings[i].robot_from_fixture.position();
-    if (!model_.fixtures.is_stranger(place) && tracks.seen(i).frames >= 2) {
+    if (!model_.fixtures.is_stranger(place) && (tracks.seen(i).frames >= 2 || kidnap_.was_given())) {
       misfit = place;
     }
   }

@@ -41,7 +41,7 @@ class PoseMonitor {
   void add_missing(const SightingFrame& frame, const PoseBelief& belief);
   /// Which share of a fixture must be in view to miss it, and how far [m] inside the image; nothing is seen there.
   [[nodiscard]] bool is_missing(int index, const Pose2& robot_from_fixture, const PoseBelief& belief) const;
-  /// Where [world] something is seen that is no fixture of the building.
+  /// Where [world] two images show something and no fixture hangs; one image is enough if somebody may carry the robot.
   [[nodiscard]] std::optional<Eigen::Vector2d> find_misfit(const SightingFrame& frame, const ObjectTracks& tracks,
                                                            const PoseBelief& belief) const;
 

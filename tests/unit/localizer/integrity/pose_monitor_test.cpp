@@ -24,7 +24,9 @@ class PoseMonitorTest : public ::testing::Test {
     frame_.utime += 66'667;
     frame_.sightings.clear();
     for (const double place : ahead) {
-      frame_.sightings.emplace_back().robot_from_fixture = {place, 0.0, 0.0};
+      FixtureSighting& sighting = frame_.sightings.emplace_back();
+      sighting.robot_from_fixture = {place, 0.0, 0.0};
+      sighting.covariance = 1e-4 * Eigen::Matrix3d::Identity();
     }
     tracks_.update(frame_, odom_, 0.0);
     return monitor_.look(frame_, tracks_, matches, under(x), odom_);
@@ -91,6 +93,14 @@ TEST_F(PoseMonitorTest, SuspectsAPoseForAThingThatFitsNothing) {
   EXPECT_EQ(images, 1 + static_cast<int>(rules_.doubt / log_evidence::kMisfit)) << "the first one may be an accident";
   ASSERT_TRUE(contradiction->misfit);
   EXPECT_NEAR(contradiction->misfit->x(), 12.3, 1e-9);
+}
+
+TEST_F(PoseMonitorTest, SuspectsAPoseForThingsThatRushPastACarriedRobot) {
+  int images = 0;
+  while (!look(12.0, {0.5 * images}, 0.0) && images < 100) {
+    ++images;
+  }
+  EXPECT_LT(images, 2 * KidnapOpportunity::kPauseFrames) << "no two show it where the wheels predict it";
 }
 
 TEST_F(PoseMonitorTest, ForgetsFalseAlarmsThatCalmImagesFollow) {
