@@ -13,13 +13,11 @@
 
 namespace nlohmann {
 
-template <>
-struct adl_serializer<std::optional<double>> {
-  static void to_json(json& target, const std::optional<double>& value) {
-    target = value ? json(*value) : json(nullptr);
-  }
-  static void from_json(const json& source, std::optional<double>& value) {
-    value = source.is_null() ? std::nullopt : std::optional(source.get<double>());
+template <typename T>
+struct adl_serializer<std::optional<T>> {
+  static void to_json(json& target, const std::optional<T>& value) { target = value ? json(*value) : json(nullptr); }
+  static void from_json(const json& source, std::optional<T>& value) {
+    value = source.is_null() ? std::nullopt : std::optional(source.get<T>());
   }
 };
 
@@ -52,13 +50,17 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ContactEvent, at_s, with, x, y, theta_deg, li
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveResult, contacts, oscillation_s, corridor_share)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProcessResult, name, cpu_percent, rss_mb, restarts)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MapResult, measured, wall_median_m, wall_recall, free_precision, explored)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ZoneResult, keep_out_m, leaving_s, over_speed_m_s, against_m, path_ratio, path_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JobsResult, jobs, right, lost, doubled, answers, guides_left, returns, homes,
+                                   charging, charger_tries, min_voltage, kills, wrong)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunReport, scenario, seed, suite, group, passed, failure, simulated_s, wall_s, cpu_s,
                                    worst_step_ms, world_table, world_hash, localized, localized_s, localized_after_m,
                                    resolvable_after_m, tracking_ratio, ambiguous_ratio, confident_wrong_s,
                                    in_view_position_rms_m, in_view_heading_rms_deg, mission_position_p95_m,
                                    mission_heading_p95_deg, nees, mean_speed_m_s, path_efficiency, driven_m, goals,
                                    contacts, hard_contacts, min_clearance_m, carries, carries_noticed,
-                                   carries_recovered, drive, map, processes, scenario_file, reproduce, trail, log)
+                                   carries_recovered, drive, map, zones, jobs, processes, scenario_file, reproduce,
+                                   trail, log)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DetectorCondition, name, frames, precision, recall, plain, plain_recall,
                                    false_per_100_frames, centre_rms_px, orientation_rms_deg, milliseconds)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Shard, index, count)

@@ -38,6 +38,10 @@ RunReport run(int i) {
   report.goals.push_back({1.0, kThird, report.passed, false, false, kThird, std::nullopt, 12.0, -1.0, "so"});
   report.drive.contacts.push_back({kThird, "wall", 1.0, 2.0, 3.0, 0.1, 0.2, 4});
   report.map = {i == 3, kThird, kThird, kThird, kThird};
+  if (i == 4) {
+    report.zones = {0.0, kThird, kThird, kThird, 1.0, kThird};
+    report.jobs = {2, 1, 0, 0, 3, 1, 0, 1, 1, 2, 11.9, 4, {"job 2 was given up"}};
+  }
   report.processes.push_back({"all", kThird, 12.5, 1});
   report.world_table = "noise";
   report.trail = {{{1.0, 2.0, kThird}, {1.0, 2.1, kThird}, {0.0, 0.0, 0.0}, 2, 1, 0.0},
