@@ -65,7 +65,7 @@ void Mission::on_truth(const sim_truth_t& truth) {
     driven_.back() += std::hypot(truth.x - truth_->x, truth.y - truth_->y);
   }
   truth_ = truth;
-  if (!truth.carried) {
+  if (!truth.carried && !is_bumped_after_end(truth.utime)) {
     standing_ = truth;
   }
   if (first_utime_ == 0) {
@@ -148,7 +148,7 @@ void Mission::watch_goal(const sim_truth_t& truth) {
     ended_since_ = truth.utime;
   }
   const bool arrived = navigation_->state == navigation_status_t::STATE_ARRIVED;
-  // who is carried off upon its arrival had arrived where it was lifted
+  // who is carried off or bumped upon its arrival had arrived where it stood
   if (truth.utime - ended_since_ >= kSettled || (arrived && truth.carried)) {
     finish_goal(standing_.value_or(truth), arrived);
   }
@@ -164,6 +164,14 @@ void Mission::watch_foreign_goal(std::int64_t utime) {
     goal_id_ = std::max(utime, navigation_->goal_id + 1);
     ended_since_ = 0;
   }
+}
+
+bool Mission::is_bumped_after_end(std::int64_t utime) const {
+  const auto seconds = [&](std::int64_t at) { return static_cast<double>(at - first_utime_) * 1e-6; };
+  return ended_since_ != 0 &&
+         std::any_of(scenario_.events.begin(), scenario_.events.end(), [&](const ScenarioEvent& event) {
+           return event.kind == EventKind::kBump && event.at >= seconds(ended_since_) && event.at <= seconds(utime);
+         });
 }
 
 void Mission::finish_goal(const sim_truth_t& truth, bool arrived) {

@@ -56,6 +56,8 @@ class Mission {
   void watch_goal(const sim_truth_t& truth);
   void watch_foreign_goal(std::int64_t utime);
   void finish_goal(const sim_truth_t& truth, bool arrived);
+  /// Somebody bumps into the robot after the current goal has ended.
+  [[nodiscard]] bool is_bumped_after_end(std::int64_t utime) const;
 
   lcm::LCM& lcm_;
   Scenario scenario_;
@@ -64,7 +66,7 @@ class Mission {
   std::optional<navigation_status_t> navigation_;
   std::optional<pose_t> pose_;
   std::optional<sim_truth_t> truth_;
-  std::optional<sim_truth_t> standing_;  // the newest truth with the robot on its own wheels
+  std::optional<sim_truth_t> standing_;  // the newest truth with the robot where its own wheels took it
   std::vector<GoalResult> results_;
   std::vector<Pose2> request_poses_;
   std::vector<double> driven_;      // [m] for each requested goal

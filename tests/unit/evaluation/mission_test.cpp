@@ -13,12 +13,20 @@ namespace {
 
 constexpr std::int64_t kTick = 100'000;  // [us]
 
-/// The robot stands at `pose` and its planner says ARRIVED as soon as it is asked: how the only goal ended. It may be
-/// carried away to the origin two ticks later.
-GoalResult arrive(const ScenarioGoal& goal, const Pose2& pose, bool is_carried_away = false) {
+enum class Mishap { kNone, kCarried, kBumped };
+
+/// The robot stands at `pose` and its planner says ARRIVED as soon as it is asked: how the only goal ended. Two ticks
+/// later it may be carried to the origin, or pushed there.
+GoalResult arrive(const ScenarioGoal& goal, const Pose2& pose, Mishap mishap = Mishap::kNone) {
+  constexpr double kBumpAt = 1.4;  // [s] since the first truth: the goal is sent after 1 s
   lcm::LCM lcm("memq://");
   Scenario scenario;
   scenario.goals = {goal};
+  if (mishap == Mishap::kBumped) {
+    ScenarioEvent& bump = scenario.events.emplace_back();
+    bump.at = kBumpAt;
+    bump.kind = EventKind::kBump;
+  }
   Mission mission(lcm, scenario);
   int ticks_arrived = 0;
   for (std::int64_t utime = kTick; utime < 100 * kTick && !mission.is_finished(); utime += kTick) {
@@ -27,10 +35,12 @@ GoalResult arrive(const ScenarioGoal& goal, const Pose2& pose, bool is_carried_a
     truth.x = pose.x;
     truth.y = pose.y;
     truth.theta = pose.theta;
-    if (is_carried_away && ticks_arrived > 2) {
+    const bool is_bumped = mishap == Mishap::kBumped && static_cast<double>(utime - kTick) * 1e-6 > kBumpAt;
+    const bool is_carried = mishap == Mishap::kCarried && ticks_arrived > 2;
+    if (is_bumped || is_carried) {
       truth.x = truth.y = truth.theta = 0.0;
-      truth.carried = 1;
     }
+    truth.carried = is_carried;
     lcm.publish(channels::kSimTruth, &truth);
     if (mission.goal_id() != 0) {
       navigation_status_t status{};
@@ -66,10 +76,12 @@ TEST(Mission, CountsAGoalAsReachedOnlyInTheHeadingThatWasAskedFor) {
   EXPECT_FALSE(arrive(goal, {2.3, 3.0, radians(178.0)}).reached);
 }
 
-TEST(Mission, JudgesAnArrivalWhereTheRobotWasLifted) {
+TEST(Mission, JudgesAnArrivalWhereTheRobotWasLiftedOrBumped) {
   const ScenarioGoal goal = goal_with_heading(0.0);
-  EXPECT_TRUE(arrive(goal, {2.1, 3.0, 0.0}, true).reached);
-  EXPECT_FALSE(arrive(goal, {2.5, 3.0, 0.0}, true).reached);
+  for (const Mishap mishap : {Mishap::kCarried, Mishap::kBumped}) {
+    EXPECT_TRUE(arrive(goal, {2.1, 3.0, 0.0}, mishap).reached);
+    EXPECT_FALSE(arrive(goal, {2.5, 3.0, 0.0}, mishap).reached);
+  }
 }
 
 struct ToldPoses {
