@@ -16,6 +16,7 @@ void read_rules(const TomlTable& table, TrackingRules& rules) {
   table.read("leave_margin", rules.leave_margin, {0.0, 100.0});
   table.read("enter_fixtures", rules.enter_fixtures, {1, 16});
   table.read("enter_position_sigma", rules.enter_position_sigma, {0.01, 5.0});
+  table.read("enter_heading_sigma", rules.enter_heading_sigma, {0.01, 3.0});
   table.read("leave_position_sigma", rules.leave_position_sigma, {0.01, 5.0});
   table.read("leave_heading_sigma", rules.leave_heading_sigma, {0.01, 3.0});
   table.read("doubt", rules.doubt, {0.1, 1000.0});

@@ -39,7 +39,7 @@ class PoseMonitor {
                       const PoseBelief& belief);
   /// Adds the evidence of fixtures that ought to be in view and are not seen.
   void add_missing(const SightingFrame& frame, const PoseBelief& belief);
-  /// Which share of a fixture must be in view to miss it, and how far [m] inside the image; nothing is seen there.
+  /// So much of a fixture must be in view, and so far inside the image, that an image without it misses it.
   [[nodiscard]] bool is_missing(int index, const Pose2& robot_from_fixture, const PoseBelief& belief) const;
   /// Where [world] two images show something and no fixture hangs; one image is enough if somebody may carry the robot.
   [[nodiscard]] std::optional<Eigen::Vector2d> find_misfit(const SightingFrame& frame, const ObjectTracks& tracks,

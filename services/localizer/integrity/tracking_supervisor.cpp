@@ -96,7 +96,8 @@ void TrackingSupervisor::judge_tracked_pose(double distance_since_fixture) {
           fmt::format("another of {} poses explains what is seen as well", all.size()));
   } else if (sigma > rules_.leave_position_sigma || heading_sigma > rules_.leave_heading_sigma) {
     enter(Phase::kBlind, LocalizerState::kAmbiguous,
-          fmt::format("no fixture for {:.1f} m: the pose is only known to {:.2f} m", distance_since_fixture, sigma));
+          fmt::format("no fixture for {:.1f} m: the pose is only known to {:.2f} m and {:.0f} degrees",
+                      distance_since_fixture, sigma, degrees(heading_sigma)));
   } else {
     reason_ = fmt::format("one pose explains all that was seen; known to {:.0f} mm and {:.1f} degrees{}", 1e3 * sigma,
                           degrees(heading_sigma), describe_doubts());
@@ -129,7 +130,8 @@ bool TrackingSupervisor::may_declare(const Hypothesis& best, const SightingFrame
   const Eigen::Matrix3d& covariance = was_blind ? filter_.belief().covariance : best.belief.covariance;
   return margin() >= needed_margin() && is_ahead_without_sonar() &&
          static_cast<int>(best.confirmed.size()) >= needed_fixtures && !frame.sightings.empty() &&
-         best.last_match == frame.utime && largest_position_sigma(covariance) < rules_.enter_position_sigma;
+         best.last_match == frame.utime && largest_position_sigma(covariance) < rules_.enter_position_sigma &&
+         std::sqrt(covariance(2, 2)) < rules_.enter_heading_sigma;
 }
 
 bool TrackingSupervisor::declare_tracking(const Hypothesis& best) {
@@ -168,14 +170,13 @@ std::string TrackingSupervisor::explain_ambiguity() const {
     return reason_;
   }
   const std::vector<Hypothesis>& all = bank_.hypotheses();
-  const Hypothesis& best = all.front();
   const auto close = std::count_if(all.begin(), all.end(), [&](const Hypothesis& h) {
-    return h.log_posterior > best.log_posterior - needed_margin();
+    return h.log_posterior > all.front().log_posterior - needed_margin();
   });
   return close > 1 ? fmt::format("{} poses explain what was seen", close)
          : margin() >= needed_margin() && !is_ahead_without_sonar()
              ? "what the sonars hear speaks against what the ceiling shows"
-             : fmt::format("one pose is left, confirmed by {} fixtures so far", best.confirmed.size());
+             : fmt::format("one pose is left, confirmed by {} fixtures so far", all.front().confirmed.size());
 }
 
 void TrackingSupervisor::suspect(const Contradiction& contradiction) {
@@ -236,7 +237,6 @@ void TrackingSupervisor::add_rival(const PoseBelief& belief) {
                           std::abs(wrap_angle(pose.theta - belief.pose.theta)) < kSameHeading)) {
     return;  // that is where it is held to be
   }
-  // as good as the tracked pose for now: what is seen next decides, and until then two poses are possible
   const double log_posterior = held->log_posterior;
   bank_.add_guess(belief, 0.0);
   Hypothesis& rival = bank_.hypotheses().back();
@@ -251,8 +251,7 @@ Hypothesis* TrackingSupervisor::find(int id) const {
 
 double TrackingSupervisor::margin() const {
   const std::vector<Hypothesis>& all = bank_.hypotheses();
-  const double second = all.size() > 1 ? all[1].log_posterior : -1e18;
-  return all.front().log_posterior - std::max(second, bank_.null_score());
+  return all.front().log_posterior - std::max(all.size() > 1 ? all[1].log_posterior : -1e18, bank_.null_score());
 }
 
 double TrackingSupervisor::needed_margin() const {

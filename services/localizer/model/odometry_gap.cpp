@@ -22,11 +22,10 @@ Pose2 arc(double linear, double angular, double time) {
 }  // namespace
 
 std::string find_gap(const OdometryReading& last, const OdometryReading& next) {
-  if (next.session != last.session) {
-    return "the odometry began anew";
-  }
-  const double elapsed = 1e-6 * static_cast<double>(next.utime - last.utime);
-  return distance(next.odom_from_robot, last.odom_from_robot) > 0.3 + kFastest * elapsed ? "the odometry jumped" : "";
+  const double farthest = 0.3 + kFastest * 1e-6 * static_cast<double>(next.utime - last.utime);
+  return next.session != last.session                                      ? "the odometry began anew"
+         : distance(next.odom_from_robot, last.odom_from_robot) > farthest ? "the odometry jumped"
+                                                                           : "";
 }
 
 OdometryGap odometry_gap(const OdometryReading& last, const OdometryReading& next) {

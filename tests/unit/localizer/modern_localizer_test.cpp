@@ -239,6 +239,50 @@ TEST(ModernLocalizer, LeavesTrackingWhenOdometryJumps) {
   EXPECT_EQ(localizer.estimate().state, LocalizerState::kAmbiguous);
 }
 
+// A round lamp overhead tells the place and no heading. A robot that is sure of its pose in one image and not in the
+// next would stand there for ever: whoever drives it never learns that it must look for another lamp.
+TEST(ModernLocalizer, IsNotSureBelowARoundLampUntilItsHeadingIsKnown) {
+  Building building;
+  building.ceiling_height = 2.8;
+  building.fixtures.resize(2);
+  for (Fixture& lamp : building.fixtures) {
+    lamp.shape = FixtureShape::kRound;
+    lamp.length = lamp.width = 0.4;
+  }
+  building.fixtures[1].world_from_fixture.x = 2.4;
+  ModernLocalizer localizer(building, PriorMap{}, robot(), ErrorParams{}, {});
+  localizer.recall({Pose2{}, Eigen::Vector3d(1e-4, 1e-4, std::pow(radians(12.0), 2)).asDiagonal()});
+  double x = 0.0;
+  std::int64_t utime = 1'000'000'000;
+  const auto step = [&](double linear) {
+    utime += 100'000;
+    x += 0.1 * linear;
+    localizer.add_odometry({utime, 1, {x, 0.0, 0.0}, linear, 0.0});
+    SightingFrame frame{utime, {}};
+    for (const Fixture& lamp : building.fixtures) {
+      const double ahead = lamp.world_from_fixture.x - x;
+      if (std::abs(ahead) < 0.6) {
+        FixtureSighting& sighting = frame.sightings.emplace_back();
+        sighting.robot_from_fixture = {ahead, 0.0, 0.0};
+        sighting.covariance = Eigen::Vector3d(1e-5, 1e-5, 10.0).asDiagonal();
+        sighting.shape = FixtureShape::kRound;
+        sighting.has_theta = false;
+        sighting.length = sighting.width = lamp.length;
+        sighting.state = SightingState::kLit;
+      }
+    }
+    localizer.add_frame(frame);
+  };
+  for (int i = 0; i < 50; ++i) {
+    step(0.0);
+    EXPECT_EQ(localizer.estimate().state, LocalizerState::kAmbiguous);
+  }
+  while (x < 2.4) {
+    step(0.4);
+  }
+  EXPECT_EQ(localizer.estimate().state, LocalizerState::kTracking) << localizer.estimate().reason;
+}
+
 TEST(ModernLocalizer, GivesTheSameAnswersTwice) {
   const TestBuilding building = testing::two_rooms();
   const auto run = [&] {
