@@ -66,7 +66,8 @@ void OutlineProposer::propose_whole(const Target& target, const RegionShape& sha
   const bool round = kind.shape == FixtureShape::kRound;
   const double of_rectangle = round ? 0.25 * kPi : 1.0;
   const double fill = target.scale * target.scale * shape.area() / (seen_length * seen_width * of_rectangle);
-  if (fill < (shape.touches_border() || tolerance.is_bare ? kMinFillOfPart : kMinFill)) {
+  const double min_fill = shape.touches_border() || tolerance.is_bare ? kMinFillOfPart : kMinFill;
+  if (fill < min_fill * (1.0 - cell / seen_width)) {  // of what is a few cells wide, the ragged rim is much
     return;
   }
   OutlineHypothesis& hypothesis = add(target, orientation, e.middle_along(), e.middle_across());

@@ -100,6 +100,24 @@ TEST_F(Proposals, GuessNothingOfARegionThatFillsHalfOfItsRectangle) {
   EXPECT_TRUE(proposer_.propose(shape, true, {.bloom = 0.05}).empty());
 }
 
+TEST_F(Proposals, ForgiveTheRaggedRimOfALampThatIsAFewCellsWide) {
+  const CeilingCatalogue narrow{
+      .fixtures = {{.length = 1.2, .width = 0.08, .lamps = 1}}, .elements = {}, .ceiling_height = kHeight};
+  Raster mask(120, 160, std::uint8_t{0});
+  for (int x = 0; x < 67; ++x) {  // 3 cells, and every eighth column one more on either side
+    const int more = x % 8 == 4 ? 1 : 0;
+    mask(cv::Rect(40 + x, 50 - more, 1, 3 + 2 * more)) = 255;
+  }
+  RegionFinder finder;
+  RegionShape shape;
+  OutlineProposer proposer(plane_, narrow);
+  ASSERT_TRUE(shape.take(finder.find(mask, 1).front(), 0, plane_));
+  const auto& guesses = proposer.propose(shape, true, {.bloom = 0.05});
+  ASSERT_FALSE(guesses.empty());
+  EXPECT_TRUE(guesses[0].is_whole);
+  EXPECT_LT(guesses[0].fill, 0.68);
+}
+
 TEST(RegionShape, SaysWhereTheBorderCutsItOff) {
   const CellPlane plane(straight_up(), kFactor, kHeight);
   RegionShape shape;
