@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "services/detector/sampling/mean_profile.hpp"
 
@@ -18,6 +19,7 @@ constexpr double kMinAcross = 16.0;     // [px] of what is no speck
 constexpr double kOfMinVisible = 0.75;  // edges are looked for no closer to the border than this leaves
 constexpr double kAlikeSides = 0.5;     // least step of a lamp's side, of the other's: a burning half has a faint one
 constexpr double kMinUnlitQuality = 0.88;  // what shows fewer edges is mostly no fixture
+constexpr double kMinSunk = 0.04;          // of the ceiling's grey level, by which what is unlit is darker
 // Each amiss by 1:
 constexpr double kMaxBesides = 0.30;  // share of the ring that is as bright: panes of a skylight lie in rows
 constexpr double kFull = 0.80;  // of its rectangle, what a region fills; round ends and slanting cells leave a rest
@@ -75,10 +77,57 @@ Verdict CandidateChecks::by_edges(const CeilingFrame& frame, const Candidate& ca
   if (is_bar(candidate) && candidate.fit.covariance(1, 1) > kMaxAcross * kMaxAcross) {
     return Verdict::kTooUncertain;
   }
+  if (!candidate.bright && !frame.is_negative && is_bar(candidate) && !is_sunk(frame, candidate)) {
+    return Verdict::kNoContrast;
+  }
   if (other_kinds_.may_be(frame, candidate)) {
     return Verdict::kMayBeAnother;
   }
   return candidate.bright ? contrast(frame, candidate) : Verdict::kAccepted;
+}
+
+/// Darker than what lies beyond its sides, even the two of which that is least true: light slopes from one to the
+/// other. A tile of the ceiling has lines all round as well, and no step.
+bool CandidateChecks::is_sunk(const CeilingFrame& frame, const Candidate& candidate) const {
+  constexpr double kBeside = 0.025;  // [m] beyond the edge: a line between tiles and its blur
+  constexpr double kFarthest = 0.065;
+  constexpr double kDeepest = 0.09;
+  const Outline& outline = candidate.hypothesis.outline;
+  const OutlinePlacement& placement = candidate.fit.placement;
+  std::array steps{1.0, 1.0, 1.0, 1.0};  // by which it is darker there; out of view it may be as dark as can be
+  for (const int side : {kLeftSide, kRightSide, kFarEnd, kNearEnd}) {
+    if (candidate.fit.sides[static_cast<std::size_t>(side)].in_view < 3) {
+      continue;
+    }
+    const bool is_end = side == kFarEnd || side == kNearEnd;
+    const double sign = side == kLeftSide || side == kFarEnd ? 1.0 : -1.0;
+    const double half =
+        is_end ? 0.5 * outline.length + placement.end_outset : 0.5 * outline.width + placement.side_outset;
+    const double length = 0.84 * (is_end ? outline.width : outline.length);
+    const double inner = -std::min(kDeepest, half);
+    const SideProfile profile = mean_profile(frame.image, camera_,
+                                             {.pose = placement.pose,
+                                              .height = outline.height,
+                                              .along = is_end ? Vector2d::UnitY() : Vector2d::UnitX(),
+                                              .out = sign * (is_end ? Vector2d::UnitX() : Vector2d::UnitY())},
+                                             {.first = half + inner,
+                                              .steps = SideProfile::kMaxSteps,
+                                              .from = -0.5 * length,
+                                              .apart = length / (SideProfile::kMaxLines - 1),
+                                              .count = SideProfile::kMaxLines});
+    const auto mean = [&](double from, double to) {
+      const auto at = [&](double out) {
+        return profile.grey.begin() + std::lround((out - inner) / SideProfile::kStep);
+      };
+      return std::accumulate(at(from), at(to) + 1, 0.0) / static_cast<double>(at(to) + 1 - at(from));
+    };
+    if (profile.lines > 0) {
+      const double beyond = mean(kBeside, kFarthest);
+      steps[static_cast<std::size_t>(side)] = 1.0 - mean(inner, 0.5 * inner) / std::max(beyond, 1.0);
+    }
+  }
+  std::sort(steps.begin(), steps.end());
+  return steps[0] + steps[1] > 2.0 * kMinSunk;
 }
 
 bool CandidateChecks::lies_between_shadows(const CeilingFrame& frame, const Candidate& candidate) const {

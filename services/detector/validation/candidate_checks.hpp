@@ -37,6 +37,7 @@ class CandidateChecks {
   [[nodiscard]] Verdict ends(const Candidate& candidate) const;
   [[nodiscard]] Verdict disc(const Candidate& candidate) const;
   [[nodiscard]] Verdict piece(const Candidate& candidate) const;
+  [[nodiscard]] bool is_sunk(const CeilingFrame& frame, const Candidate& candidate) const;
   [[nodiscard]] bool has_right_size(const Candidate& candidate) const;
   [[nodiscard]] Verdict contrast(const CeilingFrame& frame, const Candidate& candidate) const;
   [[nodiscard]] std::optional<int> level_across(const CeilingFrame& frame, const Candidate& candidate,

@@ -2,6 +2,7 @@
 
 #include "services/detector/sampling/mean_profile.hpp"
 #include "services/detector/sampling/pixel_sampling.hpp"
+#include "services/detector/sampling/raster.hpp"
 #include "services/detector/validation/candidate.hpp"
 #include "services/detector/validation/candidate_checks.hpp"
 #include "services/detector/validation/candidate_selection.hpp"
@@ -69,6 +70,29 @@ TEST(PixelSampling, IsLinearBetweenPixels) {
   EXPECT_FLOAT_EQ(bilinear(image.view(), 1.5F, 1.5F), 40.0F);
   EXPECT_TRUE(is_sampled(image.view(), {1.5, 1.5}));
   EXPECT_FALSE(is_sampled(image.view(), {2.5, 1.5}));
+}
+
+// A tile of the ceiling has lines all round, too, that pass for edges.
+TEST(CandidateChecks, TakeNothingForUnlitThatIsAsDarkAsTheCeilingAroundIt) {
+  const CandidateChecks checks({}, model(), test::test_catalogue());
+  for (const double darker : {2.0, 12.0}) {
+    const Pose2 pose{0.1, 0.05, 0.3};
+    const GreyImage image = test::draw_ceiling(
+        {.shapes = {{.pose = pose, .state = DetectionState::kUnlit, .darker = darker}}, .noise = 1.0},
+        test::test_camera(), kHeight);
+    Candidate candidate;
+    candidate.bright = false;
+    candidate.hypothesis.outline = {.length = 1.2, .width = 0.3, .height = kHeight};
+    candidate.fit.placement.pose = pose;
+    candidate.fit.metres_per_px = 0.0045;
+    candidate.fit.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+    candidate.fit.visible_from = -0.6;
+    candidate.fit.visible_to = 0.6;
+    candidate.fit.sides.fill({.expected = 20, .in_view = 20, .on_edge = 20, .step = 5.0});
+    const Raster cells = raster_of(image.view());
+    const CeilingFrame frame{.image = image.view(), .reduced = cells, .dark = cells, .factor = 1, .pixel_noise = 1.0};
+    EXPECT_EQ(checks.by_edges(frame, candidate) == Verdict::kNoContrast, darker < 5.0) << darker;
+  }
 }
 
 TEST(CandidateChecks, FindALampWhoseSizeTheFileHasWrongByATenth) {
