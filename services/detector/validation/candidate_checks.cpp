@@ -104,7 +104,7 @@ bool CandidateChecks::is_sunk(const CeilingFrame& frame, const Candidate& candid
     const double half =
         is_end ? 0.5 * outline.length + placement.end_outset : 0.5 * outline.width + placement.side_outset;
     const double length = 0.84 * (is_end ? outline.width : outline.length);
-    const double inner = -std::min(kDeepest, half);
+    const double inner = -std::clamp(half, SideProfile::kStep, kDeepest);
     const SideProfile profile = mean_profile(frame.image, camera_,
                                              {.pose = placement.pose,
                                               .height = outline.height,
