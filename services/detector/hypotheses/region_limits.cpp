@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kWindow = 1.35;    // times the widest: it may lie slantwise, and be a tenth wider than the file says
+constexpr double kWindow = 1.45;    // times the widest: it may lie slantwise in a square window
 constexpr double kMinWhole = 0.75;  // of the shortest, what is whole is no shorter ...
 constexpr double kMinCut = 0.2;     // ... and what the border cuts
 constexpr double kSlack = 1.4;      // times its size, and bloom, no region of a kind is larger

@@ -246,7 +246,7 @@ TEST(CutFixture, TellsACutFixtureFromACutVentByItsSmoothSurface) {
     double noise;
     double darker;
   };
-  for (const Case& c : {Case{8.0, 30.0}, Case{9.0, 12.0}}) {
+  for (const Case& c : {Case{8.0, 30.0}, Case{7.0, 12.0}}) {
     DrawnCeiling ceiling;
     ceiling.noise = c.noise;
     // what is in view of it may be as long as a vent
