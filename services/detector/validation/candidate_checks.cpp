@@ -165,7 +165,8 @@ Verdict CandidateChecks::by_region(const CeilingFrame& frame, const Candidate& c
 }
 
 /// A lamp is of the right size, fills its outline, is among the brightest things in view and far brighter than what
-/// surrounds it, which has nothing like it. Each may be a little amiss, not all of them.
+/// surrounds it, which has nothing like it. Each may be a little amiss, not all of them. A region of a few cells is
+/// ragged: what has an edge wherever one was looked for fills its outline all the same.
 Verdict CandidateChecks::contrast(const CeilingFrame& frame, const Candidate& candidate) const {
   const Surroundings around = surroundings(frame, candidate);
   const double above = around.inside - around.ring;
@@ -173,9 +174,10 @@ Verdict CandidateChecks::contrast(const CeilingFrame& frame, const Candidate& ca
   if (around.in_view > 0 && above < std::max(params_.lit_contrast, relative * around.inside)) {
     return Verdict::kNoContrast;
   }
+  const bool is_outlined = candidate.by_edges && candidate.fit.quality() == 1.0;
   const double amiss =
       candidate.hypothesis.size_error / params_.size_tolerance + around.bright_share / kMaxBesides +
-      std::max(0.0, kFull - candidate.hypothesis.fill) / kMaxHollow +
+      (is_outlined ? 0.0 : std::max(0.0, kFull - candidate.hypothesis.fill) / kMaxHollow) +
       (1.0 - around.inside / frame.brightest) / kMaxDimmer +
       (candidate.by_edges ? (1.0 - candidate.fit.quality()) / kMaxWithoutEdge : 0.0) +
       (candidate.by_edges && candidate.is_whole() ? std::min(kMaxOverexposed, frame.saturated / kOverexposed) : 0.0);

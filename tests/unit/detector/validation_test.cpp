@@ -32,6 +32,19 @@ GreyImage half_lit(double joint_depth, double darker) {
 const Outline kStrip{.length = 1.2, .width = 0.15, .height = kHeight};
 const OutlinePlacement kBurningHalf{.pose = {0.05, 0.175, 0.0}};
 
+/// It has an edge wherever one was looked for.
+Candidate candidate_of(const Pose2& pose, double width) {
+  Candidate candidate;
+  candidate.hypothesis.outline = {.length = 1.2, .width = width, .height = kHeight};
+  candidate.fit.placement.pose = pose;
+  candidate.fit.metres_per_px = 0.0045;
+  candidate.fit.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+  candidate.fit.visible_from = -0.6;
+  candidate.fit.visible_to = 0.6;
+  candidate.fit.sides.fill({.expected = 20, .in_view = 20, .on_edge = 20, .step = 5.0});
+  return candidate;
+}
+
 TEST(Verdict, HasAText) {
   EXPECT_STREQ(to_string(Verdict::kAccepted), "accepted");
   EXPECT_STREQ(to_string(Verdict::kMayBeAnother), "may be another kind");
@@ -80,19 +93,33 @@ TEST(CandidateChecks, TakeNothingForUnlitThatIsAsDarkAsTheCeilingAroundIt) {
     const GreyImage image = test::draw_ceiling(
         {.shapes = {{.pose = pose, .state = DetectionState::kUnlit, .darker = darker}}, .noise = 1.0},
         test::test_camera(), kHeight);
-    Candidate candidate;
+    Candidate candidate = candidate_of(pose, 0.3);
     candidate.bright = false;
-    candidate.hypothesis.outline = {.length = 1.2, .width = 0.3, .height = kHeight};
-    candidate.fit.placement.pose = pose;
-    candidate.fit.metres_per_px = 0.0045;
-    candidate.fit.covariance = 1e-6 * Eigen::Matrix3d::Identity();
-    candidate.fit.visible_from = -0.6;
-    candidate.fit.visible_to = 0.6;
-    candidate.fit.sides.fill({.expected = 20, .in_view = 20, .on_edge = 20, .step = 5.0});
     const Raster cells = raster_of(image.view());
     const CeilingFrame frame{.image = image.view(), .reduced = cells, .dark = cells, .factor = 1, .pixel_noise = 1.0};
     EXPECT_EQ(checks.by_edges(frame, candidate) == Verdict::kNoContrast, darker < 5.0) << darker;
   }
+}
+
+TEST(CandidateChecks, TakeARaggedRegionThatHasEdgesAllRoundForALamp) {
+  const CandidateChecks checks({}, model(), test::test_catalogue());
+  const Pose2 pose{0.1, 0.05, 0.3};
+  const GreyImage image =
+      test::draw_ceiling({.shapes = {{.pose = pose, .width = 0.15}}, .bloom = 0.0}, test::test_camera(), kHeight);
+  Raster cells;
+  reduce(image.view(), 2, cells);
+  const CeilingFrame frame{.image = image.view(), .reduced = cells, .dark = cells, .factor = 2, .brightest = 255};
+  Candidate candidate = candidate_of(pose, 0.15);
+  candidate.level = 250;
+  candidate.bright = true;
+  candidate.hypothesis.is_whole = true;
+  candidate.hypothesis.fill = 0.5;
+  EXPECT_EQ(checks.by_edges(frame, candidate), Verdict::kAccepted);
+  candidate.fit.sides[kFarEnd].on_edge = 19;
+  EXPECT_EQ(checks.by_edges(frame, candidate), Verdict::kMuchAmiss);
+  candidate.fit.sides[kFarEnd].on_edge = 20;
+  candidate.by_edges = false;
+  EXPECT_EQ(checks.by_region(frame, candidate), Verdict::kMuchAmiss);
 }
 
 TEST(CandidateChecks, FindALampWhoseSizeTheFileHasWrongByATenth) {
