@@ -21,6 +21,9 @@ bool OtherKinds::may_be(const CeilingFrame& frame, const Candidate& candidate) c
   if (outline.shape == FixtureShape::kRound) {
     return false;
   }
+  if (is_as_large_as_a_vent(candidate) && is_striped(frame, candidate)) {
+    return true;
+  }
   const std::optional<Side> only = fit.only_side();
   if (fit.ends_visible() == 2 && !only) {
     return false;
@@ -53,6 +56,15 @@ bool OtherKinds::may_be(const CeilingFrame& frame, const Candidate& candidate) c
                kind.shape != FixtureShape::kRound && std::abs(kind.width - outline.width) > kOtherWidth;
            return (is_other && may_be(kind.length, kind.width)) || (is_bar && may_be(kind.width, kind.length)) ||
                   (is_bar && candidate.bright && kind.lamps >= 2 && may_be(kind.length, 0.5 * kind.width));
+         });
+}
+
+bool OtherKinds::is_as_large_as_a_vent(const Candidate& candidate) const {
+  const Outline& outline = candidate.hypothesis.outline;
+  const auto is_alike = [](double a, double b) { return std::abs(a - b) < kOtherWidth + 0.1 * b; };
+  return !candidate.bright &&
+         std::any_of(catalogue_.elements.begin(), catalogue_.elements.end(), [&](const CeilingKind& element) {
+           return element.slatted && is_alike(element.length, outline.length) && is_alike(element.width, outline.width);
          });
 }
 

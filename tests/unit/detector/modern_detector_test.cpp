@@ -157,6 +157,21 @@ TEST(ModernDetector, FindsAnUnlitFixtureBetweenFainterShadowsOnBothSides) {
   expect_at(detections[0], truth, 8e-3, radians(0.3));
 }
 
+TEST(ModernDetector, TellsAPanelThatIsOffFromAVentOfItsSize) {
+  CeilingCatalogue catalogue = test::test_catalogue();
+  catalogue.fixtures = {{.shape = FixtureShape::kSquare, .length = 0.6, .width = 0.6, .height = 2.8, .lamps = 1}};
+  catalogue.elements = {
+      {.shape = FixtureShape::kSquare, .length = 0.6, .width = 0.6, .height = 2.8, .lamps = 0, .slatted = true}};
+  for (const Pose2& pose : {Pose2{0.1, 0.1, 0.5}, Pose2{-0.2, 0.4, 0.0}, Pose2{0.95, -0.3, 0.05}}) {  // the last is cut
+    DrawnCeiling ceiling;
+    ceiling.shapes = {
+        {.pose = pose, .length = 0.6, .width = 0.6, .state = DetectionState::kUnlit, .darker = 40.0, .slats = 25.0}};
+    EXPECT_TRUE(detect(ceiling, test::test_camera(), catalogue).empty()) << pose.x;
+    ceiling.shapes[0].slats = 0.0;
+    EXPECT_EQ(detect(ceiling, test::test_camera(), catalogue).size(), 1U) << pose.x;
+  }
+}
+
 TEST(ModernDetector, TakesNoDarkSpeckForASmallRoundFixture) {
   CeilingCatalogue catalogue = test::test_catalogue();
   catalogue.fixtures = {{.shape = FixtureShape::kRound, .length = 0.06, .width = 0.06, .height = 2.8, .lamps = 1}};
