@@ -36,8 +36,8 @@ class TrackingSupervisor {
   void resume(bool was_followed);
   /// Gives a doubted pose, and the one it may have moved to, more weight once it predicted a fixture.
   void favour_predicting_pose();
-  /// While TRACKING, after an image whose fixtures the filter matched: a leader that matched none of them goes where
-  /// the filter is.
+  /// While TRACKING or blind, after an image whose fixtures the filter matched: a leader that matched none of them
+  /// goes where the filter is.
   void keep_leader_at_filter(const SightingFrame& frame);
   /// A user's guess while TRACKING: as good as the tracked pose for now.
   void add_rival(const PoseBelief& belief);

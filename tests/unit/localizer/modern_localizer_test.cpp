@@ -283,6 +283,43 @@ TEST(ModernLocalizer, IsNotSureBelowARoundLampUntilItsHeadingIsKnown) {
   EXPECT_EQ(localizer.estimate().state, LocalizerState::kTracking) << localizer.estimate().reason;
 }
 
+// The filter learns below lamps how the wheels err, and the hypotheses do not. After a long way without one they have
+// the pose elsewhere: what fits the filter is no reason to search anew.
+TEST(ModernLocalizer, GoesOnByTheFirstLampAfterALongBlindWay) {
+  constexpr double kTurn = radians(1.0);  // per metre, which the wheels do not notice
+  constexpr double kFar = 24.0;           // [m]
+  const auto truth_after = [](double way) {
+    return Pose2{std::sin(kTurn * way) / kTurn, (1.0 - std::cos(kTurn * way)) / kTurn, kTurn * way};
+  };
+  Building building;
+  building.ceiling_height = 2.8;
+  for (const double way : {0.0, 2.4, 4.8, 7.2, 9.6, kFar}) {
+    building.fixtures.emplace_back().world_from_fixture = truth_after(way);
+  }
+  ModernLocalizer localizer(building, PriorMap{}, robot(), ErrorParams{}, {});
+  localizer.recall({Pose2{}, 1e-4 * Eigen::Matrix3d::Identity()});
+  std::int64_t utime = 1'000'000'000;
+  for (double way = 0.0; way < kFar + 0.5; way += 0.04) {
+    utime += 100'000;
+    localizer.add_odometry({utime, 1, {way, 0.0, 0.0}, 0.4, 0.0});
+    SightingFrame frame{utime, {}};
+    for (const Fixture& lamp : building.fixtures) {
+      const Pose2 seen = truth_after(way).inverse() * lamp.world_from_fixture;
+      if (std::hypot(seen.x, seen.y) < 0.6) {
+        FixtureSighting& sighting = frame.sightings.emplace_back();
+        sighting.robot_from_fixture = seen;
+        sighting.covariance = 1e-5 * Eigen::Matrix3d::Identity();
+        sighting.length = lamp.length;
+        sighting.width = lamp.width;
+        sighting.state = SightingState::kLit;
+      }
+    }
+    localizer.add_frame(frame);
+    EXPECT_EQ(localizer.estimate().reason.find("anew"), std::string::npos) << way;
+  }
+  EXPECT_EQ(localizer.estimate().state, LocalizerState::kTracking) << localizer.estimate().reason;
+}
+
 TEST(ModernLocalizer, GivesTheSameAnswersTwice) {
   const TestBuilding building = testing::two_rooms();
   const auto run = [&] {
