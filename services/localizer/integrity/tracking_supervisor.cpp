@@ -224,9 +224,8 @@ void TrackingSupervisor::favour_predicting_pose() {
 // The filter follows a robot that somebody pushes or carries slowly, for fixtures stand metres apart. The leader, which
 // believes the wheels more, would lose sight of them all, and seconds later its place to any other pose.
 void TrackingSupervisor::keep_leader_at_filter(const SightingFrame& frame) {
-  const Hypothesis* held = leader();
-  const bool is_followed = is_tracking() || phase_ == Phase::kBlind;
-  if (is_followed && held != nullptr && !bank_.is_busy() && held->last_match < frame.utime) {
+  const Hypothesis* held = is_tracking() || phase_ == Phase::kBlind ? leader() : nullptr;
+  if (held != nullptr && !bank_.is_busy() && held->last_match < frame.utime) {
     bank_.place(static_cast<std::size_t>(held - bank_.hypotheses().data()), filter_.belief());
   }
 }
