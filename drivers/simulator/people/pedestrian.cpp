@@ -29,10 +29,17 @@ void Pedestrian::step(double dt, const FindObstruction& find_obstruction) {
   const Vector2d foot = foot_on_line();
   const bool is_beside = (position_ - foot).norm() > kOnLine;
   const Vector2d left = waypoint - foot;
-  const Vector2d target =
-      is_beside ? Vector2d(foot + std::min(kMergeAhead, left.norm()) * left.stableNormalized()) : waypoint;
+  const bool is_taken = is_beside && robot_is_on_line(foot, find_obstruction);
+  const bool stays_aside = is_taken && !has_turned_back_;
+  Vector2d target = waypoint;
+  if (is_taken) {  // beside his line he walks away from a robot that stands on it
+    target = position_ + left;
+  } else if (is_beside) {
+    target = foot + std::min(kMergeAhead, left.norm()) * left.stableNormalized();
+  } else {
+    has_turned_back_ = false;
+  }
   const Vector2d next = towards(target, distance);
-  const bool stays_aside = is_beside && robot_is_on_line(foot, find_obstruction);
   switch (stays_aside ? Obstruction::kRobot : find_obstruction(next, is_beside)) {
     case Obstruction::kNone:
       waiting_ = 0.0;
@@ -43,10 +50,8 @@ void Pedestrian::step(double dt, const FindObstruction& find_obstruction) {
       }
       break;
     case Obstruction::kRobot:
-      waiting_ += dt;
-      if (waiting_ > kPatience) {
-        turn_round();
-      } else if (waiting_ > kGiveWayAfter) {
+      wait(dt);
+      if (waiting_ > kGiveWayAfter) {
         give_way(distance, find_obstruction);
       }
       break;
@@ -54,6 +59,7 @@ void Pedestrian::step(double dt, const FindObstruction& find_obstruction) {
       turn_round();
       break;
     case Obstruction::kWall:
+      wait(dt);
       step_to(towards(foot, distance), false, find_obstruction);
       break;
   }
@@ -84,6 +90,14 @@ Vector2d Pedestrian::towards(const Vector2d& target, double distance) const {
 void Pedestrian::step_to(const Vector2d& next, bool is_beside_line, const FindObstruction& find_obstruction) {
   if (find_obstruction(next, is_beside_line) == Obstruction::kNone) {
     position_ = next;
+  }
+}
+
+void Pedestrian::wait(double dt) {
+  waiting_ += dt;
+  if (waiting_ > kPatience) {
+    turn_round();
+    has_turned_back_ = true;
   }
 }
 

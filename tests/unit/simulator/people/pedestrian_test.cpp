@@ -70,6 +70,18 @@ TEST(Pedestrian, WalksBackWhenHeHasWaitedLong) {
   EXPECT_LT(corridor.walker.position().x(), 1.0);
 }
 
+TEST(Pedestrian, WalksAwayBesideARobotThatStaysOnHisLine) {
+  Corridor corridor;
+  corridor.walk(6.0);
+  corridor.robot = {1.7, 0.0};  // beside him, and there it stays
+  double nearest_to_start = corridor.walker.position().x();
+  for (int i = 0; i < 12; ++i) {
+    corridor.walk(1.0);
+    nearest_to_start = std::min(nearest_to_start, corridor.walker.position().x());
+  }
+  EXPECT_LT(nearest_to_start, 0.5);
+}
+
 TEST(Pedestrian, TurnsRoundAtAClosedDoor) {
   Pedestrian walker(WalkingPerson{.waypoints = {{0.0, 0.0}, {4.0, 0.0}}, .speed = 1.0});
   double farthest = 0.0;
