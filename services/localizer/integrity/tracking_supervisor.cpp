@@ -96,8 +96,8 @@ void TrackingSupervisor::judge_tracked_pose(double distance_since_fixture) {
           fmt::format("another of {} poses explains what is seen as well", all.size()));
   } else if (sigma > rules_.leave_position_sigma || heading_sigma > rules_.leave_heading_sigma) {
     enter(Phase::kBlind, LocalizerState::kAmbiguous,
-          fmt::format("no fixture for {:.1f} m: the pose is only known to {:.2f} m and {:.0f} degrees",
-                      distance_since_fixture, sigma, degrees(heading_sigma)));
+          fmt::format("the pose is only known to {:.2f} m and {:.0f} degrees, {:.1f} m after the last fixture", sigma,
+                      degrees(heading_sigma), distance_since_fixture));
   } else {
     reason_ = fmt::format("one pose explains all that was seen; known to {:.0f} mm and {:.1f} degrees{}", 1e3 * sigma,
                           degrees(heading_sigma), describe_doubts());
