@@ -52,7 +52,7 @@ struct TrackingRules {
   int enter_fixtures = 2;                     // different fixtures that must have fitted
   double enter_position_sigma = 0.14;         // [m] largest axis
   double enter_heading_sigma = radians(6.0);  // [rad]
-  double leave_position_sigma = 0.2;          // [m] largest axis: beyond, less than 95 % lie within 0.5 m
+  double leave_position_sigma = 0.2;          // [m] of a round error: beyond, less than 95 % lie within 0.5 m
   double leave_heading_sigma = radians(9.0);  // [rad]
   double doubt = 10.0;                        // log-evidence of the images since the last match that suspects the pose
 };

@@ -88,7 +88,7 @@ bool TrackingSupervisor::is_unexplained(const SightingFrame& frame) {
 void TrackingSupervisor::judge_tracked_pose(double distance_since_fixture) {
   const std::vector<Hypothesis>& all = bank_.hypotheses();
   const PoseBelief belief = filter_.belief();
-  const double sigma = largest_position_sigma(belief.covariance);
+  const double sigma = round_position_sigma(belief.covariance);
   const double heading_sigma = std::sqrt(belief.covariance(2, 2));
   const bool is_first = all.front().id == leader_id_;
   if (!is_first || (all.size() > 1 && all[0].log_posterior - all[1].log_posterior < rules_.leave_margin)) {

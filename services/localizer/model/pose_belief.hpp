@@ -44,6 +44,13 @@ inline double position_sigma(const Eigen::Matrix3d& covariance) {
   return std::sqrt(std::max(0.0, 0.5 * (covariance(0, 0) + covariance(1, 1))));
 }
 
+/// Sigma [m] of the round position error of which 95 % lie within the same radius; at most 3 % too large.
+inline double round_position_sigma(const Eigen::Matrix3d& covariance) {
+  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double difference = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+  return std::sqrt(mean + 0.28 * difference);  // chi2 of one degree of freedom to that of two
+}
+
 /// A covariance that says "anywhere".
 inline Eigen::Matrix3d unknown_pose_covariance() {
   return Eigen::Vector3d(1e6, 1e6, 1e2).asDiagonal();
