@@ -21,7 +21,18 @@ constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 const Eigen::Vector3d kFixtureSurprise{0.0036, 0.0036, 0.0007};
 // What a slip or a bump does before an image shows it: 0.3 m and 10 degrees. [m^2, m^2, rad^2]
 const Eigen::Vector3d kUnnoticedMotion{0.09, 0.09, 0.03};
-constexpr double kHangsElsewhere = -0.9;  // log-ratio of the sonars below which the fixture moved, not the robot
+constexpr double kHungTurned = 0.0012;     // [rad^2] 2 degrees: what hangs elsewhere still is parallel to its place
+constexpr double kHangsElsewhere = -0.9;   // log-ratio of the sonars below which the fixture moved, not the robot;
+constexpr double kSurelyElsewhere = -1.6;  // with the fixture's direction: five to one, and the pose is in no doubt
+
+/// By how much better [log] a robot that was turned explains a fixture's direction than a fixture hung elsewhere does.
+double turn_log_ratio(const Innovation& innovation) {
+  const double variance = innovation.covariance(2, 2);
+  const double squared = innovation.residual.z() * innovation.residual.z();
+  const double hung = variance + kHungTurned;
+  const double turned = variance + kUnnoticedMotion.z();
+  return 0.5 * (std::log(hung / turned) + squared / hung - squared / turned);
+}
 
 }  // namespace
 
@@ -238,8 +249,17 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
   bool may_have_moved = contradiction.misfit && !matches.empty();
   if (may_have_moved) {
     correct(moved, frame, matches, odometry);
-    const PoseBelief held = filter_.belief();
-    may_have_moved = slip_.log_ratio(moved.belief().pose, held, odometry.odom_from_robot) >= kHangsElsewhere;
+    const double by_sonar = slip_.log_ratio(moved.belief().pose, filter_.belief(), odometry.odom_from_robot);
+    const FixtureMatch& match = matches.front();
+    const double by_turn =
+        turn_log_ratio(filter_.innovate(frame.sightings[match.sighting], match.fixture, model_.fixtures[match.fixture],
+                                        odometry.linear, odometry.angular));
+    if (by_sonar + by_turn < kSurelyElsewhere && !monitor_.may_be_kidnapped()) {
+      supervisor_.doubt_map(contradiction);
+      monitor_.restart();
+      return;
+    }
+    may_have_moved = by_sonar >= kHangsElsewhere;
   }
   const bool is_same = may_have_moved && is_same_place(filter_.belief().pose, moved.belief().pose, params_.hypotheses);
   if (is_same) {

@@ -65,7 +65,8 @@ class ModernLocalizer final : public Localizer {
   [[nodiscard]] SightingFrame usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const;
   void track(const SightingFrame& frame, const OdometryReading& odometry);
   /// What fits nothing where the robot is held to be may be a fixture seen by a robot that slipped or was bumped: that
-  /// pose competes with the doubted one, unless the sonars say that the robot is where it was.
+  /// pose competes with the doubted one, unless the sonars say that the robot is where it was. Where the fixture's
+  /// direction says so, too, only the map is in doubt.
   void suspect(Contradiction contradiction, const SightingFrame& frame, const OdometryReading& odometry);
   /// Which sighting is which fixture, for a pose as well known as the filter's.
   [[nodiscard]] std::vector<FixtureMatch> find_matches(const TrackingFilter& filter, const SightingFrame& frame,

@@ -27,6 +27,8 @@ class PoseMonitor {
                                                   const Pose2& odom_from_robot);
   /// While the motors are off a hand may move the robot.
   void allow_kidnapping(bool allowed) { kidnap_.set_motors_off(allowed); }
+  /// Since the last match somebody may have carried the robot off.
+  [[nodiscard]] bool may_be_kidnapped() const { return kidnap_.was_given(); }
   /// Restarts the sum.
   void restart();
   /// Another pose is followed from now on: nothing speaks for it yet.

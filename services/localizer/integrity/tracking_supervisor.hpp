@@ -27,6 +27,8 @@ class TrackingSupervisor {
 
   /// Puts the filter's pose in doubt: it becomes the only hypothesis, and the search begins.
   void suspect(const Contradiction& contradiction);
+  /// The pose is right in spite of it: the map is doubted, at the fixture that was missing or where something was seen.
+  void doubt_map(const Contradiction& contradiction);
   /// Adds where a doubted robot is if it slipped or was bumped. Another fixture that this pose predicts speaks for it.
   void add_moved(const PoseBelief& belief, double log_prior);
   /// While somebody moves the robot nothing is known.
@@ -53,8 +55,6 @@ class TrackingSupervisor {
   enum class Phase { kSearching, kFollowing, kBlind, kDoubted, kDisplaced };
 
   void enter(Phase phase, LocalizerState state, std::string reason);
-  /// The pose is right in spite of it: the map is doubted, at the fixture that was missing or where something was seen.
-  void doubt_map(const Contradiction& contradiction);
   /// What was seen says nothing any more of where the robot is; no pose is followed.
   void search_anew(const std::string& why);
   /// A leader that is refuted is one no more.

@@ -15,11 +15,17 @@ namespace {
 
 constexpr double kPitch = 3.0;   // [m] fixtures at 1.5, 4.5, 7.5, ...
 constexpr double kMiddle = 1.2;  // [m] of the corridor
+constexpr double kWall = 1.0;    // [m] on either side of it
+constexpr double kDisc = 0.2;    // [m] of a sonar from the robot's middle
 constexpr double kSpeed = 0.4;   // [m/s]
 
 RobotDescription robot() {
   RobotDescription robot;
   robot.camera.mounting.z = 0.3;
+  for (const double ahead : {-0.1, 0.0, 0.1}) {
+    robot.sonar.robot_from_sonar.push_back({ahead, kDisc, 0.5 * kPi});
+    robot.sonar.robot_from_sonar.push_back({ahead, -kDisc, -0.5 * kPi});
+  }
   return robot;
 }
 
@@ -40,6 +46,13 @@ class CorridorDrive {
       const double linear = x > x_ ? kSpeed : -kSpeed;
       move(linear, 0.1);
       localizer_.add_odometry({utime_, session_, {odom_, 0.0, 0.0}, linear, 0.0});
+      if (hears_walls_) {
+        SonarScan scan{utime_, {}};
+        for (int disc = 0; disc < static_cast<int>(robot().sonar.robot_from_sonar.size()); ++disc) {
+          scan.readings.push_back({disc, kWall - kDisc, true, utime_});
+        }
+        localizer_.add_sonar(scan);
+      }
       localizer_.add_frame({utime_, look()});
       if (state() != LocalizerState::kTracking) {
         reasons.push_back(localizer_.estimate().reason);
@@ -79,6 +92,12 @@ class CorridorDrive {
   }
   /// How far [m] along the corridor fixtures are seen.
   void see_as_far_as(double reach) { reach_ = reach; }
+  void hear_walls() { hears_walls_ = true; }
+  /// From now on the fixtures are seen so far to the left of their places [m], and turned so much [rad].
+  void hang_all_beside(double left, double turn) {
+    left_ = left;
+    turn_ = turn;
+  }
   void hang_false_fixture(double x) { false_fixtures_.push_back(x); }
   void take_down_false_fixtures() { false_fixtures_.clear(); }
 
@@ -110,7 +129,7 @@ class CorridorDrive {
     const auto see = [&](double at, const Fixture& fixture) {
       if (std::abs(at - x_) < reach_) {
         FixtureSighting sighting;
-        sighting.robot_from_fixture = {at - x_, 0.0, 0.0};
+        sighting.robot_from_fixture = {at - x_, left_, turn_};
         sighting.covariance = Eigen::Vector3d(1e-5, 1e-5, 1e-5).asDiagonal();
         sighting.length = fixture.length;
         sighting.width = fixture.width;
@@ -132,6 +151,9 @@ class CorridorDrive {
   double x_ = 1.0;     // [m] true place along the corridor
   double odom_ = 0.0;  // [m]
   double reach_ = 0.5;
+  double left_ = 0.0;  // [m]
+  double turn_ = 0.0;  // [rad]
+  bool hears_walls_ = false;
   std::int64_t utime_ = 1'000'000'000;
   std::int64_t session_ = 1;
   std::vector<double> false_fixtures_;  // [m]
@@ -201,6 +223,26 @@ TEST(Suspicion, IsOfTheMapWhereAnotherFixtureSupportsThePoseMeanwhile) {
     ASSERT_EQ(drive.state(), LocalizerState::kTracking);
     drive.hang_false_fixture(7.5 + off);  // with 1.7 m it is seen alone first
     EXPECT_EQ(drive.drive_to(10.0).empty(), off < 1.0) << off;
+  }
+}
+
+// A bump turns what the robot sees; what hangs elsewhere is parallel to its place.
+TEST(Suspicion, IsOfTheMapWhereTheSonarsHearThatTheRobotDidNotMove) {
+  struct Case {
+    bool hears_walls;
+    double turn;  // [rad]
+    bool is_of_the_map;
+  };
+  for (const Case& c : {Case{true, 0.0, true}, Case{true, radians(12.0), false}, Case{false, 0.0, false}}) {
+    CorridorDrive drive;
+    if (c.hears_walls) {
+      drive.hear_walls();
+    }
+    drive.drive_to(8.2);
+    ASSERT_EQ(drive.state(), LocalizerState::kTracking);
+    drive.hang_all_beside(0.4, c.turn);
+    EXPECT_EQ(drive.drive_to(10.9).empty(), c.is_of_the_map) << c.hears_walls << ", " << c.turn;
+    EXPECT_TRUE(!c.is_of_the_map || drive.error() < 0.15);
   }
 }
 
