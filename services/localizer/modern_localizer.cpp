@@ -23,7 +23,7 @@ const Eigen::Vector3d kFixtureSurprise{0.0036, 0.0036, 0.0007};
 const Eigen::Vector3d kUnnoticedMotion{0.09, 0.09, 0.03};
 constexpr double kHungTurned = 0.0012;     // [rad^2] 2 degrees: what hangs elsewhere still is parallel to its place
 constexpr double kHangsElsewhere = -0.9;   // log-ratio of the sonars below which the fixture moved, not the robot;
-constexpr double kSurelyElsewhere = -1.6;  // with the fixture's direction: five to one, and the pose is in no doubt
+constexpr double kSurelyElsewhere = -1.6;  // if with the fixture's direction, too: five to one, no doubt of the pose
 
 /// By how much better [log] a robot that was turned explains a fixture's direction than a fixture hung elsewhere does.
 double turn_log_ratio(const Innovation& innovation) {
@@ -254,12 +254,12 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
     const double by_turn =
         turn_log_ratio(filter_.innovate(frame.sightings[match.sighting], match.fixture, model_.fixtures[match.fixture],
                                         odometry.linear, odometry.angular));
-    if (by_sonar + by_turn < kSurelyElsewhere && !monitor_.may_be_kidnapped()) {
+    may_have_moved = by_sonar >= kHangsElsewhere;
+    if (!may_have_moved && by_sonar + by_turn < kSurelyElsewhere && !monitor_.may_be_kidnapped()) {
       supervisor_.doubt_map(contradiction);
       monitor_.restart();
       return;
     }
-    may_have_moved = by_sonar >= kHangsElsewhere;
   }
   const bool is_same = may_have_moved && is_same_place(filter_.belief().pose, moved.belief().pose, params_.hypotheses);
   if (is_same) {
