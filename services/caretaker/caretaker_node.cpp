@@ -64,13 +64,9 @@ void CaretakerNode::on_fixture_detections(const fixture_detections_t& message) {
     return;  // in turn with these a lamp would seem to flicker
   }
   LookedAtFrame looked;
-  looked.frame.utime = message.utime + time_offset_;
+  looked.frame = to_frame(message);
+  looked.frame.utime += time_offset_;
   looked.grey = message.median_grey;
-  for (const fixture_detection_t& detection : message.detections) {
-    if (is_possible(detection) && detection.shape != fixture_detection_t::SHAPE_ELEMENT) {
-      looked.frame.sightings.push_back(to_sighting(detection));
-    }
-  }
   recorder_.add_frame(looked);
   keep_ended();
 }

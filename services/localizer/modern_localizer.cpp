@@ -235,8 +235,7 @@ void ModernLocalizer::track(const SightingFrame& frame, const OdometryReading& o
   const Pose2 before = filter_.belief().pose;
   correct_filter(frame, matches, odometry);
   const Pose2 after = filter_.belief().pose;
-  if (!motors_enabled_ && supervisor_.is_tracking() &&
-      (distance(before, after) > kMovedByHand || std::abs(wrap_angle(after.theta - before.theta)) > kTurnedByHand)) {
+  if (!motors_enabled_ && supervisor_.is_tracking() && !is_near(before, after, kMovedByHand, kTurnedByHand)) {
     supervisor_.suspect({"the robot was moved by hand while its motors were off", log_prior::kAfterMiss});
   }
 }

@@ -52,4 +52,15 @@ FixtureSighting to_sighting(const fixture_detection_t& detection) {
   return sighting;
 }
 
+SightingFrame to_frame(const fixture_detections_t& message) {
+  SightingFrame frame;
+  frame.utime = message.utime;
+  for (const fixture_detection_t& detection : message.detections) {
+    if (is_possible(detection) && detection.shape != fixture_detection_t::SHAPE_ELEMENT) {
+      frame.sightings.push_back(to_sighting(detection));
+    }
+  }
+  return frame;
+}
+
 }  // namespace luminav

@@ -34,6 +34,8 @@ struct CameraDescription {
   CameraMounting mounting;
   double time_offset = 0.0;       // [s] to add to the image stamp to get the true time
   double row_time = 25e-3 / 480;  // [s] from one row to the next
+
+  bool operator==(const CameraDescription&) const = default;
 };
 
 /// What every process may know of the robot; no process has constants of its own about it.

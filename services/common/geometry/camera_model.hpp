@@ -20,6 +20,8 @@ struct CameraIntrinsics {
   double cx = 319.5;                   // [px]
   double cy = 239.5;                   // [px]
   std::array<double, 5> distortion{};  // see above
+
+  bool operator==(const CameraIntrinsics&) const = default;
 };
 
 /// Where the camera sits: robot_from_camera. With roll = pitch = yaw = 0 it looks straight up and the top of its
@@ -34,6 +36,7 @@ struct CameraMounting {
 
   /// Columns are the camera's x, y and z axes in the robot frame.
   [[nodiscard]] Eigen::Matrix3d rotation() const;
+  bool operator==(const CameraMounting&) const = default;
 };
 
 /// Maps between pixels and points on a horizontal ceiling, both in the robot's terms. Integer pixel coordinates are

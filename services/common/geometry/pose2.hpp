@@ -78,4 +78,9 @@ inline double distance(const Pose2& a, const Pose2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
+/// Less than a distance [m] and a turn [rad] lie between two poses.
+inline bool is_near(const Pose2& a, const Pose2& b, double apart, double turned) {
+  return distance(a, b) < apart && std::abs(wrap_angle(a.theta - b.theta)) < turned;
+}
+
 }  // namespace luminav

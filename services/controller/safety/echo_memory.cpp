@@ -102,8 +102,7 @@ void EchoMemory::refute(const SonarFiring& firing) {
   std::vector<Eigen::Vector2d> gone;
   for (Echo& echo : echoes_) {
     const bool is_same_view =
-        echo.disc == firing.disc && distance(echo.odom_from_robot, firing.odom_from_robot) < kSamePlace &&
-        std::abs(wrap_angle(echo.odom_from_robot.theta - firing.odom_from_robot.theta)) < kSameHeading;
+        echo.disc == firing.disc && is_near(echo.odom_from_robot, firing.odom_from_robot, kSamePlace, kSameHeading);
     if (is_same_view && firing.range > echo.range + kRefuteMargin) {
       std::erase_if(echo.points_in_odom, [&](const Eigen::Vector2d& point) {
         const bool is_gone = !firing.has_echo || angle_of(sonar_from_odom * point) < cone;

@@ -73,22 +73,27 @@ void add_odometry(ceres::Problem& problem, Unknowns& unknowns, const std::vector
   }
 }
 
+template <std::size_t kCount>
+void add_prior(ceres::Problem& problem, std::array<double, kCount>& block, const std::array<double, kCount>& sigma,
+               const std::array<double, kCount>& expected = {}) {
+  using Residual = PriorResidual<static_cast<int>(kCount)>;
+  problem.AddResidualBlock(
+      new ceres::AutoDiffCostFunction<Residual, static_cast<int>(kCount), static_cast<int>(kCount)>(
+          new Residual{sigma, expected}),
+      nullptr, block.data());
+}
+
 // The wheels' unknowns are their whole correction, for odometry comes as the wheels told it; the camera's are what is
 // left beside its file, for the detections were placed with that.
 void add_priors(ceres::Problem& problem, Unknowns& unknowns, const LocalizerConfig& config) {
   const ErrorParams& errors = config.errors;
-  const Triple wheels{config.wheels.scale, config.wheels.ratio, config.wheels.base};
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>{
-                               {errors.wheel_scale, errors.wheel_ratio, errors.wheel_base}, wheels}),
-                           nullptr, unknowns.wheels.data());
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual<6>, 6, 6>(new PriorResidual<6>{
-                               {errors.camera_tilt, errors.camera_tilt, errors.camera_yaw, errors.camera_scale,
-                                errors.camera_time_offset, std::max(1e-4, errors.lens_residual)}}),
-                           nullptr, unknowns.camera.data());
+  add_prior(problem, unknowns.wheels, Triple{errors.wheel_scale, errors.wheel_ratio, errors.wheel_base},
+            Triple{config.wheels.scale, config.wheels.ratio, config.wheels.base});
+  add_prior(problem, unknowns.camera,
+            Camera{errors.camera_tilt, errors.camera_tilt, errors.camera_yaw, errors.camera_scale,
+                   errors.camera_time_offset, std::max(1e-4, errors.lens_residual)});
   for (auto& [index, fixture] : unknowns.fixtures) {
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>{
-                                 {errors.fixture_position, errors.fixture_position, errors.fixture_heading}}),
-                             nullptr, fixture.data());
+    add_prior(problem, fixture, Triple{errors.fixture_position, errors.fixture_position, errors.fixture_heading});
   }
 }
 

@@ -33,45 +33,6 @@ std::vector<KnownSighting> recognise(const SightingFrame& frame, const OdometryR
   return known;
 }
 
-}  // namespace
-
-DriveLog read_drive_log(const std::string& file) {
-  LogReader log(file);
-  log.load_only({channels::kOdometry, channels::kFixtureDetections});
-  DriveLog drive;
-  LogEvent event;
-  while (log.next(event)) {
-    if (event.channel == channels::kOdometry) {
-      odometry_t message{};
-      if (message.decode(event.data.data(), 0, static_cast<int>(event.data.size())) > 0 && is_possible(message) &&
-          (drive.odometry.empty() || message.utime > drive.odometry.back().utime)) {
-        drive.odometry.push_back(
-            {message.utime, message.session, odom_from_robot(message), message.linear, message.angular});
-      }
-    } else if (event.channel == channels::kFixtureDetections) {
-      fixture_detections_t message{};
-      if (message.decode(event.data.data(), 0, static_cast<int>(event.data.size())) <= 0) {
-        continue;
-      }
-      SightingFrame frame;
-      frame.utime = message.utime;
-      for (const fixture_detection_t& detection : message.detections) {
-        if (is_possible(detection) && detection.shape != fixture_detection_t::SHAPE_ELEMENT) {
-          frame.sightings.push_back(to_sighting(detection));
-        }
-      }
-      drive.frames.push_back(frame);
-    }
-  }
-  drive.is_cut = log.is_cut();
-  // a stamp from the future must not hold up the frames behind it
-  std::stable_sort(drive.frames.begin(), drive.frames.end(),
-                   [](const SightingFrame& a, const SightingFrame& b) { return a.utime < b.utime; });
-  return drive;
-}
-
-namespace {
-
 /// The drive's odometry as the localizer takes it: wheels corrected as the robot's file says.
 std::vector<OdometryReading> corrected(const std::vector<OdometryReading>& odometry, const LocalizerConfig& config) {
   CorrectedOdometry wheels(config.wheels, config.robot.wheel_base);
@@ -99,6 +60,33 @@ std::vector<SightingFrame> take_frames(const DriveLog& log, std::int64_t offset,
 }
 
 }  // namespace
+
+DriveLog read_drive_log(const std::string& file) {
+  LogReader log(file);
+  log.load_only({channels::kOdometry, channels::kFixtureDetections});
+  DriveLog drive;
+  LogEvent event;
+  while (log.next(event)) {
+    if (event.channel == channels::kOdometry) {
+      odometry_t message{};
+      if (message.decode(event.data.data(), 0, static_cast<int>(event.data.size())) > 0 && is_possible(message) &&
+          (drive.odometry.empty() || message.utime > drive.odometry.back().utime)) {
+        drive.odometry.push_back(
+            {message.utime, message.session, odom_from_robot(message), message.linear, message.angular});
+      }
+    } else if (event.channel == channels::kFixtureDetections) {
+      fixture_detections_t message{};
+      if (message.decode(event.data.data(), 0, static_cast<int>(event.data.size())) > 0) {
+        drive.frames.push_back(to_frame(message));
+      }
+    }
+  }
+  drive.is_cut = log.is_cut();
+  // a stamp from the future must not hold up the frames behind it
+  std::stable_sort(drive.frames.begin(), drive.frames.end(),
+                   [](const SightingFrame& a, const SightingFrame& b) { return a.utime < b.utime; });
+  return drive;
+}
 
 FollowedDrive follow_drive(const DriveLog& log, const LocalizerConfig& config, double spacing, double turn) {
   LocalizerConfig modern = config;

@@ -51,13 +51,7 @@ void check_camera(const std::string& log, const CameraDescription& camera) {
   if (!std::filesystem::exists(kept)) {
     return;
   }
-  const CameraDescription then = read_robot(kept).camera;
-  const auto numbers = [](const CameraDescription& c) {
-    const auto& [at, lens] = std::tie(c.mounting, c.intrinsics);
-    return std::tuple(at.x, at.y, at.z, at.roll, at.pitch, at.yaw, c.time_offset, c.row_time, lens.fx, lens.fy, lens.cx,
-                      lens.cy, lens.model, lens.distortion);
-  };
-  if (numbers(then) != numbers(camera)) {
+  if (read_robot(kept).camera != camera) {
     throw std::runtime_error(
         fmt::format("{} was recorded with another [camera] than the robot's file has now; give --robot {} "
                     "and --out, or record a new drive",

@@ -77,8 +77,7 @@ void EchoCollector::forget_places() {
 
 bool EchoCollector::has_listened_at(const Pose2& odom_from_robot) const {
   return std::any_of(places_.begin(), places_.end(), [&](const Pose2& place) {
-    return distance(place, odom_from_robot) < params_.sonar_test_distance &&
-           std::abs(wrap_angle(place.theta - odom_from_robot.theta)) < params_.sonar_turn;
+    return is_near(place, odom_from_robot, params_.sonar_test_distance, params_.sonar_turn);
   });
 }
 

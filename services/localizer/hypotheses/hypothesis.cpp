@@ -99,7 +99,7 @@ double score_of_misfits(std::span<const ObjectTrack> objects, bool may_be_unlist
 }
 
 bool is_same_place(const Pose2& a, const Pose2& b, const HypothesisParams& params) {
-  return distance(a, b) < params.merge_distance && std::abs(wrap_angle(a.theta - b.theta)) < params.merge_angle;
+  return is_near(a, b, params.merge_distance, params.merge_angle);
 }
 
 void settle_what_is_over(Hypothesis& hypothesis, std::span<const ObjectTrack> forgotten, double odometer,

@@ -66,6 +66,8 @@ struct Hypothesis {
   std::vector<int> confirmed;       // different fixtures that fitted, at most 16
   std::int64_t last_match = 0;      // [us]
   std::int64_t last_explained = 0;  // [us] likewise, or what was seen hangs where the file need not list it
+
+  [[nodiscard]] double without_sonar() const { return log_posterior - sonar_part; }
 };
 
 /// Counts an image of an object: `fixture` is what it is taken for there, -1 = none; a weight below 1 for a cut one. It

@@ -123,8 +123,7 @@ void HypothesisBank::compare_next() {
 // One that sonar alone could not bring before the leader must not be what all others are measured by: it would hold
 // them all at the most that sonar can hold against a pose, and say nothing of which is the better one.
 bool HypothesisBank::may_lead(const Hypothesis& hypothesis) const {
-  const auto without_sonar = [](const Hypothesis& h) { return h.log_posterior - h.sonar_part; };
-  return without_sonar(hypothesis) >= without_sonar(hypotheses_.front()) - params_.sonar_cap;
+  return hypothesis.without_sonar() >= hypotheses_.front().without_sonar() - params_.sonar_cap;
 }
 
 void HypothesisBank::visit(Hypothesis& hypothesis) const {

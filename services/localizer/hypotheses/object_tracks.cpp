@@ -2,7 +2,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
+
+#include "services/localizer/model/pose_belief.hpp"
 
 namespace luminav {
 namespace {
@@ -31,12 +32,6 @@ bool extends_row(const ObjectTrack& object, const std::vector<ObjectTrack>& obje
 }
 
 }  // namespace
-
-double largest_position_sigma(const Eigen::Matrix3d& covariance) {
-  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
-  const double difference = 0.5 * (covariance(0, 0) - covariance(1, 1));
-  return std::sqrt(std::max(0.0, mean + std::hypot(difference, covariance(0, 1))));
-}
 
 void ObjectTracks::clear() {
   objects_.clear();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
 
 #include "services/common/ceiling/fixture_sighting.hpp"
@@ -42,8 +41,5 @@ class ObjectTracks {
   std::vector<std::size_t> seen_;  // by sighting of the newest image
   int next_id_ = 1;
 };
-
-/// Long axis deviation [m] of a covariance's position part.
-double largest_position_sigma(const Eigen::Matrix3d& covariance);
 
 }  // namespace luminav

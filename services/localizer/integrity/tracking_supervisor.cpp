@@ -232,9 +232,7 @@ void TrackingSupervisor::keep_leader_at_filter(const SightingFrame& frame) {
 
 void TrackingSupervisor::add_rival(const PoseBelief& belief) {
   const Hypothesis* held = leader();
-  const Pose2 pose = filter_.belief().pose;
-  if (held == nullptr || (distance(pose, belief.pose) < kSamePlace &&
-                          std::abs(wrap_angle(pose.theta - belief.pose.theta)) < kSameHeading)) {
+  if (held == nullptr || is_near(filter_.belief().pose, belief.pose, kSamePlace, kSameHeading)) {
     return;  // that is where it is held to be
   }
   const double log_posterior = held->log_posterior;
@@ -262,9 +260,8 @@ double TrackingSupervisor::needed_margin() const {
 bool TrackingSupervisor::is_ahead_without_sonar() const {
   // Boxes that no map knows sound like walls, and may make one of two rooms with the same ceiling sound like the other.
   const std::vector<Hypothesis>& all = bank_.hypotheses();
-  const auto without_sonar = [](const Hypothesis& h) { return h.log_posterior - h.sonar_part; };
-  const double min = without_sonar(all.front()) - rules_.min_without_sonar;
-  return std::all_of(all.begin() + 1, all.end(), [&](const Hypothesis& rival) { return without_sonar(rival) <= min; });
+  const double min = all.front().without_sonar() - rules_.min_without_sonar;
+  return std::all_of(all.begin() + 1, all.end(), [&](const Hypothesis& rival) { return rival.without_sonar() <= min; });
 }
 
 }  // namespace luminav

@@ -44,11 +44,19 @@ inline double position_sigma(const Eigen::Matrix3d& covariance) {
   return std::sqrt(std::max(0.0, 0.5 * (covariance(0, 0) + covariance(1, 1))));
 }
 
+/// Position sigma [m] with a share of what the variance along the longer axis exceeds the mean by: 1 = that axis alone.
+inline double position_sigma_towards_longest(const Eigen::Matrix3d& covariance, double share) {
+  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double excess = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+  return std::sqrt(std::max(0.0, mean + share * excess));
+}
+/// Sigma [m] along the longer axis of a position's error.
+inline double largest_position_sigma(const Eigen::Matrix3d& covariance) {
+  return position_sigma_towards_longest(covariance, 1.0);
+}
 /// Sigma [m] of the round position error of which 95 % lie within the same radius; at most 3 % too large.
 inline double round_position_sigma(const Eigen::Matrix3d& covariance) {
-  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
-  const double difference = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
-  return std::sqrt(mean + 0.28 * difference);  // chi2 of one degree of freedom to that of two
+  return position_sigma_towards_longest(covariance, 0.28);  // chi2 of one degree of freedom to that of two
 }
 
 /// A covariance that says "anywhere".

@@ -21,8 +21,7 @@ bool agree(const PoseBelief& a, const PoseBelief& b) {
 
 /// Whether the robot moved far enough since for an image to say something new.
 bool has_moved(const std::optional<Pose2>& since, const Pose2& now, const HandoverParams& params) {
-  return !since || distance(*since, now) >= params.step ||
-         std::abs(wrap_angle(now.theta - since->theta)) >= params.turn;
+  return !since || !is_near(*since, now, params.step, params.turn);
 }
 
 }  // namespace
@@ -127,8 +126,7 @@ void PaperLocalizer::weigh_candidate(const FrameQueue::TimedFrame& timed) {
   const HandoverParams& rules = params_.handover;
   const PoseCluster& best = clusters_.front();
   const Pose2& pose = best.belief.pose;
-  if (!candidate_ || distance(*candidate_, pose) > 0.5 ||
-      std::abs(wrap_angle(candidate_->theta - pose.theta)) > radians(20.0)) {
+  if (!candidate_ || !is_near(*candidate_, pose, 0.5, radians(20.0))) {
     confidence_.restart();
   }
   candidate_ = pose;

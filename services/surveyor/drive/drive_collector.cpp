@@ -17,17 +17,6 @@ namespace {
 constexpr std::int64_t kLookPeriod = 500'000;   // [us] between looks of a robot that stands: it may be lifted
 constexpr double kLongestExposure = 100'000.0;  // [us] that a camera of a moving robot may take
 
-SightingFrame to_frame(const fixture_detections_t& message) {
-  SightingFrame frame;
-  frame.utime = message.utime;
-  for (const fixture_detection_t& detection : message.detections) {
-    if (is_possible(detection) && detection.shape != fixture_detection_t::SHAPE_ELEMENT) {
-      frame.sightings.push_back(to_sighting(detection));
-    }
-  }
-  return frame;
-}
-
 SightingState state_of(const Detection& detection) {
   switch (detection.state) {
     case DetectionState::kLit:
