@@ -11,6 +11,7 @@ constexpr std::int64_t kCameraSilence = 1'000'000;  // [us] after which hypothes
 constexpr std::int64_t kMaxExtrapolated = 150'000;  // [us] from the newest odometry, which comes at 10 Hz
 constexpr std::size_t kMaxSightings = 12;           // of one image
 constexpr int kMaxUnmatched = 3;                // images in a row in which a fixture followed by sight may be missed
+constexpr int kMinFrames = 2;                   // images of an object before it tells of the pose: one may be wrong
 constexpr double kNear = 1.5;                   // [m] beyond it no tracked pose explains a sighting
 constexpr double kMatchGate = 16.27;            // of the normalised innovation squared: chi2(3) at 99.9 %
 constexpr double kMovedByHand = 0.05;           // [m] by which one image moves a pose that wheels did not move
@@ -227,7 +228,8 @@ void ModernLocalizer::track(const SightingFrame& frame, const OdometryReading& o
   for (const int fixture : model_.fixtures.doubted()) {
     filter_.doubt(fixture);
   }
-  const std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
+  std::vector<FixtureMatch> matches = find_matches(filter_, frame, odometry);
+  std::erase_if(matches, [&](const FixtureMatch& match) { return tracks_.seen(match.sighting).frames < kMinFrames; });
   const auto contradiction = monitor_.look(frame, tracks_, matches, filter_.belief(), odometry.odom_from_robot);
   if (contradiction && !supervisor_.is_suspected()) {
     suspect(*contradiction, frame, odometry);
