@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
+#include <queue>
 #include <unordered_map>
+#include <utility>
 
 namespace luminav {
 namespace {
@@ -29,21 +32,14 @@ class WalkSearch {
     std::uint64_t left = 0;     // rivals, as bits
     std::int32_t before = -1;   // label
   };
-  struct Entry {
-    double bound = 0.0;  // [m] that the whole walk has at least
-    std::int32_t label = 0;
-    bool operator>(const Entry& other) const {
-      return bound > other.bound || (bound == other.bound && label > other.label);
-    }
-  };
+  using Entry = std::pair<double, std::int32_t>;  // [m] that the whole walk has at least, and a label
 
   /// The most promising way; the walk is complete when it left no rivals.
   Entry next() {
     while (true) {
-      const Entry entry = queue_.front();
-      std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
-      queue_.pop_back();
-      if (!label(entry.label).is_dominated) {
+      const Entry entry = queue_.top();
+      queue_.pop();
+      if (!label(entry.second).is_dominated) {
         return entry;
       }
     }
@@ -78,8 +74,7 @@ class WalkSearch {
       return label(other).is_dominated;
     });
     here.push_back(static_cast<std::int32_t>(labels_.size()));
-    queue_.push_back({distance + farthest, here.back()});
-    std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+    queue_.emplace(distance + farthest, here.back());
     labels_.push_back(next);
   }
 
@@ -87,7 +82,7 @@ class WalkSearch {
   const std::vector<std::vector<double>>& to_refuted_;
   std::vector<std::vector<std::int32_t>> labels_at_;  // by place: not dominated
   std::vector<Label> labels_;
-  std::vector<Entry> queue_;  // heap
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 
 }  // namespace
@@ -239,14 +234,14 @@ void ResolvingWalk::add_rival(Vicinity& vicinity, std::size_t rival, const IsPos
 ResolvingWalk::Walk ResolvingWalk::shortest(const Vicinity& vicinity) const {
   WalkSearch search(vicinity.ground, vicinity.to_refuted);
   for (std::size_t expanded = 0;; ++expanded) {
-    const WalkSearch::Entry entry = search.next();
-    const bool is_complete = search.label(entry.label).left == 0;
+    const auto [bound, last] = search.next();
+    const bool is_complete = search.label(last).left == 0;
     if (!is_complete && expanded < max_expanded_) {
-      search.expand(entry.label);
+      search.expand(last);
       continue;
     }
-    Walk walk{entry.bound, {}};
-    for (std::int32_t label = is_complete ? entry.label : -1; label >= 0; label = search.label(label).before) {
+    Walk walk{bound, {}};
+    for (std::int32_t label = is_complete ? last : -1; label >= 0; label = search.label(label).before) {
       walk.path.push_back(vicinity.places[index_of(search.label(label).place)]);
     }
     std::reverse(walk.path.begin(), walk.path.end());

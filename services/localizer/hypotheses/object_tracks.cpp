@@ -67,12 +67,7 @@ void ObjectTracks::update(const SightingFrame& frame, const Pose2& odom_from_rob
       }
     }
     if (nearest == objects_.size()) {
-      ObjectTrack object;
-      object.id = next_id_++;
-      object.best = sighting;
-      object.odom_from_object = odom_from_sighting;
-      object.odom_from_robot = odom_from_robot;
-      objects_.push_back(object);
+      objects_.push_back({.id = next_id_++, .best = sighting});
     }
     ObjectTrack& object = objects_[nearest];
     ++object.frames;

@@ -10,8 +10,8 @@ namespace luminav {
 struct ObjectTrack {
   int id = 0;
   FixtureSighting best;      // the sharpest sighting; its pose is not used, odom_from_object is
-  Pose2 odom_from_object;    // by the newest sighting that was about as sharp as the best
-  Pose2 odom_from_robot;     // where that sighting was made
+  Pose2 odom_from_object{};  // by the newest sighting that was about as sharp as the best
+  Pose2 odom_from_robot{};   // where that sighting was made
   int frames = 0;            // images that showed it
   bool is_visible = false;   // in the newest image
   double odometer = 0.0;     // [m] of the robot when last seen
