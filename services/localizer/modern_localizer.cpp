@@ -22,17 +22,19 @@ constexpr double kTurnedByHand = radians(3.0);  // [rad] likewise
 const Eigen::Vector3d kFixtureSurprise{0.0036, 0.0036, 0.0007};
 // What a slip or a bump does before an image shows it: 0.3 m and 10 degrees. [m^2, m^2, rad^2]
 const Eigen::Vector3d kUnnoticedMotion{0.09, 0.09, 0.03};
-constexpr double kHungTurned = 0.0012;     // [rad^2] 2 degrees: what hangs elsewhere still is parallel to its place
-constexpr double kHangsElsewhere = -0.9;   // log-ratio of the sonars below which the fixture moved, not the robot;
-constexpr double kSurelyElsewhere = -1.6;  // if with the fixture's direction, too: five to one, no doubt of the pose
+constexpr double kMaxSlip = 0.45;               // [m] farther away, or
+constexpr double kMaxBumpTurn = radians(15.0);  // [rad] turned by more, it may as well be anywhere
+constexpr double kHungTurned = 0.0012;          // [rad^2] 2 degrees: what hangs elsewhere is parallel to its place
 
-/// By how much better [log] a robot that was turned explains a fixture's direction than a fixture hung elsewhere does.
+/// By how much better [log] a robot that slipped, which leaves its heading, or was bumped, which turns it, explains a
+/// fixture's direction than a fixture hung elsewhere does.
 double turn_log_ratio(const Innovation& innovation) {
   const double variance = innovation.covariance(2, 2);
   const double squared = innovation.residual.z() * innovation.residual.z();
   const double hung = variance + kHungTurned;
   const double turned = variance + kUnnoticedMotion.z();
-  return 0.5 * (std::log(hung / turned) + squared / hung - squared / turned);
+  const double bump = 0.5 * (std::log(hung / turned) + squared / hung - squared / turned);
+  return std::log(0.5 + 0.5 * std::exp(bump));
 }
 
 }  // namespace
@@ -247,35 +249,29 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
   TrackingFilter moved = filter_;
   moved.widen(kUnnoticedMotion);
   const std::vector<FixtureMatch> matches = find_matches(moved, frame, odometry);
-  bool may_have_moved = contradiction.misfit && !matches.empty();
-  if (may_have_moved) {
-    correct(moved, frame, matches, odometry);
-    const double by_sonar = slip_.log_ratio(moved.belief().pose, filter_.belief(), odometry.odom_from_robot);
+  correct(moved, frame, matches, odometry);
+  const bool is_fixture = contradiction.misfit && !matches.empty() &&
+                          is_near(filter_.belief().pose, moved.belief().pose, kMaxSlip, kMaxBumpTurn);
+  if (is_fixture) {
     const FixtureMatch& match = matches.front();
-    const double by_turn =
+    const double log_ratio =
+        slip_.log_ratio(moved.belief().pose, filter_.belief(), odometry.odom_from_robot) +
         turn_log_ratio(filter_.innovate(frame.sightings[match.sighting], match.fixture, model_.fixtures[match.fixture],
                                         odometry.linear, odometry.angular));
-    may_have_moved = by_sonar >= kHangsElsewhere;
-    if (!may_have_moved && by_sonar + by_turn < kSurelyElsewhere && !monitor_.may_be_kidnapped()) {
-      supervisor_.doubt_map(contradiction);
-      monitor_.restart();
-      return;
+    for (const FixtureMatch& hung : matches) {
+      filter_.doubt(hung.fixture);
+    }
+    correct(filter_, frame, matches, odometry);
+    filter_.mix_in(moved, 1.0 / (1.0 + std::exp(-log_ratio)));
+    if (log_ratio > 0.0) {
+      contradiction.misfit.reset();  // that is no fault of the map
     }
   }
-  const bool is_same = may_have_moved && is_same_place(filter_.belief().pose, moved.belief().pose, params_.hypotheses);
-  if (is_same) {
-    filter_ = moved;               // the bank does not tell the two apart
-    contradiction.misfit.reset();  // that is no fault of the map
-  }
-  supervisor_.suspect(contradiction);
-  if (contradiction.misfit) {
-    // If the pose is right, what is seen there hangs elsewhere: it must not correct the pose when that is less sure.
-    for (const int fixture : model_.fixtures.near(*contradiction.misfit, FixtureMap::kMaxOffset)) {
-      filter_.doubt(fixture);
-    }
-  }
-  if (may_have_moved && !is_same) {
-    supervisor_.add_moved(moved.belief(), contradiction.log_prior);
+  if (is_fixture && !monitor_.may_be_kidnapped()) {
+    supervisor_.doubt_map(contradiction);
+    monitor_.restart();
+  } else {
+    supervisor_.suspect(contradiction);
   }
 }
 

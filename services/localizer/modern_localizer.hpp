@@ -64,9 +64,9 @@ class ModernLocalizer final : public Localizer {
   void listen(std::int64_t until_utime);
   [[nodiscard]] SightingFrame usable_sightings(const SightingFrame& frame, const OdometryReading& odometry) const;
   void track(const SightingFrame& frame, const OdometryReading& odometry);
-  /// What fits nothing where the robot is held to be may be a fixture seen by a robot that slipped or was bumped: that
-  /// pose competes with the doubted one, unless the sonars say that the robot is where it was. Where the fixture's
-  /// direction says so, too, only the map is in doubt.
+  /// What fits nothing where the robot is held to be may be a fixture that hangs elsewhere, or that a robot sees which
+  /// slipped or was bumped: the filter becomes that of both, weighed by the fixture's direction and what the sonars
+  /// heard. Far off, or where somebody may have carried it, the robot is searched for elsewhere.
   void suspect(Contradiction contradiction, const SightingFrame& frame, const OdometryReading& odometry);
   /// Which sighting is which fixture, for a pose as well known as the filter's.
   [[nodiscard]] std::vector<FixtureMatch> find_matches(const TrackingFilter& filter, const SightingFrame& frame,

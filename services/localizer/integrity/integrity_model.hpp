@@ -15,9 +15,10 @@
 //
 //   phase       ends, and what follows
 //   searching   a hypothesis leads by `first_margin` (`enter_margin` once a pose was held for true): following
-//   following   evidence reaches `doubt`, odometry is lost, or a hand moves the robot: doubted, or only the map where
-//               sonars and fixture say that the robot did not move; another pose comes as near as `leave_margin`:
-//               searching; no fixture for long: blind
+//   following   evidence reaches `doubt`, odometry is lost, or a hand moves the robot: doubted; another pose comes as
+//               near as `leave_margin`: searching; no fixture for long, or not known well: blind. What is seen beside
+//               the place of its like hangs there, or the robot slipped or was bumped: the filter becomes that of both,
+//               and the pose is doubted only if that is far or somebody may have carried the robot
 //   blind       the next fixture that fits: following
 //   doubted     it leads by `enter_margin`: following, and the map is doubted; others are far ahead: searching
 //   displaced   the robot is at rest: doubted if it was followed by sight meanwhile, else searching, all forgotten

@@ -68,8 +68,7 @@ void PoseMonitor::match(const std::vector<FixtureMatch>& matches, const PoseBeli
   seen_.clear();
   for (const FixtureMatch& match : matches) {
     const Fixture& fixture = model_.fixtures[match.fixture];
-    const Pose2 robot_from_fixture = belief.pose.inverse() * fixture.world_from_fixture;
-    seen_[match.fixture] = model_.view.visible_share(robot_from_fixture, fixture, 0.0);
+    seen_[match.fixture] = model_.view.visible_share(belief.pose.inverse() * fixture.world_from_fixture, fixture, 0.0);
   }
 }
 

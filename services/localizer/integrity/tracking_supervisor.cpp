@@ -90,8 +90,8 @@ void TrackingSupervisor::judge_tracked_pose(double distance_since_fixture) {
   const PoseBelief belief = filter_.belief();
   const double sigma = round_position_sigma(belief.covariance);
   const double heading_sigma = std::sqrt(belief.covariance(2, 2));
-  const bool is_first = all.front().id == leader_id_;
-  if (!is_first || (all.size() > 1 && all[0].log_posterior - all[1].log_posterior < rules_.leave_margin)) {
+  if (all.front().id != leader_id_ ||
+      (all.size() > 1 && all[0].log_posterior - all[1].log_posterior < rules_.leave_margin)) {
     enter(Phase::kSearching, LocalizerState::kAmbiguous,
           fmt::format("another of {} poses explains what is seen as well", all.size()));
   } else if (sigma > rules_.leave_position_sigma || heading_sigma > rules_.leave_heading_sigma) {
@@ -111,8 +111,7 @@ std::string TrackingSupervisor::describe_doubts() const {
   std::string text = fmt::format("; the building's file is doubted at {} places", map_.doubts());
   for (const int fixture : map_.doubted()) {
     const FixtureOffset offset = filter_.offset_of(fixture);
-    const double sigma = largest_position_sigma(offset.covariance);
-    if (offset.mean.head<2>().norm() > kDeviations * sigma) {
+    if (offset.mean.head<2>().norm() > kDeviations * largest_position_sigma(offset.covariance)) {
       text += fmt::format(", fixture {} hangs {:.2f} m off it", map_[fixture].id, offset.mean.head<2>().norm());
     }
   }
@@ -189,11 +188,6 @@ void TrackingSupervisor::suspect(const Contradiction& contradiction) {
   enter(Phase::kDoubted, LocalizerState::kAmbiguous, contradiction.reason);
 }
 
-void TrackingSupervisor::add_moved(const PoseBelief& belief, double log_prior) {
-  bank_.add_guess(belief, log_prior);
-  moved_id_ = bank_.hypotheses().back().id;
-}
-
 void TrackingSupervisor::suspend(const std::string& why) {
   enter(Phase::kDisplaced, has_leader() ? LocalizerState::kAmbiguous : LocalizerState::kLost, why);
 }
@@ -209,11 +203,6 @@ void TrackingSupervisor::resume(bool was_followed) {
 }
 
 void TrackingSupervisor::favour_predicting_pose() {
-  // the first fixture that it fits is the one by which it was found
-  if (Hypothesis* moved = find(moved_id_); moved != nullptr && moved->confirmed.size() >= 2) {
-    moved->log_prior += log_prior::kWhenPredicted;
-    moved_id_ = 0;
-  }
   Hypothesis* held = leader();
   if (held != nullptr && !held->confirmed.empty() && std::exchange(suspicion_.may_predict, false)) {
     // A robot put elsewhere sees a fixture where the old pose has one in perhaps one of a hundred cases.
@@ -241,9 +230,9 @@ void TrackingSupervisor::add_rival(const PoseBelief& belief) {
   rival.log_prior = log_posterior - rival.closed_score;
 }
 
-Hypothesis* TrackingSupervisor::find(int id) const {
+Hypothesis* TrackingSupervisor::leader() const {
   const auto found = std::find_if(bank_.hypotheses().begin(), bank_.hypotheses().end(),
-                                  [&](const Hypothesis& h) { return h.id == id; });
+                                  [&](const Hypothesis& h) { return h.id == leader_id_; });
   return found == bank_.hypotheses().end() ? nullptr : &*found;
 }
 

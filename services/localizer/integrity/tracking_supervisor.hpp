@@ -29,14 +29,12 @@ class TrackingSupervisor {
   void suspect(const Contradiction& contradiction);
   /// The pose is right in spite of it: the map is doubted, at the fixture that was missing or where something was seen.
   void doubt_map(const Contradiction& contradiction);
-  /// Adds where a doubted robot is if it slipped or was bumped. Another fixture that this pose predicts speaks for it.
-  void add_moved(const PoseBelief& belief, double log_prior);
   /// While somebody moves the robot nothing is known.
   void suspend(const std::string& why);
   /// That is over, and what was seen before says nothing of where the robot is now. With `was_followed` the filter saw
   /// fixtures where it predicted them all the time.
   void resume(bool was_followed);
-  /// Gives a doubted pose, and the one it may have moved to, more weight once it predicted a fixture.
+  /// Gives a doubted pose more weight once it predicted a fixture.
   void favour_predicting_pose();
   /// While TRACKING or blind, after an image whose fixtures the filter matched: a leader that matched none of them
   /// goes where the filter is.
@@ -72,9 +70,8 @@ class TrackingSupervisor {
   [[nodiscard]] bool is_ahead_without_sonar() const;
   /// By what the best must lead.
   [[nodiscard]] double needed_margin() const;
-  /// The hypothesis of that number; nullptr if there is none.
-  [[nodiscard]] Hypothesis* find(int id) const;
-  [[nodiscard]] Hypothesis* leader() const { return find(leader_id_); }
+  /// The hypothesis that the filter follows; nullptr if there is none.
+  [[nodiscard]] Hypothesis* leader() const;
 
   FixtureMap& map_;
   ObjectTracks& tracks_;
@@ -90,7 +87,6 @@ class TrackingSupervisor {
   int leader_id_ = 0;          // hypothesis that the filter follows; 0 = none
   Contradiction suspicion_;    // why a pose was put in doubt last
   int suspected_id_ = 0;       // the hypothesis that it was
-  int moved_id_ = 0;           // hypothesis that it slipped or was bumped, until it predicted a fixture; 0 = none
   int unexplained_run_ = 0;    // images
 };
 

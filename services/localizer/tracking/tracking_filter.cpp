@@ -137,6 +137,19 @@ void TrackingFilter::predict(const Pose2& delta) {
   covariance_(kFloor + 1, kFloor + 1) += (1.0 - keep * keep) * squared(errors_.floor_tilt);
 }
 
+void TrackingFilter::mix_in(const TrackingFilter& other, double probability) {
+  State apart = other.state_ - state_;
+  apart(2) = wrap_angle(apart(2));
+  state_ += probability * apart;
+  state_(2) = wrap_angle(state_(2));
+  covariance_ +=
+      probability * (other.covariance_ - covariance_) + probability * (1.0 - probability) * apart * apart.transpose();
+  linearised_ = {state_(0), state_(1), state_(2)};
+  for (Slot& slot : slots_) {
+    slot.linearised.reset();
+  }
+}
+
 int TrackingFilter::slot_of(int fixture) const {
   for (int i = 0; i < kSlots; ++i) {
     if (slots_[static_cast<std::size_t>(i)].fixture == fixture) {

@@ -43,6 +43,9 @@ class TrackingFilter {
 
   /// Admits that the pose is less sure than thought.
   void widen(const Eigen::Vector3d& variances) { covariance_.topLeftCorner<3, 3>().diagonal() += variances; }
+  /// Admits with a probability that another one is right, which looked at the same fixtures since they were one: mean
+  /// and covariance become those of both together.
+  void mix_in(const TrackingFilter& other, double probability);
   /// Returns whether a fixture was seen less than 0.5 m ago: if it is seen elsewhere now, the robot moved.
   [[nodiscard]] bool has_in_view(int fixture, double odometer) const;
   /// Admits that the place of a fixture is less sure than thought; where it is seen is remembered from then on.

@@ -156,6 +156,29 @@ TEST(TrackingFilter, WhereADoubtedFixtureHangsIsRememberedWhenOthersWereSeen) {
   EXPECT_EQ(filter.offset_of(1 + TrackingFilter::kSlots).mean.norm(), 0.0);
 }
 
+TEST(TrackingFilter, OfTwoFiltersBecomesTheOneThatTheNextFixtureFits) {
+  for (const double place : {0.0, 0.4}) {  // [m] where the next fixture tells that the robot is
+    TrackingFilter hung(2.5, {0.0, 0.0}, 0.33, ErrorParams{});
+    hung.start({{0.0, 0.0, 0.0}, Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal()});
+    TrackingFilter moved = hung;
+    Fixture fixture;
+    fixture.world_from_fixture = {0.4, 0.0, 0.0};  // by the file; it is seen overhead
+    moved.widen({0.09, 0.09, 0.03});
+    moved.correct(overhead(), 0, fixture, 0.0, 0.0, 0.0);
+    hung.doubt(0);
+    hung.correct(overhead(), 0, fixture, 0.0, 0.0, 0.0);
+    hung.mix_in(moved, 0.5);
+    EXPECT_NEAR(hung.belief().pose.x, 0.2, 0.03);
+    EXPECT_NEAR(std::sqrt(hung.belief().covariance(0, 0)), 0.2, 0.03);
+    EXPECT_NEAR(hung.offset_of(0).mean.x(), -0.2, 0.03);
+    Fixture next;
+    next.world_from_fixture = {place, 0.0, 0.0};
+    hung.correct(overhead(), 1, next, 0.0, 0.0, 0.0);
+    EXPECT_NEAR(hung.belief().pose.x, place, 0.03);
+    EXPECT_NEAR(hung.offset_of(0).mean.x(), place - 0.4, 0.03);
+  }
+}
+
 /// Deviation of the heading [rad] that begins as 3 degrees, after a drive past a round lamp beside its place; the first
 /// images show it `bias` [m] too far ahead.
 double heading_sigma_below_a_displaced_lamp(double bias) {
