@@ -44,7 +44,6 @@ RobotDescription apply(const DriveCalibration& calibration, const RobotDescripti
 
 /// The text of a robot's file with the calibration written into [camera], [localizer.wheels] and [localizer.errors],
 /// everything else left as it is.
-std::string write_into(const std::string& robot_toml, const DriveCalibration& calibration,
-                       const LocalizerConfig& config);
+std::string write_into(std::string robot_toml, const DriveCalibration& calibration, const LocalizerConfig& config);
 
 }  // namespace luminav

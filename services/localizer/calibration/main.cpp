@@ -48,10 +48,7 @@ void check_camera(const std::string& log, const CameraDescription& camera) {
     // a part of a log that was split: NAME.00 beside NAME.config
     kept = std::filesystem::path(log).replace_extension().string() + ".config/robot.toml";
   }
-  if (!std::filesystem::exists(kept)) {
-    return;
-  }
-  if (read_robot(kept).camera != camera) {
+  if (std::filesystem::exists(kept) && read_robot(kept).camera != camera) {
     throw std::runtime_error(
         fmt::format("{} was recorded with another [camera] than the robot's file has now; give --robot {} "
                     "and --out, or record a new drive",
