@@ -49,7 +49,7 @@ ModernLocalizer::ModernLocalizer(const Building& building, const PriorMap& walls
       monitor_(model_, params.rules),
       displacement_(robot.wheel_base),
       supervisor_(model_.fixtures, tracks_, bank_, filter_, monitor_, params.rules),
-      slip_(model_.walls, robot.sonar.half_angle),
+      motion_(model_.walls, robot.sonar.half_angle),
       echoes_(robot.sonar, params.hypotheses) {}
 
 void ModernLocalizer::add_odometry(const OdometryReading& reading) {
@@ -73,7 +73,7 @@ void ModernLocalizer::add_odometry(const OdometryReading& reading) {
       bank_.wait();
       bank_.tidy();
       decide({});
-      doubt_after_slip();
+      doubt_after_motion();
     }
   }
 }
@@ -83,7 +83,7 @@ void ModernLocalizer::bridge(const std::string& why, const OdometryGap& gap) {
   displacement_.clear();
   tracks_.clear();
   echoes_.clear();
-  slip_.clear();
+  motion_.clear();
   filter_odometry_.reset();
   if (supervisor_.has_leader()) {
     filter_.bridge(gap.step, gap.noise);
@@ -149,7 +149,7 @@ void ModernLocalizer::listen(std::int64_t until_utime) {
   }
   bank_.listen(echoes);
   if (const auto now = queue_.history().at(until_utime); now && supervisor_.is_tracking()) {
-    slip_.listen(echoes, now->odom_from_robot, filter_.belief());
+    motion_.listen(echoes, now->odom_from_robot, filter_.belief());
   }
 }
 
@@ -192,14 +192,15 @@ void ModernLocalizer::step(const FrameQueue::TimedFrame& timed) {
     supervisor_.keep_leader_at_filter(frame);
   }
   decide(frame);
-  doubt_after_slip();
+  doubt_after_motion();
 }
 
-void ModernLocalizer::doubt_after_slip() {
-  const std::optional<Pose2> slipped = slip_.take();
-  if (slipped && supervisor_.is_tracking()) {
-    supervisor_.suspect({"the sonars hear the walls as if the wheels had slipped", log_prior::kAfterMiss});
-    bank_.add_guess({*slipped, filter_.belief().covariance}, log_prior::kAfterMiss);
+void ModernLocalizer::doubt_after_motion() {
+  const std::optional<Pose2> moved = motion_.take();
+  if (moved && supervisor_.is_tracking()) {
+    supervisor_.suspect(
+        {"the sonars hear the walls as if the robot had slipped or been bumped", log_prior::kAfterMiss});
+    bank_.add_guess({*moved, filter_.belief().covariance}, log_prior::kAfterMiss);
   }
 }
 
@@ -222,7 +223,7 @@ void ModernLocalizer::begin_at_rest() {
   is_displaced_ = false;
   displacement_.clear();
   echoes_.clear();
-  slip_.clear();
+  motion_.clear();
   supervisor_.resume(is_followed());
 }
 
@@ -255,7 +256,7 @@ void ModernLocalizer::suspect(Contradiction contradiction, const SightingFrame& 
   if (is_fixture) {
     const FixtureMatch& match = matches.front();
     const double log_ratio =
-        slip_.log_ratio(moved.belief().pose, filter_.belief(), odometry.odom_from_robot) +
+        motion_.log_ratio(moved.belief().pose, filter_.belief(), odometry.odom_from_robot) +
         turn_log_ratio(filter_.innovate(frame.sightings[match.sighting], match.fixture, model_.fixtures[match.fixture],
                                         odometry.linear, odometry.angular));
     for (const FixtureMatch& hung : matches) {
@@ -320,7 +321,7 @@ std::vector<double> ModernLocalizer::correct(TrackingFilter& filter, const Sight
 void ModernLocalizer::correct_filter(const SightingFrame& frame, const std::vector<FixtureMatch>& matches,
                                      const OdometryReading& odometry) {
   if (!matches.empty()) {
-    slip_.clear();
+    motion_.clear();
   }
   corrections_.add(frame.utime, odometer_, correct(filter_, frame, matches, odometry));
 }

@@ -10,9 +10,9 @@
 #include "services/localizer/hypotheses/hypothesis_bank.hpp"
 #include "services/localizer/hypotheses/pose_alternatives.hpp"
 #include "services/localizer/integrity/integrity_model.hpp"
+#include "services/localizer/integrity/motion_by_sonar.hpp"
 #include "services/localizer/integrity/odometry_consistency.hpp"
 #include "services/localizer/integrity/pose_monitor.hpp"
-#include "services/localizer/integrity/slip_by_sonar.hpp"
 #include "services/localizer/integrity/tracking_supervisor.hpp"
 #include "services/localizer/model/frame_queue.hpp"
 #include "services/localizer/model/localizer.hpp"
@@ -80,8 +80,8 @@ class ModernLocalizer final : public Localizer {
   void look_ahead(LocalizerEstimate& estimate) const;
   /// Relative motion across now is unknown: the pose is only as good as a guess of it.
   void bridge(const std::string& why, const OdometryGap& gap);
-  /// Puts a tracked pose in doubt if the wheels have slipped since the last fixture.
-  void doubt_after_slip();
+  /// Puts a tracked pose in doubt if the sonars heard motion since the last fixture that the wheels do not tell.
+  void doubt_after_motion();
   void decide(const SightingFrame& frame);
   [[nodiscard]] Pose2 since_filter() const;
   /// Way [m] that bank and filter went since the filter matched a fixture.
@@ -96,7 +96,7 @@ class ModernLocalizer final : public Localizer {
   PoseMonitor monitor_;
   OdometryConsistency displacement_;
   TrackingSupervisor supervisor_;
-  SlipBySonar slip_;
+  MotionBySonar motion_;
   EchoCollector echoes_;
   std::optional<OdometryReading> filter_odometry_;  // where bank and filter stand
   double odometer_ = 0.0;                           // [m]
